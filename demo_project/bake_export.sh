@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Writes what a bake of a world has given for others, and installs what that takes:
-#   bash demo_project/bake_export.sh BAKE godot FOLDER   a world in a project, which BakedWorld streams without the extension
+#   bash demo_project/bake_export.sh BAKE godot FOLDER   a world in a project, which ScatterBakedWorld streams without the extension
 #   bash demo_project/bake_export.sh BAKE gltf FOLDER    a .glb for each tile, with EXT_mesh_gpu_instancing
 #   bash demo_project/bake_export.sh BAKE maps FOLDER    a gray PNG for each layer, in plan view
 # Options come last; --help instead of FOLDER tells of them, and tools/bake/READERS.md of all three.

@@ -22,7 +22,7 @@ FAULTS = {
     "by_name": ("func f(layer: ScatterLayer) -> float:\n\treturn layer.get(&\"radius\")\n", {"names"}),
     "undo": ("func f(layer: ScatterLayer, undo: UndoRedo) -> void:\n\tundo.add_do_property(layer, &\"radios\", 1.0)\n", {"names"}),
     "listed": ("const FITTED: Array[StringName] = [&\"radios\"]\n", {"names"}),
-    "constant": ("func f() -> int:\n\treturn ClassDB.class_get_integer_constant(&\"ImpostorBaker\", &\"CULL_BAG\")\n", {"names"}),
+    "constant": ("func f() -> int:\n\treturn ClassDB.class_get_integer_constant(&\"ScatterImpostorBaker\", &\"CULL_BAG\")\n", {"names"}),
     "class_name": ("func f(node: Node) -> bool:\n\treturn node.is_class(\"ScatterLayr\")\n", {"names"}),
     "renamed": ("func f(layer: ScatterLayer) -> float:\n\treturn layer.radios\n", {"compile"}),
     "supertype": ("func f(layer: Resource) -> float:\n\treturn layer.radius\n", {"compile"}),

@@ -1,4 +1,4 @@
-"""BakedWorld reads data: files that somebody else has written, or that are damaged, are refused with a sentence and run nothing."""
+"""ScatterBakedWorld reads data: files that somebody else has written, or that are damaged, are refused with a sentence and run nothing."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def hurt(game, world) -> Path:
 
 def told_by(engine, game: Path, *steps: str) -> tuple[list[dict], list[str], str]:
     stops, printed = stops_of(engine, game, "90,-40", "other=res://hurt/baked_world.baked", *steps)
-    return stops, [line for line in complaints(printed) if "BakedWorld" in line], printed
+    return stops, [line for line in complaints(printed) if "ScatterBakedWorld" in line], printed
 
 
 def test_a_tile_that_cannot_be_shown_is_told_and_the_others_come(godot, game, hurt):
@@ -119,14 +119,14 @@ def test_an_index_that_cannot_be_used_is_told(godot, game, hurt):
     index.write_bytes(index.read_bytes()[:-1])
     done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://hurt/hurt.tscn"], timeout=60)
     told = complaints(done.stdout + done.stderr)
-    assert len(told) == 1 and "BakedWorld.index_file is res://hurt/baked_world.baked" in told[0] and "it is damaged" in told[0] and "bake_export.sh" in told[0]
+    assert len(told) == 1 and "ScatterBakedWorld.index_file is res://hurt/baked_world.baked" in told[0] and "it is damaged" in told[0] and "bake_export.sh" in told[0]
     old = '[gd_resource type="Resource" script_class="BakedWorldIndex" format=3]\n[ext_resource type="Script" path="res://addons/thicket/baked_world_index.gd" id="1"]\n'
     (game / "old.tres").write_text(old + '[resource]\nscript = ExtResource("1")\nscene_digest = "5ce7e"\n')
     world = '[gd_scene format=3]\n[ext_resource type="Script" path="res://addons/thicket/baked_world.gd" id="1"]\n[ext_resource type="Resource" path="res://old.tres" id="2"]\n'
     (game / "old.tscn").write_text(world + '[node name="World" type="Node3D"]\nscript = ExtResource("1")\nindex = ExtResource("2")\n')
     done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://old.tscn"], timeout=60)
     told = complaints(done.stdout + done.stderr)
-    assert len(told) == 1 and "BakedWorld.index names res://old.tres, which an earlier version exported" in told[0] and "Export the bake again" in told[0], told
+    assert len(told) == 1 and "ScatterBakedWorld.index names res://old.tres, which an earlier version exported" in told[0] and "Export the bake again" in told[0], told
 
 
 def test_a_missing_mesh_is_told_once(godot, game, hurt):

@@ -163,7 +163,7 @@ func run() -> void:
 	check(scatter.get_stats().instances == all, "+: everything again")
 
 	var camera := demo.get_node("Camera") as Camera3D
-	var ground: float = scatter.terrain.get_height(camera.position)
+	var ground: float = scatter.ground.get_height(camera.position)
 	press(KEY_F)
 	check(absf(camera.position.y - ground - 1.75) < 0.01, "F: eyes 1.75 m above the ground")
 	press(KEY_F)
@@ -183,7 +183,7 @@ func run() -> void:
 	for i in 2000:
 		var x := rng.randf_range(elevation.rect.position.x, elevation.rect.end.x)
 		var z := rng.randf_range(elevation.rect.position.y, elevation.rect.end.y)
-		worst = maxf(worst, absf(elevation.height(x, z) - scatter.terrain.get_height(Vector3(x, 0.0, z))))
+		worst = maxf(worst, absf(elevation.height(x, z) - scatter.ground.get_height(Vector3(x, 0.0, z))))
 	check(worst < 0.01, "one ground for drawing and for plants: %.4f m apart" % worst)
 	check(is_nan(elevation.height(elevation.rect.end.x + 1.0, 0.0)), "no ground outside")
 	print("keys: %d failed" % failed)

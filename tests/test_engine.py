@@ -19,7 +19,7 @@ SCENE = """[gd_scene format=3]
 
 [ext_resource type="Script" path="res://in_editor.gd" id="1"]
 
-[sub_resource type="ScatterTerrainFlat" id="ground"]
+[sub_resource type="ScatterGroundFlat" id="ground"]
 
 [sub_resource type="BoxMesh" id="box"]
 
@@ -55,7 +55,7 @@ FLOOR = """[node name="Floor" type="StaticBody3D" parent="."]
 shape = SubResource("floor")
 
 """
-COLLIDER_SCENE = SCENE.replace("ScatterTerrainFlat", "ScatterTerrainColliders")
+COLLIDER_SCENE = SCENE.replace("ScatterGroundFlat", "ScatterGroundColliders")
 for before, added in ('[node name="Root"', FLOOR_SHAPE), ('[node name="Watcher"', FLOOR):
     COLLIDER_SCENE = COLLIDER_SCENE.replace(before, added + before)
 

@@ -267,7 +267,7 @@ func _ready() -> void:
 	oaks.progressive_levels = 2
 	oaks.meshes = [CylinderMesh.new()]
 	var forest := TerrainScatter3D.new()
-	forest.terrain = ScatterTerrainFlat.new()
+	forest.ground = ScatterGroundFlat.new()
 	forest.layers = [oaks]
 	add_child(forest)
 	var digests: Array[String] = []

@@ -37,7 +37,7 @@ func _initialize() -> void:
 						ids += shown.get_ids(mesh).size()
 				print("example ", example, " shows ", ids)
 			made.queue_free()
-		elif made is ScatterTerrain:
+		elif made is ScatterGround:
 			print("example ", example, " height ", made.get_height(Vector3(10, 0, 0)))
 	await process_frame
 	print("README: ran %d")
@@ -92,3 +92,16 @@ def test_pages_for_engineers_name_what_is_there(page):
     assert len(paths) > 10
     missing = [path for path in paths if not (REPO / path).exists()]
     assert not missing, missing
+
+
+def test_the_table_of_renames_has_every_name_that_files_may_hold():
+    """What opens under a former name is in README's table, and nowhere is a name in it that does not."""
+    table = TEXT[TEXT.index("## From 0.2 to 0.3") : TEXT.index("## From 0.1 to 0.2")]
+    rows = set(re.findall(r"^\| `([\w.]+)` \| `([\w.]+)` \|$", table, re.MULTILINE))
+    properties = re.findall(r'\{"(\w+)", "(\w+)", "(\w+)"\}', (REPO / "extension/nodes/common/renames.cpp").read_text(encoding="utf-8"))
+    grounds = re.findall(r"m_each\((\w+), (\w+)\)", (REPO / "extension/nodes/ground/former_grounds.cpp").read_text(encoding="utf-8"))
+    assert len(properties) >= 4 and len(grounds) == 7
+    expected = {(f"{owner}.{former}", f"{owner}.{current}") for owner, former, current in properties} | set(grounds)
+    assert expected <= rows
+    in_scripts = {"FoliageWorld", "ImpostorBaker"}  # Scenes name the scripts of these by their paths.
+    assert {former for former, _ in rows - expected} == in_scripts

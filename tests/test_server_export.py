@@ -103,7 +103,7 @@ def test_an_export_without_the_plugin_warns_once_for_each_node(template, godot, 
     project = make_project(tmp_path / "project", godot, "")
     level = project / "level.tscn"
     scene = level.read_text()
-    flat = scene.replace('type="ScatterTerrainHeightmap"', 'type="ScatterTerrainFlat"')
+    flat = scene.replace('type="ScatterGroundHeightmap"', 'type="ScatterGroundFlat"')
     assert flat != scene
     level.write_text(re.sub(r"^(image|rect|max_height) = .*\n", "", flat, flags=re.MULTILINE))
     played = godot(["--path", project], timeout=120)

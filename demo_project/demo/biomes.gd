@@ -2,7 +2,7 @@ extends "res://demo/stage.gd"
 ## The scene that shows biomes and water: a meadow and a wood by a coarse picture of the valley, with borders that waver, and a lake that
 ## may rise: whoever keeps to dry land gives way, and reeds follow the shore.
 
-const ScatterGround := preload("res://demo/scatter_ground.gd")
+const DemoGround := preload("res://demo/demo_ground.gd")
 ## Stops as in the other scenes; [code]water[/code] is the level of the lake, in meters.
 const STOPS: Array[Dictionary] = [
 	{"name": "biomes", "eye": Vector3(-20.0, 64.0, 215.0), "heading": 352.0, "pitch": -17.0},
@@ -17,7 +17,7 @@ const HIGH_WATER := 1.2
 
 
 func _ready() -> void:
-	ground = ScatterGround.new($Scatter.terrain)
+	ground = DemoGround.new($Scatter.ground)
 	$Ground.soil = _soil($Ground.soil)
 	super()
 

@@ -2,7 +2,7 @@ extends "res://demo/stage.gd"
 ## The scene that shows the rules: a valley with a lake, woods, meadows and scree, and a clearing that walks through the
 ## wood. Where the clearing has been, the same trees stand again; nothing else moves.
 
-const ScatterGround := preload("res://demo/scatter_ground.gd")
+const DemoGround := preload("res://demo/demo_ground.gd")
 ## Stops as in the other scenes; [code]clearing[/code] is the clearing's place on its way, 0 to 1.
 const STOPS: Array[Dictionary] = [
 	{"name": "valley", "eye": Vector3(-84.0, 32.0, 170.0), "heading": 30.0, "pitch": -12.0},
@@ -25,7 +25,7 @@ var _walking := false
 
 
 func _ready() -> void:
-	ground = ScatterGround.new($Scatter.terrain)
+	ground = DemoGround.new($Scatter.ground)
 	super()
 
 

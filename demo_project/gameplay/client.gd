@@ -32,7 +32,7 @@ func _ready() -> void:
 
 
 func _fell_around(place: Vector3, count: int) -> void:
-	place.y = world.terrain.get_height(place)
+	place.y = world.ground.get_height(place)
 	session.call(&"ask", place, REACH, world.get(&"trees"))
 	var answer: Array = await session.answered
 	var ids: PackedInt64Array = answer[1]

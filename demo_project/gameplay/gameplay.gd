@@ -87,7 +87,7 @@ func fell() -> void:
 	scene.global_transform = tree.transform
 	scene.show_as(world.layers[tree.layer].meshes[tree.mesh])
 	var away := (scene.global_position - player.global_position) * Vector3(1.0, 0.0, 1.0)
-	scene.fall(away.normalized().rotated(Vector3.UP, ASIDE), world.terrain)
+	scene.fall(away.normalized().rotated(Vector3.UP, ASIDE), world.ground)
 	falling.append(scene)
 	scene.tree_exited.connect(func() -> void: falling.erase(scene))
 	player.looked_at = {}

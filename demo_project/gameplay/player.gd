@@ -53,7 +53,7 @@ func _physics_process(_delta: float) -> void:
 
 ## What is in the way may push it up or down; it stays on the ground.
 func _stand_on_ground() -> void:
-	var ground := world.terrain.get_height(position)
+	var ground := world.ground.get_height(position)
 	if is_finite(ground):
 		position.y = ground
 

@@ -42,7 +42,7 @@ func show_as(mesh: Mesh) -> void:
 
 
 ## Fells it towards a direction in the plane, onto this ground.
-func fall(direction: Vector3, ground: ScatterTerrain) -> void:
+func fall(direction: Vector3, ground: ScatterGround) -> void:
 	_standing = global_transform
 	_hinge = _standing * (Vector3.UP * Stump.HEIGHT)
 	_height = _body.get_aabb().end.y * _standing.basis.get_scale().y

@@ -1,6 +1,6 @@
 extends RefCounted
 ## The demo's elevation model for drawing and walking: the posts that [code]convert_dem.py[/code] wrote, bilinear in
-## between, the same surface that a [ScatterTerrainHeightmap] of the same file gives to the scatter.
+## between, the same surface that a [ScatterGroundHeightmap] of the same file gives to the scatter.
 ##
 ## The file is read as it lies in the project; to export the demo, add [code]*.r16, *.json[/code] to the preset's filter
 ## for non-resource files.

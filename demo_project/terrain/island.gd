@@ -1,5 +1,5 @@
 @tool
-extends ScatterTerrain
+extends ScatterGround
 ## A hilly island with a sinkhole, by a formula: a ground of your own needs no more than this. Past the coast and in the
 ## sinkhole there is no ground, so nothing stands there.
 

@@ -1,6 +1,6 @@
 @tool
 extends MeshInstance3D
-## Draws any [ScatterTerrain] of moderate size as one mesh: a grid of its heights, cut along the edge of its holes, with
+## Draws any [ScatterGround] of moderate size as one mesh: a grid of its heights, cut along the edge of its holes, with
 ## walls below that edge.
 ##
 ## UV.x of every vertex is its distance in meters to [member path], up to [constant FAR]; UV.y is 1 on walls, 0 elsewhere.
@@ -16,13 +16,13 @@ const PATH_REST := 0.25
 const WALL_ROWS := 9
 
 ## The ground to draw; drawn anew when it changes.
-@export var terrain: ScatterTerrain:
+@export var ground: ScatterGround:
 	set(value):
-		if terrain != null:
-			terrain.changed.disconnect(_request_build)
-		terrain = value
-		if terrain != null:
-			terrain.changed.connect(_request_build)
+		if ground != null:
+			ground.changed.disconnect(_request_build)
+		ground = value
+		if ground != null:
+			ground.changed.connect(_request_build)
 		_request_build()
 ## The part of the world to draw, x and z in meters.
 @export var rect := Rect2(-200.0, -200.0, 400.0, 400.0):
@@ -105,7 +105,7 @@ func _build() -> void:
 	if not _requested or not is_inside_tree():
 		return
 	_requested = false
-	if terrain == null:
+	if ground == null:
 		mesh = null
 		return
 	_vertices.clear()
@@ -118,7 +118,7 @@ func _build() -> void:
 	for row in rows:
 		for column in _columns:
 			var place := rect.position + Vector2(column, row) * spacing
-			var height := terrain.get_height(Vector3(place.x, 0.0, place.y))
+			var height := ground.get_height(Vector3(place.x, 0.0, place.y))
 			_vertices.append(Vector3(place.x, height, place.y))
 			_solid.append(int(is_finite(height)))
 	for row in rows - 1:
@@ -193,7 +193,7 @@ func _cut(solid: int, hollow: int) -> int:
 		var to := Vector3(_vertices[hollow].x, from.y, _vertices[hollow].z)
 		for step in HALVINGS:
 			var middle := (from + to) * 0.5
-			middle.y = terrain.get_height(middle)
+			middle.y = ground.get_height(middle)
 			if is_finite(middle.y):
 				from = middle
 			else:
@@ -226,7 +226,7 @@ func _add_ground(built: ArrayMesh) -> void:
 	built.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 
 
-## From the posts around it; from the terrain itself at the borders.
+## From the posts around it; from the ground itself at the borders.
 func _normal(vertex: int) -> Vector3:
 	var column := vertex % _columns
 	if column > 0 and column < _columns - 1 and vertex >= _columns and vertex + _columns < _solid.size():
@@ -235,7 +235,7 @@ func _normal(vertex: int) -> Vector3:
 		var rise_z := _vertices[vertex + _columns].y - _vertices[vertex - _columns].y
 		if around == 4:
 			return Vector3(-rise_x, 2.0 * spacing, -rise_z).normalized()
-	var normal := terrain.get_normal(_vertices[vertex])
+	var normal := ground.get_normal(_vertices[vertex])
 	return normal if normal != Vector3.ZERO else Vector3.UP
 
 

@@ -20,7 +20,7 @@ inline LayerSettings forest() {
 	layer.rules.density = 0.8;
 	layer.rules.min_slope_degrees = 2.0;
 	layer.rules.max_slope_degrees = 40.0;
-	layer.rules.slope_falloff = 10.0;
+	layer.rules.slope_falloff_degrees = 10.0;
 	layer.rules.min_height = 150.0;
 	layer.rules.max_height = 700.0;
 	layer.rules.height_falloff = 100.0;

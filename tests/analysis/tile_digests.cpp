@@ -105,7 +105,7 @@ private:
 		Placement &placement = layer.placement;
 		line >> index >> seed >> layer.set.levels >> layer.set.layer;
 		for (double *number : {&layer.set.radius, &rules.density, &rules.min_slope_degrees, &rules.max_slope_degrees,
-					 &rules.slope_falloff, &rules.min_height, &rules.max_height, &rules.height_falloff,
+					 &rules.slope_falloff_degrees, &rules.min_height, &rules.max_height, &rules.height_falloff,
 					 &placement.min_yaw_degrees, &placement.max_yaw_degrees, &placement.min_scale, &placement.max_scale,
 					 &placement.align_to_normal, &placement.height_offset}) {
 			line >> Bits{*number};

@@ -32,18 +32,18 @@ func rounds_or(usual: int) -> int:
 
 
 ## The ground of the demo's first scene.
-func demo_terrain() -> ScatterTerrain:
+func demo_terrain() -> ScatterGround:
 	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
-	var terrain: ScatterTerrain
+	var terrain: ScatterGround
 	for node in demo.find_children("*", "TerrainScatter3D", true, false):
-		terrain = node.get(&"terrain")
+		terrain = node.get(&"ground")
 	demo.free()
 	return terrain
 
 
-func make_scatter(terrain: ScatterTerrain, layers: Array[ScatterLayer], viewer: Node3D) -> void:
+func make_scatter(terrain: ScatterGround, layers: Array[ScatterLayer], viewer: Node3D) -> void:
 	scatter = TerrainScatter3D.new()
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.layers = layers
 	root.add_child(viewer)
 	root.add_child(scatter)

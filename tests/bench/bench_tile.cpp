@@ -22,7 +22,7 @@ LayerSettings forest(std::uint32_t levels) {
 	layer.set = {.seed = 1, .radius = 3.0, .levels = levels, .layer = 1};
 	layer.rules = {.density = 0.9,
 			.max_slope_degrees = 38.0,
-			.slope_falloff = 8.0,
+			.slope_falloff_degrees = 8.0,
 			.min_height = 40.0,
 			.max_height = 600.0,
 			.height_falloff = 80.0};

@@ -56,7 +56,7 @@ func _make_scene() -> void:
 	_layer.max_scale = 1.6
 	_layer.collision_distance = DISTANCE
 	_layer.meshes = [PrismMesh.new(), BoxMesh.new()]
-	make_scatter(ScatterTerrainFlat.new(), [_layer], _viewer)
+	make_scatter(ScatterGroundFlat.new(), [_layer], _viewer)
 	scatter.frame_budget_usec = WHOLE_BUDGET
 	Engine.max_fps = 60
 

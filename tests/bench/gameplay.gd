@@ -96,7 +96,7 @@ func _somewhere() -> Vector3:
 
 
 func _on_ground(at: Vector3) -> Vector3:
-	return Vector3(at.x, scatter.terrain.get_height(at), at.z)
+	return Vector3(at.x, scatter.ground.get_height(at), at.z)
 
 
 func _each(call: Callable) -> float:

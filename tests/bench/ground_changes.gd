@@ -33,7 +33,7 @@ func _run() -> void:
 	for side: int in [1024, 4096, 8192]:
 		await _measure("a first heightmap of %d posts squared" % side, _heightmap.bind(side))
 		await _measure("16 x 16 of %d posts squared, image set again" % side, _posts.bind(side, false))
-		if ScatterTerrainHeightmap.new().has_method(&"update_region"):
+		if ScatterGroundHeightmap.new().has_method(&"update_region"):
 			await _measure("16 x 16 of %d posts squared, update_region" % side, _posts.bind(side, true))
 	quit()
 
@@ -60,7 +60,7 @@ class Frames:
 	var tiles := 0
 
 
-func _scatter(terrain: ScatterTerrain) -> TerrainScatter3D:
+func _scatter(terrain: ScatterGround) -> TerrainScatter3D:
 	var layer := ScatterLayer.new()
 	layer.radius = 2.0
 	layer.tile_size = 32.0
@@ -68,7 +68,7 @@ func _scatter(terrain: ScatterTerrain) -> TerrainScatter3D:
 	layer.meshes = [BoxMesh.new()]
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [layer]
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(_viewer)]
 	_viewer.position = Vector3.ZERO
@@ -110,7 +110,7 @@ func _put(mesh: Mesh, at := Vector3.ZERO) -> MeshInstance3D:
 
 
 func _on_meshes() -> TerrainScatter3D:
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	return _scatter(terrain)
 
@@ -171,7 +171,7 @@ func _map(side: int) -> Image:
 
 
 func _on_map(image: Image) -> TerrainScatter3D:
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.heights_in_meters = true
 	terrain.rect = Rect2(-256.0, -256.0, 512.0, 512.0)
 	terrain.image = image
@@ -189,7 +189,7 @@ func _posts(frames: Frames, side: int, by_region: bool) -> void:
 	var region := Rect2i(side / 2 + 20, side / 2 + 20, 16, 16)
 	image.fill_rect(region, Color(3.0, 0.0, 0.0))
 	if by_region:
-		scatter.terrain.call(&"update_region", region)
+		scatter.ground.call(&"update_region", region)
 	else:
-		(scatter.terrain as ScatterTerrainHeightmap).image = image
+		(scatter.ground as ScatterGroundHeightmap).image = image
 	await _follow(scatter, frames, 100)

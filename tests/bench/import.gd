@@ -16,7 +16,7 @@ func run() -> String:
 	_make_sources()
 	_layer.density = 0.0
 	_layer.meshes = [BoxMesh.new()]
-	make_scatter(ScatterTerrainFlat.new(), [_layer], Node3D.new())
+	make_scatter(ScatterGroundFlat.new(), [_layer], Node3D.new())
 	var plain := _multimesh()
 	var turned := _multimesh()
 	turned.transform = Transform3D(Basis.from_euler(Vector3(0.1, 0.2, 0.3)), Vector3(1, 2, 3))

@@ -53,7 +53,7 @@ func _make_scene() -> void:
 	box.size = Vector3(SIDE, 1.0, SIDE)
 	_region.add_child(_body(box, Vector3(0.0, -0.5, 0.0)))
 	root.add_child(_region)
-	make_scatter(ScatterTerrainFlat.new(), [_layer], Node3D.new())
+	make_scatter(ScatterGroundFlat.new(), [_layer], Node3D.new())
 	scatter.viewers = []
 	scatter.reparent(_region, false)
 

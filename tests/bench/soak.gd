@@ -76,8 +76,8 @@ func _run() -> void:
 func _make_world() -> void:
 	_scatter = TerrainScatter3D.new()
 	_scatter.seed = 11
-	_scatter.terrain = ScatterTerrainNoise.new()
-	_scatter.terrain.noise = FastNoiseLite.new()
+	_scatter.ground = ScatterGroundNoise.new()
+	_scatter.ground.noise = FastNoiseLite.new()
 	_scatter.layers = [_layer("Tree", 6.0, 128.0), _layer("Stone", 4.0, 64.0), _layer("Grass", 1.2, 32.0),
 		_layer("Stump", 2.0, 64.0)]
 	_scatter.layers[0].collision_shape = ScatterLayer.COLLISION_CAPSULE

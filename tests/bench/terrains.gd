@@ -1,5 +1,5 @@
 extends SceneTree
-## How long a view takes to fill on the ground of terrain plug-ins, as against a ScatterTerrainHeightmap of the same heights.
+## How long a view takes to fill on the ground of terrain plug-ins, as against a ScatterGroundHeightmap of the same heights.
 ## Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/terrains.gd [-- ROUNDS]
 ##
@@ -37,7 +37,7 @@ func _run() -> void:
 	var contenders: Dictionary[String, Callable] = {
 		"Terrain3D": _make_terrain3d, "HTerrain": _make_hterrain, "HTerrain, with holes": _make_hterrain.bind(true),
 	}
-	var times: Dictionary[String, Array] = {"ScatterTerrainHeightmap": base}
+	var times: Dictionary[String, Array] = {"ScatterGroundHeightmap": base}
 	for round in rounds:
 		base.push_back(await _fill(_make_heightmap))
 		for named in contenders:
@@ -51,7 +51,7 @@ func _run() -> void:
 ## Seconds until all tiles about the viewer are shown.
 func _fill(make: Callable) -> float:
 	var nodes: Array[Node] = []
-	var terrain: ScatterTerrain = make.call(nodes)
+	var terrain: ScatterGround = make.call(nodes)
 	var layer := ScatterLayer.new()
 	layer.radius = RADIUS
 	layer.tile_size = 32.0
@@ -60,7 +60,7 @@ func _fill(make: Callable) -> float:
 	layer.meshes = [BoxMesh.new()]
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [layer]
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.frame_budget_usec = 1_000_000
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(_viewer)]
@@ -77,24 +77,24 @@ func _fill(make: Callable) -> float:
 	return seconds
 
 
-func _make_heightmap(_nodes: Array[Node]) -> ScatterTerrain:
-	var terrain := ScatterTerrainHeightmap.new()
+func _make_heightmap(_nodes: Array[Node]) -> ScatterGround:
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.heights_in_meters = true
 	terrain.image = _heights
 	terrain.rect = Rect2(-256.0, -256.0, 512.0, 512.0)
 	return terrain
 
 
-func _on(node: Node, nodes: Array[Node]) -> ScatterTerrainObject:
+func _on(node: Node, nodes: Array[Node]) -> ScatterGroundNode:
 	node.name = "Ground"
 	root.add_child(node)
 	nodes.push_back(node)
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.node = node.get_path()
 	return terrain
 
 
-func _make_terrain3d(nodes: Array[Node]) -> ScatterTerrain:
+func _make_terrain3d(nodes: Array[Node]) -> ScatterGround:
 	var node := Terrain3D.Terrain3DDouble.new()
 	var data := node.make_data()
 	data.region_size = 256
@@ -105,7 +105,7 @@ func _make_terrain3d(nodes: Array[Node]) -> ScatterTerrain:
 	return _on(node, nodes)
 
 
-func _make_hterrain(nodes: Array[Node], holes := false) -> ScatterTerrain:
+func _make_hterrain(nodes: Array[Node], holes := false) -> ScatterGround:
 	var data := HTerrain.HTerrainMasterData.new()
 	data.resolution = SIDE
 	data.maps[0] = [_heights.duplicate()]
@@ -117,14 +117,14 @@ func _make_hterrain(nodes: Array[Node], holes := false) -> ScatterTerrain:
 
 
 ## The older way: HTerrain's `get_interpolated_height_at` for each place, on the main thread.
-func _make_asked(nodes: Array[Node]) -> ScatterTerrain:
+func _make_asked(nodes: Array[Node]) -> ScatterGround:
 	_make_hterrain(nodes)
 	var asked := Asked.new()
 	asked.name = "Asked"
 	asked.of = nodes[0]
 	root.add_child(asked)
 	nodes.push_back(asked)
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.node = asked.get_path()
 	return terrain
 

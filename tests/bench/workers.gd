@@ -15,14 +15,14 @@ var _viewer := Node3D.new()
 func run() -> String:
 	var rounds := rounds_or(DEFAULT_ROUNDS)
 	var heightmap := demo_terrain()
-	var noise := ScatterTerrainNoise.new()
+	var noise := ScatterGroundNoise.new()
 	noise.noise = FastNoiseLite.new()
 	var cases := {
-		"flat ground": [ScatterTerrainFlat.new(), {}],
+		"flat ground": [ScatterGroundFlat.new(), {}],
 		"a heightmap": [heightmap, {}],
-		"a heightmap, with a limit of the slope": [heightmap, {&"max_slope_degrees": 30.0, &"slope_falloff": 5.0}],
+		"a heightmap, with a limit of the slope": [heightmap, {&"max_slope_degrees": 30.0, &"slope_falloff_degrees": 5.0}],
 		"a heightmap, with an edge that thins out": [heightmap, {&"max_slope_degrees": 30.0, &"edge_feather": 8.0}],
-		"flat ground, with a noise": [ScatterTerrainFlat.new(), {&"noise": noise.noise}],
+		"flat ground, with a noise": [ScatterGroundFlat.new(), {&"noise": noise.noise}],
 		"the ground of a noise": [noise, {}],
 		"the ground of a noise, along its normals": [noise, {&"align_to_normal": 1.0}],
 	}
@@ -58,7 +58,7 @@ func _sampler_alone() -> float:
 
 
 ## A view of tiles of 64 r, made from nothing: figures count from when the node enters the tree.
-func _fill(ground: ScatterTerrain, rules: Dictionary) -> String:
+func _fill(ground: ScatterGround, rules: Dictionary) -> String:
 	var layer := ScatterLayer.new()
 	layer.radius = 1.0
 	layer.tile_size = 64.0
@@ -67,7 +67,7 @@ func _fill(ground: ScatterTerrain, rules: Dictionary) -> String:
 	for rule: StringName in rules:
 		layer.set(rule, rules[rule])
 	root.remove_child(scatter)
-	scatter.terrain = ground
+	scatter.ground = ground
 	scatter.layers = [layer]
 	root.add_child(scatter)
 	return await idle()

@@ -95,7 +95,7 @@ const std::vector<NamedRule> every_rule{
 		{"slope falloff",
 				[](LayerSettings &layer) {
 					layer.rules.max_slope_degrees = 60.0;
-					layer.rules.slope_falloff = 30.0;
+					layer.rules.slope_falloff_degrees = 30.0;
 				}},
 		{"height range", [](LayerSettings &layer) { layer.rules.min_height = 35.0; }},
 		{"height falloff",

@@ -29,7 +29,7 @@ TEST_CASE("rules: what cannot change a density any more, or is told by less, is 
 	bool allowed = false;
 	CHECK_FALSE(rounds([&] { allowed = steep.allow(ground, {}); }));
 	CHECK(allowed);
-	slopes.slope_falloff = 20.0; // Now the angle is needed.
+	slopes.slope_falloff_degrees = 20.0; // Now the angle is needed.
 	CHECK(asked(prepared(slopes), ground).second);
 	slopes.min_height = 9.0;
 	CHECK(asked(prepared(slopes), ground) == std::pair(0.0, false));

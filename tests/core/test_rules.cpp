@@ -138,7 +138,7 @@ TEST_CASE("rules: a falloff thins linearly inside its limit, and falloffs multip
 	rules.min_height = 100.0;
 	rules.height_falloff = 40.0;
 	rules.max_slope_degrees = 30.0;
-	rules.slope_falloff = 10.0;
+	rules.slope_falloff_degrees = 10.0;
 	for (const double share : {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0}) {
 		CAPTURE(share);
 		const auto height = static_cast<float>(100.0 + 40.0 * share);
@@ -159,7 +159,7 @@ TEST_CASE("rules: where both bands meet the smaller density counts, and an open 
 	CHECK(density_on(tent, inclined(0.0, 8.0f)) == 0.1);
 
 	Rules open;
-	open.slope_falloff = 90.0;
+	open.slope_falloff_degrees = 90.0;
 	open.height_falloff = 1e9;
 	CHECK(density_on(open, inclined(1.0, -5000.0f)) == 1.0);
 	CHECK(density_on(open, inclined(89.0, 5000.0f)) == 1.0);
@@ -172,7 +172,7 @@ TEST_CASE("rules: narrowing any limit only takes instances away") {
 		Rules wide;
 		wide.min_slope_degrees = 30.0 * unit(random);
 		wide.max_slope_degrees = 50.0 + 40.0 * unit(random);
-		wide.slope_falloff = 15.0 * unit(random);
+		wide.slope_falloff_degrees = 15.0 * unit(random);
 		wide.min_height = -100.0 * unit(random);
 		wide.max_height = 50.0 + 50.0 * unit(random);
 		wide.height_falloff = 30.0 * unit(random);
@@ -181,7 +181,7 @@ TEST_CASE("rules: narrowing any limit only takes instances away") {
 		switch (round % 7) {
 			case 0: narrow.min_slope_degrees += 10.0; break;
 			case 1: narrow.max_slope_degrees -= 10.0; break;
-			case 2: narrow.slope_falloff += 10.0; break;
+			case 2: narrow.slope_falloff_degrees += 10.0; break;
 			case 3: narrow.min_height += 20.0; break;
 			case 4: narrow.max_height -= 20.0; break;
 			case 5: narrow.height_falloff += 10.0; break;
@@ -321,9 +321,10 @@ TEST_CASE("rules: bad settings are refused by name and value, and the last good 
 		const char *property;
 		double above;
 	};
-	for (const Limits &each : {Limits{&Rules::density, "density", 1.001},
-				 {&Rules::slope_falloff, "slope_falloff", 90.5}, {&Rules::min_slope_degrees, "min_slope_degrees", 91.0},
-				 {&Rules::max_slope_degrees, "max_slope_degrees", 180.0}}) {
+	for (const Limits &each :
+			{Limits{&Rules::density, "density", 1.001}, {&Rules::slope_falloff_degrees, "slope_falloff_degrees", 90.5},
+					{&Rules::min_slope_degrees, "min_slope_degrees", 91.0},
+					{&Rules::max_slope_degrees, "max_slope_degrees", 180.0}}) {
 		refuse(each.member, each.property, nan_value, ErrorCode::not_finite);
 		refuse(each.member, each.property, infinite_value, ErrorCode::not_finite);
 		refuse(each.member, each.property, -0.1, ErrorCode::out_of_range);

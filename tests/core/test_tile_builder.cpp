@@ -83,7 +83,7 @@ TEST_CASE("tile: rules are pure filters, no instance that stays changes a bit") 
 	std::vector<Rules> tries(6, Rules{});
 	tries[0].max_slope_degrees = 30.0;
 	tries[1].min_slope_degrees = 30.0;
-	tries[1].slope_falloff = 20.0;
+	tries[1].slope_falloff_degrees = 20.0;
 	tries[2].density = 0.3;
 	tries[3].min_height = 40.0;
 	tries[4].max_height = 40.0;

@@ -24,7 +24,7 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 	PreparedRules rules;
 	Rules settings;
 	settings.max_slope_degrees = 40.0;
-	settings.slope_falloff = 25.0;
+	settings.slope_falloff_degrees = 25.0;
 	settings.min_height = 250.0;
 	settings.height_falloff = 100.0;
 	REQUIRE(rules.set(settings, 20070901).ok());

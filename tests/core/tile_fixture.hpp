@@ -36,7 +36,7 @@ inline LayerSettings rich_layer() {
 	LayerSettings layer;
 	layer.set = {.seed = 99, .radius = 1.5, .levels = 2, .layer = 3};
 	layer.rules.max_slope_degrees = 50.0;
-	layer.rules.slope_falloff = 15.0;
+	layer.rules.slope_falloff_degrees = 15.0;
 	layer.rules.min_height = 10.0;
 	layer.rules.height_falloff = 20.0;
 	layer.placement.align_to_normal = 0.7;

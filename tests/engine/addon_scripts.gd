@@ -9,7 +9,7 @@ const UNTYPED: Dictionary[String, StringName] = {
 	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
 	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
 	"model": &"ScatterModel", "built": &"ScatterTile", "grid": &"ScatterTileGrid", "lod": &"ScatterLod",
-	"_baker": &"ImpostorBaker",
+	"_baker": &"ScatterImpostorBaker",
 }
 ## Variables of scripts that hold objects of Terrain3D, or none, though their members have such names.
 const FOREIGN: Dictionary[String, PackedStringArray] = {

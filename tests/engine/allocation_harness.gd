@@ -58,12 +58,12 @@ func make_layer(layer_name: String, radius: float, meshes: Array) -> ScatterLaye
 	return layer
 
 
-func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain) -> void:
+func make_scatter(layers: Array[ScatterLayer], terrain: ScatterGround) -> void:
 	var viewer := Node3D.new()
 	root.add_child(viewer)
 	scatter = TerrainScatter3D.new()
 	scatter.layers = layers
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.state = ScatterState.new()
 	scatter.frame_budget_usec = 50000
 	root.add_child(scatter)

@@ -21,7 +21,7 @@ func make_scene() -> void:
 	ferns.use_custom_data = true
 	ferns.mask = ScatterMask.new()
 	ferns.mask.background = 1.0
-	var ground := ScatterTerrainNoise.new()
+	var ground := ScatterGroundNoise.new()
 	ground.noise = FastNoiseLite.new()
 	ground.amplitude = 5.0
 	make_scatter([trees, ferns], ground)

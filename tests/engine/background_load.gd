@@ -10,7 +10,7 @@ const PARTS_TO_READ := 4 ## Of each scene: its nodes, and the meshes of three LO
 func save_level() -> String:
 	var level := Node3D.new()
 	var scatter := put(TerrainScatter3D.new(), "Scatter", level, level) as TerrainScatter3D
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	for number in LAYERS:
 		ResourceSaver.save(pack(make_tree()), "user://tree_%d.scn" % number)
 		var layer := make_layer(12.0)
@@ -118,7 +118,7 @@ func test_getters_on_other_threads_have_what_is_read_so_far() -> void:
 ## A frame reads as many parts as its budget allows, and one at least.
 func test_models_are_read_under_the_budget_of_a_frame() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([], ScatterGroundFlat.new(), viewer)
 	scatter.frame_budget_usec = 1
 	for number in LAYERS:
 		var layer := make_layer(12.0)

@@ -47,7 +47,7 @@ func three_biomes() -> ScatterBiomeMap:
 
 
 func make_world(map: ScatterBiomeMap, layers: Array[ScatterLayer] = []) -> TerrainScatter3D:
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer(Vector3(0, 0, 40)))
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer(Vector3(0, 0, 40)))
 	scatter.biomes = map
 	return scatter
 

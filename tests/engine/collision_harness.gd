@@ -23,7 +23,7 @@ func make_solid_layer(shape := ScatterLayer.COLLISION_CYLINDER) -> ScatterLayer:
 
 func make_solid(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScatter3D:
 	viewer = make_viewer(at)
-	return make_scatter(layers, ScatterTerrainFlat.new(), viewer)
+	return make_scatter(layers, ScatterGroundFlat.new(), viewer)
 
 
 func space() -> PhysicsDirectSpaceState3D:

@@ -3,7 +3,7 @@ extends "harness.gd"
 
 var scene: Node3D
 var scatter: TerrainScatter3D
-var terrain: ScatterTerrain
+var terrain: ScatterGround
 var viewer: Node3D
 
 
@@ -13,7 +13,7 @@ func load_scene(path: String) -> void:
 	# Its own script would move the camera.
 	scene.set_script(null)
 	scatter = scene.get_node("Scatter")
-	terrain = scatter.terrain
+	terrain = scatter.ground
 	root.add_child(scene)
 	viewer = make_viewer()
 	scatter.viewers = [scatter.get_path_to(viewer)]

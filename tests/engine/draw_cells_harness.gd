@@ -8,7 +8,7 @@ const WHOLE := 32        ## Multimeshes of the island's 16 tiles of two meshes.
 
 
 ## Ground of one square alone, so that all instances stay on show wherever the viewer goes.
-class Island extends ScatterTerrain:
+class Island extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:

@@ -9,7 +9,7 @@ const SPACING := 3.0
 const FEATHER := 2.0
 
 ## Hills with a mound that may change; asked on worker threads.
-class Mound extends ScatterTerrain:
+class Mound extends ScatterGround:
 	var area := Rect2(0, 0, 1, 1)
 	var height := 0.0
 

@@ -1,6 +1,6 @@
 extends RefCounted
 ## Heights and slopes of a raw 16-bit heightmap, worked out again in GDScript: the second opinion on
-## ScatterTerrainHeightmap.
+## ScatterGroundHeightmap.
 
 var _heights: PackedFloat64Array
 var _columns: int
@@ -10,7 +10,7 @@ var _step_x: float
 var _step_z: float
 
 
-func _init(terrain: ScatterTerrainHeightmap) -> void:
+func _init(terrain: ScatterGroundHeightmap) -> void:
 	_columns = terrain.post_count.x
 	_rows = terrain.post_count.y
 	_first = terrain.rect.position

@@ -167,11 +167,11 @@ func make_line(from: Vector2, to: Vector2) -> Curve:
 
 
 ## A scatter in the tree, not settled yet.
-func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain, viewer: Node3D) -> TerrainScatter3D:
+func make_scatter(layers: Array[ScatterLayer], terrain: ScatterGround, viewer: Node3D) -> TerrainScatter3D:
 	var scatter := TerrainScatter3D.new()
 	scatter.seed = 7
 	scatter.layers = layers
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.frame_budget_usec = 20000
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(viewer)]

@@ -42,7 +42,7 @@ func make_multimesh(mesh: Mesh, all: Array[Transform3D], data := false) -> Multi
 
 
 func make_bare(layers: Array[ScatterLayer] = []) -> TerrainScatter3D:
-	return make_scatter(layers, ScatterTerrainFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
+	return make_scatter(layers, ScatterGroundFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
 
 
 ## Exactly these transforms stand by hand in a layer, in any order.

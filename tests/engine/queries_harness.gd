@@ -72,7 +72,7 @@ func make_wood(viewer: Node3D) -> TerrainScatter3D:
 	ferns.use_custom_data = true
 	var noise := FastNoiseLite.new()
 	noise.frequency = 0.02
-	var ground := ScatterTerrainNoise.new()
+	var ground := ScatterGroundNoise.new()
 	ground.noise = noise
 	ground.amplitude = 9.0
 	return make_scatter([trees, ferns], ground, viewer)

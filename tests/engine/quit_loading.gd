@@ -26,7 +26,7 @@ func make_tree() -> PackedScene:
 func _run() -> void:
 	var level := Node3D.new()
 	var scatter := TerrainScatter3D.new()
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	level.add_child(scatter)
 	scatter.owner = level
 	for number in 12:

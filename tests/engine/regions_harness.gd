@@ -17,7 +17,7 @@ func make_field(layers := 1) -> TerrainScatter3D:
 		var layer := make_layer(1.5)
 		layer.resource_name = "layer %d" % index
 		list.push_back(layer)
-	return make_scatter(list, ScatterTerrainFlat.new(), make_viewer())
+	return make_scatter(list, ScatterGroundFlat.new(), make_viewer())
 
 
 ## Exactly those of `before` stand for which `stays` holds, as they stood. Some stand, some do not.

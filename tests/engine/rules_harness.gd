@@ -5,12 +5,12 @@ const SIDE := 65
 
 
 ## Heights 0 to 400 meters and slopes 0 to 63 degrees, rising with x.
-func hillside() -> ScatterTerrainHeightmap:
+func hillside() -> ScatterGroundHeightmap:
 	var image := Image.create_empty(SIDE, SIDE, false, Image.FORMAT_RF)
 	for x in SIDE:
 		for z in SIDE:
 			image.set_pixel(x, z, Color(pow(x / (SIDE - 1.0), 2.0), 0.0, 0.0))
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.image = image
 	terrain.rect = Rect2(-200, -200, 400, 400)
 	terrain.max_height = 400.0

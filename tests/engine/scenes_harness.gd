@@ -75,7 +75,7 @@ func make_garden(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScat
 	hidden.clear()
 	standing_scenes.clear()
 	viewer = make_viewer(at)
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), viewer)
 	scatter.scene_shown.connect(func(id: int, scene: Node3D) -> void:
 		shown[id] = shown.get(id, 0) + 1
 		check(not standing_scenes.has(id), "no second scene of %d" % id)

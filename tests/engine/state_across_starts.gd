@@ -6,7 +6,7 @@ var folder := arguments[1] if arguments.size() > 1 else "user://"
 
 
 func make_wood() -> TerrainScatter3D:
-	return make_scatter([make_layer(3.0)], ScatterTerrainFlat.new(), make_viewer())
+	return make_scatter([make_layer(3.0)], ScatterGroundFlat.new(), make_viewer())
 
 
 func test_save() -> void:

@@ -2,7 +2,7 @@ extends "harness.gd"
 ## For tests of streaming: grounds by script, and all that is shown.
 
 ## Rolling hills, asked for on the main thread.
-class Hills extends ScatterTerrain:
+class Hills extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -36,7 +36,7 @@ class LeaningHills extends Hills:
 
 
 ## A slope of 45 degrees that ends at x = 0.
-class Cliff extends ScatterTerrain:
+class Cliff extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:

@@ -23,7 +23,7 @@ func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 
 
 ## The same instances stand on a ground whether tiles are large or small, as far as both show them.
-func check_tiling(terrain: ScatterTerrain, what: String) -> void:
+func check_tiling(terrain: ScatterGround, what: String) -> void:
 	var found: Array[Dictionary] = []
 	for tile_size: float in [32.0, 13.0]:
 		var layer := make_layer()
@@ -71,7 +71,7 @@ func made_again(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
 func make_on(node: Node, thread_safe := false, layer := make_layer()) -> TerrainScatter3D:
 	if not node.is_inside_tree():
 		root.add_child(node)
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.thread_safe = thread_safe
 	var scatter := make_scatter([layer], terrain, make_viewer())
 	terrain.node = scatter.get_path_to(node)

@@ -63,7 +63,7 @@ func test_masks() -> void:
 func test_states() -> void:
 	var scatter := make_wood(make_viewer())
 	scatter.state = ScatterState.new()
-	scatter.state.designed = true
+	scatter.state.copy_at_runtime = true
 	await settle(scatter)
 	var ids := scatter.query_rect(Rect2(-40, -40, 80, 80)).ids
 	scatter.remove_instances(ids)

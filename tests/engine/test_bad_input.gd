@@ -2,7 +2,7 @@ extends "harness.gd"
 ## What a property refuses: one error that names property and value, the last good value stays, nothing crashes.
 
 ## Heights or normals of a wrong number, or no numbers at all.
-class BrokenGround extends ScatterTerrain:
+class BrokenGround extends ScatterGround:
 	var extra := 0
 	var threaded := false
 	var fill := 0.0
@@ -113,7 +113,7 @@ func test_sampler() -> void:
 
 func test_tiny_radius_for_the_tile() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	layer.radius = 0.002
@@ -128,7 +128,7 @@ func test_tiny_radius_for_the_tile() -> void:
 func test_inverted_ranges_keep_what_stands() -> void:
 	for range_name: String in ["height", "water_depth", "slope_degrees", "scale", "yaw_degrees"]:
 		var layer := make_layer()
-		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 		await settle(scatter)
 		var before := digests(scatter, 0)
 		layer.set("min_" + range_name, 80.0)
@@ -147,7 +147,7 @@ func test_inverted_ranges_keep_what_stands() -> void:
 
 func test_view_beyond_what_can_be_streamed() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	layer.view_distance = 100000.0
@@ -176,13 +176,13 @@ func test_missing_parts_are_warned_of() -> void:
 	await frames(3)
 	check_equal(scatter.get_problems().size(), 2, "warnings without terrain and layers")
 	scatter.layers = [null, make_layer(), ScatterLayer.new()]
-	scatter.terrain = ScatterTerrain.new()
+	scatter.ground = ScatterGround.new()
 	await settle(scatter)
 	var problems := "\n".join(scatter.get_problems())
 	for words: String in ["_get_heights", "Layer 0: empty", "Layer 2: ScatterLayer.meshes"]:
 		check(words in problems, "'%s' in: %s" % [words, problems])
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles on no ground")
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	await settle(scatter)
 	check(scatter.get_shown_tiles(1).size() > 10, "the layer between two bad ones shows")
 	check_equal(scatter.get_shown_tiles(0).size(), 0, "tiles of an empty layer")
@@ -191,13 +191,13 @@ func test_missing_parts_are_warned_of() -> void:
 	scatter.layers = [make_layer(), make_layer()]
 	scatter.layers[0].layer_id = 1
 	check("layer_id" in "\n".join(scatter.get_problems()), "two layers of one id")
-	scatter.terrain = null
+	scatter.ground = null
 	await frames(3)
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles without a terrain")
 
 
 func test_wrong_resources() -> void:
-	var terrain := ScatterTerrainFlat.new()
+	var terrain := ScatterGroundFlat.new()
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
 	scatter.set("terrain", BoxMesh.new())
@@ -206,8 +206,8 @@ func test_wrong_resources() -> void:
 	scatter.set("viewers", [3, BoxMesh.new()])
 	await frames(5)
 	errors.take() # The engine may say so in its own words; what counts is that nothing breaks.
-	check(scatter.terrain == null or scatter.terrain == terrain, "the terrain is no mesh")
-	scatter.terrain = terrain
+	check(scatter.ground == null or scatter.ground == terrain, "the terrain is no mesh")
+	scatter.ground = terrain
 	scatter.layers = [make_layer()]
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await settle(scatter)
@@ -216,7 +216,7 @@ func test_wrong_resources() -> void:
 
 func test_far_away_viewer() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	viewer.global_position = Vector3(1e20, 0.0, 0.0)
 	await frames(5)
@@ -272,37 +272,37 @@ func write_posts(count: int) -> void:
 
 
 func test_heightmap_properties() -> void:
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	for count: Vector2i in [Vector2i(1, 5), Vector2i(5, -1), Vector2i(1 << 20, 5)]:
 		terrain.post_count = count
-		check_error(["ScatterTerrainHeightmap.post_count"], str(count))
+		check_error(["ScatterGroundHeightmap.post_count"], str(count))
 	for rect: Rect2 in [Rect2(0, 0, 0, 5), Rect2(0, 0, 5, -1), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5)]:
 		terrain.rect = rect
-		check_error(["ScatterTerrainHeightmap.rect"], str(rect))
+		check_error(["ScatterGroundHeightmap.rect"], str(rect))
 	check_equal(terrain.rect, Rect2(0, 0, 1000, 1000), "rect")
 	for value: float in [NAN, INF, 1e9]:
 		refuse(terrain, "min_height", value)
 		refuse(terrain, "max_height", value)
 	terrain.image = Image.new()
-	check_error(["ScatterTerrainHeightmap.image", "wrong size"], "an empty image")
+	check_error(["ScatterGroundHeightmap.image", "wrong size"], "an empty image")
 	check(terrain.image == null, "no image")
 
 
 func test_heightmap_files() -> void:
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height before a file")
-	check_error(["ScatterTerrainHeightmap.heightmap_path", "missing"], "no file")
+	check_error(["ScatterGroundHeightmap.heightmap_path", "missing"], "no file")
 	terrain.post_count = Vector2i(4, 3)
 	terrain.heightmap_path = "user://no_such_file.r16"
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
-	check_error(["ScatterTerrainHeightmap.heightmap_path"], "a missing file")
+	check_error(["ScatterGroundHeightmap.heightmap_path"], "a missing file")
 	terrain.rect = Rect2(0, 0, 500, 500)
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height on another rect either")
-	check_error(["ScatterTerrainHeightmap.heightmap_path"], "a file that is still missing")
+	check_error(["ScatterGroundHeightmap.heightmap_path"], "a file that is still missing")
 	write_posts(11)
 	terrain.heightmap_path = SPOT
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
-	check_error(["ScatterTerrainHeightmap.heightmap_path", "wrong size", "22"], "a short file")
+	check_error(["ScatterGroundHeightmap.heightmap_path", "wrong size", "22"], "a short file")
 	check(terrain.get_height(Vector3.ZERO) != 0.0, "still none")
 	check_no_error("asking twice")
 	write_posts(12)
@@ -311,12 +311,12 @@ func test_heightmap_files() -> void:
 	check_equal(terrain.get_height(Vector3(10.0, 0.0, 10.0)), 5.0, "height")
 	terrain.max_height = -5.0
 	check_equal(terrain.get_height(Vector3(10.0, 0.0, 10.0)), 5.0, "height of the last good state")
-	check_error(["ScatterTerrainHeightmap.max_height", "-5"], "inverted heights")
+	check_error(["ScatterGroundHeightmap.max_height", "-5"], "inverted heights")
 	DirAccess.remove_absolute(SPOT)
 
 
 func test_heightmap_images() -> void:
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.rect = Rect2(0, 0, 3, 2)
 	terrain.min_height = 100.0
 	terrain.max_height = 200.0
@@ -331,4 +331,4 @@ func test_heightmap_images() -> void:
 		bad.set_pixel(2, 2, Color(value, 0.0, 0.0))
 		terrain.image = bad
 		check(absf(terrain.get_height(Vector3(1.0, 0.0, 1.0)) - 150.0) < 0.01, "height of the last good image")
-		check_error(["ScatterTerrainHeightmap.image"], "an image with %s" % value)
+		check_error(["ScatterGroundHeightmap.image"], "an image with %s" % value)

@@ -8,7 +8,7 @@ const FOLDER := "res://baked/deep"
 const SCENE := FOLDER + "/wood.tscn"
 
 
-class Hills extends ScatterTerrain:
+class Hills extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -149,7 +149,7 @@ func test_refusals() -> void:
 	for indices: PackedInt32Array in [[7], [0, 7], [-1, 0]]:
 		check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", indices) != OK, "no such layer: %s" % indices)
 		check(str(indices[0] if indices[0] != 0 else 7) in bake.problem and "layers" in bake.problem, bake.problem)
-	scatter.terrain = null
+	scatter.ground = null
 	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "terrain" in bake.problem, bake.problem)
 
 
@@ -198,9 +198,9 @@ func test_failures_that_leave_something() -> void:
 	FileAccess.open(FOLDER.path_join("world.baked"), FileAccess.WRITE).store_buffer(index.packed())
 	var world := preload("res://addons/thicket/baked_world.gd").new()
 	world.index_file = FOLDER.path_join("world.baked")
-	check_error(["BakedWorld.index_file", "68 bytes for 1 tiles, got 44"], "an index")
+	check_error(["ScatterBakedWorld.index_file", "68 bytes for 1 tiles, got 44"], "an index")
 	world.index_file = FOLDER.path_join("none.baked")
-	check_error(["BakedWorld.index_file", "cannot be opened"], "no index")
+	check_error(["ScatterBakedWorld.index_file", "cannot be opened"], "no index")
 	DirAccess.remove_absolute(FOLDER.path_join("world.baked"))
 	world.free()
 

@@ -4,7 +4,7 @@ extends "edits_harness.gd"
 const SHARED := Rect2(-60, -60, 120, 120)
 
 ## Level ground. The first thread that asks for more than the few places of an origin waits for a second one, once, 20 seconds at most.
-class Meeting extends ScatterTerrain:
+class Meeting extends ScatterGround:
 	var wanted := 2
 	var threads: Dictionary[int, bool] = {}
 	var mutex := Mutex.new()
@@ -57,7 +57,7 @@ func test_build_rect() -> void:
 
 func test_build_rect_refuses() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(), null]
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, 0, NAN, 5), Rect2(0, 0, 1e6, 1e6)]:
 		check_equal(scatter.build_rect(0, rect).get_mesh_count(), 0, "meshes in %s" % rect)
 		check_error(["TerrainScatter3D.build_rect", "rect"], "a bad rectangle")
@@ -68,7 +68,7 @@ func test_build_rect_refuses() -> void:
 	check_error(["TerrainScatter3D.build_rect", "layer"], "an empty entry")
 	check_equal(scatter.build_rect(0, Rect2(3, 3, 0, 5)).get_mesh_count(), 1, "meshes in an empty rectangle")
 	check_no_error("an empty rectangle")
-	scatter.terrain = null
+	scatter.ground = null
 	check(scatter.build_rect(0, Rect2(0, 0, 5, 5)).is_empty(), "no ground")
 	check_error(["terrain", "missing"], "no ground")
 	await frames(1)
@@ -136,7 +136,7 @@ func test_rows() -> void:
 
 func test_build_tile_refuses() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(), null]
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
 	check_equal(scatter.build_tile(0, Vector2i(1 << 30, 0)).get_mesh_count(), 0, "meshes beyond the end of the world")
 	check_error(["TerrainScatter3D.build_tile"], "beyond the end of the world")
 	check(scatter.build_tile("nothing", Vector2i.ZERO).is_empty(), "no such layer")
@@ -145,7 +145,7 @@ func test_build_tile_refuses() -> void:
 	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
 	check_equal(scatter.build_tile(1, Vector2i.ZERO).get_rows(), PackedByteArray([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "no rows")
 	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
-	scatter.terrain = null
+	scatter.ground = null
 	check(scatter.build_tile(0, Vector2i.ZERO).is_empty(), "no ground")
 	check_error(["terrain", "missing"], "no ground")
 	await frames(1)

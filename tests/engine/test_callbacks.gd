@@ -3,7 +3,7 @@ extends "scenes_harness.gd"
 ## nothing is printed, nothing is left.
 
 ## Ground that calls back in the middle of being asked.
-class CallingGround extends ScatterTerrain:
+class CallingGround extends ScatterGround:
 	var deed := Callable()
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -29,8 +29,8 @@ var deeds: Dictionary[String, Callable] = {
 	"a new state": func() -> void: scatter.state = ScatterState.new(),
 	"no layers": func() -> void: scatter.layers = [],
 	"other layers": func() -> void: scatter.layers = [make_layer(5.0), scatter.layers[0]],
-	"no terrain": func() -> void: scatter.terrain = null,
-	"another terrain": func() -> void: scatter.terrain = ScatterTerrainFlat.new(),
+	"no terrain": func() -> void: scatter.ground = null,
+	"another terrain": func() -> void: scatter.ground = ScatterGroundFlat.new(),
 	"another seed": func() -> void: scatter.seed += 1,
 	"regenerate": func() -> void: scatter.regenerate(),
 	"remove more": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 12.0),

@@ -21,7 +21,7 @@ func make_wood(two_meshes := false) -> TerrainScatter3D:
 		oak.meshes = [BoxMesh.new(), SphereMesh.new()]
 	oak.max_scale = 2.0
 	var fern := make_layer(1.5)
-	return make_scatter([oak, fern], ScatterTerrainFlat.new(), make_viewer())
+	return make_scatter([oak, fern], ScatterGroundFlat.new(), make_viewer())
 
 
 ## The id that stands nearest to a place, by the picture.

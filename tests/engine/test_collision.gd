@@ -364,9 +364,9 @@ func test_other_layers_and_another_order() -> void:
 
 
 func test_ground_that_moves() -> void:
-	var ground := ScatterTerrainFlat.new()
+	var ground := ScatterGroundFlat.new()
 	var scatter := make_solid([make_solid_layer()])
-	scatter.terrain = ground
+	scatter.ground = ground
 	await settle(scatter)
 	var before := bodies(scatter).size()
 	ground.height = 2.5

@@ -232,7 +232,7 @@ func test_bodies_are_no_ground() -> void:
 	root.add_child(floor_body)
 	for kind: ScatterLayer.CollisionShape in [ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_CONVEX]:
 		var scatter := make_solid([make_solid_layer(kind), make_solid_layer(kind)])
-		scatter.terrain = ScatterTerrainColliders.new()
+		scatter.ground = ScatterGroundColliders.new()
 		await settle(scatter)
 		check(scatter.get_stats()["bodies"] > 50, "bodies on colliders")
 		scatter.regenerate() # Now the bodies stand in the way of the rays.

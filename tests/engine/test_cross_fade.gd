@@ -84,7 +84,7 @@ func picture() -> Image:
 
 func flight_of(layer: ScatterLayer) -> Array[Image]:
 	fly_to(0)
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var pictures: Array[Image] = []
 	for index in FLIGHT:
@@ -161,7 +161,7 @@ func test_it_ends_softly_where_sight_ends() -> void:
 	var layer := make_wood([plane(material(0.5), 4.0)], [])
 	layer.view_distance = 90.0
 	layer.lod_fade = 0.5
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	var lit := {}
 	for away: float in [0.0, 60.0, 80.0, 88.0, 110.0]:
 		viewer.position.x = away
@@ -187,7 +187,7 @@ func test_only_what_fades_is_drawn_twice() -> void:
 		var layer := make_wood([plane(of), plane(of)], [40.0])
 		layer.lod_fade = 0.0 if kind == "at once" else 0.2
 		layer.view_distance = 100.0
-		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+		var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 		await settle(scatter)
 		counts[kind] = scatter.get_stats()["multimeshes"]
 		if kind == "fades":
@@ -217,7 +217,7 @@ func test_changes_reach_both_lods() -> void:
 	var light := material(0.5)
 	var layer := make_wood([plane(light), plane(light)], [40.0])
 	layer.lod_fade = 0.4
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var before := await picture()
 	check(before.get_data().count(0) < before.get_data().size(), "there is something to see")
@@ -249,7 +249,7 @@ func test_a_mesh_with_custom_data_of_its_own_changes_at_once() -> void:
 			Mesh.ARRAY_CUSTOM_RGBA_FLOAT << Mesh.ARRAY_FORMAT_CUSTOM3_SHIFT)
 	mesh.surface_set_material(0, material(0.3))
 	var layer := make_wood([mesh, mesh.duplicate()], [40.0])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var drawn := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -289,7 +289,7 @@ func test_a_lod_draws_its_share() -> void:
 	for fade: float in [0.0, 0.3]:
 		layer.lod_fade = fade
 		camera.position = Vector3(0.0, 20.0, 0.0)
-		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+		var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 		await settle(scatter)
 		var lit := func(image: Image) -> int: return image.get_data().size() - image.get_data().count(0)
 		var near: int = lit.call(await picture())
@@ -323,7 +323,7 @@ func test_copies_that_fade_are_made_once() -> void:
 	var light := material(0.5)
 	var layer := make_wood([plane(light), plane(light)], [40.0])
 	layer.lod_fade = 0.2
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var before := drawn_meshes(scatter)
 	check(before.size() > 2, "%d meshes, copies that fade among them" % before.size())

@@ -42,8 +42,8 @@ func load_demo() -> void:
 	scatter.get_parent().remove_child(scatter)
 	demo.free()
 	root.add_child(scatter)
-	ground = GroundModel.new(scatter.terrain)
-	tile_log.add_terrain(scatter.terrain)
+	ground = GroundModel.new(scatter.ground)
+	tile_log.add_terrain(scatter.ground)
 	for index in scatter.layers.size():
 		var layer := scatter.layers[index] as ScatterLayer
 		neighbors.push_back({})

@@ -41,7 +41,7 @@ func physics_frames(count: int) -> void:
 ## Puts the player before a tree, with his eyes on its trunk.
 func stand_before(trunk: Vector3) -> void:
 	player.global_position = trunk + Vector3(-AWAY, 0.0, 0.0)
-	player.global_position.y = world.terrain.get_height(player.global_position)
+	player.global_position.y = world.ground.get_height(player.global_position)
 	var toward: Vector3 = (trunk + Vector3.UP * 1.5 - player.eyes.global_position).normalized()
 	player.global_rotation.y = atan2(-toward.x, -toward.z)
 	player.eyes.rotation.x = asin(toward.y)

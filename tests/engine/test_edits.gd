@@ -50,15 +50,15 @@ func edit(scatter: TerrainScatter3D, region: ScatterRegion3D, random: RandomNumb
 			var radius := random.randf_range(1.0, 9.0)
 			own.push_back(scatter.layers[FERN].mask.paint(at, radius, 0.7, 0.3, random.randi_range(0, 1)))
 		3:
-			var mound: Mound = scatter.terrain
+			var mound: Mound = scatter.ground
 			areas.push_back(mound.area.grow(1.0))
 			mound.height = random.randf_range(-3.0, 3.0)
 			mound.area = Rect2(at, Vector2(random.randf_range(1, 20), random.randf_range(1, 20)))
 			areas.push_back(mound.area.grow(1.0))
 			own = areas
 			# A rectangle may be given from any of its corners.
-			mound.terrain_changed.emit(Rect2(areas[0].end - Vector2.ONE, Vector2(2, 2) - areas[0].size))
-			mound.terrain_changed.emit(mound.area)
+			mound.ground_changed.emit(Rect2(areas[0].end - Vector2.ONE, Vector2(2, 2) - areas[0].size))
+			mound.ground_changed.emit(mound.area)
 	return [grown(areas, 0.0), grown(areas, SPACING) + grown(own, FEATHER)]
 
 
@@ -81,7 +81,7 @@ func test_random_edits_stay_local() -> void:
 		for layer: int in [OAK, FERN]:
 			counts[layer] += check_local(scatter, layer, before[layer], made[layer], areas[layer], "round %d" % round)
 	check(counts[OAK] > 50 and counts[FERN] > 300, "instances that changed: %s" % [counts])
-	var copy := make_scatter(make_forest(), scatter.terrain, viewer)
+	var copy := make_scatter(make_forest(), scatter.ground, viewer)
 	for layer: int in [OAK, FERN]:
 		copy.layers[layer].mask = scatter.layers[layer].mask
 	copy.add_child(region.duplicate())
@@ -140,7 +140,7 @@ func test_old_tiles_stay_until_new_ones_are_there() -> void:
 
 
 func test_first_and_last_including_region() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	var shown := Shown.new(scatter)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(0).size()
@@ -197,15 +197,15 @@ func test_ground_everywhere() -> void:
 	var tiles := scatter.get_shown_tiles(FERN).size()
 	for rect: Rect2 in [Rect2(), Rect2(5, 5, 0, 0), Rect2(0, 0, NAN, 1), Rect2(0, 0, INF, 1)]:
 		shown.take()
-		mound.terrain_changed.emit(rect)
+		mound.ground_changed.emit(rect)
 		await settle(scatter)
 		check_equal(shown.take()[FERN].size(), tiles, "tiles after %s" % rect)
-	mound.terrain_changed.emit(Rect2(5000, 5000, 10, 10))
+	mound.ground_changed.emit(Rect2(5000, 5000, 10, 10))
 	await settle(scatter)
 	check(shown.take()[FERN].is_empty(), "far away")
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	await settle(scatter)
 	shown.take()
-	mound.terrain_changed.emit(Rect2(0, 0, 10, 10))
+	mound.ground_changed.emit(Rect2(0, 0, 10, 10))
 	await settle(scatter)
 	check(shown.take()[FERN].is_empty(), "a terrain that is no longer used")

@@ -11,7 +11,7 @@ func make_ruled() -> TerrainScatter3D:
 	layer.progressive_levels = 3
 	layer.density = 0.8
 	layer.max_slope_degrees = 35.0
-	layer.slope_falloff = 10.0
+	layer.slope_falloff_degrees = 10.0
 	layer.min_height = 5.0
 	layer.height_falloff = 20.0
 	layer.clump_size = 30.0
@@ -62,7 +62,7 @@ func test_what_is_explained_is_what_stands() -> void:
 			fits = fits and is_equal_approx(product(explanation), explanation.density)
 			fits = fits and explanation.standing == (explanation.rank < explanation.point_density)
 			fits = fits and (explanation.allowed and explanation.shown) == explanation.refused_by.is_empty()
-			fits = fits and is_equal_approx(explanation.position.y, scatter.terrain.get_height(place))
+			fits = fits and is_equal_approx(explanation.position.y, scatter.ground.get_height(place))
 			wrong += 0 if fits else 1
 			standing += 1 if explanation.standing else 0
 			refused += 0 if explanation.allowed else 1
@@ -127,7 +127,7 @@ func test_each_rule_says_no_by_itself() -> void:
 	scatter.layers = [steep]
 	var slope := scatter.explain_position(Vector3(80, 0, 20))[0]
 	check_equal([slope.get_rule_min(1), slope.get_rule_max(1)], [0.0, 10.0], "what is asked for")
-	var normal := scatter.terrain.get_normal(Vector3(80, 0, 20))
+	var normal := scatter.ground.get_normal(Vector3(80, 0, 20))
 	check(absf(slope.get_rule_value(1) - rad_to_deg(normal.angle_to(Vector3.UP))) < 0.1, "the slope itself")
 
 
@@ -147,7 +147,7 @@ func test_regions_and_holes_are_named() -> void:
 func test_what_a_game_and_the_view_take_away() -> void:
 	var layer := make_layer(2.0)
 	var viewer := make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.state = ScatterState.new()
 	await settle(scatter)
 	var there := scatter.explain_position(Vector3(3, 0, 3))[0]
@@ -188,7 +188,7 @@ func test_what_a_game_and_the_view_take_away() -> void:
 
 func test_asked_for_what_is_not_there() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	for bad: Vector3 in [Vector3(NAN, 0, 0), Vector3(0, 0, INF)]:
 		check_equal(scatter.explain_position(bad).size(), 0, "an answer for %s" % bad)
@@ -203,15 +203,15 @@ func test_asked_for_what_is_not_there() -> void:
 	scatter.layers = []
 	check_equal(scatter.explain_position(Vector3.ZERO).size(), 0, "without layers")
 	scatter.layers = [layer]
-	scatter.terrain = null
+	scatter.ground = null
 	var groundless := scatter.explain_position(Vector3.ZERO)[0]
 	check_equal([groundless.refused_by, "No terrain" in groundless.reason], [&"ground", true], groundless.reason)
-	scatter.terrain = ScatterTerrainHeightmap.new()
+	scatter.ground = ScatterGroundHeightmap.new()
 	check_equal(scatter.explain_position(Vector3.ZERO)[0].refused_by, &"ground", "a terrain without heights")
 	check_error(["heightmap_path"], "which is told once")
 	var lonely := TerrainScatter3D.new()
 	lonely.layers = [layer]
-	lonely.terrain = ScatterTerrainFlat.new()
+	lonely.ground = ScatterGroundFlat.new()
 	var outside := lonely.explain_position(Vector3(3, 0, 3))[0]
 	check_equal([outside.standing, outside.refused_by], [true, &"visible"], "outside of the tree: " + outside.reason)
 	lonely.free()
@@ -235,7 +235,7 @@ func test_maps_hold_what_is_explained() -> void:
 		var field := Vector2(index % size.x + 0.5, index / size.x + 0.5)
 		var at := rect.position + field * rect.size / Vector2(size)
 		var explanation := scatter.explain_position(Vector3(at.x, 0, at.y), "Ferns")[0]
-		var normal := scatter.terrain.get_normal(Vector3(at.x, 0, at.y))
+		var normal := scatter.ground.get_normal(Vector3(at.x, 0, at.y))
 		var fits := absf(density[index] - explanation.density) < 1e-4 and absf(rank[index] - explanation.rank) < 1e-4
 		fits = fits and absf(slope[index] - rad_to_deg(normal.angle_to(Vector3.UP))) < 0.2
 		wrong += 0 if fits else 1
@@ -255,7 +255,7 @@ func test_maps_hold_what_is_explained() -> void:
 
 
 ## A ground that is asked on the main thread, where its script may do anything.
-class RashGround extends ScatterTerrain:
+class RashGround extends ScatterGround:
 	var victim: Node
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:

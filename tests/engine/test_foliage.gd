@@ -280,7 +280,7 @@ func test_the_world_node_finds_the_materials_of_scatters() -> void:
 	layer.meshes = [model, bush(plain), null]
 	layer.lod_meshes = [bush(far), null, null]
 	layer.lod_distances = PackedFloat32Array([50.0])
-	var scatter := make_scatter([layer, null], ScatterTerrainFlat.new(), make_viewer(Vector3.ZERO))
+	var scatter := make_scatter([layer, null], ScatterGroundFlat.new(), make_viewer(Vector3.ZERO))
 	var world := world_node()
 	root.add_child(world)
 	check_equal(await blown([near, far, plain]), [true, true, false], "of a model, of an LOD, and one with another shader")
@@ -326,7 +326,7 @@ func test_the_world_node_looks_again_only_after_a_change() -> void:
 	var layer := make_layer(2.0)
 	var first := material({})
 	layer.meshes = [bush(first)]
-	make_scatter([layer], ScatterTerrainFlat.new(), make_viewer(Vector3.ZERO))
+	make_scatter([layer], ScatterGroundFlat.new(), make_viewer(Vector3.ZERO))
 	root.add_child(world_node())
 	check_equal(await blown([first]), [true], "found")
 	var second := material({})

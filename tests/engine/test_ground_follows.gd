@@ -20,18 +20,18 @@ func put_plane(at: Vector3, size := Vector2(30.0, 30.0), group := &"ground") -> 
 
 ## A scatter on the meshes of the group, settled. Tiles are 8 m wide.
 func make_on_meshes() -> TerrainScatter3D:
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	return await _settled_on(terrain)
 
 
 func make_on_colliders() -> TerrainScatter3D:
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	terrain.rays_per_frame = 5000
 	return await _settled_on(terrain)
 
 
-func _settled_on(terrain: ScatterTerrain) -> TerrainScatter3D:
+func _settled_on(terrain: ScatterGround) -> TerrainScatter3D:
 	var layer := make_layer(1.0)
 	layer.tile_size = 8.0
 	var scatter := make_scatter([layer], terrain, make_viewer())
@@ -168,7 +168,7 @@ func test_a_mesh_that_does_not_rest() -> void:
 	var rock := put_plane(Vector3(-30.0, 2.0, 0.0), Vector2(10.0, 10.0))
 	var scatter := await make_on_meshes()
 	var told: Array[Rect2] = []
-	scatter.terrain.terrain_changed.connect(func(rect: Rect2) -> void: told.push_back(rect))
+	scatter.ground.ground_changed.connect(func(rect: Rect2) -> void: told.push_back(rect))
 	var moves := 0
 	var until_msec := Time.get_ticks_msec() + 1500
 	while Time.get_ticks_msec() < until_msec:
@@ -204,13 +204,13 @@ func test_a_thousand_meshes_cost_little_each_frame() -> void:
 	await until(func() -> bool: return not scatter.is_settled(), "noticed")
 	await settle(scatter)
 	check_equal(scatter.get_stats()["ground_reads"], reads, "their meshes are as they were")
-	check(absf(scatter.terrain.get_height(crowd[500].position) - 5.0) < 1e-5, "they count where they are")
+	check(absf(scatter.ground.get_height(crowd[500].position) - 5.0) < 1e-5, "they count where they are")
 	for index: int in [3, 500, 998]:
 		(crowd[index].mesh as PlaneMesh).center_offset.y = 1.0
 	await until(func() -> bool: return not scatter.is_settled(), "noticed")
 	await settle(scatter)
 	check_equal(scatter.get_stats()["ground_reads"], reads + 3, "three meshes are read")
-	check(absf(scatter.terrain.get_height(crowd[500].position) - 6.0) < 1e-5, "and count")
+	check(absf(scatter.ground.get_height(crowd[500].position) - 6.0) < 1e-5, "and count")
 
 
 func test_refresh_ground_reads_in_portions() -> void:
@@ -301,7 +301,7 @@ func test_refresh_ground_sees_what_nothing_tells() -> void:
 	PhysicsServer3D.body_add_shape(body, shape)
 	PhysicsServer3D.body_set_space(body, root.get_world_3d().space)
 	var scatter := await make_on_colliders()
-	scatter.terrain.recheck_enabled = false
+	scatter.ground.recheck_enabled = false
 	check(farthest_off(scatter, func(_at: Vector3) -> float: return 1.0) < 0.01, "on the box")
 	PhysicsServer3D.body_set_state(body, PhysicsServer3D.BODY_STATE_TRANSFORM, Transform3D(Basis(), Vector3(0.0, 4.0, 0.0)))
 	await physics_frame
@@ -312,7 +312,7 @@ func test_refresh_ground_sees_what_nothing_tells() -> void:
 	await settle(scatter)
 	check(all_transforms(scatter).size() > 500, "they stand")
 	check(farthest_off(scatter, func(_at: Vector3) -> float: return 5.0) < 0.01, "on the box where it is")
-	scatter.terrain = null
+	scatter.ground = null
 	PhysicsServer3D.free_rid(body)
 	PhysicsServer3D.free_rid(shape)
 
@@ -328,7 +328,7 @@ func test_bodies_of_scenes_are_no_ground() -> void:
 	var scene := PackedScene.new()
 	scene.pack(stump)
 	stump.free()
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	terrain.rays_per_frame = 5000
 	var layer := make_layer(2.0)
 	layer.scene = scene
@@ -348,16 +348,16 @@ func test_bodies_of_scenes_are_no_ground() -> void:
 func test_handlers_may_end_it_all() -> void:
 	var endings: Dictionary[String, Callable] = {
 		"free": func(scatter: TerrainScatter3D) -> void: scatter.free(),
-		"terrain": func(scatter: TerrainScatter3D) -> void: scatter.terrain = null,
-		"group": func(scatter: TerrainScatter3D) -> void: scatter.terrain.group = &"none",
+		"terrain": func(scatter: TerrainScatter3D) -> void: scatter.ground = null,
+		"group": func(scatter: TerrainScatter3D) -> void: scatter.ground.group = &"none",
 		"leave": func(scatter: TerrainScatter3D) -> void: root.remove_child(scatter),
 	}
 	for ending in endings:
 		var plane := put_plane(Vector3.ZERO)
 		var scatter := await make_on_meshes()
-		var terrain: ScatterTerrainMeshes = scatter.terrain
+		var terrain: ScatterGroundMeshes = scatter.ground
 		var heard := [0]
-		terrain.terrain_changed.connect(func(_rect: Rect2) -> void:
+		terrain.ground_changed.connect(func(_rect: Rect2) -> void:
 				heard[0] += 1
 				endings[ending].call(scatter))
 		plane.position.y = 2.0
@@ -386,4 +386,4 @@ func test_recentering_reads_nothing() -> void:
 	plane.position += Vector3(0.0, 2.0, 0.0)
 	await settle(scatter)
 	check_equal(scatter.get_stats()["ground_reads"], reads, "and is followed from there")
-	check(absf(scatter.terrain.get_height(Vector3.ZERO) - 3.0) < 1e-5, "at its height")
+	check(absf(scatter.ground.get_height(Vector3.ZERO) - 3.0) < 1e-5, "at its height")

@@ -14,7 +14,7 @@ func put(mesh: Mesh, at := Vector3.ZERO) -> MeshInstance3D:
 
 
 func make_on_meshes(budget_usec := 20000) -> TerrainScatter3D:
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	var layer := make_layer(1.0)
 	layer.tile_size = 8.0
@@ -185,7 +185,7 @@ func test_faces_are_those_of_the_engine() -> void:
 		for point in 300:
 			var at := Vector2(random.randf_range(-HALF, HALF), random.randf_range(-HALF, HALF))
 			var expected := top_of(faces, at)
-			var height := scatter.terrain.get_height(Vector3(at.x, 0.0, at.y))
+			var height := scatter.ground.get_height(Vector3(at.x, 0.0, at.y))
 			met += int(not is_nan(expected))
 			# The engine rounds corners to 0.1 mm, so a point on an edge may be on either side.
 			wrong += int(is_nan(height) != is_nan(expected) or absf(height - expected) > 0.01)
@@ -201,8 +201,8 @@ func test_surfaces_without_whole_triangles_are_left_out() -> void:
 	put(mesh)
 	var scatter := make_on_meshes()
 	await settle(scatter)
-	check_equal(scatter.terrain.get_height(Vector3.ZERO), 7.0, "the other surface counts")
-	check(is_nan(scatter.terrain.get_height(Vector3(-3.0, 0.0, 0.0))), "22 vertices are no triangles")
+	check_equal(scatter.ground.get_height(Vector3.ZERO), 7.0, "the other surface counts")
+	check(is_nan(scatter.ground.get_height(Vector3(-3.0, 0.0, 0.0))), "22 vertices are no triangles")
 
 
 ## A frame without time for it reads one surface, and goes on with the next in the frame after.
@@ -221,7 +221,7 @@ func test_reading_keeps_to_the_budget() -> void:
 		frames_before += 1
 	check(frames_before >= SURFACES, "%d surfaces took %d frames" % [SURFACES, frames_before])
 	await settle(scatter)
-	check_equal(scatter.terrain.get_height(Vector3.ZERO), 1.0, "all of it is ground")
+	check_equal(scatter.ground.get_height(Vector3.ZERO), 1.0, "all of it is ground")
 
 
 ## Plants stay on the ground as it was until a worker has built the one that takes its place.
@@ -236,7 +236,7 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	var heights := {}
 	await until(func() -> bool:
 			least = mini(least, scatter.get_shown_count(0))
-			heights[scatter.terrain.get_height(Vector3(0.5, 0.0, 0.5))] = true
+			heights[scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))] = true
 			return heights.has(2.0), "the new ground counts")
 	check_equal(heights.keys(), [0.0, 2.0], "the old ground, then the new one")
 	await settle(scatter)
@@ -250,7 +250,7 @@ func test_a_query_has_the_ground_at_once() -> void:
 	put(plane(10))
 	var scatter := make_on_meshes()
 	check(scatter.query_rect(Rect2(-HALF, -HALF, 2.0 * HALF, 2.0 * HALF)).size() > 20, "instances in the frame in which the node came")
-	var terrain: ScatterTerrainMeshes = scatter.terrain
+	var terrain: ScatterGroundMeshes = scatter.ground
 	put(plane(10, 3.0)).add_to_group(&"other")
 	terrain.group = &"other"
 	var found := scatter.query_rect(Rect2(-HALF, -HALF, 2.0 * HALF, 2.0 * HALF))
@@ -269,7 +269,7 @@ func test_refresh_ground_reads_what_the_renderer_has_now() -> void:
 	mesh.emit_changed()
 	scatter.refresh_ground()
 	await settle(scatter)
-	check_equal(scatter.terrain.get_height(Vector3(0.5, 0.0, 0.5)), 4.0, "the ground follows")
+	check_equal(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5)), 4.0, "the ground follows")
 	check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 1e-4), "and so do plants")
 
 
@@ -286,7 +286,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		await create_timer(0.3).timeout
 		if not await settle(scatter):
 			return
-		var told := Array(errors.take()).filter(func(error: String) -> bool: return "ScatterTerrainMeshes" in error) # The engine has its own.
+		var told := Array(errors.take()).filter(func(error: String) -> bool: return "ScatterGroundMeshes" in error) # The engine has its own.
 		check(told.size() == 1 and "\"Broken\"" in told[0] and "global_transform" in told[0] and "finite" in told[0], "a transform of %s: %s" % [bad, told])
 		await create_timer(0.6).timeout
 		check_no_error("told once")
@@ -310,7 +310,7 @@ func test_corners_that_are_refused() -> void:
 	var told := errors.take()
 	check_equal(told.size(), 2, "a corner of NAN, and one that is far away")
 	for error in told:
-		for word: String in ["ScatterTerrainMeshes", "corner at (", "finite", "10000000"]:
+		for word: String in ["ScatterGroundMeshes", "corner at (", "finite", "10000000"]:
 			check(word in error, "%s in '%s'" % [word, error])
 	check(scatter.get_shown_count(0) > 30, "the other mesh is ground")
 	var problems := "\n".join(scatter.get_problems())
@@ -321,7 +321,7 @@ func test_corners_that_are_refused() -> void:
 	far.scale = Vector3.ONE
 	await settle(scatter)
 	check("\"Hole\"" in "\n".join(scatter.get_problems()), "the other one is still refused")
-	check(is_finite(scatter.terrain.get_height(Vector3(0.5, 0.0, 0.5))), "what was far away is ground now")
+	check(is_finite(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))), "what was far away is ground now")
 
 
 ## A mesh's script is called in the middle of reading, and may do anything.
@@ -330,11 +330,11 @@ func test_a_mesh_of_a_script_meddles() -> void:
 		"change": func(_scatter: TerrainScatter3D, mesh: Mesh) -> void: mesh.emit_changed(),
 		"refresh": func(scatter: TerrainScatter3D, mesh: ScriptedMesh) -> void:
 			mesh.asked = Callable()
-			(scatter.terrain as ScatterTerrainMeshes).refresh(),
+			(scatter.ground as ScatterGroundMeshes).refresh(),
 		"group": func(scatter: TerrainScatter3D, mesh: ScriptedMesh) -> void:
 			mesh.asked = Callable()
-			(scatter.terrain as ScatterTerrainMeshes).group = &"none",
-		"terrain": func(scatter: TerrainScatter3D, _mesh: Mesh) -> void: scatter.terrain = null,
+			(scatter.ground as ScatterGroundMeshes).group = &"none",
+		"terrain": func(scatter: TerrainScatter3D, _mesh: Mesh) -> void: scatter.ground = null,
 		"leave": func(scatter: TerrainScatter3D, _mesh: Mesh) -> void: root.remove_child(scatter),
 	}
 	for how in meddling:

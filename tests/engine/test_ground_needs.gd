@@ -62,7 +62,7 @@ class HeightsOnly extends Node3D:
 
 
 ## A script that counts positions.
-class CountingScript extends ScatterTerrain:
+class CountingScript extends ScatterGround:
 	var heights := 0
 	var normals := 0
 	var weights := 0
@@ -104,7 +104,7 @@ class CountingScript extends ScatterTerrain:
 
 
 ## The same without normals of its own.
-class SlopesByHeights extends ScatterTerrain:
+class SlopesByHeights extends ScatterGround:
 	var most := 0
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -137,7 +137,7 @@ func test_an_object_is_called_for_what_layers_need() -> void:
 			check_equal(node.data.textures > 1000, bool(needs & 2), what + ": textures")
 			check_equal(node.data.above_nothing, 0, what + ": heights alone where there is no ground")
 			var normals := node.data.normals
-			check(scatter.terrain.get_height(Vector3(10.0, 0.0, 10.0)) > 0.0, what + ": a height")
+			check(scatter.ground.get_height(Vector3(10.0, 0.0, 10.0)) > 0.0, what + ": a height")
 			scatter.get_density_map(0, Rect2(-16, -16, 32, 32), Vector2i(8, 8))
 			check_equal(node.data.normals, normals, what + ": a height and a density need no normal")
 			scatter.free()
@@ -182,19 +182,19 @@ func test_no_call_outside_of_bounds() -> void:
 			var node := Counting.new()
 			var scatter := make_on(node, thread_safe, upright(1.0, PackedInt32Array([1])))
 			scatter.world_offset = offset
-			(scatter.terrain as ScatterTerrainObject).bounds = Rect2(-20.0 + offset.x, -20.0 + offset.z, 40.0, 40.0)
+			(scatter.ground as ScatterGroundNode).bounds = Rect2(-20.0 + offset.x, -20.0 + offset.z, 40.0, 40.0)
 			await settle(scatter)
 			check_equal(node.data.outside, 0, what + ": calls outside")
 			var stand := all_transforms(scatter)
 			check(stand.size() > 500, what + ": instances inside")
 			check(stand.all(func(one: Transform3D) -> bool: return CountingData.covers(one.origin)), what + ": none outside")
-			check(is_nan(scatter.terrain.get_height(offset + Vector3(30.0, 0.0, 0.0))), what + ": no height outside")
+			check(is_nan(scatter.ground.get_height(offset + Vector3(30.0, 0.0, 0.0))), what + ": no height outside")
 			check_equal(node.data.outside, 0, what + ": none for that height")
 			scatter.free()
 			node.free()
 		var heights := HeightsOnly.new()
 		var scatter := make_on(heights, thread_safe, upright(1.0))
-		(scatter.terrain as ScatterTerrainObject).bounds = Rect2(-20.0, -20.0, 40.0, 40.0)
+		(scatter.ground as ScatterGroundNode).bounds = Rect2(-20.0, -20.0, 40.0, 40.0)
 		await settle(scatter)
 		check(heights.heights > 1000, "heights")
 		check_equal(heights.outside, 0, "slopes are measured inside")
@@ -206,7 +206,7 @@ func test_a_height_that_stands_for_no_ground() -> void:
 	for thread_safe: bool in [false, true]:
 		var node := Counting.new()
 		var scatter := make_on(node, thread_safe, upright(1.0, PackedInt32Array([1])))
-		var terrain := scatter.terrain as ScatterTerrainObject
+		var terrain := scatter.ground as ScatterGroundNode
 		await settle(scatter)
 		check(count_at(scatter, 0.0) > 500, "on nothing, without a limit")
 		node.data.above_nothing = 0
@@ -224,13 +224,13 @@ func test_a_height_that_stands_for_no_ground() -> void:
 
 
 func test_wrong_limits_are_refused() -> void:
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.bounds = Rect2(1.0, 2.0, 3.0, 4.0)
 	terrain.bounds = Rect2(0.0, 0.0, -1.0, 5.0)
-	check_error(["ScatterTerrainObject.bounds", "size of 0 or more", "-1"], "a negative size")
+	check_error(["ScatterGroundNode.bounds", "size of 0 or more", "-1"], "a negative size")
 	terrain.bounds = Rect2(NAN, 0.0, 1.0, 5.0)
-	check_error(["ScatterTerrainObject.bounds", "finite"], "not a number")
+	check_error(["ScatterGroundNode.bounds", "finite"], "not a number")
 	check_equal(terrain.bounds, Rect2(1.0, 2.0, 3.0, 4.0), "the last bounds stay")
 	terrain.no_ground_height = INF
-	check_error(["ScatterTerrainObject.no_ground_height", "inf"], "an infinite height")
+	check_error(["ScatterGroundNode.no_ground_height", "inf"], "an infinite height")
 	check_equal(terrain.no_ground_height, 0.0, "the last height stays")

@@ -4,7 +4,7 @@ extends "terrain_harness.gd"
 const MOST_IN_A_FRAME := 16
 
 ## Flat ground that is raised in a part of the world, or has none there, and reports nothing.
-class Silent extends ScatterTerrain:
+class Silent extends ScatterGround:
 	var part := Rect2()
 	var height := 0.0
 	var threaded := false
@@ -152,19 +152,19 @@ func test_unchanged_ground_costs_few_calls_and_no_tile() -> void:
 
 
 func test_ground_that_reports_its_changes_is_not_rechecked() -> void:
-	var map := ScatterTerrainHeightmap.new()
+	var map := ScatterGroundHeightmap.new()
 	map.image = Image.create_empty(16, 16, false, Image.FORMAT_RF)
 	map.rect = Rect2(-64.0, -64.0, 128.0, 128.0)
-	var noise := ScatterTerrainNoise.new()
+	var noise := ScatterGroundNoise.new()
 	noise.noise = FastNoiseLite.new()
-	var meshes := ScatterTerrainMeshes.new()
+	var meshes := ScatterGroundMeshes.new()
 	meshes.group = &"floor"
 	var plane := MeshInstance3D.new()
 	plane.mesh = PlaneMesh.new()
 	plane.scale = Vector3(50.0, 1.0, 50.0)
 	plane.add_to_group(&"floor")
 	root.add_child(plane)
-	for terrain: ScatterTerrain in [ScatterTerrainFlat.new(), map, noise, meshes]:
+	for terrain: ScatterGround in [ScatterGroundFlat.new(), map, noise, meshes]:
 		var scatter := make_scatter([small_tiles()], terrain, make_viewer())
 		await settle(scatter)
 		await frames(60)
@@ -203,7 +203,7 @@ func test_scripts_that_act_within_a_recheck() -> void:
 				"frees the node": scatter.free()
 				"takes it out": root.remove_child(scatter)
 				"changes the layers": scatter.layers = [small_tiles(), small_tiles()]
-				"lets go of the terrain": scatter.terrain = ScatterTerrainFlat.new()
+				"lets go of the terrain": scatter.ground = ScatterGroundFlat.new()
 		ground.in_call = once
 		await until(func() -> bool: return ran[0], act + ": it ran")
 		ground.in_call = Callable()
@@ -229,7 +229,7 @@ func serve_slab(at: Vector3, width: float) -> Array[RID]:
 
 ## A scatter on the bodies that are there, settled.
 func make_on_bodies() -> TerrainScatter3D:
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	terrain.rays_per_frame = 2000
 	var scatter := make_scatter([small_tiles()], terrain, make_viewer())
 	await physics_frame

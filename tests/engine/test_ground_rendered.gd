@@ -19,7 +19,7 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 		instance.mesh = mesh
 		instance.add_to_group(&"ground")
 		root.add_child(instance)
-		var terrain := ScatterTerrainMeshes.new()
+		var terrain := ScatterGroundMeshes.new()
 		terrain.group = &"ground"
 		var layer := make_layer(1.0)
 		layer.tile_size = 8.0
@@ -55,7 +55,7 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 func test_an_updated_texture_is_ground() -> void:
 	var image := Image.create_empty(257, 257, false, Image.FORMAT_RF)
 	var texture := ImageTexture.create_from_image(image)
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.heights_in_meters = true
 	terrain.rect = Rect2(-128.0, -128.0, 256.0, 256.0)
 	terrain.image = texture

@@ -42,7 +42,7 @@ func stage() -> void:
 
 
 ## All tiles come within a few frames, as software takes long to draw one.
-func quick_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain, viewer: Node3D) -> TerrainScatter3D:
+func quick_scatter(layers: Array[ScatterLayer], terrain: ScatterGround, viewer: Node3D) -> TerrainScatter3D:
 	var scatter := make_scatter(layers, terrain, viewer)
 	scatter.frame_budget_usec = 200000
 	return scatter
@@ -71,7 +71,7 @@ func test_high_and_orthogonal_cameras_see_what_low_ones_see() -> void:
 	stage()
 	for fades: bool in [false, true]:
 		var layer := cubes(fades)
-		var scatter := quick_scatter([layer], ScatterTerrainFlat.new(), camera)
+		var scatter := quick_scatter([layer], ScatterGroundFlat.new(), camera)
 		scatter.viewers = []
 		look_down_from(80.0, false)
 		await settle(scatter)
@@ -104,7 +104,7 @@ func test_a_camera_that_is_no_viewer_sees_all_that_is_drawn() -> void:
 		layer.lod_distances = PackedFloat32Array([30.0])
 		layer.lod_meshes = layer.meshes
 		var player := make_viewer()
-		var scatter := quick_scatter([layer], ScatterTerrainFlat.new(), player)
+		var scatter := quick_scatter([layer], ScatterGroundFlat.new(), player)
 		look_from_afar(1700.0)
 		await settle(scatter)
 		var seen := await red()
@@ -122,7 +122,7 @@ func test_a_camera_that_is_no_viewer_sees_all_that_is_drawn() -> void:
 ## The tiles lie around the point of the ground in the middle of the picture, hills or not.
 func test_tiles_lie_where_an_orthogonal_camera_looks() -> void:
 	stage()
-	var terrain := ScatterTerrainFlat.new()
+	var terrain := ScatterGroundFlat.new()
 	terrain.height = 300.0
 	var layer := cubes(true)
 	layer.view_distance = 64.0
@@ -146,7 +146,7 @@ func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 	var sphere := SphereMesh.new()
 	layer.lod_meshes = [sphere]
 	layer.lod_distances = PackedFloat32Array([60.0])
-	var scatter := quick_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := quick_scatter([layer], ScatterGroundFlat.new(), camera)
 	scatter.viewers = []
 	var fine := {}
 	for size: float in [40.0, 400.0]:
@@ -167,7 +167,7 @@ func test_a_viewers_scale_counts_for_the_fade() -> void:
 	var player := make_viewer()
 	var layer := cubes(true)
 	layer.view_distance = 60.0
-	var scatter := quick_scatter([layer], ScatterTerrainFlat.new(), player)
+	var scatter := quick_scatter([layer], ScatterGroundFlat.new(), player)
 	look_down_from(400.0, true)
 	camera.size = 300.0
 	var seen := {}
@@ -190,7 +190,7 @@ func test_nodes_share_a_material() -> void:
 	var scatters: Array[TerrainScatter3D] = []
 	var seen: Array[float] = []
 	for player in players:
-		scatters.append(quick_scatter([layer], ScatterTerrainFlat.new(), player))
+		scatters.append(quick_scatter([layer], ScatterGroundFlat.new(), player))
 		await settle(scatters[-1])
 		seen.append(await red())
 	check(seen[0] > 0.01 and absf(seen[1] - 2.0 * seen[0]) < 0.3 * seen[0], "twice as much: %s" % [seen])

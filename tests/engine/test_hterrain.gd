@@ -17,7 +17,7 @@ func test_heights_are_its_own() -> void:
 			for i in 1500:
 				var at := node.get_internal_transform() * Vector3(random.randf_range(-3.0, 67.0), 0.0, random.randf_range(-3.0, 67.0))
 				var expected := node.ground_at(at)
-				var height := scatter.terrain.get_height(at)
+				var height := scatter.ground.get_height(at)
 				wrong += int(is_nan(height) != is_nan(expected) or absf(height - expected) > 1e-3)
 				met += int(not is_nan(height))
 			check_equal(wrong, 0, "format %d, scale %s: heights that differ" % [format, scaled])
@@ -35,7 +35,7 @@ func test_normals() -> void:
 	var along := node.global_basis.x
 	var expected := Vector3(-0.75 * along.x, 1.0, -0.75 * along.z).normalized()
 	for at: Vector3 in [Vector3.ZERO, Vector3(31.3, 0.0, -12.8), Vector3(-40.0, 0.0, 3.0)]:
-		check(scatter.terrain.get_normal(at).distance_to(expected) < 1e-4, "normal at %s" % at)
+		check(scatter.ground.get_normal(at).distance_to(expected) < 1e-4, "normal at %s" % at)
 
 
 func test_no_place_is_asked_for() -> void:
@@ -45,7 +45,7 @@ func test_no_place_is_asked_for() -> void:
 		await settle(scatter)
 		check_ground(scatter, node, "copied")
 		check_equal(node.get_data().asked, 0, "calls for single places")
-		var terrain: ScatterTerrainObject = scatter.terrain
+		var terrain: ScatterGroundNode = scatter.ground
 		for word: String in ["HTerrain", "65 x 65", "no textures"]:
 			check(word in terrain.recognized, "'%s' in '%s'" % [word, terrain.recognized])
 		check_equal(scatter.get_problems().size(), 0, "nothing to say: %s" % [scatter.get_problems()])

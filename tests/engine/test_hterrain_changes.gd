@@ -128,7 +128,7 @@ func test_data_comes_later() -> void:
 
 
 func test_it_comes_late_and_is_replaced() -> void:
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.node = ^"../Ground"
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
@@ -167,7 +167,7 @@ func test_it_is_freed_and_edited_while_workers_make_tiles() -> void:
 		node.free()
 		data = null
 		await frames(2)
-		check_error(["ScatterTerrainObject.node"], "round %d" % round)
+		check_error(["ScatterGroundNode.node"], "round %d" % round)
 		scatter.free()
 		check_no_error("round %d" % round)
 
@@ -176,7 +176,7 @@ func test_a_recenter_that_it_follows_makes_nothing() -> void:
 	var node := make_hterrain()
 	var viewer := make_viewer()
 	root.add_child(node)
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	var scatter := make_scatter([make_layer()], terrain, viewer)
 	terrain.node = scatter.get_path_to(node)
 	await settle(scatter)

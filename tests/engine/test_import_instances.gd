@@ -64,7 +64,7 @@ func test_add_instances_is_whole_or_nothing() -> void:
 	check_error(["transform 1", "basis"], "a basis of NAN")
 	check(scatter.state == null or scatter.state.get_added_count() == 0, "nothing was placed")
 	check_equal(scatter.add_instances(0, PackedFloat32Array()), PackedInt64Array(), "none")
-	scatter.terrain = null
+	scatter.ground = null
 	scatter.add_instances(0, PackedFloat32Array())
 	check_error(["add_instances", "terrain"], "without a ground")
 

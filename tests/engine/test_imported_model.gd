@@ -27,7 +27,7 @@ func test_it_is_drawn_whole() -> void:
 	layer.meshes = [load("res://tree.glb")]
 	layer.fit_to_meshes()
 	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "it brings its shape")
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	check(scatter.get_stats()["instances"] > 20, "instances stand: %s" % scatter.get_stats())
 	var mesh := scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(0)
@@ -38,4 +38,4 @@ func test_it_is_drawn_whole() -> void:
 	model.scene = load("res://tree.glb")
 	check_equal(model.lods.size(), 3, "LODs")
 	check_equal(model.shapes.size(), 1, "shapes")
-	check(model.get_remarks().is_empty(), "nothing is left out: %s" % model.get_remarks())
+	check(model.get_problems().is_empty(), "nothing is left out: %s" % model.get_problems())

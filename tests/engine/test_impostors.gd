@@ -105,19 +105,19 @@ func test_bad_input() -> void:
 	check(impostor.bake([null]) == null and "missing" in impostor.problem, impostor.problem)
 	impostor.frame_size = 100
 	check(impostor.bake([BoxMesh.new()]) == null and "frame_size" in impostor.problem, impostor.problem)
-	check_error(["ImpostorBaker.frame_size must be between", "powers of two", "got 100"], "frame_size")
-	var baker := ImpostorBaker.new()
+	check_error(["ScatterImpostorBaker.frame_size must be between", "powers of two", "got 100"], "frame_size")
+	var baker := ScatterImpostorBaker.new()
 	var error: Error = baker.bake()
 	check_equal(error, ERR_INVALID_DATA, "baking nothing")
-	check_error(["ImpostorBaker.surfaces is missing"], "nothing")
+	check_error(["ScatterImpostorBaker.surfaces is missing"], "nothing")
 	check_equal(baker.add_surface([PackedInt32Array()]), ERR_INVALID_DATA, "no vertices")
-	check_error(["ImpostorBaker.arrays"], "no vertices")
+	check_error(["ScatterImpostorBaker.arrays"], "no vertices")
 	var arrays := BoxMesh.new().get_mesh_arrays()
 	check_equal(baker.add_surface(arrays, Transform3D.IDENTITY, Color.WHITE, null, 2.0), ERR_INVALID_DATA, "alpha_threshold")
-	check_error(["ImpostorBaker.alpha_threshold must be between 0 and 1, got 2"], "alpha_threshold")
+	check_error(["ScatterImpostorBaker.alpha_threshold must be between 0 and 1, got 2"], "alpha_threshold")
 	arrays[Mesh.ARRAY_INDEX][0] = 1000
 	check_equal(baker.add_surface(arrays), ERR_INVALID_DATA, "indices")
-	check_error(["ImpostorBaker.indices must be at most", "got 1000"], "indices")
+	check_error(["ScatterImpostorBaker.indices must be at most", "got 1000"], "indices")
 	check(baker.get_albedo_image() == null and baker.get_normal_image() == null, "no images")
 
 

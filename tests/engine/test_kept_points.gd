@@ -13,7 +13,7 @@ func make_small_tiles() -> TerrainScatter3D:
 	var layer := make_layer(1.0)
 	layer.tile_size = 8.0
 	layer.view_distance = 50.0
-	return make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	return make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 
 
 func test_tiles_on_show_take_points_that_are_kept() -> void:

@@ -48,7 +48,7 @@ func test_inspector_hides_what_does_not_apply() -> void:
 		"variation_randomness": ["variation_source", ScatterLayer.SOURCE_SLOPE],
 		"visibility_range_begin_margin": ["visibility_range_begin", 5.0], "visibility_range_end_margin": ["visibility_range_end", 5.0],
 		"visibility_range_fade_mode": ["visibility_range_end", 5.0], "lod_meshes": ["lod_distances", PackedFloat32Array([9.0])],
-		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_compensation": ["thin_density", 0.5],
+		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_up": ["thin_density", 0.5],
 		"collision_distance": ["collision_shape", ScatterLayer.COLLISION_BOX], "collision_layer": ["collision_shape", ScatterLayer.COLLISION_BOX],
 		"collision_mask": ["collision_shape", ScatterLayer.COLLISION_BOX], "physics_material": ["collision_shape", ScatterLayer.COLLISION_BOX],
 		"affect_navigation_mesh": ["collision_shape", ScatterLayer.COLLISION_BOX], "scene_distance": ["scene", scene_of_a_node()],
@@ -108,7 +108,7 @@ func test_inspector() -> void:
 				subgroup = ""
 			places[name] = group + "/" + subgroup
 			var hint: String = property["hint_string"]
-			if name.ends_with("_degrees") or name == "slope_falloff":
+			if name.ends_with("_degrees") or name == "slope_falloff_degrees":
 				check("degrees" in hint, "%s has a unit: %s" % [name, hint])
 			elif name in ["radius", "clump_size", "edge_feather", "mask_texture_rect", "tile_size", "instance_radius"] or name.ends_with("_distance") \
 					or "offset" in name or "_height" in name and property["type"] == TYPE_FLOAT:
@@ -116,7 +116,7 @@ func test_inspector() -> void:
 			elif name.ends_with("_time"):
 				check("suffix:s" in hint, "%s has a unit: %s" % [name, hint])
 	for expected: Array in [["radius", "/"], ["density", "/"], ["meshes", "/"], ["mesh_weights", "/"], ["density_over_height", "Rules/Height"],
-			["slope_falloff", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
+			["slope_falloff_degrees", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
 			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
 			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],

@@ -31,7 +31,7 @@ func named(layer_name: String, radius := 4.0) -> ScatterLayer:
 ## The forest preset, which comes without meshes that matter here.
 func make_forest_preset() -> TerrainScatter3D:
 	var scatter := (load("res://addons/thicket/presets/forest.tscn") as PackedScene).instantiate() as TerrainScatter3D
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	return scatter
@@ -69,7 +69,7 @@ func test_a_deleted_layer_moves_no_other() -> void:
 
 ## What the editor's panel hides, or shows otherwise, is of no consequence in a game.
 func test_a_game_knows_no_previews() -> void:
-	var scatter := make_scatter([make_layer(4.0), make_layer(6.0)], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer(4.0), make_layer(6.0)], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var counts := [scatter.get_shown_count(0), scatter.get_shown_count(1)]
 	check(counts[0] > counts[1] and counts[1] > 10, "on show: %s" % [counts])
@@ -111,7 +111,7 @@ func test_layers_get_ids_when_they_join() -> void:
 ## As after undo in the editor, which keeps the node: what it does to a layer that others share would stay.
 func test_a_node_that_was_taken_out_gives_no_ids() -> void:
 	var layer := make_layer(2.0)
-	var scatter := make_scatter([make_layer(2.0), layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer(2.0), layer], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
 	check_equal(layer.layer_id, 1, "in the tree it gives one")
 	root.remove_child(scatter)
@@ -141,7 +141,7 @@ func test_ids_are_saved_with_the_scene() -> void:
 
 
 func test_changes_of_the_array_count_at_once() -> void:
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
 	scatter.layers.append(named("oak"))
 	check(not scatter.is_settled(), "there is something to do")
@@ -178,7 +178,7 @@ func test_uses_follow_a_renamed_layer() -> void:
 	fern.spacing = {"oak": 3.0, "moss": 1.0}
 	fern.proximity_layer = "oak"
 	moss.spacing = {"fern": 0.5}
-	var scatter := make_scatter([oak, fern, moss], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([oak, fern, moss], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var shown := digests(scatter, 1)
 	var told: Array[int] = [0]
@@ -212,7 +212,7 @@ func test_spacing_and_proximity_by_any_reference() -> void:
 	for layer_name: String in ["oak", ""]:
 		var oak := named(layer_name)
 		var fern := named("fern", 2.0)
-		var scatter := make_scatter([oak, fern], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([oak, fern], ScatterGroundFlat.new(), make_viewer())
 		var free := standing(scatter, 1)
 		var spaced := {}
 		var near := {}

@@ -78,7 +78,7 @@ func test_offset_along_normal() -> void:
 	var wrong := 0
 	for id: int in before:
 		var place: Transform3D = before[id][0]
-		var expected := place.origin - 0.5 * scatter.terrain.get_normal(place.origin)
+		var expected := place.origin - 0.5 * scatter.ground.get_normal(place.origin)
 		wrong += int(expected.distance_to(after[id][0].origin) > 1e-3 or after[id][0].basis != place.basis)
 	check_equal(wrong, 0, "moved otherwise")
 

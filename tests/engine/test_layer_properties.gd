@@ -272,7 +272,7 @@ func warns(edit: Callable, words: String) -> void:
 	var layer := make_layer()
 	edit.call(layer)
 	var scatter := TerrainScatter3D.new()
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	scatter.layers = [layer]
 	var problems := scatter.get_problems()
 	scatter.free()

@@ -22,7 +22,7 @@ func test_densities() -> void:
 	var layer := make_layer()
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
-	var terrain := scatter.terrain
+	var terrain := scatter.ground
 	await check_rule(scatter, "density", 0.5, func(_at: Vector3) -> float: return 0.5)
 	await check_rule(scatter, "min_height", 100.0, func(at: Vector3) -> float: return float(at.y >= 100.0))
 	var over_height := make_line(Vector2(60, 0), Vector2(150, 1))
@@ -208,13 +208,13 @@ func test_ground_textures() -> void:
 	root.add_child(node)
 	var part := func(at: Vector3) -> float: return clampf(0.5 + at.x / 60.0, 0.0, 1.0)
 	for thread_safe: bool in [true, false]:
-		var terrain := ScatterTerrainObject.new()
+		var terrain := ScatterGroundNode.new()
 		terrain.thread_safe = thread_safe
 		var layer := make_layer()
 		var scatter := scatter_on_hillside(layer)
 		layer.view_distance = 40.0
 		terrain.node = scatter.get_path_to(node)
-		scatter.terrain = terrain
+		scatter.ground = terrain
 		await settle(scatter)
 		await check_rule(scatter, "ground_textures", PackedInt32Array([5]), part)
 		await check_rule(scatter, "ground_textures", PackedInt32Array([9, 2]), func(at: Vector3) -> float: return 1.0 - part.call(at))
@@ -225,7 +225,7 @@ func test_ground_textures() -> void:
 		layer.ground_textures = [3]
 		await settle(scatter)
 		check_equal(instances(scatter).size(), 0, "instances on a texture that is nowhere")
-		scatter.terrain = hillside()
+		scatter.ground = hillside()
 		await settle(scatter)
 		check(instances(scatter).size() > 1000, "a terrain without textures allows all")
 		scatter.free()

@@ -21,7 +21,7 @@ var changes := {
 	"tile_size": [24.0, TILES], "view_distance": [70.0, TILES],
 	"min_height": [-5.0, MADE], "max_height": [50.0, MADE], "height_falloff": [2.0, MADE],
 	"density_over_height": [make_line(Vector2(-9, 0), Vector2(9, 1)), MADE],
-	"min_slope_degrees": [1.0, MADE], "max_slope_degrees": [40.0, MADE], "slope_falloff": [3.0, MADE],
+	"min_slope_degrees": [1.0, MADE], "max_slope_degrees": [40.0, MADE], "slope_falloff_degrees": [3.0, MADE],
 	"density_over_slope": [make_line(Vector2(0, 0.5), Vector2(90, 1)), MADE],
 	"min_water_depth": [-1.0, MADE], "max_water_depth": [2.0, MADE], "water_depth_falloff": [3.0, MADE],
 	"ground_textures": [PackedInt32Array([3]), MADE],
@@ -46,7 +46,7 @@ var changes := {
 	"lod_meshes": [[SphereMesh.new(), null] as Array[Mesh], MADE],
 	"lod_distances": [PackedFloat32Array([30.0]), REDRAWN],
 	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],
-	"thin_scale_compensation": [true, MADE], # The instances grow, and with them the boxes of the tiles.
+	"thin_scale_up": [true, MADE], # The instances grow, and with them the boxes of the tiles.
 	"material_override": [StandardMaterial3D.new(), REDRAWN],
 	"cast_shadow": [GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, REDRAWN],
 	"gi_mode": [GeometryInstance3D.GI_MODE_DYNAMIC, REDRAWN], "render_layers": [2, REDRAWN],

@@ -3,7 +3,7 @@ extends "harness.gd"
 ## afterwards.
 
 ## Slow ground that does something in the middle of being asked.
-class MeddlingGround extends ScatterTerrain:
+class MeddlingGround extends ScatterGround:
 	var meddle := Callable()
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -16,7 +16,7 @@ class MeddlingGround extends ScatterTerrain:
 		return heights
 
 
-class SlowGround extends ScatterTerrain:
+class SlowGround extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -31,7 +31,7 @@ var viewer: Node3D
 
 
 ## Some seconds of work: many tiles of many points.
-func make_busy(terrain: ScatterTerrain) -> TerrainScatter3D:
+func make_busy(terrain: ScatterGround) -> TerrainScatter3D:
 	var layers: Array[ScatterLayer] = []
 	for index in 3:
 		var layer := make_layer(0.3)
@@ -43,8 +43,8 @@ func make_busy(terrain: ScatterTerrain) -> TerrainScatter3D:
 	return make_scatter(layers, terrain, viewer)
 
 
-func grounds() -> Array[ScatterTerrain]:
-	return [ScatterTerrainFlat.new(), MeddlingGround.new(), SlowGround.new()]
+func grounds() -> Array[ScatterGround]:
+	return [ScatterGroundFlat.new(), MeddlingGround.new(), SlowGround.new()]
 
 
 func test_freed_in_mid_generation() -> void:
@@ -90,7 +90,7 @@ func test_nothing_is_left() -> void:
 
 
 func test_out_of_the_tree_and_back() -> void:
-	var scatter := make_busy(ScatterTerrainFlat.new())
+	var scatter := make_busy(ScatterGroundFlat.new())
 	for round in 5:
 		await frames(round)
 		root.remove_child(scatter)
@@ -109,7 +109,7 @@ func test_out_of_the_tree_and_back() -> void:
 
 func test_changed_in_mid_generation() -> void:
 	var layer := make_layer(1.0)
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var random := RandomNumberGenerator.new()
 	random.seed = 1
 	for round in 150:
@@ -120,7 +120,7 @@ func test_changed_in_mid_generation() -> void:
 			3: layer.density = random.randf()
 			4: layer.meshes = [BoxMesh.new(), SphereMesh.new()].slice(0, random.randi_range(0, 2))
 			5: scatter.seed = random.randi()
-			6: scatter.terrain = grounds()[random.randi_range(0, 2)]
+			6: scatter.ground = grounds()[random.randi_range(0, 2)]
 			7: scatter.layers = [[layer], [layer, layer], [null, layer], []][random.randi_range(0, 3)]
 			8: layer.material_override = StandardMaterial3D.new()
 			9: scatter.visible = not scatter.visible
@@ -131,11 +131,11 @@ func test_changed_in_mid_generation() -> void:
 	layer.density = 1.0
 	layer.meshes = [BoxMesh.new()]
 	scatter.seed = 7
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	scatter.layers = [layer]
 	await settle(scatter)
 	await frames(30)
-	var fresh := make_scatter([make_layer(1.0)], ScatterTerrainFlat.new(), make_viewer())
+	var fresh := make_scatter([make_layer(1.0)], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
 	check_equal(digests(scatter, 0), digests(fresh, 0), "after 150 changes")
 
@@ -144,12 +144,12 @@ func test_nobody_waits_for_a_huge_tile() -> void:
 	var layer := make_layer(0.5)
 	layer.tile_size = 1000.0
 	layer.view_distance = 0.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer(Vector3(500.0, 0.0, 500.0)))
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer(Vector3(500.0, 0.0, 500.0)))
 	for deed: Callable in [
 			func() -> void: root.remove_child(scatter),
 			func() -> void: root.add_child(scatter),
-			func() -> void: scatter.terrain = null,
-			func() -> void: scatter.terrain = ScatterTerrainFlat.new(),
+			func() -> void: scatter.ground = null,
+			func() -> void: scatter.ground = ScatterGroundFlat.new(),
 			func() -> void: scatter.free()]:
 		await frames(10)
 		OS.delay_msec(50)
@@ -161,7 +161,7 @@ func test_nobody_waits_for_a_huge_tile() -> void:
 
 
 func test_viewer_freed_and_teleported() -> void:
-	var scatter := make_busy(ScatterTerrainFlat.new())
+	var scatter := make_busy(ScatterGroundFlat.new())
 	for round in 30:
 		viewer.global_position = Vector3(round * 1777.0, 0.0, -round * 999.0)
 		await process_frame
@@ -181,7 +181,7 @@ func test_meddling_grounds() -> void:
 			func() -> void: scatter.queue_free(),
 			func() -> void: scatter.free(),
 			func() -> void: root.remove_child.call_deferred(scatter),
-			func() -> void: scatter.terrain = null,
+			func() -> void: scatter.ground = null,
 			func() -> void: scatter.layers = [],
 			func() -> void: ground.emit_changed(),
 			func() -> void: root.remove_child(scatter),
@@ -196,7 +196,7 @@ func test_meddling_grounds() -> void:
 
 func test_meddling_signal_handlers() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var counts := [0, 0]
 	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void:
 		counts[0] += 1
@@ -238,7 +238,7 @@ func test_change_of_scene_in_mid_generation() -> void:
 
 
 func test_saved_settings_come_back() -> void:
-	var scatter := make_busy(ScatterTerrainFlat.new())
+	var scatter := make_busy(ScatterGroundFlat.new())
 	scatter.layers[1].min_height = -5.0
 	scatter.layers[1].min_scale = 3.0
 	scatter.layers[1].max_scale = 4.0
@@ -267,7 +267,7 @@ func test_saved_settings_come_back() -> void:
 
 func test_workers_let_go_of_what_is_no_longer_needed() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var tiles: int = scatter.get_stats()["tiles"]
 	viewer.global_position = Vector3(1000.0, 0.0, 1000.0)
@@ -284,7 +284,7 @@ func test_workers_let_go_of_what_is_no_longer_needed() -> void:
 
 func test_workers_write_into_buffers_that_were_uploaded() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	for step in 5:
 		viewer.global_position.x += 1000.0
 		await settle(scatter)

@@ -61,7 +61,7 @@ func make_detailed_layer() -> ScatterLayer:
 	layer.thin_begin = 50.0
 	layer.thin_end = 120.0
 	layer.thin_density = 0.25
-	layer.thin_scale_compensation = true
+	layer.thin_scale_up = true
 	layer.use_custom_data = true
 	return layer
 
@@ -99,7 +99,7 @@ func check_detail(scatter: TerrainScatter3D, layer: ScatterLayer, buffers: Dicti
 func test_meshes_and_thinning_follow_the_distance() -> void:
 	var layer := make_detailed_layer()
 	var viewer := make_viewer(Vector3(3.0, 2.0, 5.0))
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	await frames(10)
 	var buffers := shown_buffers(scatter)
@@ -124,7 +124,7 @@ func test_a_mesh_changes_back_a_little_nearer() -> void:
 	layer.lod_meshes = [BoxMesh.new()]
 	layer.lod_distances = PackedFloat32Array([100.0])
 	var viewer := make_viewer(Vector3(16.0, 0.0, 16.0))
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var multimesh: RID = tile_multimeshes(scatter, 0, Vector2i.ZERO)[0]
 	var coarse := {}
@@ -142,14 +142,14 @@ func test_quality_draws_what_a_lower_density_would() -> void:
 	layer.density = 0.8
 	layer.max_slope_degrees = 60.0
 	var viewer := make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var uploads: int = scatter.get_stats()["uploads"]
 	var made: int = scatter.get_stats()["tiles_made"]
 	for quality: float in [0.5, 0.0, 0.25, 1.0]:
 		var thinner := layer.duplicate() as ScatterLayer
 		thinner.density = layer.density * quality
-		var model := make_scatter([thinner], ScatterTerrainFlat.new(), viewer)
+		var model := make_scatter([thinner], ScatterGroundFlat.new(), viewer)
 		await settle(model)
 		scatter.quality = quality
 		await frames(20)
@@ -173,7 +173,7 @@ func test_quality_draws_what_a_lower_density_would() -> void:
 func test_new_tiles_come_as_they_should_be() -> void:
 	var layer := make_layer()
 	var viewer := make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.quality = 0.0
 	await settle(scatter)
 	check_equal(drawn_of_all(scatter), 0, "drawn at quality 0")
@@ -194,7 +194,7 @@ func test_colors_and_custom_data() -> void:
 	layer.use_custom_data = true
 	layer.min_scale = 0.5
 	layer.max_scale = 1.5
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var counts := {}
 	var sums := Vector2.ZERO
@@ -271,7 +271,7 @@ func test_the_shader_includes() -> void:
 	layer.use_custom_data = true
 	layer.min_scale = 2.0
 	layer.max_scale = 2.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), look_down())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), look_down())
 	await settle(scatter)
 	var whole: float = await share_of_blue()
 	check(whole > 0.4, "blue instances cover %f" % whole)
@@ -280,7 +280,7 @@ func test_the_shader_includes() -> void:
 	await frames(4)
 	var thinned: float = await share_of_blue()
 	check(thinned < 0.6 * whole, "a quarter of the instances covers %f, all %f" % [thinned, whole])
-	layer.thin_scale_compensation = true
+	layer.thin_scale_up = true
 	await settle(scatter)
 	await frames(4)
 	var compensated: float = await share_of_blue()

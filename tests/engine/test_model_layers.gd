@@ -15,7 +15,7 @@ func test_instances_are_those_of_a_plain_mesh() -> void:
 	var viewer := make_viewer()
 	var plain := make_model_layer([BoxMesh.new(), BoxMesh.new()])
 	plain.mesh_weights = [1.0, 3.0]
-	var scatter := make_scatter([plain], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([plain], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(0)
 	var digests := tiles.map(func(tile: Vector2i) -> int: return scatter.get_tile(0, tile).get_digest())
@@ -63,7 +63,7 @@ func test_entries() -> void:
 	loaded.meshes = [empty]
 	check_error(["ScatterModel.scene", "it is empty"], "an empty scene while loading")
 	check_equal(loaded.meshes, [empty], "it stays in the list")
-	var scatter := make_scatter([loaded], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([loaded], ScatterGroundFlat.new(), make_viewer())
 	var told := "\n".join(scatter.get_problems())
 	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw: it is empty" in told, "warned: " + told)
 
@@ -71,7 +71,7 @@ func test_entries() -> void:
 ## Scripts share the list with the layer, as they do a node's layers.
 func test_a_list_that_is_changed_in_place() -> void:
 	var layer := make_model_layer([BoxMesh.new()])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var list := layer.meshes
 	list.append(pack(make_tree()))
@@ -101,7 +101,7 @@ func test_a_list_that_is_changed_in_place() -> void:
 func test_entries_that_cannot_be_drawn() -> void:
 	var hollow := pack(Node3D.new())
 	var layer := make_model_layer([BoxMesh.new()])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	layer.meshes = [BoxMesh.new(), hollow]
 	check_no_error("setting it reads nothing")
@@ -150,7 +150,7 @@ func test_lods_of_models_and_of_meshes_beside_each_other() -> void:
 	layer.lod_meshes = [far, null]
 	layer.tile_size = 8.0
 	layer.view_distance = 80.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var seen := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -174,7 +174,7 @@ func test_bodies_are_those_of_the_scene() -> void:
 	layer.min_tilt_degrees = 0.0
 	layer.max_tilt_degrees = 20.0
 	var viewer := make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	await physics_frame
 	var found := scatter.query_sphere(Vector3.ZERO, 22.0)
@@ -242,7 +242,7 @@ func test_lods_of_the_layer_come_on_top() -> void:
 	layer.lod_meshes = [far]
 	layer.tile_size = 16.0
 	layer.view_distance = 90.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var triangles: int = scatter.get_draw_stats()["triangles"]
 	layer.lod_meshes = []
@@ -253,7 +253,7 @@ func test_lods_of_the_layer_come_on_top() -> void:
 ## What a game changes, and what is baked, is whole models.
 func test_changes_and_bakes() -> void:
 	var layer := make_model_layer([pack(make_tree()), BoxMesh.new()])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	scatter.state = ScatterState.new()
 	await settle(scatter)
 	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
@@ -292,7 +292,7 @@ func layer_box(layer: ScatterLayer) -> AABB:
 func test_a_reimported_scene_is_drawn_as_it_is_now() -> void:
 	ResourceSaver.save(pack(make_tree()), "user://oak.tscn")
 	var layer := make_model_layer([load("user://oak.tscn")])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
 	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "before")
@@ -327,7 +327,7 @@ func pack_meddler() -> PackedScene:
 
 func test_scripts_in_a_scene_may_do_anything_while_it_is_read() -> void:
 	var meddling := pack_meddler()
-	var scatter := make_scatter([make_model_layer([BoxMesh.new()])], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_model_layer([BoxMesh.new()])], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var layer := scatter.layers[0]
 	Meddler.deed = func() -> void: layer.meshes = []

@@ -45,7 +45,7 @@ func make_wood(packed: PackedScene, camera: Camera3D) -> TerrainScatter3D:
 	layer.min_tilt_degrees = 0.0
 	layer.max_tilt_degrees = 15.0
 	layer.view_distance = 40.0
-	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
 func shown_instances(scatter: TerrainScatter3D) -> Array[Transform3D]:
@@ -98,7 +98,7 @@ func make_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShad
 	var layer := make_layer(radius)
 	layer.meshes = [model]
 	layer.view_distance = 20.0
-	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
 ## How much of the picture of such a layer its shadows change.

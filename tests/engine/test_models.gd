@@ -17,7 +17,7 @@ func test_a_scene_is_read_part_by_part() -> void:
 	check(model.get_mesh(3) == null, "there is no fourth LOD")
 	check_equal(model.shapes.size(), 2, "shapes")
 	check_equal(model.shape_transforms[0].origin, Vector3(0.2, 2.0, 0.0), "where the trunk's shape is")
-	check(model.get_remarks().is_empty(), "nothing is left out: %s" % model.get_remarks())
+	check(model.get_problems().is_empty(), "nothing is left out: %s" % model.get_problems())
 	var size := model.get_mesh(0).get_aabb().size.length()
 	check(model.lods[1].distance == 0.0 and size > 4.0, "the distance is left open")
 
@@ -143,7 +143,7 @@ func test_what_cannot_be_drawn_is_told() -> void:
 	(put(CollisionShape3D.new(), "Exact", scene, scene) as CollisionShape3D).shape = trimesh
 	var model := ScatterModel.new()
 	model.scene = pack(scene)
-	var told := "\n".join(model.get_remarks())
+	var told := "\n".join(model.get_problems())
 	for words: String in ["\"Player\" plays nothing", "\"Lamp\" is not drawn", "\"Vine\" has a skeleton: it is drawn in its rest pose",
 			"\"Exact\" is left out: a ConcavePolygonShape3D"]:
 		check(words in told, "told: %s, got %s" % [words, told])
@@ -213,12 +213,12 @@ func test_what_nodes_have_for_a_whole_instance_is_that_of_the_lod() -> void:
 	model.scene = with_shader_parameter(pack(scene), "Leaves", "tint = Color(1, 0, 0, 1)")
 	check_equal(model.lods[0].instance_shader_parameters, {&"tint": Color.RED}, "a parameter")
 	check_equal(model.lods[0].transparency, 0.25, "transparency")
-	check_equal(model.get_remarks(), PackedStringArray(), "nothing is drawn otherwise")
+	check_equal(model.get_problems(), PackedStringArray(), "nothing is drawn otherwise")
 	scene = Node3D.new()
 	put_mesh(box(Vector3.ONE, tinted("tint")), "Leaves", scene, scene).transparency = 0.25
 	put_mesh(box(Vector3.ONE, tinted("tint")), "Other", scene, scene, Transform3D(Basis(), Vector3.UP * 2.0))
 	model.scene = with_shader_parameter(pack(scene), "Leaves", "tint = Color(1, 0, 0, 1)")
-	var told := "\n".join(model.get_remarks())
+	var told := "\n".join(model.get_problems())
 	check("\"Other\" has a different instance shader parameter \"tint\"" in told, "told: %s" % told)
 	check("\"Other\" has a different transparency" in told, "told: %s" % told)
 

@@ -49,7 +49,7 @@ func make_floor(side: float) -> StaticBody3D:
 
 ## A scatter below the region, of which nothing is loaded: its viewer is far away.
 func plant(region: NavigationRegion3D, layers: Array[ScatterLayer]) -> TerrainScatter3D:
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
 	scatter.reparent(region, false)
 	scatter.viewers = []
 	return scatter
@@ -340,14 +340,14 @@ func test_nodes_come_and_go_between_bakes() -> void:
 	other.layers = []
 	check_equal(obstructions(region).size(), 0, "without layers")
 	other.layers = [solid_layer()]
-	other.terrain = null
+	other.ground = null
 	check_equal(obstructions(region).size(), 0, "without a ground")
 	other.free()
 	check(clearance(bake(region), Vector2.ZERO) == 0.0, "nothing is in the way")
 
 
 ## A ground that takes its node out of the tree, or frees it, when it is asked.
-class Trap extends ScatterTerrain:
+class Trap extends ScatterGround:
 	var node: TerrainScatter3D
 	var armed := false
 
@@ -365,7 +365,7 @@ func test_a_script_may_free_the_node_in_a_bake() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
 	var trap := Trap.new()
-	scatter.terrain = trap
+	scatter.ground = trap
 	var all := obstructions(region).size()
 	check(all > 40, "the ground answers")
 	scatter.regenerate()

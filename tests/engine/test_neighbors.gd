@@ -57,14 +57,14 @@ func test_spacing_across_tiles_and_by_order() -> void:
 	c.density = 0.05
 	var alone: Array[Dictionary] = []
 	for layer: ScatterLayer in [a, b, c]:
-		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 		await settle(scatter)
 		alone.push_back(instances(scatter, 0))
 		scatter.free()
 	for order: Array in [[a, b, c], [c, b, a]]:
 		var list: Array[ScatterLayer] = []
 		list.assign(order)
-		var scatter := make_scatter(list, ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter(list, ScatterGroundFlat.new(), make_viewer())
 		await settle(scatter)
 		var at := [order.find(a), order.find(b), order.find(c)]
 		for index in 3:
@@ -81,7 +81,7 @@ func test_spacing_across_tiles_and_by_order() -> void:
 
 
 func test_proximity() -> void:
-	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(make_forest(), ScatterGroundFlat.new(), make_viewer())
 	var fern := scatter.layers[FERN]
 	fern.spacing = {}
 	fern.edge_feather = 0.0
@@ -106,7 +106,7 @@ func test_proximity() -> void:
 
 
 func test_names() -> void:
-	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(make_forest(), ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a good forest")
 	var spaced := digests(scatter, FERN)
@@ -130,7 +130,7 @@ func test_names() -> void:
 
 
 func test_refused_layers_keep_their_last_good_state() -> void:
-	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(make_forest(), ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := [digests(scatter, OAK), digests(scatter, FERN)]
 	scatter.layers[OAK].min_slope_degrees = 50.0

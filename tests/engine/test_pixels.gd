@@ -24,7 +24,7 @@ func make_view() -> TerrainScatter3D:
 	var layer := make_layer(2.0)
 	layer.tile_size = 8.0
 	layer.meshes = [mesh]
-	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
 ## The share of the picture that is of a color.

@@ -2,7 +2,7 @@ extends "harness.gd"
 ## Nothing is silent: what keeps a node from showing what it should is printed once and among its problems.
 
 ## A ground whose methods go wrong in a way of their own.
-class FailingGround extends ScatterTerrain:
+class FailingGround extends ScatterGround:
 	var heights: Variant = true ## True for a good answer, false for a script error.
 	var normals: Variant = true
 	var weights: Variant = true
@@ -57,7 +57,7 @@ func check_has(text: String, words: Array, what: String) -> void:
 
 
 func test_a_ground_script_that_fails() -> void:
-	var heights := ["ScatterTerrain", "_get_heights()", "PackedFloat32Array with a height in meters for each position",
+	var heights := ["ScatterGround", "_get_heights()", "PackedFloat32Array with a height in meters for each position",
 			REMEDY]
 	var cases := [
 		["heights", null, heights + ["returned null", "script error"]],
@@ -102,13 +102,13 @@ func test_a_ground_script_that_fails() -> void:
 ## The sentence names the file of a script that has one.
 func test_a_failing_script_is_named() -> void:
 	var file := FileAccess.open("user://failing_ground.gd", FileAccess.WRITE)
-	file.store_string("extends ScatterTerrain\nfunc _get_heights(_positions):\n\treturn 5\n")
+	file.store_string("extends ScatterGround\nfunc _get_heights(_positions):\n\treturn 5\n")
 	file.close()
-	var ground: ScatterTerrain = (load("user://failing_ground.gd") as GDScript).new()
+	var ground: ScatterGround = (load("user://failing_ground.gd") as GDScript).new()
 	var scatter := make_scatter([make_layer()], ground, make_viewer())
 	await settle(scatter)
 	check_error(["user://failing_ground.gd", "_get_heights() returned \"5\""], "a script in a file")
-	check_has("".join(scatter.get_problems()), ["Script user://failing_ground.gd of ScatterTerrain"], "its problem")
+	check_has("".join(scatter.get_problems()), ["Script user://failing_ground.gd of ScatterGround"], "its problem")
 
 
 ## Ground that works at first: a re-check meets the failure.
@@ -134,14 +134,14 @@ func test_a_method_of_another_terrain_that_fails() -> void:
 	script.reload()
 	node.set_script(script)
 	root.add_child(node)
-	var ground := ScatterTerrainObject.new()
+	var ground := ScatterGroundNode.new()
 	var scatter := make_scatter([make_layer()], ground, make_viewer())
 	ground.node = scatter.get_path_to(node)
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node"], "a wrong answer")
+	check_error(["ScatterGroundNode.node"], "a wrong answer")
 	var problems := scatter.get_problems()
 	check_equal(problems.size(), 1, "problems, got %s" % [problems])
-	check_has("".join(problems), ["layer 0", "number from the height method of ScatterTerrainObject.node"], "its problem")
+	check_has("".join(problems), ["layer 0", "number from the height method of ScatterGroundNode.node"], "its problem")
 
 
 func make_grass(radius: float) -> ScatterLayer:
@@ -153,7 +153,7 @@ func make_grass(radius: float) -> ScatterLayer:
 
 func test_very_many_instances() -> void:
 	var grass := make_grass(0.1)
-	var scatter := make_scatter([grass], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([grass], ScatterGroundFlat.new(), make_viewer())
 	scatter.frame_budget_usec = 1
 	await frames(2)
 	var problems := scatter.get_problems()
@@ -176,7 +176,7 @@ func test_dense_grass_is_no_problem() -> void:
 	var grass := make_grass(0.2)
 	grass.thin_density = 0.2
 	grass.thin_end = 128.0
-	var scatter := make_scatter([grass], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([grass], ScatterGroundFlat.new(), make_viewer())
 	scatter.frame_budget_usec = 1
 	await frames(2)
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of dense grass")
@@ -187,7 +187,7 @@ func test_rules_that_leave_few_of_many_points() -> void:
 	var grass := make_layer(0.12)
 	grass.view_distance = 100.0
 	grass.min_height = 1.0
-	var scatter := make_scatter([grass], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([grass], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
 	check_equal(scatter.get_problems().size(), 1, "problems before there are tiles")
 	await settle(scatter)
@@ -203,7 +203,7 @@ func test_settings_that_place_or_color_nothing() -> void:
 	var layer := make_layer()
 	layer.use_colors = true
 	layer.max_scale = 2.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	for case: Array in [
 		["scale_curve", Curve.new(), "ScatterLayer.scale_curve has no points: it is not used. Add points, or clear it."],
 		["color_gradient", colorless, "ScatterLayer.color_gradient has no points: all instances are black. Add points"],

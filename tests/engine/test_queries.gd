@@ -57,7 +57,7 @@ func test_a_server_without_viewers_answers_alike() -> void:
 	var lonely := TerrainScatter3D.new()
 	lonely.seed = scatter.seed
 	lonely.layers = scatter.layers
-	lonely.terrain = scatter.terrain
+	lonely.ground = scatter.ground
 	check(content_of(lonely.query_sphere(Vector3.ZERO, 20.0)) == content_of(scatter.query_sphere(Vector3.ZERO, 20.0)),
 			"outside of the tree")
 	lonely.free()
@@ -141,10 +141,10 @@ func test_nobody_waits_for_ever() -> void:
 	for deed: Callable in [
 			func() -> void: root.remove_child(scatter),
 			func() -> void: root.add_child(scatter),
-			func() -> void: scatter.terrain = null,
+			func() -> void: scatter.ground = null,
 			func() -> void: scatter.free()]:
-		if scatter.terrain == null:
-			scatter.terrain = ScatterTerrainFlat.new()
+		if scatter.ground == null:
+			scatter.ground = ScatterGroundFlat.new()
 		var left := [false]
 		scatter.request_rect(far).completed.connect(func(_found: ScatterInstances) -> void: left[0] = true)
 		deed.call()
@@ -220,7 +220,7 @@ func test_bad_questions_are_refused() -> void:
 	for id: int in [0, 1, -1, 1 << 62, -(1 << 63), (1 << 63) - 1]:
 		check(scatter.get_instance(id) == null and not scatter.has_instance(id), "nothing has the id %d" % id)
 	check_no_error("ids of nothing")
-	scatter.terrain = null
+	scatter.ground = null
 	check(scatter.query_rect(Rect2(0, 0, 5, 5)).is_empty(), "no ground")
 	check_error(["TerrainScatter3D.query_rect", "terrain", "missing"], "no ground")
 	await frames(1)

@@ -88,7 +88,7 @@ func test_no_layers() -> void:
 
 func test_no_terrain() -> void:
 	var scatter := await make_dense([make_dense_layer()])
-	await check_removal(scatter, "no terrain", func() -> void: scatter.terrain = null)
+	await check_removal(scatter, "no terrain", func() -> void: scatter.ground = null)
 
 
 func test_a_layer_less() -> void:
@@ -99,7 +99,7 @@ func test_a_layer_less() -> void:
 func test_a_state_with_very_many_removed() -> void:
 	var scatter := await make_dense([make_dense_layer()])
 	var state := ScatterState.new()
-	var other := make_scatter(scatter.layers, scatter.terrain, viewer)
+	var other := make_scatter(scatter.layers, scatter.ground, viewer)
 	await settle(other)
 	other.state = state
 	check(other.remove_in_sphere(Vector3.ZERO, 60.0).size() > 1024, "removed")
@@ -205,7 +205,7 @@ func test_scenes_of_no_use_are_freed_over_frames() -> void:
 	layer.scene = scene
 	layer.scene_distance = 12.0
 	viewer = make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var alive := Counted.alive
 	check(alive > 200, "%d scenes" % alive)
@@ -224,7 +224,7 @@ func test_multimeshes_are_freed_over_frames() -> void:
 	var layer := make_layer(0.5)
 	layer.draw_cell_size = 4.0
 	viewer = make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var changes: Dictionary[String, Callable] = {
 		"a new seed": func() -> void: scatter.seed += 1,

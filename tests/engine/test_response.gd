@@ -21,7 +21,7 @@ func near(tile: Vector2i) -> bool:
 func make_wide_scatter(layer: ScatterLayer) -> TerrainScatter3D:
 	layer.tile_size = TILE
 	layer.view_distance = 200.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: seen[tile] = seen.get(tile, 0) + 1)
 	return scatter
 
@@ -59,7 +59,7 @@ func test_a_dragged_slider_is_followed_and_queues_nothing_up() -> void:
 	check_equal(scatter.get_stats()["tiles"], tiles, "tiles on show")
 
 	var fresh_layer := layer.duplicate() as ScatterLayer
-	var fresh := make_scatter([fresh_layer], ScatterTerrainFlat.new(), make_viewer())
+	var fresh := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the last value counts")
 
@@ -119,7 +119,7 @@ func test_other_meshes_are_never_mixed_up() -> void:
 		scatter.layers = [other if step % 2 == 0 else layer]
 		await process_frame
 	await settle(scatter)
-	var fresh := make_scatter([other], ScatterTerrainFlat.new(), make_viewer())
+	var fresh := make_scatter([other], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the layer that came last stands")
 	for tile: Vector2i in scatter.get_shown_tiles(0):

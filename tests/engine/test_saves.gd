@@ -44,7 +44,7 @@ func files_there() -> Array:
 ## Save with some felled, load, fell on, load again: what was saved is there each time, in the picture too.
 func test_loading_twice_brings_back_what_was_saved() -> void:
 	make_folder()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	scatter.remove_in_sphere(Vector3.ZERO, 10.0)
 	var felled := scatter.state.get_removed()
@@ -224,7 +224,7 @@ func test_files_of_other_points_are_refused() -> void:
 	var bytes: Array[PackedByteArray] = []
 	var scatters: Array[TerrainScatter3D] = []
 	for seed: int in [7, 8]:
-		var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 		scatter.seed = seed
 		await settle(scatter)
 		scatter.remove_instance(scatter.query_nearest(Vector3.ZERO, 50.0).id)
@@ -258,9 +258,9 @@ func test_a_state_that_load_returns_again_is_warned_of() -> void:
 	make_folder()
 	var path := FOLDER + "/cut_trees.res"
 	ResourceSaver.save(make_state(), path)
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	scatter.state = load(path)
-	check_error(["TerrainScatter3D.state", path, "save_to_file()", "load_from_file()", "designed"], "a cached state")
+	check_error(["TerrainScatter3D.state", path, "save_to_file()", "load_from_file()", "copy_at_runtime"], "a cached state")
 	var cached := scatter.state
 	scatter.state = ScatterState.new()
 	scatter.state = cached
@@ -275,10 +275,10 @@ func test_a_state_that_load_returns_again_is_warned_of() -> void:
 func test_no_warning_of_states_of_scenes() -> void:
 	make_folder()
 	var designed := make_state()
-	designed.designed = true
+	designed.copy_at_runtime = true
 	ResourceSaver.save(designed, FOLDER + "/designed.res")
 	for state: ScatterState in [load(FOLDER + "/designed.res"), make_state()]:
-		var made := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+		var made := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 		made.state = state
 		var scene := PackedScene.new()
 		made.owner = null

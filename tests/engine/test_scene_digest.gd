@@ -57,7 +57,7 @@ func stored_properties(layer: ScatterLayer) -> Array[Dictionary]:
 func test_each_property_counts_if_instances_follow_from_it() -> void:
 	var layer := make_layer()
 	layer.thin_end = 100.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var placement := 0
 	var properties := stored_properties(layer)

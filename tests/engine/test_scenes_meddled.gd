@@ -43,7 +43,7 @@ func test_out_of_the_tree() -> void:
 	root.add_child(scatter)
 	await settle(scatter)
 	check(not standing_scenes.is_empty(), "scenes again")
-	scatter.terrain = null # The node stays, so scenes leave as ever: step by step, each with its signal.
+	scatter.ground = null # The node stays, so scenes leave as ever: step by step, each with its signal.
 	await settle(scatter)
 	check_equal(scatter.get_child_count(true), 0, "children without ground")
 	check_equal(standing_scenes.size(), 0, "scenes without ground, by their signals")
@@ -186,7 +186,7 @@ func test_meddling_scenes() -> void:
 				taken.reparent(root),
 		func(plant: Plant) -> void: plant.queue_free(),
 		func(_plant: Plant) -> void: meddled.layers = [],
-		func(_plant: Plant) -> void: meddled.terrain = null,
+		func(_plant: Plant) -> void: meddled.ground = null,
 		func(_plant: Plant) -> void: meddled.layers[0].scene = null,
 		func(_plant: Plant) -> void: root.remove_child(meddled),
 		func(_plant: Plant) -> void: meddled.queue_free(),
@@ -199,7 +199,7 @@ func test_meddling_scenes() -> void:
 			meddled = TerrainScatter3D.new()
 			meddled.seed = 7
 			meddled.layers = [make_plants(4.0)]
-			meddled.terrain = ScatterTerrainFlat.new()
+			meddled.ground = ScatterGroundFlat.new()
 			root.add_child(meddled)
 			viewer = make_viewer()
 			meddled.viewers = [meddled.get_path_to(viewer)]

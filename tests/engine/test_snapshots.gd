@@ -81,7 +81,7 @@ func test_a_snapshot_refuses_as_the_node_does() -> void:
 	empty.free()
 
 
-class Plateau extends ScatterTerrain:
+class Plateau extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		heights.resize(positions.size())

@@ -7,7 +7,7 @@ const STEP := 0.0027 # Of a gradient of 256 colors, as halves.
 
 
 ## Waves on one side, a plane that rises by a half on the other.
-class Banks extends ScatterTerrain:
+class Banks extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -99,7 +99,7 @@ func test_sources_of_the_ground_and_of_ranks() -> void:
 	set_source(layer, ScatterLayer.SOURCE_SLOPE, 2.0, 20.0)
 	await settle(scatter)
 	var ground := func(one: Seen) -> float:
-		var normal := scatter.terrain.get_normal(one.place)
+		var normal := scatter.ground.get_normal(one.place)
 		return (rad_to_deg(normal.angle_to(Vector3.UP)) - 2.0) / 18.0
 	check_shares(seen(scatter, 0), ground, "slope", 1e-3)
 	for one: Seen in seen(scatter, 0).values():
@@ -112,7 +112,7 @@ func test_sources_of_the_ground_and_of_ranks() -> void:
 
 func test_a_noise() -> void:
 	var layer := make_colored()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	set_source(layer, ScatterLayer.SOURCE_NOISE, 0.3, 0.7)
 	await settle(scatter)
 	var random := seen(scatter, 0)
@@ -142,7 +142,7 @@ func test_a_noise() -> void:
 
 
 ## Oaks, and ferns whose look follows them, on a terrain that may be asked on any thread, or on the main one.
-func make_followed(terrain: ScatterTerrain) -> TerrainScatter3D:
+func make_followed(terrain: ScatterGround) -> TerrainScatter3D:
 	var oak := named_layer("oak", 1, 9.0)
 	oak.density = 0.7
 	oak.view_distance = 100.0
@@ -160,7 +160,7 @@ func distance_share(oaks: PackedVector2Array) -> Callable:
 
 func test_the_distance_to_another_layer() -> void:
 	var told: Array[Dictionary] = []
-	for terrain: ScatterTerrain in [Mound.new(), MainMound.new()]:
+	for terrain: ScatterGround in [Mound.new(), MainMound.new()]:
 		var scatter := make_followed(terrain)
 		await settle(scatter)
 		check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
@@ -215,7 +215,7 @@ func test_an_edit_of_the_other_layer_stays_local() -> void:
 
 
 func test_references() -> void:
-	var scatter := make_followed(ScatterTerrainFlat.new())
+	var scatter := make_followed(ScatterGroundFlat.new())
 	var oak := scatter.layers[OAK]
 	var fern := scatter.layers[FERN]
 	await settle(scatter)
@@ -251,7 +251,7 @@ func test_references() -> void:
 
 
 func test_ranges_that_cannot_be() -> void:
-	var scatter := make_followed(ScatterTerrainFlat.new())
+	var scatter := make_followed(ScatterGroundFlat.new())
 	var fern := scatter.layers[FERN]
 	await settle(scatter)
 	var before := digests(scatter, FERN)
@@ -278,7 +278,7 @@ func test_ranges_that_cannot_be() -> void:
 ## What is placed by hand has what its position tells.
 func test_hand_placed() -> void:
 	var layer := make_colored()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	set_source(layer, ScatterLayer.SOURCE_HEIGHT, 0.0, 10.0)
 	await settle(scatter)
 	var id := scatter.add_instance(0, Transform3D(Basis.IDENTITY, Vector3(3.0, 7.5, 4.0)))

@@ -204,7 +204,7 @@ func test_what_is_damaged_is_refused() -> void:
 
 
 func test_a_damaged_file_leaves_the_running_state() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var id: int = scatter.query_nearest(Vector3.ZERO, 50.0).id
 	scatter.remove_instance(id)
@@ -222,7 +222,7 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	check(scatter.state == state and state.is_removed(id) and not scatter.has_instance(id), "the running state is as it was")
 	# What another world has changed is refused as well, and taken in again where it belongs.
 	var bytes := state.to_bytes()
-	var elsewhere := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var elsewhere := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	elsewhere.seed = 8
 	await settle(elsewhere)
 	elsewhere.remove_instance(elsewhere.query_nearest(Vector3.ZERO, 50.0).id)

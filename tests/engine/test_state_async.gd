@@ -243,7 +243,7 @@ func test_nodes_follow() -> void:
 	layer.collision_distance = 10.0
 	var nodes: Array[TerrainScatter3D] = []
 	for index in 2:
-		nodes.push_back(make_scatter([layer], ScatterTerrainFlat.new(), viewer))
+		nodes.push_back(make_scatter([layer], ScatterGroundFlat.new(), viewer))
 		nodes[index].state = nodes[0].state if index else ScatterState.new()
 	for node in nodes:
 		await settle(node)
@@ -275,7 +275,7 @@ func test_nodes_follow() -> void:
 	for id in standing:
 		gone += 1 if removed.has(id) else 0
 	check_equal(gone, expected, "signals")
-	var fresh := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var fresh := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	fresh.state = nodes[0].state
 	await settle(fresh)
 	for node in nodes:
@@ -286,7 +286,7 @@ func test_nodes_follow() -> void:
 ## Of another set of points: refused, also where the node has come after the call.
 func test_a_diff_of_other_points() -> void:
 	var layer := make_layer(1.0)
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var id: int = scatter.query_rect(Rect2(-5, -5, 10, 10)).ids[0]
 	scatter.remove_instance(id)
@@ -306,9 +306,9 @@ func test_a_diff_of_other_points() -> void:
 ## The scene file's own state is not touched by what a copy of it takes over.
 func test_designed_states_are_copied_as_they_are_seen() -> void:
 	var state := ScatterState.new()
-	state.designed = true
+	state.copy_at_runtime = true
 	state.apply_diff_async(removals(100), note)
-	var scatter := make_scatter([make_layer(2.0)], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer(2.0)], ScatterGroundFlat.new(), make_viewer())
 	scatter.state = state
 	check(scatter.state != state, "a copy")
 	await all_told(1)

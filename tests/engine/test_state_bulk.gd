@@ -8,7 +8,7 @@ func make_wood(viewer: Node3D, collide := true) -> TerrainScatter3D:
 	if collide:
 		layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
 		layer.collision_distance = 10.0
-	return make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	return make_scatter([layer], ScatterGroundFlat.new(), viewer)
 
 
 ## Removes a part of what stands, and as many more points of the layer that are nowhere near.

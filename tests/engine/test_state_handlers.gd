@@ -3,7 +3,7 @@ extends "harness.gd"
 
 
 func make_wood() -> TerrainScatter3D:
-	return make_scatter([make_layer(3.0), make_layer(1.5)], ScatterTerrainFlat.new(), make_viewer())
+	return make_scatter([make_layer(3.0), make_layer(1.5)], ScatterGroundFlat.new(), make_viewer())
 
 
 ## The ids that stand within some meters of the origin, of the first layer.

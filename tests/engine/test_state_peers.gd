@@ -129,7 +129,7 @@ func test_limits() -> void:
 
 
 func test_area() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var near: int = scatter.query_nearest(Vector3.ZERO, 30.0).id
 	var far: int = scatter.query_nearest(Vector3(200.0, 0.0, 0.0), 30.0).id
@@ -187,7 +187,7 @@ func test_joined_states_are_the_same() -> void:
 
 
 func test_many_equal_instances() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var equal := PackedFloat32Array()
 	for index in 20_000:

@@ -4,7 +4,7 @@ extends "streaming_harness.gd"
 
 func test_view_is_covered_and_counted() -> void:
 	var shown := {}
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer(Vector3(5.0, 0.0, -70.0)))
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer(Vector3(5.0, 0.0, -70.0)))
 	scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: shown[[layer, tile]] = true)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(0)
@@ -25,7 +25,7 @@ func test_view_is_covered_and_counted() -> void:
 func test_tiles_follow_the_viewer() -> void:
 	var hidden := []
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	scatter.tile_hidden.connect(func(_layer: int, tile: Vector2i) -> void: hidden.push_back(tile))
 	await settle(scatter)
 	var before := digests(scatter, 0)
@@ -43,7 +43,7 @@ func test_tiles_follow_the_viewer() -> void:
 func test_what_is_taken_away_goes() -> void:
 	var hidden := []
 	var layer := make_layer()
-	var scatter := make_scatter([layer, make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer, make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.tile_hidden.connect(func(of_layer: int, _tile: Vector2i) -> void: hidden.push_back(of_layer))
 	await settle(scatter)
 	var count := scatter.get_shown_tiles(1).size()
@@ -59,7 +59,7 @@ func test_what_is_taken_away_goes() -> void:
 	scatter.layers = [layer]
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], count, "tiles of the layer set again")
-	scatter.terrain = null
+	scatter.ground = null
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles without ground")
 	check_equal(hidden.count(0), 2 * count, "signals for tiles that lost their ground")
@@ -85,7 +85,7 @@ func test_spacing_across_tile_borders() -> void:
 	var layer := make_layer(2.0)
 	layer.tile_size = 20.0
 	layer.progressive_levels = 3
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var grid := {}
 	var closest := INF
@@ -175,7 +175,7 @@ func test_meshes_share_by_weight() -> void:
 	var layer := make_layer(1.0)
 	layer.meshes = [BoxMesh.new(), null, SphereMesh.new()]
 	layer.mesh_weights = PackedFloat32Array([1.0, 2.0])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var counts := [0, 0, 0]
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -192,7 +192,7 @@ func test_meshes_share_by_weight() -> void:
 
 func test_density_is_a_prefix() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var all := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -208,7 +208,7 @@ func test_density_is_a_prefix() -> void:
 
 func test_a_change_keeps_old_tiles_until_new_ones_stand() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var count: int = scatter.get_stats()["tiles"]
 	var before := digests(scatter, 0)
@@ -230,7 +230,7 @@ func test_a_mesh_that_grows_is_noticed() -> void:
 	var mesh := BoxMesh.new()
 	var layer := make_layer()
 	layer.meshes = [mesh, mesh]
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var made: int = scatter.get_stats()["tiles_made"]
 	mesh.size = Vector3(1.0, 30.0, 1.0)
@@ -248,20 +248,20 @@ func test_a_mesh_that_grows_is_noticed() -> void:
 
 func test_tile_size_may_change() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	layer.tile_size = 25.0
 	await settle(scatter)
 	await frames(10)
 	var fresh_layer := make_layer()
 	fresh_layer.tile_size = 25.0
-	var fresh := make_scatter([fresh_layer], ScatterTerrainFlat.new(), make_viewer())
+	var fresh := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
 	check_equal(digests(scatter, 0), digests(fresh, 0), "after a change of tile size")
 
 
 func test_layers_do_not_share_random_numbers() -> void:
-	var scatter := make_scatter([make_layer(), make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer(), make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var first := {}
 	for transform in transforms(scatter, 0, Vector2i.ZERO):
@@ -275,7 +275,7 @@ func test_layer_id_survives_reordering() -> void:
 	pinned.layer_id = 40
 	var other := make_layer(3.0)
 	other.layer_id = 41
-	var scatter := make_scatter([pinned, other], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([pinned, other], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	scatter.layers = [other, pinned]
@@ -284,7 +284,7 @@ func test_layer_id_survives_reordering() -> void:
 
 
 func test_what_is_set_again_is_not_done_again() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.biomes = ScatterBiomeMap.new()
 	scatter.state = ScatterState.new()
 	scatter.world_offset = Vector3(64.0, 0.0, 0.0)
@@ -292,7 +292,7 @@ func test_what_is_set_again_is_not_done_again() -> void:
 	var before := digests(scatter, 0)
 	var stats := scatter.get_stats()
 	check(before.size() > 10, "%d tiles" % before.size())
-	for property: StringName in [&"terrain", &"biomes", &"state", &"world_offset", &"visible"]:
+	for property: StringName in [&"ground", &"biomes", &"state", &"world_offset", &"visible"]:
 		scatter.set(property, scatter.get(property))
 		check(scatter.is_settled(), "%s: nothing is left to do" % property)
 	await frames(3)
@@ -302,7 +302,7 @@ func test_what_is_set_again_is_not_done_again() -> void:
 
 
 func test_moving_the_node_moves_nothing() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	scatter.global_transform = Transform3D(Basis().scaled(Vector3(2.0, 2.0, 2.0)), Vector3(500.0, 5.0, 5.0))
@@ -313,7 +313,7 @@ func test_moving_the_node_moves_nothing() -> void:
 
 func test_pausing_stops_the_stream() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	paused = true
 	viewer.global_position.x = 500.0
@@ -335,11 +335,11 @@ func test_terrain_answers_scripts() -> void:
 	var slope := Vector3(-1.0, 1.0, 0.0)
 	check(slope.angle_to(Cliff.new().get_normal(Vector3(-9.0, 0.0, 0.0))) < 0.001, "normal on a slope")
 	check(slope.angle_to(Cliff.new().get_normal(Vector3(-0.1, 0.0, 0.0))) < 0.001, "normal beside a hole")
-	check(is_nan(ScatterTerrain.new().get_height(Vector3.ZERO)), "no height without a script")
+	check(is_nan(ScatterGround.new().get_height(Vector3.ZERO)), "no height without a script")
 
 
 func test_what_a_frame_was_spent_on() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	var seen := {}
 	var unlike := []
 	for frame in 200:
@@ -364,7 +364,7 @@ func test_the_main_memory_of_what_is_on_show() -> void:
 	var leaning := make_layer()
 	leaning.align_to_normal = 1.0
 	for case: Array in [[upright, 20.0], [leaning, 32.0]]:
-		var scatter := make_scatter([case[0]], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([case[0]], ScatterGroundFlat.new(), make_viewer())
 		await settle(scatter)
 		var stats := scatter.get_stats()
 		check(stats.instances > 1000, "instances: %d" % stats.instances)

@@ -56,7 +56,7 @@ func met(scatter: TerrainScatter3D) -> PackedInt64Array:
 
 ## What rays meet as it is, and after a copy was exported.
 func check_same(layer: ScatterLayer, what: String) -> void:
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var before := await met(scatter)
 	check(before.size() > 20 and before.count(-1) < before.size(), "%s: %d instances, %d free" % [what, before.size(), before.count(-1)])
 	var exported := layer.duplicate() as ScatterLayer
@@ -86,7 +86,7 @@ func test_the_image_of_a_mask_is_stored() -> void:
 
 
 func test_images_of_grounds_and_biomes_take_the_place_of_textures() -> void:
-	var ground := ScatterTerrainHeightmap.new()
+	var ground := ScatterGroundHeightmap.new()
 	ground.image = stripes(true)
 	ground.weight_image = stripes(false)
 	check(ground.embed_stripped_data(), "a ground")
@@ -103,11 +103,11 @@ func test_what_was_not_stored_is_a_problem() -> void:
 	masked.mask_texture = stripes(false)
 	strip(convex)
 	strip(masked)
-	var ground := ScatterTerrainHeightmap.new()
+	var ground := ScatterGroundHeightmap.new()
 	ground.image = PlaceholderTexture2D.new()
 	var scatter := make_scatter([convex, masked], ground, make_viewer())
 	await frames(3)
 	var told := "\n".join(scatter.get_problems())
-	for words: String in ["ScatterTerrainHeightmap.image was stripped", "ScatterLayer.meshes[0] was stripped", "ScatterLayer.mask_texture was stripped"]:
+	for words: String in ["ScatterGroundHeightmap.image was stripped", "ScatterLayer.meshes[0] was stripped", "ScatterLayer.mask_texture was stripped"]:
 		check(words in told, "told: %s, got %s" % [words, told])
 	check_no_error("nothing is printed here; a server prints one warning")

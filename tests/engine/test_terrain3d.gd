@@ -15,7 +15,7 @@ func test_heights_holes_and_normals_are_its_own() -> void:
 			var at := Vector3(random.randf_range(-68.0, 68.0), 0.0, random.randf_range(-68.0, 68.0)) * spacing
 			if i % 3 == 0:
 				at = Vector3(random.randf_range(2.0, 8.0), 0.0, random.randf_range(4.0, 10.0)) * spacing
-			var height := scatter.terrain.get_height(at)
+			var height := scatter.ground.get_height(at)
 			if node.data.is_open(at):
 				holes += int(node.data.region_at(at) != null)
 				wrong += int(not is_nan(height))
@@ -25,7 +25,7 @@ func test_heights_holes_and_normals_are_its_own() -> void:
 				wrong += int(not (absf(height - node.data.height_at(at)) < 1e-4))
 				var normal := node.data.get_normal(at)
 				if normal.is_finite():
-					wrong += int(not (scatter.terrain.get_normal(at).distance_to(normal) < 1e-3))
+					wrong += int(not (scatter.ground.get_normal(at).distance_to(normal) < 1e-3))
 		check_equal(wrong, 0, "places that differ, at a spacing of %s m" % spacing)
 		check(holes > 50, "holes were met %d times" % holes)
 		scatter.free()
@@ -35,7 +35,7 @@ func test_heights_holes_and_normals_are_its_own() -> void:
 func test_limits_have_no_effect_on_a_copy() -> void:
 	var node := make_terrain3d()
 	var scatter := make_on(node)
-	var terrain := scatter.terrain as ScatterTerrainObject
+	var terrain := scatter.ground as ScatterGroundNode
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	check_equal(scatter.get_problems().size(), 0, "no problem")
@@ -58,7 +58,7 @@ func test_no_place_is_asked_for() -> void:
 		await settle(scatter)
 		check_ground(scatter, node, "thread_safe %s" % thread_safe)
 		check_equal(node.data.asked, 0, "calls for single places")
-		var terrain: ScatterTerrainObject = scatter.terrain
+		var terrain: ScatterGroundNode = scatter.ground
 		for word: String in ["Terrain3D", "4 regions", "64 x 64"]:
 			check(word in terrain.recognized, "'%s' in '%s'" % [word, terrain.recognized])
 		check_equal(scatter.get_problems().size(), 0, "nothing to say: %s" % [scatter.get_problems()])
@@ -165,7 +165,7 @@ func test_wrong_maps_are_named_and_it_is_asked_instead() -> void:
 		await settle(scatter)
 		var problems := "\n".join(scatter.get_problems())
 		check(words in problems and "place by place" in problems, "%s: %s" % [words, problems])
-		check("place by place" in (scatter.terrain as ScatterTerrainObject).recognized, "recognized")
+		check("place by place" in (scatter.ground as ScatterGroundNode).recognized, "recognized")
 		check_ground(scatter, node, words)
 		check(node.data.asked > 500, "it is asked")
 		node.data.remove_region(region)

@@ -120,7 +120,7 @@ func test_an_auto_shader_is_read_again() -> void:
 
 func test_it_comes_late() -> void:
 	for how: String in ["joins", "replaces", "is moved in", "gets data"]:
-		var terrain := ScatterTerrainObject.new()
+		var terrain := ScatterGroundNode.new()
 		terrain.node = ^"../Ground"
 		var node := make_terrain3d()
 		node.name = "Ground"
@@ -170,7 +170,7 @@ func test_it_comes_late() -> void:
 
 
 func test_asking_for_problems_does_not_hide_what_came() -> void:
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.node = ^"../Ground"
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
@@ -191,7 +191,7 @@ func test_it_leaves_and_comes_back() -> void:
 	var before := by_id(scatter)
 	root.remove_child(node)
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node"], "gone")
+	check_error(["ScatterGroundNode.node"], "gone")
 	check_equal(by_id(scatter), before, "what stands stays")
 	node.data.set_height(Vector3(3.5, 0.0, 3.5), 12.0)
 	root.add_child(node)
@@ -219,7 +219,7 @@ func test_it_is_freed_and_edited_while_workers_make_tiles() -> void:
 				await process_frame
 		node.free()
 		await frames(2)
-		check_error(["ScatterTerrainObject.node"], "round %d" % round)
+		check_error(["ScatterGroundNode.node"], "round %d" % round)
 		scatter.free()
 		check_no_error("round %d" % round)
 

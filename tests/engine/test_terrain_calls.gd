@@ -40,7 +40,7 @@ func test_an_inner_call_does_not_end_the_outer_one() -> void:
 				await settle(other)
 				var ran := [0]
 				busy.in_call = func() -> void:
-					check_equal(other.terrain.get_height(Vector3(1, 0, 1)), 5.0, what + ": the inner height")
+					check_equal(other.ground.get_height(Vector3(1, 0, 1)), 5.0, what + ": the inner height")
 					match act:
 						"leaves the tree":
 							root.remove_child(busy)
@@ -49,9 +49,9 @@ func test_an_inner_call_does_not_end_the_outer_one() -> void:
 						"is freed later":
 							busy.queue_free()
 						"changes its path":
-							(scatter.terrain as ScatterTerrainObject).node = ^"../Nobody"
+							(scatter.ground as ScatterGroundNode).node = ^"../Nobody"
 					ran[0] += 1
-				var got := scatter.terrain.get_height(Vector3.ZERO)
+				var got := scatter.ground.get_height(Vector3.ZERO)
 				check_equal(ran[0], 1, what + ": it ran")
 				check(is_nan(got) or got == 5.0, "%s: the outer height is %s" % [what, got])
 				errors.take()
@@ -77,7 +77,7 @@ func test_a_call_of_one_object_does_not_stand_for_another() -> void:
 		busy.in_call = func() -> void:
 			root.remove_child(slow)
 			slow.free() # The engine refuses this while anybody calls it.
-		scatter.terrain.get_height(Vector3.ZERO)
+		scatter.ground.get_height(Vector3.ZERO)
 		check(not is_instance_valid(slow), "freed while workers asked it")
 		await frames(3)
 		errors.take()
@@ -95,7 +95,7 @@ func test_an_object_that_goes_in_its_own_call() -> void:
 		scatter.regenerate()
 		await frames(1 + round % 3)
 		busy.in_call = func() -> void: root.remove_child(busy)
-		scatter.terrain.get_height(Vector3.ZERO)
+		scatter.ground.get_height(Vector3.ZERO)
 		var asked := busy.asked
 		OS.delay_msec(20)
 		check_equal(busy.asked, asked, "nobody asks a node that has left the tree")
@@ -105,7 +105,7 @@ func test_an_object_that_goes_in_its_own_call() -> void:
 		errors.take()
 
 
-class Letting extends ScatterTerrain:
+class Letting extends ScatterGround:
 	var let_go := Callable()
 	var calls := 0
 
@@ -146,7 +146,7 @@ class LettingAtOnce extends LettingNormals:
 		return false
 
 
-var held: ScatterTerrain
+var held: ScatterGround
 var holder: TerrainScatter3D
 
 
@@ -161,9 +161,9 @@ func test_a_terrain_that_is_let_go_in_its_own_call() -> void:
 	var busy := Busy.new()
 	holder = make_on(busy)
 	await settle(holder)
-	busy.in_call = func() -> void: holder.terrain = null
-	holder.terrain.get_height(Vector3.ZERO)
-	check(holder.terrain == null, "let go of an object's ground")
+	busy.in_call = func() -> void: holder.ground = null
+	holder.ground.get_height(Vector3.ZERO)
+	check(holder.ground == null, "let go of an object's ground")
 	errors.take()
 
 
@@ -174,14 +174,14 @@ func test_a_scatter_that_loses_its_terrain_or_itself_in_a_call() -> void:
 			for act: String in ["terrain", "layers", "free later", "leave"]:
 				var layer := make_layer()
 				layer.ground_textures = PackedInt32Array([0])
-				var terrain: ScatterTerrain = type.new()
+				var terrain: ScatterGround = type.new()
 				holder = make_scatter([layer], terrain, make_viewer())
 				var let_go := func() -> void:
 					if terrain.calls < after or not is_instance_valid(holder):
 						return
 					match act:
 						"terrain":
-							holder.terrain = null
+							holder.ground = null
 						"layers":
 							holder.layers = []
 						"free later":
@@ -226,7 +226,7 @@ func test_a_node_that_acts_while_it_is_looked_at() -> void:
 	for act: String in ["free later", "leave", "ask", "other node", "free the scatter", "no terrain"]:
 		var map := Map.new()
 		root.add_child(map)
-		var terrain := ScatterTerrainObject.new()
+		var terrain := ScatterGroundNode.new()
 		var scatter := make_scatter([make_layer()], terrain, make_viewer())
 		var ran := [0]
 		map.act = func() -> void:
@@ -245,7 +245,7 @@ func test_a_node_that_acts_while_it_is_looked_at() -> void:
 				"free the scatter":
 					scatter.free()
 				"no terrain":
-					scatter.terrain = null
+					scatter.ground = null
 		terrain.node = NodePath("../" + map.name)
 		await frames(5)
 		check(ran[0] > 0 and ran[0] < 20, "%s: looked at %d times" % [act, ran[0]])

@@ -19,13 +19,13 @@ func test_terrain3d_like() -> void:
 	await settle(fast)
 	check_terrain3d_like(slow, node, "on the main thread")
 	check_equal(digests(slow, 0), digests(fast, 0), "both ways")
-	var terrain: ScatterTerrainObject = slow.terrain
+	var terrain: ScatterGroundNode = slow.ground
 	check(is_nan(terrain.get_height(Vector3(3.0, 0.0, 3.0))), "a hole has no height")
 	check(absf(terrain.get_height(Vector3(20.0, 0.0, 0.0)) - 4.0) < 1e-5, "height")
 	var normal := Vector3(-0.2, 1.0, -0.3).normalized()
 	check(terrain.get_normal(Vector3(20.0, 5.0, 0.0)).distance_to(normal) < 1e-5, "normal")
 	var rects: Array[Rect2] = []
-	terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
+	terrain.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	node.data.maps_edited.emit(AABB(Vector3(1.0, -5.0, 2.0), Vector3(3.0, 50.0, 4.0)))
 	check_equal(rects, [Rect2(1.0, 2.0, 3.0, 4.0)] as Array[Rect2], "the edited area")
 
@@ -35,7 +35,7 @@ func test_edits_of_sparse_terrain3d_like() -> void:
 	var scatter := make_on(node)
 	await settle(scatter)
 	var rects: Array[Rect2] = []
-	scatter.terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
+	scatter.ground.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	node.data.maps_edited.emit(AABB(Vector3(1.0, -5.0, 2.0), Vector3(3.0, 50.0, 4.0)))
 	check_equal(rects, [Rect2(-7.0, -6.0, 19.0, 20.0)] as Array[Rect2], "the edited area and two posts around it")
 	var count := digests(scatter, 0).size()
@@ -83,13 +83,13 @@ func test_hterrain_like() -> void:
 		wrong += int(not inside or absf(on_map.y - 0.5 * on_map.x) > 0.01)
 	check(stand.size() > 500, "instances: %d" % stand.size())
 	check_equal(wrong, 0, "instances off the map or off the ground")
-	var terrain: ScatterTerrainObject = slow.terrain
+	var terrain: ScatterGroundNode = slow.ground
 	check(is_nan(terrain.get_height(Vector3(200.0, 0.0, 0.0))), "off the map")
 	var along := node.global_basis.x
 	var steep := Vector3(along.x * 0.75, -1.0, along.z * 0.75).normalized()
 	check(terrain.get_normal(node.position).distance_to(-steep) < 1e-3, "normal")
 	var rects: Array[Rect2] = []
-	terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
+	terrain.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	node.get_data().region_changed.emit(32, 32, 4, 4, 0)
 	if check_equal(rects.size(), 1, "an edit"):
 		for corner: Vector3 in [Vector3(32, 0, 32), Vector3(36, 0, 32), Vector3(32, 0, 36), Vector3(36, 0, 36)]:
@@ -108,7 +108,7 @@ func test_later_hterrain_like() -> void:
 	var scatter := make_on(node)
 	await settle(scatter)
 	var rects: Array[Rect2] = []
-	scatter.terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
+	scatter.ground.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	node._data.region_changed.emit(Rect2i(32, 32, 4, 4), 0, 0)
 	if check_equal(rects.size(), 1, "an edit"):
 		var world := node.get_internal_transform() * Vector3(34, 0, 34)
@@ -117,7 +117,7 @@ func test_later_hterrain_like() -> void:
 
 
 func test_a_node_that_has_other_data_is_asked_again() -> void:
-	for how: String in ["regenerate", "terrain_changed"]:
+	for how: String in ["regenerate", "ground_changed"]:
 		var node := HTerrainLike.new()
 		var scatter := make_on(node)
 		await settle(scatter)
@@ -126,7 +126,7 @@ func test_a_node_that_has_other_data_is_asked_again() -> void:
 		if how == "regenerate":
 			scatter.regenerate()
 		else:
-			scatter.terrain.terrain_changed.emit(Rect2())
+			scatter.ground.ground_changed.emit(Rect2())
 		await settle(scatter)
 		var after := all_transforms(scatter)
 		var higher := after[0].origin.y - before[0].origin.y

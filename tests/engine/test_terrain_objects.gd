@@ -28,7 +28,7 @@ func test_any_object() -> void:
 	check(node.asked_elsewhere, "asked on workers")
 	check_equal(digests(slow, 0), digests(fast, 0), "both ways")
 	check(slow.get_stats()["instances"] > 1000, "instances")
-	check(slow.terrain.get_normal(Vector3.ZERO).distance_to(Vector3(-1.0, 1.0, 0.0).normalized()) < 1e-5, "slope")
+	check(slow.ground.get_normal(Vector3.ZERO).distance_to(Vector3(-1.0, 1.0, 0.0).normalized()) < 1e-5, "slope")
 	node.rise = 0.0
 	slow.regenerate()
 	await settle(slow)
@@ -38,8 +38,8 @@ func test_any_object() -> void:
 func test_objects_do_not_know_tiles() -> void:
 	for thread_safe: bool in [false, true]:
 		var scatter := make_on(Terrain3DLike.new(), thread_safe)
-		var node := scatter.get_node((scatter.terrain as ScatterTerrainObject).node)
-		await check_tiling(scatter.terrain, "an object")
+		var node := scatter.get_node((scatter.ground as ScatterGroundNode).node)
+		await check_tiling(scatter.ground, "an object")
 		scatter.free()
 		node.free()
 
@@ -48,7 +48,7 @@ func test_an_edit_makes_its_tiles_anew() -> void:
 	for thread_safe: bool in [false, true]:
 		var node := Terrain3DLike.new()
 		var scatter := make_on(node, thread_safe)
-		scatter.terrain.recheck_enabled = false # It is raised everywhere, and says so of a part.
+		scatter.ground.recheck_enabled = false # It is raised everywhere, and says so of a part.
 		await settle(scatter)
 		var before := digests(scatter, 0)
 		var edit := func() -> void:
@@ -59,7 +59,7 @@ func test_an_edit_makes_its_tiles_anew() -> void:
 		var after := digests(scatter, 0)
 		for tile: Vector2i in before:
 			check_equal(after[tile] == before[tile], tile != Vector2i(1, 1), "tile %s" % tile)
-		var everything := func() -> void: scatter.terrain.terrain_changed.emit(Rect2())
+		var everything := func() -> void: scatter.ground.ground_changed.emit(Rect2())
 		made = await made_again(scatter, everything)
 		check_equal(made.size(), before.size(), "an empty rect stands for everything")
 		scatter.free()
@@ -73,7 +73,7 @@ func test_object_goes_and_comes() -> void:
 		node.name = "Ground"
 		var viewer := make_viewer()
 		root.add_child(node)
-		var terrain := ScatterTerrainObject.new()
+		var terrain := ScatterGroundNode.new()
 		terrain.thread_safe = thread_safe
 		var scatter := make_scatter([make_layer()], terrain, viewer)
 		terrain.node = ^"../Ground"
@@ -82,7 +82,7 @@ func test_object_goes_and_comes() -> void:
 		check(before.size() > 10, "tiles")
 		root.remove_child(node)
 		await settle(scatter)
-		check_error(["ScatterTerrainObject.node", "../Ground"], "the node is gone")
+		check_error(["ScatterGroundNode.node", "../Ground"], "the node is gone")
 		check_equal(digests(scatter, 0), before, "what stands when the node is gone")
 		check("../Ground" in "\n".join(scatter.get_problems()), "a warning")
 		viewer.global_position.x = 40.0
@@ -96,7 +96,7 @@ func test_object_goes_and_comes() -> void:
 		check_equal(shared(digests(scatter, 0), before), before, "what stands when the node is back")
 		node.free()
 		await settle(scatter)
-		check_error(["ScatterTerrainObject.node", "../Ground"], "the node is freed")
+		check_error(["ScatterGroundNode.node", "../Ground"], "the node is freed")
 		check_equal(shared(digests(scatter, 0), before), before, "what stands when the node is freed")
 		check(is_nan(terrain.get_height(Vector3.ZERO)), "no height without the node")
 		errors.take()
@@ -112,7 +112,7 @@ func test_object_goes_in_mid_work() -> void:
 			await frames(wait)
 			node.queue_free()
 			await settle(scatter)
-			check_error(["ScatterTerrainObject.node"], "freed after %d frames" % wait)
+			check_error(["ScatterGroundNode.node"], "freed after %d frames" % wait)
 			scatter.free()
 
 
@@ -122,15 +122,15 @@ func test_wrong_objects() -> void:
 	root.add_child(plain)
 	var scatter := make_on(plain)
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node", "Plain", "Node3D", "get_height"], "a node without heights")
+	check_error(["ScatterGroundNode.node", "Plain", "Node3D", "get_height"], "a node without heights")
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles on nothing")
-	var terrain: ScatterTerrainObject = scatter.terrain
+	var terrain: ScatterGroundNode = scatter.ground
 	terrain.node = ^"../Nobody"
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node", "../Nobody"], "no node")
+	check_error(["ScatterGroundNode.node", "../Nobody"], "no node")
 	terrain.node = ^""
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node is missing"], "an empty path")
+	check_error(["ScatterGroundNode.node is missing"], "an empty path")
 	var node := Slope.new()
 	root.add_child(node)
 	terrain.node = scatter.get_path_to(node)
@@ -139,7 +139,7 @@ func test_wrong_objects() -> void:
 	check(before.size() > 10, "tiles on a slope")
 	terrain.node = ^"../Plain"
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node", "Plain"], "a node without heights after a good one")
+	check_error(["ScatterGroundNode.node", "Plain"], "a node without heights after a good one")
 	check_equal(digests(scatter, 0), before, "what stands stays")
 	for thread_safe: bool in [false, true]:
 		for answer: Variant in ["high", null, Vector3.ONE, plain]:
@@ -147,7 +147,7 @@ func test_wrong_objects() -> void:
 			wrong.answer = answer
 			var on_wrong := make_on(wrong, thread_safe)
 			await settle(on_wrong)
-			check_error(["ScatterTerrainObject.node", "number", "missing"], "an answer of %s" % answer)
+			check_error(["ScatterGroundNode.node", "number", "missing"], "an answer of %s" % answer)
 			check_equal(on_wrong.get_stats()["instances"], 0, "instances")
 			wrong.answer = 5
 			on_wrong.regenerate()
@@ -166,7 +166,7 @@ func test_a_failure_leaves_what_stands() -> void:
 	node.answer = "low"
 	scatter.regenerate()
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node"], "a wrong answer")
+	check_error(["ScatterGroundNode.node"], "a wrong answer")
 	check_equal(digests(scatter, 0), before, "what stands after a wrong answer")
 	await frames(60)
 	check_no_error("a re-check does not report it once more")
@@ -175,7 +175,7 @@ func test_a_failure_leaves_what_stands() -> void:
 func test_shared_terrain_has_another_host_when_the_first_goes() -> void:
 	var node := Slope.new()
 	var first := make_on(node)
-	var second := make_scatter([make_layer()], first.terrain, make_viewer())
+	var second := make_scatter([make_layer()], first.ground, make_viewer())
 	await settle(first)
 	await settle(second)
 	check_equal(digests(first, 0), digests(second, 0), "both on one ground")

@@ -3,7 +3,7 @@ extends "terrain_harness.gd"
 ## same whichever way it is asked.
 
 ## Hills with textures by thirds of the world, and weights that depend on them.
-class Textured extends ScatterTerrain:
+class Textured extends ScatterGround:
 	var extra := 0
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -25,8 +25,8 @@ class ThreadedTextured extends Textured:
 		return true
 
 
-func make_hills() -> ScatterTerrainNoise:
-	var terrain := ScatterTerrainNoise.new()
+func make_hills() -> ScatterGroundNoise:
+	var terrain := ScatterGroundNoise.new()
 	var noise := FastNoiseLite.new()
 	noise.seed = 5
 	noise.frequency = 0.02
@@ -76,7 +76,7 @@ func test_noise_stands_and_follows() -> void:
 	terrain.noise = null
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles without a noise")
-	check("ScatterTerrainNoise.noise" in "\n".join(scatter.get_problems()), "a warning without a noise")
+	check("ScatterGroundNoise.noise" in "\n".join(scatter.get_problems()), "a warning without a noise")
 	terrain.noise = old
 	await settle(scatter)
 	check_equal(scatter.get_problems().size(), 0, "no warning with a noise")
@@ -93,10 +93,10 @@ func test_noise_refuses() -> void:
 		for value: float in [NAN, INF, 1e9, -2e6]:
 			var good: float = terrain.get(property)
 			terrain.set(property, value)
-			check_error(["ScatterTerrainNoise." + property], "%s = %s" % [property, value])
+			check_error(["ScatterGroundNoise." + property], "%s = %s" % [property, value])
 			check_equal(terrain.get(property), good, property)
 	terrain.amplitude = -1.0
-	check_error(["ScatterTerrainNoise.amplitude", "-1"], "a negative amplitude")
+	check_error(["ScatterGroundNoise.amplitude", "-1"], "a negative amplitude")
 
 
 func test_weights_of_scripts() -> void:
@@ -131,16 +131,16 @@ func put(node: Node3D, at: Transform3D) -> void:
 
 func test_textures_that_a_ground_has_not() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var image := Image.create_empty(4, 4, false, Image.FORMAT_RF)
-	var plain_map := ScatterTerrainHeightmap.new()
+	var plain_map := ScatterGroundHeightmap.new()
 	plain_map.image = image
-	var weighed_map := plain_map.duplicate() as ScatterTerrainHeightmap
+	var weighed_map := plain_map.duplicate() as ScatterGroundHeightmap
 	weighed_map.weight_image = image
-	var warns := func(terrain: ScatterTerrain) -> bool:
-		scatter.terrain = terrain
+	var warns := func(terrain: ScatterGround) -> bool:
+		scatter.ground = terrain
 		return "ScatterLayer.ground_textures has no effect" in "\n".join(scatter.get_problems())
-	for terrain: ScatterTerrain in [ScatterTerrainFlat.new(), make_hills(), plain_map, Textured.new(), weighed_map]:
+	for terrain: ScatterGround in [ScatterGroundFlat.new(), make_hills(), plain_map, Textured.new(), weighed_map]:
 		layer.ground_textures = PackedInt32Array()
 		check(not warns.call(terrain), "no textures are asked of %s" % terrain)
 		layer.ground_textures = PackedInt32Array([0])
@@ -173,7 +173,7 @@ func make_colliders() -> void:
 
 func test_colliders() -> void:
 	make_colliders()
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
 	var stand := all_transforms(scatter)
@@ -210,12 +210,12 @@ func test_colliders() -> void:
 
 func test_colliders_do_not_know_tiles() -> void:
 	make_colliders()
-	await check_tiling(ScatterTerrainColliders.new(), "colliders")
+	await check_tiling(ScatterGroundColliders.new(), "colliders")
 
 
 func test_rays_wait_for_physics_frames() -> void:
 	make_colliders()
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	terrain.rays_per_frame = 100
 	var scatter := make_scatter([make_layer(1.0)], terrain, make_viewer())
 	var start := Engine.get_physics_frames()
@@ -228,12 +228,12 @@ func test_rays_wait_for_physics_frames() -> void:
 
 func test_colliders_refuse() -> void:
 	make_colliders()
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	for wrong: Array in [["collision_mask", -1], ["collision_mask", 1 << 32], ["rays_per_frame", 0],
 			["rays_per_frame", 1 << 40], ["ray_top", NAN], ["ray_top", 2e6], ["ray_bottom", INF], ["ray_bottom", -2e6]]:
 		var good: Variant = terrain.get(wrong[0])
 		terrain.set(wrong[0], wrong[1])
-		check_error(["ScatterTerrainColliders." + wrong[0]], "%s = %s" % wrong)
+		check_error(["ScatterGroundColliders." + wrong[0]], "%s = %s" % wrong)
 		check_equal(terrain.get(wrong[0]), good, wrong[0])
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
@@ -241,7 +241,7 @@ func test_colliders_refuse() -> void:
 	check(before.size() > 10, "tiles")
 	terrain.ray_bottom = 2000.0
 	await settle(scatter)
-	check_error(["ScatterTerrainColliders.ray_bottom", "2000"], "a bottom above the top")
+	check_error(["ScatterGroundColliders.ray_bottom", "2000"], "a bottom above the top")
 	check_equal(digests(scatter, 0), before, "what stands stays")
 	check("ray_bottom" in "\n".join(scatter.get_problems()), "a warning")
 	terrain.ray_bottom = -1000.0
@@ -274,7 +274,7 @@ func make_meshes() -> Array[MeshInstance3D]:
 func test_meshes() -> void:
 	var instances := make_meshes()
 	make_mesh(BoxMesh.new(), Transform3D(Basis().scaled(Vector3.ONE * 90.0), Vector3.ZERO), &"other")
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
@@ -297,7 +297,7 @@ func test_meshes() -> void:
 	var leaning := Vector3.UP.rotated(Vector3.BACK, deg_to_rad(20.0))
 	check(terrain.get_normal(Vector3(-60.0, 0.0, 0.0)).distance_to(leaning) < 1e-4, "normal")
 	var rects: Array[Rect2] = []
-	terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
+	terrain.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	terrain.refresh()
 	check_equal(rects.size(), 0, "nothing has changed")
 	instances[2].global_position = Vector3(0.0, 0.0, 5.0)
@@ -320,12 +320,12 @@ func test_meshes() -> void:
 	check_equal(scatter.get_stats()["instances"], 0, "instances on no mesh")
 	check("\"ground\"" in "\n".join(scatter.get_problems()), "a warning of a group without meshes")
 	terrain.group = &""
-	check("ScatterTerrainMeshes.group" in "\n".join(scatter.get_problems()), "a warning without a group")
+	check("ScatterGroundMeshes.group" in "\n".join(scatter.get_problems()), "a warning without a group")
 
 
 func test_nodes_share_what_was_read_of_meshes() -> void:
 	var instances := make_meshes()
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	var both: Array[TerrainScatter3D] = []
 	for index in 2:
@@ -346,6 +346,6 @@ func test_nodes_share_what_was_read_of_meshes() -> void:
 
 func test_meshes_do_not_know_tiles() -> void:
 	make_meshes()
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	await check_tiling(terrain, "meshes")

@@ -22,12 +22,12 @@ func make_objects(in_scene: bool) -> Array[Object]:
 	var map := ScatterBiomeMap.new()
 	map.biomes = [biome]
 	var objects: Array[Object] = [layer, layer.mask, model, model.lods[0], biome, map, biome.layers[0]]
-	for type in ClassDB.get_inheriters_from_class("ScatterTerrain"):
+	for type in ClassDB.get_inheriters_from_class("ScatterGround"):
 		objects.push_back(ClassDB.instantiate(type))
 	var scatters: Array[TerrainScatter3D] = []
-	for terrain: ScatterTerrain in objects.filter(func(object: Object) -> bool: return object is ScatterTerrain):
+	for terrain: ScatterGround in objects.filter(func(object: Object) -> bool: return object is ScatterGround):
 		var scatter := TerrainScatter3D.new()
-		scatter.terrain = terrain
+		scatter.ground = terrain
 		scatter.state = ScatterState.new()
 		scatter.layers = [layer]
 		scatter.biomes = map
@@ -71,8 +71,8 @@ func refused_methods(object: Object, type: String) -> PackedStringArray:
 
 func own_classes(object: Object) -> PackedStringArray:
 	var types := PackedStringArray([object.get_class()])
-	if object is ScatterTerrain and types[0] != "ScatterTerrain":
-		types.push_back("ScatterTerrain")
+	if object is ScatterGround and types[0] != "ScatterGround":
+		types.push_back("ScatterGround")
 	return types
 
 
@@ -111,7 +111,7 @@ func test_results_may_be_read_on_any_thread() -> void:
 	var pages := read_pages()
 	var results: Array[RefCounted] = [scatter.query_sphere(Vector3.ZERO, 30.0), scatter.query_nearest(Vector3.ZERO, 60.0),
 			scatter.build_rect(0, Rect2(0, 0, 32, 32)), scatter.explain_position(Vector3.ZERO)[0], PoissonSampler.new(),
-			PoissonSampler.new().sample(Rect2(0, 0, 9, 9)), ScatterTileGrid.new(), ImpostorBaker.new(), scatter.make_snapshot(),
+			PoissonSampler.new().sample(Rect2(0, 0, 9, 9)), ScatterTileGrid.new(), ScatterImpostorBaker.new(), scatter.make_snapshot(),
 			scatter.request_sphere(Vector3.ZERO, 9.0)]
 	for result in results:
 		check_rules(result, result.get_class(), pages[result.get_class()], false)
@@ -220,7 +220,7 @@ func test_threads_that_share_a_free_object() -> void:
 	var state := ScatterState.new()
 	var mask := ScatterMask.new()
 	var sampler := PoissonSampler.new()
-	var terrain := ScatterTerrainFlat.new()
+	var terrain := ScatterGroundFlat.new()
 	var layer := make_layer()
 	var works: Array[Callable] = [
 		func() -> void:
@@ -306,7 +306,7 @@ func test_calls_within_a_call() -> void:
 ## An engine's resource that a thread changes is told to the main thread.
 func test_changes_that_another_thread_reports() -> void:
 	var scatter := make_wood(make_viewer())
-	var noise := (scatter.terrain as ScatterTerrainNoise).noise as FastNoiseLite
+	var noise := (scatter.ground as ScatterGroundNoise).noise as FastNoiseLite
 	await settle(scatter)
 	var before := tile_buffers(scatter, 0, Vector2i.ZERO)
 	on_thread(func() -> void: noise.seed = 99)

@@ -51,7 +51,7 @@ func test_parts_of_tiles_share_no_instance() -> void:
 	var layer := make_layer(1.0)
 	layer.tile_size = 33.3
 	var far := Vector3(4_000_000.0, 0.0, -3_000_000.0)
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer(far))
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer(far))
 	await frames(2)
 	var rect := Rect2(far.x - 40.0, far.z - 30.0, 97.25, 88.5)
 	var whole := ids_of(scatter.build_rect(0, rect))[0] as PackedInt64Array
@@ -80,7 +80,7 @@ func test_parts_of_tiles_share_no_instance() -> void:
 
 ## The tiles of a bake are the game's, also where the world was moved.
 func test_bakes_have_the_tiles_of_a_moved_world() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.world_offset = Vector3(1000.0, 0.0, 2000.0)
 	await settle(scatter)
 	var bake := Bake.new()

@@ -55,14 +55,14 @@ func test_default_viewer_is_the_camera() -> void:
 	root.add_child(camera)
 	camera.global_position = Vector3(400.0, 3.0, 400.0)
 	camera.make_current()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), camera)
 	scatter.viewers = []
 	await settle(scatter)
 	check(Vector2i(12, 12) in scatter.get_shown_tiles(0), "the camera's tile is there")
 
 
 func test_two_viewers() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.viewers = scatter.viewers + [scatter.get_path_to(make_viewer(Vector3(-960.0, 0.0, 0.0)))]
 	await settle(scatter)
 	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "the first viewer's tile")
@@ -78,7 +78,7 @@ func test_two_hundred_viewers() -> void:
 	for index in 200:
 		players.append(make_viewer(Vector3(200.0 * index + 16.0, 0.0, 16.0)))
 		paths.append(players[index].get_path())
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), players[0])
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), players[0])
 	scatter.viewers = paths
 	await settle(scatter)
 	var shown := scatter.get_shown_tiles(0)
@@ -92,7 +92,7 @@ func test_two_hundred_viewers() -> void:
 func test_a_viewer_out_of_reach_leaves_the_others_served() -> void:
 	var lost := make_viewer(Vector3(1e30, 0.0, 0.0))
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	scatter.viewers = scatter.viewers + [scatter.get_path_to(lost)]
 	await settle(scatter)
 	check(Vector2i.ZERO in scatter.get_shown_tiles(0), "the other viewer's tile is there")
@@ -104,7 +104,7 @@ func test_a_viewer_out_of_reach_leaves_the_others_served() -> void:
 
 
 func test_without_a_viewer_there_is_a_problem() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.viewers = []
 	await frames(3)
 	check(not scatter.is_settled(), "nothing is shown, so it is not settled")
@@ -119,7 +119,7 @@ func test_without_a_viewer_there_is_a_problem() -> void:
 
 func test_a_teleport_unsettles_in_the_same_frame() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	viewer.position.x = 5000.0
 	check(not scatter.is_settled(), "not settled in the frame of a teleport")
@@ -139,7 +139,7 @@ func test_a_teleport_unsettles_in_the_same_frame() -> void:
 func test_settled_follows_each_change() -> void:
 	var viewer := make_viewer()
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var count := [0]
 	scatter.settled.connect(func() -> void: count[0] += 1)
@@ -164,7 +164,7 @@ func test_a_jump_of_a_body_unsettles() -> void:
 	var layer := make_layer()
 	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
 	layer.collision_distance = 10.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var body := make_viewer(Vector3(0.0, 500.0, 0.0))
 	body.add_to_group(&"scatter_interaction")
 	await settle(scatter)
@@ -177,7 +177,7 @@ func test_a_jump_of_a_body_unsettles() -> void:
 ## Instances keep their positions in the world, whatever the node's transform says.
 func test_a_transform_is_a_problem() -> void:
 	var parent := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.reparent(parent)
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await settle(scatter)
@@ -206,7 +206,7 @@ func test_a_viewer_at_the_distance_of_a_change_lets_the_stream_settle() -> void:
 	layer.lod_meshes = [SphereMesh.new()]
 	layer.lod_distances = PackedFloat32Array([0.0])
 	var viewer := make_viewer(Vector3(5.0, 0.5, 5.0))
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	check(scatter.get_stats()["drawn"] > 0, "something is drawn")
 	viewer.global_position.x = 1.0
@@ -214,7 +214,7 @@ func test_a_viewer_at_the_distance_of_a_change_lets_the_stream_settle() -> void:
 
 
 func test_each_viewer_has_its_own_radius() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	var others := [make_viewer(Vector3(2000.0, 0.0, 0.0)), make_viewer(Vector3(-2000.0, 0.0, 0.0))]
 	for other: Node3D in others:
 		scatter.viewers = scatter.viewers + [scatter.get_path_to(other)]
@@ -243,7 +243,7 @@ func test_each_viewer_has_its_own_radius() -> void:
 
 
 func test_bad_radius_scales() -> void:
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	scatter.viewer_distance_scales = PackedFloat32Array([0.0, 2.0])
 	for bad: float in [NAN, INF, -1.0, 2e6]:
 		scatter.viewer_distance_scales = PackedFloat32Array([1.0, bad])
@@ -253,12 +253,12 @@ func test_bad_radius_scales() -> void:
 
 func test_split_screen_is_both_pictures() -> void:
 	var ends := [Vector3(10.0, 0.0, 5.0), Vector3(90.0, 0.0, -30.0)]
-	var both := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer(ends[0]))
+	var both := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer(ends[0]))
 	both.viewers = both.viewers + [both.get_path_to(make_viewer(ends[1]))]
 	await settle(both)
 	var got := digests(both, 0)
 	for at: Vector3 in ends:
-		var one := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer(at))
+		var one := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer(at))
 		await settle(one)
 		var expected := digests(one, 0)
 		for tile: Vector2i in expected:
@@ -267,7 +267,7 @@ func test_split_screen_is_both_pictures() -> void:
 
 func test_a_server_with_16_players() -> void:
 	var layer := make_layer(4.0)
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var paths := scatter.viewers
 	var players: Array[Node3D] = [scatter.get_node(paths[0])]
 	for player in range(1, 16):
@@ -301,7 +301,7 @@ func test_a_teleport_shows_near_tiles_first() -> void:
 	var viewer := make_viewer()
 	var layer := make_layer(1.5)
 	layer.view_distance = 300.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.frame_budget_usec = 500
 	var watch := OrderWatch.new(scatter, 0, viewer)
 	await settle(scatter)
@@ -322,7 +322,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 	var far := make_layer(8.0)
 	far.tile_size = 128.0
 	far.view_distance = 700.0
-	var scatter := make_scatter([near, far], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([near, far], ScatterGroundFlat.new(), viewer)
 	scatter.frame_budget_usec = 500
 	await settle(scatter)
 	var watches := [OrderWatch.new(scatter, 0, viewer), OrderWatch.new(scatter, 1, viewer)]

@@ -2,10 +2,10 @@ extends "biomes_harness.gd"
 ## Water: layers know how deep it is, that of the node and that of a biome.
 
 ## Ground that rises from -12.8 m on the left to 12.8 m on the right: a meter in ten.
-func slope() -> ScatterTerrain:
+func slope() -> ScatterGround:
 	var image := Image.create_empty(2, 2, false, Image.FORMAT_RF)
 	image.fill_rect(Rect2i(1, 0, 1, 2), Color(1, 0, 0))
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.image = image
 	terrain.rect = EXTENT
 	terrain.min_height = -12.8
@@ -149,7 +149,7 @@ func test_bad_input() -> void:
 func test_water_and_biomes_are_explained() -> void:
 	var map := three_biomes()
 	var scatter := make_world(map)
-	scatter.terrain = slope()
+	scatter.ground = slope()
 	scatter.water_enabled = true
 	map.biomes[2].layers[0].min_water_depth = 0.5
 	map.biomes[2].layers[0].max_water_depth = 2.0

@@ -12,8 +12,8 @@ func make_rock(radius := 2.0) -> ScatterLayer:
 	return layer
 
 
-func make_noise() -> ScatterTerrainNoise:
-	var terrain := ScatterTerrainNoise.new()
+func make_noise() -> ScatterGroundNoise:
+	var terrain := ScatterGroundNoise.new()
 	var noise := FastNoiseLite.new()
 	noise.frequency = 0.01
 	terrain.noise = noise
@@ -22,7 +22,7 @@ func make_noise() -> ScatterTerrainNoise:
 
 func test_a_recenter_moves_what_stands_and_makes_nothing() -> void:
 	var viewer := make_viewer(Vector3(300.0, 0.0, 100.0))
-	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var before := instances(scatter, 0)
 	var digest := digests(scatter, 0)
@@ -85,7 +85,7 @@ func test_a_recenter_in_flight() -> void:
 
 
 func test_a_thousand_kilometers_out_all_is_as_exact_as_here() -> void:
-	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), make_viewer())
 	scatter.world_offset = FAR
 	await settle(scatter)
 	var standing := instances(scatter, 0)
@@ -135,7 +135,7 @@ func test_the_same_bits_whatever_the_offset() -> void:
 
 func test_queries_and_changes_are_in_the_engine_space() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)
 	scatter.world_offset = FAR
 	await settle(scatter)
 	var found := scatter.query_sphere(Vector3(5.0, 0.0, 5.0), 20.0)
@@ -175,7 +175,7 @@ func test_regions_move_along_and_are_no_edit() -> void:
 	root.add_child(world)
 	var layer := make_rock()
 	var viewer := make_viewer(Vector3(3.3, 0.0, 1.1))
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.reparent(world)
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	var box := ScatterRegion3D.new()
@@ -222,7 +222,7 @@ func test_ground_in_the_scene_moves_along() -> void:
 	root.add_child(ground)
 	ground.global_position.y = 6.0 # Its top is at 7 m.
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_rock()], ScatterTerrainColliders.new(), viewer)
+	var scatter := make_scatter([make_rock()], ScatterGroundColliders.new(), viewer)
 	await settle(scatter)
 	var before := instances(scatter, 0)
 	check(before.size() > 1000, "%d instances" % before.size())
@@ -248,13 +248,13 @@ class Slope extends Node3D:
 
 
 ## Each kind of ground that is found in the scene, as the same slope: 0.5 x - 0.25 z in the engine's space.
-func make_slopes() -> Dictionary[String, ScatterTerrain]:
-	var result: Dictionary[String, ScatterTerrain] = {}
+func make_slopes() -> Dictionary[String, ScatterGround]:
+	var result: Dictionary[String, ScatterGround] = {}
 	var node := Slope.new()
 	node.name = "Slope"
 	root.add_child(node)
 	for thread_safe: bool in [false, true]:
-		var of_object := ScatterTerrainObject.new()
+		var of_object := ScatterGroundNode.new()
 		of_object.node = ^"../Slope"
 		of_object.thread_safe = thread_safe
 		result["an object, thread_safe %s" % thread_safe] = of_object
@@ -272,10 +272,10 @@ func make_slopes() -> Dictionary[String, ScatterTerrain]:
 	instance.add_to_group(&"slope")
 	root.add_child(instance)
 	instance.create_trimesh_collision()
-	result["meshes"] = ScatterTerrainMeshes.new()
-	(result["meshes"] as ScatterTerrainMeshes).group = &"slope"
-	result["colliders"] = ScatterTerrainColliders.new()
-	(result["colliders"] as ScatterTerrainColliders).rays_per_frame = 5000
+	result["meshes"] = ScatterGroundMeshes.new()
+	(result["meshes"] as ScatterGroundMeshes).group = &"slope"
+	result["colliders"] = ScatterGroundColliders.new()
+	(result["colliders"] as ScatterGroundColliders).rays_per_frame = 5000
 	return result
 
 
@@ -305,7 +305,7 @@ func test_nodes_with_other_offsets_share_a_ground() -> void:
 		await frames(2) # Tiles of one are under way while the other recenters, alone: it asks about other parts of the scene.
 		there.world_offset = Vector3(-96.0, 0.0, 0.0)
 		there.regenerate()
-		if terrain is ScatterTerrainMeshes:
+		if terrain is ScatterGroundMeshes:
 			terrain.refresh() # It was read where it stood, and has stayed behind.
 		await settle(here)
 		await settle(there)
@@ -326,7 +326,7 @@ func test_bodies_move_along() -> void:
 	var layer := make_rock(4.0)
 	layer.collision_shape = ScatterLayer.COLLISION_CAPSULE
 	layer.collision_distance = 30.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.world_offset = FAR
 	await settle(scatter)
 	var shift := Vector3(-64.0, 0.0, 32.0)
@@ -347,7 +347,7 @@ func test_how_far_out_a_radius_reaches() -> void:
 	# Base squares of side r / sqrt 2 are counted from -2^23: a radius of 2 m ends at some 11,863 km.
 	var edge := 8388608.0 * 2.0 / sqrt(2.0)
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)
 	scatter.world_offset = Vector3(11.0e6, 0.0, 0.0)
 	await settle(scatter)
 	check(instances(scatter, 0).size() > 2000, "instances 11,000 km out")
@@ -360,7 +360,7 @@ func test_how_far_out_a_radius_reaches() -> void:
 
 
 func test_bad_values() -> void:
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	scatter.world_offset = Vector3(NAN, 0.0, 0.0)
 	check_error(["TerrainScatter3D", "world_offset"], "not a number")
 	scatter.world_offset = Vector3(0.0, 2e12, 0.0)

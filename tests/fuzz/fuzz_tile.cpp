@@ -137,7 +137,7 @@ LayerSettings read_layer(Bytes &r_bytes) {
 	layer.rules.density = r_bytes.number(0.0, 1.0);
 	layer.rules.min_slope_degrees = r_bytes.chance(2) ? 0.0 : r_bytes.number(0.0, 45.0);
 	layer.rules.max_slope_degrees = r_bytes.chance(2) ? 90.0 : r_bytes.number(45.0, 90.0);
-	layer.rules.slope_falloff = r_bytes.number(0.0, 30.0);
+	layer.rules.slope_falloff_degrees = r_bytes.number(0.0, 30.0);
 	layer.rules.min_height = r_bytes.chance(2) ? -unlimited_height : r_bytes.number(0.0, 300.0);
 	layer.rules.max_height = r_bytes.chance(2) ? unlimited_height : r_bytes.number(300.0, 900.0);
 	layer.rules.height_falloff = r_bytes.number(0.0, 100.0);

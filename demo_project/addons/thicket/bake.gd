@@ -55,8 +55,8 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 		return _refuse(ERR_INVALID_PARAMETER, "The rectangle must be finite and have an area, got %s." % rect)
 	if name.is_empty() or not name.is_valid_filename():
 		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without / : ? * and the like, got '%s'." % name)
-	if scatter.get(&"terrain") == null:
-		return _refuse(ERR_UNCONFIGURED, "%s has no terrain: set TerrainScatter3D.terrain." % scatter.name)
+	if scatter.get(&"ground") == null:
+		return _refuse(ERR_UNCONFIGURED, "%s has no ground: set TerrainScatter3D.ground." % scatter.name)
 	var error := _list_tiles(layers)
 	if error != OK:
 		return error

@@ -1,4 +1,4 @@
-class_name BakedWorld
+class_name ScatterBakedWorld
 extends Node3D
 ## Streams the tiles of a baked world around the current camera. Plain GDScript: it needs no extension, so it runs where none can be loaded.
 ##
@@ -22,8 +22,8 @@ signal tile_failed(tile: Vector2i)
 
 ## Files that are read at once.
 const MOST_LOADING := 4
-const UNUSABLE := "BakedWorld.index_file is %s, which must be the index of a baked world: %s. Nothing is shown. Export the bake again (bake_export.sh)."
-const OUTDATED := "BakedWorld.index names %s, which an earlier version exported, with scenes for tiles. Scenes may run code, so nothing is shown. " \
+const UNUSABLE := "ScatterBakedWorld.index_file is %s, which must be the index of a baked world: %s. Nothing is shown. Export the bake again (bake_export.sh)."
+const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version exported, with scenes for tiles. Scenes may run code, so nothing is shown. " \
 		+ "Export the bake again (bake_export.sh); the bake itself is still good."
 
 ## The index of the world, [code]baked_world.baked[/code]. The tiles lie beside it. Empty for nothing.
@@ -36,7 +36,7 @@ const OUTDATED := "BakedWorld.index names %s, which an earlier version exported,
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
 	set(value):
 		if not (value >= 0.0 and value < 1e6):
-			push_error("BakedWorld.view_distance must be between 0 and 1000000 m, got %s. The last valid value stays; set one in this range." % value)
+			push_error("ScatterBakedWorld.view_distance must be between 0 and 1000000 m, got %s. The last valid value stays; set one in this range." % value)
 			return
 		view_distance = value
 		_is_stale = true
@@ -205,7 +205,7 @@ func _request() -> void:
 		var wanted: Vector2i = _wanted.pop_back()
 		var tile := Tile.new(_index, _numbers[wanted], _models.meshes, _models.materials)
 		if _has_threads:
-			tile.task = WorkerThreadPool.add_task(tile.run if _builds_on_threads else tile.read, false, "Read a tile of a BakedWorld")
+			tile.task = WorkerThreadPool.add_task(tile.run if _builds_on_threads else tile.read, false, "Read a tile of a ScatterBakedWorld")
 		_loading[wanted] = tile
 
 
@@ -253,7 +253,7 @@ func _show(at: Vector2i, tile: Tile) -> void:
 
 func _fail(tile: Vector2i, why: String) -> void:
 	_failed[tile] = true
-	push_error("BakedWorld: the tile %s cannot be shown: %s. Export the bake again." % [tile, why])
+	push_error("ScatterBakedWorld: the tile %s cannot be shown: %s. Export the bake again." % [tile, why])
 	tile_failed.emit(tile)
 
 

@@ -1,7 +1,7 @@
-class_name BakedWorldIndex
+class_name ScatterBakedWorldIndex
 extends RefCounted
 ## Which tiles a baked world has, and the meshes and materials that they name. [code]demo_project/bake_export.sh[/code] writes it as
-## [code]baked_world.baked[/code], [BakedWorld] reads it.
+## [code]baked_world.baked[/code], [ScatterBakedWorld] reads it.
 
 const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 

@@ -3,7 +3,7 @@ extends RefCounted
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 
-const _MISSING := "BakedWorld: %s %s. What is drawn with it stays hidden. Put it into the project, or export the bake again."
+const _MISSING := "ScatterBakedWorld: %s %s. What is drawn with it stays hidden. Put it into the project, or export the bake again."
 
 ## By their numbers; null for those that cannot be loaded, once [method load_step] returned true.
 var meshes: Array[Mesh] = []

@@ -38,7 +38,7 @@ var problem := ""
 ## What could not be taken over from materials, in sentences.
 var warnings := PackedStringArray()
 
-var _baker: RefCounted # An ImpostorBaker; the editor reads this script where the library is missing, too.
+var _baker: RefCounted # An ScatterImpostorBaker; the editor reads this script where the library is missing, too.
 var _reader: Reader
 var _task := -1
 
@@ -62,7 +62,7 @@ func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 	cancel()
 	problem = ""
 	warnings.clear()
-	_baker = ClassDB.instantiate(&"ImpostorBaker")
+	_baker = ClassDB.instantiate(&"ScatterImpostorBaker")
 	_baker.frames = frames
 	_baker.frame_size = frame_size
 	_baker.samples = samples

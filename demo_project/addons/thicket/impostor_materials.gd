@@ -1,5 +1,5 @@
 extends RefCounted
-## Reads from materials what [ImpostorBaker] needs to know of them, and sums up what holds for a whole impostor.
+## Reads from materials what [ScatterImpostorBaker] needs to know of them, and sums up what holds for a whole impostor.
 
 const Parameters := preload("res://addons/thicket/shader_parameters.gd")
 
@@ -9,8 +9,8 @@ class Look:
 	var albedo := Color.WHITE
 	var texture: Image
 	var alpha_threshold := 0.0
-	var cull_mode := 0 # An ImpostorBaker.CullMode.
-	var vertex_colors := 0 # An ImpostorBaker.VertexColorMode.
+	var cull_mode := 0 # An ScatterImpostorBaker.CullMode.
+	var vertex_colors := 0 # An ScatterImpostorBaker.VertexColorMode.
 	var roughness := 1.0
 	var specular := 0.5
 	var backlight := Color.BLACK
@@ -51,9 +51,9 @@ func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	return look
 
 
-## One of ImpostorBaker's constants, which cannot be named: the editor compiles this script where the library is missing, too.
+## One of ScatterImpostorBaker's constants, which cannot be named: the editor compiles this script where the library is missing, too.
 static func _constant(name: StringName) -> int:
-	return ClassDB.class_get_integer_constant(&"ImpostorBaker", name)
+	return ClassDB.class_get_integer_constant(&"ScatterImpostorBaker", name)
 
 
 func _read_material(material: BaseMaterial3D, look: Look) -> void:

@@ -40,7 +40,7 @@ Status validate(const Rules &rules) {
 			check_range("min_slope_degrees", rules.min_slope_degrees, 0.0, max_slope),
 			check_range("max_slope_degrees", rules.max_slope_degrees, 0.0, max_slope),
 			check_order("max_slope_degrees", rules.min_slope_degrees, rules.max_slope_degrees),
-			check_range("slope_falloff", rules.slope_falloff, 0.0, max_slope),
+			check_range("slope_falloff_degrees", rules.slope_falloff_degrees, 0.0, max_slope),
 			check_height("min_height", rules.min_height), check_height("max_height", rules.max_height),
 			check_order("max_height", rules.min_height, rules.max_height),
 			check_range("height_falloff", rules.height_falloff, 0.0, std::numeric_limits<double>::max()),
@@ -65,7 +65,7 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 	if (!status.ok()) {
 		return status;
 	}
-	slope_ = SlopeRange(rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff);
+	slope_ = SlopeRange(rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff_degrees);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
 			rules.max_height >= unlimited_height, rules.height_falloff);
 	water_depth_ = PreparedRange(rules.min_water_depth, rules.min_water_depth <= -unlimited_height,

@@ -35,7 +35,7 @@ struct Rules {
 	double density = 1.0;           ///< Fraction of the set, 0 to 1.
 	double min_slope_degrees = 0.0; ///< Angle between the normal and straight up, 0 to 90 true degrees.
 	double max_slope_degrees = 90.0;
-	double slope_falloff = 0.0;            ///< Degrees, 0 to 90; 0 is a sharp limit.
+	double slope_falloff_degrees = 0.0;    ///< Degrees, 0 to 90; 0 is a sharp limit.
 	double min_height = -unlimited_height; ///< World meters, the limit included.
 	double max_height = unlimited_height;
 	double height_falloff = 0.0; ///< Meters, 0 or more; 0 is a sharp limit.

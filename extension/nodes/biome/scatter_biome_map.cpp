@@ -3,7 +3,7 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/watch.hpp"
-#include "nodes/terrain/image_posts.hpp"
+#include "nodes/ground/image_posts.hpp"
 
 #include <godot_cpp/classes/image.hpp>
 #include <godot_cpp/classes/texture2d.hpp>

@@ -2,7 +2,7 @@
 
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/common/stripped.hpp"
-#include "nodes/terrain/image_posts.hpp"
+#include "nodes/ground/image_posts.hpp"
 
 #include <godot_cpp/classes/texture2d.hpp>
 

@@ -80,7 +80,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 		}
 	}
 	const bool is_game = !Engine::get_singleton()->is_editor_hint();
-	const bool copied = p_state.is_valid() && p_state->is_designed() && is_game;
+	const bool copied = p_state.is_valid() && p_state->is_copied_at_runtime() && is_game;
 	if (p_state.is_valid() && is_game && !copied) {
 		p_state->warn_if_cached();
 	}

@@ -33,7 +33,7 @@ bool ScatterSnapshot::ask(const char *p_method, const AskedQuery &query) const {
 	const std::shared_ptr<const InstanceSnapshot> held = snapshot_; // A predicate may let go of this object.
 	const Status status = held != nullptr
 			? held->ask(query)
-			: Status::missing("world", "Make the snapshot of a node that has a terrain and layers");
+			: Status::missing("world", "Make the snapshot of a node that has a ground and layers");
 	report(name_of(p_method).c_str(), status);
 	return status.ok();
 }

@@ -289,13 +289,13 @@ void ScatterState::_bind_methods() {
 	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));
 	bind_guarded<&Self::get_time>(D_METHOD("get_time"));
 	bind_guarded<&Self::advance>(D_METHOD("advance", "seconds"));
-	bind_guarded<&Self::set_designed>(D_METHOD("set_designed", "designed"));
-	bind_guarded<&Self::is_designed>(D_METHOD("is_designed"));
+	bind_guarded<&Self::set_copy_at_runtime>(D_METHOD("set_copy_at_runtime", "copy_at_runtime"));
+	bind_guarded<&Self::is_copied_at_runtime>(D_METHOD("is_copied_at_runtime"));
 	bind_guarded<&Self::set_data>(D_METHOD("set_data", "bytes"));
 	bind_guarded<&Self::get_data>(D_METHOD("get_data"));
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_BYTE_ARRAY, "data", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_STORAGE),
 			"set_data", "get_data");
-	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "designed"), "set_designed", "is_designed");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "copy_at_runtime"), "set_copy_at_runtime", "is_copied_at_runtime");
 	ADD_PROPERTY(
 			PropertyInfo(Variant::OBJECT, "diff_limits", PROPERTY_HINT_RESOURCE_TYPE, ScatterDiffLimits::class_name),
 			"set_diff_limits", "get_diff_limits");

@@ -3,6 +3,7 @@
 #include "core/state/instance_state.hpp"
 #include "core/state/state_changes.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/common/renames.hpp"
 #include "nodes/gameplay/diff_task.hpp"
 #include "nodes/gameplay/scatter_diff_limits.hpp"
 
@@ -129,8 +130,8 @@ public:
 	godot::PackedByteArray get_data() const;
 
 	/// Whether a designer has made it, so that a running game changes a copy.
-	void set_designed(bool p_designed) { designed_ = p_designed; }
-	bool is_designed() const { return designed_; }
+	void set_copy_at_runtime(bool p_copy_at_runtime) { copy_at_runtime_ = p_copy_at_runtime; }
+	bool is_copied_at_runtime() const { return copy_at_runtime_; }
 
 	/// Warns, once, where `load()` would return this same object: a game that loads what it has saved gets what it has played since.
 	void warn_if_cached();
@@ -163,6 +164,9 @@ public:
 
 protected:
 	static void _bind_methods();
+	bool _set(const godot::StringName &p_name, const godot::Variant &p_value) {
+		return set_renamed(this, p_name, p_value);
+	}
 
 private:
 	/// For diffs of others.
@@ -200,7 +204,7 @@ private:
 	std::deque<std::shared_ptr<DiffTask>> diffs_; ///< In the order of the calls. The first is under way.
 	Leavings leavings_;
 	bool telling_ = false;
-	bool designed_ = false;
+	bool copy_at_runtime_ = false;
 	bool warned_ = false; ///< See warn_if_cached.
 	const godot::StringName instances_changed_ =
 			"instances_changed"; ///< The signal: making a name costs as much as a removal.

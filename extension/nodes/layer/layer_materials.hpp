@@ -19,7 +19,7 @@ bool use_instance_uniforms(std::span<const godot::Ref<godot::Material>> material
 
 /// How far shaders with the uniforms of foliage.gdshaderinc may move a vertex, meters of the world, for the material that moves it
 /// farthest: max(wind_sway, 0) * strength + max(wind_flutter, 0) * strength + max(bend_reach, 0), where the strength is 2 or the material's
-/// own wind_strength, whichever is larger, because a FoliageWorld may set any up to 2 at any time. A parameter that is not set has the
+/// own wind_strength, whichever is larger, because a ScatterFoliageWorld may set any up to 2 at any time. A parameter that is not set has the
 /// shader's default. 0 for other materials, and without a renderer, which knows the defaults; max_cull_margin at most.
 double sway_reach(std::span<const godot::Ref<godot::Material>> materials);
 inline constexpr double max_cull_margin = 16384.0; ///< Meters.

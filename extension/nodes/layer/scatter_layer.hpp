@@ -3,6 +3,7 @@
 #include "core/placement/mesh_choice.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/renames.hpp"
 #include "nodes/common/scene_use.hpp"
 #include "nodes/layer/layer_meshes.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
@@ -290,6 +291,9 @@ public:
 
 protected:
 	static void _bind_methods();
+	bool _set(const godot::StringName &p_name, const godot::Variant &p_value) {
+		return set_renamed(this, p_name, p_value);
+	}
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:

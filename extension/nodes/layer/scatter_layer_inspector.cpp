@@ -33,7 +33,7 @@ constexpr std::array hideable{
 		"lod_meshes",
 		"thin_begin",
 		"thin_end",
-		"thin_scale_compensation",
+		"thin_scale_up",
 		"collision_distance",
 		"collision_layer",
 		"collision_mask",

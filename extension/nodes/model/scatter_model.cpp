@@ -261,7 +261,7 @@ TypedArray<Transform3D> ScatterModel::get_shape_transforms() {
 	return shape_transforms_;
 }
 
-PackedStringArray ScatterModel::get_remarks() {
+PackedStringArray ScatterModel::get_problems() {
 	read();
 	return remarks_;
 }
@@ -311,7 +311,7 @@ void ScatterModel::_bind_methods() {
 	bind_guarded<&Self::reload>(D_METHOD("reload"));
 	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh", "lod"), DEFVAL(0));
 	bind_guarded<&Self::get_aabb>(D_METHOD("get_aabb"));
-	bind_guarded<&Self::get_remarks>(D_METHOD("get_remarks"));
+	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
 			"get_scene");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lods", PROPERTY_HINT_ARRAY_TYPE,

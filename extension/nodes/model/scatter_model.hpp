@@ -72,7 +72,7 @@ public:
 	godot::AABB get_aabb();
 
 	/// What is drawn otherwise than the scene shows it, or left out: a sentence each.
-	godot::PackedStringArray get_remarks();
+	godot::PackedStringArray get_problems();
 
 	/// Adds what the main thread reads along with the model.
 	void add_used(SceneUse::List &r_used) const;

@@ -7,7 +7,7 @@
 #include "core/placement/tile_crew.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/state/instance_state.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 
 #include <glm/vec2.hpp>
 
@@ -18,9 +18,9 @@
 
 namespace thicket {
 
-/// The ground of some positions on this thread, the main one. `ground` is what `terrain` gave for workers; where it is null, the terrain
+/// The ground of some positions on this thread, the main one. `terrain` is what `ground` gave for workers; where it is null, `ground`
 /// itself is asked, there and then: a script may do anything meanwhile. Replaces `r_answers`. Throws std::bad_alloc.
-Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::span<const glm::dvec2> positions,
+Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
 /// Makes tiles for a caller on the main thread, who waits for them; the engine's workers share what a large rectangle
@@ -28,12 +28,12 @@ Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::spa
 class AtOnceBuilder {
 public:
 	/// All steps of a tile; the ground as above. A script that is asked for it may call this again.
-	Status build(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
+	Status build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground, const Rect &rect,
 			TileInstances &r_tile);
 
 	/// All steps of several, in order, on all threads there are where the ground may be asked on any. Replaces `r_tiles`: null for one
 	/// that was not made. The error is that of the first tile which has one.
-	Status build_all(std::span<const TileOrder> orders, const Terrain *ground, const HostedTerrain &terrain,
+	Status build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
 			std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
 
 	/// As TileCrew::points_computed, of all calls.
@@ -41,7 +41,7 @@ public:
 
 private:
 	std::unique_ptr<TileBuilder> take_builder();
-	Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
+	Status build_in_steps(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
 			const Rect &rect, TileInstances &r_tile);
 
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();

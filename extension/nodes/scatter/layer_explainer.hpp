@@ -2,7 +2,7 @@
 
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/scatter/scatter_explanation.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 
 #include <glm/vec2.hpp>
 
@@ -17,8 +17,8 @@ namespace thicket {
 /// node. Main thread only.
 struct LayerExplainer {
 	std::vector<SharedSnapshot> layers;
-	std::shared_ptr<const Terrain> ground; ///< Null for a terrain that is asked here and now.
-	HostedTerrain terrain;
+	std::shared_ptr<const Terrain> terrain; ///< Null for ground that is sampled on the main thread only.
+	HostedGround ground;
 	std::vector<std::string> shapes; ///< Names of the shapes of the layer that is explained next.
 
 	/// What the rules of the layer at an index say of a place in the world, and of the point nearest to it. Fails as PlaceExplainer does,

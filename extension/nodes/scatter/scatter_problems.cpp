@@ -23,15 +23,15 @@ namespace thicket {
 namespace {
 
 /// What is wrong with one layer, whatever the others are.
-void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterTerrain> &p_terrain, bool has_water,
+void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterGround> &p_ground, bool has_water,
 		PackedStringArray &r_problems) {
 	for (const String &problem : layer.problems()) {
 		r_problems.push_back(p_where + problem);
 	}
-	if (layer.get_ground_textures().size() > 0 && p_terrain.is_valid() && p_terrain->problem().is_empty() &&
-			!p_terrain->has_textures()) {
+	if (layer.get_ground_textures().size() > 0 && p_ground.is_valid() && p_ground->problem().is_empty() &&
+			!p_ground->has_textures()) {
 		r_problems.push_back(
-				p_where + String("ScatterLayer.ground_textures has no effect: the terrain has no textures."));
+				p_where + String("ScatterLayer.ground_textures has no effect: the ground has no textures."));
 	}
 	if (layer.needs_water() && !has_water) {
 		r_problems.push_back(p_where +
@@ -114,19 +114,19 @@ void add_viewer_problems(
 	}
 }
 
-void add_terrain_problems(const Ref<ScatterTerrain> &p_terrain, PackedStringArray &r_problems) {
-	if (p_terrain.is_null()) {
-		r_problems.push_back("No terrain: set TerrainScatter3D.terrain to a ScatterTerrain to show anything.");
-	} else if (const String stripped = p_terrain->stripped(); !stripped.is_empty()) {
+void add_ground_problems(const Ref<ScatterGround> &p_ground, PackedStringArray &r_problems) {
+	if (p_ground.is_null()) {
+		r_problems.push_back("No ground: set TerrainScatter3D.ground to a ScatterGround to show anything.");
+	} else if (const String stripped = p_ground->stripped(); !stripped.is_empty()) {
 		r_problems.push_back(stripped);
-	} else if (const String problem = p_terrain->problem(); !problem.is_empty()) {
+	} else if (const String problem = p_ground->problem(); !problem.is_empty()) {
 		r_problems.push_back(problem);
-	} else if (const String remark = p_terrain->remark(); !remark.is_empty()) {
+	} else if (const String remark = p_ground->remark(); !remark.is_empty()) {
 		r_problems.push_back(remark);
 	}
 }
 
-void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain, bool has_water,
+void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterGround> &p_ground, bool has_water,
 		PackedStringArray &r_problems) {
 	if (p_layers.is_empty()) {
 		r_problems.push_back("No layers: add a ScatterLayer to TerrainScatter3D.layers.");
@@ -148,7 +148,7 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 			r_problems.push_back(where + String("empty, shows nothing."));
 			continue;
 		}
-		add_problems_of(*layer.ptr(), where, p_terrain, has_water, r_problems);
+		add_problems_of(*layer.ptr(), where, p_ground, has_water, r_problems);
 		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(index))) {
 			r_problems.push_back(where + String::utf8(problem.c_str()));
 		}
@@ -188,14 +188,14 @@ void add_uniform_problem(
 }
 
 PackedStringArray stripped_problems(
-		const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain, const ScatterBiomeMap *biomes) {
+		const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterGround> &p_ground, const ScatterBiomeMap *biomes) {
 	PackedStringArray result;
 	const auto add = [&result](const String &p_problem) {
 		if (!p_problem.is_empty()) {
 			result.push_back(p_problem);
 		}
 	};
-	add(p_terrain.is_valid() ? p_terrain->stripped() : String());
+	add(p_ground.is_valid() ? p_ground->stripped() : String());
 	add(biomes != nullptr ? biomes->stripped_problem() : String());
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
 		if (const Ref<ScatterLayer> layer = p_layers[index]; layer.is_valid()) {

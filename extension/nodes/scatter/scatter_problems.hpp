@@ -5,7 +5,7 @@
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_viewers.hpp"
 #include "nodes/scatter/tile_display.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
@@ -19,8 +19,8 @@ namespace thicket {
 
 /// Adds what keeps a node's terrain and layers from showing what they should, a sentence each. The layers are in the order in
 /// which they give way to each other; `has_water` says whether there is any water.
-void add_terrain_problems(const godot::Ref<ScatterTerrain> &p_terrain, godot::PackedStringArray &r_problems);
-void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterTerrain> &p_terrain,
+void add_ground_problems(const godot::Ref<ScatterGround> &p_terrain, godot::PackedStringArray &r_problems);
+void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterGround> &p_terrain,
 		bool has_water, godot::PackedStringArray &r_problems);
 
 /// Whether a node in the tree is moved, turned or scaled, by itself or by its parents, where its instances are not. A node that has
@@ -39,6 +39,6 @@ void add_uniform_problem(
 
 /// What cannot work because an export has stripped it, a sentence each. `biomes` may be null.
 godot::PackedStringArray stripped_problems(const godot::TypedArray<ScatterLayer> &p_layers,
-		const godot::Ref<ScatterTerrain> &p_terrain, const ScatterBiomeMap *biomes);
+		const godot::Ref<ScatterGround> &p_terrain, const ScatterBiomeMap *biomes);
 
 } // namespace thicket

@@ -7,7 +7,7 @@
 #include "nodes/scatter/tile_display.hpp"
 #include "nodes/scatter/tile_workers.hpp"
 #include "nodes/scatter/upload_queue.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/string.hpp>
@@ -26,7 +26,7 @@ namespace thicket {
 /// What instances stand on.
 struct StreamGround {
 	std::shared_ptr<const Terrain> terrain; ///< For workers; null where only the main thread may ask.
-	HostedTerrain source;                   ///< Asked on the main thread.
+	HostedGround source;                    ///< Asked on the main thread.
 };
 
 /// A tile was shown or hidden.

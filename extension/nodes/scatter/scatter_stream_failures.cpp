@@ -54,8 +54,8 @@ void ScatterStream::report_recheck(const Status &status) {
 LayerFailure ScatterStream::print_failure(const std::string &where, const Status &status) {
 	failures_changed_ = true;
 	const String text = String::utf8((where + ": " + describe(status) + ".").c_str());
-	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
-	const String by_script = terrain.is_valid() ? terrain->script_problem(status) : String();
+	const Ref<ScatterGround> &ground = ground_.source.ground;
+	const String by_script = ground.is_valid() ? ground->script_problem(status) : String();
 	ERR_PRINT(String("TerrainScatter3D, ") + text + (by_script.is_empty() ? by_script : String(" ") + by_script));
 	return {by_script.is_empty() ? String("Not all tiles could be made: ") + text : by_script, !by_script.is_empty()};
 }

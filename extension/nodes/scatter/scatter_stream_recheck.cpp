@@ -28,8 +28,8 @@ double seconds_now() {
 } // namespace
 
 bool ScatterStream::rechecks() const {
-	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
-	return terrain.is_valid() && terrain->rechecks();
+	const Ref<ScatterGround> &ground = ground_.source.ground;
+	return ground.is_valid() && ground->rechecks();
 }
 
 /// Once a frame. A height that takes longer than the time allowed, as in a slow script, is paid for by frames without any.
@@ -40,7 +40,7 @@ void ScatterStream::allow_recheck(Clock::duration budget) {
 }
 
 bool ScatterStream::recheck_step() {
-	const bool in_physics_frames = ground_.source.terrain.is_valid() && ground_.source.terrain->needs_physics_frames();
+	const bool in_physics_frames = ground_.source.ground.is_valid() && ground_.source.ground->needs_physics_frames();
 	if (in_physics_frames || !recheck_due_) {
 		return false;
 	}
@@ -63,15 +63,15 @@ std::size_t ScatterStream::recheck_heights(std::size_t most) {
 		return 0;
 	}
 	const std::weak_ptr<const void> alive = life_;
-	const Ref<ScatterTerrain> terrain = ground_.source.terrain;
+	const Ref<ScatterGround> ground = ground_.source.ground;
 	std::vector<std::optional<float>> heights(positions.size());
-	const Status status = terrain->recheck_now(ground_.source.host, positions, heights);
+	const Status status = ground->recheck_now(ground_.source.host, positions, heights);
 	if (alive.expired()) {
 		return positions.size();
 	}
 	figures_.heights_rechecked += positions.size();
 	if (status.ok()) {
-		recheck_.answer(seconds_now(), heights, terrain->recheck_tolerance());
+		recheck_.answer(seconds_now(), heights, ground->recheck_tolerance());
 	} else if (ground_.source.is_available()) {
 		report_recheck(status);
 	}

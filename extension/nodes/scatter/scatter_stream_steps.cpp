@@ -63,9 +63,9 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 
 /// For how many positions the terrain may be asked now; 0 where it may only be asked at the other time of a frame.
 std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
-	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
-	return terrain.is_valid() && terrain->needs_physics_frames() == in_physics_frame ? terrain->max_positions_per_call()
-																					 : 0;
+	const Ref<ScatterGround> &ground = ground_.source.ground;
+	return ground.is_valid() && ground->needs_physics_frames() == in_physics_frame ? ground->max_positions_per_call()
+																				   : 0;
 }
 
 void ScatterStream::physics_frame() {

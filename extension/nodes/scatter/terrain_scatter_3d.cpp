@@ -89,8 +89,8 @@ void TerrainScatter3D::start() {
 	was_inside_ = true;
 	if (!std::exchange(running_, true)) {
 		thread_guard().enter_scene();
-		if (terrain_.is_valid()) {
-			terrain_->enter(this, world_offset_);
+		if (ground_.is_valid()) {
+			ground_->enter(this, world_offset_);
 		}
 	}
 	notice_transform();
@@ -111,8 +111,8 @@ void TerrainScatter3D::stop() {
 	}
 	thread_guard().leave_scene();
 	navigation_.stop();
-	if (terrain_.is_valid()) {
-		terrain_->leave(this);
+	if (ground_.is_valid()) {
+		ground_->leave(this);
 	}
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	gameplay()->stop();
@@ -137,8 +137,8 @@ void TerrainScatter3D::process_frame() {
 	if (!here) {
 		return;
 	}
-	if (terrain_.is_valid()) {
-		terrain_->follow_scene(start + std::chrono::microseconds(frame_budget_usec_));
+	if (ground_.is_valid()) {
+		ground_->follow_scene(start + std::chrono::microseconds(frame_budget_usec_));
 		if (!here) {
 			return;
 		}
@@ -152,7 +152,7 @@ void TerrainScatter3D::process_frame() {
 		refresh();
 	}
 	stream->times().spent_on(FramePart::follow);
-	const bool stands = terrain_.is_valid() && !layer_list_.snapshots().empty();
+	const bool stands = ground_.is_valid() && !layer_list_.snapshots().empty();
 	if (here && stands) {
 		work(start);
 	} else if (here) {
@@ -264,7 +264,7 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 }
 
 bool TerrainScatter3D::is_settled() const {
-	const bool behind = (terrain_.is_valid() && terrain_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
+	const bool behind = (ground_.is_valid() && ground_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
 	return !dirty_ && ground_change_.empty() && !behind && !layer_watch_->differs(all_layers()) &&
 			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && follows())) &&
 			gameplay_->settled();
@@ -281,9 +281,9 @@ bool TerrainScatter3D::follows() const {
 
 FoundViewers TerrainScatter3D::viewers_now() const {
 	// Ground that is a script is not called for this: it may free the node.
-	const bool by_script = terrain_.is_valid() && terrain_->get_class() == String("ScatterTerrain");
+	const bool by_script = ground_.is_valid() && ground_->get_class() == String("ScatterGround");
 	return find_viewers(*this, viewers_, world_offset_,
-			{by_script ? nullptr : ground_.get(), [this] { return display().usual_height(); }});
+			{by_script ? nullptr : ground_snapshot_.get(), [this] { return display().usual_height(); }});
 }
 
 std::vector<glm::dvec3> TerrainScatter3D::near_centers(const FoundViewers &found) const {
@@ -310,8 +310,8 @@ String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 /// Settings that were changed in this frame count from now on. Refused where there is nothing to ask.
 Status TerrainScatter3D::prepare() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	if (const Ref<ScatterTerrain> terrain = terrain_; terrain.is_valid()) {
-		terrain->finish_reading(); // Tells scripts, which may free this node.
+	if (const Ref<ScatterGround> ground = ground_; ground.is_valid()) {
+		ground->finish_reading(); // Tells scripts, which may free this node.
 	}
 	if (gameplay->alive()) {
 		notice_layers();
@@ -325,8 +325,8 @@ Status TerrainScatter3D::prepare() {
 	if (!layer_list_.snapshots().empty()) {
 		return {};
 	}
-	return terrain_.is_null() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
-							  : Status::missing("layers", "Add a layer that get_problems() reports nothing of");
+	return ground_.is_null() ? Status::missing("ground", "Set TerrainScatter3D.ground")
+							 : Status::missing("layers", "Add a layer that get_problems() reports nothing of");
 }
 
 /// The engine's call for each node that a navigation mesh is baked from.

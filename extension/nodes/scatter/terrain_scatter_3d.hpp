@@ -2,23 +2,24 @@
 
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/common/renames.hpp"
 #include "nodes/gameplay/navigation_parse.hpp"
 #include "nodes/gameplay/scatter_gameplay.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 #include "nodes/layer/layer_watch.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/region/region_register.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
 #include "nodes/scatter/build_at_once.hpp"
 #include "nodes/scatter/fade_viewers.hpp"
-#include "nodes/scatter/layer_explainer.hpp"
 #include "nodes/scatter/instance_load.hpp"
+#include "nodes/scatter/layer_explainer.hpp"
 #include "nodes/scatter/layer_list.hpp"
 #include "nodes/scatter/layer_previews.hpp"
 #include "nodes/scatter/node_layers.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
 #include "nodes/scatter/scatter_tile.hpp"
 #include "nodes/scatter/scatter_viewers.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
 
 #include <godot_cpp/classes/camera3d.hpp>
 #include <godot_cpp/classes/node3d.hpp>
@@ -80,8 +81,8 @@ public:
 	double get_water_level() const { return water_level_; }
 
 	/// Null: nothing is shown.
-	void set_terrain(const godot::Ref<ScatterTerrain> &p_terrain);
-	godot::Ref<ScatterTerrain> get_terrain() const { return terrain_; }
+	void set_ground(const godot::Ref<ScatterGround> &p_ground);
+	godot::Ref<ScatterGround> get_ground() const { return ground_; }
 
 	/// Node3Ds to stream around; none for the camera of the viewport, in the editor the editor's own.
 	void set_viewers(const godot::TypedArray<godot::NodePath> &p_viewers);
@@ -250,6 +251,9 @@ public:
 
 protected:
 	static void _bind_methods();
+	bool _set(const godot::StringName &p_name, const godot::Variant &p_value) {
+		return set_renamed(this, p_name, p_value);
+	}
 	void _notification(int p_what);
 
 private:
@@ -313,7 +317,7 @@ private:
 	void parse_navigation(const godot::Ref<godot::NavigationMesh> &p_mesh,
 			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, godot::Node *p_node);
 	void recycle_scenes() { gameplay()->recycle_scenes(); }
-	void watch_terrain(bool p_watch);
+	void watch_ground(bool p_watch);
 	void use_resources();
 
 	/// As scripts have left them: they share the lists.
@@ -351,7 +355,7 @@ private:
 	bool water_enabled_ = false;
 	double water_level_ = 0.0;
 	std::shared_ptr<LayerWatch> layer_watch_ = std::make_shared<LayerWatch>(this);
-	godot::Ref<ScatterTerrain> terrain_;
+	godot::Ref<ScatterGround> ground_;
 	ViewerSettings viewers_;
 	godot::StringName interaction_group_ = "scatter_interaction";
 	int64_t frame_budget_usec_ = 500;
@@ -373,8 +377,8 @@ private:
 	FadeViewers fade_viewers_;
 	RegionRegister regions_;
 	godot::PackedStringArray layer_names_; ///< By index, as regions were told of them last.
-	std::shared_ptr<const Terrain> ground_;
-	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
+	std::shared_ptr<const Terrain> ground_snapshot_;
+	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_snapshot_` was taken.
 	std::chrono::steady_clock::duration frame_time_{0};         ///< Of the main thread, in the last frame.
 	bool patch_scheduled_ = false;
 	bool recentered_ = false; ///< `world_offset_` was changed since regions were read.

@@ -38,8 +38,8 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::get_biomes>(D_METHOD("get_biomes"));
 	bind_guarded<&Self::set_seed>(D_METHOD("set_seed", "seed"));
 	bind_guarded<&Self::get_seed>(D_METHOD("get_seed"));
-	bind_guarded<&Self::set_terrain>(D_METHOD("set_terrain", "terrain"));
-	bind_guarded<&Self::get_terrain>(D_METHOD("get_terrain"));
+	bind_guarded<&Self::set_ground>(D_METHOD("set_ground", "ground"));
+	bind_guarded<&Self::get_ground>(D_METHOD("get_ground"));
 	bind_guarded<&Self::set_layers>(D_METHOD("set_layers", "layers"));
 	bind_guarded<&Self::get_layers>(D_METHOD("get_layers"));
 	bind_guarded<&Self::set_viewers>(D_METHOD("set_viewers", "viewers"));
@@ -78,8 +78,8 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::build_tile>(
 			answered_by_snapshot, D_METHOD("build_tile", "layer", "tile", "rect"), DEFVAL(Rect2()));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
-	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "terrain", PROPERTY_HINT_RESOURCE_TYPE, "ScatterTerrain"), "set_terrain",
-			"get_terrain");
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "ground", PROPERTY_HINT_RESOURCE_TYPE, "ScatterGround"), "set_ground",
+			"get_ground");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterLayer", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_layers", "get_layers");

@@ -94,7 +94,7 @@ void TerrainScatter3D::use_resources() {
 		return;
 	}
 	SceneUse::List used;
-	used.add(terrain_);
+	used.add(ground_);
 	used.add(get_state());
 	used.add(biomes_);
 	if (biomes_.is_valid()) {
@@ -127,21 +127,21 @@ void TerrainScatter3D::mark_ground_dirty() {
 }
 
 void TerrainScatter3D::regenerate() {
-	if (terrain_.is_valid()) {
-		terrain_->look_again();
+	if (ground_.is_valid()) {
+		ground_->look_again();
 	}
 	mark_ground_dirty();
 }
 
 void TerrainScatter3D::refresh_ground() {
-	if (terrain_.is_null() || !terrain_->read_again()) {
+	if (ground_.is_null() || !ground_->read_again()) {
 		regenerate();
 	}
 }
 
 void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
-	if (terrain_.is_valid()) {
-		terrain_->look_again();
+	if (ground_.is_valid()) {
+		ground_->look_again();
 	}
 	const Rect rect = world_rect(p_rect);
 	ground_change_.everywhere = ground_change_.everywhere || !rect.finite();
@@ -173,22 +173,22 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 void TerrainScatter3D::refresh() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<ScatterStream> stream = stream_;
-	const Ref<ScatterTerrain> terrain = terrain_;
+	const Ref<ScatterGround> ground = ground_;
 	dirty_ = false;
-	set_physics_process_internal(terrain.is_valid() && terrain->needs_physics_frames());
-	const bool pending = terrain.is_valid() && terrain->is_pending(get_instance_id());
+	set_physics_process_internal(ground.is_valid() && ground->needs_physics_frames());
+	const bool pending = ground.is_valid() && ground->is_pending(get_instance_id());
 	const EditedArea ground_change = pending ? EditedArea() : std::exchange(ground_change_, {});
 	std::shared_ptr<const Terrain> former;
-	if (!ground_change.empty() && terrain.is_valid()) {
-		std::shared_ptr<const Terrain> ground =
-				terrain->snapshot(get_instance_id()); // Asks scripts, and so does the next.
-		if (!gameplay->alive() || !(terrain == terrain_)) {
+	if (!ground_change.empty() && ground.is_valid()) {
+		std::shared_ptr<const Terrain> terrain =
+				ground->snapshot(get_instance_id()); // Asks scripts, and so does the next.
+		if (!gameplay->alive() || !(ground == ground_)) {
 			return;
 		}
-		former = std::exchange(ground_, std::move(ground));
+		former = std::exchange(ground_snapshot_, std::move(terrain));
 	}
-	const bool grounded = terrain.is_valid() && (ground_ != nullptr || terrain->is_main_thread_only());
-	if (!gameplay->alive() || !(terrain == terrain_)) {
+	const bool grounded = ground.is_valid() && (ground_snapshot_ != nullptr || ground->is_main_thread_only());
+	if (!gameplay->alive() || !(ground == ground_)) {
 		return;
 	}
 	regions_.update(std::exchange(recentered_, false));
@@ -204,18 +204,18 @@ void TerrainScatter3D::refresh() {
 	}
 	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);
 	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
-	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
+	stream->set_layers(layer_list_.snapshots(), outdated, {ground_snapshot_, {ground_, get_instance_id()}});
 	fade_viewers_.set_layers(layer_list_.snapshots());
 	instance_load_.forget();
 	notice_load();
-	if (former != nullptr && former != ground_) {
+	if (former != nullptr && former != ground_snapshot_) {
 		stream->let_go(std::move(former));
 	}
 }
 
 /// Whether ground that was still being read can be had now.
 bool TerrainScatter3D::waits_for_ground() const {
-	return !ground_change_.empty() && terrain_.is_valid() && !terrain_->is_pending(get_instance_id());
+	return !ground_change_.empty() && ground_.is_valid() && !ground_->is_pending(get_instance_id());
 }
 
 LayerWorld TerrainScatter3D::layer_world() {
@@ -226,17 +226,17 @@ LayerWorld TerrainScatter3D::layer_world() {
 
 /// Tiles for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
 TileMaker TerrainScatter3D::tile_maker() const {
-	return [layers = layer_list_.snapshots(), ground = ground_, builder = at_once_,
-				   terrain = HostedTerrain{terrain_, get_instance_id()}](
+	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = at_once_,
+				   ground = HostedGround{ground_, get_instance_id()}](
 				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
 		r_tiles.assign(tiles.size(), nullptr);
-		if (!terrain.is_available()) {
+		if (!ground.is_available()) {
 			return {};
 		}
 		std::vector<TileOrder> orders;
 		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
 		std::vector<std::shared_ptr<const KeptTile>> made;
-		const Status status = builder->build_all(orders, ground.get(), terrain, made);
+		const Status status = builder->build_all(orders, terrain.get(), ground, made);
 		for (std::size_t i = 0; i < made.size(); ++i) {
 			r_tiles[ordered[i]] = std::move(made[i]);
 		}
@@ -246,16 +246,16 @@ TileMaker TerrainScatter3D::tile_maker() const {
 
 /// The same for other threads, which call no script and ask nothing of the scene.
 TileMaker TerrainScatter3D::worker_tile_maker() const {
-	return [layers = layer_list_.snapshots(), ground = ground_, builder = std::make_shared<SharedBuilder>(),
-				   available = terrain_.is_valid() && terrain_->is_available()](
+	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = std::make_shared<SharedBuilder>(),
+				   available = ground_.is_valid() && ground_->is_available()](
 				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
 		r_tiles.assign(tiles.size(), nullptr);
 		if (!available) {
 			return {};
 		}
-		if (ground == nullptr) {
+		if (terrain == nullptr) {
 			return Status::missing("thread_safe_ground",
-					"The terrain can be sampled on the main thread only (a script that is not thread-safe, or "
+					"The ground can be sampled on the main thread only (a script that is not thread-safe, or "
 					"colliders), so the snapshot has the tiles that were loaded when it was made, and no others. Use "
 					"request_rect() or request_sphere()");
 		}

@@ -45,17 +45,17 @@ bool draws_nothing(const LayerSnapshot &layer) {
 
 /// What keeps all layers from standing anywhere, in one sentence; empty for nothing. Asks scripts.
 String TerrainScatter3D::ground_problem() {
-	const Ref<ScatterTerrain> terrain = terrain_;
+	const Ref<ScatterGround> ground = ground_;
 	PackedStringArray problems;
-	add_terrain_problems(terrain, problems);
+	add_ground_problems(ground, problems);
 	if (problems.size() > 0) {
 		return problems.ptr()[0];
 	}
-	return terrain->is_available() ? String() : String("The ground is away for the time being.");
+	return ground->is_available() ? String() : String("The ground is away for the time being.");
 }
 
 LayerExplainer TerrainScatter3D::layer_explainer() const {
-	return {layer_list_.snapshots(), ground_, {terrain_, get_instance_id()}, {}};
+	return {layer_list_.snapshots(), ground_snapshot_, {ground_, get_instance_id()}, {}};
 }
 
 /// What a game has changed about the point, and one that was placed by hand near the place.
@@ -218,9 +218,9 @@ PackedFloat32Array TerrainScatter3D::map_of(
 	if (status.ok() && gameplay->alive()) {
 		const LayerExplainer explainer = layer_explainer();
 		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
-		status = !explainer.terrain.is_available() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
-				: p_layer != nullptr && !known     ? Status::missing("layer", "Fix what get_problems() reports of it")
-												   : ask(explainer, layer, places, values);
+		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
+				: p_layer != nullptr && !known    ? Status::missing("layer", "Fix what get_problems() reports of it")
+												  : ask(explainer, layer, places, values);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
 	if (!status.ok()) {

@@ -32,7 +32,7 @@ bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadlin
 
 /// Whether the layers can be drawn. Without a terrain they are not, so no model is needed.
 bool TerrainScatter3D::models_are_read(std::chrono::steady_clock::time_point deadline) const {
-	return terrain_.is_null() || read_models(deadline);
+	return ground_.is_null() || read_models(deadline);
 }
 
 /// An exported server shows nobody the problems of a node.
@@ -42,7 +42,7 @@ void TerrainScatter3D::warn_of_stripped() {
 		return;
 	}
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const PackedStringArray problems = stripped_problems(all_layers(), terrain_, biomes_.ptr());
+	const PackedStringArray problems = stripped_problems(all_layers(), ground_, biomes_.ptr());
 	if (gameplay->alive() && problems.size() > 0) {
 		warned_of_stripped_ = true;
 		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (Of %d such problems, see get_problems().)", get_name(),

@@ -7,6 +7,7 @@
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/watch.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/ground/former_grounds.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/build_at_once.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
@@ -73,26 +74,27 @@ void TerrainScatter3D::set_water_level(double p_level) {
 	}
 }
 
-void TerrainScatter3D::watch_terrain(bool p_watch) {
-	watch(terrain_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
-	watch(terrain_.ptr(), "terrain_changed", this, "_mark_ground_edited", p_watch);
+void TerrainScatter3D::watch_ground(bool p_watch) {
+	watch(ground_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
+	watch(ground_.ptr(), "ground_changed", this, "_mark_ground_edited", p_watch);
 }
 
-void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
-	if (terrain_ == p_terrain) {
+void TerrainScatter3D::set_ground(const Ref<ScatterGround> &p_ground) {
+	const Ref<ScatterGround> ground = current_ground(p_ground);
+	if (ground_ == ground) {
 		// Fast path: all stands on it.
 		return;
 	}
-	watch_terrain(false);
-	if (running_ && terrain_.is_valid()) {
-		terrain_->leave(this);
+	watch_ground(false);
+	if (running_ && ground_.is_valid()) {
+		ground_->leave(this);
 	}
-	terrain_ = p_terrain;
-	ground_ = nullptr;
-	if (running_ && terrain_.is_valid()) {
-		terrain_->enter(this, world_offset_);
+	ground_ = ground;
+	ground_snapshot_ = nullptr;
+	if (running_ && ground_.is_valid()) {
+		ground_->enter(this, world_offset_);
 	}
-	watch_terrain(true);
+	watch_ground(true);
 	mark_ground_dirty();
 }
 
@@ -135,8 +137,8 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	notice_transform();
 	display().set_world_offset(offset);
 	gameplay()->set_world_offset(offset);
-	if (terrain_.is_valid()) {
-		terrain_->set_world_offset(this, offset);
+	if (ground_.is_valid()) {
+		ground_->set_world_offset(this, offset);
 	}
 	if (regions_.mark_all()) {
 		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
@@ -244,19 +246,19 @@ Ref<ScatterTile> TerrainScatter3D::build(
 	SharedSnapshot snapshot;
 	if (status.ok()) {
 		snapshot = layer < layer_list_.snapshots().size() ? layer_list_.snapshots()[layer] : nullptr;
-		status = !terrain_->is_available() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
-				: snapshot == nullptr      ? Status::missing("layer", "Fix what get_problems() reports of it")
-										   : Status{};
+		status = !ground_->is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
+				: snapshot == nullptr     ? Status::missing("layer", "Fix what get_problems() reports of it")
+										  : Status{};
 	}
 	const Rect rect = status.ok() ? rect_of(*snapshot) : Rect();
 	KeptTile tile;
 	if (status.ok() && gameplay->alive()) {
-		const HostedTerrain terrain{
-				terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
-		const std::shared_ptr<const Terrain> ground = ground_;
+		const HostedGround ground{
+				ground_, get_instance_id()}; // A script that is asked for the ground may free this node.
+		const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
 		const std::shared_ptr<AtOnceBuilder> builder = at_once_;
 		TileInstances made;
-		status = builder->build(*snapshot->settings, ground.get(), terrain, rect, made);
+		status = builder->build(*snapshot->settings, terrain.get(), ground, rect, made);
 		tile = KeptTile(made, snapshot->settings);
 	}
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
@@ -310,7 +312,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["tiles_made"] = number(figures.tiles_made);
 	stats["points_sampled"] = number(figures.points_sampled);
 	stats["points_computed"] = number(figures.points_computed + at_once_->points_computed());
-	const GroundFigures ground = terrain_.is_valid() ? terrain_->figures() : GroundFigures();
+	const GroundFigures ground = ground_.is_valid() ? ground_->figures() : GroundFigures();
 	stats["ground_checks"] = number(ground.checks);
 	stats["ground_reads"] = number(ground.reads);
 	stats["ground_rechecks"] = number(figures.heights_rechecked);
@@ -347,7 +349,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 	if (!gameplay->alive()) {
 		return problems;
 	}
-	add_terrain_problems(terrain_, problems);
+	add_ground_problems(ground_, problems);
 	for (const String &failure : stream_->failures()) {
 		problems.push_back(failure);
 	}
@@ -363,7 +365,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 			problems.push_back(problem);
 		}
 	}
-	add_layer_problems(layers, terrain_, has_water, problems);
+	add_layer_problems(layers, ground_, has_water, problems);
 	instance_load_.add_problems(layer_list_.snapshots(), problems);
 	add_uniform_problem(display(), layer_list_.snapshots(), problems);
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {

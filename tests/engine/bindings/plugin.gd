@@ -22,7 +22,7 @@ func _run() -> void:
 
 ## A live node keeps its properties, and works, when the library is loaded anew under it; twice.
 func reload() -> void:
-	var flat: Resource = ClassDB.instantiate("ScatterTerrainFlat")
+	var flat: Resource = ClassDB.instantiate("ScatterGroundFlat")
 	flat.set("height", 7.0)
 	var layer: Resource = ClassDB.instantiate("ScatterLayer")
 	layer.set("radius", 3.5)
@@ -89,7 +89,7 @@ func preview() -> void:
 	layer.set("tile_size", 16.0)
 	layer.set("meshes", [BoxMesh.new()])
 	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
-	scatter.set("terrain", ClassDB.instantiate("ScatterTerrainFlat"))
+	scatter.set("terrain", ClassDB.instantiate("ScatterGroundFlat"))
 	scatter.set("layers", [layer])
 	scatter.set("frame_budget_usec", 5000)
 	scatter.set("preview_instances", 5000)

@@ -2,15 +2,15 @@ extends "../harness.gd"
 ## What scripts see of our classes through the bindings: calls, properties, references, overrides, signals, threads.
 
 const OURS: PackedStringArray = [
-	"ImpostorBaker", "PoissonPoints", "PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterTerrain", "ScatterTerrainFlat",
-	"ScatterTerrainHeightmap", "TerrainScatter3D",
+	"ScatterImpostorBaker", "PoissonPoints", "PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterGround", "ScatterGroundFlat",
+	"ScatterGroundHeightmap", "TerrainScatter3D",
 ]
 
 ## Nothing until it is set: as a default it says so, as a value it would be wrong.
-const UNSET: PackedStringArray = ["ScatterTerrainHeightmap.post_count"]
+const UNSET: PackedStringArray = ["ScatterGroundHeightmap.post_count"]
 
 
-class Slope extends ScatterTerrain:
+class Slope extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -26,7 +26,7 @@ class Leaning extends Slope:
 		return normals
 
 
-class Wrong extends ScatterTerrain:
+class Wrong extends ScatterGround:
 	@warning_ignore("untyped_declaration")
 	func _get_heights(_positions):
 		return "no heights"
@@ -73,8 +73,8 @@ func test_hints() -> void:
 	check_equal(layers["type"], TYPE_ARRAY, "layers")
 	check_equal(layers["hint"], PROPERTY_HINT_ARRAY_TYPE, "layers is a typed array")
 	check_equal(layers["hint_string"], "%d/%d:ScatterLayer" % [TYPE_OBJECT, PROPERTY_HINT_RESOURCE_TYPE], "of layers")
-	var terrain: Dictionary = hints["TerrainScatter3D.terrain"]
-	check_equal(terrain["class_name"], &"ScatterTerrain", "terrain's class")
+	var terrain: Dictionary = hints["TerrainScatter3D.ground"]
+	check_equal(terrain["class_name"], &"ScatterGround", "terrain's class")
 	check_equal(terrain["hint"], PROPERTY_HINT_RESOURCE_TYPE, "terrain is chosen in the inspector")
 	check_equal(hints["ScatterLayer.radius"]["hint"], PROPERTY_HINT_RANGE, "radius has a range")
 	check("Rules" in hints.keys().map(func(key: String) -> String: return key.get_slice(".", 1)), "groups are there")
@@ -111,15 +111,15 @@ func test_numbers() -> void:
 
 func test_wrong_values() -> void:
 	var scatter := TerrainScatter3D.new()
-	var flat := ScatterTerrainFlat.new()
-	scatter.terrain = flat
+	var flat := ScatterGroundFlat.new()
+	scatter.ground = flat
 	for wrong: Variant in [Resource.new(), ScatterLayer.new(), 5, "text", Vector3.ZERO]:
 		scatter.set("terrain", wrong)
-		check(scatter.terrain == flat, "%s is no terrain" % [wrong])
+		check(scatter.ground == flat, "%s is no terrain" % [wrong])
 	scatter.set("seed", "text")
 	check_equal(scatter.seed, 0, "text is no seed")
 	scatter.set("terrain", null)
-	check(scatter.terrain == null, "null is none")
+	check(scatter.ground == null, "null is none")
 	scatter.free()
 
 
@@ -128,9 +128,9 @@ func test_overrides() -> void:
 	check_equal(slope.get_height(Vector3(5, 1, 2)), 5.0, "the script's heights")
 	check(slope.get_normal(Vector3(5, 1, 2)).is_equal_approx(Vector3(-1, 1, 0).normalized()), "and their slope")
 	check(Leaning.new().get_normal(Vector3.ZERO).is_equal_approx(Vector3(0.6, 0, 0.8)), "the script's normals")
-	check(is_nan(ScatterTerrain.new().get_height(Vector3.ZERO)), "no override, no ground")
+	check(is_nan(ScatterGround.new().get_height(Vector3.ZERO)), "no override, no ground")
 	var virtuals: Array[StringName] = []
-	for method: Dictionary in ClassDB.class_get_method_list("ScatterTerrain", true):
+	for method: Dictionary in ClassDB.class_get_method_list("ScatterGround", true):
 		if method["flags"] & METHOD_FLAG_VIRTUAL:
 			virtuals.push_back(method["name"])
 			if method["name"] == &"_get_heights":
@@ -145,15 +145,15 @@ func test_overrides() -> void:
 
 func test_references() -> void:
 	var scatter := TerrainScatter3D.new()
-	var flat := ScatterTerrainFlat.new()
+	var flat := ScatterGroundFlat.new()
 	check_equal(flat.get_reference_count(), 1, "new")
-	scatter.terrain = flat
+	scatter.ground = flat
 	check_equal(flat.get_reference_count(), 2, "held by the node")
-	check(scatter.terrain == flat, "the same object comes back")
+	check(scatter.ground == flat, "the same object comes back")
 	check_equal(flat.get_reference_count(), 2, "reading leaves no reference")
-	scatter.terrain = null
+	scatter.ground = null
 	check_equal(flat.get_reference_count(), 1, "let go")
-	scatter.terrain = flat
+	scatter.ground = flat
 	var layer := ScatterLayer.new()
 	scatter.layers = [layer]
 	var mesh := BoxMesh.new()
@@ -178,7 +178,7 @@ func test_signals() -> void:
 			var types: Array = signal_info["args"].map(func(argument: Dictionary) -> int: return argument["type"])
 			check_equal(types, [TYPE_INT, TYPE_VECTOR2I], "%s's arguments" % [signal_info["name"]])
 	var changes: Array[int] = [0]
-	var flat := ScatterTerrainFlat.new()
+	var flat := ScatterGroundFlat.new()
 	flat.changed.connect(func() -> void: changes[0] += 1)
 	flat.height = 3.0
 	check_equal(changes[0], 1, "changed")

@@ -59,7 +59,7 @@ func test_biomes_are_listed() -> void:
 	root.name = "Valley"
 	scatter = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Scatter"
-	scatter.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	scatter.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	scatter.layers = [new_layer("Rock", 5.0)]
 	scatter.biomes = new_map()
 	root.add_child(scatter)

@@ -76,7 +76,7 @@ func test_open() -> void:
 	yard.name = "Yard"
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Scatter"
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	made.layers = [make_layer("Grass", 0.5), make_layer("Trees", 2.0)]
 	yard.add_child(made)
 	made.owner = yard
@@ -142,10 +142,10 @@ func test_first_stroke() -> void:
 
 ## Where a stroke cannot be made, the drag is still the brush's: it selects nothing in the box, and says why.
 func test_in_vain() -> void:
-	var ground: Resource = scatter.terrain
+	var ground: Resource = scatter.ground
 	var layers: Array = scatter.layers
 	for missing: String in ["terrain", "layer"]:
-		scatter.terrain = ground if missing == "layer" else null
+		scatter.ground = ground if missing == "layer" else null
 		scatter.layers = layers if missing == "terrain" else []
 		workspace().toolbar.update_layers()
 		await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
@@ -154,7 +154,7 @@ func test_in_vain() -> void:
 		await mouse_to(on_screen(Vector3(0.5, 0.0, 0.5)), 0)
 		addon().update_overlays()
 		await picture("clicks_no_" + missing)
-	scatter.terrain = ground
+	scatter.ground = ground
 	scatter.layers = layers
 	workspace().toolbar.update_layers()
 	await settle(scatter)

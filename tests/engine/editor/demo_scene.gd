@@ -37,7 +37,7 @@ func save_and_reopen() -> void:
 	await frames(5)
 	set_costly(false)
 	scatter = EditorInterface.get_edited_scene_root().get_node("Posts")
-	ground = scatter.terrain
+	ground = scatter.ground
 	select(scatter)
 	await settle(scatter)
 
@@ -51,12 +51,12 @@ func select(node: Node) -> void:
 ## A node and a layer, made through the editor's undo and redo.
 func test_add() -> void:
 	var root := await open(SCENE)
-	ground = root.get_node("Scatter").terrain
+	ground = root.get_node("Scatter").ground
 	set_costly(false)
 	var undo_redo := plugin.get_undo_redo()
 	scatter = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Posts"
-	scatter.terrain = ground
+	scatter.ground = ground
 	undo_redo.create_action("Add Node", UndoRedo.MERGE_DISABLE, root)
 	undo_redo.add_do_method(root, &"add_child", scatter, true)
 	undo_redo.add_do_property(scatter, &"owner", root)
@@ -234,11 +234,11 @@ func test_brush_in_the_way() -> void:
 	await frames(2)
 	var press := _button(Vector2(300.0, 200.0), true, false)
 	var stop := EditorPlugin.AFTER_GUI_INPUT_STOP
-	scatter.terrain = null
+	scatter.ground = null
 	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a terrain")
 	check("terrain" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
 	await picture("no_terrain")
-	scatter.terrain = ground
+	scatter.ground = ground
 	var layers: Array = scatter.layers
 	scatter.layers = []
 	workspace().toolbar.update_layers()
@@ -276,15 +276,15 @@ func test_presets() -> void:
 	await picture("preset")
 	history(scatter).undo()
 	check_equal(scatter.layers.size(), 1, "undone")
-	var flat: Resource = ClassDB.instantiate(&"ScatterTerrainFlat")
-	scatter.terrain = flat
+	var flat: Resource = ClassDB.instantiate(&"ScatterGroundFlat")
+	scatter.ground = flat
 	workspace().toolbar.preset_chosen.emit("scree")
 	check(not workspace()._fresh_layers._fresh.is_empty(), "what is new waits until it stands")
 	await settle(scatter)
 	await until(func() -> bool: return workspace()._fresh_layers._fresh.is_empty(), "what stands nowhere is told")
 	await picture("missing")
 	history(scatter).undo()
-	scatter.terrain = ground
+	scatter.ground = ground
 	for preset in ["meadow", "scree"]:
 		workspace().toolbar.preset_chosen.emit(preset)
 		check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "%s: %s" % [preset, scatter.get_problems()])

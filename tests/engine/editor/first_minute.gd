@@ -88,7 +88,7 @@ func test_first_minute() -> void:
 		return
 	await click(row_of("Hill"))
 	await click(middle(button("Use as Ground")))
-	check(scatter.terrain != null and scatter.terrain.is_class("ScatterTerrainMeshes"), "the hill is its ground")
+	check(scatter.ground != null and scatter.ground.is_class("ScatterGroundMeshes"), "the hill is its ground")
 	await click(row_of("Scatter"))
 	await get_tree().create_timer(0.6).timeout # The panel looks some times a second.
 	await drag_files(MODELS, middle(panel().tree))
@@ -99,7 +99,7 @@ func test_first_minute() -> void:
 	check_species(scatter)
 	await picture("first_minute")
 	await key(KEY_S, KEY_MASK_CTRL)
-	await until(func() -> bool: return "ScatterTerrainMeshes" in FileAccess.get_file_as_string(SCENE), "saved with Ctrl+S")
+	await until(func() -> bool: return "ScatterGroundMeshes" in FileAccess.get_file_as_string(SCENE), "saved with Ctrl+S")
 	var text := FileAccess.get_file_as_string(SCENE)
 	check(text.length() < 5000 and not "MultiMesh" in text, "a small scene: %d bytes" % text.length())
 	var steps := 0
@@ -115,7 +115,7 @@ func check_species(scatter: Node3D) -> void:
 	for index in 3:
 		var places := PackedVector2Array()
 		for at: Vector3 in instances(scatter, index).values():
-			check(absf(at.y - scatter.terrain.get_height(at)) < 0.3, "%s at %s is on the hill" % [scatter.layers[index].resource_name, at])
+			check(absf(at.y - scatter.ground.get_height(at)) < 0.3, "%s at %s is on the hill" % [scatter.layers[index].resource_name, at])
 			if Vector2(at.x, at.z).length() < 25.0:
 				places.append(Vector2(at.x, at.z))
 		check(places.size() > 10, "%d of %s near the top" % [places.size(), scatter.layers[index].resource_name])

@@ -137,8 +137,8 @@ func test_use_the_selected_mesh() -> void:
 	await select([meadow])
 	check(buttons().visible, "a mesh can be ground of the only scatter")
 	await click("Use as Ground")
-	var terrain: Resource = scatter.get(&"terrain")
-	if not check(terrain != null and terrain.is_class("ScatterTerrainMeshes"), "the scatter got a ground"):
+	var terrain: Resource = scatter.get(&"ground")
+	if not check(terrain != null and terrain.is_class("ScatterGroundMeshes"), "the scatter got a ground"):
 		return
 	check_equal(terrain.get(&"group"), &"meadow_flowers_ground", "its group")
 	await select([scatter])
@@ -150,7 +150,7 @@ func test_use_the_selected_mesh() -> void:
 	await look_from(Vector3(0.0, 14.0, 34.0))
 	await picture("ground_meadow")
 	await undo()
-	check(scatter.get(&"terrain") == null and not meadow.is_in_group("meadow_flowers_ground"), "undone")
+	check(scatter.get(&"ground") == null and not meadow.is_in_group("meadow_flowers_ground"), "undone")
 	check_equal(saved(), before, "to the byte")
 	await redo()
 	check_equal(saved(), after, "done again, to the byte")
@@ -217,7 +217,7 @@ func check_on_rock(what: String) -> void:
 func test_pick_in_the_tree() -> void:
 	await undo()
 	await undo()
-	check(scatter.get(&"terrain") == null, "no ground again")
+	check(scatter.get(&"ground") == null, "no ground again")
 	await select([scatter])
 	check(not button("Refresh Ground").visible, "without a ground there is nothing to refresh")
 	await click("Use as Ground")
@@ -229,17 +229,17 @@ func test_pick_in_the_tree() -> void:
 	dialogs[0].hide()
 	dialogs[0].emit_signal(&"selected", meadow.get_path())
 	await frames(3)
-	check(meadow.is_in_group("meadow_flowers_ground") and scatter.get(&"terrain") != null, "what is picked is the ground")
+	check(meadow.is_in_group("meadow_flowers_ground") and scatter.get(&"ground") != null, "what is picked is the ground")
 	await undo()
 
 
 func test_use_a_body() -> void:
-	check(scatter.get(&"terrain") == null, "no ground again")
+	check(scatter.get(&"ground") == null, "no ground again")
 	var before := saved()
 	await select([scatter, floor_body])
 	await click("Use as Ground")
-	var terrain: Resource = scatter.get(&"terrain")
-	if not check(terrain != null and terrain.is_class("ScatterTerrainColliders"), "rays"):
+	var terrain: Resource = scatter.get(&"ground")
+	if not check(terrain != null and terrain.is_class("ScatterGroundColliders"), "rays"):
 		return
 	check_equal(terrain.get(&"collision_mask"), 4, "which meet the body's layer")
 	await select([scatter])

@@ -16,9 +16,9 @@ func make_scene(path: String) -> void:
 	root.name = "Field"
 	scatter = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Rocks"
-	var ground: Resource = ClassDB.instantiate(&"ScatterTerrainMeshes")
+	var ground: Resource = ClassDB.instantiate(&"ScatterGroundMeshes")
 	ground.set(&"group", &"ground")
-	scatter.set(&"terrain", ground)
+	scatter.set(&"ground", ground)
 	var layers: Array = []
 	for name: String in ["Rock", "Post"]:
 		var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
@@ -125,7 +125,7 @@ func test_plant() -> void:
 	var text := FileAccess.get_file_as_string(SCENE)
 	check(STATE in text and not "PackedByteArray" in text, "the scene refers to the file and holds no instance")
 	var saved := ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
-	check(saved.get_added() == PackedInt64Array([id]) and saved.designed, "the file holds it")
+	check(saved.get_added() == PackedInt64Array([id]) and saved.copy_at_runtime, "the file holds it")
 
 
 ## Moved, turned and scaled by the mouse, then by keys: it keeps its id, and each is one step that undo takes back to the byte.
@@ -243,11 +243,11 @@ func test_instances_of_rules() -> void:
 func test_on_a_ramp() -> void:
 	hand.planting.choose(false, true, false, false)
 	var at := Vector3(-2.5, 0.0, -1.0)
-	at.y = scatter.terrain.get_height(at)
+	at.y = scatter.ground.get_height(at)
 	await click_at(on_screen(at))
 	var id: int = hand.selected
 	check(id < 0 and transform_of(id).origin.distance_to(at) < 0.05, "on the ramp at %s: %s" % [at, transform_of(id).origin])
-	check(transform_of(id).basis.y.distance_to(scatter.terrain.get_normal(at)) < 0.01, "and leans with it")
+	check(transform_of(id).basis.y.distance_to(scatter.ground.get_normal(at)) < 0.01, "and leans with it")
 	check(at.y > 0.1, "which is high")
 	await picture("hand_ramp")
 	hand.planting.choose(true, false, false, false)
@@ -267,12 +267,12 @@ func test_in_the_way() -> void:
 	hand.planting.choose(false, false, false, false)
 	var all := placed()
 	var steps := version()
-	var ground: Resource = scatter.terrain
+	var ground: Resource = scatter.ground
 	var free := on_screen(Vector3(1.3, 0.0, 0.9))
-	scatter.terrain = null
+	scatter.ground = null
 	await click_at(free)
 	check("terrain" in hand.problem, "without ground: '%s'" % hand.problem)
-	scatter.terrain = ground
+	scatter.ground = ground
 	var root := EditorInterface.get_edited_scene_root()
 	var state: Resource = scatter.state
 	scatter.state = null

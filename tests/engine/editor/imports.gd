@@ -15,7 +15,7 @@ func _make_scene() -> Node3D:
 	root.name = "Wood"
 	var scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Scatter"
-	scatter.set(&"terrain", ClassDB.instantiate(&"ScatterTerrainFlat"))
+	scatter.set(&"ground", ClassDB.instantiate(&"ScatterGroundFlat"))
 	root.add_child(scatter)
 	scatter.owner = root
 	var old := MultiMeshInstance3D.new()

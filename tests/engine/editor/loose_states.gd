@@ -14,7 +14,7 @@ func make_scene() -> Node3D:
 	root.name = "Clearing"
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Scatter"
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Stones"
 	layer.meshes = [BoxMesh.new()]
@@ -66,7 +66,7 @@ func test_what_a_script_places() -> void:
 	check_equal(scatter.state.resource_path, STATE, "the state has a file")
 	check_scene(SCENE, "a script")
 	var loaded := ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
-	check(loaded.get_digest() == digest and loaded.designed, "which holds all of it, and no game writes to it")
+	check(loaded.get_digest() == digest and loaded.copy_at_runtime, "which holds all of it, and no game writes to it")
 	var before := FileAccess.get_file_as_bytes(SCENE)
 	EditorInterface.mark_scene_as_unsaved()
 	await save_with_keys()

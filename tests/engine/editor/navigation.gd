@@ -27,7 +27,7 @@ func test_open() -> void:
 	(ground.mesh as PlaneMesh).size = Vector2(SIDE, SIDE)
 	var trees: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	add(trees, "Scatter", made, grove)
-	trees.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	trees.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Trees"
 	layer.radius = 4.0

@@ -50,7 +50,7 @@ func test_paste() -> void:
 	orchard.name = "Orchard"
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Trees"
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	made.layers = [make_layer("Apple", 3.0), make_layer("Grass", 1.0), load(MOSS)]
 	made.layers[1].spacing = {"Apple": 0.5}
 	orchard.add_child(made)

@@ -63,12 +63,12 @@ func photograph(picture_name: String) -> void:
 
 ## Gives the scatter a node as its ground, as the inspector does.
 func stand_on(path: NodePath) -> void:
-	var terrain: Resource = ClassDB.instantiate(&"ScatterTerrainObject")
+	var terrain: Resource = ClassDB.instantiate(&"ScatterGroundNode")
 	terrain.set(&"node", path)
 	var manager := plugin.get_undo_redo()
 	manager.create_action("Set terrain", UndoRedo.MERGE_DISABLE, scatter)
-	manager.add_do_property(scatter, &"terrain", terrain)
-	manager.add_undo_property(scatter, &"terrain", scatter.get(&"terrain"))
+	manager.add_do_property(scatter, &"ground", terrain)
+	manager.add_undo_property(scatter, &"ground", scatter.get(&"ground"))
 	manager.commit_action()
 	await settle(scatter)
 
@@ -131,7 +131,7 @@ func test_terrain3d() -> void:
 	put(node, "Terrain3D")
 	var height_at: Callable = node.data.height_at
 	await stand_on(^"../Terrain3D")
-	check("Terrain3D" in scatter.terrain.get(&"recognized"), "known: %s" % scatter.terrain.get(&"recognized"))
+	check("Terrain3D" in scatter.ground.get(&"recognized"), "known: %s" % scatter.ground.get(&"recognized"))
 	check_ground(height_at, "at first")
 	check_equal(node.data.asked, 0, "calls for single places")
 	await sculpt(func(height: float) -> void:
@@ -154,7 +154,7 @@ func test_hterrain() -> void:
 	var node: Node3D = double("hterrain_harness").make_hterrain()
 	put(node, "HTerrain")
 	await stand_on(^"../HTerrain")
-	check("HTerrain" in scatter.terrain.get(&"recognized"), "known: %s" % scatter.terrain.get(&"recognized"))
+	check("HTerrain" in scatter.ground.get(&"recognized"), "known: %s" % scatter.ground.get(&"recognized"))
 	check_ground(node.ground_at, "at first")
 	check_equal(node.get_data().asked, 0, "calls for single places")
 	await sculpt(func(height: float) -> void:

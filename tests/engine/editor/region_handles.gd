@@ -9,7 +9,7 @@ var scatter: Node3D
 
 
 func on_ground(x: float, z: float) -> Vector3:
-	return Vector3(x, scatter.terrain.get_height(Vector3(x, 0.0, z)), z)
+	return Vector3(x, scatter.ground.get_height(Vector3(x, 0.0, z)), z)
 
 
 ## Regions of all shapes below the scatter are drawn, and their handles set their sizes with undo.

@@ -16,7 +16,7 @@ func make_scene() -> void:
 	scatter = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Posts"
 	scatter.position = Vector3(3.0, 1.0, -2.0)
-	scatter.set(&"terrain", ClassDB.instantiate(&"ScatterTerrainFlat"))
+	scatter.set(&"ground", ClassDB.instantiate(&"ScatterGroundFlat"))
 	var layers: Array = []
 	for name: String in ["Post", "Twig"]:
 		var layer: Resource = ClassDB.instantiate(&"ScatterLayer")

@@ -31,7 +31,7 @@ func make_scene() -> void:
 	new_root.name = "Glade"
 	var new: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	new.name = "Scatter"
-	new.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	new.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var moss := make_layer("Moss", 6.0, 60.0)
 	ResourceSaver.save(moss, LAYER_FILE)
 	var layers: Array = new.layers.duplicate()

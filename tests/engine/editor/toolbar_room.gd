@@ -58,7 +58,7 @@ func test_narrow() -> void:
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Spruce"
 	room.get_node("Scatter").layers = [layer]
-	room.get_node("Scatter").terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	room.get_node("Scatter").ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	(room.get_node("Mesh") as MeshInstance3D).mesh = PlaneMesh.new()
 	var packed := PackedScene.new()
 	packed.pack(room)

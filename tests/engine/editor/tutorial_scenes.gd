@@ -52,7 +52,7 @@ func layer(title: String) -> Resource:
 
 
 func on_ground(x: float, z: float) -> Vector3:
-	return Vector3(x, scatter.terrain.get_height(Vector3(x, 0.0, z)), z)
+	return Vector3(x, scatter.ground.get_height(Vector3(x, 0.0, z)), z)
 
 
 func select(node: Node) -> void:
@@ -150,7 +150,7 @@ func add_scatter() -> void:
 		dialogs[0].emit_signal(&"selected", root.get_node("Ground").get_path())
 		dialogs[0].hide()
 		await frames(2)
-	check(scatter.terrain != null and scatter.get_problems().size() <= 1, "it has a ground: %s" % scatter.get_problems())
+	check(scatter.ground != null and scatter.get_problems().size() <= 1, "it has a ground: %s" % scatter.get_problems())
 	await select(scatter)
 
 

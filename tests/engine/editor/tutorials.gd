@@ -61,7 +61,7 @@ func test_your_own_tree() -> void:
 	oak.max_scale = 1.2
 	oak.height_offset = -0.1
 	var wind: Node3D = load("res://addons/thicket/shaders/foliage_world.gd").new()
-	wind.name = "FoliageWorld"
+	wind.name = "ScatterFoliageWorld"
 	root.add_child(wind)
 	wind.owner = root
 	await settle(scatter)

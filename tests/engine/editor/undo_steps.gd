@@ -67,7 +67,7 @@ func make_scene() -> void:
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	add(made, "Scatter", heath, heath)
 	made.position = Vector3(1.0, 0.0, 0.5)
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	made.layers = [make_layer("Grass", 1.5), make_layer("Trees", 4.0), load(MOSS)]
 	made.layers[1].spacing = {"Grass": 0.5, 2: 1.0}
 	made.layers[0].proximity_layer = 1

@@ -71,7 +71,7 @@ func test_open() -> void:
 	yard.name = "Yard"
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Scatter"
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var material: Material = (load("res://addons/thicket/shaders/foliage.tres") as Material).duplicate()
 	(material as ShaderMaterial).set_shader_parameter(&"albedo", Color.RED)
 	var mesh := BoxMesh.new()

@@ -26,10 +26,10 @@ func make_scatter() -> void:
 	root.get_node(^"Sun").shadow_enabled = false
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Hills"
-	made.terrain = root.get_node(^"Scatter").terrain
+	made.ground = root.get_node(^"Scatter").ground
 	var trees := make_layer("Trees", 6.0, Vector3(0.6, 5.0, 0.6))
 	trees.max_slope_degrees = 18.0
-	trees.slope_falloff = 6.0
+	trees.slope_falloff_degrees = 6.0
 	var stones := make_layer("Stones", 3.0, Vector3(1.2, 0.8, 1.0))
 	stones.min_slope_degrees = 14.0
 	var grass := make_layer("Grass", 2.0, Vector3(0.15, 0.6, 0.15))
@@ -146,14 +146,14 @@ func test_colors() -> void:
 
 ## Without ground or layers it says so, and nothing is printed.
 func test_nothing_to_explain() -> void:
-	var terrain: Resource = scatter.terrain
+	var terrain: Resource = scatter.ground
 	var layers: Array = scatter.layers
 	tool().set_on(true)
 	tool().choose_colors(1)
-	scatter.terrain = null
+	scatter.ground = null
 	await hover(Vector2(300, 300))
 	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "set the terrain of Hills" in row), "no ground")
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.layers = []
 	workspace().toolbar.update_layers()
 	await hover(Vector2(310, 400))

@@ -11,7 +11,7 @@ func test_the_editor_is_usable() -> void:
 	check(addon() != null and workspace() == null, "the plugin is on and has no tools")
 	var root := Node3D.new()
 	root.name = "Scene"
-	var world := FoliageWorld.new()
+	var world := ScatterFoliageWorld.new()
 	world.name = "World"
 	root.add_child(world)
 	world.owner = root
@@ -20,7 +20,7 @@ func test_the_editor_is_usable() -> void:
 	root.free()
 	check_equal(ResourceSaver.save(packed, SCENE), OK, "saved")
 	var opened := await open(SCENE)
-	check(opened.get_node("World") is FoliageWorld, "a node of the add-on that games use is itself")
+	check(opened.get_node("World") is ScatterFoliageWorld, "a node of the add-on that games use is itself")
 	var child := MeshInstance3D.new()
 	opened.add_child(child)
 	child.owner = opened

@@ -12,7 +12,7 @@ var values: Dictionary = {}
 ## The tiles; null before [method describe], and with a [member problem].
 var grid: BakeGrid
 
-var _rect: Array = [] # x, z, width and depth in meters of the world; empty for where the terrain lies.
+var _rect: Array = [] # x, z, width and depth in meters of the world; empty for where the ground lies.
 var _tile_size := 0.0 # Meters; 0 for a size that fits the layers.
 var _layers := PackedStringArray() # Names or indices; none for all.
 
@@ -45,14 +45,14 @@ static func numbers_in(text: String, between: String) -> Array:
 ## Fills [member values] and [member grid]. Returns false with a [member problem]. The ground is probed in the rectangle that is baked.
 func describe(scatter: TerrainScatter3D) -> bool:
 	var layers := _chosen(_layers_of(scatter))
-	var terrain_rect: Variant = scatter.terrain.get(&"rect") # Not every terrain has one.
+	var ground_rect: Variant = scatter.ground.get(&"rect") # Not every ground has one.
 	var rect := _rect
-	if rect.is_empty() and terrain_rect is Rect2:
-		var ground: Rect2 = terrain_rect
+	if rect.is_empty() and ground_rect is Rect2:
+		var ground: Rect2 = ground_rect
 		if ground.has_area():
 			rect = [ground.position.x, ground.position.y, ground.size.x, ground.size.y]
 	if not problem and rect.is_empty():
-		problem = "The terrain does not say where it lies: give a rect, X,Z,WIDTH,DEPTH in meters, or set the rect of a terrain that has one."
+		problem = "The ground does not say where it lies: give a rect, X,Z,WIDTH,DEPTH in meters, or set the rect of a ground that has one."
 	if not problem and SceneDigest.version().is_empty():
 		problem = "%s cannot be read or has no version: install the whole add-on in the project." % SceneDigest.PLUGIN
 	if problem:

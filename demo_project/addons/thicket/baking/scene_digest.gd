@@ -2,7 +2,7 @@ extends RefCounted
 ## What a scattered scene's instances follow from, as a hash for each part of it: a bake that goes on after a break learns
 ## from it whether the scene is still the one it was, and if not, what has changed.
 ##
-## Hashed are the stored properties of the node, its layers, biomes, regions, terrain and state, with all resources in them, the files
+## Hashed are the stored properties of the node, its layers, biomes, regions, ground and state, with all resources in them, the files
 ## and scripts that these come from, and the heights of the ground at places all over a rectangle. How instances are drawn does not
 ## count. What a script reads from elsewhere is seen by those heights alone.
 
@@ -32,12 +32,12 @@ static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[Strin
 			add.call("layer %d (%s)" % [index, layer.resource_name], [layer])
 	add.call("the biomes", [scatter.biomes])
 	add.call("the regions", scatter.find_children("*", "ScatterRegion3D", true, false))
-	add.call("the terrain", [scatter.terrain])
+	add.call("the ground", [scatter.ground])
 	var heights := PackedFloat64Array()
 	for row in PROBES:
 		for column in PROBES:
 			var at := rect.position + rect.size * Vector2(column + 0.5, row + 0.5) / PROBES
-			heights.append(scatter.terrain.get_height(Vector3(at.x, 0.0, at.y)))
+			heights.append(scatter.ground.get_height(Vector3(at.x, 0.0, at.y)))
 	add.call("the heights of the ground", [heights])
 	var changes := scatter.state
 	add.call("what was removed and placed by hand", [changes.get_digest() if changes != null and _holds_anything(changes) else 0])

@@ -24,7 +24,7 @@ const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of wh
   godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER [ARGUMENT=VALUE ...]
     scene=res://...              the scene
     out=/FOLDER                  the folder, with its whole path
-    rect=X,Z,WIDTH,DEPTH         what to make, in meters; else all of the terrain
+    rect=X,Z,WIDTH,DEPTH         what to make, in meters; else all of the ground
     tile_size=METERS             else one that fits the layers
     layers=NAME,NAME             names or indices; else all
     tiles='I,J I,J'              these tiles alone; else all of the rectangle
@@ -34,12 +34,12 @@ const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of wh
 Ends with 0 if all tiles are there that were asked for, 1 if some are not, 2 if it could not begin.
 For a driver, in place of out and what follows it: connect=PORT and token=WORD."""
 const NO_SCATTER := "is no TerrainScatter3D"
-const NO_TERRAIN := "is no terrain"
-const NO_GROUND := "is a scatter that still waits for its ground"
+const NO_GROUND := "is no ground"
+const NOT_SETTLED := "is a scatter that still waits for its ground"
 ## What to do about each.
 const REMEDIES: Dictionary[String, String] = {
-	NO_SCATTER: "Add one, or set node to its path.", NO_TERRAIN: "Set the terrain of the TerrainScatter3D.",
-	NO_GROUND: "Raise wait, or check that the terrain has ground.",
+	NO_SCATTER: "Add one, or set node to its path.", NO_GROUND: "Set TerrainScatter3D.ground.",
+	NOT_SETTLED: "Raise wait, or check that the ground has heights.",
 }
 const FOR_ALL: Array[String] = ["scene", "node", "wait"]
 const FOR_FOLDER: Array[String] = ["out", "rect", "tile_size", "layers", "tiles", "share"]
@@ -164,10 +164,10 @@ func _find_scatter(scene: Node) -> String:
 func _what_is_missing() -> String:
 	if _scatter == null:
 		return NO_SCATTER
-	if _scatter.terrain == null:
-		return NO_TERRAIN
-	if not _scatter.is_settled():
+	if _scatter.ground == null:
 		return NO_GROUND
+	if not _scatter.is_settled():
+		return NOT_SETTLED
 	return ""
 
 

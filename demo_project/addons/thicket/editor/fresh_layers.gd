@@ -30,14 +30,14 @@ func look() -> void:
 	var missing := _fresh.filter(func(layer: ScatterLayer) -> bool:
 		return layer in layers and _scatter.get_shown_count(layer) == 0)
 	_fresh.clear()
-	if not missing.is_empty() and _scatter.terrain != null: # Without one, the node has a warning.
+	if not missing.is_empty() and _scatter.ground != null: # Without one, the node has a warning.
 		EditorInterface.get_editor_toaster().push_toast(_why(missing), EditorToaster.SEVERITY_WARNING)
 
 
 ## What keeps layers from the place that the view looks at, in a sentence for each.
 func _why(missing: Array[ScatterLayer]) -> String:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	var away := GroundRay.distance(_scatter.terrain, camera.global_position, -camera.global_basis.z)
+	var away := GroundRay.distance(_scatter.ground, camera.global_position, -camera.global_basis.z)
 	var sentences := PackedStringArray()
 	for explanation in _scatter.explain_position(camera.global_position - camera.global_basis.z * away, missing):
 		sentences.append("%s: %s" % [explanation.layer_name, explanation.reason])

@@ -41,21 +41,21 @@ func update() -> void:
 	var scatter := _meant()
 	var grounds := _grounds_of(selected)
 	visible = scatter != null and not (scatters.is_empty() and grounds.is_empty())
-	_refresh.visible = visible and not scatters.is_empty() and scatter.terrain != null
+	_refresh.visible = visible and not scatters.is_empty() and scatter.ground != null
 	if visible:
 		_use.tooltip_text = "Choose a mesh or a static body as the ground of %s." % scatter.name if grounds.is_empty() \
 				else "Make the selected %s the ground of %s." % [_names(grounds), scatter.name]
 
 
-## Makes nodes the ground of a scatter, as one step of undo: meshes join the group of its terrain, bodies its collision mask. It gets a
-## terrain of that kind unless it has one. Returns why nothing was done, in a sentence; empty if something was.
+## Makes nodes the ground of a scatter, as one step of undo: meshes join the group of its ground, bodies its collision mask. It gets a
+## ground of that kind unless it has one. Returns why nothing was done, in a sentence; empty if something was.
 static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUndoRedoManager) -> String:
 	var meshes: Array[Node] = []
 	var bodies: Array[StaticBody3D] = []
 	for node in nodes:
 		if node is StaticBody3D:
 			bodies.append(node)
-		if not node is StaticBody3D or scatter.terrain is ScatterTerrainMeshes:
+		if not node is StaticBody3D or scatter.ground is ScatterGroundMeshes:
 			meshes.append_array(_meshes_of(node))
 	if meshes.is_empty() and bodies.is_empty():
 		return "%s cannot be ground: select a MeshInstance3D with a mesh or a StaticBody3D." % _names(nodes)
@@ -63,8 +63,8 @@ static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUn
 
 
 static func _use_meshes(scatter: TerrainScatter3D, meshes: Array[Node], manager: EditorUndoRedoManager) -> String:
-	var terrain := scatter.terrain as ScatterTerrainMeshes
-	var group := terrain.group if terrain != null else &""
+	var ground := scatter.ground as ScatterGroundMeshes
+	var group := ground.group if ground != null else &""
 	var new_group := group if group else StringName(str(scatter.name).to_snake_case() + "_ground")
 	meshes = meshes.filter(func(mesh: Node) -> bool: return not mesh.is_in_group(new_group))
 	if meshes.is_empty() and group:
@@ -77,13 +77,13 @@ static func _use_meshes(scatter: TerrainScatter3D, meshes: Array[Node], manager:
 	for mesh in meshes:
 		manager.add_do_method(mesh, &"add_to_group", new_group, true)
 		manager.add_undo_method(mesh, &"remove_from_group", new_group)
-	if terrain == null:
-		var made := ScatterTerrainMeshes.new()
+	if ground == null:
+		var made := ScatterGroundMeshes.new()
 		made.group = new_group
-		_replace_terrain(scatter, made, manager)
+		_replace_ground(scatter, made, manager)
 	elif not group:
-		manager.add_do_property(terrain, &"group", new_group)
-		manager.add_undo_property(terrain, &"group", group)
+		manager.add_do_property(ground, &"group", new_group)
+		manager.add_undo_property(ground, &"group", group)
 	manager.commit_action()
 	return ""
 
@@ -94,25 +94,25 @@ static func _use_bodies(scatter: TerrainScatter3D, bodies: Array[StaticBody3D], 
 		layers |= body.collision_layer
 	if layers == 0:
 		return "collision_layer of %s is 0, so no ray can meet it: set at least one layer." % _names(bodies)
-	var terrain := scatter.terrain as ScatterTerrainColliders
-	var mask := terrain.collision_mask if terrain != null else 0
-	if terrain != null and mask | layers == mask:
+	var ground := scatter.ground as ScatterGroundColliders
+	var mask := ground.collision_mask if ground != null else 0
+	if ground != null and mask | layers == mask:
 		return "That is the ground of %s already." % scatter.name
 	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
-	if terrain != null:
-		manager.add_do_property(terrain, &"collision_mask", mask | layers)
-		manager.add_undo_property(terrain, &"collision_mask", mask)
+	if ground != null:
+		manager.add_do_property(ground, &"collision_mask", mask | layers)
+		manager.add_undo_property(ground, &"collision_mask", mask)
 	else:
-		var made := ScatterTerrainColliders.new()
+		var made := ScatterGroundColliders.new()
 		made.collision_mask = layers
-		_replace_terrain(scatter, made, manager)
+		_replace_ground(scatter, made, manager)
 	manager.commit_action()
 	return ""
 
 
-static func _replace_terrain(scatter: TerrainScatter3D, terrain: ScatterTerrain, manager: EditorUndoRedoManager) -> void:
-	manager.add_do_property(scatter, &"terrain", terrain)
-	manager.add_undo_property(scatter, &"terrain", scatter.terrain)
+static func _replace_ground(scatter: TerrainScatter3D, ground: ScatterGround, manager: EditorUndoRedoManager) -> void:
+	manager.add_do_property(scatter, &"ground", ground)
+	manager.add_undo_property(scatter, &"ground", scatter.ground)
 
 
 ## The meshes that a node and all below it show; those of scatters are none.

@@ -17,16 +17,16 @@ var _camera: Camera3D
 var _mouse := Vector2.ZERO
 
 
-## Points at the ground below a position in the camera's viewport; at nothing without a terrain.
-func aim(camera: Camera3D, position: Vector2, terrain: ScatterTerrain) -> void:
+## Points at the ground below a position in the camera's viewport; at nothing without a ground.
+func aim(camera: Camera3D, position: Vector2, ground: ScatterGround) -> void:
 	_camera = camera
 	_mouse = position
 	on_ground = Vector3.INF
 	position /= _shrink(camera)
 	from = camera.project_ray_origin(position)
 	direction = camera.project_ray_normal(position)
-	if terrain != null:
-		on_ground = GroundRay.hit(terrain, from, direction)
+	if ground != null:
+		on_ground = GroundRay.hit(ground, from, direction)
 
 
 ## Points at nothing until the next [method aim].
@@ -80,12 +80,12 @@ func draw_knob(overlay: Control, position: Vector3, color: Color) -> void:
 
 
 ## Draws a circle of a radius in meters around where the mouse points, as it lies on the ground.
-func draw_ring(overlay: Control, terrain: ScatterTerrain, radius: float, color: Color, width: float) -> void:
+func draw_ring(overlay: Control, ground: ScatterGround, radius: float, color: Color, width: float) -> void:
 	var line := PackedVector3Array()
 	for side in SIDES + 1:
 		var angle := TAU * side / SIDES
 		var at := on_ground + Vector3(cos(angle), 0.0, sin(angle)) * radius
-		var height := terrain.get_height(at)
+		var height := ground.get_height(at)
 		if not is_nan(height):
 			at.y = height
 		line.append(at)
@@ -98,11 +98,11 @@ func to_overlay(position: Vector3) -> Vector2:
 
 
 ## A line from one place to another as it lies on the ground.
-func along_ground(from: Vector3, to: Vector3, terrain: ScatterTerrain) -> PackedVector3Array:
+func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVector3Array:
 	var line := PackedVector3Array()
 	for piece in PIECES + 1:
 		var at := from.lerp(to, piece / float(PIECES))
-		var height := terrain.get_height(at)
+		var height := ground.get_height(at)
 		if not is_nan(height):
 			at.y = height
 		line.append(at)

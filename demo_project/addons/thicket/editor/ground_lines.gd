@@ -6,7 +6,7 @@ extends RefCounted
 const LIFT := 0.1
 
 ## The ground to follow; null for lines at [member level].
-var terrain: ScatterTerrain
+var ground: ScatterGround
 ## World height in meters of lines where there is no ground.
 var level := 0.0
 ## How often the ground may still be asked; after that lines go straight from corner to corner.
@@ -23,7 +23,7 @@ func _init(node: Node3D) -> void:
 	level = node.global_position.y
 	var scatter := scatter_of(node)
 	if scatter != null:
-		terrain = scatter.terrain
+		ground = scatter.ground
 
 
 ## The scatter above a node, or the node itself; null if there is none.
@@ -63,8 +63,8 @@ func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 
 func _on_ground(at: Vector2) -> Vector3:
 	var position := Vector3(at.x, level, at.y)
-	if terrain != null:
-		var height := terrain.get_height(position)
+	if ground != null:
+		var height := ground.get_height(position)
 		if not is_nan(height):
 			position.y = height + LIFT
 	return _to_node * position

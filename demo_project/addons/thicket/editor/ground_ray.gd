@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Finds where a ray meets the ground of a [code]ScatterTerrain[/code].
+## Finds where a ray meets the ground of a [code]ScatterGround[/code].
 
 ## Meters: the longest ray, and the shortest and longest step along it.
 const REACH := 20000.0
@@ -12,15 +12,15 @@ const HALVINGS := 24
 
 ## The first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is
 ## none. [param direction] has a length of 1. A step is half as long as the ray is high above the ground, so a ridge is
-## missed only where the ground is steeper than 60 degrees and the ray grazes it. Asks the terrain some hundred times.
-static func hit(terrain: ScatterTerrain, from: Vector3, direction: Vector3) -> Vector3:
+## missed only where the ground is steeper than 60 degrees and the ray grazes it. Asks the ground some hundred times.
+static func hit(ground: ScatterGround, from: Vector3, direction: Vector3) -> Vector3:
 	var at := 0.0
 	var last := NAN
 	var last_at := 0.0
 	for step in MOST_STEPS:
-		var above := _above(terrain, from + direction * at)
+		var above := _above(ground, from + direction * at)
 		if last > 0.0 and above <= 0.0:
-			return _refine(terrain, from, direction, last_at, at)
+			return _refine(ground, from, direction, last_at, at)
 		last = above
 		last_at = at
 		# Over a hole nothing is known; near things matter more than far ones.
@@ -32,19 +32,19 @@ static func hit(terrain: ScatterTerrain, from: Vector3, direction: Vector3) -> V
 
 
 ## Meters to the ground along a ray, at most 1000; 100 where there is none.
-static func distance(terrain: ScatterTerrain, from: Vector3, direction: Vector3) -> float:
-	var position := hit(terrain, from, direction)
+static func distance(ground: ScatterGround, from: Vector3, direction: Vector3) -> float:
+	var position := hit(ground, from, direction)
 	return minf(position.distance_to(from), 1000.0) if position.is_finite() else 100.0
 
 
-static func _above(terrain: ScatterTerrain, position: Vector3) -> float:
-	return position.y - terrain.get_height(position)
+static func _above(ground: ScatterGround, position: Vector3) -> float:
+	return position.y - ground.get_height(position)
 
 
-static func _refine(terrain: ScatterTerrain, from: Vector3, direction: Vector3, above_at: float, below_at: float) -> Vector3:
+static func _refine(ground: ScatterGround, from: Vector3, direction: Vector3, above_at: float, below_at: float) -> Vector3:
 	for halving in HALVINGS:
 		var middle := 0.5 * (above_at + below_at)
-		if _above(terrain, from + direction * middle) > 0.0:
+		if _above(ground, from + direction * middle) > 0.0:
 			above_at = middle
 		else:
 			below_at = middle

@@ -16,7 +16,7 @@ var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## On show, a
 var _material := StandardMaterial3D.new()
 var _instance := RID()
 var _scatter: TerrainScatter3D
-var _terrain: ScatterTerrain
+var _ground: ScatterGround
 var _middle := Vector2i.ZERO ## Of the veil, in quads.
 var _quad := 0.0 ## The side of a quad, in meters.
 var _asked: Array = [] ## All that the veil follows from; empty for none.
@@ -40,7 +40,7 @@ func _notification(what: int) -> void:
 ## Shows nothing.
 func hide() -> void:
 	_asked = []
-	_terrain = null
+	_ground = null
 	_waiting.clear()
 	_take_off()
 
@@ -62,12 +62,12 @@ func is_complete() -> bool:
 func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
 	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
 	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
-	var asked := [scatter, scatter.terrain, middle, quad, version]
+	var asked := [scatter, scatter.ground, middle, quad, version]
 	if asked == _asked:
 		return
 	_asked = asked
 	_scatter = scatter
-	_terrain = scatter.terrain
+	_ground = scatter.ground
 	_middle = middle
 	_quad = quad
 	_colors = colors
@@ -82,7 +82,7 @@ func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Var
 func work(microseconds: int) -> void:
 	if _waiting.is_empty():
 		return
-	if not is_instance_valid(_scatter) or not _scatter.is_inside_tree() or _scatter.terrain == null:
+	if not is_instance_valid(_scatter) or not _scatter.is_inside_tree() or _scatter.ground == null:
 		return hide()
 	var deadline := Time.get_ticks_usec() + microseconds
 	while not _waiting.is_empty():
@@ -123,7 +123,7 @@ func _part(part: Vector2i) -> Array:
 	for z in size.y:
 		for x in size.x:
 			var at := first + Vector2(x, z) * _quad
-			var height := _terrain.get_height(Vector3(at.x, 0.0, at.y))
+			var height := _ground.get_height(Vector3(at.x, 0.0, at.y))
 			vertices.append(Vector3(at.x, (0.0 if is_nan(height) else height) + LIFT * _quad, at.y))
 			if is_nan(height):
 				colors[z * size.x + x].a = 0.0

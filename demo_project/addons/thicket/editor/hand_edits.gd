@@ -37,7 +37,7 @@ func begin(scatter: TerrainScatter3D, scene_path: String) -> bool:
 		_last_state = state
 		state = state.duplicate() if state != null else ScatterState.new()
 		# A game changes copies of its own, and never what the designer has made.
-		state.designed = true
+		state.copy_at_runtime = true
 		if not files.create(scene_path, state, scatter.name, "state"):
 			problem = files.problem
 			_last_state = null

@@ -134,38 +134,38 @@ func snapped_size(basis: Basis, factor: float, with_control: bool) -> float:
 
 
 ## How an instance stands that is planted at a place on the ground.
-func transform_at(place: Vector3, terrain: ScatterTerrain, with_control: bool) -> Transform3D:
-	var at := _on_grid(place, terrain, with_control)
-	var up := _up(at, terrain)
+func transform_at(place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
+	var at := _on_grid(place, ground, with_control)
+	var up := _up(at, ground)
 	var basis := Basis(Quaternion(Vector3.UP, up)) * Basis(Vector3.UP, _yaw)
 	at += Vector3.UP * _layer.height_offset + up * _layer.offset_along_normal
 	return Transform3D(basis * Basis.from_scale(Vector3.ONE * _size), at)
 
 
 ## How an instance stands that is moved to above or below a place: as high over the ground as it was.
-func moved(from: Transform3D, place: Vector3, terrain: ScatterTerrain, with_control: bool) -> Transform3D:
-	var to := _on_grid(place, terrain, with_control)
-	var below := terrain.get_height(from.origin)
-	var height := terrain.get_height(to)
+func moved(from: Transform3D, place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
+	var to := _on_grid(place, ground, with_control)
+	var below := ground.get_height(from.origin)
+	var height := ground.get_height(to)
 	to.y = from.origin.y if is_nan(below) or is_nan(height) else height + from.origin.y - below
-	var lean := Quaternion(_up(from.origin, terrain), _up(to, terrain)) if _is_way(Way.ALIGN) else Quaternion.IDENTITY
+	var lean := Quaternion(_up(from.origin, ground), _up(to, ground)) if _is_way(Way.ALIGN) else Quaternion.IDENTITY
 	return Transform3D(Basis(lean) * from.basis if lean != Quaternion.IDENTITY else from.basis, to)
 
 
-func _on_grid(place: Vector3, terrain: ScatterTerrain, with_control: bool) -> Vector3:
+func _on_grid(place: Vector3, ground: ScatterGround, with_control: bool) -> Vector3:
 	if not snaps(with_control):
 		return place
 	var at := Vector3(snappedf(place.x, _grid.value), place.y, snappedf(place.z, _grid.value))
-	var height := terrain.get_height(at)
+	var height := ground.get_height(at)
 	if not is_nan(height):
 		at.y = height
 	return at
 
 
-func _up(at: Vector3, terrain: ScatterTerrain) -> Vector3:
+func _up(at: Vector3, ground: ScatterGround) -> Vector3:
 	if not _is_way(Way.ALIGN):
 		return Vector3.UP
-	var normal := terrain.get_normal(at)
+	var normal := ground.get_normal(at)
 	return normal.normalized() if normal.is_finite() and normal.y > 0.0 else Vector3.UP
 
 

@@ -55,7 +55,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 		return NOT_MINE
 	var mouse := event as InputEventMouse
 	_mouse = mouse.position
-	_cursor.aim(camera, mouse.position, terrain())
+	_cursor.aim(camera, mouse.position, ground())
 	redraw_requested.emit()
 	if mouse is InputEventMouseMotion:
 		if _pressed:
@@ -92,7 +92,7 @@ func draw_over(overlay: Control) -> void:
 
 ## What the chosen layer is drawn with may have changed, and the selected instance by undo.
 func look() -> void:
-	if not is_on() or layer == null or terrain() == null:
+	if not is_on() or layer == null or ground() == null:
 		_ghost.hide()
 		return
 	var built := scatter.build_rect(layer_index, Rect2(0.0, 0.0, 0.01, 0.01))
@@ -144,8 +144,8 @@ func _on_key(key: InputEventKey) -> int:
 
 ## Why nothing can be done, in a sentence; empty if something can.
 func _obstacle() -> String:
-	if terrain() == null:
-		return "There is no ground to plant on: set the terrain of %s, or press Use as Ground." % scatter.name
+	if ground() == null:
+		return "There is no ground to plant on: set the ground of %s, or press Use as Ground." % scatter.name
 	if layer == null:
 		return "There is nothing to plant: add a layer to %s in the Scatter panel." % scatter.name
 	return ""
@@ -173,10 +173,10 @@ func _press(mouse: InputEventMouseButton) -> String:
 
 func _plant(with_control: bool) -> String:
 	if not _cursor.on_ground.is_finite():
-		return "There is no ground below the mouse: click where the terrain is."
+		return "There is no ground below the mouse: click where the ground is."
 	if not edits.begin(scatter, scene_path()):
 		return edits.problem
-	var id := edits.add(layer_index, planting.transform_at(_cursor.on_ground, terrain(), with_control), planting.mesh)
+	var id := edits.add(layer_index, planting.transform_at(_cursor.on_ground, ground(), with_control), planting.mesh)
 	edits.commit("Plant %s" % layer.resource_name)
 	if id == 0:
 		return "No instance of %s was planted; the Output panel says why." % layer.resource_name
@@ -209,7 +209,7 @@ func _drag(mouse: InputEventMouse) -> void:
 			if not _grabbed.is_finite():
 				return
 			var way := (_on_plane(_grabbed, Vector3.UP, _grabbed) - _grabbed).limit_length(REACH)
-			to = planting.moved(to, to.origin + way, terrain(), mouse.ctrl_pressed)
+			to = planting.moved(to, to.origin + way, ground(), mouse.ctrl_pressed)
 	_change(to)
 
 
@@ -286,7 +286,7 @@ func _show_ghost() -> void:
 	var free := _hovered == 0 and not _pressed and _obstacle().is_empty() and _cursor.on_ground.is_finite()
 	if free and planting.mesh < _meshes.size():
 		var with_control := Input.is_key_pressed(KEY_CTRL)
-		_ghost.show(scatter, _meshes[planting.mesh], planting.transform_at(_cursor.on_ground, terrain(), with_control))
+		_ghost.show(scatter, _meshes[planting.mesh], planting.transform_at(_cursor.on_ground, ground(), with_control))
 	else:
 		_ghost.hide()
 
@@ -310,7 +310,7 @@ func _select(id: int) -> void:
 
 ## An instance as it stands; null if it does not.
 func _frame_of(id: int) -> HandFrame:
-	if not is_instance_valid(scatter) or terrain() == null:
+	if not is_instance_valid(scatter) or ground() == null:
 		return null
 	var instance := scatter.get_instance(id)
 	if instance == null or instance.layer != layer_index:

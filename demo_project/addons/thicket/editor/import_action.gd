@@ -76,7 +76,7 @@ func _find_state() -> bool:
 		return true
 	_state = _state_before.duplicate() if _state_before != null else ScatterState.new()
 	# A game changes copies of its own, and never what the designer has made.
-	_state.designed = true
+	_state.copy_at_runtime = true
 	if not _files.create(_scene_path, _state, _scatter.name, "state"):
 		problem = _files.problem
 		return false

@@ -170,7 +170,7 @@ func add_scatter() -> void:
 	scatter.seed = Shared.free_seed(null)
 	var others := Shared.scatters_of(root)
 	if not others.is_empty():
-		scatter.terrain = others[0].terrain
+		scatter.ground = others[0].ground
 	_undo_redo.create_action("New Scatter", UndoRedo.MERGE_DISABLE, root)
 	_undo_redo.add_do_method(root, &"add_child", scatter, true)
 	_undo_redo.add_do_property(scatter, &"owner", root)

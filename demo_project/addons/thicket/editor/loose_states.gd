@@ -34,7 +34,7 @@ func _move_out(state: ScatterState, owner_name: String, scene_path: String) -> b
 	if scene_path.is_empty():
 		return false
 	# A game changes a copy of its own, and never what is in the editor's file.
-	state.designed = true
+	state.copy_at_runtime = true
 	if not _files.create(scene_path, state, owner_name, "state"):
 		EditorInterface.get_editor_toaster().push_toast(_files.problem, EditorToaster.SEVERITY_ERROR)
 		return false

@@ -78,7 +78,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 	if not event is InputEventMouse:
 		return NOT_MINE
 	var mouse := event as InputEventMouse
-	_cursor.aim(camera, mouse.position, terrain())
+	_cursor.aim(camera, mouse.position, ground())
 	redraw_requested.emit()
 	var at := _cursor.on_ground
 	if mouse is InputEventMouseMotion:
@@ -103,24 +103,24 @@ func draw_over(overlay: Control) -> void:
 		return
 	if not problem.is_empty():
 		_cursor.say(overlay, problem)
-	if not _cursor.on_ground.is_finite() or terrain() == null:
+	if not _cursor.on_ground.is_finite() or ground() == null:
 		return
 	var color := COLORS[brush.mode]
-	_cursor.draw_ring(overlay, terrain(), brush.radius, color, 2.0)
+	_cursor.draw_ring(overlay, ground(), brush.radius, color, 2.0)
 	if brush.hardness > 0.0:
-		_cursor.draw_ring(overlay, terrain(), brush.radius * brush.hardness, Color(color, 0.45), 1.0)
+		_cursor.draw_ring(overlay, ground(), brush.radius * brush.hardness, Color(color, 0.45), 1.0)
 	_cursor.draw_dot(overlay, color)
 
 
 ## The veil of the chosen layer's mask, while the brush is on.
 func look() -> void:
-	var mask := layer.mask if is_on() and layer != null and terrain() != null else null
+	var mask := layer.mask if is_on() and layer != null and ground() != null else null
 	mask_overlay.watch(mask)
 	if mask == null:
 		mask_overlay.hide()
 		return
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	var away := GroundRay.distance(terrain(), camera.global_position, -camera.global_basis.z)
+	var away := GroundRay.distance(ground(), camera.global_position, -camera.global_basis.z)
 	mask_overlay.show(scatter, camera.global_position - camera.global_basis.z * away, away)
 
 
@@ -147,14 +147,14 @@ func _on_key(key: InputEventKey) -> int:
 
 ## Begins a stroke at a place on the ground. Returns why it cannot, in a sentence.
 func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
-	if terrain() == null:
-		return "There is no ground to paint on: set the terrain of %s, or press Use as Ground." % scatter.name
+	if ground() == null:
+		return "There is no ground to paint on: set the ground of %s, or press Use as Ground." % scatter.name
 	if layer == null:
 		return "There is nothing to paint: add a layer to %s in the Scatter panel." % scatter.name
 	if not lock_problem().is_empty():
 		return lock_problem()
 	if not at.is_finite():
-		return "There is no ground below the brush: paint where the terrain is."
+		return "There is no ground below the brush: paint where the ground is."
 	var mode := brush.mode
 	if pressed.shift_pressed:
 		mode = ScatterMask.MODE_SMOOTH

@@ -29,10 +29,10 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 	_undo_redo = undo_redo
 	_files = files
 	_ground = _row(&"NodeWarning")
-	_label(_ground).text = "The scatter has no terrain, so nothing is placed."
+	_label(_ground).text = "The scatter has no ground, so nothing is placed."
 	var choose := Button.new()
 	choose.text = "Use as Ground..."
-	choose.tooltip_text = "Choose a mesh or a static body of the scene. Other grounds are in the inspector, under Terrain."
+	choose.tooltip_text = "Choose a mesh or a static body of the scene. Other grounds are in the inspector, under Ground."
 	choose.pressed.connect(ground_wanted.emit)
 	_ground.add_child(choose)
 	_sharing = _row(&"NodeWarning")
@@ -51,7 +51,7 @@ func look(scatter: TerrainScatter3D) -> void:
 		_looks = 0
 	_looks += 1
 	_scatter = scatter
-	_ground.visible = scatter != null and scatter.terrain == null
+	_ground.visible = scatter != null and scatter.ground == null
 	_sharing.visible = _shared != null and _shared.is_by_accident()
 	visible = _ground.visible or _sharing.visible
 	if _sharing.visible:

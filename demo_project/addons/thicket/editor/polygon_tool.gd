@@ -41,7 +41,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 	if not event is InputEventMouse:
 		return NOT_MINE
 	_mouse = (event as InputEventMouse).position
-	_cursor.aim(camera, _mouse, terrain())
+	_cursor.aim(camera, _mouse, ground())
 	redraw_requested.emit()
 	var pressed := event as InputEventMouseButton
 	if pressed == null or pressed.button_index != MOUSE_BUTTON_LEFT or pressed.alt_pressed:
@@ -63,10 +63,10 @@ func draw_over(overlay: Control) -> void:
 	var line := PackedVector3Array()
 	for corner in corners + (PackedVector3Array([_corner()]) if _cursor.on_ground.is_finite() else PackedVector3Array()):
 		if not line.is_empty():
-			_cursor.draw_path(overlay, _cursor.along_ground(line[-1], corner, terrain()), color, 2.0)
+			_cursor.draw_path(overlay, _cursor.along_ground(line[-1], corner, ground()), color, 2.0)
 		line.append(corner)
 	if line.size() > 2:
-		_cursor.draw_path(overlay, _cursor.along_ground(line[-1], line[0], terrain()), Color(color, 0.4), 1.0)
+		_cursor.draw_path(overlay, _cursor.along_ground(line[-1], line[0], ground()), Color(color, 0.4), 1.0)
 	for corner in corners:
 		_cursor.draw_knob(overlay, corner, color)
 	if not problem.is_empty():
@@ -125,10 +125,10 @@ func _on_key(key: InputEventKey) -> int:
 
 
 func _add_corner() -> void:
-	if terrain() == null:
-		problem = "There is no ground to draw on: set the terrain of %s, or press Use as Ground." % scatter.name
+	if ground() == null:
+		problem = "There is no ground to draw on: set the ground of %s, or press Use as Ground." % scatter.name
 	elif not _cursor.on_ground.is_finite():
-		problem = "There is no ground below the mouse: click where the terrain is."
+		problem = "There is no ground below the mouse: click where the ground is."
 	elif corners.is_empty() or corners[-1].distance_to(_corner()) > 0.01:
 		corners.append(_corner())
 
@@ -139,6 +139,6 @@ func _corner() -> Vector3:
 	if EditorSnap.is_on():
 		var step := maxf(0.01, EditorSnap.meters())
 		at = Vector3(snappedf(at.x, step), at.y, snappedf(at.z, step))
-		var height := terrain().get_height(at)
+		var height := ground().get_height(at)
 		at.y = at.y if is_nan(height) else height
 	return at

@@ -31,7 +31,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 		return MINE
 	if not event is InputEventMouse:
 		return NOT_MINE
-	_cursor.aim(camera, (event as InputEventMouse).position, terrain())
+	_cursor.aim(camera, (event as InputEventMouse).position, ground())
 	redraw_requested.emit()
 	var pressed := event as InputEventMouseButton
 	if pressed == null:
@@ -60,7 +60,7 @@ func draw_over(overlay: Control) -> void:
 	for side in 4:
 		var from := Vector3(corners[side].x, _from.y, corners[side].y)
 		var to := Vector3(corners[side + 1].x, _from.y, corners[side + 1].y)
-		_cursor.draw_path(overlay, _cursor.along_ground(from, to, terrain()), COLOR, 2.0)
+		_cursor.draw_path(overlay, _cursor.along_ground(from, to, ground()), COLOR, 2.0)
 
 
 func finish() -> void:

@@ -32,8 +32,8 @@ func _init() -> void:
 func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	var away := 20.0
-	if scatter.terrain != null:
-		away = GroundRay.distance(scatter.terrain, camera.global_position, -camera.global_basis.z)
+	if scatter.ground != null:
+		away = GroundRay.distance(scatter.ground, camera.global_position, -camera.global_basis.z)
 	var size := clampf(snappedf(away * PART, 1.0), SIZES.x, SIZES.y)
 	var region := make(shape, exclude)
 	region.size = Vector3(size, maxf(size, 10.0), size)

@@ -79,8 +79,8 @@ func _take_key() -> void:
 
 
 ## The ground of the scatter; null for none.
-func terrain() -> ScatterTerrain:
-	return scatter.terrain if is_instance_valid(scatter) else null
+func ground() -> ScatterGround:
+	return scatter.ground if is_instance_valid(scatter) else null
 
 
 ## The chosen layers that may be changed: those that are not locked.

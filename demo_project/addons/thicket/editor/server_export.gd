@@ -21,8 +21,8 @@ func _customize_resource(resource: Resource, path: String) -> Resource:
 func _embed(resource: Resource) -> bool:
 	if resource is ScatterLayer:
 		return (resource as ScatterLayer).embed_stripped_data()
-	if resource is ScatterTerrainHeightmap:
-		return (resource as ScatterTerrainHeightmap).embed_stripped_data()
+	if resource is ScatterGroundHeightmap:
+		return (resource as ScatterGroundHeightmap).embed_stripped_data()
 	return resource is ScatterBiomeMap and (resource as ScatterBiomeMap).embed_stripped_data()
 
 

@@ -63,13 +63,13 @@ static func find(scatter: TerrainScatter3D) -> Shared:
 				if mask != null and mask == layer.mask and mine != layer and not result.masks.has(mask.resource_path):
 					result.masks.append(mask.resource_path)
 		var same_state := state != null and other.state == state
-		if result.layers.size() + result.masks.size() > before or same_state and state.designed:
+		if result.layers.size() + result.masks.size() > before or same_state and state.copy_at_runtime:
 			var there := _scene_of(other)
 			scenes.append(there.get_basename())
 			result.others.append(other.name if there == _scene_of(scatter) else StringName("%s of %s" % [other.name, there.get_file()]))
 			result.seed = result.seed or other.seed == scatter.seed
 			result.state = result.state or same_state
-			result.by_hand = result.by_hand or same_state and state.designed
+			result.by_hand = result.by_hand or same_state and state.copy_at_runtime
 	_find_files_of_other_scenes(scatter, own, scenes, result)
 	return result
 
@@ -158,7 +158,7 @@ static func free_seed(scatter: TerrainScatter3D) -> int:
 static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneFiles, scene_path: String,
 		r_made: Array[ScatterState]) -> bool:
 	var state := scatter.state
-	if state == null or (Copies.is_file(state) and not state.designed):
+	if state == null or (Copies.is_file(state) and not state.copy_at_runtime):
 		r_made.append(null if new_seed else state)
 		return true
 	var copy := state.duplicate() as ScatterState
@@ -181,7 +181,7 @@ static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[Sc
 			r_shared.masks.append(mask.resource_path)
 			_add_scene(stem, scenes, r_shared)
 	var state := scatter.state
-	var keeper := _other_scene_of(state, scatter) if state != null and state.designed else ""
+	var keeper := _other_scene_of(state, scatter) if state != null and state.copy_at_runtime else ""
 	if not keeper.is_empty():
 		r_shared.state = true
 		r_shared.by_hand = true

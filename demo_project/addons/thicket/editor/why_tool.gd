@@ -50,7 +50,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 		return NOT_MINE
 	_camera = camera
 	var mouse := event as InputEventMouse
-	_cursor.aim(camera, mouse.position, terrain())
+	_cursor.aim(camera, mouse.position, ground())
 	redraw_requested.emit()
 	var click := mouse as InputEventMouseButton
 	if click == null:
@@ -87,10 +87,10 @@ func look() -> void:
 		return
 	_notice_changes()
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	if _colors.selected == RuleOverlay.Kind.NOTHING or terrain() == null:
+	if _colors.selected == RuleOverlay.Kind.NOTHING or ground() == null:
 		overlay.hide()
 		return
-	var away := GroundRay.distance(terrain(), camera.global_position, -camera.global_basis.z)
+	var away := GroundRay.distance(ground(), camera.global_position, -camera.global_basis.z)
 	overlay.show(scatter, _colors.selected as RuleOverlay.Kind, layer_index, camera.global_position - camera.global_basis.z * away, away,
 			_version)
 
@@ -119,7 +119,7 @@ func _place_of(position: Vector3) -> Vector2:
 
 ## What is shown is asked for again once the settings have changed and all follows them.
 func _notice_changes() -> void:
-	var state: Array = [scatter, terrain(), layer_index, scatter.is_settled(), scatter.get_stats().tiles_made]
+	var state: Array = [scatter, ground(), layer_index, scatter.is_settled(), scatter.get_stats().tiles_made]
 	if state == _state:
 		return
 	_state = state
@@ -133,8 +133,8 @@ func _explain(at: Vector3, at_once: bool) -> void:
 		return
 	_asked_at = Time.get_ticks_msec()
 	_explained = at
-	if terrain() == null:
-		panel.tell("There is no ground: set the terrain of %s, or press Use as Ground." % scatter.name)
+	if ground() == null:
+		panel.tell("There is no ground: set the ground of %s, or press Use as Ground." % scatter.name)
 	elif ScatterLayers.of(scatter).is_empty():
 		panel.tell("There is nothing to explain: add a layer to %s in the Scatter panel." % scatter.name)
 	elif not at.is_finite():

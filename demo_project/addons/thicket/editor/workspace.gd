@@ -183,7 +183,7 @@ func process(delta: float) -> void:
 
 ## What the extent and the toolbar show of a scatter.
 func _state(scatter: TerrainScatter3D) -> Array:
-	var state: Array = [scatter, scatter.global_transform, scatter.terrain]
+	var state: Array = [scatter, scatter.global_transform, scatter.ground]
 	for layer in ScatterLayers.of(scatter):
 		state.append_array([layer, layer.resource_name if layer != null else ""])
 	# Tiles come and go as the camera moves; the line waits until they stay.

@@ -1,5 +1,5 @@
 @tool
-class_name FoliageWorld
+class_name ScatterFoliageWorld
 extends Node3D
 ## Hands wind and moving bodies to materials whose shader includes [code]foliage.gdshaderinc[/code].
 ##

@@ -1,5 +1,5 @@
 extends SceneTree
-## Writes the tiles of a bake as files that BakedWorld reads, without the extension. godot.py says what to write.
+## Writes the tiles of a bake as files that ScatterBakedWorld reads, without the extension. godot.py says what to write.
 
 const JobReader := preload("job_reader.gd")
 const Models := preload("read_models.gd")
@@ -119,7 +119,7 @@ func _write_world(job: Dictionary, payload: PackedByteArray) -> String:
 	if problem:
 		return problem
 	var world := World.new()
-	world.name = "BakedWorld"
+	world.name = "ScatterBakedWorld"
 	world.index_file = job.index
 	var scene := PackedScene.new()
 	var error := scene.pack(world)

@@ -36,6 +36,7 @@ protected:
 	/// Hooks that a class of ours may have, in the form that godot-cpp expects. These do nothing.
 	static void _bind_methods() {}
 	void _notification(int) {}
+	bool _set(const StringName &, const Variant &) { return false; }
 	void _validate_property(PropertyInfo &) const {}
 
 	template <typename T, typename B>

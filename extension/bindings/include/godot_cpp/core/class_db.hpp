@@ -41,7 +41,13 @@ class ClassDB {
 public:
 	template <typename T>
 	static void register_class() {
-		add_class(describe<T>());
+		add_class(describe<T>(true));
+	}
+
+	/// For a class that scripts and the editor's lists do not know, though files may hold it.
+	template <typename T>
+	static void register_internal_class() {
+		add_class(describe<T>(false));
 	}
 
 	/// `p_defaults` are for the last arguments, each in a DEFVAL.
@@ -68,10 +74,11 @@ public:
 
 private:
 	template <typename T>
-	static internal::ClassDescription describe() {
+	static internal::ClassDescription describe(bool p_is_exposed) {
 		using Hooks = internal::Class<T>;
 		GDExtensionClassCreationInfo4 info{};
-		info.is_exposed = true;
+		info.is_exposed = p_is_exposed;
+		info.set_func = Hooks::set;
 		info.validate_property_func = Hooks::validate_property;
 		info.notification_func = Hooks::notification;
 		info.create_instance_func = Hooks::create_instance;
@@ -89,6 +96,7 @@ private:
 } // namespace godot
 
 #define GDREGISTER_CLASS(m_class) ::godot::ClassDB::register_class<m_class>()
+#define GDREGISTER_INTERNAL_CLASS(m_class) ::godot::ClassDB::register_internal_class<m_class>()
 
 #define DEFVAL(m_defval) (m_defval)
 #define BIND_ENUM_CONSTANT(m_constant) \

@@ -87,6 +87,15 @@ public:
 		});
 	}
 
+	/// Lets `_set` take a property that the class does not register. Base classes first.
+	static GDExtensionBool set(GDExtensionClassInstancePtr p_instance, GDExtensionConstStringNamePtr p_name,
+			GDExtensionConstVariantPtr p_value) {
+		return at_border("a property", [=] {
+			return GDExtensionBool{set(self(p_instance), *static_cast<const StringName *>(p_name),
+					*static_cast<const Variant *>(p_value))};
+		});
+	}
+
 	/// Calls `_bind_methods`, which every class of ours declares.
 	static void bind() {
 		static_assert(!std::is_same_v<Named<&T::_bind_methods>, Named<&T::parent_type::_bind_methods>>,
@@ -168,6 +177,18 @@ private:
 				p_self->_validate_property(r_property);
 			}
 		}
+	}
+
+	static bool set(T *p_self, const StringName &p_name, const Variant &p_value) {
+		if constexpr (!is_engine_class) {
+			if (Parent::set(p_self, p_name, p_value)) {
+				return true;
+			}
+			if constexpr (std::same_as<decltype(&T::_set), bool (T::*)(const StringName &, const Variant &)>) {
+				return p_self->_set(p_name, p_value);
+			}
+		}
+		return false;
 	}
 
 	template <typename>
