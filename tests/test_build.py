@@ -52,13 +52,33 @@ def test_room_order(source):
 
 
 def test_rooms_stand_in_order():
-    """The table of rooms has no circle: each room names only rooms that stand before it. Every folder of the core is a room."""
+    """The table of rooms has no circle: each room names only rooms that stand before it. Every folder is a room."""
     before: list[str] = []
     for room, allowed in ROOMS.items():
         assert all(one in before or any(known.startswith(one + "/") for known in before) for one in allowed), room
         before.append(room)
-    folders = {path.relative_to(REPO / "extension").as_posix() for path in (REPO / "extension/core").iterdir()}
-    assert folders == {room for room in ROOMS if room.startswith("core/")}
+    folders = {path.relative_to(REPO / "extension").as_posix() for part in ("core", "nodes") for path in (REPO / "extension" / part).iterdir() if path.is_dir()}
+    assert folders == {room for room in ROOMS if "/" in room}
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_may_include_no_more_than_it_does(room):
+    included = {name for source in SOURCES if room_of(source) == room for quoted, name in includes(source) if quoted}
+    unused = [other for other in ROOMS[room] if not any(name.startswith(other + "/") for name in included)]
+    assert not unused, f"{room} includes nothing of {unused}: take these from its row in tools/scons/rooms.py"
+
+
+def test_the_documents_list_every_room():
+    """README.md names the rooms in the order of the table, and ARCHITECTURE.md has a line for each."""
+    readme = (REPO / "README.md").read_text(encoding="utf-8")
+    architecture = (REPO / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    tree = architecture[architecture.index("\nextension/core/") : architecture.index("\nextension/bindings/")]
+    for part in ("core", "nodes"):
+        expected = [room.removeprefix(part + "/") for room in ROOMS if room.startswith(part + "/")]
+        row = re.search(rf"^\| `extension/{part}` \| .*: (`.*`) \|$", readme, re.MULTILINE)
+        assert row and re.findall(r"`(\w+)`", row.group(1)) == expected
+        lines = tree[tree.index(f"\nextension/{part}/") :].split("\nextension/")[1]
+        assert re.findall(r"^  (\w+) ", lines, re.MULTILINE) == expected
 
 
 def test_no_circle_of_includes():

@@ -4,7 +4,7 @@ import compilers
 import rooms
 
 # The room of the header and all that it includes.
-ROOMS = [*rooms.ROOMS["core/c_api"], "core/c_api"]
+ROOMS = [*rooms.reached_from("core/c_api"), "core/c_api"]
 
 
 def library(env, out, objects, highway):

@@ -3,23 +3,37 @@
 import os
 import re
 
-# Each room, and the rooms that it may include besides itself. A room stands behind all that it may include.
+# Each room, and the rooms whose headers it includes. A room comes after all that it includes. Tests hold the sources, README.md and
+# ARCHITECTURE.md against this table.
 ROOMS = {
     "core/base": [],
     "core/sampling": ["core/base"],
     "core/terrain": ["core/base"],
-    "core/model": ["core/base"],
-    "core/rules": ["core/base", "core/sampling", "core/terrain"],
+    "core/model": [],
+    "core/rules": ["core/base", "core/terrain"],
     "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
-    "core/state": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
-    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state"],
-    "core/near": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state", "core/query"],
+    "core/state": ["core/base", "core/sampling"],
+    "core/query": ["core/base", "core/sampling", "core/placement", "core/state"],
+    "core/near": ["core/base", "core/placement", "core/state", "core/query"],
     "core/streaming": ["core/base"],
     "core/impostor": ["core/base"],
     "core/c_api": ["core/base", "core/sampling"],
     "bindings": [],
-    "nodes": ["core", "bindings"],
-}
+    "nodes/common": ["core/base"],
+    "nodes/impostor": ["core/impostor", "nodes/common"],
+    "nodes/ground": ["core/base", "core/terrain", "nodes/common"],
+    "nodes/sampler": ["core/base", "core/sampling", "nodes/common"],
+    "nodes/model": ["core/base", "core/model", "core/near", "nodes/common"],
+    "nodes/layer": ["core/base", "core/model", "core/rules", "core/placement", "core/state", "core/query", "core/streaming", "nodes/common", "nodes/model"],
+    "nodes/biome": ["core/rules", "nodes/common", "nodes/ground", "nodes/layer"],
+    "nodes/region": ["core/base", "core/rules", "nodes/common", "nodes/layer"],
+    "nodes/gameplay": ["core/base", "core/placement", "core/state", "core/query", "core/near", "nodes/common", "nodes/model", "nodes/layer"],
+    "nodes/scatter": [
+        "core/base", "core/sampling", "core/terrain", "core/placement", "core/state", "core/near", "core/streaming",
+        "nodes/common", "nodes/ground", "nodes/model", "nodes/layer", "nodes/biome", "nodes/region", "nodes/gameplay",
+    ],
+    "nodes": ["nodes"],  # Registers the classes of all of them.
+}  # fmt: skip
 CORE = [room for room in ROOMS if room.startswith("core/")]
 
 # A part of a room that has tests of its own.
@@ -29,6 +43,16 @@ TESTED = ["core/base", "core/sampling", *PARTS, *CORE[2:]]
 TESTS = "tests/core"
 PREFIX = "core_tests_"
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+
+
+def reached_from(room):
+    """The rooms that a room includes, also by way of others, in the order of the table."""
+    found, left = set(), [room]
+    while left:
+        new = set(ROOMS.get(left.pop(), [])) - found
+        found |= new
+        left += new
+    return [each for each in ROOMS if each in found]
 
 
 def asked_for(targets):
@@ -53,7 +77,7 @@ def tests_of(root, name):
             files.append(path)
             needed |= included
     needed.update(os.path.dirname(PARTS[part]) for part in PARTS if part in needed)
-    needed.update(*(ROOMS.get(room, []) for room in needed))
+    needed.update(*(reached_from(room) for room in needed))
     return files, [room for room in CORE if room in needed]
 
 
