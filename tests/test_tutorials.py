@@ -35,7 +35,7 @@ def title(page: str) -> str:
 
 
 def test_the_window_offers_every_page():
-    source = (ADDON / "editor/tutorial_window.gd").read_text()
+    source = (ADDON / "editor/help/tutorial_window.gd").read_text()
     offered = re.findall(r'"(\w+\.md)"', source)
     assert sorted(offered) == sorted(PAGES) and len(PAGES) == 8
     assert offered[:5] == ["first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md"]

@@ -70,7 +70,7 @@ func _scripts(folder: String) -> PackedStringArray:
 
 ## Whether a script is behind the gate, and so names the library's classes as types.
 static func _is_typed(path: String) -> bool:
-	return _typed_folders().has(path.trim_prefix(ADDON).get_base_dir())
+	return path.trim_prefix(ADDON).get_slice("/", 0) in _typed_folders()
 
 
 static func _typed_folders() -> PackedStringArray:

@@ -2,8 +2,8 @@ extends "harness.gd"
 ## Files that the editor's tools cannot write or read are reported, and written once that can be.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
-const Presets := preload("res://addons/thicket/editor/presets.gd")
-const LayerEdits := preload("res://addons/thicket/editor/layer_edits.gd")
+const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
+const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
 
 const FOLDER := "user://scene_files"
 const PATH := FOLDER + "/mask.res"

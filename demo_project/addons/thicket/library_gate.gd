@@ -9,7 +9,7 @@ extends RefCounted
 ## library, and call its objects by the functions below.
 
 const ADDON := "res://addons/thicket/"
-## Folders of scripts that need the library, in [constant ADDON].
+## Folders of scripts that need the library, in [constant ADDON], with the folders below them.
 const TYPED: PackedStringArray = ["editor", "baking"]
 const SCATTER := &"TerrainScatter3D"
 

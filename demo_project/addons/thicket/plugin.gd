@@ -64,12 +64,12 @@ func _save_external_data() -> void:
 
 
 func _get_state() -> Dictionary:
-	return workspace.desk.state() if workspace != null else {}
+	return workspace.dock.state() if workspace != null else {}
 
 
 func _set_state(state: Dictionary) -> void:
 	if workspace != null:
-		workspace.desk.set_state(state)
+		workspace.dock.set_state(state)
 
 
 func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:

@@ -9,7 +9,7 @@ var scatter: Node3D
 
 
 func tree() -> Tree:
-	return workspace().desk.panel.tree
+	return workspace().dock.panel.tree
 
 
 func layer(title: String) -> Resource:
@@ -83,7 +83,7 @@ func test_biomes_are_listed() -> void:
 		check_equal(row.get_parent().get_text(0), pair[1], pair[0] + " stands below its biome")
 		var count: int = scatter.get_shown_count(layer(pair[0]))
 		check(count > 20, "%s: %d instances" % [pair[0], count])
-		check_equal(row.get_text(1), load("res://addons/thicket/editor/preview_bar.gd").grouped(count), "told in its row")
+		check_equal(row.get_text(1), load("res://addons/thicket/editor/layers/preview_bar.gd").grouped(count), "told in its row")
 	await picture("biome_layers")
 
 
@@ -94,18 +94,18 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	check_equal(workspace().toolbar.chosen, [layer("Reed")] as Array[ScatterLayer], "a click chooses it for tools")
 	check_equal(workspace().toolbar.paint.layer, layer("Reed"), "for the brush, too")
 	check_equal(scatter.get_layer(workspace().toolbar.paint.layer_index), layer("Reed"), "by the index that the scatter knows")
-	check(workspace().desk.panel._remove.disabled and workspace().desk.panel._copy.disabled, "which layers there are is the biome's business")
+	check(workspace().dock.panel._remove.disabled and workspace().dock.panel._copy.disabled, "which layers there are is the biome's business")
 	await key(KEY_DELETE)
 	check(layer("Reed") != null, "the key does not delete it")
 	await mouse_click(await mark_at(layer("Reed"), 2))
 	await settle(scatter)
-	check(workspace().desk.marks.is_hidden(layer("Reed")), "the eye hides it")
+	check(workspace().dock.marks.is_hidden(layer("Reed")), "the eye hides it")
 	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances - scatter.get_shown_count(layer("Reed")), "nothing of it is drawn")
 	var state: Dictionary = addon()._get_state()
-	workspace().desk.marks.put(layer("Reed"), &"hidden", null)
+	workspace().dock.marks.put(layer("Reed"), &"hidden", null)
 	addon()._set_state(state)
-	check(workspace().desk.marks.is_hidden(layer("Reed")), "kept by the editor, for the scene")
-	workspace().desk.marks.put(layer("Reed"), &"hidden", null)
+	check(workspace().dock.marks.is_hidden(layer("Reed")), "kept by the editor, for the scene")
+	workspace().dock.marks.put(layer("Reed"), &"hidden", null)
 	await settle(scatter)
 	check_same(saved_files(), before, "nothing of that is in the scene")
 

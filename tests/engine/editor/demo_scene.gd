@@ -279,9 +279,9 @@ func test_presets() -> void:
 	var flat: Resource = ClassDB.instantiate(&"ScatterGroundFlat")
 	scatter.ground = flat
 	workspace().toolbar.preset_chosen.emit("scree")
-	check(not workspace()._fresh_layers._fresh.is_empty(), "what is new waits until it stands")
+	check(not workspace()._preset_watcher._fresh.is_empty(), "what is new waits until it stands")
 	await settle(scatter)
-	await until(func() -> bool: return workspace()._fresh_layers._fresh.is_empty(), "what stands nowhere is told")
+	await until(func() -> bool: return workspace()._preset_watcher._fresh.is_empty(), "what stands nowhere is told")
 	await picture("missing")
 	history(scatter).undo()
 	scatter.ground = ground

@@ -12,7 +12,7 @@ var _clicks := 0
 
 
 func panel() -> Control:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 func click(at: Vector2) -> void:

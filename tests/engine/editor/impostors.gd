@@ -50,7 +50,7 @@ func test_one_click() -> void:
 func test_a_layer_of_no_file() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	root.scene_file_path = ""
-	var button: Node = load("res://addons/thicket/editor/impostor_button.gd").new(ClassDB.instantiate(&"ScatterLayer"))
+	var button: Node = load("res://addons/thicket/editor/inspector/impostor_button.gd").new(ClassDB.instantiate(&"ScatterLayer"))
 	plugin.add_child(button)
 	button.press()
 	check(not button.is_processing(), "nothing is begun")

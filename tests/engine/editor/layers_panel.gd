@@ -3,7 +3,7 @@ extends "res://tests/steps.gd"
 ## The panel with the layers of a scatter, worked with mouse and keys: from an empty scene to three species that keep apart, without
 ## typing a name; marks, order, copies, deletion, strokes on several layers; and what undo and redo leave of the files.
 
-const LayersPanel := preload("res://addons/thicket/editor/layers_panel.gd")
+const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const SCENE := "res://wood.tscn"
 const MODELS: PackedStringArray = ["res://old_oak.res", "res://young_pine.res", "res://fern.tscn"]
 
@@ -12,7 +12,7 @@ var scatter: Node3D
 
 
 func panel() -> LayersPanel:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 func tree() -> Tree:
@@ -145,7 +145,7 @@ func test_first_minute() -> void:
 
 
 func grouped(number: int) -> String:
-	return load("res://addons/thicket/editor/preview_bar.gd").grouped(number)
+	return load("res://addons/thicket/editor/layers/preview_bar.gd").grouped(number)
 
 
 ## All instances of two layers near the middle are so many meters apart.
@@ -185,12 +185,12 @@ func test_marks() -> void:
 	await mouse_click(await name_at(layer("Fern")))
 	await mouse_click(await mark_at(layer("Fern"), 2))
 	await settle(scatter)
-	check(workspace().desk.marks.is_hidden(layer("Fern")), "the eye hides")
+	check(workspace().dock.marks.is_hidden(layer("Fern")), "the eye hides")
 	var drawn: int = scatter.get_stats().drawn
 	check_equal(drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "nothing is drawn of it")
 	check(scatter.get_shown_count(2) > 100, "it stands all the same")
 	await mouse_click(await mark_at(layer("Young Pine"), 1))
-	check(workspace().desk.marks.is_locked(layer("Young Pine")), "the lock locks")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "the lock locks")
 	panel()._colored = [layer("Old Oak")]
 	panel()._on_color(5)
 	await look()
@@ -199,18 +199,18 @@ func test_marks() -> void:
 	await undo()
 	await undo()
 	await undo()
-	check(not workspace().desk.marks.is_hidden(layer("Fern")), "undone")
+	check(not workspace().dock.marks.is_hidden(layer("Fern")), "undone")
 	await redo()
 	await redo()
-	check(workspace().desk.marks.is_locked(layer("Young Pine")), "redone")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "redone")
 	var state: Dictionary = addon()._get_state()
-	workspace().desk.marks.put(layer("Fern"), &"hidden", null)
-	workspace().desk.marks.put(layer("Young Pine"), &"locked", null)
+	workspace().dock.marks.put(layer("Fern"), &"hidden", null)
+	workspace().dock.marks.put(layer("Young Pine"), &"locked", null)
 	addon()._set_state(state)
-	check(workspace().desk.marks.is_hidden(layer("Fern")), "kept by the editor, for the scene")
-	check(workspace().desk.marks.is_locked(layer("Young Pine")), "all of them")
-	workspace().desk.marks.put(layer("Fern"), &"hidden", null)
-	workspace().desk.marks.put(layer("Young Pine"), &"locked", null)
+	check(workspace().dock.marks.is_hidden(layer("Fern")), "kept by the editor, for the scene")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "all of them")
+	workspace().dock.marks.put(layer("Fern"), &"hidden", null)
+	workspace().dock.marks.put(layer("Young Pine"), &"locked", null)
 	await settle(scatter)
 	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances, "all is drawn again")
 
@@ -275,7 +275,7 @@ func test_stroke_on_several_layers() -> void:
 	await mouse_click(await name_at(layer("Old Oak")))
 	await mouse_click(await name_at(layer("Young Pine")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await mouse_click(await name_at(layer("Fern")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
-	workspace().desk.marks.put(layer("Fern"), &"locked", true)
+	workspace().dock.marks.put(layer("Fern"), &"locked", true)
 	var paint: Node = workspace().toolbar.paint
 	paint.set_on(true)
 	paint.choose_mode(1)
@@ -294,7 +294,7 @@ func test_stroke_on_several_layers() -> void:
 	await mouse_click(await name_at(layer("Fern")))
 	await stroke([Vector3.ZERO])
 	check(paint.problem.contains("locked"), "a locked layer says so: " + paint.problem)
-	workspace().desk.marks.put(layer("Fern"), &"locked", null)
+	workspace().dock.marks.put(layer("Fern"), &"locked", null)
 	paint.set_on(false)
 
 
@@ -334,7 +334,7 @@ func test_adding() -> void:
 
 ## The editor keeps marks beside the scene, for the next time it is opened.
 func test_marks_are_kept() -> void:
-	workspace().desk.marks.put(layer("Fern"), &"hidden", true)
+	workspace().dock.marks.put(layer("Fern"), &"hidden", true)
 	saved_files()
 	scatter = null
 	EditorInterface.get_selection().clear()
@@ -345,5 +345,5 @@ func test_marks_are_kept() -> void:
 	EditorInterface.edit_node(scatter)
 	await settle(scatter)
 	await look()
-	check(workspace().desk.marks.is_hidden(layer("Fern")), "what was hidden is hidden")
+	check(workspace().dock.marks.is_hidden(layer("Fern")), "what was hidden is hidden")
 	check_equal(scatter.get_stats().drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "in the view, too")

@@ -37,13 +37,13 @@ func _process(_delta: float) -> void:
 		EditorInterface.get_edited_scene_root().add_child(scatter)
 		scatter.owner = EditorInterface.get_edited_scene_root()
 		EditorInterface.edit_node(scatter)
-	elif step == 2 and workspace().toolbar.is_visible_in_tree() and workspace().desk.panel.tree.rows().size() == 1:
+	elif step == 2 and workspace().toolbar.is_visible_in_tree() and workspace().dock.panel.tree.rows().size() == 1:
 		step = 3
 		print("library later: the tools are there")
 		print("library reloaded: %s" % error_string(GDExtensionManager.reload_extension(ADDON + "thicket.gdextension")))
 		var meshes: Array[Resource] = [BoxMesh.new()]
-		workspace().desk.panel.add(meshes)
-	elif step == 3 and workspace().desk.panel.tree.rows().size() == 2 and workspace().toolbar.chosen.size() == 1:
+		workspace().dock.panel.add(meshes)
+	elif step == 3 and workspace().dock.panel.tree.rows().size() == 2 and workspace().toolbar.chosen.size() == 1:
 		step = 4
 		print("library reloaded: the panel has added a layer")
 		get_tree().quit()

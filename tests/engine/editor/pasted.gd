@@ -12,7 +12,7 @@ var pasted: Node3D
 
 
 func panel() -> Control:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 ## The plugin looks some times a second, and for what is shared less often.

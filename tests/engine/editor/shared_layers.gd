@@ -12,7 +12,7 @@ var other: Node3D
 
 
 func panel() -> Control:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 func make_layer(title: String, radius: float, view: float) -> Resource:
@@ -155,8 +155,8 @@ func test_files_are_meant() -> void:
 ## A change that would show more than ten times as much asks, and the view stays; the layer has its value.
 func test_far_more() -> void:
 	var grass: Resource = scatter.layers[0]
-	var bar: Control = workspace().desk.bar
-	var steps: RefCounted = workspace().desk.steps
+	var bar: Control = workspace().dock.bar
+	var steps: RefCounted = workspace().dock.steps
 	await settle(scatter)
 	await look()
 	var before: int = scatter.get_shown_count(0)
@@ -202,7 +202,7 @@ func test_far_more() -> void:
 ## What is under way can be stopped; a change that shows no more asks nothing.
 func test_stop() -> void:
 	var trees: Resource = scatter.layers[1]
-	var bar: Control = workspace().desk.bar
+	var bar: Control = workspace().dock.bar
 	trees.spacing = {}
 	await settle(scatter)
 	await look()
@@ -220,7 +220,7 @@ func test_stop() -> void:
 	var kept: int = scatter.get_shown_count(1)
 	check(kept > before and kept < 20 * before and bar.visible, "stopped at %d" % kept)
 	check_equal(trees.radius, 0.25, "the value stays")
-	workspace().desk.steps.clear()
+	workspace().dock.steps.clear()
 	check(not bar.visible, "without the plugin the layer is shown as it is")
 	trees.radius = 5.0
 	await settle(scatter)

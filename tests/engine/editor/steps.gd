@@ -129,7 +129,7 @@ func _cell_at(layer: Resource, column: int, part: Vector2, button := -1) -> Vect
 
 
 func _seen_cell(layer: Resource, column: int, part: Vector2, button: int) -> Vector2:
-	var tree: Tree = workspace().desk.panel.tree
+	var tree: Tree = workspace().dock.panel.tree
 	var row: TreeItem = tree.row_of(layer)
 	if row == null or not tree.is_visible_in_tree():
 		return Vector2.INF

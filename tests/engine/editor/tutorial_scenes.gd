@@ -3,7 +3,7 @@ extends "res://tests/steps.gd"
 ## What the steps of the tutorials need: scenes with a ground, buttons, pictures for the pages. res://pack/oak.glb is there already: see
 ## tutorial_tree.gd.
 
-const LayersPanel := preload("res://addons/thicket/editor/layers_panel.gd")
+const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const OAK := "res://pack/oak.glb"
 const SIZE := Vector2i(1280, 800)
 ## For pictures of the view alone, with all its tools.
@@ -28,7 +28,7 @@ var scatter: Node3D
 
 
 func panel() -> LayersPanel:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 func button(text: String) -> Button:

@@ -3,15 +3,15 @@ extends "res://tests/steps.gd"
 ## What the plugin does to a scene, each as one step of undo: undone and redone, the saved scene and the files beside it are what they were,
 ## to the byte. First each step alone, then all of them one by one, then all at once.
 
-const BakeReplacement := preload("res://addons/thicket/editor/bake_replacement.gd")
-const GroundButtons := preload("res://addons/thicket/editor/ground_buttons.gd")
-const ImpostorButton := preload("res://addons/thicket/editor/impostor_button.gd")
-const LayerChoice := preload("res://addons/thicket/editor/layer_choice.gd")
-const LayerChoices := preload("res://addons/thicket/editor/layer_choices.gd")
-const LayerEdits := preload("res://addons/thicket/editor/layer_edits.gd")
-const MeshDrop := preload("res://addons/thicket/editor/mesh_drop.gd")
-const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
-const SpacingEditor := preload("res://addons/thicket/editor/spacing_editor.gd")
+const BakeReplacement := preload("res://addons/thicket/editor/bake/bake_replacement.gd")
+const GroundButtons := preload("res://addons/thicket/editor/ground/ground_buttons.gd")
+const ImpostorButton := preload("res://addons/thicket/editor/inspector/impostor_button.gd")
+const LayerChoice := preload("res://addons/thicket/editor/inspector/layer_property.gd")
+const LayerChoices := preload("res://addons/thicket/editor/inspector/layer_list_property.gd")
+const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
+const MeshDrop := preload("res://addons/thicket/editor/layers/mesh_drop.gd")
+const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
+const SpacingEditor := preload("res://addons/thicket/editor/inspector/spacing_editor.gd")
 const SCENE := "res://heath.tscn"
 const FERN := "res://fern.tres"
 const MOSS := "res://moss.tres"
@@ -130,7 +130,7 @@ func test_open() -> void:
 
 
 func test_layers() -> void:
-	var panel: Control = workspace().desk.panel
+	var panel: Control = workspace().dock.panel
 	await step("New layers", panel.add.bind([make_layer("Heather", 1.0), SphereMesh.new()] as Array[Resource]))
 	await step("An empty layer", panel._on_add.bind(panel.Add.EMPTY))
 	await step("Meshes for it", func() -> void: MeshDrop.add(layer("Layer"), [BoxMesh.new()] as Array[Resource], manager))
@@ -181,8 +181,8 @@ func test_masks() -> void:
 	await step("The first one on a file", stroke_of.bind(1, ["Lichen"], Vector2(-5.0, 3.0)))
 	check(FileAccess.get_file_as_string(MOSS).contains("heath_lichen_mask.res"), "a layer that is a file is saved with its mask")
 	await step("A copy of what is painted", func() -> void:
-		workspace().desk.panel.choose([layer("Sedge"), layer("Trees")] as Array[ScatterLayer])
-		workspace().desk.panel.duplicate_chosen())
+		workspace().dock.panel.choose([layer("Sedge"), layer("Trees")] as Array[ScatterLayer])
+		workspace().dock.panel.duplicate_chosen())
 	await step("A layer less", func() -> void: LayerEdits.remove(scatter, [layer("Trees")], manager))
 
 
@@ -294,7 +294,7 @@ func test_nodes() -> void:
 		var other: Node3D = root.get_node("Scatter2")
 		check_equal(Shared.make_unique(other, true, true, workspace().toolbar.paint.brush.files, SCENE, manager), "", "made unique"))
 	await step("A mesh as ground", func() -> void: GroundButtons.use(scatter, [root.get_node("Ground")] as Array[Node], manager))
-	await step("Another scatter", workspace().desk.panel.add_scatter)
+	await step("Another scatter", workspace().dock.panel.add_scatter)
 	await step("A body as its ground", func() -> void: GroundButtons.use(root.get_child(-1), [root.get_node("Floor")] as Array[Node], manager))
 
 

@@ -3,7 +3,7 @@ extends HBoxContainer
 ## Base of the tools: what the left button does in the 3D view while a scatter is selected. A tool is the row of its own settings, which
 ## the toolbar shows beside its button while it is on. One tool is on at a time.
 
-const Marks := preload("res://addons/thicket/editor/layer_marks.gd")
+const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 
 ## The view is to be drawn again.
 signal redraw_requested

@@ -3,15 +3,15 @@ extends "res://addons/thicket/editor/wrapping_row.gd"
 ## What stands above the 3D view while a scatter is selected: its tools with their settings, the layer that they work on, presets, bake.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
-const HandTool := preload("res://addons/thicket/editor/hand_tool.gd")
-const PaintTool := preload("res://addons/thicket/editor/paint_tool.gd")
-const PolygonTool := preload("res://addons/thicket/editor/polygon_tool.gd")
-const Presets := preload("res://addons/thicket/editor/presets.gd")
-const RectangleTool := preload("res://addons/thicket/editor/rectangle_tool.gd")
-const RegionMenu := preload("res://addons/thicket/editor/region_menu.gd")
-const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
+const HandTool := preload("res://addons/thicket/editor/hand/hand_tool.gd")
+const PaintTool := preload("res://addons/thicket/editor/brush/paint_tool.gd")
+const PolygonTool := preload("res://addons/thicket/editor/regions/polygon_tool.gd")
+const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
+const RectangleTool := preload("res://addons/thicket/editor/bake/rectangle_tool.gd")
+const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 const ScatterTool := preload("res://addons/thicket/editor/scatter_tool.gd")
-const WhyTool := preload("res://addons/thicket/editor/why_tool.gd")
+const WhyTool := preload("res://addons/thicket/editor/explain/why_tool.gd")
 
 signal preset_chosen(name: String)
 signal bake_requested

@@ -3,21 +3,21 @@ extends RefCounted
 ## The editor's side of Thicket: tools for the 3D view, gizmos, presets and bake. The nodes work without it. The plugin forwards the
 ## editor's calls to this object.
 
-const Bake := preload("res://addons/thicket/editor/bake_dialog.gd")
-const ExtentGizmos := preload("res://addons/thicket/editor/extent_gizmos.gd")
-const FreshLayers := preload("res://addons/thicket/editor/fresh_layers.gd")
-const GroundButtons := preload("res://addons/thicket/editor/ground_buttons.gd")
-const HelpLinks := preload("res://addons/thicket/editor/help_links.gd")
-const Import := preload("res://addons/thicket/editor/import_dialog.gd")
-const LayerInspector := preload("res://addons/thicket/editor/layer_inspector.gd")
-const LayerDesk := preload("res://addons/thicket/editor/layer_desk.gd")
-const LooseStates := preload("res://addons/thicket/editor/loose_states.gd")
-const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
-const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
-const ServerExport := preload("res://addons/thicket/editor/server_export.gd")
-const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
+const Bake := preload("res://addons/thicket/editor/bake/bake_dialog.gd")
+const ExtentGizmos := preload("res://addons/thicket/editor/ground/extent_gizmos.gd")
+const PresetWatcher := preload("res://addons/thicket/editor/layers/preset_watcher.gd")
+const GroundButtons := preload("res://addons/thicket/editor/ground/ground_buttons.gd")
+const HelpLinks := preload("res://addons/thicket/editor/help/help_links.gd")
+const Import := preload("res://addons/thicket/editor/import/import_dialog.gd")
+const LayerInspector := preload("res://addons/thicket/editor/inspector/layer_inspector.gd")
+const LayersDock := preload("res://addons/thicket/editor/layers/layers_dock.gd")
+const LooseStates := preload("res://addons/thicket/editor/hand/loose_states.gd")
+const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+const ServerExport := preload("res://addons/thicket/editor/export/server_export.gd")
+const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
-const Tutorials := preload("res://addons/thicket/editor/tutorial_window.gd")
+const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 
 ## The item of the menu Project > Tools that opens the tutorials.
 const TUTORIALS_ITEM := "Thicket Tutorials..."
@@ -30,7 +30,7 @@ var toolbar: Toolbar
 ## The buttons beside it that make the selected nodes a ground.
 var ground_buttons: GroundButtons
 ## The panel with the layers, its marks and its bar.
-var desk: LayerDesk
+var dock: LayersDock
 ## The dialog that bakes.
 var bake: Bake
 ## The dialog that imports.
@@ -42,7 +42,7 @@ var _plugin: EditorPlugin
 var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
 var _inspector: LayerInspector
-var _fresh_layers := FreshLayers.new()
+var _preset_watcher := PresetWatcher.new()
 var _help_links: HelpLinks
 var _loose_states: LooseStates
 var _server_export := ServerExport.new()
@@ -56,8 +56,8 @@ var _since_look := 0.0
 func _init(plugin: EditorPlugin) -> void:
 	_plugin = plugin
 	var undo_redo := plugin.get_undo_redo()
-	desk = LayerDesk.new(plugin)
-	toolbar = Toolbar.new(undo_redo, desk.marks)
+	dock = LayersDock.new(plugin)
+	toolbar = Toolbar.new(undo_redo, dock.marks)
 	toolbar.redraw_requested.connect(plugin.update_overlays)
 	toolbar.preset_chosen.connect(_add_preset)
 	toolbar.bake_requested.connect(_open_bake)
@@ -66,9 +66,9 @@ func _init(plugin: EditorPlugin) -> void:
 	toolbar.hide()
 	ground_buttons = GroundButtons.new(undo_redo)
 	plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
-	desk.enter(toolbar)
-	desk.panel.preset_chosen.connect(_add_preset)
-	desk.panel.notes.ground_wanted.connect(ground_buttons.choose)
+	dock.enter(toolbar)
+	dock.panel.preset_chosen.connect(_add_preset)
+	dock.panel.notes.ground_wanted.connect(ground_buttons.choose)
 	bake = Bake.new()
 	EditorInterface.get_base_control().add_child(bake)
 	bake.edits = toolbar.hand.edits
@@ -107,7 +107,7 @@ func leave() -> void:
 	_plugin.remove_control_from_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
 	_place_ground_buttons(false)
 	_plugin.remove_control_from_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
-	desk.leave()
+	dock.leave()
 	toolbar.queue_free()
 	ground_buttons.queue_free()
 	bake.queue_free()
@@ -125,7 +125,7 @@ func edit(object: Object) -> void:
 	var last := _scatter
 	_scatter = object as TerrainScatter3D
 	toolbar.set_scatter(_scatter)
-	desk.set_scatter(_scatter)
+	dock.set_scatter(_scatter)
 	_extent.scatter = _scatter
 	for node: TerrainScatter3D in [last, _scatter]:
 		if is_instance_valid(node):
@@ -169,8 +169,8 @@ func process(delta: float) -> void:
 	if _since_look < LOOK_SECONDS:
 		return
 	_since_look = 0.0
-	_fresh_layers.look()
-	desk.look()
+	_preset_watcher.look()
+	dock.look()
 	if is_instance_valid(_scatter):
 		var shown := _state(_scatter)
 		if shown != _shown:
@@ -210,7 +210,7 @@ func draw_over(overlay: Control) -> void:
 
 func _add_preset(name: String) -> void:
 	if is_instance_valid(_scatter):
-		_fresh_layers.add(name, _scatter, _plugin.get_undo_redo())
+		_preset_watcher.add(name, _scatter, _plugin.get_undo_redo())
 		toolbar.update_layers()
 
 

@@ -1,0 +1,108 @@
+@tool
+extends RefCounted
+## Makes layers of meshes, scenes and models: named after their files, as far apart as they are wide, and with room for each other.
+
+const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
+
+## Meters that a layer is seen from, for each meter of its radius, between these; and the side of its tiles.
+const VIEW := 100.0
+const VIEW_RANGE := Vector2(10.0, 600.0)
+const TILE := 30.0
+const TILE_RANGE := Vector2(8.0, 128.0)
+## A layer that is smaller than this part of another grows beneath it, and keeps this part of the other's radius to it.
+const UNDERGROWTH := 0.35
+const TRUNK := 0.2
+## A layer that keeps more than this part of another's radius to it hardly stands: where the other is as dense as can be, no place is
+## farther from it than its radius.
+const ROOM := 0.62
+
+
+## A layer of these meshes, and of the sizes that they have; null if there is nothing to draw.
+static func of_meshes(meshes: Array) -> ScatterLayer:
+	var layer := ScatterLayer.new()
+	for mesh: Variant in meshes: # One by one: what a layer refuses is only kept in its list where nothing was before.
+		layer.meshes = layer.meshes + [mesh]
+	return layer if layer.fit_to_meshes() and layer.meshes.size() == meshes.size() else null
+
+
+## A layer for each resource that can be drawn, the widest first, with names that are not taken. Layers are taken as they are.
+static func of_resources(resources: Array[Resource], taken: PackedStringArray) -> Array[ScatterLayer]:
+	var result: Array[ScatterLayer] = []
+	var made: Array[ScatterLayer] = []
+	var names := taken.duplicate()
+	for resource in resources:
+		if resource is ScatterLayer:
+			result.append(resource)
+			continue
+		var layer := of_meshes([resource])
+		if layer == null:
+			continue
+		layer.resource_name = Copies.free_name(_name_of(resource), names)
+		names.append(layer.resource_name)
+		_fit_view(layer)
+		made.append(layer)
+	made.sort_custom(func(a: ScatterLayer, b: ScatterLayer) -> bool: return a.radius > b.radius)
+	_share_ground(made)
+	result.append_array(made)
+	return result
+
+
+## Where a new layer belongs among others: before the first that is less than half as wide, so that small ones give way.
+static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
+	for index in layers.size():
+		var other := layers[index]
+		if other != null and other.radius < 0.5 * layer.radius:
+			return index
+	return layers.size()
+
+
+## Has new layers keep distances to all others of a list, by their names; large ones do not give way to what grows beneath them.
+static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) -> void:
+	var done: Array[ScatterLayer] = []
+	for layer in new:
+		var spacing := layer.spacing.duplicate()
+		for other in layers:
+			var later := new.has(other) and not done.has(other)
+			if other == null or other == layer or other.resource_name.is_empty() or later or spacing.size() >= ScatterLayer.MAX_NEIGHBORS:
+				continue
+			var is_first := layers.find(layer) < layers.find(other)
+			var meters := distance(layer if is_first else other, other if is_first else layer)
+			if meters > 0.0:
+				spacing[other.resource_name] = meters
+		layer.spacing = spacing
+		done.append(layer)
+
+
+## Meters that a later layer keeps to an earlier one: half of both widths, less where that would leave it no room or where it is
+## undergrowth; 0 if the earlier one is.
+static func distance(earlier: ScatterLayer, later: ScatterLayer) -> float:
+	var wide := earlier.radius
+	var other := later.radius
+	if wide < other * UNDERGROWTH:
+		return 0.0
+	var apart := wide * TRUNK if other < wide * UNDERGROWTH else 0.5 * (wide + other)
+	var room := ROOM * wide / sqrt(maxf(earlier.density, 0.05))
+	return maxf(snappedf(minf(apart, room), 0.01), 0.01)
+
+
+static func _name_of(resource: Resource) -> String:
+	if resource.resource_name and not Copies.is_file(resource):
+		return resource.resource_name
+	var file := resource.resource_path.get_file().get_basename()
+	return file.capitalize() if file and not "::" in resource.resource_path else resource.get_class().capitalize()
+
+
+static func _fit_view(layer: ScatterLayer) -> void:
+	var radius := layer.radius
+	layer.view_distance = roundf(clampf(radius * VIEW, VIEW_RANGE.x, VIEW_RANGE.y))
+	layer.tile_size = pow(2.0, roundf(log(clampf(radius * TILE, TILE_RANGE.x, TILE_RANGE.y)) / log(2.0)))
+
+
+## New layers of about one width share the ground: the first takes its part of it, the second its part of what is left, and so on.
+static func _share_ground(layers: Array[ScatterLayer]) -> void:
+	for index in layers.size():
+		var rest := 1
+		for later in range(index + 1, layers.size()):
+			if layers[later].radius > 0.5 * layers[index].radius:
+				rest += 1
+		layers[index].density = snappedf(1.0 / rest, 0.01)
