@@ -202,7 +202,8 @@ func take_part(game: Node3D, clicks: int, around: Vector3, wanted: int) -> void:
 func is_seen(game: Node3D, id: int) -> bool:
 	var eye := root.get_camera_3d().global_position
 	var foot: Vector3 = game.forest.get_instance(id).get_position() + Vector3.UP
-	return game.forest.query_ray(eye, foot + eye.direction_to(foot)).get("id", 0) == id
+	var hit: ScatterInstance = game.forest.query_ray(eye, foot + eye.direction_to(foot))
+	return hit != null and hit.id == id
 """
 
 

@@ -37,17 +37,17 @@ func _ready() -> void:
 
 
 func _process(_delta: float) -> void:
-	var tree: Dictionary = player.looked_at
-	_highlight.visible = not tree.is_empty()
-	_looking.visible = not tree.is_empty()
-	if tree.is_empty():
+	var tree: ScatterInstance = player.looked_at
+	_highlight.visible = tree != null
+	_looking.visible = tree != null
+	if tree == null:
 		return
 	var mesh: Mesh = world.layers[tree.layer].meshes[tree.mesh]
 	if _highlight.mesh != mesh:
 		_highlight.mesh = mesh
 		_highlight.material_override = _glow_of(mesh)
 	_highlight.global_transform = tree.transform
-	var height := mesh.get_aabb().end.y * (tree.transform as Transform3D).basis.get_scale().y
+	var height := mesh.get_aabb().end.y * tree.transform.basis.get_scale().y
 	_looking.text = "%s, %.1f m tall, %.1f m away\nid %d\nF   fell" % [
 		world.layers[tree.layer].resource_name, height, tree.distance, tree.id]
 
@@ -73,8 +73,8 @@ func _unhandled_key_input(event: InputEvent) -> void:
 
 ## Fells the tree that the player looks at. The scene that stood for it falls; a tree too far off to have one gets one.
 func fell() -> void:
-	var tree: Dictionary = player.looked_at
-	if tree.is_empty():
+	var tree: ScatterInstance = player.looked_at
+	if tree == null:
 		return
 	var scene := world.take_scene(tree.id)
 	if not world.fell(tree.id):
@@ -90,7 +90,7 @@ func fell() -> void:
 	scene.fall(away.normalized().rotated(Vector3.UP, ASIDE), world.ground)
 	falling.append(scene)
 	scene.tree_exited.connect(func() -> void: falling.erase(scene))
-	player.looked_at = {}
+	player.looked_at = null
 	_say("felled %d" % tree.id)
 
 

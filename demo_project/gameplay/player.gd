@@ -11,8 +11,8 @@ const REACH := 30.0
 ## The world to walk in.
 @export var world: TerrainScatter3D
 
-## What [method TerrainScatter3D.query_ray] says of the tree in the middle of the view; empty for none.
-var looked_at := {}
+## The tree in the middle of the view, by [method TerrainScatter3D.query_ray]; null if there is none.
+var looked_at: ScatterInstance
 ## Whether the mouse turns the head.
 var captured := false
 

@@ -66,7 +66,7 @@ func _walk() -> void:
 
 
 func _look() -> void:
-	_check(not _game.player.looked_at.is_empty(), "looks at no tree")
+	_check(_game.player.looked_at != null, "looks at no tree")
 	await _picture("look")
 
 
@@ -133,7 +133,7 @@ func _walk_to(tree: ScatterInstance, distance: float) -> void:
 	var root: Vector3 = tree.transform.origin
 	await _walk_towards(root, distance)
 	await _look_at(root + Vector3.UP * 2.4)
-	await _until(func() -> bool: return _game.player.looked_at.get("id", 0) == tree.id, "sees the tree")
+	await _until(func() -> bool: return _game.player.looked_at != null and _game.player.looked_at.id == tree.id, "sees the tree")
 
 
 ## Turns to a place and walks until it is near.

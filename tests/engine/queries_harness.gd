@@ -145,10 +145,10 @@ func check_ray(scatter: TerrainScatter3D, all: Scan, from: Vector3, to: Vector3,
 				first = touch
 				id = all.ids[index]
 	var hit := scatter.query_ray(from, to, layers)
-	var same: bool = hit.is_empty() if first > 1.0 else \
-			not hit.is_empty() and absf(hit["distance"] - first * from.distance_to(to)) < 0.01 and \
-			(hit["position"] as Vector3).distance_to(from.lerp(to, first)) < 0.01
-	check(same, "a ray from %s to %s meets %d at %f: %s" % [from, to, id, first, hit])
+	var same: bool = hit == null if first > 1.0 else \
+			hit != null and absf(hit.distance - first * from.distance_to(to)) < 0.01 and \
+			hit.hit_position.distance_to(from.lerp(to, first)) < 0.01
+	check(same, "a ray from %s to %s meets %d at %f: %s" % [from, to, id, first, hit.id if hit != null else 0])
 	return first <= 1.0
 
 

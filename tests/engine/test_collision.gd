@@ -26,15 +26,15 @@ func test_rays_hit_what_query_ray_hits() -> void:
 				var from := target + axis.normalized() * 1.6 * size
 				var asked := scatter.query_ray(from, target)
 				var hit := cast(from, target)
-				if asked and asked["distance"] == 0.0:
+				if asked != null and asked.distance == 0.0:
 					continue # It starts inside a neighbor, which a ray of the physics server does not meet.
-				if not check(not hit.is_empty() and not asked.is_empty(), "shape %d: both hit" % shape):
+				if not check(not hit.is_empty() and asked != null, "shape %d: both hit" % shape):
 					continue
 				check(hit["collider"] == scatter, "the collider is the scatter")
-				check_equal(scatter.get_body_instance(hit["rid"]), asked["id"], "the body leads to what query_ray says")
-				if asked["id"] == id:
+				check_equal(scatter.get_body_instance(hit["rid"]), asked.id, "the body leads to what query_ray says")
+				if asked.id == id:
 					seen += 1
-					var apart := (hit["position"] as Vector3).distance_to(asked["position"])
+					var apart := (hit["position"] as Vector3).distance_to(asked.hit_position)
 					check(apart < SIZE_ERROR * 0.6 * size + 2e-3, "shape %d: %.4f m apart" % [shape, apart])
 			# From above, onto the middle of the top.
 			var top := at * Vector3(0, 3.0, 0)
@@ -59,14 +59,14 @@ func test_misses_what_query_ray_misses() -> void:
 		var to := from + Vector3(random.randf_range(-6, 6), random.randf_range(-2, 2), random.randf_range(-6, 6))
 		var asked := scatter.query_ray(from, to)
 		var hit := cast(from, to)
-		if asked and asked["distance"] == 0.0:
+		if asked != null and asked.distance == 0.0:
 			continue # A ray of the physics server that starts inside meets nothing.
-		hits += int(not asked.is_empty())
-		if hit.is_empty() != asked.is_empty():
+		hits += int(asked != null)
+		if hit.is_empty() != (asked == null):
 			differ += 1 # It grazes.
 		elif hit:
-			check_equal(scatter.get_body_instance(hit["rid"]), asked["id"], "hit")
-			check((hit["position"] as Vector3).distance_to(asked["position"]) < 0.05, "place")
+			check_equal(scatter.get_body_instance(hit["rid"]), asked.id, "hit")
+			check((hit["position"] as Vector3).distance_to(asked.hit_position) < 0.05, "place")
 	check(hits > 200, "%d hits" % hits)
 	check(differ < 10, "%d of 2000 rays differ" % differ)
 

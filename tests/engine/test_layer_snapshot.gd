@@ -151,7 +151,8 @@ func hits(scatter: TerrainScatter3D) -> Array:
 	var result := []
 	for step in 40:
 		var from := Vector3(-30.0, 1.5 if step % 2 else 0.25, step - 20.0)
-		result.push_back(scatter.query_ray(from, from + Vector3(60.0, 0.0, 0.0)).get("position"))
+		var hit := scatter.query_ray(from, from + Vector3(60.0, 0.0, 0.0))
+		result.push_back(hit.hit_position if hit != null else null)
 	return result
 
 

@@ -152,6 +152,30 @@ func test_nobody_waits_for_ever() -> void:
 	await frames(2)
 
 
+func test_requests_take_a_predicate() -> void:
+	var scatter := make_wood(make_viewer())
+	var rect := Rect2(900, -300, 80, 80)
+	var accept := func(id: int, layer: int, at: Transform3D) -> bool: return id % 2 == 0 and (layer == 1 or at.origin.x > 940.0)
+	var found: ScatterInstances = await scatter.request_rect(rect, [], accept).completed
+	check(found.size() > 20, "%d are accepted" % found.size())
+	check(content_of(found) == content_of(scatter.query_rect(rect, [], accept)), "the same as by query_rect")
+	var near: ScatterInstances = await scatter.request_sphere(Vector3(-900, 0, 0), 30.0, [0], accept).completed
+	check(content_of(near) == content_of(scatter.query_sphere(Vector3(-900, 0, 0), 30.0, [0], accept)), "the same as by query_sphere")
+	check((await scatter.request_rect(rect, [], func(_id: int) -> bool: return true).completed).is_empty(), "one that cannot be called")
+	check_error(["TerrainScatter3D.request_rect", "predicate must take"], "one that cannot be called")
+	# It may free the node while it is asked.
+	var calls := [0]
+	var freeing := func(_id: int, _layer: int, _at: Transform3D) -> bool:
+		calls[0] += 1
+		if calls[0] == 3:
+			scatter.queue_free()
+		return true
+	var last: ScatterInstances = await scatter.request_rect(rect, [], freeing).completed
+	check_equal(last.size(), calls[0], "all that it was asked for")
+	await frames(2)
+	check(not is_instance_valid(scatter), "the node is gone")
+
+
 func test_tiles_of_another_size_are_not_taken_for_those_asked_for() -> void:
 	var scatter := make_wood(make_viewer())
 	scatter.viewers = []
@@ -211,9 +235,9 @@ func test_bad_questions_are_refused() -> void:
 	check_error(["TerrainScatter3D.query_sphere", "center", "finite"], "a center nowhere")
 	scatter.query_sphere(Vector3.ZERO, -5.0)
 	check_error(["TerrainScatter3D.query_sphere", "radius", "-5"], "a negative radius")
-	check(scatter.query_ray(Vector3(INF, 0, 0), Vector3.ZERO).is_empty(), "no ray from nowhere")
+	check(scatter.query_ray(Vector3(INF, 0, 0), Vector3.ZERO) == null, "no ray from nowhere")
 	check_error(["TerrainScatter3D.query_ray", "from"], "a ray from nowhere")
-	check(scatter.query_ray(Vector3.ZERO, Vector3(0, 0, 1e9)).is_empty(), "too long")
+	check(scatter.query_ray(Vector3.ZERO, Vector3(0, 0, 1e9)) == null, "too long")
 	check_error(["TerrainScatter3D.query_ray", "to", "too many"], "a ray around the world")
 	check(scatter.query_nearest(Vector3.ZERO, NAN) == null, "no such distance")
 	check_error(["TerrainScatter3D.query_nearest", "max_distance"], "no such distance")

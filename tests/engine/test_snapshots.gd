@@ -13,7 +13,8 @@ func answers_of(asked: Variant, ids: PackedInt64Array) -> Array:
 				return id % 2 == 0 and at.origin.x > 0.0)]:
 		var found: ScatterInstances = question.call()
 		answers.append_array([found.ids, found.layers, found.meshes, found.transforms])
-	answers.push_back(asked.query_ray(Vector3(-60, 1, -3), Vector3(60, 1, 8)))
+	var hit: ScatterInstance = asked.query_ray(Vector3(-60, 1, -3), Vector3(60, 1, 8))
+	answers.append_array([hit.id, hit.transform, hit.distance, hit.hit_position, hit.data] if hit else [null])
 	for at: Vector3 in [Vector3.ZERO, Vector3(400, 0, 20)]:
 		var nearest: ScatterInstance = asked.query_nearest(at, 60.0)
 		answers.append_array([nearest.id, nearest.transform, nearest.distance, nearest.data] if nearest else [null])

@@ -122,8 +122,10 @@ public:
 	/// Takes in what other threads have requested and canceled since the last frame. Runs scripts.
 	void take_requests();
 
-	/// Answers the requests whose tiles are there. Runs no scripts: `complete_requests` does.
+	/// Answers the requests whose tiles are there. Runs no scripts.
 	void answer_requests();
+
+	/// Applies their predicates to the answers and emits their signals. Runs scripts.
 	void complete_requests();
 
 	/// Scenes come and go, and what was changed in large numbers is told, until `deadline`; a step of each in any case. Runs scripts.
@@ -150,7 +152,7 @@ public:
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	godot::Ref<ScatterInstances> query_sphere(const godot::Vector3 &p_center, double p_radius,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
-	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+	godot::Ref<ScatterInstance> query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	godot::Ref<ScatterInstance> query_nearest(const godot::Vector3 &p_position, double p_max_distance,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
@@ -161,9 +163,10 @@ public:
 	godot::Ref<ScatterSnapshot> make_snapshot();
 
 	/// On any thread, while the node is there. What another thread requests waits for `take_requests`, which prints the errors, too.
-	godot::Ref<ScatterRequest> request_rect(const godot::Rect2 &p_rect, const godot::Variant &p_layers);
-	godot::Ref<ScatterRequest> request_sphere(
-			const godot::Vector3 &p_center, double p_radius, const godot::Variant &p_layers);
+	godot::Ref<ScatterRequest> request_rect(
+			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
+	godot::Ref<ScatterRequest> request_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 
 	/// Adds to the source geometry of a navigation mesh what stands in the box that is baked, of the layers that affect navigation.
 	/// Runs scripts.
@@ -211,6 +214,14 @@ private:
 		const char *method = "";
 		std::variant<godot::Rect2, SphereInScene> area;
 		godot::Variant layers;
+		godot::Callable predicate;
+		godot::Ref<ScatterRequest> request;
+	};
+
+	/// A request whose tiles are being made.
+	struct Open {
+		const char *method = "";
+		godot::Callable predicate;
 		godot::Ref<ScatterRequest> request;
 	};
 
@@ -269,8 +280,8 @@ private:
 	std::mutex wanted_mutex_;
 	std::vector<Wanted> wanted_; ///< By other threads; guarded by `wanted_mutex_`.
 	QueryRequests requests_;
-	std::map<std::int64_t, godot::Ref<ScatterRequest>> open_; ///< By their numbers in requests_.
-	std::vector<std::pair<godot::Ref<ScatterRequest>, godot::Ref<ScatterInstances>>> answered_;
+	std::map<std::int64_t, Open> open_; ///< By their numbers in requests_.
+	std::vector<std::pair<Open, FoundInstances>> answered_;
 
 	CollisionRing collision_;
 	SceneRing scenes_;

@@ -72,8 +72,9 @@ class ScatterInstance : public godot::RefCounted {
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	static godot::Ref<ScatterInstance> of(
-			const PlacedInstance &found, glm::dvec3 offset, const godot::Variant &p_data, double distance = 0.0);
+	/// `met` is where a ray meets it, in world meters; its position if there is none.
+	static godot::Ref<ScatterInstance> of(const PlacedInstance &found, glm::dvec3 offset, const godot::Variant &p_data,
+			double distance = 0.0, std::optional<glm::dvec3> met = {});
 
 	int64_t get_id() const;
 	int64_t get_layer() const { return found_.layer; }
@@ -83,8 +84,11 @@ public:
 	godot::Variant get_data() const { return data_; }
 	bool is_added() const;
 
-	/// Meters from where it was looked for; 0 where nobody looked from anywhere.
+	/// Meters from the position or the start of the ray that was searched from; 0 for a search by id.
 	double get_distance() const { return distance_; }
+
+	/// Where the ray of `query_ray` meets it; its position for all other searches.
+	godot::Vector3 get_hit_position() const;
 
 protected:
 	static void _bind_methods();
@@ -94,6 +98,7 @@ private:
 	glm::dvec3 offset_{0.0};
 	godot::Variant data_;
 	double distance_ = 0.0;
+	glm::dvec3 met_{0.0};
 };
 
 } // namespace thicket

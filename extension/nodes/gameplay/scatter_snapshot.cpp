@@ -53,7 +53,7 @@ Ref<ScatterInstances> ScatterSnapshot::query_sphere(
 	return answer_sphere(*this, {"query_sphere", p_layers, p_predicate}, p_center, p_radius);
 }
 
-Dictionary ScatterSnapshot::query_ray(
+Ref<ScatterInstance> ScatterSnapshot::query_ray(
 		const Vector3 &p_from, const Vector3 &p_to, const Variant &p_layers, const Callable &p_predicate) const {
 	return answer_ray(*this, {"query_ray", p_layers, p_predicate}, p_from, p_to);
 }

@@ -42,7 +42,7 @@ public:
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
 	godot::Ref<ScatterInstances> query_sphere(const godot::Vector3 &p_center, double p_radius,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
-	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+	godot::Ref<ScatterInstance> query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
 	godot::Ref<ScatterInstance> query_nearest(const godot::Vector3 &p_position, double p_max_distance,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;

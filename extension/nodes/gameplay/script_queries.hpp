@@ -14,7 +14,6 @@
 
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/variant/callable.hpp>
-#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/rect2.hpp>
 
 #include <glm/geometric.hpp>
@@ -76,7 +75,7 @@ godot::Ref<ScatterInstances> answer_sphere(
 }
 
 template <class Asker>
-godot::Dictionary answer_ray(
+godot::Ref<ScatterInstance> answer_ray(
 		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_from, const godot::Vector3 &p_to) {
 	const glm::dvec3 offset = asker.world_offset();
 	const glm::dvec3 from = to_world(p_from, offset);
@@ -86,19 +85,14 @@ godot::Dictionary answer_ray(
 	if (asker.find_filter(wish.method, wish.layers, wish.predicate, filter)) {
 		asker.ask(wish.method, [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
 	}
-	godot::Dictionary result;
-	if (!hits.empty()) {
-		const PlacedInstance &instance = hits.front().instance;
-		const double length = glm::length(to - from);
-		const double share = length > 0.0 ? hits.front().distance / length : 0.0;
-		result["id"] = script_id(instance.id);
-		result["layer"] = static_cast<int64_t>(instance.layer);
-		result["mesh"] = static_cast<int64_t>(instance.mesh);
-		result["transform"] = to_engine(instance, offset);
-		result["distance"] = hits.front().distance;
-		result["position"] = to_engine(from + share * (to - from), offset);
+	if (hits.empty()) {
+		return {};
 	}
-	return result;
+	const RayHit &hit = hits.front();
+	const double length = glm::length(to - from);
+	const double share = length > 0.0 ? hit.distance / length : 0.0;
+	return ScatterInstance::of(hit.instance, offset, asker.get_instance_data(script_id(hit.instance.id)), hit.distance,
+			from + share * (to - from));
 }
 
 template <class Asker>

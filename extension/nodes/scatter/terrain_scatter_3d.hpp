@@ -190,7 +190,7 @@ public:
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) {
 		return gameplay()->query_sphere(p_center, p_radius, p_layers, p_predicate);
 	}
-	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+	godot::Ref<ScatterInstance> query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) {
 		return gameplay()->query_ray(p_from, p_to, p_layers, p_predicate);
 	}
@@ -203,12 +203,13 @@ public:
 	godot::Ref<ScatterSnapshot> make_snapshot() { return gameplay()->make_snapshot(); }
 
 	// From any thread.
-	godot::Ref<ScatterRequest> request_rect(const godot::Rect2 &p_rect, const godot::Variant &p_layers) {
-		return gameplay_->request_rect(p_rect, p_layers);
+	godot::Ref<ScatterRequest> request_rect(
+			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate) {
+		return gameplay_->request_rect(p_rect, p_layers, p_predicate);
 	}
-	godot::Ref<ScatterRequest> request_sphere(
-			const godot::Vector3 &p_center, double p_radius, const godot::Variant &p_layers) {
-		return gameplay_->request_sphere(p_center, p_radius, p_layers);
+	godot::Ref<ScatterRequest> request_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate) {
+		return gameplay_->request_sphere(p_center, p_radius, p_layers, p_predicate);
 	}
 	bool remove_instance(int64_t p_id) { return gameplay()->remove_instance(p_id); }
 	bool restore_instance(int64_t p_id) { return gameplay()->restore_instance(p_id); }

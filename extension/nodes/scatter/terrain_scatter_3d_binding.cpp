@@ -167,9 +167,10 @@ void TerrainScatter3D::bind_queries() {
 	bind_guarded<&Self::has_instance>(answered_by_snapshot, D_METHOD("has_instance", "id"));
 	bind_guarded<&Self::get_body_instance>(ThreadUse::main, D_METHOD("get_body_instance", "body"));
 	bind_guarded<&Self::make_snapshot>(ThreadUse::main, D_METHOD("make_snapshot"));
-	bind_guarded<&Self::request_rect>(ThreadUse::any, D_METHOD("request_rect", "rect", "layers"), DEFVAL(Array()));
-	bind_guarded<&Self::request_sphere>(
-			ThreadUse::any, D_METHOD("request_sphere", "center", "radius", "layers"), DEFVAL(Array()));
+	bind_guarded<&Self::request_rect>(ThreadUse::any, D_METHOD("request_rect", "rect", "layers", "predicate"),
+			DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::request_sphere>(ThreadUse::any,
+			D_METHOD("request_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
 }
 
 void TerrainScatter3D::bind_signals() {

@@ -297,7 +297,7 @@ func _pick() -> int:
 	if _cursor.on_ground.is_finite():
 		reach = minf(reach, _cursor.from.distance_to(_cursor.on_ground) + 2.0 * layer.instance_radius)
 	var met := scatter.query_ray(_cursor.from, _cursor.from + _cursor.direction * reach, [layer_index])
-	return met["id"] if not met.is_empty() else 0
+	return met.id if met != null else 0
 
 
 ## Selects an instance, if it stands; 0 for none.
