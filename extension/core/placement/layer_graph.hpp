@@ -20,8 +20,7 @@ public:
 		/// of distances on a path to it.
 		double margin = 0.0;
 		/// Meters: the largest distance at which any layer depends on this one; 0 for the layer itself.
-		double asked_from =
-				0.0;
+		double asked_from = 0.0;
 		std::size_t depth = 0; ///< The number of steps on the longest path to it.
 	};
 

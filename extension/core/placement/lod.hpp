@@ -9,8 +9,8 @@
 
 namespace thicket {
 
-inline constexpr std::size_t max_lods = 15;           ///< Meshes for the distance, not counting the nearest one.
-inline constexpr double max_lod_distance = 1e6;       ///< Meters.
+inline constexpr std::size_t max_lods = 15;     ///< Meshes for the distance, not counting the nearest one.
+inline constexpr double max_lod_distance = 1e6; ///< Meters.
 /// The remaining instances can make up for at most 15 in 16 removed ones.
 inline constexpr double max_scale_compensation = 4.0;
 
@@ -18,8 +18,7 @@ inline constexpr double max_lod_fade = 0.5;
 inline constexpr double usual_lod_fade = 0.1;
 
 /// A finer mesh returns at this share of the distance at which it was replaced.
-inline constexpr double lod_hysteresis =
-		0.95;
+inline constexpr double lod_hysteresis = 0.95;
 
 /// How a layer's tiles and their cells are drawn with distance. Distances are in meters, as sight_distance measures, from a viewer to the
 /// box of whatever is drawn as one; 0 inside it.
