@@ -43,9 +43,8 @@ private:
 	const EditedArea &find_edits(const LayerSettings &before, const LayerSettings &after);
 	const EditedArea &find_standing(const LayerSettings &before, const LayerSettings &after);
 
-	std::map<Pair, EditedArea> found_; ///< For the layer itself.
-	std::map<Pair, EditedArea>
-			standing_; ///< For its neighbors: where the set of instances may have changed, regardless of their transforms.
+	std::map<Pair, EditedArea> found_;    ///< For the layer itself.
+	std::map<Pair, EditedArea> standing_; ///< For its neighbors: where instances may appear or vanish.
 };
 
 } // namespace thicket

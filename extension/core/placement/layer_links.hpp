@@ -41,9 +41,8 @@ struct LayerLinks {
 
 	/// The layer near whose instances this one is placed; empty if there is none. Only a layer earlier in the list counts.
 	LayerReference proximity_layer;
-	double proximity_distance = 0.0; ///< Meters; 0 if unused.
-	std::shared_ptr<const CurveTable>
-			proximity_curve; ///< See Neighbor::curve; without a curve, proximity has no effect.
+	double proximity_distance = 0.0;                   ///< Meters; 0 if unused.
+	std::shared_ptr<const CurveTable> proximity_curve; ///< See Neighbor::curve; null disables proximity.
 
 	/// Layers whose distance drives the colors and the variations; empty if there are none. Only layers earlier in the list count.
 	LayerReference color_layer;
