@@ -1,7 +1,7 @@
 #pragma once
 
-/* Thicket's points for every language: a plain C header (C11, or C++11 and later) over the core. README.md next to it shows how to build and
- * link it.
+/* Thicket's points for every language: a plain C header (C11, or C++11 and later) over the core. README.md next to it shows how to build
+ * and link it.
  *
  * Guarantees
  *
@@ -146,13 +146,13 @@ THICKET_API thicket_code thicket_read_positions(
 		thicket_sampler *sampler, uint64_t first, uint64_t count, double *r_xy) THICKET_NOEXCEPT;
 
 /* The digest of the points that the sampler holds: equal digests mean equal points. It ignores their order after thicket_sample, and
- * depends on it after thicket_sample_domain. `r_ranks` (may be NULL) receives the digest of the ranks, which a newer version may change; 0 after
- * thicket_sample_domain. */
+ * depends on it after thicket_sample_domain. `r_ranks` (may be NULL) receives the digest of the ranks, which a newer version may change; 0
+ * after thicket_sample_domain. */
 THICKET_API thicket_code thicket_digest(
 		thicket_sampler *sampler, uint64_t *r_places, uint64_t *r_ranks) THICKET_NOEXCEPT;
 
-/* Ends the call of this sampler that is in progress, within 50 milliseconds plus the time that the system takes to free its memory. Does not
- * affect calls that have not begun. May be called from any thread. */
+/* Ends the call of this sampler that is in progress, within 50 milliseconds plus the time that the system takes to free its memory. Does
+ * not affect calls that have not begun. May be called from any thread. */
 THICKET_API void thicket_cancel(thicket_sampler *sampler) THICKET_NOEXCEPT;
 
 #ifdef __cplusplus
