@@ -71,7 +71,7 @@ private:
 
 	int side_;
 	std::vector<FrameSample> samples_;
-	std::vector<Corner> corners_; ///< Of the surface that is being drawn.
+	std::vector<Corner> corners_; ///< Corners of the surface that is being drawn.
 	double pixel_area_ = 0.0;     ///< Twice the area of a pixel of the current frame, in units of the corners.
 };
 

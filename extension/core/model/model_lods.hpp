@@ -9,7 +9,7 @@
 
 namespace thicket {
 
-/// The name of a node, split into its stem and the number that artists give a LOD.
+/// The name of a node, split into its stem and the number that artists give an LOD.
 struct LodName {
 	std::string stem;       ///< The name without the mark and its separator: "Trunk" of "Trunk_LOD1". May be empty.
 	std::optional<int> lod; ///< 0 to 99; none for a name without a mark.
@@ -30,7 +30,7 @@ struct PartRange {
 	double end = 0.0;       ///< and up to which, 0 for no limit.
 };
 
-/// A LOD of a model.
+/// An LOD of a model.
 struct ModelLod {
 	std::optional<double> distance; ///< Meters from which it is drawn; none if the scene does not define it.
 	std::vector<std::size_t> parts; ///< Indices, ascending.
@@ -40,11 +40,11 @@ struct ModelLod {
 
 /// Sorts the parts of a model into LODs, the finest first. Any parts result in at least one LOD, no parts in none.
 ///
-/// If any part has a number, numbers decide: there is a LOD for each number that occurs, in ascending order. A part without one counts as
-/// number 0 if a numbered part has the same stem, else it belongs to all LODs. A LOD begins at the largest `begin` of its numbered parts,
+/// If any part has a number, numbers decide: there is an LOD for each number that occurs, in ascending order. A part without one counts as
+/// number 0 if a numbered part has the same stem, else it belongs to all LODs. An LOD begins at the largest `begin` of its numbered parts,
 /// if that is above 0.
 ///
-/// Otherwise the ranges decide: a LOD begins at each distance at which parts appear or disappear, as long as something is drawn there. The
+/// Otherwise the ranges decide: an LOD begins at each distance at which parts appear or disappear, as long as something is drawn there. The
 /// last LOD has no end, because the layer's settings decide how far it is visible.
 std::vector<ModelLod> model_lods(std::span<const PartRange> parts);
 

@@ -125,7 +125,7 @@ private:
 
 	bool again_ = false;  ///< The cell has to be checked, whatever has moved; `changes_` stay valid until then.
 	int frames_ = 0;      ///< Since the last check.
-	NearVersion version_; ///< Of the last check, or as updated by `follow`.
+	NearVersion version_; ///< Set by the last check, or updated by `follow`.
 	std::vector<glm::dvec3> centers_;   ///< The current centers,
 	std::vector<glm::dvec3> looked_at_; ///< and those at the last check.
 };

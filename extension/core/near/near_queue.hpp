@@ -100,7 +100,7 @@ private:
 
 	struct Layer {
 		double distance = 0.0;
-		double side = 0.0; ///< Of a cell, meters.
+		double side = 0.0; ///< The side of a cell, in meters.
 		std::map<Key, NearCell> cells;
 		bool stale = true;               ///< The cells that are near have to be determined again.
 		std::vector<glm::dvec3> centers; ///< The centers at that time.

@@ -31,7 +31,7 @@ inline constexpr double fewest_in_cell = 16.0;
 /// smaller than a quarter of the distance of the first such change.
 ///
 /// `shown` is the current division, 0 for a tile that is not displayed. It is kept until the distance is a tenth of the tile's size past
-/// the point where it should change, so that a viewer who moves back and forth causes no uploads.
+/// the point where it should change. So a viewer who moves back and forth causes no uploads.
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown);
 
 /// How much the distance may change, in either direction, before `division_at` must be called again. Meters, above 0; infinite where the

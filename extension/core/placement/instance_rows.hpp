@@ -15,7 +15,7 @@ namespace thicket {
 
 /// The rotation and scale of an instance: basis = rotation * diag(scale).
 struct TurnAndScale {
-	glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f}; ///< Of length 1, with w not negative.
+	glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f}; ///< Has length 1, and w is not negative.
 	/// All three are negative for a mirror image. They are bit-identical if they agree to one part in 10^6.
 	glm::vec3 scale{1.0f};
 	bool sheared = false; ///< The transform also has a shear above one part in 1,000, which is left out.

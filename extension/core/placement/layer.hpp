@@ -55,7 +55,7 @@ Status validate(const LayerSettings &layer);
 bool follows_normals(const LayerSettings &layer);
 
 /// How far, in meters, a change of the ground, a mask or a shape may affect the instances of a valid layer. This is the sum of the
-/// distances of its neighbors' chains, of its sources' neighbors, and of edge feathers.
+/// distances of its neighbors' chains, of its sources, and of edge feathers.
 double reach(const LayerSettings &layer);
 
 /// The approximate number of points that are sampled to generate a square tile of `tile_size` meters of a valid layer. It includes the

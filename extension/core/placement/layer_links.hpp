@@ -78,9 +78,9 @@ std::vector<LinkedLayer> link_layers(
 /// A name that is not yet taken: `name` itself, else `name` with the lowest free number from 2 on, as in "Oak 2".
 std::string free_layer_name(std::string_view name, std::span<const std::string> taken);
 
-/// Likely mistakes in a layer's name and references, one sentence each: references to no layer or to the layer itself, proximity to a layer
-/// (or a color that follows one) that does not come earlier in the list, or a name that an earlier layer has. `layers[index]` must not be
-/// null; others may be.
+/// Likely mistakes in a layer's name and references, one sentence each. These are references to no layer or to the layer itself, a name
+/// that an earlier layer has, and proximity to a layer that does not come earlier in the list. The last also applies to a layer that a
+/// color follows. `layers[index]` must not be null; others may be.
 std::vector<std::string> name_problems(std::span<const LayerLinks *const> layers, std::size_t index);
 
 } // namespace thicket

@@ -28,8 +28,8 @@ struct LodSpan {
 	friend bool operator==(const LodSpan &, const LodSpan &) = default;
 };
 
-/// The meshes for a box. If two consecutive meshes both fade, both are drawn in boxes that overlap the range of the cross-fade, which runs
-/// from (1 - settings.fade) times the distance of the change to that distance. Elsewhere the whole box changes abruptly, as in lod_at.
+/// The meshes for a box. If two consecutive meshes both fade, both are drawn in boxes that overlap the range of the cross-fade. That range
+/// runs from (1 - settings.fade) times the distance of the change to that distance. Elsewhere the whole box changes abruptly, as in lod_at.
 /// `shown` is the span that is displayed now. A mesh appears a little before it is needed and is removed a little after, so that a viewer
 /// who moves back and forth causes no uploads. `steps` has one entry for each mesh, including the nearest.
 LodSpan lod_span(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance,
@@ -43,7 +43,7 @@ double span_margin(const LodSettings &settings, std::span<const LodStep> steps, 
 /// the height limit of sight_distance.
 using FadeRange = glm::vec4;
 
-/// How a mesh ends with distance.
+/// The far end of a mesh's range: none, the next mesh, or the end of sight.
 enum class LodEnd : std::uint8_t { stays, next, sight };
 
 /// The fade range of the mesh of the steps `first` to `last`, which are the same. If `comes` is true, it replaces the mesh of the previous

@@ -15,7 +15,7 @@ namespace thicket {
 struct RuledPlace {
 	Ground ground;
 	double density = 0.0;            ///< 0 to 1: the product of all factors.
-	std::vector<RuleFactor> factors; ///< Of all rules that limit anything, in the order of evaluation.
+	std::vector<RuleFactor> factors; ///< One for each rule that limits anything, in the order of evaluation.
 };
 
 /// The reasons why an instance of a layer is placed at a position, or is not.

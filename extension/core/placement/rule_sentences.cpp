@@ -42,7 +42,7 @@ std::string range_text(const RuleSentence &range, double value, const char *unit
 	return std::isinf(range.max) ? "at least " + low : low + " to " + high;
 }
 
-/// For a rule that keeps only a part of the points.
+/// The note for a rule that keeps only a part of the points.
 std::string leaves(double density) { return density > 0.0 && density < 1.0 ? " Leaves " + percent(density) + "." : ""; }
 
 void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleSentence &r_sentence) {
