@@ -62,7 +62,7 @@ inline constexpr double thin_steps = 64.0;
 /// compensation.
 double compensating_scale(const LodSettings &settings, double share);
 
-/// The share of the `wanted` instances that keeps the number drawn below `most`, given the current share. It changes only when too many
+/// The share of the `wanted` instances to draw so that there are at most `most`, given the current share. It changes only when too many
 /// would be drawn, or far fewer than allowed, and then leaves room for a tenth more. 0 to 1.
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most);
 

@@ -56,7 +56,7 @@ public:
 	void clear();
 
 	/// Adds a finished tile. Tiles that nothing else holds are dropped once they have more than `max_idle_instances` in total. The oldest
-	/// go first, a few for each tile that is added.
+	/// are dropped first, a few for each tile that is added.
 	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances);
 
 	/// The tiles that were dropped since the last call. Freeing their memory takes some time, so a different thread may do it.
