@@ -31,7 +31,7 @@ std::string text_of(const AllowedRange &allowed) {
 	return *allowed.note == '\0' ? text : text + " (" + allowed.note + ")";
 }
 
-/// What is demanded of a property, up to its value. `allowed` is empty for no known range.
+/// The requirement that a property failed, without its value. `allowed` is empty if no range is known.
 std::string demand(ErrorCode code, const std::string &allowed) {
 	const bool known = !allowed.empty();
 	switch (code) {
@@ -54,7 +54,7 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 	return "is invalid";
 }
 
-/// The remedy where a call site names none.
+/// The remedy for a status that has none of its own.
 const char *usual_remedy(ErrorCode code) {
 	switch (code) {
 		case ErrorCode::too_many_points: return "Make the area smaller or the radius larger";

@@ -34,7 +34,7 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 	r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(added.basis));
 }
 
-/// `mesh` without what is covered, behind what was added.
+/// `mesh` without its covered instances, after the added ones.
 std::shared_ptr<const KeptMesh> rebuilt(const KeptMesh &mesh, const LayerSettings &layer, glm::dvec3 origin,
 		const Overlay &overlay, const Ids &added_ids, std::span<const std::uint32_t> standing) {
 	MeshInstances added;
@@ -45,7 +45,7 @@ std::shared_ptr<const KeptMesh> rebuilt(const KeptMesh &mesh, const LayerSetting
 	return std::make_shared<const KeptMesh>(added, mesh, standing);
 }
 
-/// What is not covered.
+/// The instances that are neither removed nor hidden.
 std::vector<std::uint32_t> standing_of(const KeptMesh &mesh, const Overlay &overlay, bool any_removed) {
 	std::vector<std::uint32_t> standing;
 	standing.reserve(mesh.size());
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> standing_of(const KeptMesh &mesh, const Overlay &over
 	return standing;
 }
 
-/// The ids that were added in a tile and are not hidden, by mesh.
+/// The ids of instances that were added in a tile and are not hidden, by mesh.
 std::vector<Ids> added_by_mesh(
 		std::size_t meshes, const LayerSettings &layer, const Rect &rect, const Overlay &overlay) {
 	std::vector<Ids> result(meshes);
@@ -85,13 +85,13 @@ void add_overlaid(const std::shared_ptr<const KeptTile> &tile, const LayerSettin
 		const KeptMesh &mesh = tile->meshes[at];
 		const bool any_covered = any_removed || any_hidden;
 		if (!any_covered && added[at].empty()) {
-			// Fast path: nothing applies to it, so it is the tile's own.
+			// Fast path: the mesh has no changes, so it is shared with the tile.
 			r_meshes.emplace_back(tile, &mesh);
 			continue;
 		}
 		const std::vector<std::uint32_t> standing = standing_of(mesh, overlay, any_removed);
 		if (standing.size() == mesh.size() && added[at].empty()) {
-			// Fast path: all of it stands, so it is the tile's own.
+			// Fast path: all its instances are kept, so it is shared with the tile.
 			r_meshes.emplace_back(tile, &mesh);
 		} else {
 			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing));

@@ -21,7 +21,7 @@ glm::vec3 position_of(const MeshInstances &mesh, std::size_t i) {
 	return {floats[3], floats[7], floats[11]};
 }
 
-/// Without an alignment, nothing of a normal but the signs of x and z counts, and these for the signs of zeros.
+/// Without an alignment, only the signs of x and z of a normal matter, because they decide the signs of zeros.
 bool needs_normals(const LayerSettings &settings) { return settings.placement.align_to_normal != 0.0; }
 
 std::size_t bytes_of(const auto &values) { return values.capacity() * sizeof(values[0]); }
@@ -55,7 +55,7 @@ KeptMesh::KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSetting
 	}
 }
 
-/// False for ids that lie too far apart, or are none of points of one layer.
+/// False for ids that lie too far apart, or do not belong to points of one layer.
 bool KeptMesh::find_cells(const MeshInstances &mesh) {
 	if (mesh.size() == 0) {
 		return true;
@@ -132,7 +132,7 @@ KeptMesh::KeptMesh(const MeshInstances &first, const KeptMesh &base, std::span<c
 	measure(std::max(base.max_scale_, first.max_scale));
 }
 
-/// The box around what stands.
+/// Computes the box around the instances.
 void KeptMesh::measure(float max_scale) {
 	max_scale_ = max_scale;
 	if (!positions_.empty()) {
@@ -148,7 +148,7 @@ std::size_t KeptMesh::find(std::uint64_t id) const {
 	if (const auto found = std::ranges::find(ids_, id); found != ids_.end()) {
 		return static_cast<std::size_t>(found - ids_.begin());
 	}
-	// Of an id that is none of these cells, either a part does not fit or the cell is not there.
+	// If the id belongs to none of these cells, either a part of it does not fit or the cell is not found.
 	const std::uint64_t from_first = id - first_id_;
 	const std::uint64_t x = from_first >> 24;
 	const std::uint64_t y = from_first & 0xffffff;
@@ -159,11 +159,11 @@ std::size_t KeptMesh::find(std::uint64_t id) const {
 	const auto is_it = [cell](std::uint32_t each) {
 		return (each & (x_is_negative - 1)) == cell;
 	};
-	// Many at a time, without a branch between them: of such loops compilers make vectors.
+	// Many cells at a time without a branch between them, because compilers vectorize such loops.
 	constexpr std::ptrdiff_t many = 64;
 	auto first = cells_.begin();
 	for (; cells_.end() - first >= many; first += many) {
-		// Fast path: where none of many has a hit, none of them is it.
+		// Fast path: a whole batch without a hit is skipped.
 		std::uint32_t hits = 0;
 		for (std::ptrdiff_t i = 0; i < many; ++i) {
 			hits += is_it(first[i]) ? 1 : 0;
@@ -175,7 +175,7 @@ std::size_t KeptMesh::find(std::uint64_t id) const {
 	return as_they_are() + static_cast<std::size_t>(std::find_if(first, cells_.end(), is_it) - cells_.begin());
 }
 
-/// One that makes what the real one made.
+/// A normal that leads to the same floats as the real one.
 glm::vec3 KeptMesh::normal_of(std::size_t source) const {
 	if (!normals_.empty()) {
 		return normals_[source];
@@ -184,7 +184,7 @@ glm::vec3 KeptMesh::normal_of(std::size_t source) const {
 	return {(signs & x_is_negative) != 0 ? -1.0f : 1.0f, 1.0f, (signs & z_is_negative) != 0 ? -1.0f : 1.0f};
 }
 
-/// The transform of one that the settings make. Returns its scale.
+/// The transform of an instance that the settings generate. Returns its scale.
 float KeptMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
 	const glm::vec3 normal = normal_of(i - as_they_are());
 	const float scale = write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats);
@@ -208,13 +208,13 @@ void KeptMesh::read(std::size_t i, std::span<float> r_floats) const {
 	read_behind(i, read_basis(i, r_floats.first<transform_floats>()), r_floats.subspan(transform_floats));
 }
 
-/// What follows the transform of one that the settings make.
+/// The data after the transform of an instance that the settings generate.
 void KeptMesh::read_behind(std::size_t i, float scale, std::span<float> r_floats) const {
 	const InstanceShares shares = shares_.empty() ? InstanceShares() : shares_[i - as_they_are()];
 	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats, shares);
 }
 
-/// Many instances, batch by batch.
+/// Reads many instances, batch by batch.
 template <class IndexOf>
 void KeptMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const {
 	TransformBatch batch;

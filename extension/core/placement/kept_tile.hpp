@@ -14,19 +14,19 @@
 
 namespace thicket {
 
-/// The instances of one mesh in one tile as they are kept for as long as somebody may ask for them: what their floats follow from, instead
-/// of the floats. Gives back every bit of the MeshInstances that it was made of, in the same order.
+/// The instances of one mesh in one tile, in a compact form that is kept as long as it may be needed. It stores the data that their floats
+/// are computed from, instead of the floats. It reproduces the MeshInstances that it was built from bit for bit, in the same order.
 ///
-/// An instance takes 20 bytes where its layer stands upright, 32 where it follows the ground, and 8 more where its color or its variation
-/// follows a source. Those that the layer's settings do not make (hand-placed ones) come first and are kept as they are.
+/// An instance takes 20 bytes if its layer is upright, 32 if it follows the ground, and 8 more if its color or its variation follows a
+/// source. Instances that the layer's settings do not generate (hand-placed ones) come first and are stored as floats.
 class KeptMesh {
 public:
 	KeptMesh() = default;
 
-	/// `mesh` was made by `settings`; otherwise (without normals) all of it is kept as it is. Throws std::bad_alloc.
+	/// `mesh` was generated from `settings`. Otherwise (without normals) all of it is stored as floats. Throws std::bad_alloc.
 	KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings);
 
-	/// `first`, kept as it is, and behind it these instances of another one, ascending. Throws std::bad_alloc.
+	/// `first`, stored as floats, followed by the given instances of `base`, ascending. Throws std::bad_alloc.
 	KeptMesh(const MeshInstances &first, const KeptMesh &base, std::span<const std::uint32_t> standing);
 
 	std::size_t size() const { return positions_.size(); }
@@ -39,7 +39,7 @@ public:
 		return first_id_ + (std::uint64_t{cell >> y_bits & cell_mask} << 24) + (cell & cell_mask);
 	}
 
-	/// The index of the instance with this id; `size` for none.
+	/// The index of the instance with this id; `size` if there is none.
 	std::size_t find(std::uint64_t id) const;
 
 	/// Relative to the tile's origin, in meters.
@@ -57,20 +57,20 @@ public:
 	/// Writes all floats of an instance, `stride` of them.
 	void read(std::size_t i, std::span<float> r_floats) const;
 
-	/// Writes those of several, one after the other.
+	/// Writes the floats of several instances, one after the other.
 	void read(std::span<const std::uint32_t> order, std::span<float> r_floats) const;
 
-	/// Writes those of all.
+	/// Writes the floats of all instances.
 	void read_all(std::span<float> r_floats) const;
 
-	/// True if an instance has the same id and floats, to the bit, as one of another mesh of the same tile and layer.
+	/// True if an instance has the same id and bit-identical floats as one of a different mesh of the same tile and layer.
 	bool same(std::size_t i, const KeptMesh &other, std::size_t j) const;
 
-	/// Bytes of memory beside the object itself.
+	/// Bytes of memory, without the object itself.
 	std::size_t bytes() const;
 
 private:
-	/// A cell's place in its tile, beside the signs of x and z of the normal.
+	/// A cell's position in its tile, packed together with the signs of x and z of the normal.
 	static constexpr std::uint32_t y_bits = 15;
 	static constexpr std::uint32_t cell_mask = (1u << y_bits) - 1;
 	static constexpr std::uint32_t x_is_negative = 1u << 30;
@@ -89,7 +89,7 @@ private:
 
 	std::shared_ptr<const LayerSettings> settings_;
 	std::size_t stride_ = transform_floats;
-	std::uint64_t first_id_ = 0; ///< Of the corner of the cells.
+	std::uint64_t first_id_ = 0; ///< The id of the corner of the cells.
 	glm::vec3 min_{0.0f};
 	glm::vec3 max_{0.0f};
 	float max_scale_ = 0.0f;
@@ -97,17 +97,17 @@ private:
 	UnfilledVector<glm::vec3> positions_;
 	std::vector<std::uint32_t> ranks_;
 
-	// Of those that the settings make.
+	// For the instances that the settings generate.
 	UnfilledVector<std::uint32_t> cells_;
-	std::vector<glm::vec3> normals_;     ///< None where the layer stands upright: the signs are enough then.
-	std::vector<InstanceShares> shares_; ///< None where no source is known.
+	std::vector<glm::vec3> normals_;     ///< Empty if the layer is upright: the signs are enough then.
+	std::vector<InstanceShares> shares_; ///< Empty if no source is known.
 
-	// Of those before them.
+	// For the instances before them.
 	std::vector<std::uint64_t> ids_;
 	std::vector<float> floats_;
 };
 
-/// Everything that stands in one tile of one layer, as TileInstances has it.
+/// All instances in one tile of one layer, in compact form; see TileInstances.
 struct KeptTile {
 	glm::dvec3 origin{0.0};
 	std::vector<KeptMesh> meshes;
@@ -119,7 +119,7 @@ struct KeptTile {
 	KeptTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings);
 };
 
-/// The way back. What is needed to keep it again (the normals) is not in it. Throws std::bad_alloc.
+/// The reverse. The result lacks the normals, so it cannot be compacted again. Throws std::bad_alloc.
 MeshInstances expanded(const KeptMesh &mesh);
 TileInstances expanded(const KeptTile &tile);
 

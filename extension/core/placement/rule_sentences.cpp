@@ -23,7 +23,7 @@ std::string fixed(double number, int digits) {
 }
 
 std::string percent(double share) {
-	// Hardly anything is not nothing, and nearly all is not all.
+	// A tiny share is not displayed as 0 %, nor a share just below 1 as 100 %.
 	const double shown = std::clamp(share * 100.0, share > 0.0 ? 0.1 : 0.0, share < 1.0 ? 99.9 : 100.0);
 	return fixed(shown, shown < 1.0 || shown > 99.0 ? 1 : 0) + " %";
 }
@@ -32,7 +32,7 @@ std::string name_at(const std::vector<std::string> &names, std::size_t index, co
 	return index < names.size() && !names[index].empty() ? names[index] : std::string(otherwise);
 }
 
-/// What a range asks for, in words, near a value that may be just beyond it.
+/// The required range in words, with enough digits to tell it from a value just beyond it.
 std::string range_text(const RuleSentence &range, double value, const char *unit) {
 	const std::string low = number_text(range.min, value) + unit;
 	const std::string high = number_text(range.max, value) + unit;
@@ -42,7 +42,7 @@ std::string range_text(const RuleSentence &range, double value, const char *unit
 	return std::isinf(range.max) ? "at least " + low : low + " to " + high;
 }
 
-/// For a rule that lets pass a part only.
+/// The note for a rule that keeps only a part of the points.
 std::string leaves(double density) { return density > 0.0 && density < 1.0 ? " Leaves " + percent(density) + "." : ""; }
 
 void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleSentence &r_sentence) {

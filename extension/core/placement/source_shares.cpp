@@ -12,12 +12,12 @@ namespace thicket {
 
 namespace {
 
-/// Points between two looks at the cancel flag: about a millisecond of work.
+/// Points between two checks of the cancel flag: about a millisecond of work.
 constexpr std::size_t batch = 512;
 
 } // namespace
 
-/// What the source says of the points that stand from index `first` on, as many as `r_values` has room for.
+/// Evaluates the source at the kept points from index `first` on, as many as `r_values` has room for.
 Status SourceShares::measure(const InstanceSource &source, const LayerFilter *other, const StandingPoints &points,
 		std::size_t first, std::span<double> r_values) {
 	const auto standing = points.standing.subspan(first, r_values.size());

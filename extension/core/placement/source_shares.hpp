@@ -12,11 +12,11 @@
 
 namespace thicket {
 
-/// What the sources of a layer's colors and variations say at the points that stand. Keeps its memory.
+/// Computes the shares of a layer's color and variation sources at the points that become instances. Reuses its memory.
 class SourceShares {
 public:
-	/// Completes `r_points`, those of the filter's own layer: gives them the shares of the sources that are known. They are valid
-	/// until the next call. Fails as a noise does, or with ErrorCode::cancelled when `cancel` is raised; throws std::bad_alloc.
+	/// Adds the shares of all known sources to `r_points`, which must be the points of the filter's own layer. They are valid until the
+	/// next call. Returns an error of a noise, or ErrorCode::cancelled when `cancel` is raised. Throws std::bad_alloc.
 	Status find(const TileFilter &filter, StandingPoints &r_points, const std::atomic<bool> *cancel);
 
 private:
@@ -25,7 +25,7 @@ private:
 	Status measure(const InstanceSource &source, const LayerFilter *other, const StandingPoints &points,
 			std::size_t first, std::span<double> r_values);
 
-	std::vector<float> color_;     ///< For each point; of those that do not stand anything.
+	std::vector<float> color_;     ///< One for each point; unspecified for points that are not kept.
 	std::vector<float> variation_; ///< The same.
 
 	// Working memory of a batch.

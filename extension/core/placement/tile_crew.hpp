@@ -16,22 +16,23 @@
 
 namespace thicket {
 
-/// A tile to be made.
+/// A tile to generate.
 struct TileOrder {
 	std::shared_ptr<const LayerSettings> layer; ///< Never null; valid.
 	Rect rect;
 };
 
-/// Makes tiles for somebody who waits for them, on all threads that there are. Keeps its workspaces, one for each thread, unless a tile was
+/// Generates tiles for a caller that waits for them, on all available threads. Keeps its workspaces, one for each thread, unless a tile was
 /// very large. One call at a time.
 class TileCrew {
 public:
-	/// Makes the tiles, each by whoever is free, and replaces `r_tiles` by them, in order; null for one that was not made. Each is what
-	/// TileBuilder makes of it. After an error, that of the first tile which has one, some others may be missing, too.
+	/// Generates the tiles, each on whichever thread is free, and replaces `r_tiles` by them, in order; null for a tile that was not
+	/// generated. Each is identical to the result of TileBuilder. The error is that of the first tile that failed; after an error, other
+	/// tiles may be missing too.
 	Status build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
 			std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
 
-	/// Points of the tiles' layers that were decided so far, as SampleStats::computed has them: what tiles share is counted once.
+	/// The points of the tiles' layers that were decided until now, as in SampleStats::computed. Points that tiles share are counted once.
 	std::uint64_t points_computed() const { return points_computed_; }
 
 private:
@@ -42,12 +43,12 @@ private:
 		TileInstances tile;
 	};
 
-	/// Points of a tile whose workspace is kept.
+	/// A workspace is kept only if its tile has at most this many points.
 	static constexpr std::size_t most_points_kept = 1 << 16;
 
 	std::atomic<std::uint64_t> points_computed_ = 0;
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
-	std::vector<std::unique_ptr<Worker>> workers_; ///< By thread; null before its first tile.
+	std::vector<std::unique_ptr<Worker>> workers_; ///< One for each thread; null before its first tile.
 };
 
 } // namespace thicket

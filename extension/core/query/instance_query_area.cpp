@@ -30,14 +30,14 @@ Status check_sphere(glm::dvec3 center, double radius) {
 	return first_failure(check_position("center", center), check_range("radius", radius, 0.0, max_query_coordinate));
 }
 
-/// All of one layer that stand in tiles that are looked at and, by `inside` of their position, in the area; by id.
+/// Collects all instances of one layer that lie in the searched tiles and, according to `inside` of their position, in the area; by id.
 template <class Inside>
 class Gathering {
 public:
 	Gathering(const InstanceQuery &query, const QueryFilter &filter, const Inside &inside) :
 			query_(query), filter_(filter), inside_(inside) {}
 
-	/// Adds what stands in tiles of one layer.
+	/// Adds the instances in tiles of one layer.
 	Status add(std::span<const InstanceQuery::Tile> tiles, FoundInstances &r_found) {
 		if (tiles.empty()) {
 			return {};
@@ -59,7 +59,7 @@ public:
 		return {};
 	}
 
-	/// Adds what was placed by hand: their ids come after all others of their layer.
+	/// Adds hand-placed instances. Their ids come after all others of their layer.
 	void add_hand_placed(std::uint32_t index, const Rect &rect, FoundInstances &r_found) {
 		for_hand_placed(query_, index, rect, [&](std::uint64_t id, const AddedInstance &added) {
 			if (!inside_(added.position)) {
@@ -73,7 +73,7 @@ public:
 	}
 
 private:
-	/// Gets hold of the tiles, and counts all that they hold.
+	/// Finds the tiles, and counts all their instances.
 	Status find(std::span<const InstanceQuery::Tile> tiles) {
 		instances_ = 0;
 		if (const Status status = query_.tiles.find_tiles(tiles, tiles_); !status.ok()) {
@@ -100,7 +100,7 @@ private:
 				}
 			}
 			if (inside_here_.empty()) {
-				// Fast path: what nothing was found in need not be held.
+				// Fast path: a mesh without results need not be held.
 				continue;
 			}
 			const std::uint32_t part = r_found.add_part({tile, &content}, tile->origin, layer, mesh);
@@ -116,7 +116,7 @@ private:
 	const InstanceQuery &query_;
 	const QueryFilter &filter_;
 	const Inside &inside_;
-	std::size_t instances_ = 0; ///< Of the tiles that are looked at.
+	std::size_t instances_ = 0; ///< The number of instances in the searched tiles.
 	std::vector<std::shared_ptr<const KeptTile>> tiles_;
 	std::vector<std::uint32_t> inside_here_;
 };

@@ -16,11 +16,10 @@ namespace thicket {
 
 namespace {
 
-/// Tiles that a cell of a point set may touch before it is cheaper to ask the set where its point lies.
+/// If a cell of a point set touches more tiles than this, it is cheaper to sample the set to find the position of its point.
 constexpr double most_tiles = 4.0;
 
-/// The tile in which the point of a cell lies, of a layer whose tiles are smaller than its cells; none if the cell
-/// holds none.
+/// Finds the tile in which the point of a cell lies, for a layer whose tiles are smaller than its cells; none if the cell has no point.
 Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	const Rect square = cell_rect(layer.set, id);
 	const double edge = set_extent(layer.set);
@@ -39,11 +38,11 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const Sampl
 	return {};
 }
 
-/// The tiles that may hold a point of the set.
+/// Finds the tiles that may hold a point of the set.
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
 	if (r_tiles.count() > most_tiles) {
-		// Fast path: the set knows in which of very many tiles the point lies.
+		// Fast path: the set itself locates the point among very many tiles.
 		return find_tile_of_point(layer, id, margins, r_tiles);
 	}
 	return {};

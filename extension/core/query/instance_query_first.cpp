@@ -24,7 +24,7 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// The order of a heap with the first on top.
 bool later(const SearchTile &a, const SearchTile &b) { return a.from > b.from; }
 
-/// Looks for the first of all that stand in some tiles. `scan(layer, content, candidates)` adds what a tile holds.
+/// Finds the first of all instances in some tiles. `scan(layer, content, candidates)` adds the candidates of a tile.
 template <class Scan>
 Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candidates &candidates, const Scan &scan,
 		bool &r_found) {
@@ -34,7 +34,7 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 		const SearchTile next = tiles.front();
 		r_found = candidates.settle(next.from);
 		if (r_found) {
-			// Fast path: in all further tiles everything comes later.
+			// Fast path: in all further tiles, everything comes later.
 			return {};
 		}
 		std::pop_heap(tiles.begin(), tiles.end(), later);
@@ -51,9 +51,9 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 	return {};
 }
 
-// The nearest.
+// Search for the nearest instance.
 
-/// Looks at instances by their distance from a position; `at` is its square.
+/// Scans instances by their distance from a position; `at` is its square.
 struct NearestScan {
 	const InstanceQuery &query;
 	glm::dvec3 position;
@@ -67,7 +67,7 @@ struct NearestScan {
 			for (std::size_t i = 0; i < positions.size(); ++i) {
 				const double squared = squared_length(position_of(content.origin, positions[i]) - position);
 				if (squared > r_candidates.limit()) {
-					// Fast path: another one is nearer.
+					// Fast path: a different instance is nearer.
 					continue;
 				}
 				if (squared <= max_squared && !removed.holds(instances.id(i))) {
@@ -87,7 +87,7 @@ struct NearestScan {
 	}
 };
 
-// Along a ray.
+// Search along a ray.
 
 Rect rect_along(const Ray &ray, double distance) {
 	const glm::dvec3 to = ray.at(1.0);
@@ -96,7 +96,7 @@ Rect rect_along(const Ray &ray, double distance) {
 	return {glm::min(from.min, until.min), glm::max(from.max, until.max)};
 }
 
-/// What a ray meets of one layer; `at` is a share of its length.
+/// Finds the instances of one layer that a ray meets; `at` is a share of its length.
 struct RayScan {
 	const InstanceQuery &query;
 	Ray ray;
@@ -130,7 +130,7 @@ struct RayScan {
 			return;
 		}
 		const QueryLayer &settings = query.layers[layer];
-		// Their axes may have any lengths and angles.
+		// The axes of hand-placed instances may have any lengths and angles.
 		const double reach = (std::numbers::sqrt2 * settings.shape.radius + settings.shape.height) *
 				query.state->max_added_scale(settings.set.layer);
 		for_hand_placed(query, layer, rect_along(ray, reach), [&](std::uint64_t id, const AddedInstance &added) {

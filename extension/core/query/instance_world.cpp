@@ -39,7 +39,7 @@ bool InstanceWorld::changed_since(std::uint64_t version, std::uint32_t layer, co
 
 void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 	if (area.empty()) {
-		// Fast path: what touches no tile changes no answer, so nobody has to ask again.
+		// Fast path: an empty area changes no result, so no query has to run again.
 		return;
 	}
 	if (layer >= layers_.size()) {
@@ -88,7 +88,7 @@ void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<c
 
 std::vector<std::shared_ptr<const KeptTile>> InstanceWorld::take_forgotten() { return std::exchange(forgotten_, {}); }
 
-/// Looks at some more tiles. All at once would hold up a frame.
+/// Checks some more tiles. Checking all in one frame would delay it.
 void InstanceWorld::look_for_idle() {
 	constexpr std::size_t most_at_once = 128;
 	auto next = tiles_.lower_bound(*look_from_);
@@ -104,10 +104,10 @@ void InstanceWorld::look_for_idle() {
 	}
 }
 
-/// Forgets the oldest of the idle tiles.
+/// Drops the oldest of the idle tiles.
 void InstanceWorld::forget_some() {
 	constexpr std::size_t most_at_once = 2;
-	constexpr std::size_t most_kept = 64; // If nobody takes them.
+	constexpr std::size_t most_kept = 64; // If nothing takes them.
 	if (forgotten_.size() > most_kept) {
 		forgotten_.clear();
 	}
@@ -186,7 +186,7 @@ std::shared_ptr<const KeptTile> InstanceWorld::MakingSource::find(const WorldTil
 
 Status InstanceWorld::MakingSource::make(
 		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
-	const TileMaker maker = world_.maker_; // A script that is asked for the ground may replace it.
+	const TileMaker maker = world_.maker_; // A copy, because a script that is queried for the ground may replace it.
 	edits_ = world_.edits_;
 	return maker(tiles, r_tiles);
 }

@@ -15,7 +15,7 @@ Status MakingTileSource::find_tile(std::uint32_t layer, glm::ivec2 tile, std::sh
 Status MakingTileSource::find_tiles(
 		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
 	std::vector<WorldTile> missing;
-	std::vector<std::size_t> missed; // Where each is missed in `tiles`.
+	std::vector<std::size_t> missed; // The index of each in `tiles`.
 	r_tiles.clear();
 	for (const WorldTile &tile : tiles) {
 		r_tiles.push_back(find(tile));

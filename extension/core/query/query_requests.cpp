@@ -30,7 +30,7 @@ bool QueryRequests::cancel(std::int64_t request) {
 	return std::erase_if(open_, [request](const Open &open) { return open.request == request; }) > 0;
 }
 
-/// True if all tiles are there. Looked for anew in every frame: layers and tile sizes may have changed.
+/// True if all tiles are known. It checks again in every frame, because layers and tile sizes may have changed.
 bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	std::vector<InstanceQuery::Tile> tiles;
 	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, r_open, tiles); });
@@ -45,7 +45,7 @@ bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 			complete = false;
 		}
 	}
-	return complete; // One that is refused by now, since its layers have changed, is answered by nothing.
+	return complete; // A request that is refused by now, because its layers have changed, gets an empty answer.
 }
 
 std::vector<QueryRequests::Answer> QueryRequests::frame(const InstanceWorld &world) {
