@@ -116,7 +116,7 @@ private:
 	struct Sight {
 		glm::dvec2 position{0.0};
 		double seen = -1.0; ///< Meters, including the slack. Below 0 for a viewer that is new or gone.
-		bool moved = false; ///< `view`, `keep` and `old_view` are older than `position`.
+		bool moved = false; ///< The viewer has moved, and `leave` has not been called yet.
 		TileDisc view;
 		TileDisc keep;
 		TileDisc old_view;
