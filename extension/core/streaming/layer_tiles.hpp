@@ -23,7 +23,7 @@ inline constexpr double slack_tiles = 0.125;
 /// A tile is kept up to this many view distances, plus one tile.
 inline constexpr double keep_factor = 1.1;
 
-/// The number of new tiles per look, not counting the rest of the current viewer's tiles. A teleport of many viewers takes several looks.
+/// The maximum number of new tiles per look, plus those of one viewer. A teleport of many viewers takes several looks.
 inline constexpr std::size_t max_new = 1500;
 
 /// A viewer as tracked by the streamer.

@@ -134,7 +134,7 @@ private:
 	}
 
 	std::vector<Entry> near_;  ///< Sorted, up to `reach_squared`.
-	std::vector<Entry> far_;   ///< Unsorted; distances are from the last full sort.
+	std::vector<Entry> far_;   ///< Unsorted, with the distances last measured.
 	std::vector<Entry> fresh_; ///< Not measured yet.
 	std::array<std::size_t, 2> cursors_{};
 	std::size_t far_sorted_ = 0; ///< Number of far entries at the last full sort.
