@@ -28,8 +28,8 @@ struct GroundLimits {
 ///   space, NAN where there is no ground (Terrain3D: `data.get_height`);
 /// - `get_data().get_interpolated_height_at(Vector3)` in the map's own space, with `get_data().get_resolution()` and
 ///   `get_internal_transform()` beside it (HTerrain; see TerrainMap for its holes and textures).
-/// An object that has `get_texture_id(Vector3)`, which gives a base texture, an overlay and the part of the overlay
-/// from 0 to 1, has weights too.
+/// An object with `get_texture_id(Vector3)`, which returns a base texture, an overlay and the share of the overlay from 0 to 1, also has
+/// weights.
 class ObjectGround : public Terrain {
 public:
 	/// Null if the object has none of these. Checking for them may run scripts of the object, which may free it.

@@ -29,7 +29,7 @@ struct TerrainMap {
 
 	/// The position in map space.
 	glm::dvec2 to_map(glm::dvec2 world) const;
-	/// World meters of a height that the map has.
+	/// World meters of a height of the map.
 	float height_in_world(double height) const;
 	/// For positions in map space: true on the map and outside its holes.
 	bool has_ground(glm::dvec2 position) const;
