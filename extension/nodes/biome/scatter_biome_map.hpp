@@ -146,7 +146,7 @@ private:
 
 	std::shared_ptr<const BiomeMap> map_ = std::make_shared<const BiomeMap>();
 	ColorPixels pixels_;        ///< The pixels of the image, as last read.
-	bool pixels_unread_ = true; ///< True if they may have changed. Only then are they read back, because the renderer has to wait for that.
+	bool pixels_unread_ = true; ///< True if they may have changed. Reading them back makes the renderer wait.
 	bool outdated_ = true;      ///< True if `map_` does not match the properties.
 	Status status_;             ///< The error of the properties.
 	godot::String complaint_;   ///< The last printed error; empty if there is none.

@@ -28,7 +28,7 @@ namespace thicket {
 // Conversions between the core's types and the engine's. The core keeps exact positions: double precision, counted from the world's origin.
 // A conversion to the engine's precision rounds once.
 
-/// Keeps all 64 bits: the engine's integers are signed, the core's ids are unsigned.
+/// Keeps all 64 bits: the engine's integers are signed, the core's IDs are unsigned.
 constexpr std::int64_t script_id(std::uint64_t id) { return static_cast<std::int64_t>(id); }
 constexpr std::uint64_t core_id(std::int64_t id) { return static_cast<std::uint64_t>(id); }
 

@@ -59,7 +59,7 @@ private:
 	static constexpr std::int32_t writing = -1;
 
 	std::atomic<std::int32_t> scene_uses_ = 0;
-	std::atomic<std::int32_t> calls_ = 0; ///< The number of threads in const methods, or `writing` for one thread in any other method.
+	std::atomic<std::int32_t> calls_ = 0; ///< The threads in const methods, or `writing` for one in any other method.
 };
 
 /// A second base, after the engine's, of each class whose methods use the rules `main`, `owner` or `relayed`.

@@ -45,7 +45,7 @@ public:
 			return false;
 		}
 		if (task_ >= 0) {
-			pool->wait_for_task_completion(task_); // Also for a completed task, because only this call makes the pool forget it.
+			pool->wait_for_task_completion(task_); // Also if it is completed, so that the pool forgets it.
 			task_ = -1;
 		}
 		busy_ = false;

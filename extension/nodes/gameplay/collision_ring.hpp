@@ -36,8 +36,8 @@ CollisionLayer collision_of(const LayerSnapshot *layer);
 /// `collider` in collisions, and the body's RID identifies the instance.
 ///
 /// A removed body loses its shape immediately, and nothing collides with it from then on. It leaves the physics space in the next frame or
-/// later, so that areas and bodies are notified even if it was removed in the middle of the physics server's signals. It then rests for
-/// some frames before it is reused for a different instance: until then its RID identifies the previous one.
+/// later. So areas and bodies are notified even if it was removed in the middle of the physics server's signals. It then rests for some
+/// frames before it is reused for a different instance: until then its RID identifies the previous one.
 ///
 /// After any change, `step` works on a few bodies at a time, those nearest to the viewers first: after a new seed, for layers without
 /// collision, for different shapes, or for a different world offset. These calls do not wait for it: `drop`, `drop_if`, and
@@ -128,7 +128,7 @@ private:
 	std::deque<Pooled> pool_;        ///< Without a shape, the oldest first.
 	std::size_t still_in_space_ = 0; ///< The number of bodies at the end of `pool_` that are still in the space.
 	std::uint64_t frame_ = 0;
-	std::unordered_map<std::int64_t, std::uint64_t> owners_; ///< Instance ids, by the ids of all bodies' RIDs.
+	std::unordered_map<std::int64_t, std::uint64_t> owners_; ///< Instance IDs, by the IDs of all bodies' RIDs.
 };
 
 } // namespace thicket

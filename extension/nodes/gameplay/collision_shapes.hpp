@@ -24,7 +24,7 @@ struct ShapeSource {
 	ScatterLayer::CollisionShape kind = ScatterLayer::COLLISION_NONE;
 	InstanceShape cylinder;
 	std::vector<godot::Ref<godot::Mesh>> meshes; ///< For convex shapes only; null entries have none.
-	std::vector<godot::AABB> boxes;              ///< Those of the meshes: a different box means that the mesh has changed.
+	std::vector<godot::AABB> boxes;              ///< Of the meshes; a different box means a changed mesh.
 	std::vector<std::vector<BodyPart>> parts;    ///< Those of the meshes' models, if the models provide the shapes.
 
 	friend bool operator==(const ShapeSource &a, const ShapeSource &b) {
@@ -37,7 +37,7 @@ struct ShapeSource {
 /// thread only.
 class CollisionShapes {
 public:
-	/// Kind, number of the corners (0 if there are none), and three sizes: in meters, or the scale of the corners.
+	/// Kind, Corners::number (0 if there are none), and three sizes: in meters, or the scale of the corners.
 	using Key = std::tuple<BodyPart::Kind, std::uint64_t, float, float, float>;
 
 	/// Keeps its address as long as it has users.

@@ -58,7 +58,7 @@ private:
 	void work();
 
 	const godot::PackedByteArray bytes_;
-	godot::Variant callback_; ///< Null if there is none. Released on the main thread, with everything that a script has bound to it.
+	godot::Variant callback_; ///< Null if there is none. Released on the main thread, with its bound arguments.
 	std::mutex mutex_;        ///< Guards the following members.
 	godot::Object *owner_ = nullptr;
 	std::atomic<bool> done_ = false;

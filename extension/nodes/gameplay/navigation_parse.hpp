@@ -19,7 +19,7 @@ namespace thicket {
 struct NavigationBake {
 	godot::Ref<godot::NavigationMeshSourceGeometryData3D> geometry;
 	NavigationAgent agent;
-	std::optional<std::int64_t> collision_mask; ///< The physics layers that count; empty if bodies are not part of the bake.
+	std::optional<std::int64_t> collision_mask; ///< The physics layers that count; empty if bodies do not count.
 
 	// The space of the bake, which is the region's: basis * engine's position + origin.
 	glm::dmat3 basis{1.0};
@@ -62,11 +62,11 @@ private:
 
 	bool busy_ = false;
 
-	// The parse in progress, by object ids; 0 if there is none.
+	// The parse in progress, by object IDs; 0 if there is none.
 	std::uint64_t geometry_ = 0;
 	std::uint64_t first_ = 0;
 	std::uint64_t last_ = 0;
-	int visits_left_ = 0; ///< Calls for the last node that are still to come: a group may contain a node and one of its ancestors.
+	int visits_left_ = 0; ///< Remaining calls for the last node: a group may have a node and an ancestor of it.
 	bool found_ = false;
 	glm::dmat3 basis_{1.0};
 	glm::dvec3 origin_{0.0};

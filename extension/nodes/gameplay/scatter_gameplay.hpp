@@ -174,7 +174,7 @@ public:
 	void set_state(const godot::Ref<ScatterState> &p_state);
 	godot::Ref<ScatterState> get_state() const { return state_; }
 
-	/// Refuses a state whose ids refer to different points.
+	/// Refuses a state whose IDs refer to different points.
 	Status check_state(const ScatterState &state) const;
 	bool remove_instance(int64_t p_id);
 	bool restore_instance(int64_t p_id);
@@ -197,7 +197,7 @@ public:
 	/// For larger changes, signals, drawing and scenes follow over the next frames.
 	static constexpr std::size_t most_at_once = 1024;
 
-	/// If a call removes or moves at most this many instances, their bodies and scenes are removed before it returns.
+	/// The number of instances, among those that a call removes or moves, whose bodies and scenes are removed before it returns.
 	static constexpr std::size_t most_dropped_at_once = 128;
 
 private:

@@ -61,7 +61,7 @@ public:
 	ScatterState();
 	~ScatterState() override;
 
-	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 for ever. False for an ID of 0.
+	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 means forever. False for an ID of 0.
 	bool remove(int64_t p_id, double p_until = 0.0);
 	bool restore(int64_t p_id);
 	bool is_removed(int64_t p_id) const;
@@ -155,7 +155,7 @@ public:
 	/// See InstanceState::move.
 	Status move(std::uint64_t id, const AddedInstance &instance, std::uint64_t &r_id);
 
-	/// Removes all instances, then reports all of them. Returns the ids of those that existed.
+	/// Removes all instances, then reports all of them. Returns the IDs of those that existed.
 	std::vector<std::uint64_t> remove_all(std::span<const Removal> removals);
 	Status claim(std::uint16_t layer, std::uint64_t stamp, double cell_side) {
 		return state_.claim(layer, stamp, cell_side);
@@ -209,7 +209,7 @@ private:
 	bool warned_ = false; ///< See warn_if_cached.
 	const godot::StringName instances_changed_ =
 			"instances_changed"; ///< The signal. The name is stored, because creating one costs as much as a removal.
-	std::uint64_t frame_ = std::numeric_limits<std::uint64_t>::max(); ///< The last frame in which a node advanced the clock.
+	std::uint64_t frame_ = std::numeric_limits<std::uint64_t>::max(); ///< The last frame that advanced the clock.
 };
 
 } // namespace thicket

@@ -17,7 +17,7 @@ namespace {
 /// More changes than this are freed on a thread.
 constexpr std::size_t many_changes = 16384;
 
-/// Appends the ids of the changes to an array that already contains others.
+/// Appends the IDs of the changes to an array that already contains others.
 void add_ids(std::span<const InstanceChange> changes, PackedInt64Array &r_ids) {
 	const int64_t first = r_ids.size();
 	r_ids = resized_copy(r_ids, first + static_cast<int64_t>(changes.size()));
@@ -54,7 +54,7 @@ void ScatterState::tell(std::vector<InstanceChange> changes) {
 
 void ScatterState::follow(Untold untold) {
 	if (untold.changes != nullptr) {
-		for (const std::weak_ptr<StateListener> &listener : listeners_) { // None of them runs a script, so none is removed.
+		for (const std::weak_ptr<StateListener> &listener : listeners_) { // No listener runs scripts, so none leaves.
 			if (const std::shared_ptr<StateListener> held = listener.lock()) {
 				held->state_changed(untold.changes);
 			}
@@ -95,7 +95,7 @@ void ScatterState::tell_now(const Untold &untold) {
 		if (untold.diff == nullptr) {
 			emit_signal(instances_changed_, ids_of_changes(changes.list));
 		} else {
-			// Fast path: the thread has already listed the other ids.
+			// Fast path: the thread has already listed the other IDs.
 			add_ids(changes.instead, untold.diff->ids);
 			emit_signal(instances_changed_, untold.diff->ids);
 		}

@@ -90,7 +90,7 @@ public:
 	std::size_t idle_count() const { return pool_->idle_count(); }
 
 private:
-	/// Needed because layers that share a layer_id share ids.
+	/// Needed because layers that share a layer_id share IDs.
 	struct Key {
 		std::uint64_t id = 0;
 		std::uint32_t layer = 0;

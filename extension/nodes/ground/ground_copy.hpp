@@ -35,7 +35,7 @@ struct MapEdit {
 /// A plug-in whose ground can be copied.
 enum class GroundPlugin : std::uint8_t { none, terrain3d, hterrain };
 
-/// The plug-in's name; empty for none.
+/// The plug-in's name; empty for `none`.
 const char *name_of(GroundPlugin plugin);
 
 /// A copy of the ground of a node of a known plug-in, so that workers call nothing of the node. Immutable. Images are shared with the

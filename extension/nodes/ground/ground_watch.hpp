@@ -23,7 +23,7 @@ bool is_finite(const godot::Transform3D &p_transform);
 /// The state of a node with ground that can be checked without reading its triangles.
 struct GroundSight {
 	godot::Transform3D frame;  ///< In the engine's space.
-	std::uint64_t source = 0;  ///< The ID of the object that has the shape, a mesh for example; 0 if there is no ground.
+	std::uint64_t source = 0;  ///< The ID of the object with the shape, for example a mesh; 0 if there is no ground.
 	std::uint64_t version = 0; ///< The source's version, which increases with each change that it reports.
 
 	/// If there is no ground, nothing else is compared. All frames that are not finite are equal: NAN differs from itself, and such a node
@@ -110,7 +110,7 @@ private:
 
 	godot::Object *owner_;
 	godot::StringName method_;
-	std::map<std::uint64_t, Entry> entries_; ///< By the nodes' ids.
+	std::map<std::uint64_t, Entry> entries_; ///< By the nodes' IDs.
 	std::map<std::uint64_t, Source> sources_;
 	std::set<std::uint64_t> changed_;
 	std::uint64_t next_ = 0;         ///< The next ID to check, or the smallest larger one.

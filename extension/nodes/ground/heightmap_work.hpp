@@ -21,7 +21,7 @@ struct HeightmapSources {
 	godot::Ref<godot::Image> image;
 	bool has_image = false; ///< Takes priority over the path.
 	godot::String path;
-	glm::ivec2 post_count{0}; ///< Of the file.
+	glm::ivec2 post_count{0}; ///< The size of the file.
 	godot::Ref<godot::Image> weight_image;
 	bool has_weight_image = false;
 	HeightfieldFrame frame; ///< Except for the number of posts, which is that of the posts.

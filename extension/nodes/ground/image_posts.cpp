@@ -144,7 +144,7 @@ bool read_region(const Ref<Image> &p_image, const PixelRect &rect, Posts &r_post
 	if (pixel == 0) {
 		return false;
 	}
-	const PackedByteArray all = p_image->get_data(); // Shared only for as long as this takes.
+	const PackedByteArray all = p_image->get_data(); // Shared only during this call.
 	const std::int64_t row = pixel * rect.size().x;
 	PackedByteArray part;
 	std::uint8_t *out = resize(part, row * rect.size().y).data();

@@ -83,7 +83,7 @@ void MeshWork::run(const std::atomic<bool> *cancel) {
 }
 
 void MeshWork::build_readings(const std::atomic<bool> *cancel) {
-	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // Sorted so that instances of one mesh decode it only once.
+	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // So that instances of one mesh decode it once.
 	std::vector<glm::vec3> faces;
 	const MeshCopy *decoded = nullptr;
 	Status status;

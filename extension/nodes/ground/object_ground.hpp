@@ -19,7 +19,7 @@ namespace thicket {
 
 /// The limits within which the methods of an object know the ground, for methods that return a height everywhere.
 struct GroundLimits {
-	Rect bounds;                    ///< World meters of x and z; empty for none. Half-open, as Rect2.has_point.
+	Rect bounds;                    ///< World meters of x and z; empty for no limit. Half-open, as Rect2.has_point.
 	std::optional<float> no_ground; ///< The height that means no ground.
 };
 

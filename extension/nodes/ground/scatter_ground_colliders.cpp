@@ -131,7 +131,7 @@ private:
 	Variant body_key_ = "rid";
 	Variant id_key_ = "collider_id";
 	Variant collider_key_ = "collider";
-	std::uint64_t collider_id_ = 0; ///< Of the last hit.
+	std::uint64_t collider_id_ = 0; ///< The collider of the last hit.
 	bool collider_is_scatter_ = false;
 };
 

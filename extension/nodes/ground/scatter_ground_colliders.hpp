@@ -91,12 +91,12 @@ private:
 	double ray_bottom_ = -1000.0;
 	int64_t rays_per_frame_ = 250;
 
-	using Offsets = std::map<std::uint64_t, glm::dvec3>; ///< By the hosts' ids.
+	using Offsets = std::map<std::uint64_t, glm::dvec3>; ///< By the hosts' IDs.
 
 	GroundWatch watch_{this, "_source_changed"}; ///< CollisionShape3Ds of static bodies.
 	TreeWalk walk_;
 	godot::Variant tree_;                    ///< Emits added nodes; null until it is connected.
-	std::map<std::uint64_t, Placed> placed_; ///< By the nodes' ids; only those that are ground.
+	std::map<std::uint64_t, Placed> placed_; ///< By the nodes' IDs; only those that are ground.
 	Offsets offsets_;                        ///< The offsets that `placed_` uses.
 
 	// Changes pass through these in order.

@@ -58,7 +58,7 @@ private:
 		std::uint64_t version = 0;
 		std::shared_ptr<const MeshCopy> copy;
 	};
-	using Worlds = std::map<std::uint64_t, GroundWorld>; ///< By the hosts' ids.
+	using Worlds = std::map<std::uint64_t, GroundWorld>; ///< By the hosts' IDs.
 
 	bool is_in_scene() const;
 	std::vector<godot::Variant> members() const;

@@ -91,7 +91,7 @@ private:
 	mutable std::mutex mutex_; ///< Guards all following members but the last three.
 	ImpostorSettings settings_;
 	std::vector<ImpostorSurface> surfaces_;
-	std::map<std::uint64_t, std::shared_ptr<const SurfaceTexture>> textures_; ///< By the images' instance ids.
+	std::map<std::uint64_t, std::shared_ptr<const SurfaceTexture>> textures_; ///< By the images' instance IDs.
 	Impostor impostor_;
 
 	std::atomic<bool> busy_ = false;

@@ -19,7 +19,7 @@ namespace thicket {
 namespace {
 
 constexpr double strongest_wind =
-		2.0; ///< The upper limit of wind_strength, in the shader and in ScatterFoliageWorld.
+		2.0; ///< The upper limit of the range of wind_strength, in the shader and in ScatterFoliageWorld.
 
 void add_materials(const Ref<Mesh> &mesh, std::vector<Ref<Material>> &r_materials) {
 	const int32_t surfaces = mesh.is_valid() ? mesh->get_surface_count() : 0;

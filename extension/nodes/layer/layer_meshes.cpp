@@ -91,7 +91,7 @@ bool LayerMeshes::take(const Array &p_entries) {
 		} else if (model.is_null() && entry.get_type() != Variant::NIL && Object::cast_to<Mesh>(object) == nullptr) {
 			const String kind = object != nullptr ? object->get_class() : String("no resource");
 			if (object != nullptr ||
-					entry.get_type() != Variant::OBJECT) { // Variant can hold null as an object.
+					entry.get_type() != Variant::OBJECT) { // A Variant can also hold null as an object.
 				ERR_PRINT(vformat("ScatterLayer.meshes[%d] is %s: it takes a Mesh, a PackedScene or a ScatterModel.",
 						index, kind));
 				return false;

@@ -9,7 +9,7 @@ namespace thicket {
 
 /// The aspect of a layer that a property of ScatterLayer affects.
 enum class PropertyUse : std::uint8_t {
-	placement, ///< The set of instances, their transforms, and all other values that ScatterTile.get_rows returns for them.
+	placement, ///< The set of instances, and all their values that ScatterTile.get_rows returns.
 	drawing,   ///< How instances are drawn.
 	gameplay,  ///< How a game interacts with instances.
 };

@@ -26,7 +26,7 @@ godot::String find_layer(
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
 
-/// A copy of the names and object ids of a list's layers, so that another thread can find a layer among them.
+/// A copy of the names and object IDs of a list's layers, so that another thread can find a layer among them.
 class LayerNames {
 public:
 	explicit LayerNames(const godot::TypedArray<ScatterLayer> &p_layers);

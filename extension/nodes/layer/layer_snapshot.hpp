@@ -24,7 +24,7 @@ namespace thicket {
 
 /// How a mesh casts its shadow while it is drawn.
 struct MeshShadow {
-	godot::Ref<godot::Mesh> mesh; ///< Casts the shadow in place of the drawn mesh. Null if the drawn mesh itself casts it.
+	godot::Ref<godot::Mesh> mesh; ///< Casts the shadow in place of the drawn mesh. Null if the drawn mesh does.
 	std::int64_t setting = -1;    ///< GeometryInstance3D.ShadowCastingSetting, or one of these:
 
 	static constexpr std::int64_t as_layer = -1;
@@ -50,7 +50,7 @@ struct MeshLook {
 	bool fades = false; ///< True if all its materials can fade: they include scatter_fade.gdshaderinc.
 };
 
-/// What is drawn for the instances of a layer, and how the renderer draws it. Enumeration values are the engine's.
+/// The meshes that are drawn for the instances of a layer, and how the renderer draws them. Enumeration values are the engine's.
 struct LayerDrawing {
 	std::vector<godot::Ref<godot::Mesh>> meshes; ///< A null entry draws nothing.
 
@@ -66,7 +66,7 @@ struct LayerDrawing {
 	std::vector<bool> fades;     ///< Whether all materials of each of the meshes can fade.
 	std::vector<bool> lod_fades; ///< The same for each of the lod_meshes.
 
-	/// Material ids and vertex counts of the surfaces of all meshes that can fade. A difference means that a resource is the same object
+	/// Material IDs and vertex counts of the surfaces of all meshes that can fade. A difference means that a resource is the same object
 	/// but has changed.
 	std::vector<std::uint64_t> surfaces;
 
@@ -77,7 +77,7 @@ struct LayerDrawing {
 	/// it.
 	std::vector<float> mesh_reach;
 
-	double draw_cell_size = 0.0; ///< Meters; 0 to choose a size that fits the models. LayerSnapshot::cells has the resulting grid.
+	double draw_cell_size = 0.0; ///< Meters; 0 for a size that fits the models. LayerSnapshot::cells has the result.
 
 	godot::Ref<godot::Material> material_override; ///< Null to use the materials of the meshes.
 	std::int64_t cast_shadow = 1;
@@ -124,7 +124,7 @@ struct LayerCollision {
 /// The scenes that replace a layer's meshes near viewers.
 struct LayerScene {
 	godot::Ref<godot::PackedScene> scene; ///< Null if there is none.
-	double distance = 20.0; ///< Meters. A scene replaces the mesh if a viewer or moving body is nearer than this; 0 for never.
+	double distance = 20.0; ///< Meters. A scene replaces the mesh if a viewer or moving body is nearer; 0 for never.
 
 	friend bool operator==(const LayerScene &, const LayerScene &) = default;
 };
@@ -147,7 +147,7 @@ struct LayerGameplay {
 /// last to release a snapshot.
 struct LayerSnapshot {
 	SharedLayer
-			settings; ///< Never null. ScatterLayer leaves out neighbors and shapes, which the node adds.
+			settings; ///< Never null. ScatterLayer creates it without neighbors and shapes, which the node adds later.
 	StreamLayer range;
 	LayerDrawing drawing;
 	LodSettings lod;

@@ -51,7 +51,7 @@ public:
 
 	// Sources, each created from one resource.
 	std::shared_ptr<const CurveTable> noise_curve;
-	godot::Ref<godot::Noise> noise_source; ///< A copy. Noise cannot be compared, so a different object counts as different noise.
+	godot::Ref<godot::Noise> noise_source; ///< A copy. Noise cannot be compared, only its objects can.
 	TextureSource mask_texture;
 	godot::Ref<godot::Image> mask_texture_image; ///< Used if the texture has no image.
 

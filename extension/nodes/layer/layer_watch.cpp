@@ -34,7 +34,7 @@ bool LayerWatch::lists_differ(const TypedArray<ScatterLayer> &p_layers) const {
 	bool same = p_layers.size() == static_cast<int64_t>(seen_.size());
 	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
 		const Object *layer =
-				p_layers[static_cast<int64_t>(index)]; // A plain pointer without reference counting, because every query runs this.
+				p_layers[static_cast<int64_t>(index)]; // No reference is counted, because every query runs this.
 		same = layer == seen_[index].layer.ptr();
 	}
 	return !same;
@@ -72,7 +72,7 @@ void LayerWatch::listen(bool p_listen) const {
 
 void LayerWatch::give_ids(std::size_t own_count) {
 	if (std::exchange(giving_ids_, true)) {
-		return; // Called while ids are being given: a layer has emitted `changed` because of its new ID.
+		return; // Called while IDs are being given: a layer has emitted `changed` because of its new ID.
 	}
 	std::set<int64_t> taken;
 	for (const Seen &seen : seen_) {

@@ -31,8 +31,8 @@ public:
 
 	/// Reads the list: connects to new layers, and disconnects from removed ones. Gives an ID to each layer whose layer_id is -1: its index
 	/// if no other layer has that ID, otherwise the lowest unused one. Layers from `own_count` on are added and removed by biomes. They get
-	/// ids that no layer has ever had, so that a layer that returns still has its own ID. Layers then emit `changed`. If the list is
-	/// unchanged, ids are given only if `p_give` is true. Applies changes that scripts have made to the layers' meshes. Returns whether the
+	/// IDs that no layer has ever had, so that a layer that returns still has its own ID. Layers then emit `changed`. If the list is
+	/// unchanged, IDs are given only if `p_give` is true. Applies changes that scripts have made to the layers' meshes. Returns whether the
 	/// list differs from that of the last call.
 	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give);
 
@@ -55,7 +55,7 @@ private:
 
 	godot::Object *node_;
 	std::vector<Seen> seen_;
-	std::set<std::int64_t> ids_; ///< All ids that any layer has ever had.
+	std::set<std::int64_t> ids_; ///< All IDs that any layer has ever had.
 	bool giving_ids_ = false;
 };
 

@@ -372,7 +372,7 @@ private:
 	std::uint64_t hidden_ = 0; ///< The value of hidden_properties() when the inspector was last refreshed.
 
 	godot::Ref<ScatterMask> mask_;
-	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F}; ///< As set by the user; mask_frame_ has the area too.
+	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F}; ///< As set; mask_frame_ has the area too.
 	godot::PackedInt32Array ground_textures_;
 	godot::Dictionary spacing_property_; ///< With keys as returned by stored_reference; read-only.
 	godot::Variant proximity_layer_ = godot::String();

@@ -15,7 +15,7 @@ bool as_made(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
 
-/// Problems of a density curve and of the table created from it. `p_domain` describes the unit of its domain.
+/// Problems of a density curve and of the table created from it. `p_domain` describes the domain in messages.
 void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std::shared_ptr<const CurveTable> &table,
 		const char *p_domain, PackedStringArray &r_problems) {
 	if (p_curve.is_null()) {

@@ -16,7 +16,7 @@ struct MeshPart {
 	godot::Ref<godot::Mesh> mesh; ///< Never null.
 	godot::Transform3D transform; ///< From the mesh's space to the model's; not mirrored, not flat.
 	std::vector<godot::Ref<godot::Material>>
-			materials; ///< Replace those of its surfaces; null keeps a surface's own.
+			materials; ///< Replace the materials of its surfaces; null keeps a surface's own.
 	godot::Ref<godot::Material>
 			overlay; ///< Drawn over all surfaces, as GeometryInstance3D.material_overlay; null if there is none.
 	std::vector<double> blend_weights; ///< For the mesh's blend shapes; empty if all are 0.

@@ -32,14 +32,14 @@ public:
 	/// and returns an empty result.
 	static godot::Ref<PoissonPoints> of(std::span<const SamplePoint> points, bool exact);
 
-	/// Uses positions in double precision, with as many x as y. They have neither ids nor ranks.
+	/// Uses positions in double precision, with as many x as y. They have neither IDs nor ranks.
 	static godot::Ref<PoissonPoints> of_positions(
 			const godot::PackedFloat64Array &p_x, const godot::PackedFloat64Array &p_y);
 
 	int64_t size() const { return size_; }
 	bool is_empty() const { return size_ == 0; }
 
-	/// The permanent number of a point; 0 for a point of a set without ids.
+	/// The permanent number of a point; 0 for a point of a set without IDs.
 	int64_t get_id(int64_t p_index) const;
 	godot::Vector2 get_position(int64_t p_index) const;
 

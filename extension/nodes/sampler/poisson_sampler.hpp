@@ -77,7 +77,7 @@ public:
 	/// DomainRequest or PointSet excludes prints an error and returns nothing; a cancelled one returns nothing.
 	godot::PackedVector2Array sample_domain(const godot::Rect2 &p_rect, const godot::Callable &p_progress);
 
-	/// As `sample_domain`, with the rectangle as [min, max) and positions in double precision, without ids and ranks.
+	/// As `sample_domain`, with the rectangle as [min, max) and positions in double precision, without IDs and ranks.
 	godot::Ref<PoissonPoints> sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 

@@ -31,7 +31,7 @@ struct DisplayedTile {
 		glm::vec3 max{0.0f};
 		LodSpan span;             ///< The wanted LODs.
 		std::size_t lod = 0;      ///< The LOD that is drawn alone until all wanted LODs have a visual.
-		double density = 1.0;     ///< The share that remains after thinning, quality and the limit for all tiles, whatever the LOD.
+		double density = 1.0;     ///< The share left by thinning, quality and the limit for all tiles, for any LOD.
 		float scale = 1.0F;       ///< The last value passed to TileVisual::set_scale.
 		std::size_t drawn = 0;    ///< The number of instances that the visual draws.
 		std::uint64_t wanted = 0; ///< The number that it would draw without the limit for all tiles together.
@@ -53,9 +53,9 @@ struct DisplayedTile {
 		std::vector<Cell>
 				cells;      ///< One for the whole tile, or as in `division`; empty if there is nothing to draw.
 		DrawCells division; ///< The division of `shown`; empty for a tile that is drawn as a whole.
-		std::vector<double> due; ///< For each cell, the value of LodSchedule::traveled from which its drawing may have to change.
+		std::vector<double> due; ///< For each cell, the LodSchedule::traveled at which its drawing may change.
 		std::vector<MeshLook> lods;            ///< The mesh, then its coarser LODs; empty if there is no mesh.
-		std::shared_ptr<const KeptMesh> shown; ///< The tile's own mesh, or the result of the overlay's removals and additions.
+		std::shared_ptr<const KeptMesh> shown; ///< The tile's own mesh, or the one with the overlay's changes.
 
 		/// The number of cells once all are uploaded.
 		std::size_t cell_count() const {
@@ -80,8 +80,8 @@ struct DisplayedTile {
 
 	glm::vec3 min{std::numeric_limits<float>::max()};  ///< The box around all that is drawn, relative to the origin;
 	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inverted if nothing is drawn.
-	std::uint64_t drawing_version = 0;                 ///< The version of the layer's drawing settings when the tile was last drawn.
-	bool look_at_all = true;                           ///< True if the next visit must also check cells that are not due.
+	std::uint64_t drawing_version = 0;                 ///< The layer's drawing version when it was last drawn.
+	bool look_at_all = true;                           ///< The next visit also checks cells that are not due.
 	bool is_cut = false;                               ///< True if the limit for all tiles together thins it.
 	bool to_divide = false;                            ///< True while it waits for a new division.
 	bool to_fade = false;                              ///< True while it waits for visuals of wanted LODs.

@@ -46,7 +46,7 @@ private:
 
 	std::vector<godot::Ref<godot::Material>> materials_;
 	std::vector<FadeViewer> viewers_;
-	std::uint64_t written_ = 0; ///< The version of all nodes' viewers that was last written to the materials; 0 if none was.
+	std::uint64_t written_ = 0; ///< The version of all nodes' viewers last written to the materials; 0 if none was.
 };
 
 } // namespace thicket

@@ -162,7 +162,7 @@ std::vector<EditedArea> LayerList::update(
 		statuses.push_back(read(entries_[index], shown, world.seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
 			if (shown != layer) {
-				unlinked->links.identity = layer->get_instance_id(); // Other layers may refer to the layer object itself.
+				unlinked->links.identity = layer->get_instance_id(); // Other layers may refer to the object itself.
 			}
 			add_world(index, layers, world);
 		}

@@ -28,7 +28,7 @@ public:
 	godot::Ref<ScatterLayer> shown(const godot::Ref<ScatterLayer> &p_layer) const;
 
 private:
-	// By the engine's object ids, so that removed layers are not kept alive.
+	// By the engine's object IDs, so that removed layers are not kept alive.
 	std::set<std::uint64_t> hidden_;
 	std::map<std::uint64_t, godot::Ref<ScatterLayer>> stand_ins_;
 };

@@ -24,7 +24,7 @@ struct LayerExplanation {
 	std::string layer_name;
 	glm::dvec3 place{0.0}; ///< World meters, on the ground if there is any.
 
-	PlaceExplanation rules; ///< Only for a layer that could be explained: `sentences` then has one for each factor at the position.
+	PlaceExplanation rules; ///< If the layer could be explained. `sentences` has one for each factor at the position.
 	std::vector<RuleSentence> sentences;
 	RuleVerdict verdict; ///< The verdict of the rules and of everything else that may prevent an instance.
 	bool stands = false; ///< True if the point nearest to the position is an instance.

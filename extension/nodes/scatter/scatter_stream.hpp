@@ -47,7 +47,7 @@ struct StreamFigures {
 	std::uint64_t worker_microseconds = 0; ///< The time of all workers for all tiles.
 	std::uint64_t tiles_made = 0;
 	std::uint64_t points_sampled = 0;
-	std::uint64_t points_computed = 0; ///< For these points, for the points around them, and for tiles that queries requested.
+	std::uint64_t points_computed = 0; ///< For these, the points around them, and tiles that queries requested.
 	std::uint64_t heights_rechecked = 0;
 };
 
@@ -185,7 +185,7 @@ private:
 	UploadQueue uploads_;
 	TileDisplay display_;
 	std::vector<SharedSnapshot> layers_;
-	std::vector<LayerFailure> failures_; ///< One for each layer: one error until the layer or the ground changes, not one for each tile.
+	std::vector<LayerFailure> failures_; ///< One error per layer, not per tile, until it or the ground changes.
 	StreamGround ground_;
 
 	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All jobs from their request to their upload.
@@ -201,7 +201,7 @@ private:
 	Clock::duration recheck_left_{0};    ///< Time that re-checks may take; negative after one that took too long.
 	Clock::duration usual_height_{1000}; ///< The usual time for one height.
 	bool recheck_due_ = false;           ///< Once per frame.
-	LayerFailure recheck_failure_;       ///< The last failure, which belongs to no layer. Kept until the layers or the ground change.
+	LayerFailure recheck_failure_;       ///< The last one, for no layer. Kept until the layers or the ground change.
 	bool failures_changed_ = false;
 	StreamFigures figures_;
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.

@@ -236,7 +236,7 @@ private:
 		std::vector<DisplayedTile::Part> parts;
 	};
 	struct FartherCells {
-		const Order *farthest = nullptr; ///< The tile in cells that is farthest from the viewers; null if there is none.
+		const Order *farthest = nullptr; ///< The tile in cells farthest from the viewers; null if there is none.
 		std::uint64_t spare = 0;         ///< Multimeshes that would be freed if all such tiles were drawn as a whole.
 	};
 	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const;
@@ -254,7 +254,7 @@ private:
 	VisualContext context_;
 	bool visible_ = true;
 	std::vector<SharedSnapshot> layers_;
-	std::vector<std::uint64_t> drawing_versions_; ///< One for each layer: the number changes whenever its drawing settings change.
+	std::vector<std::uint64_t> drawing_versions_; ///< One for each layer; changes whenever its drawing settings change.
 	std::uint64_t last_version_ = 0;
 	std::map<Order, DisplayedTile> tiles_;
 	std::vector<TileVisual> leaving_;

@@ -136,13 +136,13 @@ private:
 	std::vector<MeshUpload> uploaded_;
 	std::atomic<std::size_t> waiting_ = 0;    ///< The size of queue_.
 	std::atomic<std::uint64_t> freed_ = 0;    ///< The number of objects freed from unneeded_ and uploaded_.
-	std::atomic<bool> much_unneeded_ = false; ///< True if unneeded_ and uploaded_ hold enough to start a worker for them.
+	std::atomic<bool> much_unneeded_ = false; ///< Whether unneeded_ and uploaded_ are worth a worker of their own.
 
 	// Main thread only: jobs that are not yet in the queue, and objects that are not yet in the list of unneeded ones.
 	std::deque<std::shared_ptr<TileJob>> incoming_;
 	std::vector<std::shared_ptr<const void>> unneeded_here_;
 	std::vector<MeshUpload> uploaded_here_;
-	int frames_unneeded_ = 0; ///< The number of frames in which either list had something.
+	int frames_unneeded_ = 0; ///< The number of consecutive frames in which either list had something.
 	std::vector<std::unique_ptr<Worker>> workers_;
 };
 

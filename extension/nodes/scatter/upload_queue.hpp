@@ -17,7 +17,7 @@ struct TileUpload {
 	std::shared_ptr<TileJob> job;
 
 	DisplayedTile tile;                                 ///< The parts uploaded until now, hidden.
-	std::vector<std::shared_ptr<const KeptMesh>> shown; ///< The instances to upload for each mesh, once the upload is begun.
+	std::vector<std::shared_ptr<const KeptMesh>> shown; ///< The instances to upload for each mesh, once it is begun.
 	std::uint64_t overlay_version = 0;                  ///< The version of the overlay when the upload was begun.
 
 	bool is_begun() const { return tile.tile != nullptr; }
