@@ -24,7 +24,7 @@ struct ShapeSource {
 	ScatterLayer::CollisionShape kind = ScatterLayer::COLLISION_NONE;
 	InstanceShape cylinder;
 	std::vector<godot::Ref<godot::Mesh>> meshes; ///< For convex shapes only; null entries have none.
-	std::vector<godot::AABB> boxes;              ///< Of the meshes; a different box means a changed mesh.
+	std::vector<godot::AABB> boxes;              ///< One for each mesh; a different box means a changed mesh.
 	std::vector<std::vector<BodyPart>> parts;    ///< Those of the meshes' models, if the models provide the shapes.
 
 	friend bool operator==(const ShapeSource &a, const ShapeSource &b) {

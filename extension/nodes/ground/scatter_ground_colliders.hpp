@@ -95,7 +95,7 @@ private:
 
 	GroundWatch watch_{this, "_source_changed"}; ///< CollisionShape3Ds of static bodies.
 	TreeWalk walk_;
-	godot::Variant tree_;                    ///< Emits added nodes; null until it is connected.
+	godot::Variant tree_;                    ///< The emitter of `node_added`; null until connected.
 	std::map<std::uint64_t, Placed> placed_; ///< By the nodes' IDs; only those that are ground.
 	Offsets offsets_;                        ///< The offsets that `placed_` uses.
 

@@ -63,7 +63,7 @@ public:
 	/// The model of an entry. For a scene, the model that was created from it. Null for a mesh.
 	godot::Ref<ScatterModel> model(std::size_t entry) const { return taken_[entry].model; }
 
-	/// The nearest LOD of an entry. Null if it has none, or while its scene is not read.
+	/// The mesh of an entry's finest LOD. Null if it has none, or while its scene is not read.
 	godot::Ref<godot::Mesh> mesh(std::size_t entry) const;
 
 private:

@@ -42,8 +42,8 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	}
 }
 
-/// Turns off shadows of LODs that have no shadow setting and would cast none worth drawing: see casts_shadow. A LOD with its own shadow
-/// mesh keeps its shadow.
+/// LODs without a shadow setting whose shadows are not worth drawing (see casts_shadow) cast none, unless the layer's setting differs from
+/// its default. An LOD with its own shadow mesh keeps its shadow.
 void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
 	const double density = point_density(settings.set) * settings.rules.density;
 	for (std::size_t index = 0; index < r_drawing.lod_shadows.size(); ++index) {

@@ -200,7 +200,7 @@ private:
 	GroundRecheck recheck_;
 	Clock::duration recheck_left_{0};    ///< Time that re-checks may take; negative after one that took too long.
 	Clock::duration usual_height_{1000}; ///< The usual time for one height.
-	bool recheck_due_ = false;           ///< Once per frame.
+	bool recheck_due_ = false;           ///< Set once per frame.
 	LayerFailure recheck_failure_;       ///< The last one, for no layer. Kept until the layers or the ground change.
 	bool failures_changed_ = false;
 	StreamFigures figures_;

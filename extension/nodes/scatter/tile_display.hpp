@@ -162,7 +162,7 @@ public:
 	/// Tiles that have followed a change of their layer's drawing settings, without an upload, since then.
 	std::uint64_t redrawn_count() const { return redrawn_count_; }
 
-	/// Cells, and tiles that are drawn as a whole, for which a LOD was chosen by distance, counted for each mesh.
+	/// Cells, and tiles that are drawn as a whole, for which an LOD was chosen by distance, counted for each mesh.
 	std::uint64_t lod_look_count() const { return lod_look_count_; }
 
 private:
