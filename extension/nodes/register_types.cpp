@@ -76,7 +76,7 @@ void terminate(ModuleInitializationLevel) { drop_main_thread_calls(); }
 
 extern "C" {
 
-/// Where the engine enters the library; named in thicket.gdextension.
+/// The entry point of the library, named in thicket.gdextension.
 GDExtensionBool GDE_EXPORT thicket_library_init(GDExtensionInterfaceGetProcAddress p_get_proc_address,
 		GDExtensionClassLibraryPtr p_library, GDExtensionInitialization *r_initialization) {
 	if (!thicket::fits_precision(p_get_proc_address)) {

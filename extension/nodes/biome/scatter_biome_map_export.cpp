@@ -1,4 +1,4 @@
-// What a biome map keeps for an export as a dedicated server, which puts placeholders in place of textures.
+// The data that a biome map stores for an export as a dedicated server, which replaces textures with placeholders.
 
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/common/stripped.hpp"

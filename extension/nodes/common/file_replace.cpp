@@ -24,7 +24,7 @@ std::string system_path(const String &p_path) {
 	return path.utf8().get_data();
 }
 
-/// Writes all of it, or has an error. Closing reports none, so the length tells whether it has found room for the last bytes.
+/// Writes all bytes, or returns an error. Closing the file reports no error, so the length shows whether the last bytes fitted on the disk.
 Error store(const String &p_path, const PackedByteArray &p_bytes) {
 	Ref<FileAccess> file = FileAccess::open(p_path, FileAccess::WRITE);
 	if (file.is_null()) {
@@ -42,7 +42,7 @@ Error store(const String &p_path, const PackedByteArray &p_bytes) {
 	return whole ? OK : ERR_FILE_CANT_WRITE;
 }
 
-/// Whether ResourceSaver wrote it, as binary, compressed or as text.
+/// Whether ResourceSaver wrote the bytes, as binary, compressed or text.
 bool is_resource_file(const PackedByteArray &p_bytes) {
 	const std::string_view text(
 			reinterpret_cast<const char *>(p_bytes.ptr()), static_cast<std::size_t>(p_bytes.size()));

@@ -18,7 +18,7 @@ void SceneUse::replace(List list) {
 					use.object->get_class()));
 		}
 	}
-	const List before = std::exchange(used_, std::move(list)); // Frees what nothing else holds.
+	const List before = std::exchange(used_, std::move(list)); // Frees objects that have no other owner.
 	for (const List::Use &use : before.uses_) {
 		use.guard->leave_scene();
 	}

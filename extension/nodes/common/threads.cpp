@@ -16,7 +16,7 @@ namespace thicket {
 
 namespace {
 
-std::atomic<std::thread::id> main_thread; ///< None until it has asked.
+std::atomic<std::thread::id> main_thread; ///< Unset until the main thread has called on_main_thread().
 
 } // namespace
 
@@ -28,7 +28,7 @@ bool has_threads() {
 bool on_main_thread() {
 	const std::thread::id caller = std::this_thread::get_id();
 	if (const std::thread::id known = main_thread.load(std::memory_order_relaxed); known != std::thread::id()) {
-		// Fast path: to ask the engine takes ten times as long.
+		// Fast path: querying the engine takes ten times as long.
 		return caller == known;
 	}
 	const OS *system = OS::get_singleton();
@@ -44,7 +44,7 @@ std::size_t spare_thread_count() {
 		return 0;
 	}
 	const std::size_t cores = std::thread::hardware_concurrency();
-	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core stays with the thread that asks.
+	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core is left for the calling thread.
 }
 
 void EngineThreads::run(const std::function<void(std::size_t index)> &work) {

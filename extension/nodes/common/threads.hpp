@@ -7,16 +7,16 @@
 
 namespace thicket {
 
-/// Whether the engine has threads to work on. Builds for the web may have none, and a project may forbid them.
+/// Whether the engine has worker threads. Web builds may have none, and a project may disable them.
 bool has_threads();
 
 /// Whether the caller runs on the engine's main thread. Costs a few nanoseconds.
 bool on_main_thread();
 
-/// How many to work on besides the one that asks: 0 to 8.
+/// The number of threads to use besides the calling one: 0 to 8.
 std::size_t spare_thread_count();
 
-/// Threads of the engine's WorkerThreadPool, for a call that may come from any thread.
+/// Threads of the engine's WorkerThreadPool, for a call that may be made on any thread.
 class EngineThreads final : public LentThreads {
 public:
 	std::size_t count() const override { return count_; }

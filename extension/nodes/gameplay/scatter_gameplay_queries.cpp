@@ -1,4 +1,4 @@
-// What a ScatterGameplay answers: what stands where, in loaded tiles and in all others.
+// The queries of a ScatterGameplay: instances in loaded tiles and in all others.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -36,7 +36,7 @@ void report_query(const char *p_method, const Status &status) {
 
 } // namespace
 
-/// False, with an error, where there is nothing to ask, and for a node that is gone by now.
+/// False, with an error, if there is nothing to query, and for a node that has been freed.
 bool ScatterGameplay::prepare(const char *p_method) {
 	const Status status = alive() ? host_->prepare() : Status{ErrorCode::cancelled};
 	report_query(p_method, status);
@@ -91,7 +91,7 @@ Ref<ScatterSnapshot> ScatterGameplay::make_snapshot() {
 			LayerNames(host_->layers()), offset_);
 }
 
-/// The instance of an id, or, if `even_removed`, where it would stand. Empty for none.
+/// The instance with an ID or, if `even_removed`, its placement even if it is removed. Empty if there is none.
 std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, int64_t p_id, bool even_removed) {
 	std::vector<PlacedInstance> found;
 	ask(p_method, [&](const InstanceQuery &query) {
@@ -121,7 +121,7 @@ Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {
 		open_request(wanted);
 	} else {
 		if (wanted.layers.get_type() == Variant::ARRAY) {
-			wanted.layers = copied(wanted.layers); // Scripts share an array, and may change theirs.
+			wanted.layers = copied(wanted.layers); // A copy, because scripts share an array, and may change theirs.
 		}
 		const std::lock_guard lock(wanted_mutex_);
 		wanted_.push_back(std::move(wanted));

@@ -18,12 +18,12 @@ namespace thicket {
 
 namespace {
 
-/// A value of each instance, by its index, in a packed array that is made on the first call.
+/// A value of each instance, by its index, in a packed array that is created on the first call.
 template <class Array, class Value>
 Array cached(std::mutex &r_mutex, std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
 	const std::lock_guard lock(r_mutex);
 	if (r_cache) {
-		// Fast path: what was found never changes.
+		// Fast path: found instances never change.
 		return *r_cache;
 	}
 	Array values;
@@ -95,7 +95,7 @@ PackedVector3Array ScatterInstances::get_positions() const {
 PackedFloat32Array ScatterInstances::get_transforms() const {
 	const std::lock_guard lock(mutex_);
 	if (transforms_) {
-		// Fast path: what was found never changes.
+		// Fast path: found instances never change.
 		return *transforms_;
 	}
 	PackedFloat32Array transforms;

@@ -21,16 +21,16 @@
 
 namespace thicket {
 
-/// What a query has found, as it stood then. An index that is not there prints an error and gives a default.
+/// The result of a query, as of the time of the query. An invalid index prints an error and returns a default.
 class ScatterInstances : public godot::RefCounted {
 	GDCLASS(ScatterInstances, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// The result of a call that was refused.
+	/// The result of a refused call.
 	static godot::Ref<ScatterInstances> make_empty() { return memnew(ScatterInstances); }
 
-	/// `offset` is where the engine's origin is in the world, in meters, for all positions that scripts get.
+	/// `offset` is the world position of the engine's origin, in meters, for all positions that scripts get.
 	static godot::Ref<ScatterInstances> of(FoundInstances found, glm::dvec3 offset);
 
 	int64_t size() const { return static_cast<int64_t>(found_.size()); }
@@ -41,7 +41,7 @@ public:
 	godot::Vector3 get_position(int64_t p_index) const;
 	godot::Transform3D get_transform(int64_t p_index) const;
 
-	// All at once, packed on the first use.
+	// All values together, packed on first use.
 	godot::PackedInt64Array get_ids() const;
 	godot::PackedInt32Array get_layers() const;
 	godot::PackedInt32Array get_meshes() const;
@@ -58,7 +58,7 @@ private:
 
 	FoundInstances found_;
 	glm::dvec3 offset_{0.0};
-	mutable std::mutex mutex_; ///< For all that follows.
+	mutable std::mutex mutex_; ///< Guards the following members.
 	mutable std::optional<godot::PackedInt64Array> ids_;
 	mutable std::optional<godot::PackedInt32Array> layers_;
 	mutable std::optional<godot::PackedInt32Array> meshes_;
@@ -66,7 +66,7 @@ private:
 	mutable std::optional<godot::PackedFloat32Array> transforms_;
 };
 
-/// One instance, as it stood when it was asked for.
+/// One instance, as of the time of the query.
 class ScatterInstance : public godot::RefCounted {
 	GDCLASS(ScatterInstance, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)

@@ -24,18 +24,18 @@ namespace thicket {
 /// A query, for script_queries.hpp.
 using AskedQuery = std::function<Status(const InstanceQuery &query)>;
 
-/// What stood around a TerrainScatter3D at one moment: its queries on any thread, several at once. Nothing that happens later changes it. Methods
-/// are those of the node.
+/// The instances around a TerrainScatter3D at one moment. Supports its queries on any thread, several at once. Later changes do not affect
+/// it. Methods are those of the node.
 class ScatterSnapshot : public godot::RefCounted {
 	GDCLASS(ScatterSnapshot, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// `offset` is where the engine's origin is in the world, in meters.
+	/// `offset` is the world position of the engine's origin, in meters.
 	static godot::Ref<ScatterSnapshot> of(
 			std::shared_ptr<const InstanceSnapshot> snapshot, LayerNames layers, glm::dvec3 offset);
 
-	/// Nothing stands in it.
+	/// A snapshot without instances.
 	static godot::Ref<ScatterSnapshot> make_empty() { return memnew(ScatterSnapshot); }
 
 	godot::Ref<ScatterInstances> query_rect(
@@ -60,7 +60,7 @@ protected:
 	static void _bind_methods();
 
 private:
-	std::shared_ptr<const InstanceSnapshot> snapshot_; ///< Null for an empty one.
+	std::shared_ptr<const InstanceSnapshot> snapshot_; ///< Null for an empty snapshot.
 	LayerNames layers_{godot::TypedArray<ScatterLayer>()};
 	glm::dvec3 offset_{0.0};
 };

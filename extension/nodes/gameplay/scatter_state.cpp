@@ -20,7 +20,7 @@ namespace thicket {
 
 namespace {
 
-/// A value as bytes; none for null. False for an object, and for what is far too large.
+/// A value as bytes; empty for null. False for an object, and for a value that is far too large.
 bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	constexpr int64_t far_too_large = 1 << 24;
 	r_bytes = PackedByteArray();
@@ -68,7 +68,7 @@ bool ScatterState::remove(int64_t p_id, double p_until) {
 std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> removals) {
 	std::vector<InstanceChange> changes;
 	std::vector<std::uint64_t> ids;
-	changes.reserve(removals.size()); // What is changed must be told.
+	changes.reserve(removals.size()); // Reserved before any change, because every change must be reported.
 	ids.reserve(removals.size());
 	for (const auto &[id, until] : removals) {
 		InstanceChange change{id, InstanceChangeKind::removed, {}};

@@ -4,11 +4,11 @@
 
 namespace thicket {
 
-/// Lets any number of threads call an object, and one of them wait until no other thread does. Calls may nest: a thread that
-/// is inside of this gate or of others may enter again.
+/// Lets any number of threads call an object, and one of them wait until no other thread does. Calls may nest: a thread that is inside this
+/// gate or others may enter again.
 class CallGate {
 public:
-	/// While one lives, its thread is inside. To be made and destroyed like a variable of a function: the last one first.
+	/// While one of these exists, its thread is inside. Use it as a local variable: the last one created must be destroyed first.
 	class Inside {
 	public:
 		explicit Inside(const CallGate &gate) : gate_(gate), outer_(innermost_), first_(!gate.is_inside()) {
@@ -29,12 +29,12 @@ public:
 	private:
 		friend class CallGate;
 		const CallGate &gate_;
-		const Inside *outer_; ///< Of the same thread, of any gate.
-		bool first_;          ///< Of its thread in this gate.
+		const Inside *outer_; ///< The enclosing one of the same thread, of any gate.
+		bool first_;          ///< True if it is the first of its thread in this gate.
 		static inline thread_local const Inside *innermost_ = nullptr;
 	};
 
-	/// Does something while no other thread is inside. Does not wait for the calls that the calling thread is within itself.
+	/// Runs `act` while no other thread is inside. Does not wait for calls that the calling thread itself is inside of.
 	template <class Act>
 	void alone(Act act) const {
 		const bool inside = is_inside();
@@ -50,7 +50,7 @@ public:
 	}
 
 private:
-	/// Whether the calling thread is.
+	/// Whether the calling thread is inside.
 	bool is_inside() const {
 		for (const Inside *inside = Inside::innermost_; inside != nullptr; inside = inside->outer_) {
 			if (&inside->gate_ == this) {

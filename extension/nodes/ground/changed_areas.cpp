@@ -9,7 +9,7 @@ namespace thicket {
 
 namespace {
 
-/// Whoever is told of more areas has more work with telling them apart than with the tiles between them.
+/// Beyond this number, telling areas apart costs the receiver more than the tiles between them.
 constexpr std::size_t most_areas = 64;
 
 } // namespace

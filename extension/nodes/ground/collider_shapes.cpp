@@ -43,7 +43,7 @@ std::optional<AABB> around_array(const PackedVector3Array &points, std::size_t &
 	return around_points({points.ptr(), static_cast<std::size_t>(points.size())});
 }
 
-/// Posts are a meter apart, about the middle.
+/// Posts are one meter apart, centered on the middle.
 std::optional<AABB> around_map(const HeightMapShape3D &map, std::size_t &r_points) {
 	const PackedFloat32Array heights = map.get_map_data();
 	const std::span<const float> posts(heights.ptr(), static_cast<std::size_t>(heights.size()));
@@ -104,7 +104,7 @@ Rect area_of(const AABB &bounds, const Transform3D &frame) {
 bool belongs_to_scatter(const Node *p_node) {
 	for (const Node *node = p_node; node != nullptr; node = node->get_parent()) {
 		const Node *parent = node->get_parent();
-		// Scenes stand behind the children of others, as internal ones.
+		// Scenes of a scatter are internal children, behind all other children.
 		if (parent != nullptr && parent->is_class("TerrainScatter3D") &&
 				node->get_index(true) >= parent->get_child_count(false)) {
 			return true;

@@ -12,14 +12,14 @@
 
 namespace thicket {
 
-/// The box around a shape in its own space; none for one without an end or of an unknown kind. `r_points` grows by how many points of
-/// the shape were looked at.
+/// The box around a shape in its own space; none for an unbounded or unknown shape. Adds the number of points of the shape that were read
+/// to `r_points`.
 std::optional<godot::AABB> bounds_of(const godot::Ref<godot::Shape3D> &p_shape, std::size_t &r_points);
 
-/// From above, the box stood up by a transform: meters of the engine's space.
+/// The area of the transformed box seen from above, in meters of the engine's space.
 Rect area_of(const godot::AABB &bounds, const godot::Transform3D &frame);
 
-/// True for what stands in the tree as an instance of a TerrainScatter3D, a scene that it has put there or a part of one.
+/// True for a node that represents an instance of a TerrainScatter3D: a scene that it has added or a part of one.
 bool belongs_to_scatter(const godot::Node *p_node);
 
 } // namespace thicket

@@ -6,11 +6,11 @@
 
 namespace thicket {
 
-/// Registers the ground classes of release 0.2 under their names, so that its files open. Scripts and the editor do not see them.
+/// Registers the ground classes of release 0.2 under their old names, so that its files open. Scripts and the editor do not see them.
 void register_former_grounds();
 
-/// The ground itself. For one of release 0.2, a ground of the current class with the same properties, which takes over the path of its
-/// file, so that saving it stores the current class. Any thread.
+/// Returns the ground itself. For a ground of release 0.2, returns one of the current class with the same properties. It takes over the
+/// path of the file, so that saving it stores the current class. Any thread.
 godot::Ref<ScatterGround> current_ground(const godot::Ref<ScatterGround> &p_ground);
 
 } // namespace thicket

@@ -15,23 +15,23 @@ namespace thicket {
 
 namespace {
 
-/// What has moved counts as at rest after so long.
+/// A node that has moved counts as at rest after this time.
 constexpr std::chrono::milliseconds rest(100);
 
-/// What does not come to rest is followed so often.
+/// A node that does not come to rest is followed at this interval.
 constexpr std::chrono::milliseconds longest_wait(400);
 
-/// Bodies are where their nodes are only after the next physics frame.
+/// Bodies reach the positions of their nodes only after the next physics frame.
 constexpr std::uint64_t physics_frames = 2;
 
-/// What a coordinate may lose when a scene is moved, as a part of it: a few bits of a float.
+/// The fraction of a coordinate that may be lost when a scene is moved: a few bits of a float.
 constexpr double lost = 1.0 / (1 << 21);
 
 } // namespace
 
 bool is_finite(const Transform3D &p_transform) {
 	const glm::dmat3 basis = to_core(p_transform.basis);
-	// 0, or NAN for what is not finite.
+	// 0, or NAN if any number is not finite.
 	const glm::dvec3 sum = (basis[0] + basis[1] + basis[2] + to_core(p_transform.origin)) * 0.0;
 	return sum == glm::dvec3(0.0);
 }
@@ -116,7 +116,7 @@ std::size_t GroundWatch::look(const Look &look) {
 		if (now == entry.seen) {
 			++quiet_looks_;
 		} else {
-			use(now.source, source); // Before the other is dropped: it may be the same.
+			use(now.source, source); // Before the old source is dropped, because it may be the same.
 			drop(entry.seen.source);
 			now.version = version(now.source);
 			entry.seen = now;

@@ -17,71 +17,74 @@
 
 namespace thicket {
 
-/// False if any number of it is NAN or infinite.
+/// False if any of its numbers is NAN or infinite.
 bool is_finite(const godot::Transform3D &p_transform);
 
-/// What can be seen of a node that gives ground without reading its triangles.
+/// The state of a node with ground that can be checked without reading its triangles.
 struct GroundSight {
 	godot::Transform3D frame;  ///< In the engine's space.
-	std::uint64_t source = 0;  ///< The object whose shape it is, a mesh for example, by its id; 0: no ground.
-	std::uint64_t version = 0; ///< Of the source: another one after each change that it tells.
+	std::uint64_t source = 0;  ///< The ID of the object with the shape, for example a mesh; 0 if there is no ground.
+	std::uint64_t version = 0; ///< The source's version, which increases with each change that it reports.
 
-	/// Where there is no ground, nothing else counts. Frames that are not finite are alike: NAN differs from itself, and such a node would
-	/// never come to rest.
+	/// If there is no ground, nothing else is compared. All frames that are not finite are equal: NAN differs from itself, and such a node
+	/// would count as changed forever.
 	bool operator==(const GroundSight &other) const {
 		const bool alike = frame == other.frame || !(is_finite(frame) || is_finite(other.frame));
 		return source == other.source && (source == 0 || (version == other.version && alike));
 	}
 };
 
-/// Whether two sights are of the same ground in the world, of which the engine's origin is at another offset for each; as far as the
-/// engine's numbers tell, which lose some bits when a scene is moved.
+/// Whether two sights are of the same ground in the world, with a different offset of the engine's origin for each. Compares within the
+/// engine's precision, which loses some bits when a scene is moved.
 bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b);
 
-/// Looks at nodes that give ground, some in each frame in turn, and tells which of them are not as they were. The engine tells nobody
-/// that a node of somebody else has moved, so there is no other way; the work of a frame does not grow with the nodes. Main thread only.
+/// Checks nodes that provide ground, some of them in each frame in turn, and finds those that have changed. There is no other way, because
+/// the engine emits no signal that we could use when another node moves. The work per frame does not grow with the number of nodes. Main
+/// thread only.
 class GroundWatch {
 public:
-	/// What a node looks like now, but for the version. `r_source` becomes its source as an object, null for none.
+	/// Returns the node's current state except for the version. `r_source` becomes its source as an object, null if there is none.
 	using Look = std::function<GroundSight(const godot::Variant &p_node, godot::Object *&r_source)>;
 
-	/// Sources are heard: each `changed` calls `p_method` of `p_owner` with the source's id, which hands it to `source_changed`.
+	/// Connects to sources: each `changed` calls `p_method` of `p_owner` with the source's ID, and the owner passes that to
+	/// `source_changed`.
 	GroundWatch(godot::Object *p_owner, const godot::StringName &p_method) : owner_(p_owner), method_(p_method) {}
 
-	/// Watches a node from now on. `changed`: what it gives has to be read. Nothing happens if it is watched already.
+	/// Watches a node from now on. If `changed`, its ground has to be read. Does nothing if the node is already watched.
 	void add(std::uint64_t id, const godot::Variant &p_node, const Look &look, bool changed);
 
-	/// No longer watches a node. Those that gave ground count as changed: see `take_changed`.
+	/// Stops watching a node. A node that provided ground counts as changed: see `take_changed`.
 	void remove(std::uint64_t id);
 
-	/// Forgets everything, and no longer listens.
+	/// Forgets everything and disconnects from all sources.
 	void clear();
 
 	bool has(std::uint64_t id) const { return entries_.contains(id); }
-	const godot::Variant *node(std::uint64_t id) const; ///< Null for one that is not watched.
+	const godot::Variant *node(std::uint64_t id) const; ///< Null for a node that is not watched.
 	std::vector<std::uint64_t> ids() const;
 	std::size_t size() const { return entries_.size(); }
 
-	/// Looks at the next nodes, at most nodes_per_frame. Returns at how many.
+	/// Checks the next nodes, at most nodes_per_frame. Returns how many were checked.
 	std::size_t look(const Look &look);
 
-	/// A source has told of a change; those that use it follow when they are looked at. Nothing for one that none uses.
+	/// A source has reported a change; nodes that use it follow when they are checked. Does nothing for an unused source.
 	void source_changed(std::uint64_t source);
 	std::uint64_t version(std::uint64_t source) const;
 
-	/// All nodes count as changed, however they look; `distrust`: and all sources.
+	/// Marks all nodes as changed; if `distrust`, all sources too.
 	void touch_all(bool distrust);
 
-	/// True while some have changed.
+	/// True while some nodes have changed.
 	bool restless() const { return !changed_.empty(); }
 
-	/// True once what has changed is at rest, or has been waiting for long: a node that is dragged is followed, but not in each frame.
+	/// True once changed nodes are at rest, or have been waiting for long. So a node that is being dragged is followed, but not in each
+	/// frame.
 	bool due() const;
 
-	/// Those that have changed since the last call, gone ones included. What is not at rest comes once more when it is.
+	/// The nodes that have changed since the last call, including removed ones. A node that is not at rest is reported again when it is.
 	std::set<std::uint64_t> take_changed();
 
-	/// All is known as it is now.
+	/// Treats the current state as known.
 	void forget_changes() { changed_.clear(); }
 
 	static constexpr std::size_t nodes_per_frame = 64;
@@ -107,12 +110,12 @@ private:
 
 	godot::Object *owner_;
 	godot::StringName method_;
-	std::map<std::uint64_t, Entry> entries_; ///< By the nodes' ids.
+	std::map<std::uint64_t, Entry> entries_; ///< By the nodes' IDs.
 	std::map<std::uint64_t, Source> sources_;
 	std::set<std::uint64_t> changed_;
-	std::uint64_t next_ = 0;         ///< The id to look at next, or the next larger one.
-	std::uint64_t versions_ = 0;     ///< So many were given to sources.
-	std::size_t quiet_looks_ = 0;    ///< Since the last change that was seen.
+	std::uint64_t next_ = 0;         ///< The next ID to check, or the smallest larger one.
+	std::uint64_t versions_ = 0;     ///< The number of versions given to sources until now.
+	std::size_t quiet_looks_ = 0;    ///< Checks since the last detected change.
 	std::uint64_t change_frame_ = 0; ///< The engine's physics frame of the last change.
 	Clock::time_point first_change_;
 	Clock::time_point last_change_;

@@ -17,7 +17,7 @@ void HeightmapWork::run(const std::atomic<bool> *) {
 	if (!status.ok()) {
 		field = nullptr;
 	}
-	sources.image = Ref<Image>(); // What nothing else holds is freed here.
+	sources.image = Ref<Image>(); // Frees images that have no other owner.
 	sources.weight_image = Ref<Image>();
 }
 

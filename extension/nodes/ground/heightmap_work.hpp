@@ -14,29 +14,29 @@
 
 namespace thicket {
 
-/// What a ScatterGroundHeightmap was given, for a worker: its images are the worker's own, and share the memory of the user's until
-/// either writes.
+/// The settings of a ScatterGroundHeightmap, for a worker. The images belong to the worker, and share the user's memory until either
+/// writes.
 struct HeightmapSources {
-	bool are_read = false; ///< Else the posts and the weights of `before` count.
+	bool are_read = false; ///< If false, the posts and the weights of `before` are used.
 	godot::Ref<godot::Image> image;
-	bool has_image = false; ///< It goes before the path.
+	bool has_image = false; ///< Takes priority over the path.
 	godot::String path;
-	glm::ivec2 post_count{0}; ///< Of the file.
+	glm::ivec2 post_count{0}; ///< The size of the file.
 	godot::Ref<godot::Image> weight_image;
 	bool has_weight_image = false;
-	HeightfieldFrame frame; ///< But for the number of posts, which is that of the posts.
-	bool in_meters = false; ///< What floats mean.
+	HeightfieldFrame frame; ///< Except for the number of posts, which is that of the posts.
+	bool in_meters = false; ///< The unit of floats.
 };
 
-/// Makes a heightfield, and finds where it is not as it was. On any thread.
+/// Builds a heightfield, and finds the areas in which it has changed. On any thread.
 struct HeightmapWork {
 	HeightmapSources sources;
-	std::shared_ptr<const Heightfield> before; ///< Null for none.
+	std::shared_ptr<const Heightfield> before; ///< Null if there is none.
 
 	Status status;
-	glm::ivec2 refused_post{-1}; ///< Column and row of a post that was refused; below 0 for any other error.
+	glm::ivec2 refused_post{-1}; ///< Column and row of a refused post; below 0 for any other error.
 	std::shared_ptr<const Heightfield> field; ///< Null after an error.
-	std::vector<Rect> changes;                ///< World meters, few of them: `before` is the same everywhere else.
+	std::vector<Rect> changes;                ///< World meters, few of them: the field equals `before` everywhere else.
 
 	void run(const std::atomic<bool> *cancel);
 

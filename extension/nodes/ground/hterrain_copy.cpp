@@ -37,7 +37,7 @@ constexpr int splat_weight_map = 7;
 
 constexpr int max_splats = 16;
 
-/// Ground depends on so many posts around it: heights between posts, and slopes.
+/// The ground at a position depends on this many posts around it: heights between posts, and slopes.
 constexpr int posts_around = 2;
 
 std::optional<PostFormat> post_format(Image::Format format) {
@@ -58,7 +58,7 @@ MapPlace place_of(const Transform3D &p_transform) {
 	return place;
 }
 
-/// True if the map's heights do not point straight up, but for rounding.
+/// True if the map's heights do not point straight up, except for rounding.
 bool is_tilted(const Transform3D &p_transform) {
 	const Vector3 *rows = p_transform.basis.rows;
 	constexpr real_t hair = 1e-4F;
@@ -103,7 +103,7 @@ public:
 	GroundChanges changes_since(const GroundCopy &before, glm::dvec3 shift) const override;
 	std::shared_ptr<const GroundCopy> with_edits(const Variant &p_data, std::span<const MapEdit> edits) const override;
 
-	/// For the copy after this one.
+	/// The images for the next copy.
 	MapImages next_images() const { return images_.next(); }
 
 private:
@@ -116,7 +116,7 @@ private:
 	MapImages images_;
 };
 
-/// A node that moves along when the engine's origin does stays where it is in the world, but for the rounding of its floats.
+/// A node that moves along with the engine's origin keeps its place in the world, except for float rounding.
 bool HTerrainCopy::same_place(const HTerrainCopy &before, glm::dvec3 shift) const {
 	MapPlace mine = field_.place();
 	const MapPlace &other = before.field_.place();
@@ -176,7 +176,7 @@ GroundChanges HTerrainCopy::changes_since(const GroundCopy &before, glm::dvec3 s
 	return changes;
 }
 
-/// What of the layers is a copy of the edited map; null for none.
+/// The layer that is a copy of the edited map; null if there is none.
 PixelGrid *HTerrainCopy::layer_of(MapLayers &layers, const MapEdit &edit) {
 	const auto present = [](PixelGrid &layer) {
 		return layer.empty() ? nullptr : &layer;
@@ -194,7 +194,7 @@ PixelGrid *HTerrainCopy::layer_of(MapLayers &layers, const MapEdit &edit) {
 	}
 }
 
-/// Edits of all maps of a kind, as edits of each of them.
+/// Splits edits of all maps of a kind into edits of each of them.
 std::vector<MapEdit> one_by_one(std::span<const MapEdit> edits, std::size_t splats) {
 	std::vector<MapEdit> result;
 	for (const MapEdit &edit : edits) {
@@ -231,7 +231,7 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 	if (!field.set(field_.place(), layers).ok()) {
 		return nullptr;
 	}
-	// Fast path: all else is as it was copied before.
+	// Fast path: everything else is shared with the previous copy.
 	return std::make_shared<HTerrainCopy>(std::move(field), tilted_, std::move(images));
 }
 
@@ -282,8 +282,8 @@ void read_textures(const Variant &p_node, const Variant &p_data, MapImages &imag
 
 } // namespace
 
-/// HTerrain 1.8 tells so by its shader's type at once, and by the other method once the shader is in use; a custom shader by
-/// that alone.
+/// HTerrain 1.8 reports it immediately by its shader's type, and by the other method once the shader is in use. A custom shader reports it
+/// only by the latter.
 bool uses_indexed_textures(const Variant &p_node) {
 	const Variant type = has_method(p_node, "get_shader_type") ? result_of(p_node, "get_shader_type") : Variant();
 	if (type.get_type() == Variant::STRING && static_cast<String>(type) == "Array") {

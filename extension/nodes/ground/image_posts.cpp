@@ -41,7 +41,7 @@ bool holds_floats(Image::Format format) {
 	}
 }
 
-/// Channels that a conversion to RGBA would not make up.
+/// The number of real channels, without those that a conversion to RGBA would add.
 int channels_of(Image::Format format) {
 	switch (format) {
 		case Image::FORMAT_L8:
@@ -118,7 +118,7 @@ Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_po
 				"Use an image format that the engine can decompress"};
 	}
 	const bool floats = holds_floats(image->get_format());
-	image->convert(Image::FORMAT_RF); // Holds 16 bits exactly, too.
+	image->convert(Image::FORMAT_RF); // Also stores 16 bits exactly.
 	const PackedByteArray bytes = image->get_data();
 	Posts posts;
 	posts.count = {image->get_width(), image->get_height()};
@@ -144,7 +144,7 @@ bool read_region(const Ref<Image> &p_image, const PixelRect &rect, Posts &r_post
 	if (pixel == 0) {
 		return false;
 	}
-	const PackedByteArray all = p_image->get_data(); // Shared only for as long as this takes.
+	const PackedByteArray all = p_image->get_data(); // Shared only during this call.
 	const std::int64_t row = pixel * rect.size().x;
 	PackedByteArray part;
 	std::uint8_t *out = resize(part, row * rect.size().y).data();

@@ -8,30 +8,30 @@
 
 namespace thicket {
 
-/// The images of the maps of a node like HTerrain. Its data keeps images in the editor, and of what a script made. In a game
-/// the maps that were loaded are textures, but for heights: then the pixels are those of the texture, which the renderer has to
-/// hand back. So what was read of an imported texture, which never changes, is kept for the next time.
+/// The images of the maps of a node like HTerrain. Its data keeps images in the editor, and of maps that a script created. In a game the
+/// loaded maps are textures, except for heights: their pixels have to be read back from the renderer. So pixels of an imported texture,
+/// which never changes, are kept for the next time.
 class MapImages {
 public:
-	/// One for the next time: it knows what this one has read.
+	/// An object for the next time that reuses the images read here.
 	MapImages next() const {
 		MapImages images;
 		images.known_ = kept_;
 		return images;
 	}
 
-	/// The pixels of a map, by the plug-in's number of its kind; null where there is none. Runs scripts.
+	/// The pixels of a map, by the plug-in's number for its kind; null if there is none. Runs scripts.
 	godot::Ref<godot::Image> read(const godot::Variant &p_data, int kind, int index);
 
-	/// True if there was a map whose pixels nobody had, as with the textures of a server's export.
+	/// True if there was a map whose pixels were not available, as with the textures of a server's export.
 	bool lacks_pixels() const { return lacks_pixels_; }
 
 private:
 	godot::Ref<godot::Image> read_texture(const godot::Variant &p_texture);
 
-	using ByTexture = std::map<std::uint64_t, godot::Ref<godot::Image>>; ///< By the id of the texture.
+	using ByTexture = std::map<std::uint64_t, godot::Ref<godot::Image>>; ///< By the texture's ID.
 	ByTexture known_;
-	ByTexture kept_; ///< What was read here: of textures that have gone nothing stays.
+	ByTexture kept_; ///< The images read here; textures that have been removed are not kept.
 	bool lacks_pixels_ = false;
 };
 

@@ -50,7 +50,7 @@ PackedByteArray packed_as(const Packed &p_numbers) {
 	return bytes;
 }
 
-/// Whether the engine itself keeps the mesh in its renderer. Others answer by their scripts.
+/// Whether the engine itself stores the mesh in its renderer. Other meshes are provided by their scripts.
 bool is_stored(const Mesh &p_mesh) {
 	return p_mesh.is_class("ArrayMesh") || p_mesh.is_class("PrimitiveMesh") || p_mesh.is_class("ImmediateMesh");
 }
@@ -83,11 +83,11 @@ void MeshReader::cancel() {
 	next_ = 0;
 }
 
-/// The surface in the renderer's own bytes.
+/// Reads the surface in the renderer's own bytes.
 void MeshReader::read_stored(const Mesh &p_mesh, std::int32_t surface, MeshCopy &r_copy) {
 	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(p_mesh.get_rid(), surface);
 	if (stored.is_empty()) {
-		return; // The engine has printed why.
+		return; // The engine has printed the reason.
 	}
 	const auto format = static_cast<std::uint64_t>(static_cast<std::int64_t>(stored["format"]));
 	MeshCopy::Surface read;
@@ -110,7 +110,7 @@ void MeshReader::read_stored(const Mesh &p_mesh, std::int32_t surface, MeshCopy 
 	r_copy.surfaces_.push_back(std::move(read));
 }
 
-/// The surface that a mesh's script makes.
+/// Reads the surface that a mesh's script returns.
 void MeshReader::read_scripted(Mesh &r_mesh, std::int32_t surface, MeshCopy &r_copy) {
 	const StringName primitive("_surface_get_primitive_type");
 	MeshCopy::Surface read;

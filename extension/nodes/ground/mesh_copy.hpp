@@ -15,18 +15,18 @@
 
 namespace thicket {
 
-/// The triangles of a mesh as the renderer stores them, so that a worker can decode them. Immutable; shares the renderer's memory where
-/// that is no graphics card's.
+/// The triangles of a mesh as the renderer stores them, so that a worker can decode them. Immutable. Shares the renderer's memory unless
+/// that is on a graphics card.
 class MeshCopy {
 public:
-	/// Adds three corners a triangle, in the mesh's space. On any thread.
+	/// Adds three corners per triangle, in the mesh's space. On any thread.
 	Status append_faces(std::vector<glm::vec3> &r_corners) const;
 
 private:
 	friend class MeshReader;
 
 	struct Surface {
-		MeshSurface layout; ///< But for the spans, which are those of the arrays.
+		MeshSurface layout; ///< Except for the spans, which are those of the arrays.
 		godot::PackedByteArray vertices;
 		godot::PackedByteArray indices;
 	};
@@ -34,20 +34,20 @@ private:
 	std::vector<Surface> surfaces_;
 };
 
-/// Copies a mesh, a surface with each step. On the main thread: the renderer answers other threads only when the main thread lets it,
-/// once a frame, and never if the main thread waits for them.
+/// Copies a mesh, one surface with each step. Main thread only: the renderer answers other threads only when the main thread lets it, once
+/// per frame, and never if the main thread waits for them.
 ///
-/// It takes what the renderer has rather than Mesh.get_faces, which builds and keeps a search tree that some changes do not reach.
+/// Reads the renderer's data rather than Mesh.get_faces, which builds and keeps a search tree that some changes do not update.
 class MeshReader {
 public:
-	/// Begins with a mesh. `version` tells its states apart.
+	/// Begins to read a mesh. `version` identifies its state.
 	void start(const godot::Ref<godot::Mesh> &p_mesh, std::uint64_t version);
 
 	bool busy() const { return mesh_.is_valid(); }
 	std::uint64_t source() const { return source_; }
 	std::uint64_t version() const { return version_; }
 
-	/// Reads the next surface. Returns the copy with the last one, null before. Runs the script of a mesh that has one, which may do
+	/// Reads the next surface. Returns the copy after the last surface, null before. If the mesh has a script, runs it; the script may do
 	/// anything, even call `cancel`.
 	std::shared_ptr<const MeshCopy> step();
 

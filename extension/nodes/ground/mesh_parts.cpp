@@ -25,7 +25,7 @@ std::uint64_t digest_of(std::span<const glm::dvec3> corners) {
 	return digest;
 }
 
-/// Adds where there is not the same ground.
+/// Adds the areas in which the ground differs.
 void add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vector<Rect> &r_areas) {
 	const auto add_others = [&](const GroundMeshes &parts, const GroundMeshes &others) {
 		for (const auto &[id, part] : parts) {
@@ -56,7 +56,7 @@ void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool
 		made->copy = copy;
 		made->digest = digest_of(corners);
 		if (before != nullptr && before->digest == made->digest) {
-			// Fast path: its corners are where they were.
+			// Fast path: its corners are unchanged.
 			made->ground = before->ground;
 		} else {
 			auto ground = std::make_shared<TriangleTerrain>();
@@ -83,7 +83,7 @@ void MeshWork::run(const std::atomic<bool> *cancel) {
 }
 
 void MeshWork::build_readings(const std::atomic<bool> *cancel) {
-	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // Instances of one mesh decode it once.
+	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // So that instances of one mesh decode it once.
 	std::vector<glm::vec3> faces;
 	const MeshCopy *decoded = nullptr;
 	Status status;
@@ -103,7 +103,7 @@ void MeshWork::build_readings(const std::atomic<bool> *cancel) {
 	}
 }
 
-/// What was built becomes the ground. A mesh that is refused stays as it was before.
+/// Applies the built meshes to the ground. A refused mesh keeps its previous ground.
 void MeshWork::update(GroundWorld &r_world) const {
 	r_world.changes.clear();
 	r_world.status = guarded("parts", static_cast<double>(r_world.parts->size()), [&] {

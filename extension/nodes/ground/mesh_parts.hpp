@@ -17,49 +17,49 @@
 
 namespace thicket {
 
-/// A mesh as ground, where it was in the world when it was read.
+/// A mesh as ground, at its position in the world when it was read.
 struct GroundMesh {
 	GroundSight sight;
-	glm::dvec3 offset{0.0};   ///< Where the engine's origin was in the world.
-	std::uint64_t digest = 0; ///< Of the triangles in the world.
+	glm::dvec3 offset{0.0};   ///< The world position of the engine's origin at that time.
+	std::uint64_t digest = 0; ///< The digest of the triangles in the world.
 	TriangleParts::Part ground;
-	std::shared_ptr<const MeshCopy> copy; ///< What it was built from: a mesh that only moves is not read again.
+	std::shared_ptr<const MeshCopy> copy; ///< Its source, kept so that a mesh that only moves is not read again.
 };
 
-using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>; ///< By the instances' ids.
+using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>; ///< By the instances' IDs.
 
-/// A mesh that was read and is not built yet.
+/// A mesh that was read and is not yet built.
 struct MeshReading {
-	std::uint64_t id = 0; ///< Of the instance.
+	std::uint64_t id = 0; ///< The instance's ID.
 	GroundSight sight;
 	glm::dvec3 offset{0.0};
 	std::shared_ptr<const MeshCopy> copy;
-	std::shared_ptr<const GroundMesh> before; ///< Reused if nothing has changed; null for none.
+	std::shared_ptr<const GroundMesh> before; ///< Reused if nothing has changed; null if there is none.
 
 	Status status;
-	glm::dvec3 refused_corner{0.0};         ///< In the world, if a corner is why it was refused.
-	std::shared_ptr<const GroundMesh> part; ///< Null before `build`, and for what is refused.
+	glm::dvec3 refused_corner{0.0};         ///< In the world, if a corner is the reason for the refusal.
+	std::shared_ptr<const GroundMesh> part; ///< Null before `build`, and if the mesh is refused.
 
 	/// Builds from the faces of `copy`, on any thread.
 	void build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel);
 };
 
-/// The ground of all hosts that see the engine's origin at one position of the world.
+/// The ground of all hosts with the same world position of the engine's origin.
 struct GroundWorld {
 	glm::dvec3 offset{0.0};
 	std::shared_ptr<const GroundMeshes> parts;   ///< Never null.
-	std::shared_ptr<const GroundMeshes> before;  ///< The parts with which the work began.
+	std::shared_ptr<const GroundMeshes> before;  ///< The parts when the work began.
 	std::shared_ptr<const TriangleParts> ground; ///< Null before it was built for the first time.
-	std::vector<Rect> changes;                   ///< Where it is not as it was before the last work.
+	std::vector<Rect> changes;                   ///< The areas that the last work has changed.
 	Status status;
 };
 
-/// What a worker does: builds meshes, and the worlds that they belong to.
+/// The work of a worker: builds meshes, and the worlds that they belong to.
 struct MeshWork {
 	std::vector<MeshReading> readings;
-	std::vector<std::uint64_t> gone; ///< Instances that are ground no longer.
+	std::vector<std::uint64_t> gone; ///< Instances that are no longer ground.
 	std::vector<GroundWorld> worlds;
-	std::vector<std::shared_ptr<const void>> unneeded; ///< Freed first: that takes milliseconds for much memory.
+	std::vector<std::shared_ptr<const void>> unneeded; ///< Freed first, which takes milliseconds for much memory.
 
 	void run(const std::atomic<bool> *cancel);
 

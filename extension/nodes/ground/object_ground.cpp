@@ -20,12 +20,12 @@ namespace thicket {
 
 namespace {
 
-/// Positions for which the object is held at a time.
+/// The number of positions for which the object is held at a time.
 constexpr std::size_t slice = 64;
 
 constexpr const char *gone = "ScatterGroundNode.node";
 
-/// How much of what lies at a position belongs to the textures that are asked for.
+/// The share of `textures` in the ground at a position.
 float weight_of(const Vector3 &p_base_overlay_blend, std::span<const std::int32_t> textures) {
 	const auto among = [textures](real_t texture) {
 		return std::ranges::any_of(textures, [texture](std::int32_t wanted) { return texture == real_t(wanted); });
@@ -45,7 +45,7 @@ std::shared_ptr<ObjectGround> ObjectGround::of(const Variant &p_object, const Gr
 		return ground;
 	}
 	Object *object = p_object.get_validated_object();
-	const Variant data = object != nullptr ? object->get("data") : Variant(); // Held: it may have no other owner.
+	const Variant data = object != nullptr ? object->get("data") : Variant(); // Held, because it may have no other owner.
 	return ground->take_methods(data) || ground->take_map(p_object) ? ground : nullptr;
 }
 
@@ -138,7 +138,7 @@ Status ObjectGround::ground_at(glm::dvec2 position, bool normal, Ground &r_groun
 	return status;
 }
 
-/// As the object gets the position: a float may round up to the far edge.
+/// Also tests the position that the object receives, because a float may round up to the far edge.
 bool ObjectGround::within_bounds(glm::dvec2 position) const {
 	const glm::dvec2 asked = glm::dvec2(glm::vec2(in_engine(position))) + glm::dvec2(offset_.x, offset_.z);
 	return limits_.bounds.empty() || (limits_.bounds.contains(position) && limits_.bounds.contains(asked));
@@ -201,7 +201,7 @@ Status ObjectGround::weigh(std::span<const glm::dvec2> positions, std::span<cons
 	const std::vector<unsigned> channels = map_ ? map_->channels_of(textures) : std::vector<unsigned>();
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		if (!std::isfinite(r_ground[i].height)) {
-			continue; // Some plug-ins crash beyond their ground.
+			continue; // Some plug-ins crash outside of their ground.
 		}
 		if (map_) {
 			r_ground[i].weight = map_->weight(map_->to_map(in_engine(positions[i])), channels);

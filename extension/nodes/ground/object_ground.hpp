@@ -17,10 +17,10 @@
 
 namespace thicket {
 
-/// Where the methods of an object know the ground, for those that return a height everywhere.
+/// The limits within which the methods of an object know the ground, for methods that return a height everywhere.
 struct GroundLimits {
-	Rect bounds;                    ///< World meters of x and z; empty for none. Half-open, as Rect2.has_point.
-	std::optional<float> no_ground; ///< A height that stands for no ground.
+	Rect bounds;                    ///< World meters of x and z; empty for no limit. Half-open, as Rect2.has_point.
+	std::optional<float> no_ground; ///< The height that means no ground.
 };
 
 /// Ground from the methods of an object of the engine, whatever its class:
@@ -28,36 +28,36 @@ struct GroundLimits {
 ///   space, NAN where there is no ground (Terrain3D: `data.get_height`);
 /// - `get_data().get_interpolated_height_at(Vector3)` in the map's own space, with `get_data().get_resolution()` and
 ///   `get_internal_transform()` beside it (HTerrain; see TerrainMap for its holes and textures).
-/// An object that has `get_texture_id(Vector3)`, which gives a base texture, an overlay and the part of the overlay
-/// from 0 to 1, has weights too.
+/// An object with `get_texture_id(Vector3)`, which returns a base texture, an overlay and the share of the overlay from 0 to 1, also has
+/// weights.
 class ObjectGround : public Terrain {
 public:
-	/// Null if the object has none of these. Looking for them may run scripts of the object, which may free it.
+	/// Null if the object has none of these. Checking for them may run scripts of the object, which may free it.
 	static std::shared_ptr<ObjectGround> of(const godot::Variant &p_object, const GroundLimits &limits);
 
-	/// The same ground in a world in which the engine's origin is at `offset`, in meters: the object stands in the engine's
-	/// space. For each node that uses it there is one.
+	/// The same ground in a world in which the engine's origin is at `offset`, in meters: the object is in the engine's space. Each node
+	/// that uses the ground gets its own.
 	std::shared_ptr<ObjectGround> at_offset(glm::dvec3 offset) const;
 
-	/// The scene was recentered. Waits as `close` does. A map goes on as it stood when it was found.
+	/// Updates the offset after the scene was recentered. Waits as `close` does. A map keeps the offset at which it was found.
 	void set_offset(glm::dvec3 offset);
 
-	/// As Terrain::sample, on any thread if the object's methods may be called there. A method that is gone or gives no
-	/// number is refused by its name.
+	/// As Terrain::sample, on any thread if the object's methods may be called there. If a method is missing or does not return a number,
+	/// the error names it.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
 
-	/// The object is going: waits for calls from other threads that are under way, a few dozen positions at most. All later
-	/// ones are refused. May be called within such a call, which does not wait for itself.
+	/// Call this before the object is freed. Waits for calls from other threads that are in progress, a few dozen positions at most. All
+	/// later calls are refused. May be called within such a call, which does not wait for itself.
 	void close();
 	bool is_open() const { return open_; }
 
-	/// False if `weigh` leaves all weights as they are, or 1.
+	/// False if `weigh` leaves all weights unchanged, or 1.
 	bool has_textures() const { return map_ != nullptr ? !map_->splats.empty() : has_textures_; }
 
-	/// What the methods belong to: the object itself or its data. Null if it is gone.
+	/// The object that has the methods: the object itself or its data. Null if it was freed.
 	godot::Object *source() const { return source_.get_validated_object(); }
 	/// Null for an object that has none.
 	const TerrainMap *map() const { return map_.get(); }
@@ -87,7 +87,7 @@ private:
 	GroundLimits limits_;
 	glm::dvec3 offset_{0.0}; ///< Guarded by gate_; that of a map never changes.
 
-	CallGate gate_; ///< Methods are called inside of it, so that the object stays for so long.
+	CallGate gate_; ///< Methods are called inside of it, so that the object is not freed in the meantime.
 	std::atomic<bool> open_ = true;
 };
 

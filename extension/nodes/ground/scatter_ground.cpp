@@ -23,7 +23,8 @@ namespace {
 
 constexpr const char *class_name = "ScatterGround";
 
-/// Positions that a script on the main thread is asked for at a time: some 0.1 ms of GDScript, neighbors for slopes included.
+/// The number of positions for which a script on the main thread is called at a time: some 0.1 ms of GDScript, including neighbors for
+/// slopes.
 constexpr std::size_t script_slice = 32;
 
 constexpr ScriptMethod heights_method{"_get_heights", "_get_heights() result", "array of numbers from _get_heights()",
@@ -55,7 +56,7 @@ std::vector<glm::dvec2> picked(std::span<const glm::dvec2> positions, std::span<
 
 } // namespace
 
-/// A script that says that it may be called from worker threads.
+/// A script that declares that it may be called from worker threads.
 class ScriptGround : public Terrain {
 public:
 	explicit ScriptGround(const Ref<ScatterGround> &p_script) : script_(p_script) {}
@@ -254,7 +255,7 @@ GroundHost ScatterGround::find_host(std::uint64_t id) const {
 }
 
 Ground ScatterGround::ground_at(const Vector3 &p_global_position, bool normal) {
-	const Ref<ScatterGround> held(this); // A script that is asked may let go of it.
+	const Ref<ScatterGround> held(this); // A script that is called may release it.
 	const glm::dvec2 position{p_global_position.x, p_global_position.z};
 	const Ground none{std::numeric_limits<float>::quiet_NaN(), glm::vec3{0.0F}};
 	Ground ground = none;
@@ -302,7 +303,7 @@ void ScatterGround::set_world_offset(const Node3D *p_host, glm::dvec3 offset) {
 void ScatterGround::follow_scene(std::chrono::steady_clock::time_point deadline) {
 	const std::uint64_t frame = Engine::get_singleton()->get_process_frames();
 	if (std::exchange(followed_frame_, frame) == frame) {
-		// Fast path: another host has had it follow in this frame.
+		// Fast path: a different host has already called this in this frame.
 		return;
 	}
 	const Ref<ScatterGround> held(this);

@@ -27,114 +27,114 @@
 
 namespace thicket {
 
-inline constexpr double height_limit = 1e6; ///< World meters up and down: as far as the settings of a terrain go.
+inline constexpr double height_limit = 1e6; ///< World meters up and down: the limit of a ground's settings.
 
-/// A node that uses a ground. What stands in the scene stands in the engine's space, which each node may see at another position of
-/// the world.
+/// A node that uses a ground. The scene is in the engine's space, which may be at a different world position for each node.
 struct GroundHost {
 	godot::Node3D *node = nullptr;
-	std::uint64_t id = 0;   ///< Of the node as an object of the engine.
-	glm::dvec3 offset{0.0}; ///< Where the engine's origin is in the world, in meters: world = engine + offset.
+	std::uint64_t id = 0;   ///< The node's object ID in the engine.
+	glm::dvec3 offset{0.0}; ///< The world position of the engine's origin, in meters: world = engine + offset.
 };
 
-/// How much a ground does to follow the scene.
+/// The amount of work that a ground does to follow the scene.
 struct GroundFigures {
-	std::size_t checks = 0;  ///< Nodes that were looked at in the last frame.
-	std::uint64_t reads = 0; ///< Meshes or shapes that were read since the ground was made.
+	std::size_t checks = 0;  ///< Nodes that were checked in the last frame.
+	std::uint64_t reads = 0; ///< Meshes or shapes that were read since the ground was created.
 };
 
-/// The ground that layers stand on. Extend it in a script by `_get_heights`, or use one of the shipped kinds.
+/// The ground that layers are placed on. Extend it in a script by `_get_heights`, or use one of the built-in kinds.
 ///
-/// All public methods may run a script, which may do anything, even let go of the terrain: they keep it until they return.
+/// All public methods may run a script, which may do anything, even release the ground: the methods keep it alive until they return.
 class ScatterGround : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterGround, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// An immutable view of the ground as it is now, for the host of this id, safe on any thread for as long as it is held.
-	/// Null when there is no ground to give, or when it may only be asked on the main thread.
+	/// An immutable view of the current ground for the host with this ID, safe on any thread for as long as it is held. Null if there is no
+	/// ground, or if it may only be sampled on the main thread.
 	std::shared_ptr<const Terrain> snapshot(std::uint64_t host);
 
-	/// What keeps this ground from being used, in one sentence; empty when nothing does.
+	/// The reason why this ground cannot be used, in one sentence; empty if there is none.
 	godot::String problem();
 
-	/// What should be known of a ground that can be used, in one sentence; empty for nothing.
+	/// A remark about a usable ground, in one sentence; empty if there is none.
 	godot::String remark();
 
-	/// A sentence about the method of a script that has caused the error `status`; empty if none has. Any thread.
+	/// A sentence about the script method that has caused the error `status`; empty if none has. Any thread.
 	godot::String script_problem(const Status &status) const { return answers_.sentence(status); }
 
-	/// What cannot work because an export has stripped it; empty if nothing was.
+	/// The feature that cannot work because an export has stripped its resource, in one sentence; empty if nothing was stripped.
 	godot::String stripped();
 
-	/// False when this ground tells no textures apart, so that layers which ask for some stand everywhere.
+	/// False if this ground does not distinguish textures, so that layers that require some grow everywhere.
 	virtual bool has_textures() const;
 
-	/// True when the ground may only be asked on the main thread, by `sample_now`.
+	/// True if the ground may only be sampled on the main thread, by `sample_now`.
 	bool is_main_thread_only();
 
-	/// True when `sample_now` may be called in physics frames only.
+	/// True if `sample_now` may be called in physics frames only.
 	virtual bool needs_physics_frames() const { return false; }
 
-	/// The most positions to ask for in one call of `sample_now`, and in one physics frame.
+	/// The largest number of positions in one call of `sample_now`, and in one physics frame.
 	virtual std::size_t max_positions_per_call() const;
 
-	/// False while that which gives the ground is away for the time being: tiles are then left as they are.
+	/// False while the source of the ground is temporarily missing: tiles then stay unchanged.
 	virtual bool is_available() const { return true; }
 
-	/// On the main thread: the parts that `needs` names of the ground under `positions` in the world of the host of this id. `r_ground` has the
-	/// size of `positions`. A script that gives a wrong number of heights, normals or weights is refused; its NAN heights stand for no ground.
+	/// On the main thread: samples the ground data in `needs` at `positions` in the world of the host with this ID. `r_ground` has the size
+	/// of `positions`. A script that returns a wrong number of heights, normals or weights is refused; its NAN heights mean no ground.
 	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);
 
-	/// Whether this ground can change without a report, so that what was made on it is re-checked; false where the user has turned it off.
+	/// Whether this ground can change without a report, so that tiles on it are re-checked. False if the user has turned that off.
 	bool rechecks() const { return recheck_enabled_ && can_change_unreported(); }
 	void set_recheck_enabled(bool p_enabled) { recheck_enabled_ = p_enabled; }
 	bool is_recheck_enabled() const { return recheck_enabled_; }
 
-	/// On the main thread, at the times of `sample_now`: heights for re-checks, NAN for no ground, none where it cannot be read at present.
+	/// On the main thread, at the times of `sample_now`: heights for re-checks. NAN if there is no ground, empty if it cannot be read at
+	/// present.
 	Status recheck_now(
 			std::uint64_t host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
 
-	/// Meters by which heights of unchanged ground may differ. So little is not worth a new tile.
+	/// Meters by which heights of unchanged ground may differ. Smaller differences are not worth a new tile.
 	virtual double recheck_tolerance() const { return 0.01; }
 
-	/// A node in the tree begins to use this ground, or no longer does. Each `enter` has its `leave`, while the node is still
-	/// there. Main thread only, as is the next.
+	/// A node in the tree begins or stops to use this ground. Each `enter` has its `leave`, which is called while the node still exists.
+	/// Main thread only, as is the next.
 	void enter(godot::Node3D *p_host, glm::dvec3 offset);
 	void leave(godot::Node3D *p_host);
 
-	/// The game of a node that uses this ground has recentered. Counts for ground that is found in the scene, which moves along;
-	/// all other ground is the world's.
+	/// The game of a node that uses this ground has recentered. Affects ground that is part of the scene, which moves along; all other
+	/// ground is fixed in the world.
 	void set_world_offset(const godot::Node3D *p_host, glm::dvec3 offset);
 
-	/// The ground may be another one than it was found to be, and nothing has told so.
+	/// The ground may have changed since it was found, without a report.
 	virtual void look_again() {}
 
-	/// To be called in every frame of a host: ground that is found in the scene looks whether it is as it was, and tells what is not.
-	/// It takes up no new step of its work after `deadline`, but does one in each frame.
+	/// Call this in every frame of a host. Ground that is part of the scene checks whether it has changed, and reports changes. It begins
+	/// no new step of its work after `deadline`, but does one step in each frame.
 	void follow_scene(std::chrono::steady_clock::time_point deadline);
 
-	/// True while something is known to have changed in the scene that the ground does not show yet.
+	/// True while changes in the scene are known that the ground does not include yet.
 	virtual bool is_behind() const { return false; }
 
-	/// True while `snapshot` does not yet give a host the ground that was set, because it is still being read: it gives none, or the one
-	/// before. Everything may have changed when it does.
+	/// True while `snapshot` does not yet return the ground that was set, because it is still being read: it returns null, or the previous
+	/// one. Once the ground is read, everything may have changed.
 	virtual bool is_pending(std::uint64_t /*host*/) const { return false; }
 
-	/// Ends that, for a caller who cannot wait for a later frame. Emits signals.
+	/// Finishes the reading, for a caller that cannot wait for a later frame. Emits signals.
 	virtual void finish_reading() {}
 
 	virtual GroundFigures figures() const { return {}; }
 
-	/// Looks at all ground anew, in portions, and tells where it is not as it was. False for ground that cannot tell: anything may
-	/// be another.
+	/// Rereads all ground, in portions, and reports where it has changed. False for ground that cannot report that: any of it may have
+	/// changed.
 	bool read_again();
 
-	/// Height in meters of the ground above or below a world position; NAN where there is none.
+	/// The height in meters of the ground above or below a world position; NAN if there is none.
 	double get_height(const godot::Vector3 &p_global_position);
 
-	/// Unit normal of the ground there; zero where there is none.
+	/// The unit normal of the ground there; zero if there is none.
 	godot::Vector3 get_normal(const godot::Vector3 &p_global_position);
 
 	GDVIRTUAL1RC(godot::PackedFloat32Array, _get_heights, godot::PackedVector2Array)
@@ -145,7 +145,7 @@ public:
 protected:
 	static void _bind_methods();
 
-	/// What the public methods of these names do. A script's are asked here.
+	/// Implementations of the public methods of these names. These versions call a script's methods.
 	virtual std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host);
 	virtual godot::String find_problem();
 	virtual godot::String find_remark() { return {}; }
@@ -159,36 +159,36 @@ protected:
 			const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
-	/// Called after a host has come or gone. `first`: another one is the first now.
+	/// Called after a host was added or removed. `first` is true if the first host has changed.
 	virtual void hosts_changed(bool /*first*/) {}
 
-	/// What the public methods do, at most once a frame.
+	/// Implementations of the public methods, called at most once per frame.
 	virtual void follow() {}
 	virtual bool distrust() { return false; }
 
-	/// Called after the offset of a host has become another one.
+	/// Called after the offset of a host has changed.
 	virtual void offset_changed(const GroundHost &) {}
 
-	/// When the work of `follow` is over for this frame.
+	/// The time at which `follow` must end its work in this frame.
 	std::chrono::steady_clock::time_point deadline() const { return deadline_; }
 
-	/// All that use the ground. What it needs of the scene is looked for from the first of them.
+	/// All nodes that use the ground. The first of them is the starting point for finding nodes in the scene.
 	std::span<const GroundHost> hosts() const { return hosts_; }
 
-	/// The node of the first host; null for none.
+	/// The node of the first host; null if there is none.
 	godot::Node3D *first_node() const { return hosts_.empty() ? nullptr : hosts_.front().node; }
 
-	/// The editor asks all hosts for their problems again, soon.
+	/// Makes the editor query the problems of all hosts again, soon.
 	void update_warnings();
 
-	/// Tells that the ground has changed within a world rect, in meters of x and z.
+	/// Emits that the ground has changed within a world rect, in meters of x and z.
 	void emit_ground_changed(const godot::Rect2 &p_rect);
 
 private:
 	friend class ScriptGround;
 
 	GroundHost find_host(std::uint64_t id) const;
-	// Calls of a script. `found`: indices of positions with ground; normals and weights are requested for these alone.
+	// Calls of a script. `found` contains the indices of positions with ground; normals and weights are requested for these alone.
 	Status ask_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status ask_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status ask_weights(
@@ -206,12 +206,12 @@ private:
 	std::uint64_t followed_frame_ = ~std::uint64_t{0}; ///< The engine's frame of the last `follow`.
 };
 
-/// A ground as one of its hosts uses it.
+/// A ground as used by one of its hosts.
 struct HostedGround {
 	godot::Ref<ScatterGround> ground;
 	std::uint64_t host = 0;
 
-	/// True if there is a ground that can be asked at present.
+	/// True if there is a ground that can be sampled at present.
 	bool is_available() const { return ground.is_valid() && ground->is_available(); }
 
 	/// See ScatterGround. Not for a null `ground`.

@@ -26,32 +26,32 @@ namespace {
 
 constexpr const char *class_name = "ScatterGroundColliders";
 
-/// How far the next ray starts inside of a body that is no ground: meters, and as a share of its height.
+/// How far the next ray starts inside of a body that is not ground: meters, and as a share of its height.
 constexpr real_t into_body = 1e-3F;
 constexpr real_t into_high_body = 1e-6F;
 
 /// More bodies over a position than this hide the ground.
 constexpr int max_bodies = 64;
 
-/// How exact a hit is, as a part of the ray's length.
+/// The precision of a hit, as a fraction of the ray's length.
 constexpr double hit_error = 4e-7;
 
 constexpr Status no_space =
 		Status::missing("physics space of ScatterGroundColliders", "Add the node to a scene with a World3D");
 
-/// Casts one ray after another straight down. Instances of a scatter stand on the ground and are none.
+/// Casts one ray after another straight down. Skips instances of a scatter, which are on the ground but not ground themselves.
 class Plumb {
 public:
-	/// Heights in the world; bodies stand in the engine's space, whose origin `offset` is in the world.
+	/// Heights are in the world; bodies are in the engine's space, whose origin is at `offset` in the world.
 	Plumb(PhysicsDirectSpaceState3D *p_space, double p_top, double p_bottom, int64_t p_mask, glm::dvec3 offset) :
 			space_(p_space), offset_(offset), top_(static_cast<real_t>(p_top - offset.y)),
 			bottom_(static_cast<real_t>(p_bottom - offset.y)),
 			ray_(PhysicsRayQueryParameters3D::create(Vector3(), Vector3(), static_cast<std::uint32_t>(p_mask))) {}
 
-	/// No ground where nothing is hit.
+	/// No ground if nothing is hit.
 	Ground ground_at(glm::dvec2 position) { return ground_of(hit_at(position)); }
 
-	/// The height of the ground, NAN for none. Unknown where a moving body hides it.
+	/// The height of the ground, NAN if there is none. Unknown if a moving body hides it.
 	std::optional<float> rest_height(glm::dvec2 position) {
 		const Dictionary hit = hit_at(position);
 		return hit.is_empty() || rests(hit) ? std::optional(ground_of(hit).height) : std::nullopt;
@@ -79,7 +79,7 @@ private:
 		return {static_cast<float>(point.y + offset_.y), normal / (normal.y < 0.0F ? -length : length)};
 	}
 
-	/// Whether the body of a hit stays where it is: characters and vehicles pass over ground that stays the same.
+	/// Whether the body of a hit does not move: characters and vehicles move over ground that stays the same.
 	bool rests(const Dictionary &hit) const {
 		const Object *collider = hit[collider_key_];
 		if (const auto *body = Object::cast_to<PhysicsBody3D>(collider)) {
@@ -92,7 +92,7 @@ private:
 				PhysicsServer3D::BODY_MODE_STATIC;
 	}
 
-	/// A ray does not meet the body that it starts in.
+	/// A ray does not hit the body that it starts in.
 	Dictionary first_ground(real_t x, real_t z) {
 		ray_->set_to(Vector3(x, bottom_, z));
 		real_t top = top_;
@@ -111,7 +111,7 @@ private:
 	bool is_instance(const Dictionary &hit) {
 		const auto id = static_cast<std::uint64_t>(hit[id_key_]);
 		if (id == collider_id_) {
-			// Fast path: it is the body of the last hit.
+			// Fast path: it is the same body as in the last hit.
 			return collider_is_scatter_;
 		}
 		const Object *collider = hit[collider_key_];
@@ -131,7 +131,7 @@ private:
 	Variant body_key_ = "rid";
 	Variant id_key_ = "collider_id";
 	Variant collider_key_ = "collider";
-	std::uint64_t collider_id_ = 0; ///< Of the last hit.
+	std::uint64_t collider_id_ = 0; ///< The collider of the last hit.
 	bool collider_is_scatter_ = false;
 };
 

@@ -19,8 +19,8 @@
 
 namespace thicket {
 
-/// The colliders of the scene, hit by rays from above. Rays may be cast in physics frames only, so many a frame. Shapes of static
-/// bodies are followed: where one comes, goes, moves or changes, the ground is another within half a second or so.
+/// The colliders of the scene, hit by rays from above. Rays may be cast in physics frames only, a limited number per frame. Shapes of
+/// static bodies are followed: if one is added, removed, moved or changed, the ground changes within about half a second.
 class ScatterGroundColliders : public ScatterGround {
 	GDCLASS(ScatterGroundColliders, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -32,21 +32,21 @@ public:
 	bool is_behind() const override { return watch_.restless() || !queue_.empty(); }
 	GroundFigures figures() const override { return figures_; }
 
-	/// A hit is exact to a part of the ray's length.
+	/// The precision of a hit is a fraction of the ray's length.
 	double recheck_tolerance() const override;
 
-	/// Physics layers whose bodies are ground, a bit each, 32 bits. Anything else prints an error and is ignored.
+	/// Physics layers whose bodies are ground, as a mask of 32 bits. Any other value prints an error and is ignored.
 	void set_collision_mask(int64_t p_mask);
 	int64_t get_collision_mask() const;
 
-	/// World meters from where, and down to where, each ray goes; +-1e6, the top above the bottom. May be set in any
-	/// order: while they are inverted, one error says so, and what stands stays.
+	/// World meters at which each ray begins and ends; +-1e6, the top above the bottom. May be set in any order: while they are inverted,
+	/// one error is printed, and existing instances stay.
 	void set_ray_top(double p_height);
 	double get_ray_top() const;
 	void set_ray_bottom(double p_height);
 	double get_ray_bottom() const;
 
-	/// Rays in a physics frame, 1 to 1e6. Anything else prints an error and is ignored.
+	/// Rays per physics frame, 1 to 1e6. Any other value prints an error and is ignored.
 	void set_rays_per_frame(int64_t p_rays);
 	int64_t get_rays_per_frame() const;
 
@@ -65,10 +65,10 @@ protected:
 	void follow() override;
 
 private:
-	/// A shape as it stood when it was last told of.
+	/// A shape in the state that was last reported.
 	struct Placed {
 		GroundSight sight;
-		std::optional<godot::AABB> bounds; ///< In its own space; none: it may reach everywhere.
+		std::optional<godot::AABB> bounds; ///< In its own space; none if it may reach everywhere.
 	};
 
 	Status check() const;
@@ -91,19 +91,19 @@ private:
 	double ray_bottom_ = -1000.0;
 	int64_t rays_per_frame_ = 250;
 
-	using Offsets = std::map<std::uint64_t, glm::dvec3>; ///< By the hosts' ids.
+	using Offsets = std::map<std::uint64_t, glm::dvec3>; ///< By the hosts' IDs.
 
 	GroundWatch watch_{this, "_source_changed"}; ///< CollisionShape3Ds of static bodies.
 	TreeWalk walk_;
-	godot::Variant tree_;                    ///< Tells of nodes that come; null until it was asked to.
-	std::map<std::uint64_t, Placed> placed_; ///< By the nodes' ids; only those that are ground.
-	Offsets offsets_;                        ///< As of `placed_`.
+	godot::Variant tree_;                    ///< The emitter of `node_added`; null until connected.
+	std::map<std::uint64_t, Placed> placed_; ///< By the nodes' IDs; only those that are ground.
+	Offsets offsets_;                        ///< The offsets that `placed_` uses.
 
-	// What has changed goes from one to the next.
-	std::vector<std::uint64_t> queue_; ///< Shapes to look at once more.
-	Offsets next_offsets_;             ///< When the queue was filled.
-	std::size_t points_ = 0;           ///< Of shapes, that were looked at in this frame.
-	std::vector<Rect> areas_;          ///< Where the ground is another, in the world.
+	// Changes pass through these in order.
+	std::vector<std::uint64_t> queue_; ///< Shapes to check again.
+	Offsets next_offsets_;             ///< The offsets when the queue was filled.
+	std::size_t points_ = 0;           ///< Points of shapes that were read in this frame.
+	std::vector<Rect> areas_;          ///< Areas of changed ground, in the world.
 	bool everywhere_ = false;
 	GroundFigures figures_;
 };

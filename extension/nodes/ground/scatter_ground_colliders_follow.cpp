@@ -1,5 +1,4 @@
-// How a ground of colliders follows the scene: the shapes of static bodies are found, looked at in turn, and told of where they are not
-// as they were.
+// How a ground of colliders follows the scene: the shapes of static bodies are found and checked in turn, and their changes are reported.
 
 #include "nodes/ground/scatter_ground_colliders.hpp"
 
@@ -27,13 +26,13 @@ namespace thicket {
 
 namespace {
 
-/// Nodes of the scene to visit in a frame, until all were.
+/// Nodes of the scene to visit in a frame, until all were visited.
 constexpr int visits_per_frame = 512;
 
-/// Points of shapes to look at in a frame, one shape at least: less than a millisecond's work.
+/// Points of shapes to read in a frame, but at least one shape: less than a millisecond's work.
 constexpr std::size_t points_per_frame = 100'000;
 
-/// Where in the tree grounds are. The editor's own nodes are in the tree as well, thousands of them.
+/// The part of the tree that may contain grounds. The editor's own nodes are in the tree as well, thousands of them.
 Node *root_of_scene(SceneTree &tree) {
 	return Engine::get_singleton()->is_editor_hint() ? tree.get_edited_scene_root() : tree.get_root();
 }
@@ -42,7 +41,7 @@ Node *root_of_scene(SceneTree &tree) {
 
 bool ScatterGroundColliders::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
 
-/// Moving bodies are hit by rays where they are at the time, but plants do not follow them about.
+/// Rays hit moving bodies at their current position, but plants do not follow those bodies.
 bool ScatterGroundColliders::follows(const Node *p_node) const {
 	const auto *shape = Object::cast_to<CollisionShape3D>(p_node);
 	const Node *body = shape != nullptr ? shape->get_parent() : nullptr;
@@ -73,10 +72,10 @@ void ScatterGroundColliders::hosts_changed(bool first) {
 	}
 }
 
-/// The scene may have moved along, or may not.
+/// The scene may or may not have moved along.
 void ScatterGroundColliders::offset_changed(const GroundHost &) { watch_.touch_all(false); }
 
-/// Forgets what was found; it is found again as it is then, with nothing to tell.
+/// Forgets all shapes. They are found again in their current state, and nothing is reported.
 void ScatterGroundColliders::start_over() {
 	watch(tree_.get_validated_object(), "node_added", this, "_node_added", false);
 	tree_ = Variant();
@@ -117,7 +116,7 @@ void ScatterGroundColliders::follow() {
 	update_some();
 }
 
-/// Looks for shapes that were there before they could be heard to come.
+/// Searches for shapes that were in the tree before its signal was connected.
 void ScatterGroundColliders::find_some() {
 	for (int visits = 0; visits < visits_per_frame && points_ < points_per_frame; ++visits) {
 		Node *node = walk_.next();
@@ -141,7 +140,8 @@ void ScatterGroundColliders::node_added(Node *p_node) {
 	}
 }
 
-/// A shape as it is now; nothing for one that is no ground. `before`: as it was, whose bounds count if it has told of no change.
+/// The current state of a shape; empty if it is not ground. `before` is its previous state, whose bounds are reused if it has reported no
+/// change.
 std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(std::uint64_t id, const Placed *before) {
 	const Variant *node = watch_.node(id);
 	Object *source = nullptr;
@@ -151,14 +151,14 @@ std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(st
 	}
 	sight.version = watch_.version(sight.source);
 	if (before != nullptr && before->sight.source == sight.source && before->sight.version == sight.version) {
-		// Fast path: the shape is as it was, wherever its body is now.
+		// Fast path: the shape is unchanged, wherever its body is now.
 		return Placed{sight, before->bounds};
 	}
 	++figures_.reads;
 	return Placed{sight, bounds_of(Ref<Shape3D>(Object::cast_to<Shape3D>(source)), points_)};
 }
 
-/// The queue's next shapes. With the last of them, all that was found is told.
+/// Processes the next shapes of the queue. After the last of them, all changes are reported.
 void ScatterGroundColliders::update_some() {
 	if (queue_.empty()) {
 		return;
@@ -185,7 +185,7 @@ void ScatterGroundColliders::update(std::uint64_t id) {
 		const auto then = offsets_.find(host);
 		const glm::dvec3 offset_before = then != offsets_.end() ? then->second : offset;
 		if (before != nullptr && now && same_in_world(before->sight, offset_before, now->sight, offset)) {
-			// Fast path: what stands on it would be made again as it is.
+			// Fast path: instances on it would not change.
 			continue;
 		}
 		if (before != nullptr) {
@@ -203,7 +203,7 @@ void ScatterGroundColliders::update(std::uint64_t id) {
 	const Variant *node = watch_.node(id);
 	const auto *shape = node != nullptr ? Object::cast_to<Node>(node->get_validated_object()) : nullptr;
 	if (shape == nullptr || !shape->is_inside_tree()) {
-		watch_.remove(id); // The tree tells when it is back.
+		watch_.remove(id); // The tree emits a signal when it is added again.
 	}
 }
 
@@ -217,7 +217,7 @@ void ScatterGroundColliders::add_area(const Placed &placed, glm::dvec3 offset) {
 }
 
 void ScatterGroundColliders::tell() {
-	const Ref<ScatterGround> held(this); // Who hears of changes may let go of it.
+	const Ref<ScatterGround> held(this); // A handler of changes may release it.
 	const std::vector<Rect> areas = std::exchange(areas_, {});
 	if (std::exchange(everywhere_, false)) {
 		emit_ground_changed(Rect2());

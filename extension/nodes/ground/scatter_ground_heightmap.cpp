@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char *class_name = "ScatterGroundHeightmap";
 
-/// An Image knows at once that it is empty; a Texture2D may get its image later.
+/// An empty Image is detected immediately; a Texture2D may get its image later.
 bool accept_image(const char *property, const Ref<Resource> &p_image) {
 	const Ref<Image> image = p_image;
 	const Ref<Texture2D> texture = p_image;
@@ -87,7 +87,7 @@ void ScatterGroundHeightmap::set_post_count(const Vector2i &p_count) {
 
 Vector2i ScatterGroundHeightmap::get_post_count() const { return post_count_; }
 
-// One image may serve both properties: it is watched for as long as either has it.
+// One image may be the value of both properties: it is watched as long as either has it.
 void ScatterGroundHeightmap::exchange_image(
 		Ref<Resource> &r_image, const Ref<Resource> &p_next, const Ref<Resource> &p_other) {
 	if (r_image != p_other) {

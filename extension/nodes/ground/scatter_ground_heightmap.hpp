@@ -17,9 +17,9 @@
 
 namespace thicket {
 
-/// Ground from a grid of heights: a raw file, an Image or a Texture2D, of 8, 16 or 32 bits. Properties may be set in
-/// any order; a worker reads the ground when it is needed after a change, and hosts hear where it is not as it was. What cannot
-/// be read prints one error, and the ground stays what it was.
+/// Ground from a grid of heights: a raw file, an Image or a Texture2D, of 8, 16 or 32 bits. Properties may be set in any order. After a
+/// change, a worker reads the ground when it is needed, and hosts are notified of the areas that have changed. If it cannot be read, one
+/// error is printed and the ground stays unchanged.
 class ScatterGroundHeightmap : public ScatterGround {
 	GDCLASS(ScatterGroundHeightmap, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -27,42 +27,42 @@ class ScatterGroundHeightmap : public ScatterGround {
 public:
 	bool has_textures() const override { return weight_image_.is_valid(); }
 
-	/// A file of little-endian posts without a header, row by row, x fastest: of 8 bits, 16 bits or floats, which its
-	/// size tells. Used where there is no image.
+	/// A file of little-endian posts without a header, row by row, x fastest. Its size determines whether they have 8 bits, 16 bits or are
+	/// floats. Used if there is no image.
 	void set_heightmap_path(const godot::String &p_path);
 	godot::String get_heightmap_path() const;
 
-	/// Columns and rows of the file, 2 to 32768 each; 0, 0 for none given. An image knows its own.
+	/// Columns and rows of the file, 2 to 32768 each; 0, 0 if not set. Images have their own size.
 	void set_post_count(const godot::Vector2i &p_count);
 	godot::Vector2i get_post_count() const;
 
-	/// An Image or a Texture2D, whose first channel holds the heights. Goes before the file.
+	/// An Image or a Texture2D, whose first channel contains the heights. Takes priority over the file.
 	void set_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_image() const;
 
-	/// What posts that are floats mean: meters, or 0 to 1 between the lowest and the highest height as all others do.
-	/// NAN is a hole in both.
+	/// The unit of posts that are floats: meters, or 0 to 1 between the lowest and the highest height like all other formats. NAN is a hole
+	/// in both.
 	void set_heights_in_meters(bool p_meters);
 	bool is_heights_in_meters() const;
 
-	/// An Image or a Texture2D over the same rect, whose channels say how much of the ground is texture 0 to 3.
+	/// An Image or a Texture2D over the same rect, whose channels are the weights of textures 0 to 3.
 	void set_weight_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_weight_image() const;
 
-	/// Puts the images of textures in place of these, as an export strips textures. False if there are none.
+	/// Replaces textures with their images, because an export strips textures. False if there are none.
 	bool embed_stripped_data();
 
 	/// World meters from the first post to the last: x, and z as y.
 	void set_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_rect() const;
 
-	/// World meters of the lowest and of the highest value that a post can have; +-1e6.
+	/// World meters of the lowest and of the highest possible value of a post; +-1e6.
 	void set_min_height(double p_height);
 	double get_min_height() const;
 	void set_max_height(double p_height);
 	double get_max_height() const;
 
-	/// Reads the posts of a part of `image` again, in pixels. What lies outside the image is left out. Main thread only.
+	/// Rereads the posts of a part of `image`, in pixels. Parts outside the image are left out. Main thread only.
 	void update_region(const godot::Rect2i &p_region);
 
 	bool is_behind() const override { return field_stale_ || task_.busy() || !regions_.empty(); }
@@ -101,13 +101,13 @@ private:
 	double max_height_ = 100.0;
 
 	std::shared_ptr<const Heightfield> field_;
-	godot::String problem_; ///< Why it is not what was set; empty for no reason.
+	godot::String problem_; ///< Why it differs from the settings; empty if it does not.
 	bool sources_stale_ = true;
-	bool field_stale_ = true; ///< `field_` is not what was set, and no worker is at it.
+	bool field_stale_ = true; ///< True if `field_` does not match the settings, and no worker is building it.
 	WorkerTask<HeightmapWork> task_;
 
-	std::vector<PixelRect> regions_;     ///< Of the image, still to be read.
-	std::shared_ptr<Heightfield> draft_; ///< `field_` with those that were; null for none.
+	std::vector<PixelRect> regions_;     ///< Regions of the image that are still to be read.
+	std::shared_ptr<Heightfield> draft_; ///< `field_` with the regions already read; null if there are none.
 	std::vector<Rect> draft_changes_;
 };
 

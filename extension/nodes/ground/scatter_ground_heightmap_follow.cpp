@@ -1,5 +1,5 @@
-// How a heightmap follows what it was given: a worker reads it and finds what has changed, small regions are read between, and hosts
-// hear where the ground is not as it was.
+// How a heightmap follows its settings: a worker reads them and finds the changes, small regions are read in between, and hosts are
+// notified of changed ground.
 
 #include "nodes/ground/scatter_ground_heightmap.hpp"
 
@@ -35,7 +35,7 @@ void ScatterGroundHeightmap::follow() {
 	if (task_.finish(false)) {
 		take_built();
 	} else if (!task_.busy() && !regions_.empty() && !sources_stale_) {
-		patch_regions(deadline()); // First: a worker begins with the ground as it is then.
+		patch_regions(deadline()); // First, because a worker begins with the current ground.
 	} else if (!task_.busy() && field_stale_) {
 		start(false);
 	}
@@ -45,7 +45,8 @@ void ScatterGroundHeightmap::finish_reading() {
 	if (!task_.busy() && !regions_.empty() && !sources_stale_) {
 		patch_regions(Clock::time_point::max());
 	}
-	// Twice: a worker may be at what was set before. A script that hears of it and sets yet other things gets them later.
+	// Twice, because a worker may be reading the previous settings. If a script that is notified changes further settings, they are read
+	// later.
 	for (int round = 0; round < 2 && (field_stale_ || task_.busy()); ++round) {
 		if (!task_.busy()) {
 			start(true);
@@ -55,7 +56,7 @@ void ScatterGroundHeightmap::finish_reading() {
 		}
 	}
 	if (!task_.busy() && !regions_.empty() && !sources_stale_) {
-		patch_regions(Clock::time_point::max()); // Of what a worker was at.
+		patch_regions(Clock::time_point::max()); // Regions of the ground that a worker was building.
 	}
 }
 
@@ -125,7 +126,7 @@ bool ScatterGroundHeightmap::distrust() {
 	return true;
 }
 
-/// Reads regions in bands of some rows, until the deadline; one in each call at least.
+/// Reads regions in bands of some rows, until the deadline; at least one in each call.
 void ScatterGroundHeightmap::patch_regions(Clock::time_point deadline) {
 	do {
 		PixelRect &region = regions_.back();
@@ -147,7 +148,7 @@ void ScatterGroundHeightmap::patch_regions(Clock::time_point deadline) {
 	}
 }
 
-/// False if the posts cannot be taken: those of an image that has become a different one are read as a whole.
+/// False if the posts cannot be used. If the image has changed its size or format, it is read as a whole.
 bool ScatterGroundHeightmap::patch_band(const PixelRect &band) {
 	const Ref<Image> image = image_;
 	Posts posts;
@@ -177,9 +178,9 @@ void ScatterGroundHeightmap::end_regions() {
 	emit_changes(std::exchange(draft_changes_, {}), false);
 }
 
-/// `everywhere`: there was no ground before.
+/// `everywhere` is true if there was no ground before.
 void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool everywhere) {
-	const Ref<ScatterGround> held(this); // A script that hears of it may let go of it.
+	const Ref<ScatterGround> held(this); // A script that is notified may release it.
 	for (const Rect &area : areas) {
 		emit_ground_changed(to_engine(area));
 	}
@@ -189,7 +190,7 @@ void ScatterGroundHeightmap::emit_changes(const std::vector<Rect> &areas, bool e
 }
 
 void ScatterGroundHeightmap::set_problem(const String &p_problem) {
-	if (!p_problem.is_empty() && !is_stripped(image_)) { // Of that a node warns.
+	if (!p_problem.is_empty() && !is_stripped(image_)) { // A stripped image is reported by a node's warning.
 		ERR_PRINT(p_problem);
 	}
 	if (!(problem_ == p_problem)) {

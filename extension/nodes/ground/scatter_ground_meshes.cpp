@@ -37,7 +37,7 @@ String ScatterGroundMeshes::find_problem() {
 	return {};
 }
 
-/// The first instance that is refused, and how many others are.
+/// The first refused instance, and the number of others.
 String ScatterGroundMeshes::find_remark() {
 	if (refusals_.empty()) {
 		return {};
@@ -61,7 +61,7 @@ String ScatterGroundMeshes::find_stripped() {
 
 bool ScatterGroundMeshes::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
 
-/// All instances of the group, with meshes and without.
+/// All instances of the group, with or without meshes.
 std::vector<Variant> ScatterGroundMeshes::members() const {
 	std::vector<Variant> result;
 	if (String(group_).is_empty()) {
@@ -91,7 +91,7 @@ GroundWatch::Look ScatterGroundMeshes::look() const {
 	};
 }
 
-/// Watches who belongs to the group now. `changed`: those who do so since the last look are still to be read.
+/// Watches the current members of the group. If `changed`, those that were added since the last check are still to be read.
 void ScatterGroundMeshes::list_members(bool changed) {
 	listed_ = first_node()->get_tree()->get_node_count_in_group(group_);
 	std::set<std::uint64_t> found;
@@ -119,7 +119,7 @@ void ScatterGroundMeshes::hosts_changed(bool first) {
 	}
 }
 
-/// The scene may have moved along, or may not.
+/// The scene may or may not have moved along.
 void ScatterGroundMeshes::offset_changed(const GroundHost &) { watch_.touch_all(false); }
 
 void ScatterGroundMeshes::refresh() {
@@ -138,9 +138,9 @@ bool ScatterGroundMeshes::is_empty() const {
 	return std::ranges::all_of(worlds_, [](const auto &world) { return world.second.parts->empty(); });
 }
 
-/// Tells where the ground is not as it was. Where it comes from nothing, or has all gone, problems come and go as well.
+/// Reports the areas of changed ground. If the ground was empty or is now empty, the problems change as well.
 void ScatterGroundMeshes::tell(const std::vector<Rect> &areas, bool was_empty) {
-	const Ref<ScatterGround> held(this); // Who hears of changes may let go of it.
+	const Ref<ScatterGround> held(this); // A handler of changes may release it.
 	const bool turned = was_empty != is_empty();
 	for (const Rect &area : areas) {
 		emit_ground_changed(to_engine(area));

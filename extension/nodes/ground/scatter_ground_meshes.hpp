@@ -21,18 +21,18 @@
 namespace thicket {
 
 /// The meshes of all MeshInstance3Ds in a group of the scene, seen from above. They are read when a node first needs the ground, and
-/// followed from then on: an instance that joins, goes, moves or changes is ground as it is then within half a second or so. The main
-/// thread copies what the renderer has of a mesh, in steps; a worker builds the ground, which is as it was until then.
+/// followed from then on: if an instance is added, removed, moved or changed, the ground changes within about half a second. The main
+/// thread copies the renderer's data of a mesh, in steps. A worker builds the ground, which is unchanged until then.
 class ScatterGroundMeshes : public ScatterGround {
 	GDCLASS(ScatterGroundMeshes, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// The group, in the scene tree of the TerrainScatter3D that uses this ground. Empty: no ground.
+	/// The group, in the scene tree of the TerrainScatter3D that uses this ground. If empty, there is no ground.
 	void set_group(const godot::StringName &p_group);
 	godot::StringName get_group() const;
 
-	/// Reads all meshes again, at once, and reports where they have come, gone, moved or changed.
+	/// Rereads all meshes immediately, and reports where meshes were added, removed, moved or changed.
 	void refresh();
 
 	bool is_behind() const override;
@@ -58,7 +58,7 @@ private:
 		std::uint64_t version = 0;
 		std::shared_ptr<const MeshCopy> copy;
 	};
-	using Worlds = std::map<std::uint64_t, GroundWorld>; ///< By the hosts' ids.
+	using Worlds = std::map<std::uint64_t, GroundWorld>; ///< By the hosts' IDs.
 
 	bool is_in_scene() const;
 	std::vector<godot::Variant> members() const;
@@ -85,23 +85,23 @@ private:
 	godot::StringName group_;
 	GroundWatch watch_{this, "_source_changed"};
 	Worlds worlds_;
-	std::shared_ptr<const TriangleParts> last_; ///< Of the first host, for a caller without one.
-	bool stale_ = true;                         ///< The group has to be listed, and all of it read.
-	bool reading_all_ = false;                  ///< That has begun.
-	int64_t listed_ = 0;                        ///< How many nodes the group had when it was listed.
+	std::shared_ptr<const TriangleParts> last_; ///< The ground of the first host, for a caller without one.
+	bool stale_ = true;                         ///< True if the group has to be listed, and all of it read.
+	bool reading_all_ = false;                  ///< True once that has begun.
+	int64_t listed_ = 0;                        ///< The number of nodes in the group when it was listed.
 
 	// A change passes through these in order.
 	std::vector<std::uint64_t> queue_;  ///< Instances to check, and to read.
-	MeshReader reader_;                 ///< At the mesh of the last of them,
-	FreshCopy fresh_;                   ///< or through with it.
-	std::vector<MeshReading> readings_; ///< Read.
+	MeshReader reader_;                 ///< Reads the mesh of the last of them.
+	FreshCopy fresh_;                   ///< Its mesh, once it is read.
+	std::vector<MeshReading> readings_; ///< Meshes that are read and wait for the builder.
 	std::vector<std::uint64_t> gone_;
 	WorkerTask<MeshWork> builder_;
-	bool building_ = false; ///< The builder does not only free memory.
+	bool building_ = false; ///< False if the builder only frees memory.
 
 	std::map<std::uint64_t, std::pair<std::uint64_t, std::weak_ptr<const MeshCopy>>>
 			copies_;                                  ///< By source, with its version.
-	std::map<std::uint64_t, godot::String> refusals_; ///< Why an instance is no ground, by its id.
+	std::map<std::uint64_t, godot::String> refusals_; ///< Why an instance is not ground, by its ID.
 	std::vector<std::shared_ptr<const void>> unneeded_;
 	GroundFigures figures_;
 };

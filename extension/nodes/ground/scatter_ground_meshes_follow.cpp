@@ -1,5 +1,5 @@
-// How a ground of meshes follows the scene: a change is noticed, its meshes are copied in steps, a worker builds them, and hosts hear
-// where the ground is not as it was.
+// How a ground of meshes follows the scene: a change is detected, its meshes are copied in steps, a worker builds them, and hosts are
+// notified of changed ground.
 
 #include "nodes/ground/scatter_ground_meshes.hpp"
 
@@ -31,7 +31,7 @@ String name_of(const Variant &p_node) {
 	return node != nullptr ? String(node->get_name()) : String("?");
 }
 
-/// What is wrong with a mesh, in a sentence or two that name its node.
+/// The problem of a mesh, in a sentence or two that name its node.
 String refusal_of(const String &p_name, const MeshReading &reading) {
 	const bool misplaced = std::string_view(reading.status.property) == "corners" &&
 			(reading.status.code == ErrorCode::not_finite || reading.status.code == ErrorCode::out_of_range);
@@ -51,7 +51,7 @@ String refusal_of(const String &p_name, const MeshReading &reading) {
 			remedy;
 }
 
-/// The world in a list that is, or was before the work, the same as this; null for none.
+/// The world in a list that is the same as `world`, or was before the work; null if there is none.
 const GroundWorld *find_world(const std::vector<GroundWorld> &worlds, const GroundWorld &world) {
 	const auto found = std::ranges::find_if(worlds,
 			[&](const GroundWorld &other) { return other.offset == world.offset && other.before == world.parts; });
@@ -94,7 +94,7 @@ void ScatterGroundMeshes::follow() {
 	if (stale_) {
 		begin();
 	} else if (queue_.empty() && watch_.due()) {
-		list_members(true); // One may have come as another has gone.
+		list_members(true); // One node may have been added while a different one was removed.
 		const std::set<std::uint64_t> changed = watch_.take_changed();
 		queue_.assign(changed.rbegin(), changed.rend());
 	}
@@ -106,7 +106,8 @@ void ScatterGroundMeshes::finish_reading() {
 	const auto pending = [this] {
 		return std::ranges::any_of(hosts(), [this](const GroundHost &host) { return is_pending(host.id); });
 	};
-	// Twice: what is being built may be of a group before. A script that sets yet others in between gets them a frame later.
+	// Twice, because the meshes that are being built may belong to a previous group. If a script sets further groups in between, they are
+	// read a frame later.
 	for (int round = 0; round < 2 && pending(); ++round) {
 		if (builder_.finish(true)) {
 			take_built();
@@ -120,7 +121,7 @@ void ScatterGroundMeshes::finish_reading() {
 	}
 }
 
-/// Lists the group, and has all of it read.
+/// Lists the group, and queues all of it for reading.
 void ScatterGroundMeshes::begin() {
 	builder_.finish(true);
 	stale_ = false;
@@ -131,7 +132,7 @@ void ScatterGroundMeshes::begin() {
 	queue_all();
 }
 
-/// All instances of the group, and those that were.
+/// Queues all current and former instances of the group.
 void ScatterGroundMeshes::queue_all() {
 	const std::vector<std::uint64_t> listed = watch_.ids();
 	std::set<std::uint64_t> all(listed.begin(), listed.end());
@@ -144,7 +145,7 @@ void ScatterGroundMeshes::queue_all() {
 	queue_.assign(all.rbegin(), all.rend());
 }
 
-/// Each host has a world. One that sees the origin where another one does has the same.
+/// Each host has a world. Hosts with the same position of the origin share it.
 void ScatterGroundMeshes::add_worlds() {
 	for (const GroundHost &host : hosts()) {
 		const auto found = worlds_.find(host.id);
@@ -157,7 +158,7 @@ void ScatterGroundMeshes::add_worlds() {
 			return other.offset == host.offset && world != worlds_.end() && world->second.ground != nullptr;
 		});
 		if (same != hosts().end()) {
-			// Fast path: where the origin is the same, so is the ground.
+			// Fast path: for the same position of the origin, the ground is the same.
 			worlds_[host.id] = worlds_.at(same->id);
 		} else if (found == worlds_.end()) {
 			worlds_[host.id] = {host.offset, std::make_shared<GroundMeshes>(), nullptr, nullptr, {}, {}};
@@ -168,7 +169,7 @@ void ScatterGroundMeshes::add_worlds() {
 	}
 }
 
-/// The queue's next instances, until the deadline. With the last of them, all that was read goes to a worker.
+/// Processes the next instances of the queue, until the deadline. After the last of them, all meshes that were read are passed to a worker.
 void ScatterGroundMeshes::read_some(Clock::time_point deadline) {
 	bool has_read = false;
 	for (std::size_t looked = 0; !queue_.empty() && looked < GroundWatch::nodes_per_frame;) {
@@ -193,7 +194,7 @@ bool ScatterGroundMeshes::lacks_ground() const {
 	return std::ranges::any_of(worlds_, [](const auto &world) { return world.second.ground == nullptr; });
 }
 
-/// Reads all that is queued, or is read already, and has a worker build it.
+/// Reads all queued instances, and makes a worker build everything that was read.
 void ScatterGroundMeshes::build(bool wait) {
 	while (wait && !queue_.empty()) {
 		if (reader_.busy()) {
@@ -203,7 +204,7 @@ void ScatterGroundMeshes::build(bool wait) {
 		}
 	}
 	if (builder_.busy()) {
-		return; // A mesh's script has begun something else.
+		return; // A mesh's script has started other work.
 	}
 	MeshWork work{std::exchange(readings_, {}), std::exchange(gone_, {}), {}, std::exchange(unneeded_, {})};
 	building_ = reading_all_ || !work.readings.empty() || !work.gone.empty() || lacks_ground();
@@ -222,13 +223,13 @@ void ScatterGroundMeshes::build(bool wait) {
 /// Takes the last instance out of the queue, unless its mesh has to be read.
 void ScatterGroundMeshes::plan_next() {
 	const std::uint64_t id = queue_.back();
-	queue_.pop_back(); // First: others may hear of a refusal, and do anything.
+	queue_.pop_back(); // First, because a refusal may be reported to scripts, which may do anything.
 	if (!plan(id)) {
 		queue_.push_back(id);
 	}
 }
 
-/// Notes what is to be built of an instance, for the worlds in which it is not as it was. False if its mesh has to be read first.
+/// Records the work for an instance, for the worlds in which it has changed. False if its mesh has to be read first.
 bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	const Variant *watched = watch_.node(id);
 	const Variant node = watched != nullptr ? *watched : Variant();
@@ -247,11 +248,11 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	}
 	const FreshCopy fresh = std::exchange(fresh_, {});
 	const bool just_read = fresh.copy != nullptr && fresh.id == id;
-	// A mesh that changes whenever it is read counts as it was read.
+	// A mesh that changes whenever it is read keeps the version at which it was read.
 	sight.version = just_read ? fresh.version : watch_.version(sight.source);
 	std::vector<MeshReading> readings = readings_of(id, sight);
 	if (readings.empty()) {
-		// Fast path: it is where it was in all worlds, and as it was.
+		// Fast path: it is unchanged in all worlds.
 		refusals_.erase(id);
 		return true;
 	}
@@ -284,7 +285,7 @@ std::vector<MeshReading> ScatterGroundMeshes::readings_of(std::uint64_t id, cons
 	return added;
 }
 
-/// Reads a surface of the mesh that the queue's last instance has.
+/// Reads one surface of the mesh of the queue's last instance.
 void ScatterGroundMeshes::read_step() {
 	const std::uint64_t source = reader_.source();
 	const std::uint64_t version = reader_.version();
@@ -295,7 +296,7 @@ void ScatterGroundMeshes::read_step() {
 	}
 }
 
-/// What was built becomes the ground.
+/// Applies the built meshes to the ground.
 void ScatterGroundMeshes::take_built() {
 	const bool was_empty = is_empty();
 	const MeshWork work = builder_.take();
@@ -319,7 +320,7 @@ void ScatterGroundMeshes::take_built() {
 		world = *built;
 		world.before = nullptr;
 		if (world.ground == nullptr) {
-			world.ground = std::make_shared<TriangleParts>(); // Nothing to wait for: its error was printed.
+			world.ground = std::make_shared<TriangleParts>(); // There is nothing to wait for: its error was printed.
 		}
 	}
 	std::erase_if(copies_, [](const auto &copy) { return copy.second.second.expired(); });
@@ -328,7 +329,7 @@ void ScatterGroundMeshes::take_built() {
 	tell(areas, was_empty);
 }
 
-/// A mesh that was refused before is reported again only for a different reason.
+/// A mesh that was already refused is only reported again for a different reason.
 void ScatterGroundMeshes::take_refusals(const MeshWork &work) {
 	for (const MeshReading &reading : work.readings) {
 		const Variant *node = watch_.node(reading.id);
@@ -343,7 +344,7 @@ void ScatterGroundMeshes::take_refusals(const MeshWork &work) {
 void ScatterGroundMeshes::refuse(std::uint64_t id, const String &p_why) {
 	String &why = refusals_[id];
 	if (why == p_why) {
-		// Fast path: it was printed when that began.
+		// Fast path: this reason was already printed.
 		return;
 	}
 	why = p_why;

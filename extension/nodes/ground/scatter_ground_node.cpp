@@ -17,7 +17,7 @@ namespace thicket {
 
 namespace {
 
-/// As far as floats go: raster files mark holes by the lowest of them.
+/// The limit of a float, because raster files mark holes with the lowest one.
 constexpr double max_no_ground_height = std::numeric_limits<float>::max();
 
 } // namespace
@@ -60,22 +60,22 @@ std::shared_ptr<const Terrain> ScatterGroundNode::ground_for(const GroundHost &h
 
 Status ScatterGroundNode::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
 		const GroundNeeds &needs, std::span<Ground> r_ground) {
-	const std::shared_ptr<const Terrain> ground = ground_for(host); // Whoever is asked may change the property.
+	const std::shared_ptr<const Terrain> ground = ground_for(host); // A script that is called may change the property.
 	if (ground == nullptr) {
 		return Status::missing("ScatterGroundNode.node", "Set it to a node in the tree that has get_height()");
 	}
 	return ground->query(positions, needs, r_ground);
 }
 
-/// Looks for the node, and for what may be had of it. That may run its script, which may do anything: change the path, free
-/// the node or the host, or ask for the ground. Then the next call looks again.
+/// Finds the node and the kind of ground that it provides. That may run its script, which may do anything: change the path, free the node
+/// or the host, or request the ground. The next call then searches again.
 void ScatterGroundNode::find() {
 	const Node3D *from = first_node();
 	if (finding_ || from == nullptr || !from->is_inside_tree()) {
 		return;
 	}
 	if (!stale_ && is_available()) {
-		// Fast path: the node that was found is there still.
+		// Fast path: the node that was found still exists.
 		return;
 	}
 	stale_ = false;
@@ -92,7 +92,7 @@ ScatterGroundNode::Found ScatterGroundNode::look() const {
 	Found found;
 	found.target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
 	if (found.target.get_validated_object() != nullptr) {
-		const std::shared_ptr<const GroundCopy> before = copy_; // Scripts that are asked may let go of it.
+		const std::shared_ptr<const GroundCopy> before = copy_; // Scripts that are called may release it.
 		found.attempt = copy_ground(found.target, before.get());
 		if (found.attempt.copy == nullptr) {
 			found.ground = ObjectGround::of(found.target, limits());
@@ -134,17 +134,17 @@ void ScatterGroundNode::take(const Found &found) {
 	const String recognized = !usable ? String()
 			: copied                  ? copy_->description()
 									  : vformat("%s, asked place by place", target->get_class());
-	if (target != nullptr) { // Also one that is of no use: it may be, once it is back.
+	if (target != nullptr) { // Also an unusable node, because it may become usable once it is back.
 		const bool asked = usable && !copied;
 		follow_node(target, asked ? ground_->source() : found.attempt.data.get_validated_object());
 	}
 	set_recognized(recognized);
 }
 
-/// How far the engine's origin has moved in the world since it was at `before` for the hosts. None if not by the same for all.
+/// How far the engine's origin has moved in the world since the offsets `before` of the hosts. Empty if it is not the same for all.
 std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dvec3> before) const {
 	if (before.size() != offsets_.size()) {
-		return glm::dvec3(0.0); // Hosts have come or gone: those ask by themselves.
+		return glm::dvec3(0.0); // Hosts were added or removed, and request the ground themselves.
 	}
 	std::optional<glm::dvec3> shift = glm::dvec3(0.0);
 	for (std::size_t i = 0; i < before.size() && shift; ++i) {
@@ -154,7 +154,7 @@ std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dv
 	return shift;
 }
 
-/// What has become another ground since the last copy is told, if it is not known to be another one altogether.
+/// Reports the changes since the last copy, unless it is already known that all of the ground has changed.
 void ScatterGroundNode::take_copy(const Found &found) {
 	const std::shared_ptr<const GroundCopy> before = std::exchange(copy_, found.attempt.copy);
 	ground_ = nullptr;
@@ -219,7 +219,7 @@ void ScatterGroundNode::set_recognized(const String &p_recognized) {
 	}
 }
 
-// Tiles under way may hold an object that has been replaced. A copy they may keep.
+// Tiles in progress may hold an object that has been replaced. They may keep a copy.
 void ScatterGroundNode::close() {
 	present_ = false;
 	if (ground_ != nullptr) {

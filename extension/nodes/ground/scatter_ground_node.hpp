@@ -18,9 +18,9 @@
 
 namespace thicket {
 
-/// Ground that another node of the scene gives: Terrain3D and HTerrain, whose ground is copied (GroundCopy), or anything else
-/// that has get_height(Vector3), which is asked place by place (ObjectGround). While the node is away or gives no ground, one
-/// error says so, and what stands stays.
+/// Ground that another node of the scene provides: Terrain3D and HTerrain, whose ground is copied (GroundCopy), or any other node with
+/// get_height(Vector3), which is called for each position (ObjectGround). While the node is missing or provides no ground, one error is
+/// printed, and existing instances stay.
 class ScatterGroundNode : public ScatterGround {
 	GDCLASS(ScatterGroundNode, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -30,26 +30,27 @@ public:
 	bool is_available() const override;
 	void look_again() override { stale_ = stale_ || !telling_; }
 
-	/// From the TerrainScatter3D that uses this ground; of several, from the first.
+	/// A path from the TerrainScatter3D that uses this ground; from the first if there are several.
 	void set_node(const godot::NodePath &p_node);
 	godot::NodePath get_node() const;
 
-	/// True if the node's methods may be called on any thread, several at once. Of no account where the ground is copied.
+	/// True if the node's methods may be called on any thread, several at once. Ignored if the ground is copied.
 	void set_thread_safe(bool p_thread_safe);
 	bool is_thread_safe() const;
 
-	/// Outside of this rectangle of the world, in meters of x and z, there is no ground, and the node is not called; none for one without an
-	/// area. One that is not finite or of a negative size prints an error and is ignored. Of no account where the ground is copied.
+	/// There is no ground outside of this rectangle of the world, in meters of x and z, and the node is not called there. A rectangle
+	/// without an area sets no limit. A rectangle that is not finite or has a negative size prints an error and is ignored. Has no effect
+	/// if the ground is copied.
 	void set_bounds(const godot::Rect2 &p_bounds);
 	godot::Rect2 get_bounds() const;
 
-	/// A height that the node returns where it has no ground, as an exact value; finite.
+	/// A height that the node returns if it has no ground, compared exactly; finite.
 	void set_no_ground_enabled(bool p_enabled);
 	bool is_no_ground_enabled() const;
 	void set_no_ground_height(double p_height);
 	double get_no_ground_height() const;
 
-	/// What the node was found to be, in words; empty while there is none.
+	/// A description of the recognized kind of node; empty while there is none.
 	godot::String get_recognized() const;
 
 protected:
@@ -65,7 +66,7 @@ protected:
 	void offset_changed(const GroundHost &host) override;
 
 private:
-	/// What looking at a node has found: a copy, or an object to ask; or neither.
+	/// The result of checking a node: a copy, an object to call, or neither.
 	struct Found {
 		godot::Variant target;
 		CopyAttempt attempt;
@@ -73,7 +74,7 @@ private:
 		GroundGlance glance;
 	};
 
-	/// The ground as a host was given it, for tiles that are still under way.
+	/// The ground that was passed to a host, for tiles that are still in progress.
 	struct Given {
 		std::uint64_t host = 0;
 		std::weak_ptr<ObjectGround> ground;
@@ -116,23 +117,23 @@ private:
 	bool no_ground_enabled_ = false;
 	double no_ground_height_ = 0.0;
 
-	/// The last that could be used: a copy, or an object as of the engine's space, which is closed when its node is gone.
+	/// The last usable ground: a copy, or an object in the engine's space, which is closed when its node is freed.
 	std::shared_ptr<const GroundCopy> copy_;
 	std::shared_ptr<ObjectGround> ground_;
-	bool present_ = false;                                            ///< The node that was copied is there.
-	std::map<std::uint64_t, std::shared_ptr<const Terrain>> grounds_; ///< The same for each host, by its id.
-	std::vector<glm::dvec3> offsets_;                                 ///< Of all hosts, when it was copied.
-	std::vector<Given> given_; ///< All objects of that node; closed when it is gone.
+	bool present_ = false;                                            ///< True if the copied node exists.
+	std::map<std::uint64_t, std::shared_ptr<const Terrain>> grounds_; ///< The same for each host, by its ID.
+	std::vector<glm::dvec3> offsets_;                                 ///< The offsets of all hosts, when it was copied.
+	std::vector<Given> given_; ///< All objects of that node; closed when it is freed.
 
-	bool stale_ = true;          ///< The node has to be looked for.
-	bool finding_ = false;       ///< It is being looked for, which may run its script.
-	bool telling_ = false;       ///< What is told of an edit is known here already.
-	bool told_ = false;          ///< All that use the ground know that it is another one altogether.
-	bool missed_ = false;        ///< Somebody has asked for the ground, and there was none.
-	bool edited_ = false;        ///< The plug-in has said that something of its ground has changed,
-	std::vector<MapEdit> edits_; ///< or just what.
-	GroundChanges changes_;      ///< What has to be told.
-	GroundGlance glance_;        ///< Of the node as it was found.
+	bool stale_ = true;          ///< True if the node has to be found.
+	bool finding_ = false;       ///< True while the node is being found, which may run its script.
+	bool telling_ = false;       ///< True while an edit is emitted that is already known here.
+	bool told_ = false;          ///< True if all users of the ground were notified that all of it has changed.
+	bool missed_ = false;        ///< True if the ground was requested while there was none.
+	bool edited_ = false;        ///< True if the plug-in has reported that some part of its ground has changed.
+	std::vector<MapEdit> edits_; ///< The edits that the plug-in has reported in detail.
+	GroundChanges changes_;      ///< Changes that have to be emitted.
+	GroundGlance glance_;        ///< The state of the node when it was found.
 
 	godot::String problem_;
 	godot::String reported_; ///< The problem that was printed last.

@@ -1,4 +1,4 @@
-// How a ScatterGroundNode follows its node: signals, and a look at it each frame for what no signal tells.
+// How a ScatterGroundNode follows its node: by signals, and by a check in each frame for changes that emit no signal.
 
 #include "nodes/ground/scatter_ground_node.hpp"
 
@@ -17,10 +17,10 @@ namespace thicket {
 
 namespace {
 
-/// Heights between posts, and slopes, depend on so many posts around them.
+/// Heights between posts, and slopes, depend on this many posts around them.
 constexpr real_t posts_around = 2;
 
-/// More areas than that are told as one.
+/// More areas than this are reported as a change of everything.
 constexpr std::size_t max_areas = 256;
 
 Rect2 grown(const Rect2 &rect, real_t by) {
@@ -42,7 +42,7 @@ void ScatterGroundNode::unfollow_node() {
 	followed_source_ = Variant();
 }
 
-// Of edits only Terrain3D (maps_edited in the editor, the other maps and the region map) and HTerrain tell, each in its own way.
+// Only Terrain3D (maps_edited in the editor, the other maps and the region map) and HTerrain report edits, each in its own way.
 void ScatterGroundNode::connect_signals(bool p_connect) {
 	const auto set = [this, p_connect](Object *object, const StringName &signal, const StringName &method) {
 		if (object != nullptr && object->has_signal(signal)) {
@@ -58,7 +58,7 @@ void ScatterGroundNode::connect_signals(bool p_connect) {
 	if (!asked || map || !p_connect) {
 		set(source, "region_changed", "_map_edited");
 	}
-	if (!asked || !p_connect) { // It is copied, or may be once it has what it lacks.
+	if (!asked || !p_connect) { // The node is copied, or may be once it has everything that is required.
 		for (const char *const signal : {"transform_changed", "material_changed"}) {
 			set(node, signal, "_source_edited");
 		}
@@ -90,7 +90,7 @@ void ScatterGroundNode::hosts_changed(bool) {
 	follow_frames(!hosts().empty());
 	if (hosts().empty()) {
 		unfollow_node();
-		close(); // Nobody tells any more when the node goes.
+		close(); // From now on, no signal reports that the node is freed.
 	}
 }
 
@@ -103,7 +103,7 @@ std::vector<glm::dvec3> ScatterGroundNode::host_offsets() const {
 }
 
 void ScatterGroundNode::offset_changed(const GroundHost &host) {
-	edited_ = true; // A copy is of what lies where in the engine's space; the node may have moved along, or not.
+	edited_ = true; // A copy contains positions in the engine's space, and the node may or may not have moved along.
 	for (const Given &given : std::vector(given_)) {
 		const std::shared_ptr<ObjectGround> ground = given.host == host.id ? given.ground.lock() : nullptr;
 		if (ground != nullptr) {
@@ -126,7 +126,7 @@ void ScatterGroundNode::node_gone() {
 
 void ScatterGroundNode::node_moved(const Transform3D &) { change(); }
 
-/// An area of the engine's space was edited. It may be elsewhere in the world for each host.
+/// Reports an edited area of the engine's space. It may have a different position in the world for each host.
 void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
 	std::vector<glm::dvec2> corners;
 	for (const GroundHost &host : hosts()) {
@@ -135,7 +135,7 @@ void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
 			corners.push_back(corner);
 		}
 	}
-	const Ref<ScatterGround> held(this); // Who hears of it may let go of it.
+	const Ref<ScatterGround> held(this); // A handler may release it.
 	const bool told_before = std::exchange(telling_, true);
 	for (const glm::dvec2 corner : corners) {
 		emit_ground_changed(Rect2(to_engine(corner), p_rect.size));
@@ -150,14 +150,14 @@ void ScatterGroundNode::area_edited(const AABB &p_area) {
 	emit_area(grown({p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z}, margin));
 }
 
-/// In the editor it comes beside the area of each stroke, and would make all ground anew each time.
+/// In the editor this signal comes in addition to the area of each stroke, and would regenerate all ground each time.
 void ScatterGroundNode::maps_changed() {
 	if (!Engine::get_singleton()->is_editor_hint()) {
 		change();
 	}
 }
 
-/// HTerrain up to 1.8 tells x, z, width, depth and the channel; later ones a Rect2i, the channel and the index of the map.
+/// HTerrain up to 1.8 passes x, z, width, depth and the channel; later versions pass a Rect2i, the channel and the index of the map.
 void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const Variant &p_width,
 		const Variant &p_depth, const Variant &p_channel) {
 	Rect2i edited;
@@ -168,13 +168,13 @@ void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const
 		edited = {Vector2i(static_cast<int32_t>(p_x), static_cast<int32_t>(p_z)),
 				Vector2i(static_cast<int32_t>(p_width), static_cast<int32_t>(p_depth))};
 	} else {
-		change(); // Told in another way: anything may have changed.
+		change(); // Reported in an unknown way: anything may have changed.
 		return;
 	}
 	const std::int64_t channel = is_rect ? p_z : p_channel;
 	if (present_) {
 		edited_ = edited_ || edits_.size() >= max_areas;
-		// The older way does not tell which of several maps it was.
+		// The older way does not specify which of several maps it was.
 		edits_.push_back({channel, is_rect && is_number(p_width) ? static_cast<std::int64_t>(p_width) : -1, edited});
 	} else if (!is_available()) {
 		edited_ = true;
@@ -186,10 +186,10 @@ void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const
 	}
 }
 
-/// What has changed of a copied ground is found by comparing, once a frame.
+/// Changes of a copied ground are found by comparing, once per frame.
 void ScatterGroundNode::source_edited(const Variant &, const Variant &) { edited_ = true; }
 
-/// Each frame: what comes, goes or is exchanged without a signal, and what signals have told since.
+/// Called in each frame: detects nodes that were added, removed or replaced without a signal, and processes reported changes.
 void ScatterGroundNode::poll() {
 	const Ref<ScatterGround> held(this);
 	const Node3D *from = first_node();
@@ -211,7 +211,7 @@ void ScatterGroundNode::poll() {
 	if (present_ && (edited_ || !edits_.empty())) {
 		copy_again();
 	} else if (std::exchange(edited_, false) && !is_available()) {
-		change(); // It may have what it lacked.
+		change(); // It may now have what it lacked.
 		return;
 	}
 	tell();
@@ -234,7 +234,7 @@ void ScatterGroundNode::copy_again() {
 	finding_ = false;
 	edited_ = false;
 	if (found.attempt.copy == nullptr) {
-		change(); // It is found again, as what it is now.
+		change(); // It is found again in its current state.
 	} else if (!stale_) {
 		take(found);
 	}

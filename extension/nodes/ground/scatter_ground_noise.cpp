@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char *class_name = "ScatterGroundNoise";
 
-/// The noise is a copy that nobody else has: reading it changes nothing, so any thread may.
+/// The noise is a private copy: reading changes nothing, so any thread may read it.
 class NoiseGround : public Terrain {
 public:
 	NoiseGround(const Ref<Noise> &p_noise, double p_amplitude, double p_base) :
@@ -39,7 +39,7 @@ public:
 			return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 		}
 		for (std::size_t i = 0; i < positions.size(); ++i) {
-			// Fast path: the height is that of `sample`.
+			// Fast path: the height is the same as in `sample`.
 			r_ground[i].height = height_at(positions[i]);
 		}
 		return {};
@@ -79,7 +79,7 @@ private:
 
 std::shared_ptr<const Terrain> ScatterGroundNoise::make_snapshot(const GroundHost &) {
 	if (ground_ != nullptr) {
-		// Fast path: nothing has changed since it was made.
+		// Fast path: nothing has changed since it was created.
 		return ground_;
 	}
 	if (noise_.is_valid()) {

@@ -7,22 +7,21 @@
 
 namespace thicket {
 
-/// Endless hills of a Noise. Worked out on worker threads, from a copy of the noise, so that it may be edited at any
-/// time.
+/// Endless hills of a Noise. Computed on worker threads, from a copy of the noise, so that the noise may be edited at any time.
 class ScatterGroundNoise : public ScatterGround {
 	GDCLASS(ScatterGroundNoise, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// Where the heights come from; its own fractal settings give the octaves. Null: no ground.
+	/// The source of the heights; its own fractal settings determine the octaves. If null, there is no ground.
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const;
 
-	/// Meters that a noise of 1 rises above `base_height`, 0 to 1e6. Anything else prints an error and is ignored.
+	/// Meters that a noise value of 1 rises above `base_height`, 0 to 1e6. Any other value prints an error and is ignored.
 	void set_amplitude(double p_amplitude);
 	double get_amplitude() const;
 
-	/// World meters where the noise is 0, +-1e6. Anything else prints an error and is ignored.
+	/// World meters where the noise is 0, +-1e6. Any other value prints an error and is ignored.
 	void set_base_height(double p_height);
 	double get_base_height() const;
 
@@ -37,7 +36,7 @@ private:
 	godot::Ref<godot::Noise> noise_;
 	double amplitude_ = 10.0;
 	double base_height_ = 0.0;
-	std::shared_ptr<const Terrain> ground_; ///< As the properties are; null if it has to be made.
+	std::shared_ptr<const Terrain> ground_; ///< Matches the properties; null if it has to be created.
 };
 
 } // namespace thicket

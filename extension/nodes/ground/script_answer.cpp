@@ -46,7 +46,7 @@ std::int64_t count_of(const Variant &p_answer, Variant::Type element_type) {
 	}
 }
 
-/// The script's global name or file, or its class for one that is part of another script.
+/// The script's global name or file; for an inner class of a script, a description with the object's class.
 String script_name(Object *p_owner) {
 	const Variant script = p_owner->get("script");
 	Object *object = script.get_validated_object();

@@ -12,16 +12,16 @@
 
 namespace thicket {
 
-/// A method that a ground script has, and the array it must return.
+/// A method of a ground script, and the array that it must return.
 struct ScriptMethod {
 	const char *name;
 	const char *result;                ///< The array's name in errors.
 	const char *elements;              ///< Its name in errors about other types.
-	const char *expected;              ///< The array, for the user.
-	godot::Variant::Type element_type; ///< FLOAT takes integers, too.
+	const char *expected;              ///< A description of the array, for the user.
+	godot::Variant::Type element_type; ///< FLOAT also accepts integers.
 };
 
-/// Checks what a ground script's methods return, and keeps a sentence about the last answer that was refused. Any thread.
+/// Checks the results of a ground script's methods, and stores a sentence about the last refused result. Any thread.
 class ScriptAnswers {
 public:
 	/// Calls a method of `owner`, which must return `count` elements. `r_answer` is empty if it is refused.
@@ -37,7 +37,7 @@ public:
 		return status;
 	}
 
-	/// Names script, method, the answer, what is expected and the remedy. Empty if `status` is not of the last refusal.
+	/// Names the script, the method, the result, the expected result and the remedy. Empty if `status` is not that of the last refusal.
 	godot::String sentence(const Status &status) const;
 
 private:

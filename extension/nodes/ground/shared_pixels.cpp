@@ -43,7 +43,7 @@ bool patch_pixels(const Ref<Image> &p_image, const PixelRect &rect, PixelGrid &r
 	if (glm::ivec2(p_image->get_width(), p_image->get_height()) != r_pixels.size()) {
 		return false;
 	}
-	const PackedByteArray bytes = p_image->get_data(); // Shared only for as long as this takes.
+	const PackedByteArray bytes = p_image->get_data(); // Shared only during this call.
 	return r_pixels.patch(rect, span_of(bytes)).ok();
 }
 

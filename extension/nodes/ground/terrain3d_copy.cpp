@@ -50,7 +50,8 @@ public:
 	GroundChanges changes_since(const GroundCopy &before, glm::dvec3 shift) const override;
 
 private:
-	/// The ground that depends on the posts of a rect: heights on those between it and the posts before, slopes on the next, too.
+	/// The area of the ground that depends on the posts of a rect: heights between it and the previous posts, and slopes up to the next
+	/// ones.
 	Rect2 area_of(glm::ivec2 location, const PixelRect &rect) const;
 	void add_changes(const FieldRegion &mine, const FieldRegion *theirs, GroundChanges &r_changes) const;
 
@@ -100,7 +101,7 @@ GroundChanges Terrain3DCopy::changes_since(const GroundCopy &before, glm::dvec3 
 	return changes;
 }
 
-/// Reads one region. False with a reason for one that is not as those of the versions that are known.
+/// Reads one region. False, with a reason, for a region that differs from those of the known versions.
 bool read_region(const Variant &p_region, FieldRegion &r_region, String &r_refusal) {
 	const Variant location = result_of(p_region, "get_location");
 	if (location.get_type() != Variant::VECTOR2I) {
@@ -123,12 +124,12 @@ bool read_region(const Variant &p_region, FieldRegion &r_region, String &r_refus
 			read("get_control_map", "control map", r_region.controls);
 }
 
-/// The numbers of the auto shader, as `Terrain3DData.get_texture_id` reads them. Without a material that has them it is off.
+/// Reads the parameters of the auto shader, as `Terrain3DData.get_texture_id` does. It is off without a material that has them.
 AutoPaint read_paint(const Variant &p_node) {
 	AutoPaint paint;
 	const Variant material = result_of(p_node, "get_material");
 	Variant enabled;
-	for (const char *const method : {"get_auto_shader_enabled", "get_auto_shader"}) { // Since 1.1; before.
+	for (const char *const method : {"get_auto_shader_enabled", "get_auto_shader"}) { // Since 1.1, and before.
 		if (enabled.get_type() != Variant::BOOL && has_method(material, method)) {
 			enabled = result_of(material, method);
 		}
@@ -137,7 +138,7 @@ AutoPaint read_paint(const Variant &p_node) {
 			!has_method(material, "get_shader_param")) {
 		return paint;
 	}
-	// Without a renderer, as on a server, the material knows its shader's numbers by what was saved alone.
+	// Without a renderer, as on a server, the material only knows the saved parameters of its shader.
 	const Object *object = material.get_validated_object();
 	const Variant stored = object != nullptr ? object->get("_shader_parameters") : Variant();
 	const Dictionary saved = stored.get_type() == Variant::DICTIONARY ? static_cast<Dictionary>(stored) : Dictionary();
@@ -149,7 +150,7 @@ AutoPaint read_paint(const Variant &p_node) {
 		const double given = is_number(value) ? static_cast<double>(value) : otherwise;
 		return std::isfinite(given) ? given : otherwise;
 	};
-	// What the shader itself has where nothing is set: src/shaders/auto_shader.glsl.
+	// The shader's own defaults: src/shaders/auto_shader.glsl.
 	paint.enabled = true;
 	paint.slope = number("auto_slope", paint.slope);
 	paint.height_reduction = number("auto_height_reduction", 0.1);
@@ -185,7 +186,7 @@ CopyAttempt copy_terrain3d(const Variant &p_node) {
 		return attempt;
 	}
 	attempt.plugin = GroundPlugin::terrain3d;
-	node = p_node.get_validated_object(); // A script was asked.
+	node = p_node.get_validated_object(); // A script was called.
 	const Variant spacing = node != nullptr ? node->get("vertex_spacing") : Variant();
 	if (!is_number(spacing)) {
 		attempt.refusal = "has no number as its vertex_spacing";

@@ -9,10 +9,10 @@
 
 namespace thicket {
 
-/// Visits a node and all below it, some at a time. What comes or goes meanwhile may be missed or met.
+/// Visits a node and all its descendants, some at a time. Nodes that are added or removed in the meantime may or may not be visited.
 class TreeWalk {
 public:
-	/// Begins anew.
+	/// Starts from the beginning.
 	void start(godot::Node *p_root);
 	void stop() { path_.clear(); }
 
@@ -25,7 +25,7 @@ private:
 		int32_t next_child = 0;
 	};
 
-	std::vector<Step> path_; ///< Down to the node that was visited last.
+	std::vector<Step> path_; ///< The path down to the last visited node.
 };
 
 } // namespace thicket

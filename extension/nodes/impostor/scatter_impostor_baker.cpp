@@ -143,7 +143,7 @@ Error ScatterImpostorBaker::bake() {
 	if (busy_.exchange(true)) {
 		return ERR_BUSY;
 	}
-	const Ref<ScatterImpostorBaker> kept(this); // Whatever scripts let go of meanwhile.
+	const Ref<ScatterImpostorBaker> kept(this); // Keeps the baker alive if scripts release it in the meantime.
 	cancelled_ = false;
 	progress_ = 0.0;
 	Status status;
@@ -162,7 +162,7 @@ Error ScatterImpostorBaker::bake() {
 		}
 	} catch (...) {
 		busy_ = false;
-		throw; // Told at the border.
+		throw; // Reported at the border (guard.hpp).
 	}
 	busy_ = false;
 	report(class_name, status);

@@ -21,8 +21,8 @@
 
 namespace thicket {
 
-/// Takes pictures of triangles from all around, on the processor: bake_impostor for scripts. What makes a mesh with a material of them
-/// is the addon's impostor.gd. Any method may be called from any thread; a bake works on what was there when it began.
+/// Renders pictures of triangles from all directions, on the processor: bake_impostor for scripts. The addon's impostor.gd creates a mesh
+/// with a material from them. Any method may be called from any thread; a bake uses the surfaces and settings present when it began.
 class ScatterImpostorBaker : public godot::RefCounted {
 	GDCLASS(ScatterImpostorBaker, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -52,24 +52,24 @@ public:
 	void set_full_sphere(bool p_full_sphere);
 	bool is_full_sphere() const;
 
-	/// Adds the triangles of a mesh's surface, from the engine's own arrays, moved by a transform; `p_albedo` is in sRGB, as the engine's
-	/// materials have it. ERR_INVALID_DATA, with an error, for what ImpostorSurface::check refuses, for arrays of other types and
-	/// for an image that cannot be read: nothing is added then.
+	/// Adds the triangles of a mesh's surface, from the engine's own arrays, with a transform applied. `p_albedo` is in sRGB, as in the
+	/// engine's materials. ERR_INVALID_DATA, with an error, for data that ImpostorSurface::check refuses, for arrays of other types and for
+	/// an image that cannot be read; nothing is added then.
 	godot::Error add_surface(const godot::Array &p_arrays, const godot::Transform3D &p_transform,
 			const godot::Color &p_albedo, const godot::Ref<godot::Image> &p_texture, double p_alpha_threshold,
 			CullMode p_cull_mode, VertexColorMode p_vertex_colors);
 
-	/// Forgets all surfaces. What was baked stays.
+	/// Removes all surfaces. The result of the last bake stays.
 	void clear();
 
-	/// Bakes, which takes seconds; the result is there afterwards. ERR_BUSY while another call bakes, ERR_SKIP after `cancel`,
-	/// ERR_INVALID_DATA where there is nothing to draw, ERR_OUT_OF_MEMORY; the last result stays then.
+	/// Bakes, which takes seconds; the result is available afterwards. Returns ERR_BUSY while another call bakes, ERR_SKIP after `cancel`,
+	/// ERR_INVALID_DATA if there is nothing to draw, or ERR_OUT_OF_MEMORY; the last result stays then.
 	godot::Error bake();
 
-	/// Ends the bake that is under way, within a picture.
+	/// Ends the bake in progress, within one picture.
 	void cancel();
 
-	/// Of the bake that is under way, or of the last one: 0 to 1.
+	/// The progress of the current or the last bake: 0 to 1.
 	double get_progress() const { return progress_; }
 
 	// The result; null and empty before the first bake.
@@ -88,14 +88,14 @@ private:
 	std::shared_ptr<const SurfaceTexture> texture_of(const godot::Ref<godot::Image> &p_image);
 	godot::Ref<godot::Image> image_of(const std::vector<std::uint8_t> &p_atlas) const;
 
-	mutable std::mutex mutex_; ///< For all that follows but the last three.
+	mutable std::mutex mutex_; ///< Guards all following members but the last three.
 	ImpostorSettings settings_;
 	std::vector<ImpostorSurface> surfaces_;
-	std::map<std::uint64_t, std::shared_ptr<const SurfaceTexture>> textures_; ///< By the images' instance ids.
+	std::map<std::uint64_t, std::shared_ptr<const SurfaceTexture>> textures_; ///< By the images' instance IDs.
 	Impostor impostor_;
 
 	std::atomic<bool> busy_ = false;
-	std::atomic<bool> cancelled_ = false; ///< Of the call under way.
+	std::atomic<bool> cancelled_ = false; ///< Cancels the call in progress.
 	std::atomic<double> progress_ = 0.0;
 };
 

@@ -1,4 +1,4 @@
-// What an instance is to a game: the properties of the group Gameplay. None of them has a say in what stands where.
+// How a game interacts with instances: the properties of the group Gameplay. None of them affects placement.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -51,7 +51,7 @@ ScatterLayer::CollisionShape ScatterLayer::get_collision_shape() const {
 	return static_cast<CollisionShape>(gameplay_.collision.shape);
 }
 
-// Watched, unlike a material to draw with: the bodies have copies of what is in it.
+// Watched, unlike the materials for drawing, because bodies copy its values.
 void ScatterLayer::set_physics_material(const Ref<PhysicsMaterial> &p_material) {
 	if (physics_material_ == p_material) {
 		return;

@@ -1,4 +1,4 @@
-// What is drawn with distance: the properties of the group Distance.
+// How drawing changes with distance: the properties of the group Distance.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 

@@ -1,4 +1,4 @@
-// What is likely not meant in a layer, in sentences for the editor's warnings.
+// Likely mistakes in a layer, as sentences for the editor's warnings.
 
 #include "core/placement/edge_probes.hpp"
 #include "nodes/common/stripped.hpp"
@@ -10,12 +10,12 @@ namespace thicket {
 
 namespace {
 
-/// A designer who makes a curve finds it from 0 to 1, whatever its property is about.
+/// A new curve spans 0 to 1, whatever its property measures.
 bool as_made(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
 
-/// Problems of a curve of densities and of the table made of it; `p_domain` says what it is over.
+/// Problems of a density curve and of the table created from it. `p_domain` describes the domain in messages.
 void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std::shared_ptr<const CurveTable> &table,
 		const char *p_domain, PackedStringArray &r_problems) {
 	if (p_curve.is_null()) {

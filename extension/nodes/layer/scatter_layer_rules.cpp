@@ -1,4 +1,4 @@
-// What of its set a layer lets stand: the properties of the group Rules.
+// The rules that decide which points of a layer's set get an instance: the properties of the group Rules.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 

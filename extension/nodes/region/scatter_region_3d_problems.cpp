@@ -1,4 +1,4 @@
-// What keeps a region from having the effect that is likely meant, in sentences for the editor's warnings.
+// Problems that keep a region from its likely intended effect, as sentences for the editor's warnings.
 
 #include "core/rules/shape_frame.hpp"
 #include "nodes/common/convert.hpp"

@@ -14,7 +14,7 @@ namespace thicket {
 
 namespace {
 
-/// Points of a tile whose builder is kept: the memory of a large rectangle is not.
+/// A builder is kept up to this number of points in its tile, so that the memory of large rectangles is freed.
 constexpr std::size_t most_points_kept = 1 << 16;
 
 } // namespace
@@ -37,7 +37,7 @@ Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span
 
 std::unique_ptr<TileBuilder> AtOnceBuilder::take_builder() {
 	if (spare_ != nullptr) {
-		// Fast path: the memory of the last one serves again.
+		// Fast path: the memory of the last builder is reused.
 		return std::move(spare_);
 	}
 	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
@@ -75,7 +75,7 @@ Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *terrain, 
 Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
 		std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
 	if (terrain != nullptr && orders.size() > 1) {
-		// Fast path: the tiles are the same, whoever makes them.
+		// Fast path: all threads share the work, and the tiles are the same.
 		EngineThreads threads;
 		return crew_.build(orders, *terrain, threads, r_tiles);
 	}

@@ -12,11 +12,11 @@ namespace thicket {
 
 namespace {
 
-/// Instances of one layer around a viewer that are worth a warning: some 140 to 200 MB. Dense grass, with a radius of 0.2 m and a
-/// view distance of 128 m, has 1.2 million; no layer of the presets and the demo has more than 0.5 million.
+/// The number of instances of one layer around a viewer that is worth a warning: some 140 to 200 MB. Dense grass, with a radius of 0.2 m
+/// and a view distance of 128 m, has 1.2 million; no layer of the presets and the demo has more than 0.5 million.
 constexpr double many_instances = 2e6;
 
-/// Main memory for an instance besides its floats in the renderer, as get_stats() shows it.
+/// Main memory for an instance besides its floats in the renderer, as shown by get_stats().
 constexpr double kept_bytes = 20.0;
 
 double expected_in_view(const LayerSnapshot &layer) {

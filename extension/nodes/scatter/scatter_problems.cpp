@@ -22,7 +22,7 @@ namespace thicket {
 
 namespace {
 
-/// What is wrong with one layer, whatever the others are.
+/// Adds the problems of one layer that do not depend on other layers.
 void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterGround> &p_ground, bool has_water,
 		PackedStringArray &r_problems) {
 	for (const String &problem : layer.problems()) {
@@ -42,8 +42,8 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 
 /// Float rounding in a chain of parents, which is no displacement.
 constexpr double basis_tolerance = 1e-4;
-constexpr double position_tolerance = 1e-3; // Meters,
-constexpr double position_share = 1e-6;     // and as a share of the offset.
+constexpr double position_tolerance = 1e-3; // Meters.
+constexpr double position_share = 1e-6;     // As a share of the offset.
 
 std::string text(glm::dvec3 vector) {
 	std::ostringstream stream;
@@ -70,7 +70,7 @@ bool is_displaced(const Node3D &node, glm::dvec3 offset) {
 	const Transform3D transform = node.get_global_transform();
 	const glm::dvec3 away = to_core(transform.origin) + offset;
 	const double tolerance = position_tolerance + position_share * glm::length(offset);
-	// A game that recenters may move the node along with its world: that is no displacement.
+	// A game that recenters may move the node along with its world, which is no displacement.
 	const bool is_moved = glm::length(to_core(transform.origin)) > position_tolerance && glm::length(away) > tolerance;
 	return is_moved || !is_identity(to_core(transform.basis));
 }

@@ -1,4 +1,4 @@
-// What keeps tiles from being made: printed once for each layer, and kept for the node's problems.
+// Errors that keep tiles from being generated: printed once for each layer, and kept for the node's problems.
 
 #include "nodes/scatter/scatter_stream.hpp"
 
@@ -11,7 +11,7 @@ using namespace godot;
 
 namespace thicket {
 
-/// An error of a tile that was made as its layer and the ground are now.
+/// Prints the error of a tile that was generated with the current layer and ground.
 void ScatterStream::report_once(const TileJob &job) {
 	const std::uint32_t index = job.request.key.layer;
 	const bool present = index < layers_.size() && layers_[index] != nullptr &&
@@ -24,8 +24,8 @@ void ScatterStream::report_once(const TileJob &job) {
 	}
 }
 
-/// After a frame without enough memory, which may have lost any tile on its way. What was under way is requested again, and what is on
-/// show is generated again.
+/// Call this after a frame without enough memory, which may have lost any tile on its way. Tiles in progress are requested again, and
+/// visible tiles are generated again.
 void ScatterStream::start_over() {
 	const auto is_seen = [](const std::shared_ptr<TileJob> &job) {
 		return !job->unseen;
@@ -42,7 +42,7 @@ void ScatterStream::start_over() {
 	}
 }
 
-/// An error of the ground in a re-check. Only one is printed, whether a tile or a re-check meets it first.
+/// Reports an error of the ground in a re-check. Only one is printed, no matter whether a tile or a re-check finds it first.
 void ScatterStream::report_recheck(const Status &status) {
 	const auto has_failed = [](const LayerFailure &failure) {
 		return !failure.sentence.is_empty();

@@ -15,7 +15,7 @@ namespace {
 /// Heights to read in one frame.
 constexpr std::size_t heights_per_frame = 16;
 
-/// What re-checks may take of a frame's budget, on average: one part of so many.
+/// Re-checks may take one part in this many of a frame's budget, on average.
 constexpr int budget_parts = 16;
 
 /// Time that re-checks may save up, as a number of frames.
@@ -32,7 +32,7 @@ bool ScatterStream::rechecks() const {
 	return ground.is_valid() && ground->rechecks();
 }
 
-/// Once a frame. A height that takes longer than the time allowed, as in a slow script, is paid for by frames without any.
+/// Called once per frame. If a height takes longer than the time allowed, for example in a slow script, the following frames read none.
 void ScatterStream::allow_recheck(Clock::duration budget) {
 	const Clock::duration share = budget / budget_parts;
 	recheck_left_ = std::min(recheck_left_ + share, saved_frames * share);
@@ -47,7 +47,7 @@ bool ScatterStream::recheck_step() {
 	return recheck_heights(heights_per_frame) > 0;
 }
 
-/// Reads the ground of a few positions; returns of how many. A script that is called for it may do anything, even free this object.
+/// Reads the ground at a few positions and returns their number. A script that is called for it may do anything, even free this object.
 std::size_t ScatterStream::recheck_heights(std::size_t most) {
 	recheck_due_ = false;
 	const bool has_failed = !recheck_failure_.sentence.is_empty();

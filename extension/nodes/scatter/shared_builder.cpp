@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// Points of a tile whose workspace is kept.
+/// A workspace is kept up to this number of points in its tile.
 constexpr std::size_t most_points_kept = 1 << 16;
 
 } // namespace
@@ -19,7 +19,7 @@ std::unique_ptr<TileBuilder> SharedBuilder::take() {
 	{
 		const std::lock_guard lock(mutex_);
 		if (!spare_.empty()) {
-			// Fast path: the memory of an earlier tile serves again.
+			// Fast path: the memory of an earlier tile is reused.
 			std::unique_ptr<TileBuilder> builder = std::move(spare_.back());
 			spare_.pop_back();
 			return builder;

@@ -14,7 +14,7 @@
 
 namespace thicket {
 
-/// Generates tiles on the threads of its callers, several at once. Keeps the points around, and a few workspaces.
+/// Generates tiles on the threads of its callers, several at a time. Keeps surrounding points and a few workspaces for reuse.
 class SharedBuilder {
 public:
 	Status build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const KeptTile> &r_tile);

@@ -1,4 +1,4 @@
-// What the engine is told of TerrainScatter3D: methods, properties and signals.
+// The methods, properties and signals of TerrainScatter3D in ClassDB.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -19,8 +19,8 @@ constexpr ThreadRule frame{
 
 } // namespace
 
-// Makes these complete before a method that gives one is named: for WebAssembly, clang 19 else declares it as one that gives
-// nothing, and the linker puts a function that traps in its place.
+// These types must be complete before a method that returns one is named. Otherwise clang 19 for WebAssembly declares that method as
+// returning nothing, and the linker replaces it with a function that traps.
 static_assert(std::is_destructible_v<TypedArray<Vector2i>> && std::is_destructible_v<Ref<ScatterTile>> &&
 		std::is_destructible_v<TypedArray<ScatterExplanation>>);
 

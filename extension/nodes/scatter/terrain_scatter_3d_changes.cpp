@@ -22,13 +22,13 @@ namespace thicket {
 
 namespace {
 
-/// Meters around a change of the ground in which slopes may be others: heights are compared over less than that.
+/// Meters around a change of the ground in which slopes may change: heights are compared over less than that.
 constexpr double slope_margin = 1.0;
 
-/// Meters around a single position that stand for it, since a rectangle without an area is no change.
+/// Meters around a single position that represent it, because a rectangle without an area is no change.
 constexpr double point_margin = 1e-3;
 
-/// A rectangle of the engine; all of the world for one without an area, or that is not finite.
+/// A rectangle of the engine; the whole world for one without an area, or that is not finite.
 Rect world_rect(const Rect2 &p_rect) {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 	const glm::dvec2 corner{p_rect.position.x, p_rect.position.y};
@@ -37,7 +37,7 @@ Rect world_rect(const Rect2 &p_rect) {
 	return rect.empty() || !rect.finite() ? Rect{glm::dvec2(-infinity), glm::dvec2(infinity)} : rect;
 }
 
-/// Adds an order for each tile of a layer that stands. Returns which of the tiles each order is for.
+/// Adds an order for each tile of an existing layer. Returns the tile index of each order.
 std::vector<std::size_t> order_tiles(
 		std::span<const SharedSnapshot> layers, std::span<const WorldTile> tiles, std::vector<TileOrder> &r_orders) {
 	std::vector<std::size_t> ordered;
@@ -62,9 +62,9 @@ void TerrainScatter3D::mark_dirty() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<LayerWatch> watch = layer_watch_;
 	const TypedArray<ScatterLayer> layers = all_layers();
-	// One that was taken out of the tree, as undo does, leaves layers that others share as they are.
+	// A node that was taken out of the tree, as undo does, does not change layers that others share.
 	const bool gives = is_inside_tree() || !was_inside_;
-	// Layers that get an id tell scripts, which may free this node.
+	// Layers that get an ID emit a signal to scripts, which may free this node.
 	watch->look(layers, node_layers_.own_count(), gives);
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
@@ -84,11 +84,11 @@ void TerrainScatter3D::mark_dirty() {
 	}
 	if (!(names == layer_names_)) {
 		layer_names_ = names;
-		regions_.update_warnings(); // They may name layers.
+		regions_.update_warnings(); // Warnings may name layers.
 	}
 }
 
-/// In the tree, what the node reads in its frames is the main thread's alone.
+/// While the node is in the tree, only the main thread may change the resources that it reads in its frames.
 void TerrainScatter3D::use_resources() {
 	if (!running_) {
 		return;
@@ -114,7 +114,7 @@ void TerrainScatter3D::use_resources() {
 void TerrainScatter3D::notice_layers() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
-		biomes->notice(); // Tells scripts, which may free this node.
+		biomes->notice(); // Notifies scripts, which may free this node.
 	}
 	if (gameplay->alive() && layer_watch_->differs(all_layers())) {
 		mark_dirty();
@@ -149,7 +149,7 @@ void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 	mark_edited();
 }
 
-/// Found by a re-check. The tile there is regenerated; whether others differ, their own heights tell.
+/// Found by a re-check. The tile there is regenerated; other tiles have their own heights to compare.
 void TerrainScatter3D::mark_ground_changed(glm::dvec2 position) {
 	ground_change_.add({position, position}, point_margin);
 	mark_edited();
@@ -181,7 +181,7 @@ void TerrainScatter3D::refresh() {
 	std::shared_ptr<const Terrain> former;
 	if (!ground_change.empty() && ground.is_valid()) {
 		std::shared_ptr<const Terrain> terrain =
-				ground->snapshot(get_instance_id()); // Asks scripts, and so does the next.
+				ground->snapshot(get_instance_id()); // Calls scripts, and so does the next call.
 		if (!gameplay->alive() || !(ground == ground_)) {
 			return;
 		}
@@ -213,7 +213,7 @@ void TerrainScatter3D::refresh() {
 	}
 }
 
-/// Whether ground that was still being read can be had now.
+/// Whether ground that was still being read is now available.
 bool TerrainScatter3D::waits_for_ground() const {
 	return !ground_change_.empty() && ground_.is_valid() && !ground_->is_pending(get_instance_id());
 }
@@ -224,7 +224,7 @@ LayerWorld TerrainScatter3D::layer_world() {
 			Engine::get_singleton()->is_editor_hint() ? previews_ : none};
 }
 
-/// Tiles for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
+/// Generates tiles for callers that cannot wait. Captures by value, so that scripts that are called for the ground cannot affect it.
 TileMaker TerrainScatter3D::tile_maker() const {
 	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = at_once_,
 				   ground = HostedGround{ground_, get_instance_id()}](
@@ -244,7 +244,7 @@ TileMaker TerrainScatter3D::tile_maker() const {
 	};
 }
 
-/// The same for other threads, which call no script and ask nothing of the scene.
+/// The same for other threads: calls no script and reads nothing of the scene.
 TileMaker TerrainScatter3D::worker_tile_maker() const {
 	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = std::make_shared<SharedBuilder>(),
 				   available = ground_.is_valid() && ground_->is_available()](

@@ -1,4 +1,4 @@
-// What scripts set and read of a TerrainScatter3D.
+// The properties and simple methods of TerrainScatter3D, as scripts use them.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -44,7 +44,7 @@ void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
 
 void TerrainScatter3D::set_biomes(const Ref<ScatterBiomeMap> &p_biomes) {
 	if (biomes_ == p_biomes) {
-		// Fast path: what they say is in the picture.
+		// Fast path: the biomes are unchanged.
 		return;
 	}
 	watch(biomes_.ptr(), "changed", this, "_mark_dirty", false);
@@ -82,7 +82,7 @@ void TerrainScatter3D::watch_ground(bool p_watch) {
 void TerrainScatter3D::set_ground(const Ref<ScatterGround> &p_ground) {
 	const Ref<ScatterGround> ground = current_ground(p_ground);
 	if (ground_ == ground) {
-		// Fast path: all stands on it.
+		// Fast path: the ground is unchanged.
 		return;
 	}
 	watch_ground(false);
@@ -129,7 +129,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	const glm::dvec3 offset{p_offset.x, p_offset.y, p_offset.z};
 	if (offset == world_offset_) {
-		// Fast path: all is where it should be.
+		// Fast path: the offset is unchanged.
 		return;
 	}
 	world_offset_ = offset;
@@ -141,7 +141,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 		ground_->set_world_offset(this, offset);
 	}
 	if (regions_.mark_all()) {
-		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
+		mark_edited(); // Regions that have not moved with the scene have a new position in the world.
 	}
 }
 
@@ -214,7 +214,7 @@ Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector
 	if (!find_layer_index("get_tile", p_layer, layer)) {
 		return memnew(ScatterTile);
 	}
-	while (display().patch_step()) { // What is read back is what is drawn: what has changed has to be drawn first.
+	while (display().patch_step()) { // The result shows the drawn content, so pending changes have to be drawn first.
 	}
 	display().patch();
 	const std::shared_ptr<const TileDisplay> display(stream_, &stream_->display());
@@ -233,7 +233,7 @@ Ref<ScatterTile> TerrainScatter3D::build_tile(const Variant &p_layer, const Vect
 	});
 }
 
-/// What stands in the rectangle of the world that `rect_of` gives for the layer.
+/// The instances in the world rectangle that `rect_of` returns for the layer.
 Ref<ScatterTile> TerrainScatter3D::build(
 		const char *p_method, const Variant &p_layer, const std::function<Rect(const LayerSnapshot &)> &rect_of) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
@@ -254,7 +254,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 	KeptTile tile;
 	if (status.ok() && gameplay->alive()) {
 		const HostedGround ground{
-				ground_, get_instance_id()}; // A script that is asked for the ground may free this node.
+				ground_, get_instance_id()}; // A script that is called for the ground may free this node.
 		const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
 		const std::shared_ptr<AtOnceBuilder> builder = at_once_;
 		TileInstances made;
@@ -269,7 +269,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 					   : Ref<ScatterTile>(memnew(ScatterTile));
 }
 
-/// Microseconds, of the parts that took any.
+/// Microseconds of the parts that took any time.
 Dictionary TerrainScatter3D::to_dictionary(const FrameTimes &times) {
 	constexpr std::array<const char *, static_cast<std::size_t>(FramePart::count)> names{"follow", "gameplay", "made",
 			"wanted", "ask_ground", "upload", "free", "lod", "divide", "fade", "rings", "recheck", "told", "patched",
