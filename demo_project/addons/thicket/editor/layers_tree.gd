@@ -1,12 +1,13 @@
 @tool
 extends Tree
-## The layers of a scatter as rows: a picture, the name, how many are on show, and marks. It says what a designer wants; others do it.
+## The layers of a scatter as rows: a picture, the name, the number of visible instances, and marks. It only emits signals for the user's
+## actions; other objects handle them.
 
 const Copies := preload("res://addons/thicket/editor/layer_copies.gd")
 const Marks := preload("res://addons/thicket/editor/layer_marks.gd")
 const MeshDrop := preload("res://addons/thicket/editor/mesh_drop.gd")
 
-## Rows were chosen; the one that was clicked last comes first.
+## The user chose rows; the one that was clicked last is the first.
 signal layers_chosen(layers: Array[ScatterLayer])
 signal layer_renamed(layer: ScatterLayer, name: String)
 ## Layers were dragged to before the index [param to].

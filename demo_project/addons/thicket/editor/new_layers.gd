@@ -1,10 +1,11 @@
 @tool
 extends RefCounted
-## Makes layers of meshes, scenes and models: named after their files, as far apart as they are wide, and with room for each other.
+## Creates layers for meshes, scenes and models. They are named after their files, their radius fits the width of the mesh, and they
+## keep distances to each other.
 
 const Copies := preload("res://addons/thicket/editor/layer_copies.gd")
 
-## Meters that a layer is seen from, for each meter of its radius, between these; and the side of its tiles.
+## The view distance of a layer, in meters per meter of its radius, with its limits, and the same for the side of its tiles.
 const VIEW := 100.0
 const VIEW_RANGE := Vector2(10.0, 600.0)
 const TILE := 30.0
