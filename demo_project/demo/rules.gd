@@ -15,7 +15,7 @@ const STOPS: Array[Dictionary] = [
 ]
 ## World x and z of the clearing at the start and at the end of its path.
 const WAY: Array[Vector2] = [Vector2(-105.0, -160.0), Vector2(5.0, -170.0)]
-## Seconds for the way there and back.
+## Seconds for the path there and back.
 const PERIOD := 40.0
 
 var _walked := 0.0
