@@ -23,7 +23,7 @@ const UNWRITABLE := "Cannot write %s: %s. Check that the folder has room and may
 var problem := ""
 ## From 0 to 1.
 var progress := 0.0
-## Instances written so far.
+## Instances written by the current or the last bake.
 var instances := 0
 ## The path of the scene, once [method step] has returned false without a [member problem].
 var scene_path := ""

@@ -36,7 +36,7 @@ For a driver, in place of out and what follows it: connect=PORT and token=WORD."
 const NO_SCATTER := "is no TerrainScatter3D"
 const NO_GROUND := "is no ground"
 const NOT_SETTLED := "is a scatter that still waits for its ground"
-## What the user can do about each.
+## The remedy for each, for the user.
 const REMEDIES: Dictionary[String, String] = {
 	NO_SCATTER: "Add one, or set node to its path.", NO_GROUND: "Set TerrainScatter3D.ground.",
 	NOT_SETTLED: "Raise wait, or check that the ground has heights.",
