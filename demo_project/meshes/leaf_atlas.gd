@@ -2,9 +2,9 @@ extends RefCounted
 ## Draws the leaves and the bark of all plants into one small texture, once per run: original artwork from ellipses, strokes and
 ## noise.
 ##
-## The atlas has broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (in the same direction), opaque
-## white, and columns of bark that repeat from top to bottom, so that the bark has the same size on a trunk of any length. The color
-## is a brightness, which the vertex color tints. Alpha is for the alpha scissor.
+## The atlas has broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (in the same direction), and
+## opaque white. It also has columns of bark, which repeat from top to bottom, so that the bark has the same size on a trunk of any
+## length. The color is a brightness, which the vertex color tints. Alpha is for the alpha scissor.
 
 const SIZE := Vector2i(1248, 512)
 ## The side of a leaf's square in texels.

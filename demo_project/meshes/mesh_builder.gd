@@ -126,7 +126,7 @@ func cone(base: Vector3, radius: float, height: float, sides: int, notch: float,
 		triangle(apex, first + i, first + (i + 1) % sides)
 
 
-## Ends the last level and sets the distances in meters from which levels 1, 2, ... are drawn; one fewer than the levels.
+## Sets the distances in meters from which levels 1, 2, ... are drawn; one fewer than the levels.
 func end(distances: PackedFloat32Array) -> void:
 	assert(distances.size() == _levels.size() - 1)
 	_distances = distances

@@ -1,6 +1,6 @@
 extends RefCounted
-## Writes the instances in a rectangle as Godot resources: a [MultiMesh] for each layer, mesh and tile, the meshes that have no
-## file of their own, and a scene of [MultiMeshInstance3D]s, each at the center of its tile.
+## Writes the instances in a rectangle as Godot resources: a [MultiMesh] for each layer, mesh and tile, and the meshes that have
+## no file of their own. It also writes a scene with a [MultiMeshInstance3D] for each [MultiMesh], at the center of its tile.
 ##
 ## For scatter that never changes, and for tools that read scenes. It works without the editor:
 ## [codeblock]
