@@ -1,5 +1,5 @@
 extends RefCounted
-## The ground of a [ScatterGround] in the words that camera and tile borders ask for it.
+## Provides a [ScatterGround] to the camera and the tile borders, which call [method height].
 
 var _ground: ScatterGround
 
@@ -8,6 +8,6 @@ func _init(ground: ScatterGround) -> void:
 	_ground = ground
 
 
-## Height of the ground in meters at world x and z; NAN where there is none.
+## Height of the ground in meters at world x and z; NAN if there is no ground.
 func height(x: float, z: float) -> float:
 	return _ground.get_height(Vector3(x, 0.0, z))

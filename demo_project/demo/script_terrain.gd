@@ -1,5 +1,6 @@
 extends "res://demo/stage.gd"
-## The scene with a ground of its own: an island by a formula, drawn from the same script that the scatter asks.
+## The scene with a ground in GDScript: an island from a formula, drawn with the same script that the scatter
+## queries.
 
 const DemoGround := preload("res://demo/demo_ground.gd")
 const STOPS: Array[Dictionary] = [

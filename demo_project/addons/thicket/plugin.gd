@@ -1,15 +1,16 @@
 @tool
 extends EditorPlugin
-## Gives the editor Thicket's tools once the native library is loaded. Without it, the plugin warns once and leaves the editor as it is.
+## Adds Thicket's tools to the editor once the native library is loaded. Without the library, the plugin warns once and does not change the
+## editor.
 ##
 ## The editor compiles this script in either case, so it names none of the library's classes: [code]editor/workspace.gd[/code] does the work.
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 
-## The tools, an object of [code]editor/workspace.gd[/code]; null while there are none.
+## The tools, an object of [code]editor/workspace.gd[/code]; null if they are not loaded.
 var workspace: RefCounted
 
-var _tried := false ## To open the tools, with the library.
+var _tried := false ## True if opening the tools was tried with the library loaded.
 
 
 func _enter_tree() -> void:
@@ -22,7 +23,7 @@ func _exit_tree() -> void:
 		workspace = null
 
 
-## The library may come while the editor runs: once it is built, or once the whole add-on is copied into the project.
+## The library may be loaded while the editor runs: once it is built, or once the whole add-on is copied into the project.
 func _process(delta: float) -> void:
 	if workspace != null:
 		workspace.process(delta)

@@ -1,6 +1,7 @@
 @tool
 extends "res://addons/thicket/editor/wrapping_row.gd"
-## What stands above the 3D view while a scatter is selected: its tools with their settings, the layer that they work on, presets, bake.
+## The toolbar above the 3D view while a scatter is selected: tools with their settings, the layer that they work on, presets, bakes and
+## imports.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const HandTool := preload("res://addons/thicket/editor/hand/hand_tool.gd")
@@ -16,16 +17,16 @@ const WhyTool := preload("res://addons/thicket/editor/explain/why_tool.gd")
 signal preset_chosen(name: String)
 signal bake_requested
 signal import_requested
-## Tools work on other layers: [member chosen] has changed.
+## [member chosen] has changed: tools work on these layers now.
 signal layers_chosen
-## The view is to be drawn again.
+## The view must be drawn again.
 signal redraw_requested
 
-## The brush.
+## Paints masks.
 var paint := PaintTool.new()
 ## Plants and changes single instances.
 var hand := HandTool.new()
-## Says why something stands at a place or does not.
+## Explains why instances are placed at a position or not.
 var why := WhyTool.new()
 ## Draws the outline of a region.
 var polygon := PolygonTool.new()
@@ -35,7 +36,7 @@ var rectangle := RectangleTool.new()
 var tools: Array[ScatterTool] = [paint, hand, why, polygon, rectangle]
 ## Adds regions.
 var regions := RegionMenu.new()
-## The layers that tools work on, the first of them before all others.
+## The layers that tools work on; the first is the main one.
 var chosen: Array[ScatterLayer] = []
 
 var _scatter: TerrainScatter3D
@@ -74,7 +75,8 @@ func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
 	add_child(imports)
 
 
-## Gives all tools a scatter; null for none. Another one puts the tool that is on away, so that a click on another node cannot paint.
+## Sets the scatter of all tools; null for none. A new scatter turns the active tool off, so that a click on a different node cannot
+## paint.
 func set_scatter(scatter: TerrainScatter3D) -> void:
 	for tool in tools:
 		tool.finish()
@@ -86,7 +88,7 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 	update_layers()
 
 
-## Shows the layers that the scatter has now. The chosen ones stay if they are among them; else it is the first.
+## Updates the list of layers. The chosen layers stay chosen if the scatter still has them; else the first layer is chosen.
 func update_layers() -> void:
 	_layers.clear()
 	var layers := _scatter_layers()
@@ -100,14 +102,14 @@ func update_layers() -> void:
 	choose_layers(left)
 
 
-## Chooses the layer at an index in the scatter's list, if it is there.
+## Chooses the layer at an index in the scatter's list, if there is one.
 func choose_layer(index: int) -> void:
 	var layers := _scatter_layers()
 	if index >= 0 and index < layers.size() and layers[index] != null:
 		choose_layers([layers[index]])
 
 
-## Chooses layers of the scatter, the first before all others.
+## Chooses layers of the scatter; the first is the main one.
 func choose_layers(layers: Array[ScatterLayer]) -> void:
 	var others := layers != chosen
 	chosen = layers
@@ -124,7 +126,7 @@ func choose_layers(layers: Array[ScatterLayer]) -> void:
 		layers_chosen.emit()
 
 
-## The tool that is on; null for none.
+## Returns the tool that is on; null if there is none.
 func active_tool() -> ScatterTool:
 	for tool in tools:
 		if tool.is_on():
@@ -132,7 +134,7 @@ func active_tool() -> ScatterTool:
 	return null
 
 
-func _notification(what: int) -> void: # The base gets it, too.
+func _notification(what: int) -> void: # The base class is notified as well.
 	if what == NOTIFICATION_THEME_CHANGED:
 		Controls.update_icons(self)
 

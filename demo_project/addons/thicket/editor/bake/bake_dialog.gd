@@ -1,24 +1,25 @@
 @tool
 extends ConfirmationDialog
-## Asks what to bake of a scatter and where to, bakes over many frames, and shows how far it is.
+## The dialog for bakes: the user chooses the rectangle, the layers and the folder. It bakes over
+## many frames, and shows the progress.
 
 const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const Job := preload("res://addons/thicket/bake.gd")
 const Replacement := preload("res://addons/thicket/editor/bake/bake_replacement.gd")
 
-## Milliseconds of a frame for baking.
+## Milliseconds of each frame for baking.
 const SLICE_MSEC := 20.0
-## Meters: the side of the rectangle that is offered first.
+## The side in meters of the rectangle that is offered first.
 const SIDE := 256.0
 
-## It is over: the bake is written, or given up, or has failed.
+## The bake has ended: it is written, was canceled, or has failed.
 signal finished(written: bool)
-## The rectangle is to be drawn in the view; [method take_drawn] gets it.
+## The user wants to draw the rectangle in the view; [method take_drawn] receives it.
 signal drawing_requested
 
-## What bakes, or has baked last.
+## The current or the last bake.
 var job := Job.new()
-## How what stands by hand is taken away where the baked replaces it.
+## Removes hand-placed instances where the baked scene replaces them.
 var edits: HandEdits
 
 var _scatter: TerrainScatter3D
@@ -80,7 +81,7 @@ func _init() -> void:
 	set_process(false)
 
 
-## Asks about a scatter; offers a rectangle around a position in the world.
+## Opens the dialog for a scatter, and offers a rectangle around a world position.
 func open(scatter: TerrainScatter3D, around: Vector3) -> void:
 	fill(scatter, Rect2(Vector2(around.x, around.z).round() - Vector2(SIDE, SIDE) * 0.5, Vector2(SIDE, SIDE)))
 	popup_centered()
@@ -108,24 +109,25 @@ func fill(scatter: TerrainScatter3D, rect: Rect2) -> void:
 	_state.text = ""
 
 
-## The rectangle that was drawn in the view; an empty one if that was given up. Asks on.
+## Takes the rectangle that was drawn in the view, or an empty one if drawing was canceled, and
+## opens the dialog again.
 func take_drawn(rect: Rect2) -> void:
 	if rect.has_area():
 		_show(rect)
 	popup_centered()
 
 
-## Whether [method start] puts what it bakes into the scene.
+## Sets whether [method start] replaces the scatter in the scene by the baked scene.
 func choose_replacing(on: bool) -> void:
 	_replace.button_pressed = on
 
 
-## Where files go, for [method start].
+## Sets the folder for the files of [method start].
 func choose_folder(folder: String) -> void:
 	_folder.text = folder
 
 
-## Bakes what the form says.
+## Starts a bake with the settings of the form.
 func start() -> void:
 	if is_processing() or not is_instance_valid(_scatter):
 		return
@@ -140,7 +142,7 @@ func start() -> void:
 	_set_running(true)
 
 
-## Gives up; nothing of the bake is left.
+## Cancels the bake and removes everything that it has written.
 func stop() -> void:
 	if is_processing():
 		job.cancel()

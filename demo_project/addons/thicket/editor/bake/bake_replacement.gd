@@ -1,15 +1,15 @@
 @tool
 extends RefCounted
-## Puts a baked scene in place of what a scatter shows in the baked rectangle, as one step of undo.
+## Replaces the instances of a scatter in a baked rectangle by the baked scene, as one undo step.
 
 const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
 
-## Adds the scene at [param scene_path] below the scatter, a region that keeps the baked layers (indices in the scatter's list) out of
-## [param rect], and takes away what stands there by hand, so that nothing stands twice. The region follows no neighbor: a layer that was
-## not baked and keeps its distance from a baked one counts that as gone. Returns what stands in the way, in a sentence; empty if
-## it is done.
+## Adds the scene at [param scene_path] below the scatter, and a region that keeps the baked layers (indices in the scatter's list) out
+## of [param rect]. Removes hand-placed instances there, so that nothing is placed twice. The region does not consider neighbors: for a
+## layer that was not baked and keeps a distance to a baked one, the baked instances are gone. Returns the reason if it failed, as a
+## sentence; empty on success.
 static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: PackedInt32Array) -> String:
 	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
 	if packed == null:
@@ -37,7 +37,7 @@ static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: Str
 	return ""
 
 
-## The layers as a region names them; none for all.
+## The layers as a region refers to them; empty for all.
 static func _references(scatter: TerrainScatter3D, chosen: PackedInt32Array) -> Array:
 	var layers := scatter.layers
 	var references: Array = []
@@ -48,7 +48,7 @@ static func _references(scatter: TerrainScatter3D, chosen: PackedInt32Array) -> 
 	return references if chosen.size() < layers.size() - layers.count(null) else []
 
 
-## What stands by hand in a rectangle.
+## The ids of the hand-placed instances in a rectangle.
 static func _by_hand(scatter: TerrainScatter3D, rect: Rect2, chosen: PackedInt32Array) -> PackedInt64Array:
 	var found := PackedInt64Array()
 	var state := scatter.state

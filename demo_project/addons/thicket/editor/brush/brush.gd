@@ -1,21 +1,21 @@
 @tool
 extends RefCounted
-## Paints the density of layers: a stroke is a row of dabs, and one step of undo, however many layers it is for.
+## Paints the density of layers. A stroke is a row of dabs, and one undo step for all its layers.
 
 const MaskStroke := preload("res://addons/thicket/editor/brush/mask_stroke.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## Dabs are this part of the radius apart.
+## The distance between dabs, as a part of the radius.
 const SPACING := 0.25
 
 var mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
-## Meters, above 0.
+## In meters, above 0.
 var radius := 8.0
-## How far a single dab goes in its middle, 0 to 1.
+## The effect of a single dab at its center, 0 to 1.
 var strength := 0.5
 ## The part of the radius within which the strength is full, 0 to 1.
 var hardness := 0.5
-## Where masks are kept.
+## Manages the files of masks.
 var files := SceneFiles.new()
 
 var _scatter: TerrainScatter3D
@@ -31,9 +31,9 @@ func is_painting() -> bool:
 	return not _strokes.is_empty()
 
 
-## Starts a stroke on layers of a scatter with a dab at world x and z. Without a mask a layer gets one: empty for
-## painting, so that it stands only where it is painted, and full for erasing. Returns what stands in the way, in
-## a sentence; empty if the stroke has begun.
+## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one: an empty
+## mask for painting, so that the layer grows only where it is painted, and a full one for erasing. Returns the
+## reason if the stroke cannot begin, as a sentence; empty on success.
 func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
 		at: Vector2) -> String:
 	finish(null)
@@ -60,7 +60,7 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 	return ""
 
 
-## Goes on to world x and z, with dabs on the way.
+## Continues the stroke to world x and z, with dabs on the way.
 func move(at: Vector2) -> void:
 	if not is_painting():
 		return
@@ -73,7 +73,7 @@ func move(at: Vector2) -> void:
 		_dab(_last)
 
 
-## Ends the stroke and makes it a step of undo, unless nothing has changed.
+## Ends the stroke and adds an undo step, unless nothing has changed.
 func finish(undo_redo: EditorUndoRedoManager) -> void:
 	var befores: Array[Dictionary] = []
 	var afters: Array[Dictionary] = []
@@ -100,13 +100,13 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 	_strokes.clear()
 
 
-## Puts packed blocks of pixels back; for undo.
+## Restores packed blocks of pixels; for undo.
 func restore(mask: ScatterMask, blocks: Dictionary) -> void:
 	MaskStroke.put(mask, blocks)
 	files.mark(mask)
 
 
-## Layers may share a mask, which is painted once.
+## Returns the stroke on a mask. Layers may share a mask, which is then painted once.
 func _stroke_of(mask: ScatterMask) -> MaskStroke:
 	for stroke in _strokes:
 		if stroke.mask == mask:

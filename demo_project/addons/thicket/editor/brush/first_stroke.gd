@@ -1,8 +1,9 @@
 @tool
 extends ConfirmationDialog
-## Asks what the first stroke with Paint on a layer without a mask means: the layer stands everywhere, so there is nothing to add.
+## The dialog for the first stroke with Paint on a layer without a mask. The layer grows everywhere already, so the user chooses
+## what the stroke means.
 
-## What was chosen, by the brush's mode, for the stroke that began at world x and z.
+## The user chose a brush mode for the stroke that began at world x and z.
 signal chosen(mode: ScatterMask.Mode, at: Vector2)
 
 const TEXT := "%s grows wherever its rules permit, so there is nothing to add.\n
@@ -23,7 +24,7 @@ func _init() -> void:
 	custom_action.connect(func(_action: StringName) -> void: _choose(ScatterMask.MODE_ERASE))
 
 
-## Opens for layers of these names, of which so many instances are on show.
+## Opens for layers with these names and this number of visible instances.
 func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
 	_at = at
 	var gone := "All others of the %d visible instances go." % instances if instances > 0 else ""

@@ -1,15 +1,15 @@
 @tool
 extends "res://addons/thicket/editor/ground/ground_overlay.gd"
-## Shows what is painted on a layer while the brush is on: green where the layer may stand and red where it may not.
+## Shows the mask of a layer while the brush is on: green where the layer may grow, and red where it may not.
 
 const STANDS := Color(0.35, 0.95, 0.3, 0.2)
 const GONE := Color(1.0, 0.25, 0.2, 0.4)
 
 var _mask: ScatterMask
-var _version := 0 ## One state of the mask from another.
+var _version := 0 ## Increases with each change of the mask.
 
 
-## Takes a mask to show; null for none.
+## Sets the mask to show; null for none.
 func watch(mask: ScatterMask) -> void:
 	if mask == _mask:
 		return
@@ -20,10 +20,10 @@ func watch(mask: ScatterMask) -> void:
 		_mask.area_changed.connect(_on_changed)
 
 
-## Draws the mask over the ground around a place of it, seen from [param away] meters; while nothing has changed, it does nothing.
+## Draws the mask on the ground around a position, seen from [param away] meters. Does nothing if nothing has changed.
 func show(scatter: TerrainScatter3D, around: Vector3, away: float) -> void:
 	cover(scatter, around, away, [_mask, _version], _sample)
-	while not is_complete(): # A stroke is seen at once.
+	while not is_complete(): # A stroke must be visible immediately.
 		work(100000)
 
 

@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## What a stroke of the brush changes of one mask: those blocks of pixels that have changed, packed, as they were and as they are.
+## The changes of a brush stroke to one mask: the blocks of pixels that have changed, compressed, before and after.
 
 ## Pixels along the side of a block.
 const BLOCK := 64
 
 var mask: ScatterMask
-## Layers that had no mask before the stroke, and share this one now.
+## Layers that had no mask before the stroke and now share this one.
 var new_layers: Array[ScatterLayer] = []
 
 var _before: Dictionary[Vector2i, PackedByteArray] = {}
@@ -16,7 +16,7 @@ func _init(painted: ScatterMask) -> void:
 	mask = painted
 
 
-## A dab at world x and z; the rest as in [method ScatterMask.paint].
+## Adds a dab at world x and z. The other parameters are those of [method ScatterMask.paint].
 func dab(at: Vector2, radius: float, strength: float, hardness: float, mode: ScatterMask.Mode) -> void:
 	var reach := Vector2(radius, radius)
 	var touched := mask.get_pixel_rect(Rect2(at - reach, 2.0 * reach))
@@ -30,7 +30,7 @@ func dab(at: Vector2, radius: float, strength: float, hardness: float, mode: Sca
 	mask.paint(at, radius, strength, hardness, mode)
 
 
-## The blocks that have changed, as they were and as they are now.
+## Returns the blocks that have changed, before and after.
 func changes(r_before: Dictionary, r_after: Dictionary) -> void:
 	for block in _before:
 		var now := mask.get_pixels(_pixels(block))
@@ -39,7 +39,7 @@ func changes(r_before: Dictionary, r_after: Dictionary) -> void:
 			r_after[block] = now.compress(FileAccess.COMPRESSION_ZSTD)
 
 
-## Puts packed blocks of pixels back.
+## Restores packed blocks of pixels.
 static func put(painted: ScatterMask, blocks: Dictionary) -> void:
 	for block: Vector2i in blocks:
 		var packed: PackedByteArray = blocks[block]

@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## The brush: paints where a layer stands, and shows what is painted.
+## The brush: paints the mask of a layer, and shows it.
 
 const Brush := preload("res://addons/thicket/editor/brush/brush.gd")
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
@@ -19,11 +19,11 @@ const MODE_TIPS: PackedStringArray = [
 const COLORS: Array[Color] = [Color(0.5, 1.0, 0.45), Color(1.0, 0.45, 0.35), Color(0.45, 0.75, 1.0)]
 
 var brush := Brush.new()
-## Asks what painting a layer that stands everywhere means.
+## Asks what the first stroke on a layer without a mask means.
 var first_stroke := FirstStroke.new()
-## What is painted on the chosen layer.
+## Shows the mask of the chosen layer.
 var mask_overlay := MaskOverlay.new()
-## Why the last stroke could not be made, in a sentence; empty if it could.
+## The reason why the last stroke failed, as a sentence; empty if it succeeded.
 var problem := ""
 
 var _cursor := GroundCursor.new()
@@ -59,13 +59,13 @@ func _init() -> void:
 	add_child(first_stroke)
 
 
-## Chooses what the left button does.
+## Chooses the mode of the left button.
 func choose_mode(mode: ScatterMask.Mode) -> void:
 	_modes[mode].button_pressed = true
 	_on_mode(mode)
 
 
-## Sets the brush: meters, and two parts from 0 to 1.
+## Sets the brush: the radius in meters, and strength and hardness from 0 to 1.
 func set_brush(radius: float, strength: float, hardness: float) -> void:
 	_radius.value = radius
 	_strength.value = strength * 100.0
@@ -90,7 +90,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 	var pressed := mouse as InputEventMouseButton
 	if pressed == null or pressed.button_index != MOUSE_BUTTON_LEFT or pressed.alt_pressed:
 		return NOT_MINE
-	# The button is the brush's, even where there is nothing to paint: a box to select with would lose the selection.
+	# The tool always takes the left button, because the editor's box selection would deselect the scatter.
 	if not pressed.pressed:
 		finish()
 	else:
@@ -112,7 +112,7 @@ func draw_over(overlay: Control) -> void:
 	_cursor.draw_dot(overlay, color)
 
 
-## The veil of the chosen layer's mask, while the brush is on.
+## Shows the mask of the chosen layer while the brush is on.
 func look() -> void:
 	var mask := layer.mask if is_on() and layer != null and ground() != null else null
 	mask_overlay.watch(mask)
@@ -145,7 +145,7 @@ func _on_key(key: InputEventKey) -> int:
 	return MINE
 
 
-## Begins a stroke at a place on the ground. Returns why it cannot, in a sentence.
+## Begins a stroke at a position on the ground. Returns the reason if it cannot, as a sentence.
 func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
 	if ground() == null:
 		return "There is no ground to paint on: set the ground of %s, or press Use as Ground." % scatter.name
@@ -170,7 +170,7 @@ func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
 	return brush.begin(scatter, unlocked(), scene_path(), mode, on_map)
 
 
-## A single dab, as the first of a layer; the brush goes on as it began.
+## Paints a single dab for the user's choice in the dialog, and keeps its mode for the brush.
 func _stroke_once(mode: ScatterMask.Mode, at: Vector2) -> void:
 	if not is_instance_valid(scatter) or unlocked().is_empty():
 		return

@@ -12,7 +12,7 @@ const TIPS: PackedStringArray = [
 	"How steep the ground is.",
 	"In which order the chosen layer thins: dark stands first and goes last. A place has the rank of the nearest point of the layer's set.",
 ]
-## Microseconds in a frame.
+## In each frame.
 const BUDGET := 4000
 const NONE := Color(0.0, 0.0, 0.0, 0.0)
 
@@ -26,8 +26,8 @@ var _kind := Kind.NOTHING
 var _name := ""
 
 
-## Draws what is asked for of the layer at an index, around a place of the ground, seen from [param away] meters; called again with the
-## same, it does nothing. [param version] tells one state of the settings from another.
+## Draws a kind of values of the layer at an index, around a position on the ground, seen from [param away] meters. Does nothing if it
+## was called with the same arguments before. [param version] must change when the settings change.
 func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, away: float, version: int) -> void:
 	var layers := ScatterLayers.of(scatter)
 	var chosen: ScatterLayer = layers[layer] if layer >= 0 and layer < layers.size() else null
@@ -35,7 +35,7 @@ func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, aw
 		return hide()
 	_kind = kind
 	_name = "" if chosen == null else str(chosen.resource_name) if chosen.resource_name else "Layer %d" % layer
-	# Points are a radius apart: between larger quads their ranks would be a noise.
+	# Points are a radius apart: with larger quads, their ranks would look like noise.
 	var largest: float = chosen.radius * 0.5 if kind == Kind.RANK else INF
 	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, layer), largest)
 

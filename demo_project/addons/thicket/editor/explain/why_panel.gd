@@ -1,6 +1,7 @@
 @tool
 extends RefCounted
-## What the tool that explains writes beside the mouse: a line for each layer, with the sentence that says why it stands there or not.
+## The text that the Why tool shows beside the mouse: a line for each layer, with a sentence that explains why it is placed there or
+## not.
 
 const MOST_LINES := 12
 const WIDTH := 560.0
@@ -13,11 +14,11 @@ const DIM := Color(0.92, 0.92, 0.92, 0.65)
 var rows: Array[Array] = []
 
 
-## Writes the layers of a scatter as [method TerrainScatter3D.explain_position] explains them. Of the layer at [param chosen], all rules
-## are listed too.
+## Shows the layers of a scatter from the result of [method TerrainScatter3D.explain_position]. For the layer at [param chosen], all
+## rules are listed.
 func fill(explanations: Array, chosen: int) -> void:
 	rows.clear()
-	# The chosen layer stands first, so that it is never among those that are left out.
+	# The chosen layer is first, so that it is never among the omitted ones.
 	var ordered := explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer == chosen)
 	ordered.append_array(explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer != chosen))
 	for index in ordered.size():
@@ -33,12 +34,12 @@ func fill(explanations: Array, chosen: int) -> void:
 				rows.append([DIM, "    %s" % explanation.get_rule_sentence(rule)])
 
 
-## Writes one line.
+## Shows one line.
 func tell(sentence: String) -> void:
 	rows = [[PLAIN, sentence]]
 
 
-## Draws the rows beside a place of an overlay.
+## Draws the rows beside a position of an overlay.
 func draw(overlay: Control, beside: Vector2, pinned: bool) -> void:
 	var font := ThemeDB.fallback_font
 	var size := ThemeDB.fallback_font_size

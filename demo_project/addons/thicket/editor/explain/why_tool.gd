@@ -1,7 +1,7 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## Says why something stands at a place or does not: each layer's verdict beside the mouse, a click pins it; and colors the ground by
-## density, slope or rank.
+## Explains why instances are placed at a position or not: each layer's result is shown beside the mouse, and a click pins it. It can
+## color the ground by density, slope or rank.
 
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
@@ -9,21 +9,21 @@ const RuleOverlay := preload("res://addons/thicket/editor/explain/rule_overlay.g
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 const WhyPanel := preload("res://addons/thicket/editor/explain/why_panel.gd")
 
-## Milliseconds between two explanations while the mouse moves.
+## The minimum time in milliseconds between two explanations while the mouse moves.
 const PAUSE := 80
-## Pixels around a pin in which a click lets go of it.
+## The distance in pixels from the pin within which a click removes it.
 const NEAR := 24.0
 
 var panel := WhyPanel.new()
 var overlay := RuleOverlay.new()
-## Where the panel is pinned, in world meters; [constant Vector3.INF] while it follows the mouse.
+## The world position of the pin, in meters; [constant Vector3.INF] while the panel follows the mouse.
 var pinned := Vector3.INF
 
 var _cursor := GroundCursor.new()
 var _colors := OptionButton.new()
 var _asked_at := 0
 var _explained := Vector3.INF
-var _version := 0 ## One state of the settings from another.
+var _version := 0 ## Increases with each change of the settings.
 var _state: Array = []
 var _camera: Camera3D
 
@@ -38,7 +38,7 @@ func _init() -> void:
 	add_child(_colors)
 
 
-## Chooses what the colors on the ground show.
+## Chooses the colors on the ground.
 func choose_colors(kind: RuleOverlay.Kind) -> void:
 	_colors.select(kind)
 	look()
@@ -105,7 +105,7 @@ func finish() -> void:
 func _process(_delta: float) -> void:
 	overlay.work(RuleOverlay.BUDGET)
 	if is_on() and not pinned.is_finite() and _cursor.on_ground != _explained:
-		_explain(_cursor.on_ground, false) # Where the mouse has come to rest.
+		_explain(_cursor.on_ground, false) # The mouse has stopped here.
 
 
 func _on_toggled() -> void:
@@ -117,7 +117,7 @@ func _place_of(position: Vector3) -> Vector2:
 	return _cursor.to_overlay(position) if position.is_finite() and not _camera.is_position_behind(position) else Vector2.INF
 
 
-## What is shown is asked for again once the settings have changed and all follows them.
+## Updates the explanation and the colors when the settings have changed and the scatter has settled.
 func _notice_changes() -> void:
 	var state: Array = [scatter, ground(), layer_index, scatter.is_settled(), scatter.get_stats().tiles_made]
 	if state == _state:

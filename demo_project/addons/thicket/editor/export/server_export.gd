@@ -1,7 +1,7 @@
 @tool
 extends EditorExportPlugin
-## In an export as a dedicated server, which puts placeholders in place of meshes and textures, stores the parts of them that a server needs: convex
-## hulls, and images that are read as masks, heights and biomes. The resources themselves know what that is.
+## An export as a dedicated server replaces meshes and textures by placeholders. This plugin stores the parts of them that a server needs: convex
+## hulls, and images that are used as masks, heights and biomes. The resources themselves determine these parts.
 
 
 func _get_name() -> String:
@@ -12,7 +12,7 @@ func _begin_customize_resources(_platform: EditorExportPlatform, _features: Pack
 	return get_export_preset().is_dedicated_server()
 
 
-## A resource with a file of its own is changed only when that file is exported (`path`): elsewhere it may be the one that the editor has open.
+## Changes a resource with its own file only when that file is exported (`path`): elsewhere it may be the object that the editor has open.
 func _customize_resource(resource: Resource, path: String) -> Resource:
 	var is_elsewhere := path.is_empty() and resource.resource_path.begins_with("res://") and not "::" in resource.resource_path
 	return resource if not is_elsewhere and _embed(resource) else null
@@ -26,7 +26,7 @@ func _embed(resource: Resource) -> bool:
 	return resource is ScatterBiomeMap and (resource as ScatterBiomeMap).embed_stripped_data()
 
 
-## The engine keeps an exported file until the file itself or this number changes. What is stored comes from other files, too.
+## The engine reuses an exported file until the file itself or this number changes. The stored data also comes from other files.
 func _get_customization_configuration_hash() -> int:
 	return _hash_of(EditorInterface.get_resource_filesystem().get_filesystem())
 

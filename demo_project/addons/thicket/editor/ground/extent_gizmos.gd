@@ -1,16 +1,17 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws how far the layers of the selected [code]TerrainScatter3D[/code] reach: a line around the tiles that stand.
+## Draws the extent of the layers of the selected [code]TerrainScatter3D[/code]: a line around the tiles that are
+## shown.
 
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
 const COLOR := Color(0.99, 0.62, 0.5)
 const SIDES: Array[Vector2i] = [Vector2i.UP, Vector2i.RIGHT, Vector2i.DOWN, Vector2i.LEFT]
-## Heights that a drawing may ask for, all layers together.
+## The largest number of ground heights for one drawing, for all layers together.
 const MOST_HEIGHTS := 2000
 
-## The one that is selected; no other is drawn.
+## The selected scatter; no other is drawn.
 var scatter: TerrainScatter3D
 
 var _line := GroundLines.material(Color(COLOR, 0.6))
@@ -47,7 +48,7 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	gizmo.add_lines(lines.segments, _line)
 
 
-## The sides of tiles beyond which there is none.
+## Adds the sides of tiles that have no neighbor there.
 static func _add_edges(edges: Array[PackedVector2Array], tiles: Array, size: float) -> void:
 	var shown := {}
 	for tile: Vector2i in tiles:

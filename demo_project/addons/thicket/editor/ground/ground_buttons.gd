@@ -1,7 +1,7 @@
 @tool
 extends HBoxContainer
-## Makes what is selected in the scene the ground of a scatter, and has a scatter look at its ground again. Stands above the 3D view while a
-## scatter is selected, or something that can be ground of the one that is meant.
+## Makes the selected nodes the ground of a scatter, and refreshes the ground of a scatter. Visible above the 3D view while a scatter is
+## selected, or a node that can be the ground of the current one.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 
@@ -14,7 +14,7 @@ var undo_redo: EditorUndoRedoManager
 var _use := Controls.button("Use as Ground", &"MeshInstance3D", "")
 var _refresh := Controls.button("Refresh Ground", &"Reload",
 		"Read the ground again, for changes that emit no signal. Nodes that move in the scene are followed automatically.")
-var _last: TerrainScatter3D ## The scatter that was selected last.
+var _last: TerrainScatter3D ## The last scatter that was selected.
 
 
 func _init(manager: EditorUndoRedoManager) -> void:
@@ -32,7 +32,7 @@ func _notification(what: int) -> void:
 		Controls.update_icons(self)
 
 
-## Shows what can be done with what is selected now.
+## Shows the buttons that apply to the selection.
 func update() -> void:
 	var selected := EditorInterface.get_selection().get_selected_nodes()
 	var scatters := selected.filter(func(node: Node) -> bool: return node is TerrainScatter3D)
@@ -47,8 +47,9 @@ func update() -> void:
 				else "Make the selected %s the ground of %s." % [_names(grounds), scatter.name]
 
 
-## Makes nodes the ground of a scatter, as one step of undo: meshes join the group of its ground, bodies its collision mask. It gets a
-## ground of that kind unless it has one. Returns why nothing was done, in a sentence; empty if something was.
+## Makes nodes the ground of a scatter, as one undo step: meshes are added to the group of its ground, the layers of bodies to its collision
+## mask. The scatter gets a ground of that kind if it has a different one. Returns the reason if nothing was done, as a sentence; empty on
+## success.
 static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUndoRedoManager) -> String:
 	var meshes: Array[Node] = []
 	var bodies: Array[StaticBody3D] = []
@@ -115,7 +116,7 @@ static func _replace_ground(scatter: TerrainScatter3D, ground: ScatterGround, ma
 	manager.add_undo_property(scatter, &"ground", scatter.ground)
 
 
-## The meshes that a node and all below it show; those of scatters are none.
+## The meshes of a node and of all nodes below it, except for those of scatters.
 static func _meshes_of(node: Node) -> Array[Node]:
 	if node is TerrainScatter3D:
 		return []
@@ -125,7 +126,7 @@ static func _meshes_of(node: Node) -> Array[Node]:
 	return found.filter(func(mesh: MeshInstance3D) -> bool: return mesh.mesh != null and mesh.owner != null or mesh == node)
 
 
-## The instances of other scenes whose nodes must be editable here, so that the scene keeps what is changed in them.
+## The instanced scenes whose children must become editable, so that the edited scene stores the changes to their nodes.
 static func _closed_instances(nodes: Array[Node]) -> Array[Node]:
 	var root := EditorInterface.get_edited_scene_root()
 	var closed: Array[Node] = []
@@ -138,7 +139,7 @@ static func _closed_instances(nodes: Array[Node]) -> Array[Node]:
 	return closed
 
 
-## What of these nodes can be ground.
+## Those of these nodes that can be ground.
 static func _grounds_of(nodes: Array[Node]) -> Array[Node]:
 	return nodes.filter(func(node: Node) -> bool:
 			return node is Node3D and not node is TerrainScatter3D and (node is StaticBody3D or not _meshes_of(node).is_empty()))
@@ -148,7 +149,7 @@ static func _names(nodes: Array) -> String:
 	return str((nodes[0] as Node).name) if nodes.size() == 1 else "%d nodes" % nodes.size()
 
 
-## The scatter that is selected, or was last, or the only one of the scene; null if that leaves it open.
+## The scatter that is selected, was selected last, or is the only one of the scene; null if there are several or none.
 func _meant() -> TerrainScatter3D:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
@@ -161,7 +162,7 @@ func _meant() -> TerrainScatter3D:
 	return found[0] if found.size() == 1 else null
 
 
-## Makes what is selected the ground; asks for something where that is none.
+## Makes the selected nodes the ground. If none of them can be ground, opens a node selector.
 func choose() -> void:
 	var grounds := _grounds_of(EditorInterface.get_selection().get_selected_nodes())
 	if grounds.is_empty():

@@ -1,15 +1,15 @@
 @tool
 extends RefCounted
-## Where the mouse points at the ground, and what a tool draws there over the view.
+## The position on the ground below the mouse, and the shapes that a tool draws there over the view.
 
 const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
 
 const SIDES := 64
 const PIECES := 24
 
-## Where the mouse points at the ground, in world meters; [constant Vector3.INF] where there is none.
+## The position on the ground below the mouse, in world meters; [constant Vector3.INF] if there is none.
 var on_ground := Vector3.INF
-## The ray from the eye through the mouse: where it begins, in world meters, and its direction, of length 1.
+## The ray from the eye through the mouse: its start in world meters, and its direction with a length of 1.
 var from := Vector3.ZERO
 var direction := Vector3.FORWARD
 
@@ -17,7 +17,7 @@ var _camera: Camera3D
 var _mouse := Vector2.ZERO
 
 
-## Points at the ground below a position in the camera's viewport; at nothing without a ground.
+## Finds the ground below a position in the camera's viewport. Without a ground there is no position.
 func aim(camera: Camera3D, position: Vector2, ground: ScatterGround) -> void:
 	_camera = camera
 	_mouse = position
@@ -29,13 +29,14 @@ func aim(camera: Camera3D, position: Vector2, ground: ScatterGround) -> void:
 		on_ground = GroundRay.hit(ground, from, direction)
 
 
-## Points at nothing until the next [method aim].
+## Clears the position until the next [method aim].
 func clear() -> void:
 	on_ground = Vector3.INF
 	_camera = null
 
 
-## True if the mouse was over this overlay of a viewport last. Overlays lie beside the container of their viewport.
+## True if the mouse was last over the viewport of this overlay. An overlay is beside the container of its
+## viewport.
 func is_over(overlay: Control) -> bool:
 	if not is_instance_valid(_camera):
 		return false
@@ -43,7 +44,7 @@ func is_over(overlay: Control) -> bool:
 	return container != null and container.get_parent() != null and container.get_parent().is_ancestor_of(overlay)
 
 
-## Where the mouse is over the viewport, in pixels.
+## The position of the mouse over the viewport, in pixels.
 func mouse() -> Vector2:
 	return _mouse
 
@@ -53,7 +54,7 @@ func say(overlay: Control, sentence: String) -> void:
 	_write(overlay, sentence, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
 
 
-## Writes at the lower edge of the view what keys and clicks do.
+## Writes a sentence at the lower edge of the view, about what keys and clicks do.
 func hint(overlay: Control, sentence: String) -> void:
 	_write(overlay, sentence, Vector2(12.0, overlay.size.y - 14.0), Color(0.9, 0.95, 1.0))
 
@@ -67,19 +68,19 @@ func _write(overlay: Control, sentence: String, at: Vector2, color: Color) -> vo
 	overlay.draw_string(font, at, sentence, HORIZONTAL_ALIGNMENT_LEFT, -1.0, size, color)
 
 
-## Draws a dot where the mouse points.
+## Draws a dot at the position below the mouse.
 func draw_dot(overlay: Control, color: Color) -> void:
 	overlay.draw_circle(to_overlay(on_ground), 2.5, color)
 
 
-## Draws a handle at a position of the world, if it is before the camera.
+## Draws a handle at a world position, if it is in front of the camera.
 func draw_knob(overlay: Control, position: Vector3, color: Color) -> void:
 	if not _camera.is_position_behind(position):
 		overlay.draw_circle(to_overlay(position), 6.0, Color(0.0, 0.0, 0.0, 0.6))
 		overlay.draw_circle(to_overlay(position), 4.5, color)
 
 
-## Draws a circle of a radius in meters around where the mouse points, as it lies on the ground.
+## Draws a circle on the ground around the position below the mouse, with a radius in meters.
 func draw_ring(overlay: Control, ground: ScatterGround, radius: float, color: Color, width: float) -> void:
 	var line := PackedVector3Array()
 	for side in SIDES + 1:
@@ -92,12 +93,12 @@ func draw_ring(overlay: Control, ground: ScatterGround, radius: float, color: Co
 	draw_path(overlay, line, color, width)
 
 
-## Where a position of the world is on the overlay; it must not be behind the camera.
+## Converts a world position to a position on the overlay. It must not be behind the camera.
 func to_overlay(position: Vector3) -> Vector2:
 	return _camera.unproject_position(position) * _shrink(_camera)
 
 
-## A line from one place to another as it lies on the ground.
+## A line between two positions that follows the ground.
 func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVector3Array:
 	var line := PackedVector3Array()
 	for piece in PIECES + 1:
@@ -109,7 +110,7 @@ func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVe
 	return line
 
 
-## Draws a line through positions of the world, where they are before the camera.
+## Draws a line through world positions, except for those behind the camera.
 func draw_path(overlay: Control, positions: PackedVector3Array, color: Color, width: float) -> void:
 	var line := PackedVector2Array()
 	for position in positions:
@@ -127,7 +128,8 @@ func _draw_line(overlay: Control, line: PackedVector2Array, color: Color, width:
 		overlay.draw_polyline(line, color, width, true)
 
 
-## At half resolution a viewport has fewer pixels than its overlay.
+## The number of overlay pixels per viewport pixel: at half resolution a viewport has fewer pixels than its
+## overlay.
 static func _shrink(camera: Camera3D) -> float:
 	var container := camera.get_viewport().get_parent() as SubViewportContainer
 	return float(container.stretch_shrink) if container != null and container.stretch else 1.0

@@ -1,23 +1,23 @@
 @tool
 extends RefCounted
-## Lines for gizmos that follow the ground of a scatter.
+## Lines for gizmos, which follow the ground of a scatter.
 
-## Meters above the ground, so that lines are not lost in it.
+## Meters above the ground, so that the ground does not hide the lines.
 const LIFT := 0.1
 
-## The ground to follow; null for lines at [member level].
+## The ground to follow; if null, lines are at [member level].
 var ground: ScatterGround
-## World height in meters of lines where there is no ground.
+## The world height in meters of lines without a ground.
 var level := 0.0
-## How often the ground may still be asked; after that lines go straight from corner to corner.
+## The number of ground heights that may still be queried. After that, lines are straight from corner to corner.
 var budget := 4000
-## Pairs of ends, in the space of the node.
+## Pairs of end points, in the space of the node.
 var segments := PackedVector3Array()
 
 var _to_node: Transform3D
 
 
-## Lines for [param node], which need not be below a scatter.
+## Prepares lines for [param node], which may be outside of a scatter.
 func _init(node: Node3D) -> void:
 	_to_node = node.global_transform.affine_inverse()
 	level = node.global_position.y
@@ -33,8 +33,8 @@ static func scatter_of(node: Node) -> TerrainScatter3D:
 	return node as TerrainScatter3D
 
 
-## A material for lines that are seen through everything, and in full whether their node is selected or not, which those
-## of a gizmo plugin's own are not.
+## A material for lines that are visible through everything, and opaque whether their node is selected or not. The
+## materials of a gizmo plugin are not.
 static func material(color: Color) -> StandardMaterial3D:
 	var made := StandardMaterial3D.new()
 	made.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
@@ -45,7 +45,7 @@ static func material(color: Color) -> StandardMaterial3D:
 	return made
 
 
-## Adds a line through world positions (x, z), at most [param piece] meters from one asked height to the next.
+## Adds a line through world positions (x, z), with a ground height every [param piece] meters or less.
 func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
 	var count := points.size() if closed else points.size() - 1
 	for index in count:

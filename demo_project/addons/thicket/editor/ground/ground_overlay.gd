@@ -1,27 +1,27 @@
 @tool
 extends RefCounted
-## A veil of colors over the ground around a place. It is the renderer's alone: no node, and nothing in the scene. It is made in parts,
-## a few in each frame, and takes the place of the one before when all are there.
+## A colored overlay on the ground around a position. It exists only in the renderer: it has no node, and adds nothing to the scene. It
+## is generated in parts, a few in each frame, and replaces the previous overlay when all parts are complete.
 
 ## Quads along a side, and parts along a side.
 const QUADS := 48
 const PARTS := 4
-## The veil is as wide as the view is far from what it looks at, times this, in meters between these.
+## The width of the overlay, as a multiple of the view's distance from the point that it looks at, and its limits in meters.
 const WIDTH := 2.0
 const WIDTHS := Vector2(24.0, 1200.0)
-## Meters above the ground, for each meter of a quad.
+## Meters above the ground, per meter of a quad's side.
 const LIFT := 0.04
 
-var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## On show, and being made.
+var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## The visible one, and the one that is being generated.
 var _material := StandardMaterial3D.new()
 var _instance := RID()
 var _scatter: TerrainScatter3D
 var _ground: ScatterGround
-var _middle := Vector2i.ZERO ## Of the veil, in quads.
+var _middle := Vector2i.ZERO ## The center of the overlay, in quads.
 var _quad := 0.0 ## The side of a quad, in meters.
-var _asked: Array = [] ## All that the veil follows from; empty for none.
+var _asked: Array = [] ## Everything that determines the overlay; empty if there is none.
 var _colors: Callable
-var _waiting: Array[Vector2i] = [] ## Parts that are still to be made.
+var _waiting: Array[Vector2i] = [] ## Parts that are still to be generated.
 
 
 func _init() -> void:
@@ -37,7 +37,7 @@ func _notification(what: int) -> void:
 		RenderingServer.free_rid(_instance)
 
 
-## Shows nothing.
+## Removes the overlay.
 func hide() -> void:
 	_asked = []
 	_ground = null
@@ -45,20 +45,20 @@ func hide() -> void:
 	_take_off()
 
 
-## True if something is shown, or being made.
+## True if an overlay is shown or being generated.
 func is_shown() -> bool:
 	return not _asked.is_empty()
 
 
-## True if nothing is being made.
+## True if no overlay is being generated.
 func is_complete() -> bool:
 	return _waiting.is_empty()
 
 
-## Begins a veil over the ground of a scatter around a place of it, seen from [param away] meters, with quads of at most
-## [param largest] meters; with the same ground, place and [param version] as last time, nothing. [param colors] is called with a
-## rectangle of world x and z and a size, and gives a color for the middle of each of the fields into which the size divides the
-## rectangle, row by row; or none if it cannot, and the veil ends there.
+## Begins an overlay on the ground of a scatter around a position, seen from [param away] meters, with quads of at most [param largest]
+## meters. Does nothing if the ground, the position and [param version] are the same as last time. [param colors] is called with a
+## rectangle of world x and z, and with a size that divides the rectangle into fields. It returns a color for the middle of each field,
+## row by row, or an empty array if it cannot, which removes the overlay.
 func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
 	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
 	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
@@ -78,7 +78,7 @@ func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Var
 			_waiting.append(Vector2i(x, z))
 
 
-## Makes parts until so many microseconds have passed, one at least.
+## Generates parts until this number of microseconds has passed, but at least one.
 func work(microseconds: int) -> void:
 	if _waiting.is_empty():
 		return
@@ -87,7 +87,7 @@ func work(microseconds: int) -> void:
 	var deadline := Time.get_ticks_usec() + microseconds
 	while not _waiting.is_empty():
 		var arrays := _part(_waiting.pop_front())
-		if arrays.is_empty(): # The same is not asked for again.
+		if arrays.is_empty(): # The same request is not repeated.
 			_waiting.clear()
 			return _take_off()
 		_meshes[1].add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)

@@ -2,7 +2,7 @@
 extends RefCounted
 ## Finds where a ray meets the ground of a [code]ScatterGround[/code].
 
-## Meters: the longest ray, and the shortest and longest step along it.
+## In meters: the longest ray, and the shortest and longest step along it.
 const REACH := 20000.0
 const SHORTEST := 0.05
 const LONGEST := 200.0
@@ -10,9 +10,9 @@ const MOST_STEPS := 600
 const HALVINGS := 24
 
 
-## The first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is
-## none. [param direction] has a length of 1. A step is half as long as the ray is high above the ground, so a ridge is
-## missed only where the ground is steeper than 60 degrees and the ray grazes it. Asks the ground some hundred times.
+## Returns the first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if
+## there is none. [param direction] has a length of 1. A step is half the height of the ray above the ground. So a ridge
+## is missed only if the ground is steeper than 60 degrees and the ray grazes it. Queries the ground some hundred times.
 static func hit(ground: ScatterGround, from: Vector3, direction: Vector3) -> Vector3:
 	var at := 0.0
 	var last := NAN
@@ -23,7 +23,7 @@ static func hit(ground: ScatterGround, from: Vector3, direction: Vector3) -> Vec
 			return _refine(ground, from, direction, last_at, at)
 		last = above
 		last_at = at
-		# Over a hole nothing is known; near things matter more than far ones.
+		# Over a hole the height is unknown; nearby, small steps matter more than far away.
 		var stride := 0.5 * absf(above) if not is_nan(above) else 0.02 * at
 		at += clampf(stride, maxf(SHORTEST, 0.001 * at), LONGEST)
 		if at > REACH:
@@ -31,7 +31,7 @@ static func hit(ground: ScatterGround, from: Vector3, direction: Vector3) -> Vec
 	return Vector3.INF
 
 
-## Meters to the ground along a ray, at most 1000; 100 where there is none.
+## Returns the meters to the ground along a ray, at most 1000; 100 if there is no ground.
 static func distance(ground: ScatterGround, from: Vector3, direction: Vector3) -> float:
 	var position := hit(ground, from, direction)
 	return minf(position.distance_to(from), 1000.0) if position.is_finite() else 100.0

@@ -1,24 +1,25 @@
 @tool
 extends RefCounted
-## Changes single instances of a scatter by hand: each change is one step of undo, and all of them are kept in the scatter's state, in a
+## Changes single instances of a scatter by hand. Each change is one undo step, and all changes are kept in the scatter's state, in a
 ## file beside the scene.
 ##
-## Of what a step changes the state says how it was and how it is ([code]ScatterState.diff_of[/code]), so undo and redo are exact.
+## The state provides diffs of the changed instances before and after a step ([code]ScatterState.diff_of[/code]), so undo and redo are
+## exact.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## Where states are kept.
+## Manages the files of states.
 var files: SceneFiles
 var undo_redo: EditorUndoRedoManager
-## Why [method begin] could not, in a sentence.
+## The reason why [method begin] failed, as a sentence.
 var problem := ""
 
 var _scatter: TerrainScatter3D
 var _scene_path := ""
 var _state: ScatterState
-var _last_state: ScatterState ## What the scatter had before, if it got a new one.
+var _last_state: ScatterState ## The scatter's previous state, if it got a new one.
 var _is_new := false
-var _before: Array[PackedByteArray] = [] ## Diffs that take back what was done since [method begin].
+var _before: Array[PackedByteArray] = [] ## Diffs that revert the changes since [method begin].
 var _ids := PackedInt64Array()
 
 
@@ -27,7 +28,7 @@ func is_open() -> bool:
 	return _state != null
 
 
-## Opens a step of changes. A scatter without a state in a file gets one. False, with the reason in [member problem], if that cannot be.
+## Begins a step of changes. A scatter without a state in a file gets one. On failure, returns false and sets [member problem].
 func begin(scatter: TerrainScatter3D, scene_path: String) -> bool:
 	abort()
 	problem = ""
@@ -36,7 +37,7 @@ func begin(scatter: TerrainScatter3D, scene_path: String) -> bool:
 	if _is_new:
 		_last_state = state
 		state = state.duplicate() if state != null else ScatterState.new()
-		# A game changes copies of its own, and never what the designer has made.
+		# A game changes its own copies, and never the designer's file.
 		state.copy_at_runtime = true
 		if not files.create(scene_path, state, scatter.name, "state"):
 			problem = files.problem
@@ -49,14 +50,14 @@ func begin(scatter: TerrainScatter3D, scene_path: String) -> bool:
 	return true
 
 
-## Places an instance of a layer, and returns its id; 0 if that cannot be.
+## Places an instance of a layer, and returns its id; 0 if it cannot be placed.
 func add(layer_index: int, transform: Transform3D, mesh: int) -> int:
 	var id := _scatter.add_instance(layer_index, transform, mesh)
 	_added(id)
 	return id
 
 
-## Moves, turns or scales an instance, and returns the id that it has then; 0 if it does not stand.
+## Moves, rotates or scales an instance, and returns its new id; 0 if there is no such instance.
 func set_transform(id: int, transform: Transform3D) -> int:
 	_touch(id)
 	var moved := _scatter.set_instance_transform(id, transform)
@@ -65,13 +66,13 @@ func set_transform(id: int, transform: Transform3D) -> int:
 	return moved
 
 
-## Removes an instance for good.
+## Removes an instance permanently.
 func remove(id: int) -> void:
 	_touch(id)
 	_state.remove(id)
 
 
-## Ends the step and makes it one of undo. Nothing is left of it if nothing has changed.
+## Ends the step and adds it to the undo history. If nothing has changed, no step is added.
 func commit(name: String) -> void:
 	if _state == null:
 		return
@@ -83,7 +84,7 @@ func commit(name: String) -> void:
 	undo_redo.commit_action(false)
 
 
-## Ends the step and makes it a part of the action that is being made.
+## Ends the step and adds its changes to the undo action that is being created.
 func close_into_action() -> void:
 	if _state == null:
 		return
@@ -100,7 +101,7 @@ func close_into_action() -> void:
 	_close()
 
 
-## Takes back what was done since [method begin].
+## Reverts the changes since [method begin].
 func abort() -> void:
 	if _state == null:
 		return
@@ -112,21 +113,21 @@ func abort() -> void:
 	_close()
 
 
-## Makes instances what some diffs of a state say; for undo.
+## Applies diffs to a state; for undo.
 func restore(state: ScatterState, diffs: Array[PackedByteArray]) -> void:
 	for diff in diffs:
 		state.apply_diff(diff)
 	files.mark(state)
 
 
-## Remembers how an instance is, before its first change.
+## Saves an instance's state before its first change.
 func _touch(id: int) -> void:
 	if not _ids.has(id):
 		_before.append(_state.diff_of(PackedInt64Array([id])))
 		_ids.append(id)
 
 
-## Remembers that an instance was not there.
+## Saves that an instance did not exist before.
 func _added(id: int) -> void:
 	if id != 0 and not _ids.has(id):
 		_before.append(ScatterState.new().diff_of(PackedInt64Array([id])))

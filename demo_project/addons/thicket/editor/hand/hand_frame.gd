@@ -1,23 +1,23 @@
 @tool
 extends RefCounted
-## What the hand tool draws around an instance, and where its handles are: a box, a ring to turn it by, and a knob to scale it by.
+## The frame that the hand tool draws around an instance, with its handles: a box, a ring to rotate it, and a knob to scale it.
 
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 
 const SELECTED := Color(1.0, 0.75, 0.25)
 const HOVERED := Color(1.0, 1.0, 1.0, 0.7)
 const SIDES := 48
-## Pixels from a handle within which it is grabbed.
+## The distance in pixels within which a handle is grabbed.
 const GRAB := 10.0
 
 enum Handle { NONE, TURN, SCALE }
 
-## The instance: how it stands, and the box around its mesh in its own space.
+## The transform of the instance, and the bounding box of its mesh in the instance's own space.
 var transform := Transform3D.IDENTITY
 var box := AABB()
 
 
-## Where a handle is in the world.
+## The world position of a handle.
 func handle_position(handle: Handle) -> Vector3:
 	if handle == Handle.SCALE:
 		return transform * Vector3(0.0, box.end.y * 1.08 + 0.1, 0.0)
@@ -32,7 +32,7 @@ func handle_at(cursor: GroundCursor, mouse: Vector2) -> Handle:
 	return Handle.NONE
 
 
-## The axis that it turns about.
+## The axis around which the instance rotates.
 func up() -> Vector3:
 	return transform.basis.y.normalized() if transform.basis.y != Vector3.ZERO else Vector3.UP
 
@@ -58,7 +58,7 @@ func draw_handles(overlay: Control, cursor: GroundCursor) -> void:
 		cursor.draw_knob(overlay, handle_position(handle), SELECTED)
 
 
-## Where the handle to turn by lies, seen from the instance.
+## The direction from the instance to the handle that rotates it.
 func _forward() -> Vector3:
 	var axis := up()
 	var forward := transform.basis.z - axis * transform.basis.z.dot(axis)

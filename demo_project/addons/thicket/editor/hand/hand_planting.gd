@@ -1,15 +1,15 @@
 @tool
 extends HBoxContainer
-## How the hand plants and moves: steps to snap to, slopes to lean with, chance, and the mesh; the settings of the tool.
+## The settings of the hand tool for planting and moving: snapping, alignment with slopes, random values, and the mesh.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 
-## What will be planted next is another.
+## The next instance has changed.
 signal changed
 
 const ANY_MESH := -1
 
-## What may be chosen in the menu, and what is at first.
+## The items of the menu, with the values that they have first.
 enum Way { ALIGN, RANDOM_TURN, RANDOM_SIZE }
 const WAY_NAMES: PackedStringArray = ["Lean with the Slope", "Random Turn", "Random Size"]
 const WAY_TIPS: PackedStringArray = [
@@ -18,7 +18,7 @@ const WAY_TIPS: PackedStringArray = [
 	"What is planted is scaled by chance, between the layer's smallest and largest scale.",
 ]
 
-## The mesh of the next instance, an index of the layer's.
+## The mesh of the next instance, as an index in the layer's meshes.
 var mesh := 0
 
 var _snap := CheckBox.new()
@@ -56,7 +56,7 @@ func _init() -> void:
 	add_child(_choice)
 
 
-## Whether to snap to the grid, lean with slopes, and leave turn and size to chance.
+## Sets whether to snap to the grid, align with slopes, and choose the rotation and the size at random.
 func choose(snap: bool, align: bool, random_turn: bool, random_size: bool) -> void:
 	_snap.button_pressed = snap
 	_choose_way(Way.ALIGN, align)
@@ -67,13 +67,13 @@ func choose(snap: bool, align: bool, random_turn: bool, random_size: bool) -> vo
 	roll()
 
 
-## Sets the steps: meters and degrees.
+## Sets the snap steps in meters and degrees.
 func set_steps(grid: float, degrees: float) -> void:
 	_grid.value = grid
 	_degrees.value = degrees
 
 
-## Takes the layer to plant of, with the number of its meshes.
+## Sets the layer to plant, and the number of its meshes.
 func set_layer(layer: ScatterLayer, mesh_count: int) -> void:
 	if layer == _layer and mesh_count == _mesh_count:
 		return
@@ -87,7 +87,7 @@ func set_layer(layer: ScatterLayer, mesh_count: int) -> void:
 	roll()
 
 
-## Leaves to chance what is left to it, for the next instance.
+## Chooses the random values of the next instance.
 func roll() -> void:
 	if _layer == null:
 		return
@@ -112,28 +112,28 @@ func scale_by(factor: float) -> void:
 	_size = clampf(_size * factor, 0.01, 100.0)
 
 
-## Radians of one turn.
+## The rotation step in radians.
 func turn_step() -> float:
 	return deg_to_rad(_degrees.value)
 
 
-## Whether to snap, with or without Ctrl.
+## Whether to snap. Ctrl inverts the setting.
 func snaps(with_control: bool) -> bool:
 	return _snap.button_pressed != with_control
 
 
-## An angle in radians, to whole steps if it snaps.
+## An angle in radians, rounded to whole steps if snapping is on.
 func snapped_turn(angle: float, with_control: bool) -> float:
 	return snappedf(angle, turn_step()) if snaps(with_control) else angle
 
 
-## A factor for a basis, so that the result is a whole number of tenths if it snaps.
+## A factor for a basis, so that the resulting scale is a multiple of 0.1 if snapping is on.
 func snapped_size(basis: Basis, factor: float, with_control: bool) -> float:
 	var size := basis.y.length()
 	return snappedf(size * factor, 0.1) / size if snaps(with_control) and size > 0.0 else factor
 
 
-## How an instance stands that is planted at a place on the ground.
+## The transform of an instance that is planted at a position on the ground.
 func transform_at(place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
 	var at := _on_grid(place, ground, with_control)
 	var up := _up(at, ground)
@@ -142,7 +142,7 @@ func transform_at(place: Vector3, ground: ScatterGround, with_control: bool) -> 
 	return Transform3D(basis * Basis.from_scale(Vector3.ONE * _size), at)
 
 
-## How an instance stands that is moved to above or below a place: as high over the ground as it was.
+## The transform of an instance that is moved to the x and z of a position. It keeps its height above the ground.
 func moved(from: Transform3D, place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
 	var to := _on_grid(place, ground, with_control)
 	var below := ground.get_height(from.origin)

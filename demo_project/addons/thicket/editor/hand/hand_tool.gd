@@ -10,20 +10,21 @@ const InstanceGhost := preload("res://addons/thicket/editor/hand/instance_ghost.
 
 const SIZE_STEP := 1.1
 const LEAST_SIZE := 0.01
-## Pixels that the mouse goes before a click is a drag.
+## The distance in pixels that the mouse must move before a click becomes a drag.
 const SLACK := 4.0
-## Meters: the farthest instance that can be picked, and the farthest that one is dragged at a time.
+## In meters: the largest distance at which instances can be picked, and the farthest that one drag can move
+## an instance.
 const REACH := 1000.0
 const HINT_PLANTING := "Click plants   R turns   [ ] scale   Ctrl snaps"
 const HINT_HOVERED := "Click selects   Shift+click plants here"
 const HINT_SELECTED := "Drag moves   R turns   [ ] scale   Ctrl snaps   Del deletes   Esc deselects"
 
 var edits := HandEdits.new()
-## How the next instance will stand.
+## The settings of the next instance.
 var planting := HandPlanting.new()
-## The id of the selected instance; 0 for none.
+## The id of the selected instance; 0 if there is none.
 var selected := 0
-## Why the last change could not be made, in a sentence; empty if it could.
+## The reason why the last change failed, as a sentence; empty if it succeeded.
 var problem := ""
 
 var _cursor := GroundCursor.new()
@@ -33,7 +34,7 @@ var _hovered := 0
 var _meshes: Array[Mesh] = []
 var _mouse := Vector2.ZERO
 
-# A press of the button on the selected instance, until it is released.
+# A press of the mouse button on the selected instance, until it is released.
 var _pressed := false
 var _dragged := false
 var _handle := HandFrame.Handle.NONE
@@ -66,7 +67,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 	var button_event := mouse as InputEventMouseButton
 	if button_event == null or button_event.button_index != MOUSE_BUTTON_LEFT or button_event.alt_pressed:
 		return NOT_MINE
-	# The button is the hand's, even where nothing can be done: a box to select with would lose the selection.
+	# The tool always takes the left button, because the editor's box selection would deselect the scatter.
 	if not button_event.pressed:
 		_release()
 	else:
@@ -90,7 +91,8 @@ func draw_over(overlay: Control) -> void:
 		_cursor.say(overlay, problem)
 
 
-## What the chosen layer is drawn with may have changed, and the selected instance by undo.
+## Updates the meshes of the chosen layer, which may have changed, and the selected instance, which undo may
+## have changed.
 func look() -> void:
 	if not is_on() or layer == null or ground() == null:
 		_ghost.hide()
@@ -124,7 +126,7 @@ func _on_key(key: InputEventKey) -> int:
 	if not key.pressed or key.ctrl_pressed or key.alt_pressed or key.meta_pressed or Input.is_mouse_button_pressed(MOUSE_BUTTON_RIGHT):
 		return NOT_MINE
 	match key.keycode:
-		# Both without a selection, too: the editor would deselect or delete the scatter.
+		# Both are also taken without a selection, because the editor would deselect or delete the scatter.
 		KEY_ESCAPE:
 			_give_up()
 		KEY_DELETE:
@@ -142,7 +144,7 @@ func _on_key(key: InputEventKey) -> int:
 	return MINE
 
 
-## Why nothing can be done, in a sentence; empty if something can.
+## The reason why nothing can be done, as a sentence; empty if there is none.
 func _obstacle() -> String:
 	if ground() == null:
 		return "There is no ground to plant on: set the ground of %s, or press Use as Ground." % scatter.name
@@ -213,7 +215,7 @@ func _drag(mouse: InputEventMouse) -> void:
 	_change(to)
 
 
-## The selected instance stands so from now on, within the open step.
+## Changes the transform of the selected instance, within the open step.
 func _change(to: Transform3D) -> void:
 	var id := edits.set_transform(selected, to)
 	if id != 0:
@@ -251,7 +253,7 @@ func _delete() -> void:
 	_hovered = 0
 
 
-## Turns the selected instance, or what will be planted next, by radians.
+## Rotates the selected instance, or else the next one, by an angle in radians.
 func _turn(angle: float) -> void:
 	if selected == 0:
 		planting.turn(angle)
@@ -291,7 +293,7 @@ func _show_ghost() -> void:
 		_ghost.hide()
 
 
-## The id of the chosen layer's instance under the mouse; 0 for none.
+## The id of the chosen layer's instance under the mouse; 0 if there is none.
 func _pick() -> int:
 	var reach := REACH
 	if _cursor.on_ground.is_finite():
@@ -300,7 +302,7 @@ func _pick() -> int:
 	return met.id if met != null else 0
 
 
-## Selects an instance, if it stands; 0 for none.
+## Selects an instance if it exists; 0 selects none.
 func _select(id: int) -> void:
 	var frame := _frame_of(id) if id != 0 else null
 	selected = id if frame != null else 0
@@ -308,7 +310,7 @@ func _select(id: int) -> void:
 		_frame = frame
 
 
-## An instance as it stands; null if it does not.
+## The frame of an instance; null if the instance does not exist or is not of the chosen layer.
 func _frame_of(id: int) -> HandFrame:
 	if not is_instance_valid(scatter) or ground() == null:
 		return null
@@ -326,13 +328,14 @@ func _frame_of(id: int) -> HandFrame:
 	return frame
 
 
-## Where the mouse points at a plane through a place; [param otherwise] where it does not.
+## The position where the mouse points at a plane through a position; [param otherwise] if the ray does not
+## meet it.
 func _on_plane(through: Vector3, normal: Vector3, otherwise: Vector3) -> Vector3:
 	var met: Variant = Plane(normal, through).intersects_ray(_cursor.from, _cursor.direction)
 	return met if met is Vector3 else otherwise
 
 
-## A factor as a basis; one that would leave less than the least size does nothing.
+## A uniform scale as a basis, limited so that the result is at least the least size.
 static func _factor(factor: float, basis: Basis) -> Basis:
 	var size := basis.y.length()
 	return Basis.from_scale(Vector3.ONE * (maxf(factor, LEAST_SIZE / size) if size > 0.0 else 1.0))

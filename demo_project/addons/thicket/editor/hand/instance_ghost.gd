@@ -1,6 +1,7 @@
 @tool
 extends RefCounted
-## A mesh that is shown where an instance would stand. It is the renderer's alone: no node, and nothing in the scene.
+## A preview of the mesh where an instance would be placed. It exists only in the renderer: it has no node, and adds
+## nothing to the scene.
 
 const COLOR := Color(0.3, 0.8, 1.0, 0.65)
 
@@ -22,7 +23,7 @@ func _notification(what: int) -> void:
 		RenderingServer.free_rid(_instance)
 
 
-## Shows a mesh in the world of a scatter; without a mesh, nothing.
+## Shows a mesh in the world of a scatter. Hides the preview if the mesh is null.
 func show(scatter: TerrainScatter3D, mesh: Mesh, transform: Transform3D) -> void:
 	if mesh == null:
 		hide()
@@ -32,7 +33,7 @@ func show(scatter: TerrainScatter3D, mesh: Mesh, transform: Transform3D) -> void
 		RenderingServer.instance_geometry_set_cast_shadows_setting(_instance, RenderingServer.SHADOW_CASTING_SETTING_OFF)
 		RenderingServer.instance_geometry_set_material_override(_instance, _material.get_rid())
 	if mesh != _mesh:
-		_mesh = mesh # Held, or the renderer would draw what is freed.
+		_mesh = mesh # Keeps a reference, because the renderer must not draw a freed mesh.
 		RenderingServer.instance_set_base(_instance, mesh.get_rid())
 	RenderingServer.instance_set_scenario(_instance, scatter.get_world_3d().scenario)
 	RenderingServer.instance_set_transform(_instance, transform)

@@ -1,22 +1,22 @@
 @tool
 extends RefCounted
-## States that others than the hand tool have made or changed. One that a script or the inspector has made lies in no file, and would be
-## saved inside of the scene with all its instances: it gets a file beside it, as one of the hand tool has from the beginning. And what a
-## script has changed of one in a file is saved with the scene.
+## States that were created or changed without the hand tool. A state that a script or the inspector created has no file, so all its
+## instances would be saved in the scene. Such a state gets a file beside the scene, like those of the hand tool. If a script has changed
+## a state in a file, the file is saved with the scene.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 
 var _files: SceneFiles
-var _revisions: Dictionary[int, int] = {} ## Of states, by the ids of the objects, as they were written last.
+var _revisions: Dictionary[int, int] = {} ## The revisions of states at their last write, by their instance ids.
 
 
 func _init(files: SceneFiles) -> void:
 	_files = files
 
 
-## Gives each state in a scene that holds instances a file, if the scene has one, and marks those whose files are no longer what they are.
-## True if there were any without a file.
+## Gives each state of a scene that contains instances a file, if the scene has one, and marks states that differ from their files.
+## Returns true if there were any without a file.
 func take_in(root: Node) -> bool:
 	var moved := false
 	for scatter in Shared.scatters_of(root):
@@ -33,7 +33,7 @@ func take_in(root: Node) -> bool:
 func _move_out(state: ScatterState, owner_name: String, scene_path: String) -> bool:
 	if scene_path.is_empty():
 		return false
-	# A game changes a copy of its own, and never what is in the editor's file.
+	# A game changes its own copy, and never the editor's file.
 	state.copy_at_runtime = true
 	if not _files.create(scene_path, state, owner_name, "state"):
 		EditorInterface.get_editor_toaster().push_toast(_files.problem, EditorToaster.SEVERITY_ERROR)
@@ -48,14 +48,14 @@ func _look_at(state: ScatterState) -> void:
 	if _revisions.get(id, -1) == revision:
 		return
 	var saved: ScatterState
-	if not _revisions.has(id): # The first time, only its file knows.
+	if not _revisions.has(id): # The first time, only the file has the saved content.
 		saved = ResourceLoader.load(state.resource_path, "", ResourceLoader.CACHE_MODE_IGNORE)
 	if saved == null or saved.get_digest() != state.get_digest():
 		_files.mark(state)
 	_revisions[id] = revision
 
 
-## After a scene was saved: if it had no file to be beside of until now, its states come out of it when it is saved once more.
+## Called after a scene was saved. If it had no file before, its states are moved to files now, and it must be saved again.
 func on_scene_saved(path: String) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null and root.scene_file_path == path and take_in(root):

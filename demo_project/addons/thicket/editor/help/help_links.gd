@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Has the links to tutorials in the class reference work. The editor's help opens addresses of the web and nothing else, and the tutorials
-## are files of the add-on: they open in a window of their own.
+## Makes the links to tutorials in the class reference work. The editor's help opens only web addresses, and the tutorials are files of the
+## add-on, so they open in their own window.
 
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 
@@ -9,7 +9,7 @@ var _window: Tutorials
 var _tabs: Array[Node] = []
 
 
-## Listens to all pages of help, those that are open and those to come.
+## Watches all help pages: those that are open, and those that will be opened.
 func _init(window: Tutorials) -> void:
 	_window = window
 	_tabs = EditorInterface.get_script_editor().find_children("*", "TabContainer", true, false)
@@ -19,7 +19,7 @@ func _init(window: Tutorials) -> void:
 			_on_page(page)
 
 
-## Listens no longer.
+## Stops watching.
 func leave() -> void:
 	for tabs: Node in _tabs.filter(is_instance_valid):
 		tabs.child_entered_tree.disconnect(_on_page)

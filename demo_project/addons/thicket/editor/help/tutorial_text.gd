@@ -1,15 +1,15 @@
 @tool
 extends RefCounted
-## Makes what a RichTextLabel shows of a tutorial: of the Markdown that the pages are written in, and no more than that.
+## Converts a tutorial for a RichTextLabel. It supports only the parts of Markdown that the pages use.
 
 const PICTURE := "^!\\[(?<words>[^\\]]*)\\]\\((?<file>[^)]+)\\)$"
 const ITEM := "^(?<indent> *)(?<mark>-|\\d+\\.) (?<text>.*)$"
 const INLINE := "`(?<code>[^`]+)`|\\*\\*(?<bold>.+?)\\*\\*|\\*(?<italic>[^*]+)\\*|\\[(?<words>[^\\]]+)\\]\\((?<link>[^)]+)\\)"
 
-## Pixels of a heading of the first rank; one of the second has three quarters of them.
+## The size of a first-level heading in pixels; a second-level heading has three quarters of it.
 var heading_size := 28
 
-## What was made: BBCode, or the name of a picture's file after PICTURE_MARK.
+## The result: BBCode, or the file name of a picture after PICTURE_MARK.
 var parts := PackedStringArray()
 
 const PICTURE_MARK := "picture:"
@@ -17,12 +17,12 @@ const PICTURE_MARK := "picture:"
 var _picture := RegEx.create_from_string(PICTURE)
 var _item := RegEx.create_from_string(ITEM)
 var _inline := RegEx.create_from_string(INLINE)
-var _block := "" ## Lines of the paragraph or item that is being read.
+var _block := "" ## Lines of the current paragraph or item.
 var _mark := ""
 var _level := 0
 
 
-## The first line of a page, without its sign.
+## The first line of a page, without its mark.
 static func title(markdown: String) -> String:
 	return markdown.get_slice("\n", 0).trim_prefix("# ").strip_edges()
 
@@ -67,7 +67,7 @@ func _read_line(line: String) -> void:
 		_block += ("" if _block.is_empty() else " ") + line.strip_edges()
 
 
-## Ends the paragraph or item that is being read.
+## Ends the current paragraph or item.
 func _flush() -> void:
 	if not _block.is_empty():
 		var text := _of_inline(_block)

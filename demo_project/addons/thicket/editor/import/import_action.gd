@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## An import of instances as one step of undo. What is placed is kept in the scatter's state, in a file beside the scene; a scatter without
+## An import of instances as one undo step. The scatter's state keeps the placed instances, in a file beside the scene. A scatter without
 ## such a state gets one.
 
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## Why [method run] could not, in a sentence.
+## The reason why [method run] failed, as a sentence.
 var problem := ""
 
 var _scatter: TerrainScatter3D
@@ -21,8 +21,8 @@ var _state: ScatterState
 var _ids := PackedInt64Array()
 
 
-## Imports what was read into a scatter; [param layer] as for [method ImportInstances.from_node]. [param files] keep states beside scenes.
-## Returns how many were placed; 0, with the reason in [member problem], if that cannot be.
+## Imports instances into a scatter. [param layer] is the same as for [method ImportInstances.from_node]. [param files] manages the files
+## of states beside scenes. Returns the number of placed instances. On failure, returns 0 and sets [member problem].
 func run(scatter: TerrainScatter3D, layer: Variant, reading: ImportInstances.Reading, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> int:
 	problem = ""
@@ -49,7 +49,7 @@ func run(scatter: TerrainScatter3D, layer: Variant, reading: ImportInstances.Rea
 	return _ids.size()
 
 
-## For the history of undo.
+## Reverts the import; for the undo history.
 func undo() -> void:
 	_scatter.remove_instances(_ids)
 	if _layers_after != _layers_before:
@@ -58,7 +58,7 @@ func undo() -> void:
 	_drop_state()
 
 
-## For the history of undo.
+## Repeats the import; for the undo history.
 func redo() -> void:
 	if _state != _state_before:
 		_scatter.state = _state
@@ -69,13 +69,13 @@ func redo() -> void:
 	_files.mark(_state)
 
 
-## True if the scatter has a state in a file, now.
+## Gives the scatter a state in a file if it has none. Returns false if that failed.
 func _find_state() -> bool:
 	_state = _state_before
 	if _state != null and not _state.resource_path.is_empty() and not "::" in _state.resource_path:
 		return true
 	_state = _state_before.duplicate() if _state_before != null else ScatterState.new()
-	# A game changes copies of its own, and never what the designer has made.
+	# A game changes its own copies, and never the designer's file.
 	_state.copy_at_runtime = true
 	if not _files.create(_scene_path, _state, _scatter.name, "state"):
 		problem = _files.problem

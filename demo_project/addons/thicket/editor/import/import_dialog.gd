@@ -1,18 +1,18 @@
 @tool
 extends ConfirmationDialog
-## Asks what to import as hand-placed instances, from a node of the scene or a table, and for which layer; says how much that is before
-## it is done.
+## The dialog for importing hand-placed instances: the user chooses a node of the scene or a table, and the layer. It shows the number
+## of instances before the import.
 
 const ImportAction := preload("res://addons/thicket/editor/import/import_action.gd")
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## What the layer of an import is where each mesh has its own.
+## The layer choice that puts each mesh into its own layer.
 const BY_MESH := -1
 
-## What was placed last.
+## The number of instances that the last import placed.
 var imported := 0
-## Keeps states beside scenes.
+## Manages the files of states beside scenes.
 var files: SceneFiles
 var undo_redo: EditorUndoRedoManager
 
@@ -50,7 +50,7 @@ func _init() -> void:
 	confirmed.connect(start)
 
 
-## Asks about a scatter; offers what is in the scene.
+## Opens the dialog for a scatter, and offers the nodes of the scene.
 func open(scatter: TerrainScatter3D, scene: Node) -> void:
 	fill(scatter, scene)
 	popup_centered()
@@ -78,7 +78,7 @@ func fill(scatter: TerrainScatter3D, scene: Node) -> void:
 	_choose_source()
 
 
-## Chooses a node of the list, for [method start].
+## Chooses a node from the list, for [method start].
 func choose_node(node: Node) -> void:
 	_sources.select(_nodes.find(node))
 	_choose_source()
@@ -101,12 +101,12 @@ func choose_layer(layer_index: int) -> void:
 	_say()
 
 
-## What the dialog says of the import.
+## The text that the dialog shows about the import.
 func said() -> String:
 	return _said.text
 
 
-## Imports what the form says.
+## Imports with the settings of the form.
 func start() -> void:
 	imported = 0
 	if not is_instance_valid(_scatter) or get_ok_button().disabled:
@@ -128,7 +128,7 @@ func _add_row(label: String, control: Control) -> void:
 	_form.add_child(control)
 
 
-## Nodes that something can be imported from: the outermost that are nothing else.
+## Lists the nodes that can be imported. Nodes below such a node are not listed.
 func _list(node: Node, scene: Node) -> void:
 	if node is MultiMeshInstance3D or node.has_node(NodePath(ImportInstances.PROTON_OUTPUT)) or ImportInstances.is_terrain_3d(node):
 		_sources.add_item(String(scene.get_path_to(node)) if node != scene else String(node.name), _nodes.size())
@@ -160,7 +160,7 @@ func _read(reading: ImportInstances.Reading) -> void:
 	_say()
 
 
-## What is about to be imported, or why it cannot be.
+## Shows the instances that will be imported, or the reason why they cannot be.
 func _say() -> void:
 	var problems := _reading.problems.duplicate()
 	var tables := _reading.batches.any(func(batch: ImportInstances.Batch) -> bool: return batch.mesh == null)

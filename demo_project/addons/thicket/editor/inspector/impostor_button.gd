@@ -1,15 +1,15 @@
 @tool
 extends VBoxContainer
-## A button in a layer's inspector: bakes an impostor of each of its meshes into files beside the scene, and makes them the layer's
-## last LOD, with undo.
+## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files beside the scene, and makes them
+## the layer's last LOD, with undo.
 
 const Job := preload("res://addons/thicket/bake_impostors.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## It is over: the layer has its impostors, or [member job] says why not.
+## The bake has ended: the layer has its impostors, or [member job] has a problem.
 signal finished(written: bool)
 
-## What bakes, or has baked last.
+## The current or the last bake.
 var job := Job.new()
 
 var _layer: ScatterLayer
@@ -30,10 +30,10 @@ func _init(layer: ScatterLayer = null, files: SceneFiles = null) -> void:
 
 
 func _ready() -> void:
-	set_process(false) # The engine turns it on for every script that has a _process.
+	set_process(false) # The engine enables it for every script that has a _process.
 
 
-## Bakes; while it does, gives up.
+## Starts a bake, or cancels the current one.
 func press() -> void:
 	if is_processing():
 		job.cancel()
@@ -68,12 +68,12 @@ func _process(_delta: float) -> void:
 	undo.add_undo_property(_layer, &"lod_meshes", _layer.lod_meshes)
 	_add_files(undo)
 	undo.commit_action()
-	for path in job.files: # No scan, on whose way undo might take a file away.
+	for path in job.files: # Not a scan, during which undo might remove a file.
 		EditorInterface.get_resource_filesystem().update_file(path)
 	_end(true, "")
 
 
-## New files come and go with the step that is being made; those that held something hold that again.
+## Adds the files to the undo step that is being created: undo removes new files and restores the content of replaced ones.
 func _add_files(undo: EditorUndoRedoManager) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	var new: Array[Mesh] = []
@@ -84,10 +84,10 @@ func _add_files(undo: EditorUndoRedoManager) -> void:
 		if job.replaced.has(path):
 			undo.add_do_method(_files, &"put", path, FileAccess.get_file_as_bytes(path), mesh)
 			undo.add_undo_method(_files, &"put", path, job.replaced[path].bytes, job.replaced[path].resource)
-		elif root != null: # Else no scene is saved that would refer to it.
+		elif root != null: # Otherwise no saved scene will refer to it.
 			new.append(mesh)
 	if not new.is_empty():
-		if _layer.resource_path.is_empty() or "::" in _layer.resource_path: # Else the layer may be saved without the scene.
+		if _layer.resource_path.is_empty() or "::" in _layer.resource_path: # Otherwise the layer may be saved without the scene.
 			_files.adopt(new, root.scene_file_path)
 		_files.add_to_undo(new, root.scene_file_path, undo)
 
@@ -97,7 +97,7 @@ func _exit_tree() -> void:
 	set_process(false)
 
 
-## Where files go, and how their names begin: beside the scene, or the file that the layer has of its own. Empty for no place.
+## The path with which the names of files begin: beside the scene, or beside the layer's own file. Empty if there is no such path.
 func _place() -> String:
 	var root := EditorInterface.get_edited_scene_root()
 	var owner := _layer.resource_path.get_slice("::", 0)

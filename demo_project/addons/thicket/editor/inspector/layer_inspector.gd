@@ -1,6 +1,6 @@
 @tool
 extends EditorInspectorPlugin
-## Where a layer or a region names layers, the inspector offers those of its scatter to choose from; and layers and scatters take what is
+## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are
 ## dropped on them. Above a layer's LODs is a button that bakes impostors.
 
 const LayerProperty := preload("res://addons/thicket/editor/inspector/layer_property.gd")

@@ -1,6 +1,7 @@
 @tool
 extends EditorProperty
-## A property that names any number of layers: a box to tick for each; none ticked stands for all.
+## An inspector editor for a property that refers to any number of layers, with a check box for
+## each. None checked means all layers.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 

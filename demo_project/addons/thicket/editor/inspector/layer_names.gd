@@ -1,12 +1,11 @@
 @tool
 extends RefCounted
-## The layers that an object of the edited scene may name: those of its scatter.
+## The layers that an object of the edited scene can refer to: those of its scatter.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
 
-## The [TerrainScatter3D] that a region stands below, or the first of the edited scene that has the layer;
-## null for none.
+## The [TerrainScatter3D] above a region in the tree, or the first one of the edited scene that has the layer; null if there is none.
 static func scatter_of(object: Object) -> TerrainScatter3D:
 	if object is Node:
 		var node: Node = object
@@ -25,7 +24,7 @@ static func scatter_of(object: Object) -> TerrainScatter3D:
 	return null
 
 
-## The layers that an object may name, without itself. [param before] leaves those out that come after it in the list.
+## The layers that an object can refer to, without itself. [param before] leaves out those after it in the list.
 static func others(object: Object, before := false) -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	var scatter := scatter_of(object)
@@ -39,7 +38,7 @@ static func others(object: Object, before := false) -> Array[ScatterLayer]:
 	return result
 
 
-## The properties of a layer that name one other layer. They take a layer, a name or an index, and no other property takes values of several types.
+## The properties of a layer that refer to one other layer. They accept a layer, a name or an index, and no other property accepts several types.
 static func reference_properties() -> PackedStringArray:
 	var result := PackedStringArray()
 	for property in ClassDB.class_get_property_list(&"ScatterLayer", true):
@@ -48,12 +47,12 @@ static func reference_properties() -> PackedStringArray:
 	return result
 
 
-## What stands for a layer in a property: its name, or the layer itself if it has none.
+## The value of a property that refers to a layer: the layer's name, or the layer itself if it has none.
 static func reference_to(layer: ScatterLayer) -> Variant:
 	return layer.resource_name if layer.resource_name else layer
 
 
-## The layer that a value means to an object; null for none.
+## The layer that a value of an object's property refers to; null if there is none.
 static func layer_of(object: Object, value: Variant) -> ScatterLayer:
 	if value is ScatterLayer:
 		return value
@@ -67,7 +66,7 @@ static func layer_of(object: Object, value: Variant) -> ScatterLayer:
 	return null
 
 
-## How a value is shown.
+## The text that is shown for a value.
 static func title(object: Object, value: Variant) -> String:
 	var layer := layer_of(object, value)
 	if layer == null:

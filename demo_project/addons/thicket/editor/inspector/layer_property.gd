@@ -1,6 +1,6 @@
 @tool
 extends EditorProperty
-## A property that names one layer, or none.
+## An inspector editor for a property that refers to one layer or none.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 
@@ -11,7 +11,7 @@ var _values: Array = []
 func _init() -> void:
 	_button.clip_text = true
 	_button.item_selected.connect(_on_selected)
-	# Layers come and go while the inspector stands.
+	# Layers may be added and removed while the inspector is open.
 	_button.pressed.connect(_update_property)
 	add_child(_button)
 	add_focusable(_button)

@@ -1,9 +1,10 @@
 @tool
 extends EditorProperty
-## Distances to other layers: a row for each that is named, and a list of the others to choose from.
+## An inspector editor for distances to other layers: a row for each layer that has one, and a menu
+## with the others.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
-## Meters, for a layer that is added.
+## The distance of a layer that is added, in meters.
 const FIRST_DISTANCE := 1.0
 
 var _rows := VBoxContainer.new()

@@ -1,26 +1,27 @@
 @tool
 extends RefCounted
-## Deep copies of layers: what lies in a file of its own is shared, all else is the copy's own.
+## Deep copies of layers. Resources with their own file are shared; all others are copied.
 
 
-## What copies may share though it is no file: it is what they are made of, not how they stand.
+## Resources that copies may share even if they are no files: a layer's content, as opposed to its settings.
 const ASSETS: Array[StringName] = [&"Mesh", &"PackedScene", &"Material", &"Texture", &"ScatterModel", &"PhysicsMaterial"]
 
 
-## A copy of a layer, even of one that is a file. What [param copies] has is copied no more, and it takes what is copied: resources that are
-## used twice are copied once. [param with_assets] also copies what it is made of: meshes, materials and the like.
+## Returns a copy of a layer, even if the layer is a file. Resources in [param copies] are not copied again, and new copies are added to it,
+## so resources that are used twice are copied once. [param with_assets] also copies meshes, materials and the other classes of
+## [constant ASSETS].
 static func of(layer: ScatterLayer, copies: Dictionary[Resource, Resource], with_assets := true) -> ScatterLayer:
 	if not copies.has(layer):
 		_copy_deep(layer, copies, with_assets)
 	return copies[layer]
 
 
-## A name that is not taken: itself, or with a number.
+## Returns a name that is not taken: the name itself, or the name with a number.
 static func free_name(name: String, taken: PackedStringArray) -> String:
 	return ScatterLayer.new().find_free_name(name, taken)
 
 
-## The names of layers; null entries have none.
+## Returns the names of layers, without null entries.
 static func names(layers: Array[ScatterLayer]) -> PackedStringArray:
 	var result := PackedStringArray()
 	for layer in layers:

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Changes of a scatter's list of layers, each of them one step of undo. Layers keep their ids, and whoever names one by its index follows.
+## Changes to a scatter's list of layers, each of them one undo step. Layers keep their ids, and references by index are updated.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -9,7 +9,8 @@ const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 
 
-## Adds a layer for each of these meshes, scenes, models and layers at an index, or where each belongs for -1. Returns the new layers.
+## Adds a layer for each of these meshes, scenes, models and layers at an index. With an index of -1, each is inserted at a fitting
+## position. Returns the new layers.
 static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, apart: bool,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
 	var old := scatter.layers
@@ -26,7 +27,8 @@ static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, 
 	return added
 
 
-## The resources that [method add] was given and made no layer of, in a sentence; empty for none. [param added] is what it returned.
+## Names the resources for which [method add] added no layer, in a sentence; empty if there are none. [param added] is the result of
+## [method add].
 static func left_out(resources: Array[Resource], added: Array[ScatterLayer]) -> String:
 	var names := PackedStringArray()
 	for resource in resources:
@@ -36,7 +38,7 @@ static func left_out(resources: Array[Resource], added: Array[ScatterLayer]) -> 
 			", ".join(names)
 
 
-## Puts copies of layers behind the last of them, with masks of their own. Returns the copies.
+## Adds copies of layers after the last of them, with their own masks. Returns the copies.
 static func copy(scatter: TerrainScatter3D, layers: Array[ScatterLayer], apart: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
 	var old := scatter.layers
@@ -63,13 +65,13 @@ static func copy(scatter: TerrainScatter3D, layers: Array[ScatterLayer], apart: 
 	return result
 
 
-## Takes layers away. Returns what else follows from that, in sentences.
+## Removes layers. Returns the consequences for other layers and regions, as sentences.
 static func remove(scatter: TerrainScatter3D, layers: Array[ScatterLayer], undo_redo: EditorUndoRedoManager) -> PackedStringArray:
 	var new: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return not layer in layers)
 	return _commit("Delete Layers", scatter, new, undo_redo)
 
 
-## Moves layers so that they stand before the one at an index, in the order that they have. False if that is where they are.
+## Moves layers before the one at an index, and keeps their order. Returns false if they are already there.
 static func move(scatter: TerrainScatter3D, layers: Array[ScatterLayer], to: int, undo_redo: EditorUndoRedoManager) -> bool:
 	var old := scatter.layers
 	var new: Array[ScatterLayer] = []
@@ -84,7 +86,7 @@ static func move(scatter: TerrainScatter3D, layers: Array[ScatterLayer], to: int
 	return true
 
 
-## Gives a layer a name that no other has; who names it follows by itself.
+## Renames a layer to a name that no other layer has. References by name are updated automatically.
 static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String, undo_redo: EditorUndoRedoManager) -> void:
 	var others: Array[ScatterLayer] = ScatterLayers.of(scatter).filter(func(other: ScatterLayer) -> bool: return other != layer)
 	var free := Copies.free_name(name.strip_edges(), Copies.names(others))
@@ -96,20 +98,21 @@ static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String,
 	undo_redo.commit_action()
 
 
-## Makes a list the scatter's, and has all who mention a layer follow. Returns what they mention no more, in sentences.
+## Sets the scatter's list of layers, and updates all references to layers. Returns the references that were removed, as sentences.
 static func _commit(title: String, scatter: TerrainScatter3D, new: Array[ScatterLayer], undo_redo: EditorUndoRedoManager,
 		more := Callable()) -> PackedStringArray:
 	var old := scatter.layers
 	var told := PackedStringArray()
 	undo_redo.create_action(title, UndoRedo.MERGE_DISABLE, scatter)
-	# The list first, both ways: what is mentioned has to be in it.
+	# The list is set first, for undo and redo, because it must contain the layers that are referred to.
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)
 	for layer in new:
 		if layer != null and layer in old:
 			_follow_in_layer(layer, old, new, told, undo_redo)
 		elif layer != null and Copies.is_file(layer) and layer.layer_id == -1:
-			# The list gives it an id, and its file keeps that: any call has the editor write the file when the scene is saved.
+			# The list assigns an id, which the layer's file stores: with any method call on it, the editor writes the file when it saves
+			# the scene.
 			undo_redo.add_do_method(layer, &"get_layer_id")
 			undo_redo.add_undo_property(layer, &"layer_id", -1)
 	for region: ScatterRegion3D in scatter.find_children("*", "ScatterRegion3D", true, false):
@@ -143,7 +146,7 @@ static func _follow_in_region(region: ScatterRegion3D, old: Array[ScatterLayer],
 		undo_redo: EditorUndoRedoManager) -> void:
 	var mentioned := region.layers
 	var followed: Array = mentioned.map(_next.bind(old, new)).filter(func(next: Variant) -> bool: return next != null)
-	if followed.is_empty() and not mentioned.is_empty(): # It would count for all layers.
+	if followed.is_empty() and not mentioned.is_empty(): # An empty list would mean all layers.
 		r_told.append("%s counts for no layer that is left." % region.name)
 	elif followed.size() < mentioned.size():
 		r_told.append("%s counts for a layer less." % region.name)
@@ -158,7 +161,8 @@ static func _change(object: Object, property: StringName, before: Variant, after
 		undo_redo.add_undo_property(object, property, before)
 
 
-## What a mention of a layer is in another list; null if the layer is not there. What meant no layer stays as it is.
+## Converts a reference to a layer from the old list to the new one; null if the new list does not have the layer. A reference without a
+## layer is not changed.
 static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
 	var layer := _meant(mentioned, old)
 	if layer == null:

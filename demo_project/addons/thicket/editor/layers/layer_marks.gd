@@ -1,11 +1,11 @@
 @tool
 extends RefCounted
-## What a designer has noted on layers for the editor alone: hidden there, locked against tools, a color to find them by. The editor keeps
-## it for each scene, beside the scene and never in it.
+## Marks on layers, for the editor only: hidden in the view, locked against tools, and a color. The editor stores them for each scene,
+## outside of the scene file.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
-## A note on a layer is another one.
+## A mark on a layer has changed.
 signal changed
 
 const HIDDEN := &"hidden"
@@ -23,12 +23,12 @@ func is_locked(layer: ScatterLayer) -> bool:
 	return _note(layer, LOCKED, false)
 
 
-## The color that a layer is marked with; transparent for none.
+## The color mark of a layer; transparent if there is none.
 func color(layer: ScatterLayer) -> Color:
 	return _note(layer, COLOR, Color(0.0, 0.0, 0.0, 0.0))
 
 
-## Notes something on a layer, by one of the names above; null to forget it.
+## Sets a mark on a layer, by one of the names above. Null removes it.
 func put(layer: ScatterLayer, name: StringName, value: Variant) -> void:
 	var notes: Dictionary = _notes.get_or_add(layer.get_instance_id(), {})
 	if value:
@@ -38,11 +38,11 @@ func put(layer: ScatterLayer, name: StringName, value: Variant) -> void:
 	changed.emit()
 
 
-## The same for several layers, as one step of undo that leaves the scene as saved as it is.
+## Sets a mark on several layers, as one undo step that does not mark the scene as unsaved.
 func put_undoable(layers: Array[ScatterLayer], name: StringName, value: Variant, scatter: TerrainScatter3D,
 		undo_redo: EditorUndoRedoManager) -> void:
 	var action: Array = ["Mark Layers", UndoRedo.MERGE_DISABLE, scatter, false]
-	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since 4.5: nothing to save.
+	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since 4.5: does not mark the scene as unsaved.
 		action.append(false)
 	undo_redo.create_action.callv(action)
 	for layer in layers:
@@ -51,19 +51,19 @@ func put_undoable(layers: Array[ScatterLayer], name: StringName, value: Variant,
 	undo_redo.commit_action()
 
 
-## Forgets all.
+## Removes all marks.
 func clear() -> void:
 	_notes.clear()
 	changed.emit()
 
 
-## Hides in the view what is hidden of a scatter.
+## Hides the layers of a scatter that are marked as hidden.
 func apply(scatter: TerrainScatter3D) -> void:
 	scatter._set_preview_hidden(ScatterLayers.of(scatter).filter(
 			func(layer: ScatterLayer) -> bool: return layer != null and is_hidden(layer)))
 
 
-## All notes on the layers of some scatters of a scene, as the editor keeps them.
+## The marks on the layers of some scatters of a scene, for the editor to save.
 func to_state(root: Node, scatters: Array[TerrainScatter3D]) -> Dictionary:
 	var state := {}
 	for scatter in scatters:
@@ -76,7 +76,7 @@ func to_state(root: Node, scatters: Array[TerrainScatter3D]) -> Dictionary:
 	return state
 
 
-## Takes them back.
+## Restores the marks that [method to_state] returned.
 func from_state(root: Node, state: Dictionary) -> void:
 	for path: String in state:
 		var scatter := root.get_node_or_null(path) as TerrainScatter3D

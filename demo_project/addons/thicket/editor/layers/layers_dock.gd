@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Where layers are worked on beside the view: the panel, its marks, and the bar that asks before far more is shown. It keeps the panel and
-## the toolbar in step, and tells when a scatter appears that shares its layers.
+## Manages layers in the editor: the panel, its marks, and the bar that asks before many more instances are shown. It keeps the panel and
+## the toolbar in sync, and warns when a scatter is added that shares its layers.
 
 const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
@@ -21,7 +21,7 @@ var bar: PreviewBar
 var _plugin: EditorPlugin
 var _toolbar: Toolbar
 var _scatter: TerrainScatter3D
-var _root: Node ## Of the scene as it was looked at last.
+var _root: Node ## The root of the scene at the last update.
 var _appeared: Array[TerrainScatter3D] = []
 
 
@@ -29,7 +29,7 @@ func _init(plugin: EditorPlugin) -> void:
 	_plugin = plugin
 
 
-## Makes the panel and the bar part of the editor.
+## Adds the panel and the bar to the editor.
 func enter(toolbar: Toolbar) -> void:
 	_toolbar = toolbar
 	panel = LayersPanel.new(_plugin.get_undo_redo(), marks, toolbar.paint.brush.files, steps)
@@ -64,7 +64,7 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 		_plugin.make_bottom_panel_item_visible(panel)
 
 
-## Some times a second.
+## Updates everything; called several times per second.
 func look() -> void:
 	_root = EditorInterface.get_edited_scene_root()
 	steps.look(_scatter if is_instance_valid(_scatter) else null)
@@ -78,7 +78,7 @@ func look() -> void:
 	_appeared.clear()
 
 
-## The marks on all layers of the scene, as the editor keeps them.
+## The marks on all layers of the scene, for the editor to save.
 func state() -> Dictionary:
 	var root := EditorInterface.get_edited_scene_root()
 	return marks.to_state(root, Shared.scatters_of(root)) if root != null else {}
@@ -95,7 +95,7 @@ func _apply_marks() -> void:
 		marks.apply(scatter)
 
 
-## A node that joins a scene which is open already was pasted, duplicated, or made.
+## Called for every added node. A scatter that is added to a scene that is already open was pasted, duplicated or created.
 func _on_node_added(node: Node) -> void:
 	if not node is TerrainScatter3D:
 		return

@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
-## The layers of the selected scatter: what they are, how many instances of each are on show, and all that a designer does with them. Layers
-## that are chosen here are those that tools work on.
+## The panel with the layers of the selected scatter: their names, their numbers of visible instances, and all commands for them. The layers
+## chosen here are the ones that tools work on.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
@@ -17,14 +17,14 @@ const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
 
-## Layers were chosen here for tools, the first before all others.
+## The user chose layers here for tools; the first one is the main layer.
 signal layers_chosen(layers: Array[ScatterLayer])
 signal preset_chosen(name: String)
 
 enum Add { MESHES, LAYERS, EMPTY, FIRST_PRESET }
 const MESH_CLASSES: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel"]
 const LAYER_CLASSES: Array[StringName] = [&"ScatterLayer"]
-## Marks to choose from, as the FileSystem dock has them for folders.
+## The colors of marks, like those of folders in the FileSystem dock.
 const COLORS: Dictionary[String, Color] = {
 	"Red": Color(1.0, 0.27, 0.27), "Orange": Color(1.0, 0.56, 0.27), "Yellow": Color(1.0, 0.89, 0.27), "Green": Color(0.5, 1.0, 0.27),
 	"Teal": Color(0.27, 1.0, 0.64), "Blue": Color(0.27, 0.75, 1.0), "Purple": Color(0.56, 0.27, 1.0), "Pink": Color(1.0, 0.27, 0.65),
@@ -33,7 +33,7 @@ const HEIGHT := 230.0
 
 ## The rows.
 var tree := LayersTree.new()
-## What is to be told about the scatter, above the rows.
+## Notes about the scatter, above the rows.
 var notes: Notes
 
 var _undo_redo: EditorUndoRedoManager
@@ -59,7 +59,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 	_marks = marks
 	_files = files
 	_steps = steps
-	undo_redo.version_changed.connect(look.call_deferred) # What is undone is seen at once.
+	undo_redo.version_changed.connect(look.call_deferred) # Undo must be visible immediately.
 	notes = Notes.new(undo_redo, files)
 	custom_minimum_size.y = HEIGHT * EditorInterface.get_editor_scale()
 	_make_head()
@@ -87,20 +87,20 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 	add_child(_colors)
 
 
-## Shows the layers of a scatter; null for none.
+## Shows the layers of a scatter; null for no scatter.
 func set_scatter(scatter: TerrainScatter3D) -> void:
 	_scatter = scatter
 	look()
 
 
-## Chooses layers, as a click on their rows does.
+## Chooses layers, like clicks on their rows.
 func choose(layers: Array[ScatterLayer]) -> void:
 	if layers != tree.chosen_layers():
 		tree.choose(layers)
 	_enable()
 
 
-## Looks, some times a second, what has changed.
+## Updates everything that has changed; called several times per second.
 func look() -> void:
 	if not is_instance_valid(_scatter):
 		_scatter = null
@@ -126,7 +126,8 @@ func look() -> void:
 	_total.text = "%s on show" % PreviewBar.grouped(total)
 
 
-## Adds a layer for each of these resources at an index, or where each belongs for -1, and chooses them.
+## Adds a layer for each of these resources at an index, and chooses the new layers. With an index of -1, each is inserted at a fitting
+## position.
 func add(resources: Array[Resource], at := -1) -> void:
 	if not is_instance_valid(_scatter):
 		return
@@ -159,7 +160,7 @@ func remove_chosen() -> void:
 		look()
 
 
-## Adds a scatter to the scene that is edited, and selects it.
+## Adds a scatter to the edited scene, and selects it.
 func add_scatter() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
@@ -231,7 +232,7 @@ func _enable() -> void:
 	_remove.disabled = none
 
 
-## The chosen layers without those of biomes, which others may share: they come and go with their biome.
+## The chosen layers without those of biomes. Other scatters may share those, and they are added and removed with their biome.
 func _own_chosen() -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	if is_instance_valid(_scatter):
@@ -252,7 +253,7 @@ func _show_count(layer: ScatterLayer) -> int:
 
 
 func _choose_new(layers: Array[ScatterLayer]) -> void:
-	if get_viewport().gui_is_dragging(): # Files are being dropped, and rows come once that is over.
+	if get_viewport().gui_is_dragging(): # Files are being dropped, and rows are added only after that.
 		get_tree().process_frame.connect(_choose_new.bind(layers), CONNECT_ONE_SHOT)
 		return
 	look()
@@ -296,7 +297,7 @@ func _on_file(path: String) -> void:
 		_tell("%s cannot be loaded; the Output panel says why." % path)
 
 
-## A mark counts for all chosen layers, if the one that was pressed is among them.
+## Applies a mark to all chosen layers if the clicked layer is one of them, else to the clicked layer.
 func _on_mark(layer: ScatterLayer, mark: StringName) -> void:
 	var layers := tree.chosen_layers()
 	if not layer in layers:

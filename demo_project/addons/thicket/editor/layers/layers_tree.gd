@@ -1,19 +1,20 @@
 @tool
 extends Tree
-## The layers of a scatter as rows: a picture, the name, how many are on show, and marks. It says what a designer wants; others do it.
+## The layers of a scatter as rows: a picture, the name, the number of visible instances, and marks. It only emits signals for the user's
+## actions; other objects handle them.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 const MeshDrop := preload("res://addons/thicket/editor/layers/mesh_drop.gd")
 
-## Rows were chosen; the one that was clicked last comes first.
+## The user chose rows; the one that was clicked last is the first.
 signal layers_chosen(layers: Array[ScatterLayer])
 signal layer_renamed(layer: ScatterLayer, name: String)
-## Layers were dragged to before the index [param to].
+## Layers were dragged; they move before the index [param to].
 signal layers_moved(layers: Array[ScatterLayer], to: int)
 ## Meshes, scenes, models or layers were dropped; [param to] is -1 below all rows.
 signal resources_dropped(resources: Array[Resource], to: int)
-## One of the names in [code]layer_marks.gd[/code] was pressed on a layer.
+## The user clicked one of the marks in [code]layer_marks.gd[/code] on a layer.
 signal mark_pressed(layer: ScatterLayer, mark: StringName)
 
 enum Column { NAME, COUNT, MARKS }
@@ -54,8 +55,8 @@ func _init() -> void:
 	button_clicked.connect(_on_button)
 
 
-## Shows the layers that a scatter has, and below the names of its biomes those that it has from them. Rows of layers that stay keep their
-## pictures and stay chosen.
+## Shows the layers of a scatter, those of biomes below the names of the biomes. Rows of layers that remain keep their pictures and remain
+## chosen.
 func show_layers(layers: Array[ScatterLayer], biomes: PackedStringArray) -> void:
 	var chosen := chosen_layers()
 	_layers = layers.duplicate()
@@ -95,7 +96,7 @@ func rows() -> Array[TreeItem]:
 		for row in get_root().get_children():
 			if row.get_metadata(Column.NAME) != null:
 				result.append(row)
-			result.append_array(row.get_children()) # Those of a biome.
+			result.append_array(row.get_children()) # The layers of a biome.
 	return result
 
 
@@ -110,7 +111,7 @@ func layer_of(row: TreeItem) -> ScatterLayer:
 	return row.get_metadata(Column.NAME)
 
 
-## What a row says of how much is on show, and a note, as a sign with a tooltip; empty for none.
+## Sets the text about the number of instances in a layer's row, and a note, shown as an icon with a tooltip; empty for no note.
 func show_count(layer: ScatterLayer, text: String, note: String) -> void:
 	var row := row_of(layer)
 	if row == null:
@@ -122,13 +123,13 @@ func show_count(layer: ScatterLayer, text: String, note: String) -> void:
 		row.set_icon(Column.COUNT, get_theme_icon(&"NodeWarning", &"EditorIcons") if note else null)
 
 
-## Shows the marks as they are now.
+## Updates the marks of all rows.
 func update_marks() -> void:
 	for row in rows():
 		_show_marks(row)
 
 
-## Begins to type another name.
+## Lets the user edit the name of a layer.
 func rename(layer: ScatterLayer) -> void:
 	var row := row_of(layer)
 	if row != null:
@@ -149,7 +150,7 @@ func has_picture(layer: ScatterLayer) -> bool:
 	return _pictures.has(layer.get_instance_id())
 
 
-## The name of a biome, above the rows of its layers.
+## Adds the name of a biome, above the rows of its layers.
 func _add_heading(root: TreeItem, title: String) -> TreeItem:
 	var heading := create_item(root)
 	heading.set_text(Column.NAME, title)
@@ -169,7 +170,7 @@ func _add_row(parent: TreeItem, layer: ScatterLayer) -> void:
 	row.set_editable(Column.NAME, true)
 	var side := roundi(PICTURE * EditorInterface.get_editor_scale())
 	row.set_icon_max_width(Column.NAME, side)
-	row.custom_minimum_height = side # Else rows move below the mouse as their pictures come.
+	row.custom_minimum_height = side # Otherwise rows would move below the mouse when their pictures arrive.
 	row.set_icon(Column.NAME, _pictures.get(layer.get_instance_id(), get_theme_icon(&"MeshInstance3D", &"EditorIcons")))
 	row.set_text_alignment(Column.COUNT, HORIZONTAL_ALIGNMENT_RIGHT)
 	for column: int in [Column.COUNT, Column.MARKS]:
@@ -210,7 +211,7 @@ func _on_multi_selected(row: TreeItem, _column: int, selected: bool) -> void:
 		return
 	if selected:
 		_clicked = layer_of(row)
-	if not _asked: # Once for all rows that a click chooses and leaves.
+	if not _asked: # One click may select and deselect several rows; the signal is emitted once.
 		_asked = true
 		_tell_chosen.call_deferred()
 
@@ -264,7 +265,7 @@ func _is_own(row: TreeItem) -> bool:
 	return row.get_parent() == get_root() and row.get_metadata(Column.NAME) != null
 
 
-## The index in the scatter's list before which a drop goes; -1 where no row of it is.
+## The index in the scatter's list before which dropped layers are inserted; -1 if the position is on none of the list's rows.
 func _place_at(at: Vector2) -> int:
 	var row := get_item_at_position(at)
 	if row == null or not _is_own(row):

@@ -1,12 +1,12 @@
 @tool
 extends PanelContainer
-## Where scenes, meshes and models are dropped from the file system: on a layer they join its meshes, on a scatter each becomes a layer.
+## Accepts scenes, meshes and models from the FileSystem dock: a layer adds them to its meshes, a scatter adds a layer for each.
 
 const HINT_ON_LAYER := "Drop scenes or meshes here"
 const HINT_ON_SCATTER := "Drop scenes or meshes here: a layer for each"
 const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
-## What follows from the size of what is dropped on a layer that had nothing.
+## Properties that are set from the size of the meshes when they are dropped on a layer without meshes.
 const FITTED: Array[StringName] = [&"radius", &"instance_radius", &"instance_height", &"collision_shape"]
 
 var _object: Object
@@ -30,7 +30,8 @@ func _drop_data(_at: Vector2, data: Variant) -> void:
 	add(_object, taken(data), EditorInterface.get_editor_undo_redo())
 
 
-## Adds what was dropped on a layer or a scatter, as one step of undo. What cannot be drawn is named in a toast and adds nothing.
+## Adds the dropped resources to a layer or a scatter, as one undo step. Resources that cannot be drawn are not added, and a toast names
+## them.
 static func add(object: Object, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
 	if object is ScatterLayer:
 		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
@@ -39,12 +40,12 @@ static func add(object: Object, dropped: Array[Resource], undo_redo: EditorUndoR
 		_tell(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, undo_redo)))
 
 
-## True if all that is dragged can be drawn. [param with_layers] takes layers, too.
+## Returns true if all dragged resources can be drawn. [param with_layers] also accepts layers.
 static func can_take(data: Variant, with_layers := false) -> bool:
 	return not _paths(data, with_layers).is_empty() or _resource(data, with_layers) != null
 
 
-## What is dragged, as resources; empty where [method can_take] says no.
+## Returns the dragged resources; empty if [method can_take] returns false.
 static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 	var result: Array[Resource] = []
 	if _resource(data, with_layers) != null:
@@ -77,7 +78,7 @@ static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_re
 	undo_redo.commit_action()
 
 
-## The files among what is dragged that have something to draw; none if one of them has not.
+## The dragged files, if all of them can be drawn; else none.
 static func _paths(data: Variant, with_layers: bool) -> PackedStringArray:
 	if not data is Dictionary or (data as Dictionary).get("type") != "files":
 		return []

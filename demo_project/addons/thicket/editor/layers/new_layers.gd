@@ -1,31 +1,34 @@
 @tool
 extends RefCounted
-## Makes layers of meshes, scenes and models: named after their files, as far apart as they are wide, and with room for each other.
+## Creates layers for meshes, scenes and models. They are named after their files, their radius fits the width of the mesh, and they
+## keep distances to each other.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 
-## Meters that a layer is seen from, for each meter of its radius, between these; and the side of its tiles.
+## The view distance of a layer, in meters per meter of its radius, with its limits, and the same for the side of its tiles.
 const VIEW := 100.0
 const VIEW_RANGE := Vector2(10.0, 600.0)
 const TILE := 30.0
 const TILE_RANGE := Vector2(8.0, 128.0)
-## A layer that is smaller than this part of another grows beneath it, and keeps this part of the other's radius to it.
+## A later layer whose radius is less than [constant UNDERGROWTH] times an earlier one's grows beneath it. It keeps a distance of
+## [constant TRUNK] times the earlier radius.
 const UNDERGROWTH := 0.35
 const TRUNK := 0.2
-## A layer that keeps more than this part of another's radius to it hardly stands: where the other is as dense as can be, no place is
-## farther from it than its radius.
+## The largest distance to an earlier layer, as a part of its radius. Beyond that, hardly any instance remains: at full density, no
+## position is farther from the earlier layer than its radius.
 const ROOM := 0.62
 
 
-## A layer of these meshes, and of the sizes that they have; null if there is nothing to draw.
+## Creates a layer with these meshes, whose values fit their sizes; null if there is nothing to draw.
 static func of_meshes(meshes: Array) -> ScatterLayer:
 	var layer := ScatterLayer.new()
-	for mesh: Variant in meshes: # One by one: what a layer refuses is only kept in its list where nothing was before.
+	for mesh: Variant in meshes: # One by one, because a layer keeps an invalid entry only if its list was empty before.
 		layer.meshes = layer.meshes + [mesh]
 	return layer if layer.fit_to_meshes() and layer.meshes.size() == meshes.size() else null
 
 
-## A layer for each resource that can be drawn, the widest first, with names that are not taken. Layers are taken as they are.
+## Creates a layer for each resource that can be drawn, the widest first, with names that are not taken. Resources that are layers
+## are returned unchanged.
 static func of_resources(resources: Array[Resource], taken: PackedStringArray) -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	var made: Array[ScatterLayer] = []
@@ -47,7 +50,7 @@ static func of_resources(resources: Array[Resource], taken: PackedStringArray) -
 	return result
 
 
-## Where a new layer belongs among others: before the first that is less than half as wide, so that small ones give way.
+## The index for a new layer in a list: before the first layer that is less than half as wide, so that small layers avoid large ones.
 static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
 	for index in layers.size():
 		var other := layers[index]
@@ -56,7 +59,7 @@ static func place_for(layer: ScatterLayer, layers: Array[ScatterLayer]) -> int:
 	return layers.size()
 
 
-## Has new layers keep distances to all others of a list, by their names; large ones do not give way to what grows beneath them.
+## Sets the spacing of new layers to all others of a list, by name. Large layers keep no distance to those that grow beneath them.
 static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) -> void:
 	var done: Array[ScatterLayer] = []
 	for layer in new:
@@ -73,8 +76,8 @@ static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) ->
 		done.append(layer)
 
 
-## Meters that a later layer keeps to an earlier one: half of both widths, less where that would leave it no room or where it is
-## undergrowth; 0 if the earlier one is.
+## The distance in meters that a later layer keeps to an earlier one: half the sum of both radii. It is less if that would leave no
+## room, or if the later layer is undergrowth; 0 if the earlier one is.
 static func distance(earlier: ScatterLayer, later: ScatterLayer) -> float:
 	var wide := earlier.radius
 	var other := later.radius
@@ -98,7 +101,7 @@ static func _fit_view(layer: ScatterLayer) -> void:
 	layer.tile_size = pow(2.0, roundf(log(clampf(radius * TILE, TILE_RANGE.x, TILE_RANGE.y)) / log(2.0)))
 
 
-## New layers of about one width share the ground: the first takes its part of it, the second its part of what is left, and so on.
+## New layers of similar width share the ground: the first one gets its share, the second one its share of the rest, and so on.
 static func _share_ground(layers: Array[ScatterLayer]) -> void:
 	for index in layers.size():
 		var rest := 1

@@ -1,19 +1,19 @@
 @tool
 extends VBoxContainer
-## What is to be told about a scatter, a row each, with what helps: it has no ground, or shares with others what was meant to be its own.
+## Notes about a scatter, a row each, with a button that helps: it has no ground, or shares resources by accident.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const UniqueDialog := preload("res://addons/thicket/editor/layers/unique_dialog.gd")
 
-## A ground is to be chosen.
+## The user wants to choose a ground.
 signal ground_wanted
 
-## Looks between two searches for what is shared.
+## The number of updates between two searches for shared resources.
 const SEARCH_EVERY := 6
 
-## Asks how the scatter is made unique.
+## Asks how to make the scatter unique.
 var dialog := UniqueDialog.new()
 
 var _undo_redo: EditorUndoRedoManager
@@ -44,7 +44,7 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 	dialog.decided.connect(make_unique)
 
 
-## Looks what there is to tell about a scatter; null for none.
+## Updates the notes about a scatter; null for no scatter.
 func look(scatter: TerrainScatter3D) -> void:
 	if scatter != _scatter or _looks % SEARCH_EVERY == 0:
 		_shared = Shared.find(scatter) if scatter != null else null
@@ -59,7 +59,7 @@ func look(scatter: TerrainScatter3D) -> void:
 		_label(_sharing).tooltip_text = _shared.tell(scatter.name)
 
 
-## What is to be told of a single layer; empty for nothing.
+## The note on a single layer; empty if there is none.
 func note_on(layer: ScatterLayer) -> String:
 	if _shared == null:
 		return ""

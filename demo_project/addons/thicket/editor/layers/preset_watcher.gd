@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Looks after the layers of a preset until they stand, and tells why they do not.
+## Watches the layers of a new preset until their instances are placed, and explains if none are.
 
 const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
 const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
@@ -9,7 +9,7 @@ var _scatter: TerrainScatter3D
 var _fresh: Array[ScatterLayer] = []
 
 
-## Adds a preset's layers to a scatter, and waits for them.
+## Adds a preset's layers to a scatter, and watches them.
 func add(preset: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRedoManager) -> void:
 	var before := scatter.layers
 	Presets.add(preset, scatter, undo_redo)
@@ -17,7 +17,8 @@ func add(preset: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRedoMan
 	_fresh = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return not before.has(layer))
 
 
-## Once all is there, tells which of them stand nowhere in sight, and what they ask for.
+## Once all tiles are ready, reports the new layers without a visible instance, and the rules that
+## prevent it.
 func look() -> void:
 	if _fresh.is_empty():
 		return
@@ -30,11 +31,12 @@ func look() -> void:
 	var missing := _fresh.filter(func(layer: ScatterLayer) -> bool:
 		return layer in layers and _scatter.get_shown_count(layer) == 0)
 	_fresh.clear()
-	if not missing.is_empty() and _scatter.ground != null: # Without one, the node has a warning.
+	if not missing.is_empty() and _scatter.ground != null: # Without a ground, the node has a warning.
 		EditorInterface.get_editor_toaster().push_toast(_why(missing), EditorToaster.SEVERITY_WARNING)
 
 
-## What keeps layers from the place that the view looks at, in a sentence for each.
+## Explains for each layer, in a sentence, why it has no instance at the position that the view
+## looks at.
 func _why(missing: Array[ScatterLayer]) -> String:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	var away := GroundRay.distance(_scatter.ground, camera.global_position, -camera.global_basis.z)

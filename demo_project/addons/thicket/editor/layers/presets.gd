@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Layers to start from: copies of those in the scenes of the presets folder.
+## Layers to start with: copies of the layers in the scenes of the presets folder.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
@@ -8,8 +8,8 @@ const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
 
 
-## New layers of a preset, whose index there starts at [param first_index]; names
-## that [param taken] holds get a number, and so do their mentions in other layers. Empty, with an error, if there is no such preset.
+## Creates new layers from a preset. In the scatter, their indices start at [param first_index]. Names in [param taken] get a number,
+## and references in other layers are updated. Returns an empty array, and prints an error, if there is no such preset.
 static func layers(name: String, taken: PackedStringArray, first_index := 0) -> Array[ScatterLayer]:
 	var path := FOLDER + name + ".tscn"
 	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
@@ -22,14 +22,14 @@ static func layers(name: String, taken: PackedStringArray, first_index := 0) -> 
 	var result: Array[ScatterLayer] = []
 	for layer in source.layers:
 		var copy := Copies.of(layer, copies)
-		copy.layer_id = -1 # The scatter that it joins gives it one.
+		copy.layer_id = -1 # The scatter that it is added to assigns an id.
 		result.append(copy)
 	source.free()
 	_rename(result, taken, first_index)
 	return result
 
 
-## Adds a preset's layers to a scatter, as one step of undo.
+## Adds a preset's layers to a scatter, as one undo step.
 static func add(name: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRedoManager) -> void:
 	var old := scatter.layers
 	var new: Array[ScatterLayer] = old.duplicate()
@@ -58,6 +58,6 @@ static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray, f
 			layer.set(property, _renamed(layer.get(property), names, first_index))
 
 
-## What a layer is referred to by in the scatter: its new name, its new index, or itself.
+## A reference to a layer, converted for the scatter: its new name, its new index, or the layer itself.
 static func _renamed(reference: Variant, names: Dictionary, first_index: int) -> Variant:
 	return reference + first_index if reference is int else names.get(reference, reference)

@@ -1,6 +1,7 @@
 @tool
 extends PanelContainer
-## Below the 3D view: asks before it shows far more than it does, and tells while it shows less than there is.
+## The bar below the 3D view. It asks before many more instances are shown, and shows a note while the view
+## shows fewer instances than the game.
 
 const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
 
@@ -33,7 +34,7 @@ func _init(told: Steps) -> void:
 	hide()
 
 
-## Tells what there is to tell.
+## Updates the text and the buttons.
 func update() -> void:
 	var held := steps.held()
 	_watch = held[0] if not held.is_empty() else null
@@ -57,7 +58,7 @@ func update() -> void:
 	_keep.visible = _watch.state != Steps.State.KEPT
 
 
-## A number as one reads it: two digits of a large one, in groups of three.
+## A number for display: a large one is rounded to two digits, and grouped by three.
 static func about(number: float) -> String:
 	var digits := maxi(0, floori(log(maxf(number, 1.0)) / log(10.0)) - 1)
 	return grouped(roundi(snappedf(number, pow(10.0, digits))))

@@ -1,49 +1,49 @@
 @tool
 extends RefCounted
-## Stands between a change and the view: where a layer would show more than ten times as much as it does, the view keeps what it has, until
-## the designer has been asked; then it grows in steps that can be stopped. The layer has its new values all the while, and so has the game.
+## Delays large changes in the view. If a layer would show more than ten times its instances, the view keeps the old values until the user
+## has been asked. Then it grows in steps that can be stopped. The layer always has its new values, and the game uses them.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
-## There is something else to tell, or nothing any more.
+## The result of [method held] has changed.
 signal told
 
 enum State { ASKING, KEPT, GROWING }
 
-## So many times as much is asked about, if it is more than this many instances.
+## An increase by more than this factor is asked about, if it leads to more than [constant FEW] instances.
 const MANY := 10.0
 const FEW := 50000.0
-## A step shows at most so many times as much as the one before.
+## The largest factor from one step to the next.
 const STEP := 4.0
 
-## A layer of a scatter that is looked after.
+## A watched layer of a scatter.
 class Watch:
 	var scatter: TerrainScatter3D
 	var layer: ScatterLayer
 	var state := State.KEPT
 	## True while the view differs from the layer.
 	var held := false
-	## The numbers that the view shows, and the instances that were counted with them.
+	## The values that the view shows, and the number of instances with them.
 	var shown: Array[float] = []
 	var count := 0.0
-	var heard: Callable ## Told of a change of the layer.
+	var heard: Callable ## Called when the layer changes.
 
 	func hear() -> void:
 		heard.call(self)
 
-	## What a layer's number of instances follows from: radius, density and view distance.
+	## The values that determine a layer's number of instances: radius, density and view distance.
 	func numbers() -> Array[float]:
 		return [layer.radius, layer.density, layer.view_distance]
 
-	## The instances that the layer would show as it is now.
+	## The number of instances that the layer would show with its current values.
 	func estimate() -> float:
 		return count * density_of(numbers()) / maxf(density_of(shown), 1e-9)
 
-	## In proportion to the instances of a layer with these values.
+	## Proportional to the number of instances of a layer with these values.
 	static func density_of(values: Array[float]) -> float:
 		return values[1] * pow(values[2] / values[0], 2.0)
 
-	## Shows the layer with other values in the view; with its own for none.
+	## Shows the layer with other values in the view; with its own if [param values] is empty.
 	func show(values: Array[float]) -> void:
 		var stand_in: ScatterLayer = null
 		if not values.is_empty():
@@ -58,14 +58,14 @@ class Watch:
 var _watches: Array[Watch] = []
 
 
-## What is to be told: the layers whose view differs, those that ask first.
+## The layers that the view shows with other values; those with a question first.
 func held() -> Array[Watch]:
 	var result := _watches.filter(func(watch: Watch) -> bool: return watch.held)
 	result.sort_custom(func(a: Watch, b: Watch) -> bool: return a.state < b.state)
 	return result
 
 
-## The same for a layer; null for one that is shown as it is.
+## The same for one layer; null if the view shows it with its own values.
 func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 	for watch in _watches:
 		if watch.held and watch.scatter == scatter and watch.layer == layer:
@@ -73,7 +73,7 @@ func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 	return null
 
 
-## Looks after the layers of a scatter, some times a second; null for none. Those that were looked after before still are.
+## Watches the layers of a scatter; called several times per second. Null adds none. Layers that were watched before are still watched.
 func look(scatter: TerrainScatter3D) -> void:
 	for watch: Watch in _watches.duplicate():
 		if not is_instance_valid(watch.scatter) or not watch.layer in ScatterLayers.of(watch.scatter):
@@ -87,19 +87,19 @@ func look(scatter: TerrainScatter3D) -> void:
 			_settled(watch)
 
 
-## Lets the view grow, step by step, until it shows all.
+## Lets the view grow in steps until it shows all instances.
 func grow(watch: Watch) -> void:
 	watch.state = State.GROWING
 	_step(watch)
 
 
-## Keeps the view as it is.
+## Keeps the current view.
 func keep(watch: Watch) -> void:
 	watch.state = State.KEPT
 	told.emit()
 
 
-## Shows all layers as they are, and looks after none.
+## Shows all layers with their own values, and stops watching them.
 func clear() -> void:
 	for watch: Watch in _watches.duplicate():
 		_forget(watch)
@@ -125,7 +125,7 @@ func _forget(watch: Watch) -> void:
 		told.emit()
 
 
-## Before the node has looked at the layer, so that the view makes nothing of it.
+## Called before the node has processed the change, so that the view does not generate it.
 func _on_changed(watch: Watch) -> void:
 	if not is_instance_valid(watch.scatter):
 		return
@@ -154,7 +154,7 @@ func _settled(watch: Watch) -> void:
 		watch.count = watch.scatter.get_shown_count(watch.layer)
 
 
-## The next step towards what the layer is now; the last shows the layer itself.
+## Takes the next step towards the layer's values; the last step shows the layer itself.
 func _step(watch: Watch) -> void:
 	var wanted := watch.numbers()
 	var times := Watch.density_of(wanted) / maxf(Watch.density_of(watch.shown), 1e-9)

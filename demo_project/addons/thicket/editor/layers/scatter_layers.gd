@@ -1,9 +1,10 @@
 @tool
 extends RefCounted
-## The layers that a scatter shows: those of its own, and behind them those of its biomes.
+## The layers that a scatter shows: its own, followed by those of its biomes.
 
 
-## All of them, by the index that the scatter knows them by; null where an entry is empty. None for no scatter.
+## Returns all layers in the order of the scatter's layer indices; null for empty entries. Empty if the scatter
+## is null.
 static func of(scatter: TerrainScatter3D) -> Array[ScatterLayer]:
 	if scatter == null:
 		return []
@@ -15,13 +16,13 @@ static func of(scatter: TerrainScatter3D) -> Array[ScatterLayer]:
 	return result
 
 
-## Those of these layers that are in the scatter's own list, which is the one that the panel changes.
+## Returns those layers that are in the scatter's own list, which is the list that the panel changes.
 static func own(scatter: TerrainScatter3D, layers: Array[ScatterLayer]) -> Array[ScatterLayer]:
 	var listed := scatter.layers
 	return layers.filter(func(layer: ScatterLayer) -> bool: return layer in listed)
 
 
-## The name of the first biome that has a layer; empty for a layer of the scatter's own.
+## Returns the name of the first biome that has a layer; empty for a layer of the scatter's own list.
 static func biome_name(scatter: TerrainScatter3D, layer: ScatterLayer) -> String:
 	var map := scatter.biomes
 	if map == null or layer in scatter.layers:

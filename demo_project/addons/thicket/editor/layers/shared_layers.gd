@@ -1,33 +1,33 @@
 @tool
 extends RefCounted
-## Finds what a scatter shares with others though a copy was meant (one that was duplicated or pasted shares its layers, its masks and its
-## state with the original, and its seed), and makes it the scatter's own. Layers that were saved as files are meant to be shared.
+## Finds resources that a scatter shares with others by accident, and makes them its own. A duplicated or pasted scatter shares its layers,
+## masks, state and seed with the original. Layers that were saved as files are meant to be shared.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## What a scatter shares.
+## The resources that a scatter shares.
 class Shared:
-	## Layers that are no files, and stand in another scatter as well.
+	## Layers that are no files and belong to a different scatter as well.
 	var layers: Array[ScatterLayer] = []
-	## Layers that are files, and stand in another scatter of an open scene as well.
+	## Layers that are files and belong to a different scatter of an open scene as well.
 	var files: Array[ScatterLayer] = []
-	## Files of masks that another scatter or another scene paints on.
+	## Files of masks that a different scatter or scene uses as well.
 	var masks := PackedStringArray()
-	## The changes that the scatter and another one keep in one state.
+	## True if the scatter and a different one keep their changes in the same state.
 	var state := false
-	## True if those are made by hand, and not by a game.
+	## True if these changes are made by hand, and not by a game.
 	var by_hand := false
-	## The same seed, for the same layers: the same instances in the same places.
+	## True if the seed is the same: the same layers then have the same instances.
 	var seed := false
-	## Those that it is shared with, by name.
+	## The names of the scatters and scenes that it is shared with.
 	var others := PackedStringArray()
 
-	## True if it is likely not meant.
+	## True if the sharing is probably not intended.
 	func is_by_accident() -> bool:
 		return not layers.is_empty() or not masks.is_empty() or by_hand
 
-	## In a sentence.
+	## Describes the sharing in a sentence.
 	func tell(name: String) -> String:
 		var parts := PackedStringArray()
 		if not layers.is_empty():
@@ -43,7 +43,7 @@ class Shared:
 		return "%s shares %s with %s%s." % [name, what, ", ".join(others), follows]
 
 
-## What a scatter shares with others of the open scenes, and with scenes whose masks it paints on or whose instances it plants.
+## Finds the resources that a scatter shares with others of the open scenes, and with scenes whose masks or states it changes.
 static func find(scatter: TerrainScatter3D) -> Shared:
 	var result := Shared.new()
 	var own: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null)
@@ -74,7 +74,7 @@ static func find(scatter: TerrainScatter3D) -> Shared:
 	return result
 
 
-## All scatters of the scenes that are open in the editor; before 4.5, of the one that is edited.
+## All scatters of the scenes that are open in the editor; before Godot 4.5, of the edited scene.
 static func open_scatters() -> Array[TerrainScatter3D]:
 	var roots: Array = [EditorInterface.get_edited_scene_root()]
 	if EditorInterface.has_method(&"get_open_scene_roots"):
@@ -93,15 +93,15 @@ static func scatters_of(root: Node) -> Array[TerrainScatter3D]:
 	return result
 
 
-## Gives a scatter layers, masks and a state of its own, as one step of undo; and a seed that no other has, if [param new_seed]. Layers that
-## are files are copied if [param with_files]. Returns what stands in the way, in a sentence; empty if it is done.
+## Gives a scatter its own layers, masks and state, as one undo step, and an unused seed if [param new_seed] is true. Layers that are files
+## are copied if [param with_files] is true. Returns the reason if it failed, as a sentence; empty on success.
 static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> String:
 	var old := scatter.layers
 	var new: Array[ScatterLayer] = old.duplicate()
 	var copies: Dictionary[Resource, Resource] = {}
 	var masks: Dictionary[Resource, Resource] = {}
-	for layer in old: # First of all, so that they are not copied once more as what others mention.
+	for layer in old: # These first, so that they are not copied as references of other layers.
 		if layer != null and Copies.is_file(layer) and not with_files:
 			copies[layer] = layer
 	for index in old.size():
@@ -114,7 +114,7 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	if not _copy_state(scatter, new_seed, files, scene_path, states):
 		return files.problem
 	undo_redo.create_action("Make %s Unique" % scatter.name, UndoRedo.MERGE_DISABLE, scatter)
-	if states[0] != scatter.state: # None meanwhile: a state fits one seed only.
+	if states[0] != scatter.state: # No state in between, because a state fits one seed only.
 		undo_redo.add_do_property(scatter, &"state", null)
 		undo_redo.add_undo_property(scatter, &"state", null)
 	undo_redo.add_do_property(scatter, &"layers", new)
@@ -122,7 +122,7 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	if new_seed:
 		undo_redo.add_do_property(scatter, &"seed", free_seed(scatter))
 		undo_redo.add_undo_property(scatter, &"seed", scatter.seed)
-	# A state is held against the seed that the scatter knew last; being asked for instances, it takes in the other one.
+	# A state is checked against the last seed that the scatter has processed. A query makes it process the new one.
 	undo_redo.add_do_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
 	undo_redo.add_undo_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
 	undo_redo.add_do_property(scatter, &"state", states[0])
@@ -141,7 +141,7 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	return ""
 
 
-## The smallest seed from 0 on that no other scatter of the open scenes has.
+## The smallest seed from 0 that no other scatter of the open scenes has.
 static func free_seed(scatter: TerrainScatter3D) -> int:
 	var taken := open_scatters().map(func(other: TerrainScatter3D) -> int: return other.seed)
 	if scatter != null:
@@ -152,9 +152,9 @@ static func free_seed(scatter: TerrainScatter3D) -> int:
 	return result
 
 
-## What was made by hand is the copy's own, in a file of its own if it lies in one; a state that a game writes may be shared by many nodes,
-## and stays. With another seed there are other instances, of which nothing has been removed; those placed by hand stand all the same.
-## False, with the reason in [code]files.problem[/code], if it cannot be written.
+## Copies a state with changes by hand, into its own file if the original is in a file. A state that a game writes is not copied, because
+## many nodes may share it. With a new seed there are new instances, none of which was removed; hand-placed instances remain. On failure,
+## returns false; the reason is in [code]files.problem[/code].
 static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneFiles, scene_path: String,
 		r_made: Array[ScatterState]) -> bool:
 	var state := scatter.state
@@ -169,7 +169,8 @@ static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneF
 	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
 
 
-## A mask that lies beside another scene, under the name that the brush gives, is that scene's; a state that the hand has made, alike.
+## Finds masks that are beside a different scene and have the name that the brush chooses: they belong to that scene. The same applies to
+## states of the hand tool.
 static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[ScatterLayer], scenes: PackedStringArray,
 		r_shared: Shared) -> void:
 	for layer in own:
@@ -188,7 +189,7 @@ static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[Sc
 		_add_scene(keeper, scenes, r_shared)
 
 
-## The scene that a file is named after, without its extension; empty for the scatter's own and for none.
+## The scene that a file is named after, without its extension; empty if it is the scatter's own scene or there is none.
 static func _other_scene_of(resource: Resource, scatter: TerrainScatter3D) -> String:
 	var stem := resource.resource_path.get_basename()
 	if not Copies.is_file(resource) or stem.begins_with(_scene_of(scatter).get_basename() + "_"):

@@ -1,8 +1,8 @@
 @tool
 extends ConfirmationDialog
-## Asks how a scatter is made unique.
+## The dialog for making a scatter unique.
 
-## It was decided: another seed or the same, and whether layers that are files are copied, too.
+## The user decided: a new seed or the same one, and whether layers that are files are copied, too.
 signal decided(new_seed: bool, with_files: bool)
 
 const TEXT := "%s
@@ -29,7 +29,8 @@ func _init() -> void:
 	confirmed.connect(func() -> void: decided.emit(_seed.button_pressed, _files.button_pressed))
 
 
-## Opens with a sentence that says what is shared. [param has_files]: there are layers that are files.
+## Opens with a sentence about the shared resources. [param has_files] is true if there are layers
+## that are files.
 func ask(sentence: String, has_files: bool) -> void:
 	_text.text = TEXT % sentence
 	_files.visible = has_files

@@ -7,21 +7,21 @@ const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.
 const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
-## The polygon is finished: a region that is not in the scene yet, and its place in the world.
+## The polygon is finished: a region that is not in the scene yet, and its world position.
 signal drawn(region: ScatterRegion3D, place: Vector3)
 
 const HINT_FIRST := "Click the corners   Enter or double click closes   Backspace takes one back   Esc gives up"
 const HINT_NEXT := "%d corners   Enter or double click closes   Backspace takes one back   Esc gives up"
-## Pixels from the first corner within which a click closes.
+## The distance in pixels from the first corner within which a click closes the polygon.
 const GRAB := 10.0
-## Square meters: what is smaller is no region.
+## The smallest area of a region in square meters.
 const LEAST_AREA := 1e-4
 
-## Whether the region will exclude.
+## Whether the new region excludes.
 var exclude := true
-## World positions of the corners so far.
+## World positions of the corners.
 var corners := PackedVector3Array()
-## Why the last click did nothing, in a sentence; empty if it did.
+## The reason why the last click did nothing, as a sentence; empty if it succeeded.
 var problem := ""
 
 var _cursor := GroundCursor.new()
@@ -31,7 +31,7 @@ var _mouse := Vector2.ZERO
 func _init() -> void:
 	needs_layer = false
 	_setup("Polygon", &"ToolAddNode", "Polygon: click the corners of a region on the ground.")
-	# The menu of regions switches it on.
+	# The region menu turns the tool on.
 	button.visible = false
 
 
@@ -84,7 +84,7 @@ func _on_toggled() -> void:
 	_cursor.clear()
 
 
-## Makes a region of the corners and puts the tool away.
+## Creates a region from the corners and turns the tool off.
 func close() -> void:
 	var middle := Vector3.ZERO
 	for corner in corners:
@@ -133,7 +133,7 @@ func _add_corner() -> void:
 		corners.append(_corner())
 
 
-## Where the next corner would be: as the editor snaps.
+## The position of the next corner, snapped like the editor's gizmos.
 func _corner() -> Vector3:
 	var at := _cursor.on_ground
 	if EditorSnap.is_on():

@@ -1,7 +1,7 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws a [ScatterRegion3D]: its body, its border on the ground, a second line where the falloff ends, and
-## handles for its sizes. They snap as the editor does, and a face that is dragged leaves the one across where it is, unless Alt is held.
+## Draws a [ScatterRegion3D]: its body, its border on the ground, a second line where the falloff ends, and handles for its size. Handles
+## snap like the editor's gizmos. Dragging a face keeps the opposite face in place, unless Alt is held.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
@@ -9,7 +9,7 @@ const Outline := preload("res://addons/thicket/editor/regions/region_outline.gd"
 
 const INCLUDE := Color(0.45, 0.9, 0.4)
 const EXCLUDE := Color(1.0, 0.42, 0.3)
-## Meters from one height that is asked to the next, for small regions; larger ones use some hundred pieces.
+## Meters between two ground heights on the border of a small region; larger ones use some hundred pieces.
 const PIECE := 0.5
 const PIECES := 400.0
 const AXES: Array[Vector3] = [Vector3.RIGHT, Vector3.UP, Vector3.BACK]
@@ -20,7 +20,7 @@ var undo_redo: EditorUndoRedoManager
 var _start_transform := Transform3D.IDENTITY
 var _start_size := Vector3.ONE
 
-# Of regions that include, and of those that exclude.
+# For regions that include, and for those that exclude.
 var _borders: Array[Material] = []
 var _bodies: Array[Material] = []
 var _falloffs: Array[Material] = []
@@ -128,7 +128,7 @@ func _commit_handle(gizmo: EditorNode3DGizmo, id: int, secondary: bool, restore:
 	undo_redo.commit_action(false)
 
 
-## Drags the face of a box or a cylinder on one side of an axis: the face across stays where it is; with Alt, it moves alike. Returns the
+## Drags the face of a box or a cylinder on one side of an axis. The opposite face stays; with Alt, it moves symmetrically. Returns the
 ## length along the axis.
 func _drag_face(region: ScatterRegion3D, axis: int, side: float, from: Vector3, to: Vector3) -> float:
 	var outwards := AXES[axis] * side
@@ -179,7 +179,7 @@ func _handles(region: ScatterRegion3D) -> PackedVector3Array:
 	return positions
 
 
-## Where a path begins in the world, and the direction across it; empty if there is no path.
+## The world position where a path begins, and the direction across it; empty if there is no path.
 static func _path_start(region: ScatterRegion3D) -> PackedVector3Array:
 	var path := Outline.path_node(region)
 	if path == null or path.curve == null or path.curve.point_count < 2:
@@ -200,9 +200,9 @@ static func _drag_width(region: ScatterRegion3D, from: Vector3, to: Vector3) -> 
 	region.width = _length(2.0 * nearest[0].distance_to(start[0]))
 
 
-## How far along an axis through the node's origin a ray comes nearest to it; less than 0 beyond the origin.
+## The position along an axis through the node's origin at which a ray is nearest to the axis; negative on the other side of the origin.
 static func _along(axis: Vector3, from: Vector3, to: Vector3) -> float:
-	# Not Geometry3D's segments: with their ends far away, 32 bits leave centimeters.
+	# Not Geometry3D's segment function: its end points are far away, so 32-bit floats are off by centimeters.
 	var direction := (to - from).normalized()
 	var cosine := axis.dot(direction)
 	return (axis.dot(from) - cosine * direction.dot(from)) / maxf(1.0 - cosine * cosine, 1e-6)
@@ -213,6 +213,6 @@ static func _parent_transform(region: ScatterRegion3D) -> Transform3D:
 	return parent.global_transform if parent != null and not region.top_level else Transform3D.IDENTITY
 
 
-## A length that a region takes, in steps of a centimeter, or of the editor's while that snaps.
+## A valid length for a region, rounded to centimeters, or to the editor's snap step if that is on.
 static func _length(length: float) -> float:
 	return clampf(snappedf(length, maxf(0.01, EditorSnap.meters()) if EditorSnap.is_on() else 0.01), 0.01, 1e6)

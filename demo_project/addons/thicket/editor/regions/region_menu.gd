@@ -1,14 +1,15 @@
 @tool
 extends MenuButton
-## Adds a region below the scatter: at the middle of the view on the ground, or, for a polygon, by clicking its corners.
+## Adds a region below the scatter: on the ground in the middle of the view, or, for a polygon, by clicking its corners.
 
 const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
 
-## A polygon is to be drawn, that excludes or includes.
+## The user wants to draw a polygon that excludes or includes.
 signal polygon_requested(exclude: bool)
 
 const SHAPE_NAMES: PackedStringArray = ["Box", "Sphere", "Cylinder", "Polygon", "Path"]
-## Meters: the smallest and the largest region that is added, and the part of the view's distance in between.
+## In meters: the smallest and the largest size of a new region. Between these, the size is this part of the view's
+## distance.
 const SIZES := Vector2(2.0, 200.0)
 const PART := 0.3
 
@@ -28,7 +29,7 @@ func _init() -> void:
 	popup.id_pressed.connect(_on_chosen)
 
 
-## Adds a region of a shape at the middle of the view, as one step of undo, and selects it.
+## Adds a region of a shape in the middle of the view, as one undo step, and selects it.
 func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	var away := 20.0
@@ -51,7 +52,7 @@ func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	insert(region, camera.global_position - camera.global_basis.z * away)
 
 
-## A region that is not in the scene yet.
+## Creates a region that is not in the scene yet.
 static func make(shape: ScatterRegion3D.Shape, exclude: bool) -> ScatterRegion3D:
 	var region := ScatterRegion3D.new()
 	region.name = ("Without%s" if exclude else "Only%s") % SHAPE_NAMES[shape]
@@ -60,7 +61,7 @@ static func make(shape: ScatterRegion3D.Shape, exclude: bool) -> ScatterRegion3D
 	return region
 
 
-## Puts a region at a place of the world, as one step of undo, and selects it.
+## Adds a region at a world position, as one undo step, and selects it.
 func insert(region: ScatterRegion3D, place: Vector3) -> void:
 	region.transform = scatter.global_transform.affine_inverse() * Transform3D(Basis.IDENTITY, place)
 	undo_redo.create_action("Add %s" % region.name, UndoRedo.MERGE_DISABLE, scatter)
@@ -70,7 +71,7 @@ func insert(region: ScatterRegion3D, place: Vector3) -> void:
 	EditorInterface.get_selection().add_node(region)
 
 
-## Adds to the open step of undo that a node and what is below it stand below a parent.
+## Adds to the open undo step that a node and all nodes below it are added below a parent.
 static func put_below(undo: EditorUndoRedoManager, parent: Node, node: Node) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	undo.add_do_method(parent, &"add_child", node, true)

@@ -1,11 +1,12 @@
 @tool
 extends RefCounted
-## What the gizmo of a [ScatterRegion3D] draws: its body, and its border on the ground.
+## The lines of the gizmo of a [ScatterRegion3D]: its body, and its border on the ground.
 
 const SIDES := 48
 
 
-## The edges of a box, sphere or cylinder, as pairs of ends in the node's own space. Empty for flat regions.
+## The edges of a box, sphere or cylinder, as pairs of end points in the node's own space. Empty for flat
+## regions.
 static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	var lines := PackedVector3Array()
 	var radius := region.radius
@@ -33,7 +34,7 @@ static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	return lines
 
 
-## The region's borders seen from above, [param inwards] meters within it: closed lines of world x and z.
+## The region's borders seen from above, [param inwards] meters inside of it: closed lines of world x and z.
 static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVector2Array]:
 	var result: Array[PackedVector2Array] = []
 	var shape := region.shape
