@@ -35,11 +35,10 @@ enum class BiomeEdge : std::uint8_t {
 
 /// How biomes meet. Applies to all borders of a map.
 struct BiomeBorders {
-	double width = 0.0; ///< Meters over which two biomes mix: 0 for a sharp line, up to max_border_width.
-	double noise = 0.0; ///< Maximum displacement of a border along each axis in meters, 0 to max_border_noise.
-	double noise_size =
-			40.0;           ///< Average distance between bends of a border in meters; min to max_border_noise_size.
-	std::uint64_t seed = 0; ///< Seed of the bends.
+	double width = 0.0;       ///< Meters over which two biomes mix: 0 for a sharp line, up to max_border_width.
+	double noise = 0.0;       ///< Maximum displacement of a border along each axis in meters, 0 to max_border_noise.
+	double noise_size = 40.0; ///< Average distance between bends of a border in meters; min to max_border_noise_size.
+	std::uint64_t seed = 0;   ///< Seed of the bends.
 
 	friend bool operator==(const BiomeBorders &, const BiomeBorders &) = default;
 };

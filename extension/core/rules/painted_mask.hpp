@@ -29,8 +29,7 @@ struct Brush {
 	double radius =
 			4.0; ///< Meters, above 0, at most max_brush_pixels pixels of the mask. A pixel counts if its center does.
 	double strength = 1.0; ///< How far one dab moves its center towards the target, 0 to 1.
-	double hardness =
-			0.5; ///< Fraction of the radius with full strength, 0 to 1. Falls smoothly to 0 at the rim.
+	double hardness = 0.5; ///< Fraction of the radius with full strength, 0 to 1. Falls smoothly to 0 at the rim.
 };
 
 inline constexpr double max_brush_pixels = 1024.0;

@@ -28,7 +28,7 @@ struct Shape {
 	/// Box, sphere, cylinder: use the shape's shadow under vertical light, at any height. Depth is then the distance to the shadow's
 	/// border, so a flat box is as deep as it is wide.
 	bool ignore_height = false;
-	double falloff = 0.0; ///< Meters inside the border over which the effect grows to full. 0 is a sharp border.
+	double falloff = 0.0;      ///< Meters inside the border over which the effect grows to full. 0 is a sharp border.
 	glm::dvec3 center{0.0};    ///< Box, sphere, cylinder.
 	glm::dmat3 axes{1.0};      ///< Box, cylinder: orthonormal axes as columns. Mirrored axes define the same shape.
 	glm::dvec3 half_size{0.0}; ///< Above 0 where the kind uses it.

@@ -26,8 +26,7 @@ struct DiffSummary {
 	bool replaces_everything = false;
 	double time = 0.0; ///< The sender's clock.
 	StateOrigin origin;
-	std::uint64_t changes =
-			0; ///< Ids in it. After a refusal of a format 1 diff, only the removed ids.
+	std::uint64_t changes = 0;             ///< Ids in it. After a refusal of a format 1 diff, only the removed ids.
 	std::map<std::uint16_t, Layer> layers; ///< Empty after a refusal.
 };
 

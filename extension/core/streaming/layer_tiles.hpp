@@ -169,8 +169,8 @@ private:
 	std::vector<Sight> sights_;   ///< By viewer.
 	std::size_t first_sight_ = 0; ///< Where the next look starts.
 	bool behind_ = false;
-	bool torn_ = false;     ///< Memory ran out: the queues are incomplete, or a look was interrupted.
-	bool sweeping_ = false; ///< After that, all tiles must be checked once every viewer was handled.
+	bool torn_ = false;               ///< Memory ran out: the queues are incomplete, or a look was interrupted.
+	bool sweeping_ = false;           ///< After that, all tiles must be checked once every viewer was handled.
 	std::vector<std::uint32_t> made_; ///< Slots of ready tiles.
 	std::vector<Retired> retired_;
 };

@@ -148,8 +148,7 @@ private:
 
 	glm::ivec2 count_{0};
 	std::shared_ptr<const std::vector<Post>> base_;
-	std::vector<std::shared_ptr<const Block>>
-			blocks_; ///< Null for blocks of the base. Empty if nothing was changed.
+	std::vector<std::shared_ptr<const Block>> blocks_; ///< Null for blocks of the base. Empty if nothing was changed.
 };
 
 } // namespace thicket

@@ -21,9 +21,8 @@ struct Ground {
 
 /// The ground properties that callers need beside the height. A source is queried for nothing else.
 struct GroundNeeds {
-	std::span<const std::int32_t>
-			textures;    ///< Textures to weigh, see Terrain::weigh. If empty, the weight stays 1.
-	bool normals = true; ///< False if no rule and no placement reads normals.
+	std::span<const std::int32_t> textures; ///< Textures to weigh, see Terrain::weigh. If empty, the weight stays 1.
+	bool normals = true;                    ///< False if no rule and no placement reads normals.
 };
 
 /// Ground for many positions at a time. An implementation must be a pure function of the position: repeated queries, in any batch, return

@@ -22,7 +22,8 @@ struct NumberProperty {
 	Limit max; ///< The largest accepted value.
 	godot::PropertyHint hint = godot::PROPERTY_HINT_NONE;
 	const char *hint_string = "";
-	Limit least = 0; ///< If 0 means "none": the smallest accepted value above 0, with `min` at 0. 0 if there is no such gap.
+	Limit least =
+			0; ///< If 0 means "none": the smallest accepted value above 0, with `min` at 0. 0 if there is no such gap.
 };
 
 template <class Values, class Number, class... Rest>

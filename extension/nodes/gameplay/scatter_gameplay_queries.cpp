@@ -111,7 +111,8 @@ Ref<ScatterRequest> ScatterGameplay::request_rect(
 
 Ref<ScatterRequest> ScatterGameplay::request_sphere(
 		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
-	return request({"request_sphere", SphereInScene{p_center, p_radius}, p_layers, p_predicate, memnew(ScatterRequest)});
+	return request(
+			{"request_sphere", SphereInScene{p_center, p_radius}, p_layers, p_predicate, memnew(ScatterRequest)});
 }
 
 Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {

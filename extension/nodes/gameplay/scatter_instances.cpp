@@ -136,8 +136,8 @@ void ScatterInstances::_bind_methods() {
 	bind_value(owner, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "transforms"), "get_transforms");
 }
 
-Ref<ScatterInstance> ScatterInstance::of(
-		const PlacedInstance &found, glm::dvec3 offset, const Variant &p_data, double distance, std::optional<glm::dvec3> met) {
+Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &found, glm::dvec3 offset, const Variant &p_data,
+		double distance, std::optional<glm::dvec3> met) {
 	const Ref<ScatterInstance> result(memnew(ScatterInstance));
 	result->found_ = found;
 	result->offset_ = offset;

@@ -56,7 +56,8 @@ void ScatterRequest::give_up() {
 }
 
 void ScatterRequest::tell_later() {
-	call_deferred("_tell", Ref<ScatterRequest>(this)); // The call holds the request, because a script that awaits it does not.
+	call_deferred("_tell",
+			Ref<ScatterRequest>(this)); // The call holds the request, because a script that awaits it does not.
 }
 
 void ScatterRequest::tell(const Ref<ScatterRequest> &) { emit_signal("completed", get_result()); }

@@ -34,7 +34,7 @@ struct HeightmapWork {
 	std::shared_ptr<const Heightfield> before; ///< Null if there is none.
 
 	Status status;
-	glm::ivec2 refused_post{-1}; ///< Column and row of a refused post; below 0 for any other error.
+	glm::ivec2 refused_post{-1};              ///< Column and row of a refused post; below 0 for any other error.
 	std::shared_ptr<const Heightfield> field; ///< Null after an error.
 	std::vector<Rect> changes;                ///< World meters, few of them: the field equals `before` everywhere else.
 

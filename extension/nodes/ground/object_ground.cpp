@@ -45,7 +45,8 @@ std::shared_ptr<ObjectGround> ObjectGround::of(const Variant &p_object, const Gr
 		return ground;
 	}
 	Object *object = p_object.get_validated_object();
-	const Variant data = object != nullptr ? object->get("data") : Variant(); // Held, because it may have no other owner.
+	const Variant data =
+			object != nullptr ? object->get("data") : Variant(); // Held, because it may have no other owner.
 	return ground->take_methods(data) || ground->take_map(p_object) ? ground : nullptr;
 }
 

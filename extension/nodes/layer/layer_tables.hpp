@@ -59,7 +59,7 @@ public:
 	std::shared_ptr<const DensityField> noise;
 	std::shared_ptr<const ImageMask> image;           ///< All 0 while a texture has no image.
 	std::shared_ptr<const CurveTable> proximity_line; ///< Never null after `refresh`.
-	Status image_status;        ///< The error of the texture's image; the last good mask is kept.
+	Status image_status;                              ///< The error of the texture's image; the last good mask is kept.
 	bool image_missing = false; ///< True if there is a texture, but its image is missing or cannot be read.
 
 private:

@@ -50,11 +50,10 @@ struct DisplayedTile {
 
 	/// The instances of one mesh.
 	struct Part {
-		std::vector<Cell>
-				cells;      ///< One for the whole tile, or as in `division`; empty if there is nothing to draw.
-		DrawCells division; ///< The division of `shown`; empty for a tile that is drawn as a whole.
-		std::vector<double> due; ///< For each cell, the LodSchedule::traveled at which its drawing may change.
-		std::vector<MeshLook> lods;            ///< The mesh, then its coarser LODs; empty if there is no mesh.
+		std::vector<Cell> cells;    ///< One for the whole tile, or as in `division`; empty if there is nothing to draw.
+		DrawCells division;         ///< The division of `shown`; empty for a tile that is drawn as a whole.
+		std::vector<double> due;    ///< For each cell, the LodSchedule::traveled at which its drawing may change.
+		std::vector<MeshLook> lods; ///< The mesh, then its coarser LODs; empty if there is no mesh.
 		std::shared_ptr<const KeptMesh> shown; ///< The tile's own mesh, or the one with the overlay's changes.
 
 		/// The number of cells once all are uploaded.

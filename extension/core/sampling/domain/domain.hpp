@@ -15,8 +15,8 @@ namespace thicket {
 enum class DomainMethod : std::uint8_t {
 	naive,        ///< Darts anywhere in the domain, one by one (section 1). For comparison; never quite maximal.
 	hierarchical, ///< Darts at active squares only (section 2), each point stored once (section 3.1).
-	accumulator, ///< Same distribution. A cell stores all points that reach it, so a dart reads one (section 3.1).
-	wavefront, ///< Base squares become active around accepted darts. Large cells, least memory (section 4.3).
+	accumulator,  ///< Same distribution. A cell stores all points that reach it, so a dart reads one (section 3.1).
+	wavefront,    ///< Base squares become active around accepted darts. Large cells, least memory (section 4.3).
 };
 
 /// The input of a DomainSampler. The domain is the rectangle [0, size.x) x [0, size.y).
