@@ -47,15 +47,15 @@ public:
 
 	std::vector<QueryLayer> asked;
 
-	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override {
-		std::shared_ptr<const KeptTile> &kept = tiles_[{layer, tile.x, tile.y}];
+	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override {
+		std::shared_ptr<const CompactTile> &kept = tiles_[{layer, tile.x, tile.y}];
 		if (kept == nullptr) {
 			TileInstances made;
 			const Rect square = tile_rect(asked[layer].tile_size, tile);
 			if (const Status status = builder_.build(settings_[layer], hills_, square, made); !status.ok()) {
 				return status;
 			}
-			kept = std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(settings_[layer]));
+			kept = std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(settings_[layer]));
 		}
 		r_tile = kept;
 		return {};
@@ -67,7 +67,7 @@ private:
 	Heightfield hills_;
 	std::vector<LayerSettings> settings_;
 	TileBuilder builder_;
-	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const KeptTile>> tiles_;
+	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const CompactTile>> tiles_;
 };
 
 inline void add(WordHash &r_hash, const glm::mat3 &matrix) {
@@ -174,12 +174,12 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, gl
 template <typename Require>
 std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm::dvec3 place, Require require) {
 	const glm::ivec2 tile = tile_at(world.asked[0].tile_size, {place.x, place.z});
-	std::shared_ptr<const KeptTile> found;
+	std::shared_ptr<const CompactTile> found;
 	require(world.find_tile(0, tile, found));
 	OverlaidMeshes meshes;
 	require(overlaid(found, world.settings(0), tile_rect(world.asked[0].tile_size, tile), {&state, nullptr}, meshes));
 	WordHash hash;
-	for (const std::shared_ptr<const KeptMesh> &kept : meshes) {
+	for (const std::shared_ptr<const CompactMesh> &kept : meshes) {
 		const MeshInstances mesh = expanded(*kept);
 		hash.add_all(std::span<const std::uint64_t>(mesh.ids));
 		hash.add_all(std::span<const std::uint32_t>(mesh.ranks));

@@ -40,11 +40,11 @@ struct FlatWorld {
 		world.set_layers({layer});
 	}
 
-	std::shared_ptr<const KeptTile> make(glm::ivec2 tile, double height = 0.0) const {
+	std::shared_ptr<const CompactTile> make(glm::ivec2 tile, double height = 0.0) const {
 		TileInstances made;
 		TileBuilder builder;
 		CHECK(builder.build(settings, FlatTerrain(static_cast<float>(height)), tile_rect(tile_size, tile), made).ok());
-		return std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(settings));
+		return std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(settings));
 	}
 
 	/// Makes the tiles from -reach to reach known.

@@ -4,7 +4,7 @@
 // force.
 
 #include "core/base/tile_grid.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/query/instance_query.hpp"
 
@@ -93,19 +93,19 @@ public:
 	bool makes = true;                                          ///< False: what is not there stays away.
 	Status failure;                                             ///< What the next call gives, if it is one.
 
-	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override {
+	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override {
 		asked_for.emplace_back(layer, tile.x, tile.y);
 		r_tile = nullptr;
 		if (!failure.ok()) {
 			return failure;
 		}
-		std::shared_ptr<const KeptTile> &kept = tiles_[{layer, tile.x, tile.y}];
+		std::shared_ptr<const CompactTile> &kept = tiles_[{layer, tile.x, tile.y}];
 		if (kept == nullptr && makes) {
 			TileInstances made;
 			if (const Status status = build(layer, tile, made); !status.ok()) {
 				return status;
 			}
-			kept = std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(layers[layer].settings));
+			kept = std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(layers[layer].settings));
 		}
 		r_tile = kept;
 		return {};
@@ -129,7 +129,7 @@ public:
 private:
 	EndlessHills terrain_;
 	TileBuilder builder_;
-	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const KeptTile>> tiles_;
+	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const CompactTile>> tiles_;
 };
 
 /// All that stands in the tiles that touch `area` by the rules of the wanted layers, and what was placed by hand there,
@@ -145,7 +145,7 @@ inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area,
 		const glm::ivec2 last = tile_at(asked.tile_size, area.max);
 		for (int i = 0; i < (last.x - first.x + 1) * (last.y - first.y + 1); ++i) {
 			TileInstances tile;
-			std::shared_ptr<const KeptTile> known; // As a query would leave it.
+			std::shared_ptr<const CompactTile> known; // As a query would leave it.
 			const int width = last.x - first.x + 1;
 			REQUIRE(world.find_tile(layer, first + glm::ivec2(i % width, i / width), known).ok());
 			REQUIRE(world.build(layer, first + glm::ivec2(i % width, i / width), tile).ok());

@@ -208,11 +208,11 @@ TEST_CASE("queries: a ray meets no cylinder but of instances near it") {
 	// To work out where a ray meets a cylinder without end cannot go well, which the processor notes.
 	class OneTile final : public TileSource {
 	public:
-		Status find_tile(std::uint32_t, glm::ivec2, std::shared_ptr<const KeptTile> &r_tile) override {
+		Status find_tile(std::uint32_t, glm::ivec2, std::shared_ptr<const CompactTile> &r_tile) override {
 			r_tile = tile;
 			return {};
 		}
-		std::shared_ptr<const KeptTile> tile;
+		std::shared_ptr<const CompactTile> tile;
 	};
 	const auto tile_with = [](glm::vec3 place) {
 		MeshInstances mesh;
@@ -226,7 +226,7 @@ TEST_CASE("queries: a ray meets no cylinder but of instances near it") {
 		mesh.max = glm::vec3(60.0f);
 		TileInstances tile;
 		tile.meshes.push_back(mesh);
-		return std::make_shared<const KeptTile>(tile, std::shared_ptr<const LayerSettings>());
+		return std::make_shared<const CompactTile>(tile, std::shared_ptr<const LayerSettings>());
 	};
 	OneTile source;
 	const std::vector<QueryLayer> layers{world_layers().front().asked};

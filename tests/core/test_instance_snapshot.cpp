@@ -19,7 +19,7 @@ using namespace thicket::test;
 
 namespace {
 
-using Tiles = std::vector<std::shared_ptr<const KeptTile>>;
+using Tiles = std::vector<std::shared_ptr<const CompactTile>>;
 
 std::vector<std::uint64_t> ids_in(const InstanceSnapshot &snapshot, const Rect &rect) {
 	std::vector<PlacedInstance> found;

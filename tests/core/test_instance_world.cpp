@@ -24,11 +24,11 @@ std::vector<QueryLayer> layers_of(std::uint64_t seed) {
 	return {layer};
 }
 
-std::shared_ptr<const KeptTile> tile_of(std::size_t instances) {
+std::shared_ptr<const CompactTile> tile_of(std::size_t instances) {
 	TileInstances tile;
 	tile.meshes.resize(1);
 	tile.meshes[0].resize(instances);
-	return std::make_shared<const KeptTile>(tile, nullptr);
+	return std::make_shared<const CompactTile>(tile, nullptr);
 }
 
 } // namespace
@@ -38,8 +38,8 @@ TEST_CASE("instance world: the tiles that were not needed for longest are forgot
 	constexpr int tiles = 3000;
 	InstanceWorld world;
 	world.set_layers(layers_of(1));
-	std::vector<std::weak_ptr<const KeptTile>> made;
-	std::vector<std::shared_ptr<const KeptTile>> on_show;
+	std::vector<std::weak_ptr<const CompactTile>> made;
+	std::vector<std::shared_ptr<const CompactTile>> on_show;
 	const auto forgotten = [&made] {
 		return std::ranges::count_if(made, [](const auto &tile) { return tile.expired(); });
 	};
@@ -97,7 +97,7 @@ TEST_CASE("instance world: what a query misses is made in one go, and once") {
 	FlatWorld flat;
 	std::vector<std::size_t> calls;
 	flat.world.set_maker(
-			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 				calls.push_back(tiles.size());
 				r_tiles.clear();
 				for (const WorldTile &tile : tiles) {
@@ -125,7 +125,7 @@ TEST_CASE("instance world: a tile that was made while the layers changed is not 
 	int made = 0;
 	bool meddle = true;
 	flat.world.set_maker(
-			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 				++made;
 				r_tiles = {flat.make(tiles.front().tile)};
 				if (meddle) {

@@ -224,7 +224,7 @@ TEST_CASE("out of memory: the patch of a shown tile is whole, or the tile stays 
 	const auto tile = kept(rich_layer(), built(rich_layer(), hills(), {{-20.0, 0.0}, {20.0, 40.0}}));
 	InstanceState state;
 	std::unordered_set<std::uint64_t> hidden;
-	for (const KeptMesh &mesh : tile->meshes) {
+	for (const CompactMesh &mesh : tile->meshes) {
 		for (std::size_t i = 0; i < mesh.size(); i += 5) {
 			state.remove(mesh.id(i));
 			hidden.insert(mesh.id(i + 1 < mesh.size() ? i + 1 : i));

@@ -14,14 +14,14 @@ using namespace thicket::test;
 
 namespace {
 
-OverlaidMeshes shown_of(const std::shared_ptr<const KeptTile> &tile, const LayerSettings &layer, const Rect &rect,
+OverlaidMeshes shown_of(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay) {
 	OverlaidMeshes meshes;
 	REQUIRE(overlaid(tile, layer, rect, overlay, meshes).ok());
 	return meshes;
 }
 
-std::shared_ptr<const KeptTile> shared_tile(const LayerSettings &layer) {
+std::shared_ptr<const CompactTile> shared_tile(const LayerSettings &layer) {
 	return kept(layer, built(layer, hills(), tile_of_hills));
 }
 
@@ -141,7 +141,7 @@ TEST_CASE("overlay: the box holds what stands") {
 	std::uint64_t id = 0;
 	REQUIRE(state.add(placed(layer, {0.0, 900.0, 64.0}, 0), id).ok());
 	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, nullptr});
-	const KeptMesh &mesh = *shown[0];
+	const CompactMesh &mesh = *shown[0];
 	CHECK(mesh.max().y == static_cast<float>(900.0 - tile->origin.y));
 	CHECK(mesh.min() == tile->meshes[0].min());
 }

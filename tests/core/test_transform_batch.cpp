@@ -101,8 +101,8 @@ TEST_CASE("transform batch: tiles are placed, and read back from what is kept of
 	};
 	CHECK(places_by_vectors());
 	REQUIRE(tile.meshes[0].size() > 10);
-	const std::shared_ptr<const KeptTile> known = kept(layer, tile);
-	const KeptMesh &mesh = known->meshes[0];
+	const std::shared_ptr<const CompactTile> known = kept(layer, tile);
+	const CompactMesh &mesh = known->meshes[0];
 	std::vector<float> floats(mesh.size() * mesh.stride());
 	CHECK(bench::runs_vectors([&] { mesh.read_all(floats); }));
 	CHECK(bench::runs_vectors(

@@ -4,6 +4,7 @@
 #include "core/rules/instance_random.hpp"
 #include "core/rules/rules.hpp"
 #include "core/terrain/heightfield.hpp"
+#include "placement_fixture.hpp"
 
 #include <doctest/doctest.h>
 
@@ -44,7 +45,7 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 				const glm::vec3 local(
 						static_cast<float>(position.x + 600.0), ground.height, static_cast<float>(position.y - 2475.0));
 				std::array<float, transform_floats> transform{};
-				write_transform(placement, 20070901, id, ground.normal, local, transform);
+				test::write_transform(placement, 20070901, id, ground.normal, local, transform);
 				buffer.insert(buffer.end(), transform.begin(), transform.end());
 			}
 		}

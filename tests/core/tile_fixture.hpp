@@ -2,7 +2,7 @@
 
 // What the tests of whole tiles share.
 
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/terrain/heightfield.hpp"
 
@@ -55,12 +55,12 @@ inline TileInstances built(const LayerSettings &layer, const Terrain &terrain, c
 	return tile;
 }
 
-inline std::shared_ptr<const KeptTile> kept(const LayerSettings &layer, const TileInstances &tile) {
-	return std::make_shared<const KeptTile>(tile, std::make_shared<LayerSettings>(layer));
+inline std::shared_ptr<const CompactTile> kept(const LayerSettings &layer, const TileInstances &tile) {
+	return std::make_shared<const CompactTile>(tile, std::make_shared<LayerSettings>(layer));
 }
 
 /// Of every bit of it.
-inline std::uint64_t digest(const KeptMesh &mesh) {
+inline std::uint64_t digest(const CompactMesh &mesh) {
 	TileInstances tile;
 	tile.meshes.push_back(expanded(mesh));
 	return digest(tile);

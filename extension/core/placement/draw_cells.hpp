@@ -2,7 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -52,10 +52,10 @@ struct DrawCells {
 /// Divides a tile's instances of one mesh into `across` by `across` cells, 1 to max_cells_across. The cells are half-open squares whose
 /// corners follow from the tile's rectangle alone, so they form a lattice that is fixed in the world. Instances that their layer has moved
 /// out of the rectangle belong to the nearest cell. O(instances + cells). If memory runs out, `r_cells` is empty.
-Status divide(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells);
+Status divide(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells);
 
 /// Writes the floats of these instances of a mesh, one after the other. `r_buffer` has room for mesh.stride() floats of each of them.
-void gather(const KeptMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer);
+void gather(const CompactMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer);
 
 /// The reverse of `gather`: writes the floats of a cell back to their places in the tile. `r_buffer` has room for all instances of the
 /// tile.
@@ -63,7 +63,7 @@ void spread(std::span<const float> buffer, std::span<const std::uint32_t> order,
 		std::span<float> r_buffer);
 
 /// True if two cells hold bit-identical instances in the same order.
-bool same_instances(const KeptMesh &a, std::span<const std::uint32_t> order_a, const KeptMesh &b,
+bool same_instances(const CompactMesh &a, std::span<const std::uint32_t> order_a, const CompactMesh &b,
 		std::span<const std::uint32_t> order_b);
 
 } // namespace thicket

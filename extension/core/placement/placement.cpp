@@ -113,10 +113,4 @@ glm::vec3 moved_along(glm::vec3 normal, double offset, glm::vec3 position) {
 	return position + glm::vec3(up_axis(normal, 1.0) * offset);
 }
 
-float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		glm::vec3 position, std::span<float, transform_floats> r_transform) {
-	write_position(standing_position(placement, normal, position), r_transform);
-	return write_basis(placement, seed, id, normal, r_transform);
-}
-
 } // namespace thicket

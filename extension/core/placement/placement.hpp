@@ -50,7 +50,10 @@ inline constexpr double max_height_offset = 1e4; ///< Also for offset_along_norm
 /// Refuses values that are not finite or outside the ranges above, and a minimum above its maximum.
 Status validate(const Placement &placement);
 
-/// Writes an instance's transform except for the position, as `write_transform` does. Returns the scale.
+/// Writes an instance's transform except for the position. It applies yaw about the instance's own up axis, then the tilt away from it,
+/// then the alignment to the ground, both by the shortest way, and the scale. The basis is orthogonal, its columns have the length of the
+/// scale, and it is no mirror image, up to a float's rounding. `normal` must be finite and point up (y > 0). Returns the scale. `placement`
+/// must be valid.
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		std::span<float, transform_floats> r_transform);
 
@@ -73,12 +76,5 @@ inline glm::vec3 standing_position(const Placement &placement, glm::vec3 normal,
 	}
 	return moved_along(normal, offset, position);
 }
-
-/// Writes the transform of an instance. It applies yaw about the instance's own up axis, then the tilt away from it, then the alignment to
-/// the ground, both by the shortest way, and the scale. The position is `position` plus the offset along the normal. The basis is
-/// orthogonal, its columns have the length of the scale, and it is no mirror image, up to a float's rounding. `normal` must be finite and
-/// point up (y > 0). Returns the scale. `placement` must be valid.
-float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		glm::vec3 position, std::span<float, transform_floats> r_transform);
 
 } // namespace thicket

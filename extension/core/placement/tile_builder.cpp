@@ -2,7 +2,7 @@
 
 #include "core/base/guard.hpp"
 #include "core/placement/instance_writer.hpp"
-#include "core/placement/source_shares.hpp"
+#include "core/placement/source_values.hpp"
 #include "core/placement/tile_filter.hpp"
 #include "core/placement/tile_pieces.hpp"
 
@@ -56,7 +56,7 @@ struct TileBuilder::Workspace {
 	SampleMargins margins;
 	std::shared_ptr<BlockCache> cache;
 	TileFilter filter;
-	SourceShares shares;
+	SourceValues shares;
 	InstanceWriter writer;
 
 	// From the last successful `find_points`.

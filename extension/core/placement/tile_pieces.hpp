@@ -6,7 +6,7 @@
 #include "core/base/unfilled.hpp"
 #include "core/placement/instance_writer.hpp"
 #include "core/placement/layer.hpp"
-#include "core/placement/source_shares.hpp"
+#include "core/placement/source_values.hpp"
 #include "core/placement/tile_filter.hpp"
 #include "core/terrain/terrain.hpp"
 
@@ -73,7 +73,7 @@ private:
 		Worker(const SampleMargins &margins, const std::shared_ptr<BlockCache> &cache) : filter(margins, cache) {}
 
 		TileFilter filter;
-		SourceShares shares;
+		SourceValues shares;
 		std::vector<glm::dvec2> positions;
 		std::vector<GroundQuery> queries;
 		std::vector<Ground> ground;

@@ -86,7 +86,7 @@ void FoundInstances::read_all(std::vector<PlacedInstance> &r_found) const {
 }
 
 std::uint32_t FoundInstances::add_part(
-		std::shared_ptr<const KeptMesh> content, glm::dvec3 origin, std::uint32_t layer, std::uint32_t mesh) {
+		std::shared_ptr<const CompactMesh> content, glm::dvec3 origin, std::uint32_t layer, std::uint32_t mesh) {
 	parts_.push_back({std::move(content), origin, layer, mesh});
 	return static_cast<std::uint32_t>(parts_.size() - 1);
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/query/placed_instance.hpp"
 
 #include <glm/vec3.hpp>
@@ -43,7 +43,7 @@ public:
 
 	/// Registers a mesh of a tile to which later refs may point. Returns the number of the part.
 	std::uint32_t add_part(
-			std::shared_ptr<const KeptMesh> content, glm::dvec3 origin, std::uint32_t layer, std::uint32_t mesh);
+			std::shared_ptr<const CompactMesh> content, glm::dvec3 origin, std::uint32_t layer, std::uint32_t mesh);
 	void reserve(std::size_t more) { refs_.reserve(refs_.size() + more); }
 	void add(const Ref &ref) { refs_.push_back(ref); }
 	void add(const PlacedInstance &by_hand);
@@ -68,7 +68,7 @@ private:
 	static constexpr std::uint32_t by_hand = 0xffffffff; ///< The part of instances that lie in no tile.
 
 	struct Part {
-		std::shared_ptr<const KeptMesh> content;
+		std::shared_ptr<const CompactMesh> content;
 		glm::dvec3 origin{0.0};
 		std::uint32_t layer = 0;
 		std::uint32_t mesh = 0;

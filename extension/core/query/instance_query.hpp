@@ -2,7 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/query/found_instances.hpp"
 #include "core/query/placed_instance.hpp"
 #include "core/sampling/point_set.hpp"
@@ -50,10 +50,11 @@ public:
 
 	/// The instances in a tile of a layer by its rules, including removed ones but not hand-placed ones. May generate the tile. Null,
 	/// without an error, if it is not available now: such a tile counts as empty.
-	virtual Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) = 0;
+	virtual Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) = 0;
 
 	/// Finds several tiles, in order, and replaces `r_tiles`. The error is that of the first tile that failed. Throws std::bad_alloc.
-	virtual Status find_tiles(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
+	virtual Status find_tiles(
+			std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
 protected:
 	TileSource() = default;

@@ -49,7 +49,7 @@ public:
 		const RemovedPoints removed(query_.state, query_.layers[layer].set.layer);
 		const std::size_t first = r_found.size();
 		r_found.reserve(instances_);
-		for (const std::shared_ptr<const KeptTile> &tile : tiles_) {
+		for (const std::shared_ptr<const CompactTile> &tile : tiles_) {
 			look_at(tile, layer, removed, r_found);
 		}
 		r_found.sort_from(first);
@@ -80,18 +80,18 @@ private:
 			return status;
 		}
 		std::erase(tiles_, nullptr);
-		for (const std::shared_ptr<const KeptTile> &tile : tiles_) {
-			for (const KeptMesh &mesh : tile->meshes) {
+		for (const std::shared_ptr<const CompactTile> &tile : tiles_) {
+			for (const CompactMesh &mesh : tile->meshes) {
 				instances_ += mesh.size();
 			}
 		}
 		return {};
 	}
 
-	void look_at(const std::shared_ptr<const KeptTile> &tile, std::uint32_t layer, const RemovedPoints &removed,
+	void look_at(const std::shared_ptr<const CompactTile> &tile, std::uint32_t layer, const RemovedPoints &removed,
 			FoundInstances &r_found) {
 		for (std::uint32_t mesh = 0; mesh < tile->meshes.size(); ++mesh) {
-			const KeptMesh &content = tile->meshes[mesh];
+			const CompactMesh &content = tile->meshes[mesh];
 			const std::span<const glm::vec3> positions = content.positions();
 			inside_here_.clear();
 			for (std::uint32_t i = 0; i < positions.size(); ++i) {
@@ -117,7 +117,7 @@ private:
 	const QueryFilter &filter_;
 	const Inside &inside_;
 	std::size_t instances_ = 0; ///< The number of instances in the searched tiles.
-	std::vector<std::shared_ptr<const KeptTile>> tiles_;
+	std::vector<std::shared_ptr<const CompactTile>> tiles_;
 	std::vector<std::uint32_t> inside_here_;
 };
 
@@ -164,10 +164,11 @@ Status tiles_in(std::span<const QueryLayer> layers, const QueryFilter &filter, c
 
 } // namespace
 
-Status TileSource::find_tiles(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+Status TileSource::find_tiles(
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	r_tiles.clear();
 	for (const WorldTile &each : tiles) {
-		std::shared_ptr<const KeptTile> content;
+		std::shared_ptr<const CompactTile> content;
 		if (const Status status = find_tile(each.layer, each.tile, content); !status.ok()) {
 			return status;
 		}

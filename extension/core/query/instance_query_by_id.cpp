@@ -49,9 +49,9 @@ Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMarg
 }
 
 /// Adds the instance of that id, if it is in the tile.
-void add_from(const KeptTile &content, std::uint64_t id, std::uint32_t index, std::vector<PlacedInstance> &r_found) {
+void add_from(const CompactTile &content, std::uint64_t id, std::uint32_t index, std::vector<PlacedInstance> &r_found) {
 	for (std::uint32_t mesh = 0; mesh < content.meshes.size() && r_found.empty(); ++mesh) {
-		const KeptMesh &instances = content.meshes[mesh];
+		const CompactMesh &instances = content.meshes[mesh];
 		const std::size_t at = instances.find(id);
 		if (at < instances.size()) {
 			r_found.push_back(placed_instance(index, mesh, content.origin, instances, at));
@@ -84,7 +84,7 @@ Status InstanceQuery::find_by_id(std::uint64_t id, std::vector<PlacedInstance> &
 		}
 		for (std::int32_t y = range.first.y; y <= range.last.y && r_found.empty(); ++y) {
 			for (std::int32_t x = range.first.x; x <= range.last.x && r_found.empty(); ++x) {
-				std::shared_ptr<const KeptTile> content;
+				std::shared_ptr<const CompactTile> content;
 				if (const Status status = tiles.find_tile(index, {x, y}, content); !status.ok()) {
 					return status;
 				}

@@ -39,7 +39,7 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 		}
 		std::pop_heap(tiles.begin(), tiles.end(), later);
 		tiles.pop_back();
-		std::shared_ptr<const KeptTile> content;
+		std::shared_ptr<const CompactTile> content;
 		if (const Status status = query.tiles.find_tile(next.layer, next.tile, content); !status.ok()) {
 			return status;
 		}
@@ -59,10 +59,10 @@ struct NearestScan {
 	glm::dvec3 position;
 	double max_squared;
 
-	void operator()(std::uint32_t layer, const KeptTile &content, Candidates &r_candidates) const {
+	void operator()(std::uint32_t layer, const CompactTile &content, Candidates &r_candidates) const {
 		const RemovedPoints removed(query.state, query.layers[layer].set.layer);
 		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
-			const KeptMesh &instances = content.meshes[mesh];
+			const CompactMesh &instances = content.meshes[mesh];
 			const std::span<const glm::vec3> positions = instances.positions();
 			for (std::size_t i = 0; i < positions.size(); ++i) {
 				const double squared = squared_length(position_of(content.origin, positions[i]) - position);
@@ -101,11 +101,11 @@ struct RayScan {
 	const InstanceQuery &query;
 	Ray ray;
 
-	void operator()(std::uint32_t layer, const KeptTile &content, Candidates &r_candidates) const {
+	void operator()(std::uint32_t layer, const CompactTile &content, Candidates &r_candidates) const {
 		const QueryLayer &settings = query.layers[layer];
 		const RemovedPoints removed(query.state, settings.set.layer);
 		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
-			const KeptMesh &instances = content.meshes[mesh];
+			const CompactMesh &instances = content.meshes[mesh];
 			const ReachTest reached(ray, cylinder_reach(settings.shape, double{instances.max_scale()}));
 			if (!reached.box(
 						content.origin + glm::dvec3(instances.min()), content.origin + glm::dvec3(instances.max()))) {

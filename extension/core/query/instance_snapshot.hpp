@@ -40,7 +40,7 @@ public:
 	static constexpr std::size_t max_made_instances = 400'000;
 
 private:
-	using Tile = std::shared_ptr<const KeptTile>;
+	using Tile = std::shared_ptr<const CompactTile>;
 
 	class Source : public MakingTileSource {
 	public:

@@ -64,7 +64,7 @@ void InstanceWorld::clear() {
 	touch();
 }
 
-void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances) {
+void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> instances) {
 	const std::size_t size = kept_size(*instances);
 	kept_since_looking_ += size;
 	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), size, ++uses_});
@@ -86,7 +86,9 @@ void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<c
 	}
 }
 
-std::vector<std::shared_ptr<const KeptTile>> InstanceWorld::take_forgotten() { return std::exchange(forgotten_, {}); }
+std::vector<std::shared_ptr<const CompactTile>> InstanceWorld::take_forgotten() {
+	return std::exchange(forgotten_, {});
+}
 
 /// Checks some more tiles. Checking all in one frame would delay it.
 void InstanceWorld::look_for_idle() {
@@ -135,7 +137,7 @@ std::vector<KnownTile> InstanceWorld::known_tiles() const {
 	return result;
 }
 
-std::shared_ptr<const KeptTile> InstanceWorld::find(const WorldTile &tile) const {
+std::shared_ptr<const CompactTile> InstanceWorld::find(const WorldTile &tile) const {
 	const auto found = tiles_.find({tile.layer, tile.tile.x, tile.tile.y});
 	if (found == tiles_.end() || found->second.outdated) {
 		return nullptr;
@@ -166,13 +168,13 @@ void InstanceWorld::known_in(std::uint32_t layer, const Rect &rect, std::vector<
 }
 
 Status InstanceWorld::KnownSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
+		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) {
 	r_tile = world_.find({layer, tile});
 	return {};
 }
 
 Status InstanceWorld::NearSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
+		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) {
 	r_tile = world_.find({layer, tile});
 	if (r_tile == nullptr) {
 		world_.miss({layer, tile});
@@ -182,16 +184,18 @@ Status InstanceWorld::NearSource::find_tile(
 	return {};
 }
 
-std::shared_ptr<const KeptTile> InstanceWorld::MakingSource::find(const WorldTile &tile) { return world_.find(tile); }
+std::shared_ptr<const CompactTile> InstanceWorld::MakingSource::find(const WorldTile &tile) {
+	return world_.find(tile);
+}
 
 Status InstanceWorld::MakingSource::make(
-		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	const TileMaker maker = world_.maker_; // A copy, because a script that is queried for the ground may replace it.
 	edits_ = world_.edits_;
 	return maker(tiles, r_tiles);
 }
 
-void InstanceWorld::MakingSource::keep(const WorldTile &tile, const std::shared_ptr<const KeptTile> &made) {
+void InstanceWorld::MakingSource::keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) {
 	if (edits_ == world_.edits_) {
 		world_.keep(tile.layer, tile.tile, made);
 	}

@@ -24,8 +24,8 @@ namespace thicket {
 
 /// Generates tiles immediately, in order; null for a tile that is not available or was not generated. The error is that of the first tile
 /// that failed; after an error, some other tiles may exist.
-using TileMaker =
-		std::function<Status(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles)>;
+using TileMaker = std::function<Status(
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles)>;
 
 /// A layer, and x and y of a tile.
 using WorldTileKey = std::tuple<std::uint32_t, std::int32_t, std::int32_t>;
@@ -35,7 +35,7 @@ inline WorldTileKey key_of(const WorldTile &tile) { return {tile.layer, tile.til
 /// A known tile, for a snapshot.
 struct KnownTile {
 	WorldTileKey key;
-	std::shared_ptr<const KeptTile> tile; ///< Never null.
+	std::shared_ptr<const CompactTile> tile; ///< Never null.
 };
 
 /// The instances of a world, for all queries: the known tiles (shared with the visible ones, and some that were generated for queries) and
@@ -57,16 +57,16 @@ public:
 
 	/// Adds a finished tile. Tiles that nothing else holds are dropped once they have more than `max_idle_instances` in total. The oldest
 	/// are dropped first, a few for each tile that is added.
-	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances);
+	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> instances);
 
 	/// The tiles that were dropped since the last call. Freeing their memory takes some time, so a different thread may do it.
-	std::vector<std::shared_ptr<const KeptTile>> take_forgotten();
+	std::vector<std::shared_ptr<const CompactTile>> take_forgotten();
 
 	/// All known tiles, ascending.
 	std::vector<KnownTile> known_tiles() const;
 
 	/// A known tile; null if it is not known.
-	std::shared_ptr<const KeptTile> find(const WorldTile &tile) const;
+	std::shared_ptr<const CompactTile> find(const WorldTile &tile) const;
 
 	/// Increases with everything that may change a result: tiles that are added or dropped, layers, the state.
 	std::uint64_t version() const { return version_; }
@@ -108,7 +108,7 @@ public:
 
 private:
 	struct Entry {
-		std::shared_ptr<const KeptTile> tile;
+		std::shared_ptr<const CompactTile> tile;
 		std::size_t size = 0;           ///< See kept_size.
 		mutable std::uint64_t used = 0; ///< The time of the last query that used it.
 		bool outdated = false;          ///< An edit has touched it: still valid for `known_in`, but not for queries.
@@ -117,7 +117,7 @@ private:
 	class KnownSource : public TileSource {
 	public:
 		explicit KnownSource(const InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override;
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override;
 
 	private:
 		const InstanceWorld &world_;
@@ -127,7 +127,7 @@ private:
 	class NearSource : public TileSource {
 	public:
 		explicit NearSource(const InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override;
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override;
 
 	private:
 		const InstanceWorld &world_;
@@ -138,9 +138,10 @@ private:
 		explicit MakingSource(InstanceWorld &world) : world_(world) {}
 
 	private:
-		std::shared_ptr<const KeptTile> find(const WorldTile &tile) override;
-		Status make(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) override;
-		void keep(const WorldTile &tile, const std::shared_ptr<const KeptTile> &made) override;
+		std::shared_ptr<const CompactTile> find(const WorldTile &tile) override;
+		Status make(
+				std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) override;
+		void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) override;
 
 		InstanceWorld &world_;
 		/// The edits of the world when tiles were last requested. After further edits, generated tiles are not kept.
@@ -174,7 +175,7 @@ private:
 	std::optional<Key> look_from_;                    ///< The first tile that is still to be checked for being idle.
 	std::vector<std::pair<std::uint64_t, Key>> idle_; ///< By time of last use; a heap, once all are checked.
 	std::size_t idle_instances_ = 0;
-	std::vector<std::shared_ptr<const KeptTile>> forgotten_;
+	std::vector<std::shared_ptr<const CompactTile>> forgotten_;
 	mutable std::set<Key> missing_;
 };
 

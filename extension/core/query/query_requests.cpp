@@ -38,7 +38,7 @@ bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	bool complete = true;
 	for (std::size_t i = 0; status.ok() && i < tiles.size(); ++i) {
 		const WorldTile tile{tiles[i].layer, tiles[i].tile};
-		if (std::shared_ptr<const KeptTile> known = world.find(tile)) {
+		if (std::shared_ptr<const CompactTile> known = world.find(tile)) {
 			r_open.held.push_back(std::move(known));
 		} else if (world.layers()[tile.layer].wanted) {
 			world.miss(tile);

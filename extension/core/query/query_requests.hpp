@@ -43,7 +43,7 @@ private:
 		std::int64_t request = 0;
 		std::variant<Rect, Sphere> area;
 		QueryFilter filter;
-		std::vector<std::shared_ptr<const KeptTile>> held; ///< Keeps early tiles alive until the last one arrives.
+		std::vector<std::shared_ptr<const CompactTile>> held; ///< Keeps early tiles alive until the last one arrives.
 	};
 
 	static Status tiles_of(const InstanceQuery &query, const Open &open, std::vector<InstanceQuery::Tile> &r_tiles);

@@ -14,7 +14,7 @@ inline glm::dvec3 position_of(glm::dvec3 origin, glm::vec3 in_tile) { return ori
 
 /// Assembles an instance of a tile.
 PlacedInstance placed_instance(
-		std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const KeptMesh &content, std::size_t at);
+		std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const CompactMesh &content, std::size_t at);
 
 /// Assembles a hand-placed instance.
 PlacedInstance placed_instance(std::uint64_t id, std::uint32_t layer, const AddedInstance &added);

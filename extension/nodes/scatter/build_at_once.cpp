@@ -73,11 +73,11 @@ Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *terrain, 
 }
 
 Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
-		std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+		std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	if (terrain != nullptr && orders.size() > 1) {
 		// Fast path: all threads share the work, and the tiles are the same.
 		EngineThreads threads;
-		return crew_.build(orders, *terrain, threads, r_tiles);
+		return parallel_builder_.build(orders, *terrain, threads, r_tiles);
 	}
 	r_tiles.clear();
 	for (const TileOrder &order : orders) {
@@ -85,14 +85,14 @@ Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain
 		if (const Status status = build(*order.layer, terrain, ground, order.rect, made); !status.ok()) {
 			return status;
 		}
-		r_tiles.push_back(std::make_shared<const KeptTile>(made, order.layer));
+		r_tiles.push_back(std::make_shared<const CompactTile>(made, order.layer));
 	}
 	return {};
 }
 
-Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, KeptTile &r_tile) {
+Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile) {
 	return guarded("rect", std::max(rect.size().x, rect.size().y), [&] {
-		const auto tile = std::make_shared<KeptTile>(std::move(r_tile));
+		const auto tile = std::make_shared<CompactTile>(std::move(r_tile));
 		OverlaidMeshes meshes;
 		const Status status = overlaid(tile, layer, rect, {.state = &state}, meshes);
 		for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {

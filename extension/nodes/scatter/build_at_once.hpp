@@ -2,9 +2,9 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
-#include "core/placement/tile_crew.hpp"
+#include "core/placement/parallel_tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/state/instance_state.hpp"
 #include "nodes/ground/scatter_ground.hpp"
@@ -35,10 +35,10 @@ public:
 	/// All steps of several tiles, in order; on all available threads if the ground may be sampled on any thread. Replaces `r_tiles`; null
 	/// for a tile that was not generated. Returns the error of the first tile that has one.
 	Status build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
-			std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
+			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
-	/// As TileCrew::points_computed, for all calls.
-	std::uint64_t points_computed() const { return points_computed_ + crew_.points_computed(); }
+	/// As ParallelTileBuilder::points_computed, for all calls.
+	std::uint64_t points_computed() const { return points_computed_ + parallel_builder_.points_computed(); }
 
 private:
 	std::unique_ptr<TileBuilder> take_builder();
@@ -46,12 +46,12 @@ private:
 			const Rect &rect, TileInstances &r_tile);
 
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
-	TileCrew crew_;
+	ParallelTileBuilder parallel_builder_;
 	std::uint64_t points_computed_ = 0;  ///< For tiles that were generated one by one.
 	std::unique_ptr<TileBuilder> spare_; ///< Null before the first tile, and while a tile is being generated.
 };
 
 /// Applies a game's changes to a finished rectangle, as they are displayed. After an error the tile is unspecified.
-Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, KeptTile &r_tile);
+Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile);
 
 } // namespace thicket

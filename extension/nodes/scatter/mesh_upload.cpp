@@ -49,7 +49,7 @@ MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spa
 	return upload;
 }
 
-MeshUpload to_upload(const KeptMesh &mesh, float reach) {
+MeshUpload to_upload(const CompactMesh &mesh, float reach) {
 	MeshUpload upload;
 	upload.aabb = box_around(mesh.min(), mesh.max(), reach * mesh.max_scale());
 	const std::size_t floats = mesh.size() * mesh.stride();

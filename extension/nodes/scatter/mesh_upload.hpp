@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 
 #include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
@@ -46,6 +46,6 @@ private:
 
 /// `reach`: meters from the mesh's origin to its farthest corner, at scale 1.
 MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spare);
-MeshUpload to_upload(const KeptMesh &mesh, float reach);
+MeshUpload to_upload(const CompactMesh &mesh, float reach);
 
 } // namespace thicket

@@ -263,7 +263,7 @@ void ScatterStream::take_finished() {
 			settle(job);
 		}
 	}
-	for (std::shared_ptr<const KeptTile> &tile : world_.take_forgotten()) {
+	for (std::shared_ptr<const CompactTile> &tile : world_.take_forgotten()) {
 		workers_.let_go(std::move(tile));
 	}
 }
@@ -304,7 +304,7 @@ void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
 	if (!job->status.ok() && !job->stale && ground_.source.is_available()) {
 		// A tile that cannot be generated counts as empty; an edit makes it missing again.
-		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const KeptTile>());
+		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const CompactTile>());
 	}
 }
 

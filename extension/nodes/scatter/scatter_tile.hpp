@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/scatter/tile_display.hpp"
 
@@ -36,7 +36,7 @@ public:
 
 	/// A tile that was built. `offset` is the world position of the engine's origin.
 	static godot::Ref<ScatterTile> built(
-			KeptTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
+			CompactTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
 
 	/// A tile of a display; empty for a tile that is not visible.
 	static godot::Ref<ScatterTile> shown(
@@ -72,13 +72,13 @@ protected:
 private:
 	struct Part {
 		godot::Ref<godot::Mesh> mesh;
-		std::shared_ptr<const KeptMesh> instances;
+		std::shared_ptr<const CompactMesh> instances;
 		std::vector<godot::RID> multimeshes;
 	};
 
 	const Part *find(const char *p_method, int64_t p_index) const;
 
-	std::shared_ptr<const KeptTile> tile_; ///< Null for a tile that was not visible.
+	std::shared_ptr<const CompactTile> tile_; ///< Null for a tile that was not visible.
 	godot::Vector3 origin_;
 	std::vector<Part> parts_;
 

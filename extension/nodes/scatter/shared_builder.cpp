@@ -35,13 +35,13 @@ void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {
 	}
 }
 
-Status SharedBuilder::build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const KeptTile> &r_tile) {
+Status SharedBuilder::build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile) {
 	return guarded("rect", std::max(order.rect.size().x, order.rect.size().y), [&] {
 		std::unique_ptr<TileBuilder> builder = take();
 		TileInstances made;
 		const Status status = builder->build(*order.layer, ground, order.rect, made);
 		if (status.ok()) {
-			r_tile = std::make_shared<const KeptTile>(made, order.layer);
+			r_tile = std::make_shared<const CompactTile>(made, order.layer);
 		}
 		give_back(std::move(builder));
 		return status;

@@ -327,7 +327,6 @@ private:
 		return node_layers_.by_index();
 	}
 	LayerWorld layer_world();
-	void adopt_terrain();
 	TileMaker tile_maker() const;
 	TileMaker worker_tile_maker() const;
 	DrawLimits draw_limits() const;

@@ -227,15 +227,15 @@ LayerWorld TerrainScatter3D::layer_world() {
 /// Generates tiles for callers that cannot wait. Captures by value, so that scripts that are called for the ground cannot affect it.
 TileMaker TerrainScatter3D::tile_maker() const {
 	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = at_once_,
-				   ground = HostedGround{ground_, get_instance_id()}](
-				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+				   ground = HostedGround{ground_, get_instance_id()}](std::span<const WorldTile> tiles,
+				   std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 		r_tiles.assign(tiles.size(), nullptr);
 		if (!ground.is_available()) {
 			return {};
 		}
 		std::vector<TileOrder> orders;
 		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
-		std::vector<std::shared_ptr<const KeptTile>> made;
+		std::vector<std::shared_ptr<const CompactTile>> made;
 		const Status status = builder->build_all(orders, terrain.get(), ground, made);
 		for (std::size_t i = 0; i < made.size(); ++i) {
 			r_tiles[ordered[i]] = std::move(made[i]);
@@ -247,8 +247,8 @@ TileMaker TerrainScatter3D::tile_maker() const {
 /// The same for other threads: calls no script and reads nothing of the scene.
 TileMaker TerrainScatter3D::worker_tile_maker() const {
 	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = std::make_shared<SharedBuilder>(),
-				   available = ground_.is_valid() && ground_->is_available()](
-				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+				   available = ground_.is_valid() && ground_->is_available()](std::span<const WorldTile> tiles,
+				   std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 		r_tiles.assign(tiles.size(), nullptr);
 		if (!available) {
 			return {};

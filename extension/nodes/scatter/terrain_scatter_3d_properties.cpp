@@ -251,7 +251,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 										  : Status{};
 	}
 	const Rect rect = status.ok() ? rect_of(*snapshot) : Rect();
-	KeptTile tile;
+	CompactTile tile;
 	if (status.ok() && gameplay->alive()) {
 		const HostedGround ground{
 				ground_, get_instance_id()}; // A script that is called for the ground may free this node.
@@ -259,7 +259,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 		const std::shared_ptr<AtOnceBuilder> builder = at_once_;
 		TileInstances made;
 		status = builder->build(*snapshot->settings, terrain.get(), ground, rect, made);
-		tile = KeptTile(made, snapshot->settings);
+		tile = CompactTile(made, snapshot->settings);
 	}
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
 		status = lay_over(*snapshot->settings, rect, state->state(), tile);

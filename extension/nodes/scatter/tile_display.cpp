@@ -91,7 +91,7 @@ std::uint64_t TileDisplay::drawing_version(std::uint32_t layer) const {
 }
 
 void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
-	static const auto nothing = std::make_shared<const KeptTile>();
+	static const auto nothing = std::make_shared<const CompactTile>();
 	const TileJob &job = *r_upload.job;
 	const TileKey &key = job.request.key;
 	DisplayedTile &tile = r_upload.tile;
@@ -109,7 +109,7 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	const LayerSnapshot *layer = layer_at(key.layer);
 	std::vector<std::pair<std::size_t, std::size_t>> sizes; // Instances, and multimeshes per cell.
 	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
-		const KeptMesh &shown = *r_upload.shown[mesh];
+		const CompactMesh &shown = *r_upload.shown[mesh];
 		if (layer != nullptr && layer->drawing.draws(mesh) && shown.size() > 0) {
 			tile.grow(box_around(shown.min(), shown.max(), tile.reach_of(mesh) * shown.max_scale()));
 			sizes.emplace_back(shown.size(), casts_by_other_meshes(lods_of(layer->drawing, mesh)) ? 2 : 1);

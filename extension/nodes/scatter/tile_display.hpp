@@ -210,7 +210,7 @@ private:
 	bool upload_others(const TileKey &key, DisplayedTile &r_tile);
 	bool upload_others(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 	void begin(TileUpload &r_upload, bool others_wait) const;
-	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const KeptMesh> shown, std::vector<MeshLook> lods,
+	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown, std::vector<MeshLook> lods,
 			std::uint32_t across, DisplayedTile::Part &r_part) const;
 	TileVisual make_visual(const DisplayedTile &tile, const DisplayedTile::Part &part, const LayerDrawing &drawing,
 			const MeshUpload &upload);
@@ -222,10 +222,10 @@ private:
 	std::uint64_t drawing_version(std::uint32_t layer) const;
 	void redraw(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-			DisplayedTile::Part &r_part, std::shared_ptr<const KeptMesh> shown);
+			DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown);
 	void patch(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_parts(const TileKey &key, DisplayedTile &r_tile);
-	std::vector<std::shared_ptr<const KeptMesh>> overlay(const DisplayedTile &tile) const;
+	std::vector<std::shared_ptr<const CompactMesh>> overlay(const DisplayedTile &tile) const;
 
 	// How tiles are divided into cells.
 

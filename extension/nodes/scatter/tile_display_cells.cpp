@@ -22,7 +22,7 @@ constexpr double gives_way = 1.1;
 } // namespace
 
 /// Prepares a part for the upload of its cells. False if there is not enough memory.
-bool TileDisplay::begin_part(const DisplayedTile &tile, std::shared_ptr<const KeptMesh> shown,
+bool TileDisplay::begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown,
 		std::vector<MeshLook> lods, std::uint32_t across, DisplayedTile::Part &r_part) const {
 	r_part.shown = std::move(shown);
 	r_part.lods = std::move(lods);

@@ -19,7 +19,7 @@ namespace thicket {
 
 namespace {
 
-bool same(const KeptMesh &a, const KeptMesh &b) {
+bool same(const CompactMesh &a, const CompactMesh &b) {
 	bool equal = a.size() == b.size();
 	for (std::size_t i = 0; equal && i < a.size(); ++i) {
 		equal = a.same(i, b, i);
@@ -75,7 +75,7 @@ void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &
 	}
 }
 
-std::vector<std::shared_ptr<const KeptMesh>> TileDisplay::overlay(const DisplayedTile &tile) const {
+std::vector<std::shared_ptr<const CompactMesh>> TileDisplay::overlay(const DisplayedTile &tile) const {
 	OverlaidMeshes meshes;
 	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_}, meshes));
 	return meshes;
@@ -163,7 +163,7 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 /// False if there is not enough memory.
 bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layer_at(key.layer);
-	const std::vector<std::shared_ptr<const KeptMesh>> shown = overlay(r_tile);
+	const std::vector<std::shared_ptr<const CompactMesh>> shown = overlay(r_tile);
 	if (shown.size() != r_tile.parts.size()) {
 		return false;
 	}
@@ -190,7 +190,7 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 /// Displays the new instances of a mesh. Unchanged cells are not uploaded again. Returns false, without any change, if there is not enough
 /// memory.
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-		DisplayedTile::Part &r_part, std::shared_ptr<const KeptMesh> shown) {
+		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown) {
 	DisplayedTile::Part next;
 	if (!begin_part(tile, std::move(shown), r_part.lods, tile.across, next)) {
 		return false;

@@ -289,7 +289,7 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
 		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh), worker.spare));
 	}
-	job.tile = std::make_shared<const KeptTile>(worker.tile, job.layer->settings);
+	job.tile = std::make_shared<const CompactTile>(worker.tile, job.layer->settings);
 }
 
 } // namespace thicket

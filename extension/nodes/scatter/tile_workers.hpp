@@ -44,11 +44,11 @@ struct TileJob {
 	std::size_t answered = 0; ///< The number of entries of `ground` that are filled.
 
 	Status status;
-	std::shared_ptr<const KeptTile> tile; ///< The result of the rules, without a game's changes.
-	std::vector<GroundProbe> probes;      ///< See TileBuilder::probes; empty if `unseen`.
-	std::vector<MeshUpload> uploads;      ///< The same tile for the renderer, a part for each mesh; empty if `unseen`.
-	std::uint64_t microseconds = 0;       ///< Time that workers spent on it.
-	std::uint64_t points_computed = 0;    ///< For this job; see SampleStats::computed.
+	std::shared_ptr<const CompactTile> tile; ///< The result of the rules, without a game's changes.
+	std::vector<GroundProbe> probes;         ///< See TileBuilder::probes; empty if `unseen`.
+	std::vector<MeshUpload> uploads;   ///< The same tile for the renderer, a part for each mesh; empty if `unseen`.
+	std::uint64_t microseconds = 0;    ///< Time that workers spent on it.
+	std::uint64_t points_computed = 0; ///< For this job; see SampleStats::computed.
 
 	bool unseen = false; ///< Generated for queries, not for display. Main thread only, as is the next member.
 	bool stale = false;  ///< True if data that it depends on was edited after it was begun.

@@ -16,9 +16,9 @@ namespace thicket {
 struct TileUpload {
 	std::shared_ptr<TileJob> job;
 
-	DisplayedTile tile;                                 ///< The parts uploaded until now, hidden.
-	std::vector<std::shared_ptr<const KeptMesh>> shown; ///< The instances to upload for each mesh, once it is begun.
-	std::uint64_t overlay_version = 0;                  ///< The version of the overlay when the upload was begun.
+	DisplayedTile tile;                                    ///< The parts uploaded until now, hidden.
+	std::vector<std::shared_ptr<const CompactMesh>> shown; ///< The instances to upload for each mesh, once it is begun.
+	std::uint64_t overlay_version = 0;                     ///< The version of the overlay when the upload was begun.
 
 	bool is_begun() const { return tile.tile != nullptr; }
 	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size() && !has_open_part(); }

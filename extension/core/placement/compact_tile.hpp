@@ -19,15 +19,15 @@ namespace thicket {
 ///
 /// An instance takes 20 bytes if its layer is upright, 32 if it follows the ground, and 8 more if its color or its variation follows a
 /// source. Instances that the layer's settings do not generate (hand-placed ones) come first and are stored as floats.
-class KeptMesh {
+class CompactMesh {
 public:
-	KeptMesh() = default;
+	CompactMesh() = default;
 
 	/// `mesh` was generated from `settings`. Otherwise (without normals) all of it is stored as floats. Throws std::bad_alloc.
-	KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings);
+	CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings);
 
 	/// `first`, stored as floats, followed by the given instances of `base`, ascending. Throws std::bad_alloc.
-	KeptMesh(const MeshInstances &first, const KeptMesh &base, std::span<const std::uint32_t> standing);
+	CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> standing);
 
 	std::size_t size() const { return positions_.size(); }
 	std::size_t stride() const { return stride_; }
@@ -64,7 +64,7 @@ public:
 	void read_all(std::span<float> r_floats) const;
 
 	/// True if an instance has the same id and bit-identical floats as one of a different mesh of the same tile and layer.
-	bool same(std::size_t i, const KeptMesh &other, std::size_t j) const;
+	bool same(std::size_t i, const CompactMesh &other, std::size_t j) const;
 
 	/// Bytes of memory, without the object itself.
 	std::size_t bytes() const;
@@ -108,19 +108,19 @@ private:
 };
 
 /// All instances in one tile of one layer, in compact form; see TileInstances.
-struct KeptTile {
+struct CompactTile {
 	glm::dvec3 origin{0.0};
-	std::vector<KeptMesh> meshes;
+	std::vector<CompactMesh> meshes;
 	TileCounts counts;
 
-	KeptTile() = default;
+	CompactTile() = default;
 
 	/// Throws std::bad_alloc.
-	KeptTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings);
+	CompactTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings);
 };
 
 /// The reverse. The result lacks the normals, so it cannot be compacted again. Throws std::bad_alloc.
-MeshInstances expanded(const KeptMesh &mesh);
-TileInstances expanded(const KeptTile &tile);
+MeshInstances expanded(const CompactMesh &mesh);
+TileInstances expanded(const CompactTile &tile);
 
 } // namespace thicket

@@ -1,7 +1,7 @@
 // Tiles made on several threads for somebody who waits: the same as on one, and really on several.
 
 #include "allocation_count.hpp"
-#include "core/placement/tile_crew.hpp"
+#include "core/placement/parallel_tile_builder.hpp"
 #include "tile_fixture.hpp"
 
 #include <doctest/doctest.h>
@@ -75,8 +75,8 @@ std::vector<TileOrder> orders() {
 TEST_CASE("tile crew: tiles are those of one builder, in order, and not made on the caller's thread alone") {
 	const WatchedHills ground;
 	EagerThreads threads;
-	TileCrew crew;
-	std::vector<std::shared_ptr<const KeptTile>> tiles(3);
+	ParallelTileBuilder crew;
+	std::vector<std::shared_ptr<const CompactTile>> tiles(3);
 	for (int round = 0; round < 2; ++round) {
 		REQUIRE(crew.build(orders(), ground, threads, tiles).ok());
 		REQUIRE(tiles.size() == orders().size());
@@ -92,8 +92,8 @@ TEST_CASE("tile crew: the error is that of the first tile that has one, and what
 	WatchedHills ground;
 	ground.east = 0.0; // The fifth tile lies beyond, and the seventh has another error.
 	EagerThreads threads;
-	TileCrew crew;
-	std::vector<std::shared_ptr<const KeptTile>> tiles;
+	ParallelTileBuilder crew;
+	std::vector<std::shared_ptr<const CompactTile>> tiles;
 	const Status status = crew.build(orders(), ground, threads, tiles);
 	CHECK(status.code == ErrorCode::missing);
 	CHECK(status.value == 1.0);
@@ -115,8 +115,8 @@ TEST_CASE("tile crew: what neighboring tiles share is decided once and kept, for
 	}
 	const Heightfield ground = hills();
 	EagerThreads threads;
-	TileCrew crew;
-	std::vector<std::shared_ptr<const KeptTile>> tiles;
+	ParallelTileBuilder crew;
+	std::vector<std::shared_ptr<const CompactTile>> tiles;
 	REQUIRE(crew.build(small, ground, threads, tiles).ok());
 	CHECK(crew.points_computed() > 1000);
 	REQUIRE(crew.build(small, ground, threads, tiles)
@@ -141,8 +141,8 @@ TEST_CASE("tile crew: workspaces are kept, but not that of a very large tile") {
 	LayerSettings dense = rich_layer();
 	dense.set.radius = 0.4;
 	const auto large = std::make_shared<const LayerSettings>(dense);
-	TileCrew crew;
-	std::vector<std::shared_ptr<const KeptTile>> tiles;
+	ParallelTileBuilder crew;
+	std::vector<std::shared_ptr<const CompactTile>> tiles;
 	const auto allocations_of = [&](const TileOrder &order) {
 		const std::size_t before = allocation_count();
 		REQUIRE(crew.build({&order, 1}, ground, threads, tiles).ok());

@@ -3,7 +3,7 @@
 #include "core/base/lent_threads.hpp"
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/terrain/terrain.hpp"
@@ -24,13 +24,13 @@ struct TileOrder {
 
 /// Generates tiles for a caller that waits for them, on all available threads. Keeps its workspaces, one for each thread, unless a tile was
 /// very large. One call at a time.
-class TileCrew {
+class ParallelTileBuilder {
 public:
 	/// Generates the tiles, each on whichever thread is free, and replaces `r_tiles` by them, in order; null for a tile that was not
 	/// generated. Each is identical to the result of TileBuilder. The error is that of the first tile that failed; after an error, other
 	/// tiles may be missing too.
 	Status build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
-			std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
+			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
 	/// The points of the tiles' layers that were decided until now, as in SampleStats::computed. Points that tiles share are counted once.
 	std::uint64_t points_computed() const { return points_computed_; }

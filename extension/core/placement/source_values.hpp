@@ -13,7 +13,7 @@
 namespace thicket {
 
 /// Computes the shares of a layer's color and variation sources at the points that become instances. Reuses its memory.
-class SourceShares {
+class SourceValues {
 public:
 	/// Adds the shares of all known sources to `r_points`, which must be the points of the filter's own layer. They are valid until the
 	/// next call. Returns an error of a noise, or ErrorCode::cancelled when `cancel` is raised. Throws std::bad_alloc.

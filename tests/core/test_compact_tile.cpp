@@ -1,7 +1,7 @@
 // What is kept of a tile gives back every bit of it, and takes a half to a third of the memory.
 
 #include "core/base/instance_id.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "tile_fixture.hpp"
 
 #include <doctest/doctest.h>
@@ -60,9 +60,9 @@ std::vector<Case> cases() {
 	return result;
 }
 
-std::size_t bytes_of(const KeptTile &tile) {
+std::size_t bytes_of(const CompactTile &tile) {
 	std::size_t bytes = 0;
-	for (const KeptMesh &mesh : tile.meshes) {
+	for (const CompactMesh &mesh : tile.meshes) {
 		bytes += mesh.bytes();
 	}
 	return bytes;
@@ -87,7 +87,7 @@ TEST_CASE("kept tile: every bit comes back, for all that floats may follow from"
 		CAPTURE(name);
 		const TileInstances tile = built(layer, hills(), tile_of_hills);
 		REQUIRE(size_of(tile) > 1000);
-		const std::shared_ptr<const KeptTile> known = kept(layer, tile);
+		const std::shared_ptr<const CompactTile> known = kept(layer, tile);
 		CHECK(digest(expanded(*known)) == digest(tile));
 		CHECK(known->counts.placed == tile.counts.placed);
 		for (std::size_t at = 0; at < tile.meshes.size(); ++at) {
@@ -110,7 +110,7 @@ TEST_CASE("kept tile: it takes no more memory than is promised") {
 TEST_CASE("kept tile: an instance is found by its id, and only that") {
 	const LayerSettings layer = rich_layer();
 	const TileInstances tile = built(layer, hills(), tile_of_hills);
-	const std::shared_ptr<const KeptTile> known = kept(layer, tile);
+	const std::shared_ptr<const CompactTile> known = kept(layer, tile);
 	const MeshInstances &mesh = tile.meshes[1];
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
 		REQUIRE(known->meshes[1].find(mesh.ids[i]) == i);
@@ -131,7 +131,7 @@ TEST_CASE("kept tile: what no layer has made is kept as it is, and so is what li
 	for (const MeshInstances &mesh : {handmade({5, 9, ~std::uint64_t{0} >> 1}), far, layers}) {
 		TileInstances tile;
 		tile.meshes.push_back(mesh);
-		const KeptTile known(tile, std::make_shared<LayerSettings>(layer));
+		const CompactTile known(tile, std::make_shared<LayerSettings>(layer));
 		CHECK(digest(expanded(known)) == digest(tile));
 		for (std::size_t i = 0; i < mesh.size(); ++i) {
 			CHECK(known.meshes[0].find(mesh.ids[i]) == i);
@@ -141,14 +141,14 @@ TEST_CASE("kept tile: what no layer has made is kept as it is, and so is what li
 
 TEST_CASE("kept tile: some of it, behind others, is the same instances") {
 	const LayerSettings layer = rich_layer();
-	const std::shared_ptr<const KeptTile> known = kept(layer, built(layer, hills(), tile_of_hills));
-	const KeptMesh &base = known->meshes[0];
+	const std::shared_ptr<const CompactTile> known = kept(layer, built(layer, hills(), tile_of_hills));
+	const CompactMesh &base = known->meshes[0];
 	const MeshInstances first = handmade({~std::uint64_t{0} >> 1, 7});
 	std::vector<std::uint32_t> standing;
 	for (std::uint32_t i = 0; i < base.size(); i += i % 7 == 0 ? 2 : 1) {
 		standing.push_back(i);
 	}
-	const KeptMesh some(first, base, standing);
+	const CompactMesh some(first, base, standing);
 	REQUIRE(some.size() == first.size() + standing.size());
 	CHECK(some.bytes() <= 80 * first.size() + 32 * standing.size());
 	const MeshInstances floats = expanded(some);
@@ -159,7 +159,7 @@ TEST_CASE("kept tile: some of it, behind others, is the same instances") {
 	}
 	// And once more, of that: the first of them are still kept as they are.
 	const std::vector<std::uint32_t> fewer{1, 2, 5};
-	const KeptMesh rest(handmade({3}), some, fewer);
+	const CompactMesh rest(handmade({3}), some, fewer);
 	CHECK(rest.same(1, some, 1));
 	CHECK(rest.same(2, some, 2));
 	CHECK(rest.same(3, some, 5));

@@ -1,4 +1,4 @@
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 
 #include "core/base/instance_id.hpp"
 #include "core/placement/transform_batch.hpp"
@@ -41,7 +41,7 @@ bool same_bits(const InstanceShares &a, const InstanceShares &b) {
 
 } // namespace
 
-KeptMesh::KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings) :
+CompactMesh::CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings) :
 		settings_(std::move(settings)), stride_(mesh.stride), min_(mesh.min), max_(mesh.max),
 		max_scale_(mesh.max_scale), ranks_(mesh.ranks.begin(), mesh.ranks.end()) {
 	positions_.resize(mesh.size());
@@ -56,7 +56,7 @@ KeptMesh::KeptMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSetting
 }
 
 /// False for ids that lie too far apart, or do not belong to points of one layer.
-bool KeptMesh::find_cells(const MeshInstances &mesh) {
+bool CompactMesh::find_cells(const MeshInstances &mesh) {
 	if (mesh.size() == 0) {
 		return true;
 	}
@@ -86,19 +86,19 @@ bool KeptMesh::find_cells(const MeshInstances &mesh) {
 	return true;
 }
 
-void KeptMesh::keep_as_it_is(const MeshInstances &mesh) {
+void CompactMesh::keep_as_it_is(const MeshInstances &mesh) {
 	ids_.assign(mesh.ids.begin(), mesh.ids.end());
 	floats_.assign(mesh.buffer.begin(), mesh.buffer.end());
 }
 
-void KeptMesh::keep_sources(const MeshInstances &mesh) {
+void CompactMesh::keep_sources(const MeshInstances &mesh) {
 	if (needs_normals(*settings_)) {
 		normals_.assign(mesh.normals.begin(), mesh.normals.end());
 	}
 	shares_.assign(mesh.shares.begin(), mesh.shares.end());
 }
 
-KeptMesh::KeptMesh(const MeshInstances &first, const KeptMesh &base, std::span<const std::uint32_t> standing) :
+CompactMesh::CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> standing) :
 		settings_(base.settings_), stride_(base.stride_), first_id_(base.first_id_) {
 	const std::size_t count = first.size() + standing.size();
 	const auto made =
@@ -133,7 +133,7 @@ KeptMesh::KeptMesh(const MeshInstances &first, const KeptMesh &base, std::span<c
 }
 
 /// Computes the box around the instances.
-void KeptMesh::measure(float max_scale) {
+void CompactMesh::measure(float max_scale) {
 	max_scale_ = max_scale;
 	if (!positions_.empty()) {
 		min_ = max_ = positions_.front();
@@ -144,7 +144,7 @@ void KeptMesh::measure(float max_scale) {
 	}
 }
 
-std::size_t KeptMesh::find(std::uint64_t id) const {
+std::size_t CompactMesh::find(std::uint64_t id) const {
 	if (const auto found = std::ranges::find(ids_, id); found != ids_.end()) {
 		return static_cast<std::size_t>(found - ids_.begin());
 	}
@@ -176,7 +176,7 @@ std::size_t KeptMesh::find(std::uint64_t id) const {
 }
 
 /// A normal that leads to the same floats as the real one.
-glm::vec3 KeptMesh::normal_of(std::size_t source) const {
+glm::vec3 CompactMesh::normal_of(std::size_t source) const {
 	if (!normals_.empty()) {
 		return normals_[source];
 	}
@@ -185,14 +185,14 @@ glm::vec3 KeptMesh::normal_of(std::size_t source) const {
 }
 
 /// The transform of an instance that the settings generate. Returns its scale.
-float KeptMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
+float CompactMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
 	const glm::vec3 normal = normal_of(i - as_they_are());
 	const float scale = write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats);
 	write_position(positions_[i], r_floats);
 	return scale;
 }
 
-void KeptMesh::read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const {
+void CompactMesh::read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const {
 	if (i < as_they_are()) {
 		std::ranges::copy(std::span(floats_).subspan(i * stride_).first<transform_floats>(), r_floats.begin());
 	} else {
@@ -200,7 +200,7 @@ void KeptMesh::read_transform(std::size_t i, std::span<float, transform_floats> 
 	}
 }
 
-void KeptMesh::read(std::size_t i, std::span<float> r_floats) const {
+void CompactMesh::read(std::size_t i, std::span<float> r_floats) const {
 	if (i < as_they_are()) {
 		std::ranges::copy(std::span(floats_).subspan(i * stride_, stride_), r_floats.begin());
 		return;
@@ -209,14 +209,14 @@ void KeptMesh::read(std::size_t i, std::span<float> r_floats) const {
 }
 
 /// The data after the transform of an instance that the settings generate.
-void KeptMesh::read_behind(std::size_t i, float scale, std::span<float> r_floats) const {
+void CompactMesh::read_behind(std::size_t i, float scale, std::span<float> r_floats) const {
 	const InstanceShares shares = shares_.empty() ? InstanceShares() : shares_[i - as_they_are()];
 	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats, shares);
 }
 
 /// Reads many instances, batch by batch.
 template <class IndexOf>
-void KeptMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const {
+void CompactMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const {
 	TransformBatch batch;
 	for (std::size_t first = 0; first < count;) {
 		std::size_t end = first;
@@ -242,15 +242,15 @@ void KeptMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<f
 	}
 }
 
-void KeptMesh::read(std::span<const std::uint32_t> order, std::span<float> r_floats) const {
+void CompactMesh::read(std::span<const std::uint32_t> order, std::span<float> r_floats) const {
 	read_many(order.size(), [order](std::size_t at) { return std::size_t{order[at]}; }, r_floats);
 }
 
-void KeptMesh::read_all(std::span<float> r_floats) const {
+void CompactMesh::read_all(std::span<float> r_floats) const {
 	read_many(size(), [](std::size_t at) { return at; }, r_floats);
 }
 
-bool KeptMesh::same(std::size_t i, const KeptMesh &other, std::size_t j) const {
+bool CompactMesh::same(std::size_t i, const CompactMesh &other, std::size_t j) const {
 	const bool as_it_is = i < as_they_are();
 	if (stride_ != other.stride_ || as_it_is != (j < other.as_they_are()) || id(i) != other.id(j)) {
 		return false;
@@ -266,12 +266,12 @@ bool KeptMesh::same(std::size_t i, const KeptMesh &other, std::size_t j) const {
 			shares_.empty() == other.shares_.empty() && (shares_.empty() || same_bits(shares_[a], other.shares_[b]));
 }
 
-std::size_t KeptMesh::bytes() const {
+std::size_t CompactMesh::bytes() const {
 	return bytes_of(positions_) + bytes_of(ranks_) + bytes_of(cells_) + bytes_of(normals_) + bytes_of(shares_) +
 			bytes_of(ids_) + bytes_of(floats_);
 }
 
-KeptTile::KeptTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings) :
+CompactTile::CompactTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings) :
 		origin(tile.origin), counts(tile.counts) {
 	meshes.reserve(tile.meshes.size());
 	for (const MeshInstances &mesh : tile.meshes) {
@@ -279,7 +279,7 @@ KeptTile::KeptTile(const TileInstances &tile, const std::shared_ptr<const LayerS
 	}
 }
 
-MeshInstances expanded(const KeptMesh &mesh) {
+MeshInstances expanded(const CompactMesh &mesh) {
 	MeshInstances result;
 	result.resize(mesh.size(), mesh.stride());
 	mesh.read_all(result.buffer);
@@ -293,11 +293,11 @@ MeshInstances expanded(const KeptMesh &mesh) {
 	return result;
 }
 
-TileInstances expanded(const KeptTile &tile) {
+TileInstances expanded(const CompactTile &tile) {
 	TileInstances result;
 	result.origin = tile.origin;
 	result.counts = tile.counts;
-	for (const KeptMesh &mesh : tile.meshes) {
+	for (const CompactMesh &mesh : tile.meshes) {
 		result.meshes.push_back(expanded(mesh));
 	}
 	return result;

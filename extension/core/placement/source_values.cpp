@@ -1,4 +1,4 @@
-#include "core/placement/source_shares.hpp"
+#include "core/placement/source_values.hpp"
 
 #include "core/base/floating_point.hpp"
 #include "core/base/progress.hpp"
@@ -18,7 +18,7 @@ constexpr std::size_t batch = 512;
 } // namespace
 
 /// Evaluates the source at the kept points from index `first` on, as many as `r_values` has room for.
-Status SourceShares::measure(const InstanceSource &source, const LayerFilter *other, const StandingPoints &points,
+Status SourceValues::measure(const InstanceSource &source, const LayerFilter *other, const StandingPoints &points,
 		std::size_t first, std::span<double> r_values) {
 	const auto standing = points.standing.subspan(first, r_values.size());
 	const auto each = [&](const auto &value_of) {
@@ -53,7 +53,7 @@ Status SourceShares::measure(const InstanceSource &source, const LayerFilter *ot
 	return {};
 }
 
-Status SourceShares::find(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
+Status SourceValues::find(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
 		const std::atomic<bool> *cancel, std::vector<float> &r_shares) {
 	const LayerFilter *other = source.kind == SourceKind::distance ? &filter.layer_of(source.layer.get()) : nullptr;
 	r_shares.resize(points.positions.size());
@@ -72,7 +72,7 @@ Status SourceShares::find(const InstanceSource &source, const TileFilter &filter
 	return {};
 }
 
-Status SourceShares::find(const TileFilter &filter, StandingPoints &r_points, const std::atomic<bool> *cancel) {
+Status SourceValues::find(const TileFilter &filter, StandingPoints &r_points, const std::atomic<bool> *cancel) {
 	const InstanceData &data = filter.own().settings().instance_data;
 	Status status;
 	if (data.color_is_known()) {

@@ -1,4 +1,4 @@
-#include "core/placement/tile_crew.hpp"
+#include "core/placement/parallel_tile_builder.hpp"
 
 #include "core/base/guard.hpp"
 
@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-Status TileCrew::build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
-		std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+Status ParallelTileBuilder::build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
+		std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	std::vector<Status> statuses;
 	const auto all = static_cast<double>(orders.size());
 	if (const Status status = guarded("tiles", all,
@@ -32,7 +32,7 @@ Status TileCrew::build(std::span<const TileOrder> orders, const Terrain &terrain
 		const Status status = r_worker->builder.build(*order.layer, terrain, order.rect, r_worker->tile);
 		if (status.ok()) {
 			points_computed_ += r_worker->builder.sample_stats().computed;
-			r_tiles[at] = std::make_shared<const KeptTile>(r_worker->tile, order.layer);
+			r_tiles[at] = std::make_shared<const CompactTile>(r_worker->tile, order.layer);
 		}
 		if (r_worker->builder.positions().size() > most_points_kept) {
 			r_worker = nullptr;
