@@ -6,6 +6,7 @@
 #include "nodes/sampler/poisson_sampler.hpp"
 #include "nodes/common/main_calls.hpp"
 #include "nodes/common/precision.hpp"
+#include "nodes/common/threads.hpp"
 #include "nodes/gameplay/scatter_instances.hpp"
 #include "nodes/gameplay/scatter_request.hpp"
 #include "nodes/gameplay/scatter_snapshot.hpp"
@@ -40,6 +41,8 @@ void initialize(ModuleInitializationLevel p_level) {
 	if (p_level != MODULE_INITIALIZATION_LEVEL_SCENE) {
 		return;
 	}
+	// From now on the main thread is known: to ask the engine later needs memory, where no exception may pass.
+	on_main_thread();
 	GDREGISTER_CLASS(PoissonPoints);
 	GDREGISTER_CLASS(PoissonSampler);
 	GDREGISTER_CLASS(ScatterImpostorBaker);
