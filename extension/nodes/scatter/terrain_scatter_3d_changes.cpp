@@ -263,7 +263,7 @@ TileMaker TerrainScatter3D::worker_tile_maker() const {
 		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
 		Status status;
 		for (std::size_t i = 0; status.ok() && i < orders.size(); ++i) {
-			status = builder->build(orders[i], *ground, r_tiles[ordered[i]]);
+			status = builder->build(orders[i], *terrain, r_tiles[ordered[i]]);
 		}
 		return status;
 	};
