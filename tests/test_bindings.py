@@ -138,7 +138,7 @@ def test_class_reference_is_shown_in_the_editor(whole_editor):
 
 def test_editor_shows_configuration_warnings(whole_editor):
     """The engine finds our override of one of its virtual methods."""
-    assert re.search(r"^button of Scatter: .*terrain", whole_editor, re.MULTILINE | re.IGNORECASE)
+    assert re.search(r"^button of Scatter: .*No ground", whole_editor, re.MULTILINE | re.IGNORECASE)
 
 
 def test_preview_keeps_to_its_number(whole_editor):

@@ -32,7 +32,7 @@ meshes = Array[Mesh]([SubResource("box")])
 [node name="Root" type="Node3D"]
 
 [node name="Scatter" type="TerrainScatter3D" parent="."]
-terrain = SubResource("ground")
+ground = SubResource("ground")
 layers = Array[ScatterLayer]([SubResource("layer")])
 
 [node name="Glade" type="ScatterRegion3D" parent="Scatter"]

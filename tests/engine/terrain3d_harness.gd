@@ -221,7 +221,7 @@ class Terrain3DDouble extends Node3D:
 	func make_data() -> Terrain3DDataDouble:
 		if data == null:
 			data = Terrain3DDataDouble.new()
-			data.ground = self
+			data.terrain = self
 			data.vertex_spacing = vertex_spacing
 		return data
 

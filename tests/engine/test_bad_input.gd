@@ -200,7 +200,7 @@ func test_wrong_resources() -> void:
 	var terrain := ScatterGroundFlat.new()
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
-	scatter.set("terrain", BoxMesh.new())
+	scatter.set("ground", BoxMesh.new())
 	scatter.set("layers", [BoxMesh.new(), 5])
 	scatter.set("layers", "nothing like it")
 	scatter.set("viewers", [3, BoxMesh.new()])

@@ -150,7 +150,7 @@ func test_refusals() -> void:
 		check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", indices) != OK, "no such layer: %s" % indices)
 		check(str(indices[0] if indices[0] != 0 else 7) in bake.problem and "layers" in bake.problem, bake.problem)
 	scatter.ground = null
-	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "terrain" in bake.problem, bake.problem)
+	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "TerrainScatter3D.ground" in bake.problem, bake.problem)
 
 
 ## A layer that cannot be made ends the bake, which leaves nothing.

@@ -70,7 +70,7 @@ func test_build_rect_refuses() -> void:
 	check_no_error("an empty rectangle")
 	scatter.ground = null
 	check(scatter.build_rect(0, Rect2(0, 0, 5, 5)).is_empty(), "no ground")
-	check_error(["terrain", "missing"], "no ground")
+	check_error(["ground", "missing"], "no ground")
 	await frames(1)
 
 
@@ -147,7 +147,7 @@ func test_build_tile_refuses() -> void:
 	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
 	scatter.ground = null
 	check(scatter.build_tile(0, Vector2i.ZERO).is_empty(), "no ground")
-	check_error(["terrain", "missing"], "no ground")
+	check_error(["ground", "missing"], "no ground")
 	await frames(1)
 
 

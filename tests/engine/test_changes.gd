@@ -347,5 +347,5 @@ func test_bad_input() -> void:
 	check_error(["remove_in_sphere", "radius", "-1"], "a negative radius")
 	var bare := TerrainScatter3D.new()
 	check(not bare.has_instance(1), "a node without anything")
-	check_error(["has_instance", "terrain"], "a node without terrain")
+	check_error(["has_instance", "ground"], "a node without terrain")
 	bare.free()

@@ -205,7 +205,7 @@ func test_asked_for_what_is_not_there() -> void:
 	scatter.layers = [layer]
 	scatter.ground = null
 	var groundless := scatter.explain_position(Vector3.ZERO)[0]
-	check_equal([groundless.refused_by, "No terrain" in groundless.reason], [&"ground", true], groundless.reason)
+	check_equal([groundless.refused_by, "No ground" in groundless.reason], [&"ground", true], groundless.reason)
 	scatter.ground = ScatterGroundHeightmap.new()
 	check_equal(scatter.explain_position(Vector3.ZERO)[0].refused_by, &"ground", "a terrain without heights")
 	check_error(["heightmap_path"], "which is told once")

@@ -66,7 +66,7 @@ func test_add_instances_is_whole_or_nothing() -> void:
 	check_equal(scatter.add_instances(0, PackedFloat32Array()), PackedInt64Array(), "none")
 	scatter.ground = null
 	scatter.add_instances(0, PackedFloat32Array())
-	check_error(["add_instances", "terrain"], "without a ground")
+	check_error(["add_instances", "ground"], "without a ground")
 
 
 func test_multimeshes() -> void:

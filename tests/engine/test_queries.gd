@@ -246,5 +246,5 @@ func test_bad_questions_are_refused() -> void:
 	check_no_error("ids of nothing")
 	scatter.ground = null
 	check(scatter.query_rect(Rect2(0, 0, 5, 5)).is_empty(), "no ground")
-	check_error(["TerrainScatter3D.query_rect", "terrain", "missing"], "no ground")
+	check_error(["TerrainScatter3D.query_rect", "ground", "missing"], "no ground")
 	await frames(1)

@@ -76,7 +76,7 @@ func test_a_snapshot_refuses_as_the_node_does() -> void:
 	check_error(["ScatterSnapshot.query_sphere", "predicate"], "a predicate")
 	var empty := TerrainScatter3D.new()
 	var nothing := empty.make_snapshot()
-	check_error(["TerrainScatter3D.make_snapshot", "terrain"], "a node without ground")
+	check_error(["TerrainScatter3D.make_snapshot", "ground"], "a node without ground")
 	check_equal(nothing.query_sphere(Vector3.ZERO, 9.0).size(), 0, "nothing to ask")
 	check_error(["ScatterSnapshot.query_sphere", "missing"], "nothing to ask")
 	empty.free()

@@ -23,6 +23,8 @@ func make_objects(in_scene: bool) -> Array[Object]:
 	map.biomes = [biome]
 	var objects: Array[Object] = [layer, layer.mask, model, model.lods[0], biome, map, biome.layers[0]]
 	for type in ClassDB.get_inheriters_from_class("ScatterGround"):
+		if type.begins_with("ScatterTerrain"):
+			continue # A hidden class for files of 0.2.
 		objects.push_back(ClassDB.instantiate(type))
 	var scatters: Array[TerrainScatter3D] = []
 	for terrain: ScatterGround in objects.filter(func(object: Object) -> bool: return object is ScatterGround):

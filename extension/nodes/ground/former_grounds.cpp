@@ -67,8 +67,8 @@ Ref<ScatterGround> current_ground(const Ref<ScatterGround> &p_ground) {
 		return p_ground;
 	}
 	// Nodes that share a ground keep sharing it.
-	if (const Ref<ScatterGround> known = p_ground->call("get_meta", successor_meta, Variant()); known.is_valid()) {
-		return known;
+	if (static_cast<bool>(p_ground->call("has_meta", successor_meta))) {
+		return p_ground->call("get_meta", successor_meta);
 	}
 	const Ref<ScatterGround> made = make_successor(p_ground->get_class());
 	if (made.is_null()) {

@@ -30,7 +30,7 @@ func reload() -> void:
 	_set_rules(layer)
 	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
 	scatter.set("seed", 42)
-	scatter.set("terrain", flat)
+	scatter.set("ground", flat)
 	scatter.set("layers", [layer])
 	add_child(scatter)
 	for round in 3:
@@ -39,7 +39,7 @@ func reload() -> void:
 			await get_tree().process_frame
 		await _stream(scatter)
 		print("round %d: seed %d, terrain %s at %s, radius %s, %d mesh, rules %s" % [round, scatter.get("seed"),
-				scatter.get("terrain") == flat, flat.call("get_height", Vector3.ZERO), layer.get("radius"),
+				scatter.get("ground") == flat, flat.call("get_height", Vector3.ZERO), layer.get("radius"),
 				layer.get("meshes").size(), _rules_hold(layer)])
 		layer.set("density", 1.0 - 0.1 * round)
 	scatter.queue_free()
@@ -89,7 +89,7 @@ func preview() -> void:
 	layer.set("tile_size", 16.0)
 	layer.set("meshes", [BoxMesh.new()])
 	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
-	scatter.set("terrain", ClassDB.instantiate("ScatterGroundFlat"))
+	scatter.set("ground", ClassDB.instantiate("ScatterGroundFlat"))
 	scatter.set("layers", [layer])
 	scatter.set("frame_budget_usec", 5000)
 	scatter.set("preview_instances", 5000)
@@ -114,7 +114,8 @@ func preview() -> void:
 ## Prints the class reference that the editor shows for each of our classes, in one line.
 func help() -> void:
 	for name: String in ClassDB.get_class_list():
-		if ClassDB.class_get_api_type(name) == ClassDB.API_EXTENSION:
+		# Hidden classes for files of 0.2 have no page.
+		if ClassDB.class_get_api_type(name) == ClassDB.API_EXTENSION and not name.begins_with("ScatterTerrain"):
 			print("help %s: %s" % [name, (await _help_page(name)).replace("\n", " ")])
 
 

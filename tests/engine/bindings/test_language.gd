@@ -114,11 +114,11 @@ func test_wrong_values() -> void:
 	var flat := ScatterGroundFlat.new()
 	scatter.ground = flat
 	for wrong: Variant in [Resource.new(), ScatterLayer.new(), 5, "text", Vector3.ZERO]:
-		scatter.set("terrain", wrong)
+		scatter.set("ground", wrong)
 		check(scatter.ground == flat, "%s is no terrain" % [wrong])
 	scatter.set("seed", "text")
 	check_equal(scatter.seed, 0, "text is no seed")
-	scatter.set("terrain", null)
+	scatter.set("ground", null)
 	check(scatter.ground == null, "null is none")
 	scatter.free()
 

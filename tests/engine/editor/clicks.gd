@@ -144,9 +144,9 @@ func test_first_stroke() -> void:
 func test_in_vain() -> void:
 	var ground: Resource = scatter.ground
 	var layers: Array = scatter.layers
-	for missing: String in ["terrain", "layer"]:
+	for missing: String in ["ground", "layer"]:
 		scatter.ground = ground if missing == "layer" else null
-		scatter.layers = layers if missing == "terrain" else []
+		scatter.layers = layers if missing == "ground" else []
 		workspace().toolbar.update_layers()
 		await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
 		check(missing in workspace().toolbar.paint.problem, "why without a %s: '%s'" % [missing, workspace().toolbar.paint.problem])

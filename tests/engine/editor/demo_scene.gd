@@ -236,7 +236,7 @@ func test_brush_in_the_way() -> void:
 	var stop := EditorPlugin.AFTER_GUI_INPUT_STOP
 	scatter.ground = null
 	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a terrain")
-	check("terrain" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
+	check("ground" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
 	await picture("no_terrain")
 	scatter.ground = ground
 	var layers: Array = scatter.layers

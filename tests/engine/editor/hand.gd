@@ -271,7 +271,7 @@ func test_in_the_way() -> void:
 	var free := on_screen(Vector3(1.3, 0.0, 0.9))
 	scatter.ground = null
 	await click_at(free)
-	check("terrain" in hand.problem, "without ground: '%s'" % hand.problem)
+	check("There is no ground" in hand.problem, "without ground: '%s'" % hand.problem)
 	scatter.ground = ground
 	var root := EditorInterface.get_edited_scene_root()
 	var state: Resource = scatter.state

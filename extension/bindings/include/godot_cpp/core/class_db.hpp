@@ -39,15 +39,10 @@ struct ClassDescription {
 /// Makes our classes known to the engine.
 class ClassDB {
 public:
+	/// Scripts and the editor's lists do not know a class that is not exposed, though files may hold it.
 	template <typename T>
-	static void register_class() {
-		add_class(describe<T>(true));
-	}
-
-	/// For a class that scripts and the editor's lists do not know, though files may hold it.
-	template <typename T>
-	static void register_internal_class() {
-		add_class(describe<T>(false));
+	static void register_class(bool p_is_exposed = true) {
+		add_class(describe<T>(p_is_exposed));
 	}
 
 	/// `p_defaults` are for the last arguments, each in a DEFVAL.
@@ -96,7 +91,7 @@ private:
 } // namespace godot
 
 #define GDREGISTER_CLASS(m_class) ::godot::ClassDB::register_class<m_class>()
-#define GDREGISTER_INTERNAL_CLASS(m_class) ::godot::ClassDB::register_internal_class<m_class>()
+#define GDREGISTER_INTERNAL_CLASS(m_class) ::godot::ClassDB::register_class<m_class>(false)
 
 #define DEFVAL(m_defval) (m_defval)
 #define BIND_ENUM_CONSTANT(m_constant) \

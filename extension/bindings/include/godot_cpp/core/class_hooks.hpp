@@ -180,15 +180,11 @@ private:
 	}
 
 	static bool set(T *p_self, const StringName &p_name, const Variant &p_value) {
-		if constexpr (!is_engine_class) {
-			if (Parent::set(p_self, p_name, p_value)) {
-				return true;
-			}
-			if constexpr (std::same_as<decltype(&T::_set), bool (T::*)(const StringName &, const Variant &)>) {
-				return p_self->_set(p_name, p_value);
-			}
+		if constexpr (is_engine_class) {
+			return false;
+		} else {
+			return Parent::set(p_self, p_name, p_value) || p_self->_set(p_name, p_value);
 		}
-		return false;
 	}
 
 	template <typename>
