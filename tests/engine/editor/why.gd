@@ -152,7 +152,7 @@ func test_nothing_to_explain() -> void:
 	tool().choose_colors(1)
 	scatter.ground = null
 	await hover(Vector2(300, 300))
-	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "set the terrain of Hills" in row), "no ground")
+	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "set the ground of Hills" in row), "no ground")
 	scatter.ground = terrain
 	scatter.layers = []
 	workspace().toolbar.update_layers()
