@@ -144,6 +144,7 @@ def assert_passed(done):
         "test_layer_placement",
         "test_regions",
         "test_saves",
+        "test_former_names",
         "test_state",
         "test_callbacks",
         "test_state_async",

@@ -46,7 +46,7 @@ func test_scenes_open_and_are_saved_with_current_names() -> void:
 		var warnings := errors.take()
 		check_equal(warnings.size(), expected.size(), "%s: one warning for each name, the first time: %s" % [extension, warnings])
 		for words: String in expected:
-			check(warnings.any(func(warning: String) -> bool: return words in warning), "%s: warned that %s" % [extension, words])
+			check(Array(warnings).any(func(warning: String) -> bool: return words in warning), "%s: warned that %s" % [extension, words])
 		expected.clear()
 		var again := PackedScene.new()
 		check_equal(again.pack(world), OK, "packed")
