@@ -238,7 +238,7 @@ def test_a_changed_scene_is_noticed(world, baked, tmp_path):
     (other_world / "hills.gd").write_text((world / "hills.gd").read_text().replace("6.0 * sin", "6.5 * sin"))
     scene.write_text(text)
     refused = bake(other_world, out, "--workers", "1")
-    assert refused.code == 2 and "the terrain, the heights of the ground." in refused.said, refused.said
+    assert refused.code == 2 and "the ground, the heights of the ground." in refused.said, refused.said
     fresh = bake(other_world, out, "--workers", "1", "--fresh")
     assert fresh.code == 0 and "20 of them made now" in fresh.said, fresh.said
     assert fresh.manifest["digest"] != baked.manifest["digest"]

@@ -28,6 +28,7 @@ namespace thicket {
 					m_each(ScatterTerrainMeshes, ScatterGroundMeshes) m_each(ScatterTerrainNoise, ScatterGroundNoise) \
 							m_each(ScatterTerrainObject, ScatterGroundNode)
 
+// NOLINTBEGIN(bugprone-macro-parentheses): names of classes take none.
 #define THICKET_DECLARE(m_former, m_current) \
 	class m_former : public m_current { \
 		GDCLASS(m_former, m_current) \
@@ -37,6 +38,7 @@ namespace thicket {
 	};
 THICKET_FORMER_GROUNDS(THICKET_DECLARE)
 #undef THICKET_DECLARE
+// NOLINTEND(bugprone-macro-parentheses)
 
 namespace {
 
