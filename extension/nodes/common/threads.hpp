@@ -10,8 +10,12 @@ namespace thicket {
 /// Whether the engine has threads to work on. Builds for the web may have none, and a project may forbid them.
 bool has_threads();
 
-/// Whether the caller runs on the engine's main thread. Costs a few nanoseconds.
-bool on_main_thread();
+/// The caller is the engine's main thread. To be called once, before any class is registered.
+void remember_main_thread();
+
+/// Whether the caller runs on the engine's main thread. Costs a few nanoseconds, and calls nothing of the engine: that could need
+/// memory, for a wrapper.
+bool on_main_thread() noexcept;
 
 /// How many to work on besides the one that asks: 0 to 8.
 std::size_t spare_thread_count();
