@@ -12,24 +12,24 @@
 
 namespace thicket {
 
-/// Gives tiles that are known, and has the others of a call made in one go.
+/// Returns known tiles, and generates the missing ones of a call together.
 class MakingTileSource : public TileSource {
 public:
 	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) final;
 	Status find_tiles(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) final;
 
 private:
-	/// A known tile; null for one that is not.
+	/// A known tile; null if it is not known.
 	virtual std::shared_ptr<const KeptTile> find(const WorldTile &tile) = 0;
 
-	/// As a TileMaker.
+	/// Generates tiles, as a TileMaker does.
 	virtual Status make(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) = 0;
 
-	/// Is told of each tile that was made.
+	/// Called for each tile that was generated.
 	virtual void keep(const WorldTile &tile, const std::shared_ptr<const KeptTile> &made) = 0;
 };
 
-/// What a tile counts for where memory is bounded: its instances of all meshes, and one, as a tile without any takes memory, too.
+/// The size of a tile where memory is bounded: the number of its instances plus one, because an empty tile takes memory, too.
 std::size_t kept_size(const KeptTile &tile);
 
 } // namespace thicket

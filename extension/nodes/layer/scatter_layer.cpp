@@ -97,7 +97,7 @@ void ScatterLayer::add_used(SceneUse::List &r_used) const {
 	}
 }
 
-// The order of the inspector: what stands there, where, how it is drawn, and what it is to a game.
+// Bound in the order of the inspector: meshes, placement, drawing, gameplay.
 void ScatterLayer::_bind_methods() {
 	bind_basics();
 	bind_placement();
