@@ -41,8 +41,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	if (p_level != MODULE_INITIALIZATION_LEVEL_SCENE) {
 		return;
 	}
-	// From now on the main thread is known: to ask the engine later needs memory, where no exception may pass.
-	on_main_thread();
+	remember_main_thread(); // The engine initializes libraries there.
 	GDREGISTER_CLASS(PoissonPoints);
 	GDREGISTER_CLASS(PoissonSampler);
 	GDREGISTER_CLASS(ScatterImpostorBaker);

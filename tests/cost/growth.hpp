@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <random>
 #include <span>
 #include <vector>
 
@@ -19,10 +18,6 @@ using Points = std::vector<glm::dvec2>;
 class Recipe {
 public:
 	explicit Recipe(std::uint64_t seed);
-
-	std::uint64_t below(std::uint64_t count) { return random_() % count; }
-
-	double number(double from, double to);
 
 	/// Points in an order that is as hard as any: all at one place, in turns at two, along lines, at random, on a spiral or a grid.
 	Points points(std::size_t count) const;
@@ -38,9 +33,8 @@ private:
 	static constexpr std::size_t kinds = 9;
 
 	std::uint64_t seed_;
-	std::mt19937_64 random_;
-	Kind kind_;
-	double step_;
+	Kind kind_ = Kind::one_place;
+	double step_ = 1.0;
 	std::uint64_t stride_ = 1;
 };
 

@@ -7,22 +7,28 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <random>
 
 namespace thicket::cost {
 
-Recipe::Recipe(std::uint64_t seed) :
-		seed_(seed), random_(seed), kind_(static_cast<Kind>(below(kinds))), step_(std::exp2(number(-6.0, 6.0))) {
-	stride_ = below(3) == 0 ? std::uint64_t{1} << below(40) : 1 + below(1000);
-}
+namespace {
 
-double Recipe::number(double from, double to) {
-	return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
+/// A number from 0 up to 1, which is excluded.
+double unit(std::mt19937_64 &r_random) { return static_cast<double>(r_random() >> 11) * 0x1p-53; }
+
+} // namespace
+
+Recipe::Recipe(std::uint64_t seed) : seed_(seed) {
+	std::mt19937_64 random(seed);
+	kind_ = static_cast<Kind>(random() % kinds);
+	step_ = std::exp2(12.0 * unit(random) - 6.0);
+	stride_ = random() % 3 == 0 ? std::uint64_t{1} << random() % 40 : 1 + random() % 1000;
 }
 
 Points Recipe::points(std::size_t count) const {
 	std::mt19937_64 own(seed_);
 	const auto any = [&own] {
-		return static_cast<double>(own() >> 11) * 0x1p-53 - 0.5;
+		return unit(own) - 0.5;
 	};
 	Points result;
 	for (std::size_t i = 0; i < count; ++i) {

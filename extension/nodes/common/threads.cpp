@@ -16,7 +16,7 @@ namespace thicket {
 
 namespace {
 
-std::atomic<std::thread::id> main_thread; ///< Unset until the main thread has called on_main_thread().
+std::atomic<std::thread::id> main_thread;
 
 } // namespace
 
@@ -25,26 +25,16 @@ bool has_threads() {
 	return OS::get_singleton()->has_feature("threads") && static_cast<int64_t>(most) != 0;
 }
 
-bool on_main_thread() {
-	const std::thread::id caller = std::this_thread::get_id();
-	if (const std::thread::id known = main_thread.load(std::memory_order_relaxed); known != std::thread::id()) {
-		// Fast path: querying the engine takes ten times as long.
-		return caller == known;
-	}
-	const OS *system = OS::get_singleton();
-	const bool on_main = system->get_thread_caller_id() == system->get_main_thread_id();
-	if (on_main) {
-		main_thread.store(caller, std::memory_order_relaxed);
-	}
-	return on_main;
-}
+void remember_main_thread() { main_thread.store(std::this_thread::get_id(), std::memory_order_relaxed); }
+
+bool on_main_thread() noexcept { return std::this_thread::get_id() == main_thread.load(std::memory_order_relaxed); }
 
 std::size_t spare_thread_count() {
 	if (!has_threads()) {
 		return 0;
 	}
 	const std::size_t cores = std::thread::hardware_concurrency();
-	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core is left for the calling thread.
+	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core stays with the thread that asks.
 }
 
 void EngineThreads::run(const std::function<void(std::size_t index)> &work) {

@@ -5,11 +5,8 @@
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/threads.hpp"
-#include "nodes/gameplay/instance_answers.hpp"
 #include "nodes/gameplay/script_queries.hpp"
-#include "nodes/layer/layer_reference.hpp"
 
-#include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/memory.hpp>
 
 #include <map>
