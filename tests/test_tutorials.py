@@ -99,7 +99,7 @@ def capitalized(name: str) -> str:
 def known_names() -> set[str]:
     """What the editor's buttons and menus say, and the names that the inspector shows, in small letters."""
     names = {word.strip().lower() for word in OF_THE_ENGINE.split("|")}
-    for script in (ADDON / "editor").glob("*.gd"):
+    for script in (ADDON / "editor").rglob("*.gd"):
         names |= {text.lower() for text in re.findall(r'"((?:[^"\\]|\\.)*)"', script.read_text())}
     for path in (REPO / "extension/doc_classes").glob("*.xml"):
         root = ElementTree.parse(path).getroot()
