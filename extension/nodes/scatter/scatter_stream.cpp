@@ -60,6 +60,9 @@ void ScatterStream::set_layers(
 	for (const SharedSnapshot &layer : layers) {
 		ranges.push_back(range_of(layer));
 	}
+	// Before the streamer knows the new layers: if memory ends here, both still have the old ones.
+	std::vector<SharedSnapshot> next = layers;
+	failures_.reserve(layers.size());
 	const Status status = streamer_.set_layers(ranges);
 	report("TerrainScatter3D", status);
 	if (!status.ok()) {
@@ -79,7 +82,7 @@ void ScatterStream::set_layers(
 		}
 	}
 	mark_stale(layers, outdated);
-	layers_ = layers;
+	layers_.swap(next);
 	ground_ = ground;
 	display_.set_layers(layers);
 	for (std::uint32_t layer = 0; layer < outdated.size(); ++layer) {
