@@ -1,8 +1,8 @@
-"""Makes small pictures of what was taken for the tutorials: see tools/tutorial_pictures.sh.
+"""Scales screenshots for the tutorials: see tools/tutorial_pictures.sh.
 
     tutorial_pictures.py EDITOR GAME TUTORIALS
 
-Folders: of the pictures of the editor's tests, of those of the game, and of the pages.
+The arguments are folders: of the screenshots of the editor tests, of those of the demo, and of the tutorial pages.
 """
 
 import io
@@ -13,12 +13,12 @@ from PIL import Image
 
 WIDTH = 960
 MOST_BYTES = 150_000
-# Pixels between two views side by side.
+# Pixels between two pictures side by side.
 GAP = 8
 
 
 def side_by_side(left, right):
-    """Two views of one size as one picture."""
+    """Two pictures of the same size, joined into one."""
     both = Image.new("RGB", (left.width * 2 + GAP * left.width * 2 // WIDTH, left.height), "white")
     both.paste(left, (0, 0))
     both.paste(right, (both.width - right.width, 0))
@@ -26,7 +26,7 @@ def side_by_side(left, right):
 
 
 def write(image, path):
-    """As sharp as fits."""
+    """Writes a JPEG with the highest quality that fits into MOST_BYTES."""
     image = image.convert("RGB")
     if image.width != WIDTH:
         image = image.resize((WIDTH, round(WIDTH * image.height / image.width)), Image.Resampling.LANCZOS)
