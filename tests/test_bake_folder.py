@@ -127,7 +127,7 @@ def test_what_is_missing_or_damaged_is_told_by_the_bake(world, baked, made, tmp_
     damaged.write_bytes(damaged.read_bytes()[:-1])
     shutil.copy(folder / "tiles/tile_-1_0.rows", folder / "tiles/tile_-2_0.rows")
     some = bake_of(folder, tmp_path / "out")
-    assert some.code == 1 and "tile_0_0.rows is not there" in some.said, some.said
+    assert some.code == 1 and "tile_0_0.rows is missing" in some.said, some.said
     assert "tile_1_0.rows is damaged" in some.said and "tile_-2_0.rows is damaged" in some.said, some.said
     assert len(some.manifest["tiles"]) == TILES - 3 and not some.manifest["complete"]
     assert make(world, folder).returncode == 0
@@ -159,7 +159,7 @@ def test_a_changed_scene_is_noticed(world, made, tmp_path):
     assert make(other_world, tmp_path / "other").returncode == 0
     shutil.copy(tmp_path / "other/tiles/tile_0_0.rows", folder / "tiles/tile_0_0.rows")
     mixed = bake_of(folder, tmp_path / "out")
-    assert mixed.code == 1 and "tile_0_0.rows is damaged, or of another bake" in mixed.said, mixed.said
+    assert mixed.code == 1 and "tile_0_0.rows is damaged or belongs to a different bake" in mixed.said, mixed.said
 
 
 def test_a_full_disk_stops_with_a_sentence(world, made, tmp_path):
@@ -211,7 +211,7 @@ def test_what_cannot_be_made_is_said(world, arguments, sentence):
 def test_what_the_folder_says_cannot_be_asked_for(made, tmp_path):
     for options, sentence in ((USUAL[:2], "--rect is -70"), (["--layers", "Trees"], "--layers is Trees, but what")):
         refused = bake_of(made, tmp_path / "out", *options)
-        assert refused.code == 2 and sentence in refused.said and "was chosen when it was made" in refused.said, refused.said
+        assert refused.code == 2 and sentence in refused.said and "already have a fixed value" in refused.said, refused.said
     spoiled = shutil.copytree(made, tmp_path / "made")
     (spoiled / tile_folder.WORLD).write_text("{")
     refused = bake_of(spoiled, tmp_path / "out")

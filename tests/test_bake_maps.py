@@ -76,11 +76,11 @@ def test_memory_for_maps_is_bounded(bake, tmp_path):
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--meters", "0"], "--meters is 0.0, where a length above 0 is expected"),
-        (["--meters", "nan"], "--meters is nan"),
-        (["--meters", "1e-9"], "more than a PNG can have"),
-        (["--memory", "0.001"], "--memory is too small for one row of 180 pixels in 2 layers"),
-        (["--memory", "-1"], "--memory is -1.0"),
+        (["--meters", "0"], "--meters must be above 0 m, got 0.0"),
+        (["--meters", "nan"], "--meters must be above 0 m, got nan"),
+        (["--meters", "1e-9"], "but a PNG can have at most"),
+        (["--memory", "0.001"], "MB or more for a row of 180 pixels in 2 layers, got 0.001 MB"),
+        (["--memory", "-1"], "--memory must be above 0 MB, got -1.0"),
     ],
 )
 def test_options_of_maps_without_sense_are_refused(bake, tmp_path, options, says):

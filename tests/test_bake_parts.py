@@ -100,7 +100,7 @@ def test_a_manifest_that_cannot_be_used_is_said(tmp_path):
     driver._go_on_with(wish, dict(WORLD), said.append)
     assert len(said) == 1 and str(tmp_path / MANIFEST) in said[0] and "replaced" in said[0], said
     (tmp_path / MANIFEST).write_text(json.dumps({**WORLD, "format": FORMAT, "version": VERSION, "rect": None}))
-    with pytest.raises(BakeError, match="manifest.json: rect must be an array of 4 values, got null; put the manifest of the bake back"):
+    with pytest.raises(BakeError, match="manifest.json: rect must be an array of 4 values, got null; restore the manifest of the bake"):
         driver._go_on_with(wish, dict(WORLD), said.append)
     (tmp_path / MANIFEST).write_text(json.dumps({"format": FORMAT, "version": VERSION, "scene": "res://world.tscn"}))
     with pytest.raises(BakeError, match="manifest.json: scene_digest is missing, and must be there"):
@@ -111,8 +111,8 @@ def test_a_manifest_that_cannot_be_used_is_said(tmp_path):
     ("options", "sentence"),
     [
         (["--tiles", "0,0 1;2"], "'1;2' must be a pair of whole numbers I,J"),
-        (["--wait", "nan"], "--wait is nan, and has to be from 0 to 1e+06 seconds"),
-        (["--project", "/nowhere"], "--project is /nowhere, and has to be a folder with a project.godot"),
+        (["--wait", "nan"], "--wait must be between 0 and 1e+06 seconds, got nan"),
+        (["--project", "/nowhere"], "--project must be a folder with a project.godot, got /nowhere"),
     ],
 )
 def test_a_bake_is_refused_before_an_engine_starts(tmp_path, capsys, options, sentence):
@@ -126,7 +126,7 @@ def test_a_bake_is_refused_before_an_engine_starts(tmp_path, capsys, options, se
 def test_a_forecast_is_refused_for_workers_that_are_no_numbers(tmp_path, capsys):
     with pytest.raises(SystemExit):
         schedule.main([str(tmp_path), "--workers", "1,many"])
-    assert "--workers is '1,many'" in capsys.readouterr().err
+    assert "--workers must be whole numbers separated by commas, such as 1,10,100, got '1,many'" in capsys.readouterr().err
 
 
 def test_a_model_without_json_is_no_binary_gltf():
@@ -171,7 +171,7 @@ for write in (streamed, glb, lambda path, size: write_whole(path, bytes(size))):
 def test_a_full_disk_leaves_what_was_there(tmp_path):
     """Files of a bake and of what reads it: refused in a sentence, with the old file as it was and nothing beside it."""
     done = run([sys.executable, "-c", FULL_DISK, tmp_path], timeout=60, cwd=REPO)
-    sentence = f"Cannot write {tmp_path / 'file'}: File too large. Free space there, or choose a folder that may be written."
+    sentence = f"Cannot write {tmp_path / 'file'}: File too large. Free space there, or choose a writable folder."
     assert done.stdout.splitlines() == [sentence, "True ['file']"] * 3, done.stdout + done.stderr
 
 

@@ -26,9 +26,9 @@ def test_a_folder_without_a_bake_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("values", "says"),
     [
-        ({"version": 2}, "version must be 1, the one that is known here, got 2; bake again with this version of Thicket"),
+        ({"version": 2}, "version must be 1, got 2; bake again with this version of Thicket"),
         ({"format": "other"}, "is not the manifest of a bake"),
-        ({"rect": [0, 0, -5, 5]}, "rect must be x, z, width and depth in meters, the last two above 0, got -5; put the manifest of the bake back"),
+        ({"rect": [0, 0, -5, 5]}, "rect must be x, z, width and depth in meters, the last two above 0, got -5; restore the manifest of the bake"),
         ({"tile_size": 0}, "tile_size must be a number from 0.001 to 1e+12, got 0"),
         ({"layers": [{"index": 0}]}, "layers[0].radius is missing, and must be there"),
         ({"layers": [{"index": 0, "radius": 0, "models": []}]}, "layers[0].radius must be a number from 0.001 to 1e+06, got 0"),
@@ -48,7 +48,7 @@ def test_damaged_tiles_are_refused(copy, tmp_path):
         damage()
         said = refused("maps", copy, tmp_path / "maps")
         assert "tile_60000_-20002.parquet" in said or "tile 60000,-20002 cannot be read" in said, said
-        assert "bake that tile again: give the command of the bake --tiles 60000,-20002" in said
+        assert "bake that tile again: run the command of the bake with --tiles 60000,-20002" in said
     first.write_bytes(whole)
     broken = bytearray(second.read_bytes())
     broken[100:2000] = bytes(1900)
@@ -182,14 +182,14 @@ def test_an_export_replaces_an_earlier_one_and_nothing_else(bake, game, world, t
     foreign = game / "mine"
     foreign.mkdir()
     (foreign / "tiles.txt").write_text("mine")
-    assert "has files in it that no export has written" in refused("godot", bake, foreign)
+    assert "has files that are not from an export" in refused("godot", bake, foreign)
     assert [file.name for file in foreign.iterdir()] == ["tiles.txt"]
-    assert "lies in no project of Godot" in refused("godot", bake, tmp_path / "out")
+    assert "is not in a Godot project" in refused("godot", bake, tmp_path / "out")
     bare = tmp_path / "bare"
     bare.mkdir()
     (bare / "project.godot").write_text("config_version=5\n")
-    assert "has no addons/thicket/baked_world.gd: copy the add-on, or these scripts alone" in refused("godot", bake, bare / "out")
-    assert "--cell is -1.0, where meters above 0 are expected" in refused("godot", bake, game / "again", "--cell", "-1")
+    assert "has no addons/thicket/baked_world.gd: copy the add-on, or only these scripts" in refused("godot", bake, bare / "out")
+    assert "--cell must be above 0 m, got -1.0" in refused("godot", bake, game / "again", "--cell", "-1")
     again = game / "again"
     shutil.copytree(world, again)
     (again / "tiles/tile_1_1.baked").write_bytes(b"of an earlier bake")

@@ -126,7 +126,7 @@ def test_every_reader_verifies_unless_told_otherwise(bake, tmp_path, capsys):
         if writer == "godot":
             edit_layers(bake)
         assert main([str(bake), writer, str(folder), *options]) == 1
-        assert f"tile {TILE} is damaged, or belongs to another bake" in capsys.readouterr().err, writer
+        assert f"tile {TILE} is damaged or belongs to a different bake" in capsys.readouterr().err, writer
         assert main([str(bake), writer, str(folder), *options, "--no-verify"]) == 0, capsys.readouterr().err
     assert read(bake, verify=False) is not None
 
@@ -325,4 +325,4 @@ def test_a_refusal_names_the_field_what_is_allowed_and_what_to_do(bake):
         open_bake(bake)
     said = str(refused.value)
     assert said.startswith(f"{bake / MANIFEST}: layers[1].models[0].path must be a text of at most 1000 characters"), said
-    assert said.endswith("got 5; put the manifest of the bake back, or bake again with --fresh"), said
+    assert said.endswith("got 5; restore the manifest of the bake, or bake again with --fresh"), said

@@ -249,7 +249,7 @@ def test_another_bake_of_the_folder_is_refused(world, baked, tmp_path):
     with (out / ".lock").open("a+") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         refused = bake(world, out, "--workers", "1")
-        assert refused.code == 2 and "Another bake is at work on" in refused.said, refused.said
+        assert refused.code == 2 and "A different bake is using" in refused.said, refused.said
     refused = bake(world, out, "--workers", "1", "--rect", "0,0,64,64")
     assert refused.code == 2 and "the rectangle is [-70.0, -50.0, 130.0, 100.0]" in refused.said, refused.said
 
@@ -286,7 +286,7 @@ def test_a_full_disk_stops_with_a_sentence(world, baked, tmp_path):
         (["--layers", "Ferns"], "no layer 'Ferns'. It has: 0 Trees, 1 Grass"),
         (["--tiles", "9,0"], "Tile 9,0 is not in the rectangle"),
         (["--node", "Nobody", "--wait", "1"], "there is no TerrainScatter3D after 1 s"),
-        (["--workers", "0"], "--workers is 0"),
+        (["--workers", "0"], "--workers must be 1 or more, got 0"),
         (["--tile-size", "nan"], "tile_size is 'nan', and has to be from 1 to 1000000 meters"),
         (["--rect", "0,0,-5,5"], "rect is '0,0,-5,5', and has to be X,Z,WIDTH,DEPTH"),
         (["--rect", "1e11,0,5,5", "--tile-size", "1"], "is too far from the origin for tiles of 1"),
