@@ -115,10 +115,10 @@ DAMAGES: dict[str, tuple[Callable[[dict], object], str]] = {
         lambda api: of_class(api, "Node", "constants", "NOTIFICATION_ENTER_TREE").update(value=1),
         "Node.NOTIFICATION_ENTER_TREE is 1 and was 10",
     ),
-    "parent": (lambda api: named(api["classes"], "Noise").update(inherits="Node"), "Noise inherits Resource no more"),
+    "parent": (lambda api: named(api["classes"], "Noise").update(inherits="Node"), "Noise no longer inherits Resource"),
     "counting": (lambda api: named(api["classes"], "Mesh").update(is_refcounted=False), "Mesh: is_refcounted is False"),
     "class": (lambda api: lose(api["classes"], "Curve"), "Curve is gone"),
-    "singleton": (lambda api: lose(api["singletons"], "Engine"), "Engine is no singleton any more"),
+    "singleton": (lambda api: lose(api["singletons"], "Engine"), "Engine is no longer a singleton"),
     "size": (
         lambda api: named(api["builtin_class_sizes"][2]["sizes"], "Vector3").update(size=12),
         "Vector3 takes [12, 12, 12, 24] bytes",
