@@ -77,7 +77,7 @@ def test_rows_of_one_commit_alone_are_named():
     printed = compare.report(changes, others, 9)
     assert "| a | 1 ms | 2 ms | 2.000 | worse |" in printed
     assert "1 of 1 rows moved, 1 for the worse" in printed
-    assert "In one of the two alone: gone; fresh." in printed
+    assert "Only in one of the two: gone; fresh." in printed
 
 
 def test_too_few_turns_are_told():

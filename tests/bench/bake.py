@@ -1,11 +1,12 @@
-"""Measures how much faster two workers bake than one, and what the forecast (baking.schedule) makes of it.
+"""Measures the speedup of a bake with two workers, and compares it with the prediction of baking.schedule.
 
     bash tests/bench/bake.sh [ROUNDS = 3] [FOLDER]
 
-Bakes 64 tiles of the demo, 12 million instances, into FOLDER (a temporary one unless told): with one worker that has one core, with two on
-two cores, and with one on two cores, in turns, the first last in the next round. A worker and its engine go on at the same time, so one that
-has two cores takes more than one of them: what workers gain is the first against the second, where each has a core. Times are those of
-tiles, without the start of Dask and the engines; cores are shared with the driver. All bakes have to have the same digest.
+Bakes 64 tiles of the demo, 12 million instances, into FOLDER (a temporary folder by default): with one worker on one core, with two
+workers on two cores, and with one worker on two cores. They take turns, and every second round runs in reverse order. A worker and its
+engine run at the same time, so a worker with two cores uses more than one. The gain of a second worker is therefore the first case over
+the second, where each worker has one core. Times are those of the tiles, without the start of Dask and the engines. The driver shares
+the cores. All bakes must have the same digest.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ CONTENDERS = ((1, 1), (2, 2), (1, 2))
 
 
 def once(out: Path, workers: int, cores: int) -> None:
-    """Bakes, in a process that has so many cores, and prints what that took."""
+    """Bakes in a process with this many cores, and prints the times as JSON."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
     outcome = bake(Wish(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
     if outcome.failed or outcome.stopped:
@@ -48,7 +49,7 @@ def measured(out: Path, workers: int, cores: int) -> dict:
         raise SystemExit(done.returncode)
     took = json.loads(done.stdout)
     costs = schedule.read_costs(out)
-    # What a bake of two workers on two cores takes, from this one: without the start of engines, as its own time is.
+    # The predicted time of two workers on two cores, computed from this bake. Neither time includes the start of engines.
     took["foretold"] = schedule.simulate(schedule.Costs(costs.tiles, 0.0, costs.driver, costs.bytes), 2, cores=2)
     return took
 
@@ -64,7 +65,7 @@ def name(workers: int, cores: int) -> str:
 
 def main(rounds: int, folder: Path) -> None:
     if len(os.sched_getaffinity(0)) < 2:
-        raise SystemExit("bake: this takes two cores")
+        raise SystemExit("bake: this needs two cores")
     took: dict[tuple[int, int], list[dict]] = {contender: [] for contender in CONTENDERS}
     for number in range(rounds):
         for contender in CONTENDERS if number % 2 == 0 else CONTENDERS[::-1]:
@@ -84,7 +85,7 @@ def main(rounds: int, folder: Path) -> None:
         print(row(f"bake: 2 workers on 2 cores over {name(*contender)}", gains, "times", 2))
     for contender in CONTENDERS:
         errors = [one["foretold"] / other for one, other in zip(took[contender], two, strict=True)]
-        print(row(f"bake: 2 workers on 2 cores, foretold from {name(*contender)}, over the truth", errors, "of it", 2))
+        print(row(f"bake: 2 workers on 2 cores, predicted from {name(*contender)}, over the measured time", errors, "of it", 2))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,9 @@
-"""Says which rows of the bench moved between two commits, beyond what the machine's noise explains.
+"""Reports the rows of the benchmarks that changed between two commits by more than the machine's noise.
 
     bash tests/bench/compare.sh BASE [NEW] [--turns 9] [--programs bench_sampler,bench_tile] [--engine gameplay,spikes]
 
-BASE and NEW are commits; without NEW, what lies in the folder as it is. Both are built for release in folders of their own below
-build/compare, then run in turns, the one first that was last, so that a slow minute of the machine meets both. Ends with 1 where a
-row became worse.
+BASE and NEW are commits; without NEW, the folder is measured in its current state. Both are built for release, below build/compare.
+They run in turns with alternating order, so that a slow minute of the machine affects both. Exits with 1 if a row became worse.
 """
 
 import argparse
@@ -19,27 +18,27 @@ from pathlib import Path
 REPO = Path(__file__).resolve().parents[2]
 PROGRAMS = ("bench_sampler", "bench_tile", "bench_fields", "bench_shapes")
 
-# A row counts as moved by mistake less often than this, if nothing but chance decides which commit is the faster one in a turn.
+# The probability of reporting a row as changed if only chance decides which commit is faster in each turn.
 CHANCE = 0.01
-# Less than this is nobody's matter: code that merely lies elsewhere in memory does as much.
+# Smaller changes are ignored: a different position of the same code in memory can cause as much.
 LEAST = 0.02
 
 ROW = re.compile(r"\| (?P<what>.+?) \| (?P<number>-?[0-9][0-9,]*(?:\.[0-9]+)?)(?P<unit>[^|]*) \| [^|]* \| [0-9]+ \|")
 
 
 def read_rows(printed: str) -> dict[str, tuple[float, str]]:
-    """The rows of a bench: the median, and its unit ("" for none), by what was measured. What is no row is passed over."""
+    """The rows of a benchmark: the median and its unit ("" for none), by the measured item. Ignores other lines."""
     rows = (ROW.fullmatch(line.strip()) for line in printed.splitlines())
     return {row["what"]: (float(row["number"].replace(",", "")), row["unit"].strip()) for row in rows if row}
 
 
 def more_is_better(unit: str) -> bool:
-    """Of rates and of what is so many times as fast; of times and sizes less is better."""
+    """True for rates and speedups; false for times and sizes."""
     return bool(re.search(r"/s\b|\ba (?:second|ms)\b", unit)) or unit == "times"
 
 
 def outliers(turns: int) -> int:
-    """How many of so many turns may go the other way; -1 where there are too few turns to say anything."""
+    """How many of `turns` turns may have the opposite sign; -1 if there are too few turns for a conclusion."""
     return max(k for k in range(-1, turns // 2) if 2 * sum(math.comb(turns, i) for i in range(k + 1)) / 2**turns <= CHANCE)
 
 
@@ -47,9 +46,9 @@ def outliers(turns: int) -> int:
 class Change:
     what: str
     unit: str
-    base: float  # Medians.
+    base: float  # The median, like `new`.
     new: float
-    ratio: float  # The median of new over base within each turn.
+    ratio: float  # The median of the turns' ratios of new to base.
     moved: bool
 
     @property
@@ -62,7 +61,7 @@ class Change:
 
 
 def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change:
-    """What became of a row; both lists hold a median of each turn, in the same order."""
+    """The change of a row. Both lists have a median for each turn, in the same order."""
     ratios = sorted(b / a if a > 0 and b > 0 else 1.0 for a, b in zip(base, new, strict=True))
     ratio = statistics.median(ratios)
     against = sum(each >= 1.0 for each in ratios) if ratio < 1.0 else sum(each <= 1.0 for each in ratios)
@@ -71,7 +70,7 @@ def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change
 
 
 def compare_all(turns: list[tuple[dict, dict]]) -> tuple[list[Change], list[str]]:
-    """The changes of all rows that both commits print in every turn, and the names of the others."""
+    """The changes of all rows that both commits print in every turn, and the names of the other rows."""
     names = dict.fromkeys(what for pair in turns for side in pair for what in side)
     shared = [what for what in names if all(what in side for pair in turns for side in pair)]
     changes = []
@@ -89,14 +88,14 @@ def report(changes: list[Change], others: list[str], turns: int) -> str:
     moved = [change for change in changes if change.moved]
     lines += ["", f"{turns} turns; {len(moved)} of {len(changes)} rows moved, {sum(change.worse for change in moved)} for the worse."]
     if outliers(turns) < 0:
-        lines.append("These are too few turns to tell anything from noise: 8 are the least.")
+        lines.append("These are too few turns to distinguish changes from noise: at least 8 are needed.")
     if others:
-        lines.append("In one of the two alone: " + "; ".join(others) + ".")
+        lines.append("Only in one of the two: " + "; ".join(others) + ".")
     return "\n".join(lines)
 
 
 class Side:
-    """A commit with its benches, built."""
+    """A commit, with its benchmarks built."""
 
     def __init__(self, commit: str | None, engine: bool):
         self.folder = self.check_out(commit) if commit else REPO
@@ -145,7 +144,7 @@ def main() -> int:
     parser.add_argument("--engine", type=named, default=[])
     asked = parser.parse_args()
     if asked.turns < 1:
-        parser.error(f"--turns is {asked.turns}: 1 is the least")
+        parser.error(f"--turns must be 1 or more, got {asked.turns}")
     sides = [Side(asked.base, bool(asked.engine)), Side(asked.new, bool(asked.engine))]
     turns = []
     for turn in range(asked.turns):

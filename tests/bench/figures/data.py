@@ -1,5 +1,5 @@
-"""What the page and its pictures are made of: few numbers of each table, in one file that is small enough to be committed.
-A full measurement replaces tests/bench/data/figures.json; page and pictures are rendered from it whenever they are wanted."""
+"""The data of the page and its pictures: a few numbers from each table, in one file that is small enough to commit. A full
+measurement replaces tests/bench/data/figures.json. The page and its pictures can be rendered from it at any time."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from bench.figures.contenders import CONTENDERS
 from bench.figures.page_text import Tables
 from bench.figures.tables import Row, where
 
-DIGITS = 8  # More than the page prints and a picture shows.
+DIGITS = 8  # More than the page and the pictures show.
 
 FIGURE6_SHOWN = ("hierarchical", "wavefront")
 
 
 def compact(measured: Tables) -> Tables:
-    """The tables of the page, from those that the parts write."""
+    """The tables of the page, from the tables of the parts."""
     tables = {name: measured[name] for name in ("figure5_spectra", "figure5_coverage", "section42", "losses")}
     tables["figure4"] = _columns(measured["figure4"], "contender asked median lowest highest")
     tables["figure4_rounds"] = _rounds(measured["figure4"])
@@ -45,7 +45,7 @@ def _columns(rows: list[Row], names: str) -> list[Row]:
 
 
 def _rounds(rates: list[Row]) -> list[Row]:
-    """The fewest and most rounds of any size, of each contender."""
+    """For each contender, the smallest and largest number of rounds over all sizes."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in rates):
         rounds = [row["rounds"] for row in where(rates, contender=key)]
@@ -54,7 +54,7 @@ def _rounds(rates: list[Row]) -> list[Row]:
 
 
 def _ranges(counts: list[Row]) -> list[Row]:
-    """The lowest and highest counts of all sizes, of each contender."""
+    """For each contender, the lowest and highest counts over all sizes."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in counts):
         own = where(counts, contender=key)
@@ -67,7 +67,7 @@ def _ranges(counts: list[Row]) -> list[Row]:
 
 
 def _differences(radial: list[Row]) -> list[Row]:
-    """The power of each ring, and how many standard errors it is away from that of naive darts."""
+    """The power of each ring, and its distance from that of naive darts in standard errors."""
     expected = {row["from"]: row for row in where(radial, source="naive")}
     rows = _columns(radial, "source sets side from to power anisotropy_db")
     for row, whole in zip(rows, radial, strict=True):
@@ -84,7 +84,7 @@ def _billion_row(row: Row) -> Row:
 
 
 def write(path: Path, tables: Tables, facts: dict[str, Row]) -> None:
-    """Replaces the file: for each table its columns once and a line for each row, so that a change shows in a diff."""
+    """Replaces the file. Each table has its columns once and a line for each row, for readable diffs."""
     parts = []
     for name, rows in sorted(tables.items()):
         columns = list(rows[0]) if rows else []
@@ -101,7 +101,7 @@ def _short(cell: object) -> object:
 
 
 def read(path: Path) -> tuple[Tables, dict[str, Row]]:
-    """The tables and the machines that `write` wrote."""
+    """The tables and the machines that `write` has written."""
     whole = json.loads(path.read_text(encoding="utf-8"))
     tables = {
         name: [dict(zip(table["columns"], row, strict=True)) for row in table["rows"]]

@@ -1,4 +1,4 @@
-"""What the page says about where and how its numbers were measured."""
+"""Describes the machine, the build and the date of a measurement for the page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from bench.figures.tables import Row
 
 
 def _output(*command: str | Path) -> str:
-    """What a command prints, or nothing if there is none of that name or it fails."""
+    """A command's output; empty if the command does not exist or fails."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     except OSError:
@@ -32,8 +32,7 @@ def _first(pattern: str, path: str) -> str:
 
 
 def compile_flags(repo: Path, programs: Path) -> str:
-    """The flags that domain_run.cpp was built with into the folder of the programs, but for folders, names of files and
-    warnings."""
+    """The flags that compiled domain_run.cpp for these programs, without folders, file names and warnings."""
     try:
         database = json.loads((repo / "compile_commands.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -45,8 +44,8 @@ def compile_flags(repo: Path, programs: Path) -> str:
 
 
 def describe(repo: Path, programs: Path, quick: bool) -> Row:
-    """Machine, compiler, commit and date."""
-    # What the command itself writes is no change to what is measured.
+    """The machine, the compiler, the commit and the date."""
+    # The command's own output does not count as a change of the measured code.
     written = [":!tests/bench/data"]
     changed = _output("git", "-C", repo, "status", "--porcelain", "--untracked-files=no", "--", ".", *written)
     commit = _output("git", "-C", repo, "rev-parse", "--short=12", "HEAD") or "unknown"

@@ -1,5 +1,5 @@
-"""The page: what the paper reports, what was measured here, and the one over the other. Every number of ours comes from
-the tables in the folder of the results, every number of the paper from paper.py."""
+"""The page: the paper's results, ours, and the ratio of the two. All of our numbers come from the tables in the results folder, and all
+numbers of the paper from paper.py."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from bench.figures.tables import Row
 
 
 def write(measured: Tables, facts: dict[str, Row], pictures: str, has_sets: bool) -> str:
-    """The page in Markdown, from all tables by name (as data.compact makes them) and the machine of each part; `pictures`
-    is the folder of the plots as seen from the page, and `has_sets` tells whether that of whole point sets is there."""
+    """The page in Markdown, from all tables by name (as returned by data.compact) and the machine of each part. `pictures` is the path
+    from the page to the plots. `has_sets` is true if the plot of complete point sets exists."""
     parts = [
         _head(facts),
         summary(measured),
@@ -37,13 +37,13 @@ def _head(facts: dict[str, Row]) -> str:
     ]
     apart = f" ({'; '.join(others)})" if others else ""
     parts = [
-        "# The seed paper, measured again",
+        "# Measuring the seed paper's figures again",
         prose(
             """White, Cline and Egbert, *Poisson Disk Point Sets by Hierarchical Dart Throwing* (2007), figure by
-            figure: the paper's number, ours, and ours over the paper's. `bash tests/bench/figures.sh` measures
-            everything and writes this page; `--render` writes it from tests/bench/data. No number of ours is typed in. The paper timed on a 2.13 GHz Core 2 Duo
-            (figure 4), so ratios of speed hold the years between the machines, too; ratios between methods on one
-            machine do not."""
+            figure: the paper's number, ours, and the ratio of ours to the paper's. `bash tests/bench/figures.sh` measures
+            everything and writes this page; `--render` writes it from tests/bench/data. None of our numbers is entered by hand. The paper
+            used a 2.13 GHz Core 2 Duo (figure 4), so ratios of speed also include the years between the machines. Ratios between methods
+            on the same machine do not."""
         ),
         prose(
             f"""Measured on {first["date"]} at commit {first["commit"]}{apart}: {first["processor"]}, {first["cores"]}
@@ -54,7 +54,7 @@ def _head(facts: dict[str, Row]) -> str:
     ]
     if any(one["quick"] for one in facts.values()):
         parts.append(
-            "**This is a quick run with small sets: its numbers say that the command works, and little else.**"
+            "**This is a quick run with small sets: its numbers only show that the command works.**"
         )
     return "\n\n".join(parts)
 
@@ -63,11 +63,10 @@ def _how(measured: Tables) -> str:
     total = measured["figure4_total"][0]
     return "## How\n\n" + prose(
         f"""`bash tests/bench/figures.sh` builds for release, makes {total["sets"]:,} sets in
-        {total["processes"]:,} processes for figure 4 alone, and leaves its tables, with every single run, in `build/figures`;
-        `--redraw` draws them again, `--render` draws what is committed of them, `--only PART` measures one part, `--quick` is a small run of everything, `--out
-        DIR` puts it elsewhere. `tests/bench/domain_run.cpp` times one set: processor time of the call, on a cold
-        object, page faults of its memory included; sets that take less than a moment are made several times in one
-        process. Before every run as much memory as it will need is touched once and given back, since the first touch may
-        wait for the host of a virtual machine. Peers start with a small set that is not counted. The code that measures
-        and draws is in `tests/bench/figures`."""
+        {total["processes"]:,} processes for figure 4 alone, and leaves its tables, with every single run, in `build/figures`.
+        `--redraw` draws them again, `--render` draws their committed part, `--only PART` measures one part, `--quick` is a small run of
+        everything, and `--out DIR` chooses a different folder. `tests/bench/domain_run.cpp` times one set: the processor time of the call
+        on a cold object, including page faults of its memory. Very small sets are made several times in one process. Before every run,
+        the memory that it will need is touched once and freed, because the first touch may wait for the host of a virtual machine. Peers
+        start with a small set that does not count. The code for measuring and drawing is in `tests/bench/figures`."""
     )

@@ -1,6 +1,5 @@
-"""Periodograms averaged over many sets, and what is read off them, as Ulichney (1988) and Lagae and Dutré (2008) do:
-the mean power in rings of equal frequency, and the anisotropy, which is the variance within a ring over its mean
-squared."""
+"""Periodograms averaged over many sets, with the two measures of Ulichney (1988) and Lagae and Dutré (2008): the mean power in rings of
+equal frequency, and the anisotropy, which is the variance within a ring over its squared mean."""
 
 from __future__ import annotations
 
@@ -9,8 +8,8 @@ from analysis.estimators import Spectrum
 
 
 class AveragedSpectrum:
-    """The mean of the periodograms of several sets, each tapered (analysis.estimators.Spectrum); frequencies are waves
-    a radius, and power is 1 for unrelated points."""
+    """The mean of the periodograms of several sets, each tapered (analysis.estimators.Spectrum). Frequencies are waves per radius. The power
+    of independent points is 1."""
 
     def __init__(self, sets: list[np.ndarray], side: float, modes: int, edges: np.ndarray):
         assert sets, "needs a set"
@@ -25,22 +24,22 @@ class AveragedSpectrum:
         self.radial_of_sets = np.array(radial)
 
     def radial(self) -> np.ndarray:
-        """Mean power of each ring."""
+        """The mean power of each ring."""
         return self.radial_of_sets.mean(axis=0)
 
     def radial_error(self) -> np.ndarray:
-        """Its standard error, by the spread between the sets."""
+        """The standard error of `radial`, from the spread between the sets."""
         return self.radial_of_sets.std(axis=0, ddof=1) / np.sqrt(self.sets)
 
     def anisotropy(self) -> np.ndarray:
-        """Of each ring, in decibels. A set without directions has about noise_level(sets), whatever its spectrum."""
+        """The anisotropy of each ring in decibels. For an isotropic set it is about noise_level(sets), whatever its spectrum."""
         ring = np.digitize(self.frequency, self.edges) - 1
         values = [self.power[ring == index] for index in range(len(self.edges) - 1)]
         return np.array([10.0 * np.log10(power.var(ddof=1) / power.mean() ** 2) for power in values])
 
     def image(self) -> np.ndarray:
-        """Power over the plane of frequencies, (2 modes + 1) squared, zero in the middle; rows go up with y. What the
-        mean density spoils is 0."""
+        """The power over the plane of frequencies, (2 modes + 1) squared, with zero in the middle. Rows go up with y. Frequencies that the mean
+        density distorts are 0."""
         picture = np.zeros((2 * self.modes + 1, 2 * self.modes + 1))
         i = np.round(self.frequency * self.side * np.cos(self.angle)).astype(int)
         j = np.round(self.frequency * self.side * np.sin(self.angle)).astype(int)
@@ -50,11 +49,11 @@ class AveragedSpectrum:
 
 
 def noise_level(sets: int) -> float:
-    """Anisotropy, in decibels, of an average of so many periodograms of a set without directions: the power of one wave
-    spreads as much as its mean, and averaging divides the variance."""
+    """The anisotropy, in decibels, of an average of this many periodograms of an isotropic set. The power of one wave has a standard deviation
+    equal to its mean, and averaging divides the variance."""
     return -10.0 * np.log10(sets)
 
 
 def ring_edges(modes: int, side: float, rings: int) -> np.ndarray:
-    """Edges of rings of equal width, from beyond the waves that the mean density spoils to the highest frequency."""
+    """The edges of rings of equal width, from beyond the frequencies that the mean density distorts to the highest frequency."""
     return np.linspace(4.0 / side, modes / side, rings + 1)

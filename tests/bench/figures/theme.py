@@ -1,5 +1,5 @@
-"""How the plots look: every plot is drawn twice, for light and for dark pages, and saved without anything that names a
-machine, a date or a program."""
+"""The appearance of the plots. Every plot is drawn twice, for light and dark pages. The files contain no names of a machine or a program
+and no date."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from PIL import Image  # noqa: E402
 
-# Of pictures in pixels, so that they stay small: noise does not compress.
+# Settings for pictures in pixels, which keep the files small: noise does not compress.
 PIXELS_AN_INCH = 125
 PALETTE = 48
 
 
 @dataclass(frozen=True)
 class Theme:
-    """Colors of one kind of page. `methods` are those of our own methods, by name."""
+    """Colors for one kind of page. `methods` has those of our own methods, by name."""
 
     suffix: str
     page: str
@@ -98,7 +98,7 @@ def _colors(theme: Theme) -> dict[str, object]:
 
 
 def save(draw: Callable[[Theme], Figure], folder: Path, name: str, kind: str = "svg") -> None:
-    """Writes what `draw` makes as NAME.KIND and NAME-dark.KIND."""
+    """Writes the plot that `draw` returns as NAME.KIND and NAME-dark.KIND."""
     for theme in (LIGHT, DARK):
         with matplotlib.rc_context(STYLE | _colors(theme)):
             figure = draw(theme)
@@ -112,7 +112,7 @@ def save(draw: Callable[[Theme], Figure], folder: Path, name: str, kind: str = "
 
 @dataclass
 class Label:
-    """A text at the end of a line, in data coordinates."""
+    """A label at the end of a line, in data coordinates."""
 
     x: float
     y: float
@@ -122,8 +122,8 @@ class Label:
 
 
 def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
-    """Writes each label to the right of its place; those that would cover another are moved up and down, and a thin
-    line leads back."""
+    """Writes each label to the right of its position. Overlapping labels are moved up or down, and a thin line connects them with their
+    position."""
     figure = axes.figure
     figure.canvas.draw()
     texts = []
