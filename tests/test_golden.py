@@ -108,5 +108,5 @@ def test_the_table_shows_what_differs():
     }
     printed = table(outcomes)
     assert "| x86_64 | g++ | same |  | **1 differ** | **failed** |  |  | SSE2, EMU128 |" in printed
-    assert "| x86_64 | zig | not had |" in printed
+    assert "| x86_64 | zig | unavailable |" in printed
     assert "- x86_64 zig: zig is not installed" in printed

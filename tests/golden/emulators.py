@@ -1,4 +1,4 @@
-"""How programs for other platforms run on this machine."""
+"""Runs programs for other platforms on this machine."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-# Processors that run the programs of another, as well as their own.
+# Processors that can also run programs for a different one: (this machine's, the program's).
 RUNS_TOO = {("x86_64", "i386")}
 
 
 def command(emulator: str, platform: str, native: str) -> list[str | Path]:
-    """What stands before the program; nothing for one that this machine runs itself."""
+    """The command that precedes the program; empty if this machine can run it without an emulator."""
     if platform == native or (native, platform) in RUNS_TOO:
         return []
     if emulator == "node":
-        # The threads on which Node 20 compiles crash it now and then, at the latest when the program has ended.
+        # Node 20's compiler threads sometimes crash it, usually at the end of the program.
         return ["node", "--no-warnings", "--single-threaded", Path(__file__).with_name("wasi.mjs")]
     return [find_wine() or "wine"] if emulator == "wine" else [f"qemu-{platform}"]
 
 
 def absence(emulator: str, platform: str, native: str) -> str:
-    """Why programs for that platform cannot run here; nothing if they can."""
+    """The reason why programs for that platform cannot run here; empty if they can."""
     if emulator == "qemu" and host.system() != "Linux":
         return "programs for Linux do not run here"
     if emulator == "wine" and native != "x86_64":
-        return "wine runs programs for this machine's processor only"
+        return "wine only runs programs for this machine's processor"
     words = command(emulator, platform, native)
     return "" if not words or shutil.which(words[0]) else f"{words[0]} is not installed"
 
 
 def find_wine() -> str | None:
-    """Debian's package of the 64-bit one puts no program on the PATH."""
+    """Debian's package of 64-bit wine installs no program on the PATH."""
     return next((found for name in ("wine64", "wine", "/usr/lib/wine/wine64") if (found := shutil.which(name))), None)
 
 
@@ -45,8 +45,8 @@ def environment(emulator: str) -> dict[str, str]:
 
 @cache
 def wine_environment() -> dict[str, str]:
-    """With a registry and a C: of its own, which go when this program ends."""
+    """The environment with a new registry and C: drive, which are deleted when this process ends."""
     folder = tempfile.mkdtemp(prefix="thicket-wine-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    # Without the parts that offer to download more.
+    # Without the parts that would offer downloads.
     return {"WINEPREFIX": folder, "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}
