@@ -1,4 +1,4 @@
-"""The examples of README and tutorials run as they stand, and its commands and folders are there."""
+"""The examples of README and the tutorials run unchanged, and the commands and folders in README exist."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EXAMPLES = [
     for example in re.findall(r"^```gdscript\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 ]
 
-# Runs each example as a person would who pastes it into a new project: nodes under a camera, terrains asked for a height.
+# Runs each example as if it were pasted into a new project: nodes are added to the scene under a camera, terrains return a height.
 RUNNER = """extends SceneTree
 
 func _initialize() -> void:
@@ -47,7 +47,7 @@ func _initialize() -> void:
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
-    """A new project with the addon and the examples."""
+    """A new project with the add-on and the examples."""
     folder = new_project(tmp_path_factory.mktemp("readme"))
     for number, example in enumerate(EXAMPLES):
         (folder / f"example_{number}.gd").write_text(example)
@@ -74,7 +74,7 @@ def test_examples_run(godot, project):
     assert re.search(r"^felled \d+$", done.stdout, re.MULTILINE) and "\nstill cut: true\n" in done.stdout, printed
 
 
-def test_folders_and_commands_are_there():
+def test_folders_and_commands_exist():
     for folder in re.findall(r"^\| `([\w/]+)` \|", TEXT.split("## Where things are")[1].split("\n## ")[0], re.MULTILINE):
         assert (REPO / folder).is_dir(), folder
     for script in re.findall(r"\bbash ([\w/]+\.sh)", TEXT):
@@ -84,8 +84,8 @@ def test_folders_and_commands_are_there():
 
 
 @pytest.mark.parametrize("page", ["ARCHITECTURE.md", "CONTRIBUTING.md"])
-def test_pages_for_engineers_name_what_is_there(page):
-    """Every path, command and room that the pages name exists; patterns and what a build makes are no such paths."""
+def test_pages_for_engineers_have_valid_paths(page):
+    """Every path, command and room on the pages exists. Patterns and generated files are exceptions."""
     text = (REPO / page).read_text(encoding="utf-8")
     paths = re.findall(r"(?<![\w/.])((?:extension|tests|tools|demo_project)/[\w/.-]*\w)(?![\w*])", text)
     paths = [path for path in paths if not re.search(r"_$|test_$|addons/thicket/(bin|csharp)|/CLASS|-$", path)]
@@ -94,8 +94,8 @@ def test_pages_for_engineers_name_what_is_there(page):
     assert not missing, missing
 
 
-def test_the_table_of_renames_has_every_name_that_files_may_hold():
-    """What opens under a former name is in README's table, and nowhere is a name in it that does not."""
+def test_the_table_of_renames_has_every_former_name_in_files():
+    """README's table has exactly the former names that the library still reads."""
     table = TEXT[TEXT.index("## From 0.2 to 0.3") : TEXT.index("## From 0.1 to 0.2")]
     rows = set(re.findall(r"^\| `([\w.]+)` \| `([\w.]+)` \|$", table, re.MULTILINE))
     properties = re.findall(r'\{"(\w+)", "(\w+)", "(\w+)"\}', (REPO / "extension/nodes/common/renames.cpp").read_text(encoding="utf-8"))
@@ -103,5 +103,5 @@ def test_the_table_of_renames_has_every_name_that_files_may_hold():
     assert len(properties) >= 4 and len(grounds) == 7
     expected = {(f"{owner}.{former}", f"{owner}.{current}") for owner, former, current in properties} | set(grounds)
     assert expected <= rows
-    in_scripts = {"FoliageWorld", "ImpostorBaker"}  # Scenes name the scripts of these by their paths.
+    in_scripts = {"FoliageWorld", "ImpostorBaker"}  # Scenes refer to the scripts of these by path.
     assert {former for former, _ in rows - expected} == in_scripts
