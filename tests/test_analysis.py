@@ -20,7 +20,7 @@ WINDOW = 64.0  # Radii.
 BORDER = 8.0
 SIDE = WINDOW + 2.0 * BORDER
 SETS = 128  # Independent seeds of each kind.
-CORNER = -29.0  # Of the requested rectangle, which contains the origin. It is on no line of the lattice.
+CORNER = -29.0  # The minimum corner of the requested rectangle, which contains the origin. On no line of the lattice.
 TILE = 15.5
 
 

@@ -139,8 +139,8 @@ def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
     with ground(world, "bad"):
         broken = make(world, tmp_path / "made")
     assert broken.returncode == 1 and "tile 1,0 failed. Tile" in broken.stderr and "16 tiles made, 0 found already there, 4 failed" in broken.stdout, broken.stderr
-    mended = make(world, tmp_path / "made")
-    assert mended.returncode == 0 and "4 tiles made, 16 found" in mended.stdout, mended.stdout + mended.stderr
+    completed = make(world, tmp_path / "made")
+    assert completed.returncode == 0 and "4 tiles made, 16 found" in completed.stdout, completed.stdout + completed.stderr
 
 
 def test_a_changed_scene_is_noticed(world, made, tmp_path):

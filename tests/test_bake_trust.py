@@ -98,16 +98,16 @@ def test_in_older_bakes_no_undetected_change_affects_an_instance(bake):
     (bake / MANIFEST).write_text(json.dumps(manifest))
     good = read(bake)
     file = bake / "tiles/tile_60000_-20002.parquet"
-    told = 0
+    detected = 0
     for changed in flips(file.read_bytes(), 400):
         file.write_bytes(changed)
         try:
             found = read(bake)
         except BakeError:
-            told += 1
+            detected += 1
             continue
         assert all(np.array_equal(getattr(good, name), getattr(found, name)) for name in good.__dataclass_fields__)
-    assert told > 200
+    assert detected > 200
 
 
 def test_every_reader_verifies_by_default(bake, tmp_path, capsys):

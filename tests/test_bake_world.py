@@ -158,7 +158,7 @@ def test_files_have_the_instances_of_the_game(world, baked, tmp_path):
     ]  # fmt: skip
     assert not missing and len(made) > 5000
     near = [row for (layer, id), row in made.items() if layer == 0 and not id >> 63 and np.hypot(row[3], row[5]) < 20.0]
-    assert not near, "felled trees stand"
+    assert not near, "felled trees are in the bake"
 
 
 def test_one_worker_in_a_different_order_makes_the_same(world, baked, tmp_path):
@@ -261,9 +261,9 @@ def test_failing_tiles_are_reported_and_others_made(world, baked, tmp_path):
     assert set(broken.manifest["tiles"]) == {name for name in baked.manifest["tiles"] if not name.startswith("1,")}
     assert not broken.manifest["complete"] and broken.manifest["digest"] is None
     assert "## Tiles that failed" in (broken.out / "report.md").read_text()
-    mended = bake(world, broken.out, "--workers", "1")
-    assert mended.code == 0 and "4 of them made now" in mended.said, mended.said
-    assert mended.manifest["digest"] == baked.manifest["digest"]
+    completed = bake(world, broken.out, "--workers", "1")
+    assert completed.code == 0 and "4 of them made now" in completed.said, completed.said
+    assert completed.manifest["digest"] == baked.manifest["digest"]
 
 
 def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):

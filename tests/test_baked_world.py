@@ -54,7 +54,7 @@ def hurt(game, world) -> Path:
     return folder
 
 
-def told_by(engine, game: Path, *steps: str) -> tuple[list[dict], list[str], str]:
+def errors_of(engine, game: Path, *steps: str) -> tuple[list[dict], list[str], str]:
     stops, printed = stops_of(engine, game, "90,-40", "other=res://hurt/baked_world.baked", *steps)
     return stops, [line for line in complaints(printed) if "ScatterBakedWorld" in line], printed
 
@@ -68,13 +68,13 @@ def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
     changed = bytearray((tiles / "tile_60003_-20001.baked").read_bytes())
     changed[len(changed) // 2] ^= 4
     (tiles / "tile_60003_-20001.baked").write_bytes(changed)
-    stops, told, _ = told_by(godot, game, "far=200", "far=201")
+    stops, errors, _ = errors_of(godot, game, "far=200", "far=201")
     reasons = {
         "60000, -20002": "cannot be read: it cannot be opened", "60001, -20002": "it is no file of a baked world",
         "60002, -20000": "is not the file that the index names", "60003, -20001": "it is damaged: its SHA-256 is",
     }  # fmt: skip
     for name, why in reasons.items():
-        (line,) = [line for line in told if f"({name})" in line]
+        (line,) = [line for line in errors if f"({name})" in line]
         assert why in line and "Export the bake again." in line and "res://hurt/tiles/tile_" in line
     assert len(stops[-1]["failed"]) == 4 and len(stops[-1]["tiles"]) == 7
 
@@ -89,9 +89,9 @@ def test_foreign_scripts_do_not_run(engine, game, hurt, request):
     second = hurt / "tiles/tile_60001_-20002.baked"
     second.rename(hurt / "tiles/kept")
     second.with_name(second.name + ".remap").write_text('[remap]\npath="res://evil.tscn"\n')
-    stops, told, printed = told_by(request.getfixturevalue(engine), game, "far=200")
+    stops, errors, printed = errors_of(request.getfixturevalue(engine), game, "far=200")
     assert "CODE OF THE TILE RUNS" not in printed
-    assert sorted(stops[-1]["failed"]) == [[60000, -20002], [60001, -20002]] and len(told) == 2, printed[-4000:]
+    assert sorted(stops[-1]["failed"]) == [[60000, -20002], [60001, -20002]] and len(errors) == 2, printed[-4000:]
     proof = request.getfixturevalue("godot")(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://evil.tscn"], timeout=60)
     assert "CODE OF THE TILE RUNS" in proof.stdout, "loading the scene does run its code"
 
@@ -118,25 +118,25 @@ def test_an_unusable_index_is_reported(godot, game, hurt):
     index = hurt / "baked_world.baked"
     index.write_bytes(index.read_bytes()[:-1])
     done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://hurt/hurt.tscn"], timeout=60)
-    told = complaints(done.stdout + done.stderr)
-    assert len(told) == 1 and "ScatterBakedWorld.index_file is res://hurt/baked_world.baked" in told[0] and "it is damaged" in told[0] and "bake_export.sh" in told[0]
+    errors = complaints(done.stdout + done.stderr)
+    assert len(errors) == 1 and "ScatterBakedWorld.index_file is res://hurt/baked_world.baked" in errors[0] and "it is damaged" in errors[0] and "bake_export.sh" in errors[0]
     old = '[gd_resource type="Resource" script_class="BakedWorldIndex" format=3]\n[ext_resource type="Script" path="res://addons/thicket/baked_world_index.gd" id="1"]\n'
     (game / "old.tres").write_text(old + '[resource]\nscript = ExtResource("1")\nscene_digest = "5ce7e"\n')
     world = '[gd_scene format=3]\n[ext_resource type="Script" path="res://addons/thicket/baked_world.gd" id="1"]\n[ext_resource type="Resource" path="res://old.tres" id="2"]\n'
     (game / "old.tscn").write_text(world + '[node name="World" type="Node3D"]\nscript = ExtResource("1")\nindex = ExtResource("2")\n')
     done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://old.tscn"], timeout=60)
-    told = complaints(done.stdout + done.stderr)
-    assert len(told) == 1 and "ScatterBakedWorld.index names res://old.tres, which an earlier version exported" in told[0] and "Export the bake again" in told[0], told
+    errors = complaints(done.stdout + done.stderr)
+    assert len(errors) == 1 and "ScatterBakedWorld.index names res://old.tres, which an earlier version exported" in errors[0] and "Export the bake again" in errors[0], errors
 
 
 def test_a_missing_mesh_is_reported_once(godot, game, hurt):
     kept = game / "far.tres"
     kept.rename(game / "far.kept")
     try:
-        stops, told, printed = told_by(godot, game, "far=200")
+        stops, errors, printed = errors_of(godot, game, "far=200")
     finally:
         (game / "far.kept").rename(kept)
-    assert len([line for line in told if "res://far.tres cannot be loaded" in line]) == 2, told  # Once for each of the two worlds.
+    assert len([line for line in errors if "res://far.tres cannot be loaded" in line]) == 2, errors  # Once for each of the two worlds.
     assert len(stops[-1]["tiles"]) == 11, printed[-4000:]
 
 

@@ -105,7 +105,7 @@ def test_libraries_for_linux_are_hardened_and_need_little(addon):
     for path in (addon / "bin").glob("*.so"):
         text = run(["readelf", "--wide", "--dynamic", "--segments", "--version-info", path], timeout=60).stdout
         asked = {tuple(map(int, version.split("."))) for version in re.findall(r"GLIBC_(\d+\.\d+)", text)}
-        assert asked and max(tuple(version) for version in asked) <= OLDEST_GLIBC, f"{path.name} asks for {max(asked)}"
+        assert asked and max(tuple(version) for version in asked) <= OLDEST_GLIBC, f"{path.name} needs {max(asked)}"
         needed = re.findall(r"\(NEEDED\)\s+Shared library: \[([^\]]+)\]", text)
         assert all(re.match(r"(libc|libm|libpthread|libdl|ld-linux[\w-]*)\.so", name) for name in needed), needed
         assert "GNU_RELRO" in text and re.search(r"FLAGS_1.*NOW|BIND_NOW", text), path.name

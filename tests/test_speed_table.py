@@ -44,10 +44,10 @@ def test_a_part_without_rows_is_refused(tmp_path, text):
 
 
 def test_a_part_that_was_not_measured_is_kept(kept):
-    anew = speed_table.keep(kept, {"sampler": SAMPLER[:1]}, "another machine", "2026-03-04")
-    assert anew["flight"] == kept["flight"]
-    assert anew["sampler"] == {"machine": "another machine", "date": "2026-03-04", "rows": SAMPLER[:1]}
-    assert "from 2026-01-02 to 2026-03-04: another machine; 2 cores of a processor." in speed_table.tables(anew, {})
+    updated = speed_table.keep(kept, {"sampler": SAMPLER[:1]}, "another machine", "2026-03-04")
+    assert updated["flight"] == kept["flight"]
+    assert updated["sampler"] == {"machine": "another machine", "date": "2026-03-04", "rows": SAMPLER[:1]}
+    assert "from 2026-01-02 to 2026-03-04: another machine; 2 cores of a processor." in speed_table.tables(updated, {})
 
 
 def test_rows_come_in_the_order_of_their_patterns(kept):

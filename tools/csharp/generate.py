@@ -19,7 +19,8 @@ from xml.sax.saxutils import escape
 from types_of_godot import STRUCTS, VALUES, camel, members_of_enum, pascal, plain
 
 BASE = "ThicketObject"
-NOTE = "// Written by tools/csharp/generate.py from the class reference. What is changed here is lost at the next build.\n"
+WRITTEN_BY = "// Written by tools/csharp/generate.py"
+NOTE = f"{WRITTEN_BY} from the class reference. The next build overwrites all changes.\n"
 Element = ElementTree.Element
 
 
@@ -254,7 +255,7 @@ def main() -> None:
         return
     given.out.mkdir(parents=True, exist_ok=True)
     for old in given.out.glob("*.cs"):
-        if old.name not in files and old.read_text(encoding="utf-8").startswith(NOTE):
+        if old.name not in files and old.read_text(encoding="utf-8").startswith(WRITTEN_BY):
             old.unlink()
     for file, text in files.items():
         (given.out / file).write_text(text(), encoding="utf-8")

@@ -149,5 +149,5 @@ def dump(env):
             return 1
         return 0
 
-    action = env.Action(run, "ask     Godot what it offers")
+    action = env.Action(run, "query   Godot's API")
     return env.Command([folder + name for name in DUMPED], env.Value(found or "no Godot"), action)

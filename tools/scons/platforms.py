@@ -9,7 +9,7 @@ class Platform:
     """The properties of a platform."""
 
     archs: tuple[str, ...]
-    suffix: str  # Of a library.
+    suffix: str  # The suffix of a library.
     program: str = ""  # The suffix of a program.
     defines: tuple[str, ...] = ()  # As in godot-cpp, for code that links with it.
 

@@ -46,7 +46,7 @@ class Forecast:
 
     workers: int
     seconds: float
-    bound: str  # What takes most of the time.
+    bound: str  # The part that takes most of the time.
     speed: float  # Relative to one worker.
     bytes_a_second: float
 
