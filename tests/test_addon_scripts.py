@@ -1,4 +1,5 @@
-"""The add-on's scripts match the library: all of them compile with it, and a renamed member of the library is found before a user meets it."""
+"""The add-on's scripts match the library: all of them compile with it, and a renamed member of the library is found before a user
+meets it."""
 
 from __future__ import annotations
 

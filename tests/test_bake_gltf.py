@@ -44,7 +44,8 @@ def glbs(bake, game, tmp_path_factory) -> Path:
 
 
 def test_gltf_has_every_instance(glbs, expected):
-    """There is a node for each layer and model below the tile's center. Positions are exact to 0.01 mm, and rotations, scales and colors bit for bit."""
+    """There is a node for each layer and model below the tile's center. Positions are exact to 0.01 mm, and rotations, scales and
+    colors bit for bit."""
     files = sorted(glbs.iterdir())
     assert len(files) == 11
     seen = 0

@@ -41,7 +41,8 @@ def test_an_invalid_manifest_is_refused(copy, tmp_path, values, says):
 
 
 def test_damaged_tiles_are_refused(copy, tmp_path):
-    """A tile may be missing, truncated or different from the manifest's. Each error has the file's name and the command to bake it again."""
+    """A tile may be missing, truncated or different from the manifest's. Each error has the file's name and the command to bake it
+    again."""
     first, second = (copy / f"tiles/tile_{x}_-20002.parquet" for x in (60000, 60001))
     whole = first.read_bytes()
     for damage in (lambda: first.unlink(), lambda: first.write_bytes(whole[: len(whole) // 2]), lambda: shutil.copy(copy / "tiles/tile_60002_-20001.parquet", first)):
@@ -103,7 +104,8 @@ def transforms_of(rows: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def test_exported_tiles_have_every_instance_at_its_baked_position(nodes, expected):
-    """Three million meters from the origin, positions are exact to 0.01 mm. Colors and custom data match, and each level of detail has all instances."""
+    """Three million meters from the origin, positions are exact to 0.01 mm. Colors and custom data match, and each level of detail
+    has all instances."""
     seen = 0
     for tile in sorted({tuple(node["tile"]) for node in nodes}):
         for layer, model, name, levels in ((0, 0, "Oak_0", ["_LOD0", "_LOD1"]), (0, 1, "Oak_1", [""]), (2, 0, "Grass_0", [""])):
@@ -165,7 +167,8 @@ def test_levels_of_detail_have_no_gap_and_never_begin_too_early(nodes):
 
 
 def test_cells_are_smaller_if_levels_change_nearby(godot, copy, game):
-    """With a second level from 5 m on, a tile of 50 m has 3 by 3 cells, although --cell permits larger ones. Models without levels stay whole."""
+    """With a second level from 5 m on, a tile of 50 m has 3 by 3 cells, although --cell permits larger ones. Models without levels
+    stay whole."""
     layers = manifest_of(copy)["layers"]
     layers[0]["models"][0]["lods"][1]["distance"] = 5.0
     edit_manifest(copy, layers=layers)
@@ -223,8 +226,8 @@ def distance(tile: str, place: tuple[float, float]) -> float:
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
-    """Runs with and without a renderer; files are read on threads only with one. Exactly the tiles within the view distance appear. Tiles that are
-    a quarter of a tile farther away disappear. The content of each matches the manifest."""
+    """Runs with and without a renderer; files are read on threads only with one. Exactly the tiles within the view distance appear.
+    Tiles that are a quarter of a tile farther away disappear. The content of each matches the manifest."""
     tiles = {key: entry for key, entry in manifest_of(bake)["tiles"].items() if entry["rows"]}
     walk = [(20.0, -80.0), (120.0, -80.0), (170.0, 20.0), (5000.0, 0.0)]
     stops, printed = stops_of(request.getfixturevalue(engine), game, *(f"{x},{z}" for x, z in walk))

@@ -140,8 +140,8 @@ def edit_layers(bake: Path) -> None:
 
 
 def test_a_file_is_verified_once_until_it_changes(bake, monkeypatch):
-    """A file counts as changed if its time or size changes. A recently written file is not remembered, because it could change again within the
-    same tick."""
+    """A file counts as changed if its time or size changes. A recently written file is not remembered, because it could change
+    again within the same tick."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     hashed = []
     digest_of = verify._bytes_digest

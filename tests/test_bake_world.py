@@ -1,5 +1,5 @@
-"""Bakes of a world into files. The files have the instances of the running game, independently of the workers and their order. If a worker is
-killed, or files are damaged or changed, this is detected."""
+"""Bakes of a world into files. The files have the instances of the running game, independently of the workers and their order. If a
+worker is killed, or files are damaged or changed, this is detected."""
 
 from __future__ import annotations
 
@@ -118,7 +118,8 @@ def test_digests_follow_from_the_rows(baked):
 
 
 def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
-    """The instances of a running game by layer and id: id, model, x, y, z, rotation, scale, rank, and the floats of color and custom data."""
+    """The instances of a running game by layer and id: id, model, x, y, z, rotation, scale, rank, and the floats of color and
+    custom data."""
     done = run([REPO / "tools/godot", "--headless", "--path", world, "--script", "game.gd", "--", file], timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     data = file.read_bytes()
@@ -300,8 +301,8 @@ def test_invalid_requests_are_refused_with_a_sentence(world, tmp_path, options, 
 
 
 def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | None = None) -> None:
-    """Starts a bake with two workers and kills a worker, an engine or the driver: after some seconds, or in the middle of the bake. Then completes the
-    bake with the same command."""
+    """Starts a bake with two workers and kills a worker, an engine or the driver: after some seconds, or in the middle of the bake.
+    Then completes the bake with the same command."""
     with ground(world, "slow"):
         driver = begin(world, out, "--workers", "2")
         try:

@@ -60,7 +60,8 @@ def errors_of(engine, game: Path, *steps: str) -> tuple[list[dict], list[str], s
 
 
 def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
-    """One file is missing, one is not a tile, one is from a different position, and one has a changed bit. Each causes one error with the file's name."""
+    """One file is missing, one is not a tile, one is from a different position, and one has a changed bit. Each causes one error
+    with the file's name."""
     tiles = hurt / "tiles"
     (tiles / f"{FIRST}.baked").unlink()
     (tiles / "tile_60001_-20002.baked").write_text("no tile" * 20)

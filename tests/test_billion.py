@@ -1,5 +1,5 @@
-"""The program bench/billion with a thousandth of its points. It makes the same set for any order of tiles, within its memory limit, and prints all
-documented values. tests/core/test_billion.cpp tests its checks."""
+"""The program bench/billion with a thousandth of its points. It makes the same set for any order of tiles, within its memory limit,
+and prints all documented values. tests/core/test_billion.cpp tests its checks."""
 
 from __future__ import annotations
 
@@ -74,8 +74,8 @@ def test_a_different_seed_gives_a_different_set(core_tool):
 def test_memory_does_not_grow_with_the_points(core_tool, first):
     assert first["resident_bytes"] < RESIDENT_LIMIT == first["resident_limit"]
     small = billion(core_tool, "points=2e5", "gaps=16", "order=rows", "threads=1")
-    # Only the points along a row of tiles add to the memory, with 8 bytes each. All points would add 6.4 MB. The resident part of the program
-    # itself varies by less than 1 MB.
+    # Only the points along a row of tiles add to the memory, with 8 bytes each. All points would add 6.4 MB. The resident part of
+    # the program itself varies by less than 1 MB.
     assert first["resident_bytes"] - small["resident_bytes"] < 2_000_000
 
 

@@ -65,8 +65,8 @@ def complaints(output: str) -> list[str]:
 
 @pytest.mark.parametrize("display", ["godot", "godot_xvfb"])
 def test_scripts_see_our_classes_and_nothing_leaks(display, project, request):
-    """Runs a game that covers all uses from scripts. At the end, the engine has nothing to report in verbose mode. Only a real renderer counts its
-    resources."""
+    """Runs a game that covers all uses from scripts. At the end, the engine has nothing to report in verbose mode. Only a real
+    renderer counts its resources."""
     play = request.getfixturevalue(display)
     done = play(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]

@@ -340,8 +340,8 @@ def test_extension_exports_only_its_entry_point(build_dir):
 
 
 def test_tracked_files_contain_no_machine_names():
-    """Tracked files contain no path of a build machine. The only hosts are those of linked pages and schemas, because the package clients of
-    each machine determine the sources of packages."""
+    """Tracked files contain no path of a build machine. The only hosts are those of linked pages and schemas, because the package
+    clients of each machine determine the sources of packages."""
     if shutil.which("git") is None or not (REPO / ".git").exists():
         pytest.skip("no git, or not a git checkout")
     listed = run(["git", "ls-files", "-z"], timeout=60, cwd=REPO)

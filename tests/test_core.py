@@ -17,7 +17,8 @@ def cases() -> list[str]:
 
 
 def only(case: str) -> str:
-    """The filter that selects a case. A comma would end it and a star would widen it, so both are replaced by "?", which matches any letter."""
+    """The filter that selects a case. A comma would end it and a star would widen it, so both are replaced by "?", which matches
+    any letter."""
     return "--test-case=" + case.replace(",", "?").replace("*", "?").replace("\\", "?")
 
 

@@ -57,7 +57,8 @@ def test_scene_is_a_picture(godot_xvfb, imported_demo, tmp_path, scene, stop):
 
 
 def test_felled_trees_stay_felled(godot, imported_demo, tmp_path):
-    """In the gameplay scene, one process fells a tree and saves, and a second one loads. The tree is missing from the picture, queries and bodies."""
+    """In the gameplay scene, one process fells a tree and saves, and a second one loads. The tree is missing from the picture,
+    queries and bodies."""
     for test in ("test_felled_and_saved", "test_felled_after_a_restart"):
         script = ["--script", ENGINE / "test_demo_gameplay.gd", "--", test, f"file={tmp_path}/felled"]
         done = godot(["--verbose", "--path", imported_demo, *script], timeout=120)

@@ -69,8 +69,8 @@ def test_converter_refuses_a_model_that_does_not_fit(tmp_path):
 
 
 def test_drawn_ground_is_close_to_the_bilinear_surface():
-    """Near the camera there are 16 quads between two posts. Their triangles are less than 5 cm away from the bilinear surface anywhere on the map,
-    and at most 2 cm on 97 % of it."""
+    """Near the camera there are 16 quads between two posts. Their triangles are less than 5 cm away from the bilinear surface
+    anywhere on the map, and at most 2 cm on 97 % of it."""
     quads = int(re.search(r"^const QUADS := (\d+)$", (TERRAIN / "terrain_view.gd").read_text(), re.MULTILINE).group(1))
     description = json.loads((TERRAIN / "jacksboro.json").read_text())
     heights = np.fromfile(TERRAIN / "jacksboro.r16", "<u2").reshape(description["rows"], description["columns"]) / 64.0

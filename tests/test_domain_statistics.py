@@ -2,8 +2,8 @@
 them.
 
 Hierarchical dart throwing has the distribution of naive dart throwing, point by point. So the first part of a set, in the order of
-acceptance, also matches naive darts. Wavefront sampling fills the domain from a corner, so its order is different. Its full sets match as far
-as these tests can detect, and section 4.4 of the paper claims no more. All seeds are fixed."""
+acceptance, also matches naive darts. Wavefront sampling fills the domain from a corner, so its order is different. Its full sets
+match as far as these tests can detect, and section 4.4 of the paper claims no more. All seeds are fixed."""
 
 from __future__ import annotations
 

@@ -94,7 +94,8 @@ def designer(godot_xvfb, imported, project) -> str:
 
 
 def test_a_designers_first_hour(designer):
-    """Creates a node and a layer, paints, undoes, redoes, saves, reopens, uses presets and shapes, and bakes. The checks are in demo_scene.gd."""
+    """Creates a node and a layer, paints, undoes, redoes, saves, reopens, uses presets and shapes, and bakes. The checks are in
+    demo_scene.gd."""
     check_passed(designer)
 
 
@@ -183,12 +184,14 @@ def ground_follows(godot_xvfb, tmp_path_factory) -> str:
 
 
 def test_a_ground_can_be_chosen_and_moved(ground_follows):
-    """The checks are in ground_follows.gd. The selection becomes the ground, undo restores every byte, and the scatter follows movements."""
+    """The checks are in ground_follows.gd. The selection becomes the ground, undo restores every byte, and the scatter follows
+    movements."""
     check_passed(ground_follows)
 
 
 def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
-    """The checks are in plugin_ground.gd. They use the doubles of terrain plug-ins from the engine tests, which run in the editor, and water."""
+    """The checks are in plugin_ground.gd. They use the doubles of terrain plug-ins from the engine tests, which run in the editor,
+    and water."""
     (editor_project / "doubles").mkdir()
     for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness"):
         text = (REPO / f"tests/engine/{name}.gd").read_text(encoding="utf-8")
@@ -198,8 +201,9 @@ def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
 
 
 def test_workarounds_for_the_crash_of_a_first_import(godot, plain_project):
-    """Engines up to 4.7 may crash on quitting after a first import with any extension (godot issue 111048). README.md has two workarounds. After
-    the crash everything is imported, so a second import succeeds. And a first import succeeds if the engine already knows the extension."""
+    """Engines up to 4.7 may crash on quitting after a first import with any extension (godot issue 111048). README.md has two
+    workarounds. After the crash everything is imported, so a second import succeeds. And a first import succeeds if the engine
+    already knows the extension."""
     link_library(plain_project)
     project = plain_project / "project.godot"
     project.write_text(project.read_text().split("[editor_plugins]")[0])  # The plug-in's scripts would delay the end and avoid the crash.
@@ -262,9 +266,10 @@ def desk_project(plain_project) -> Path:
     + ["loose_states", "clicks", "navigation", "viewports"],
 )
 def test_layers_panel(godot, godot_xvfb, desk_project, script):
-    """Covers the panel with mouse and keys, shared resources of duplicates, confirmations before many more instances are shown, undo of every step to
-    the byte, the toolbar in a narrow window, a node pasted into a different scene, instances placed by scripts, the brush, regions and a radius with
-    clicks only, a navigation mesh, and the instances in each viewport. The checks are in the scripts."""
+    """Covers the panel with mouse and keys, shared resources of duplicates, confirmations before many more instances are shown,
+    undo of every step to the byte, the toolbar in a narrow window, a node pasted into a different scene, instances placed by
+    scripts, the brush, regions and a radius with clicks only, a navigation mesh, and the instances in each viewport. The checks are
+    in the scripts."""
     godot(["--path", desk_project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", desk_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
@@ -288,7 +293,8 @@ def libraryless_project(plain_project) -> Path:
 
 
 def test_without_the_library_the_plugin_warns_once(godot, godot_xvfb, libraryless_project):
-    """For example in a checkout before the first build: one warning has the remedy, and no script fails. The checks are in without_library.gd."""
+    """For example in a checkout before the first build: one warning has the remedy, and no script fails. The checks are in
+    without_library.gd."""
     imported = godot(["--path", libraryless_project, "--import"], timeout=120)
     assert imported.returncode == 0
     # Only an editor with a window compiles all scripts that it indexes, for the class reference.

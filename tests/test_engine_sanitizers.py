@@ -29,8 +29,8 @@ SCRIPTS = ["test_threads", "test_snapshots", "background_load", "test_state_asyn
 
 
 def runtime(folder: Path, names: list[str]) -> str:
-    """The libraries to preload, in a folder that programs in Godot's root can also read. The shim comes first, because a sanitizer's own dlopen
-    refuses the flag that the shim removes."""
+    """The libraries to preload, in a folder that programs in Godot's root can also read. The shim comes first, because a
+    sanitizer's own dlopen refuses the flag that the shim removes."""
     shim = folder / "no_deepbind.so"
     done = run(["gcc", "-shared", "-fPIC", "-O1", "-o", shim, REPO / "tests/sanitizers/no_deepbind.c"], timeout=60)
     assert done.returncode == 0, done.stderr

@@ -223,8 +223,8 @@ def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
 
 
 def test_limited_memory_is_limited(build_dir):
-    """A set that is too large for the limit is refused, and succeeds with a larger limit. The limits depend on the call's own count, so that they
-    adapt to a sampler that needs less memory."""
+    """A set that is too large for the limit is refused, and succeeds with a larger limit. The limits depend on the call's own
+    count, so that they adapt to a sampler that needs less memory."""
     programs = Programs(build_dir, peer=lambda *_: [], contenders=[])
     call = ("accumulator", "double", 300_000, 1, "torus", "fill")
     unlimited = programs.domain(*call)[0]

@@ -1,6 +1,6 @@
-"""Bit-identical results on every platform, compiler, optimization level and instruction set. The program `analysis/golden` computes its digests
-on all instruction sets of its processor. These tests also build and run it for cells of the matrix in tests/golden/matrix.py.
-`bash tests/golden/matrix.sh` prints the complete matrix.
+"""Bit-identical results on every platform, compiler, optimization level and instruction set. The program `analysis/golden` computes
+its digests on all instruction sets of its processor. These tests also build and run it for cells of the matrix in
+tests/golden/matrix.py. `bash tests/golden/matrix.sh` prints the complete matrix.
 
 tests/golden/core.json changes only if the distribution of the sets or the placement is changed on purpose. Then:
     scons tests && build/<config>/analysis/golden > tests/golden/core.json
@@ -25,7 +25,8 @@ PLAIN = {f"{NATIVE} {each}" for each in ("g++ -O1", f"g++ {FUSED}", "clang++ -O1
 
 @pytest.fixture(scope="module")
 def outcome(request: pytest.FixtureRequest) -> Iterator[Callable[[str], Outcome]]:
-    """The result of a cell, by its name. Meanwhile, all cells of the selected tests are built with one compiler per core, because they take minutes."""
+    """The result of a cell, by its name. Meanwhile, all cells of the selected tests are built with one compiler per core, because
+    they take minutes."""
     cases = [item.callspec.params for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
     with ThreadPoolExecutor(os.cpu_count()) as compilers, ThreadPoolExecutor(os.cpu_count()) as runs:
         made: dict[str, Future[Outcome]] = {}

@@ -1,5 +1,5 @@
-"""The cost of the core's states, masks, regions and meshes grows no faster than their input, for any input. tests/cost counts steps instead of
-seconds, so the load of the machine has no influence."""
+"""The cost of the core's states, masks, regions and meshes grows no faster than their input, for any input. tests/cost counts steps
+instead of seconds, so the load of the machine has no influence."""
 
 from __future__ import annotations
 

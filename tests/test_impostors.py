@@ -13,14 +13,14 @@ from scipy.ndimage import gaussian_filter
 PICTURES = REPO / "tests/engine/impostor_pictures.gd"
 DIRECTIONS = 16
 SUNS = 2
-# Half the side of the square that contains the model's bounding sphere at the distance where the impostor takes over: 128 pixels of the atlas,
-# at 1.75 per pixel of the picture.
+# Half the side of the square that contains the model's bounding sphere at the distance where the impostor takes over: 128 pixels of
+# the atlas, at 1.75 per pixel of the picture.
 HALF = round(128 / 1.75 / 2)
 
 
 def structural_similarity(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The similarity of each pixel, from brightness of 0 to 255: Wang, Bovik, Sheikh and Simoncelli, Image Quality Assessment: From Error Visibility
-    to Structural Similarity, 2004, section III."""
+    """The similarity of each pixel, from brightness of 0 to 255: Wang, Bovik, Sheikh and Simoncelli, Image Quality Assessment: From
+    Error Visibility to Structural Similarity, 2004, section III."""
 
     def mean(image):
         return gaussian_filter(image, 1.5, truncate=3.5)

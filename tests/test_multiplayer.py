@@ -89,8 +89,8 @@ def processes() -> Iterator[Callable[..., Process]]:
 
 
 def test_peers_exchange_removals_and_agree(imported_demo):
-    """A server and two clients fell trees at the same time, some of them the same. A third client joins late. They share a seed and removals, and end
-    with 10^5 bit-identical instances."""
+    """A server and two clients fell trees at the same time, some of them the same. A third client joins late. They share a seed and
+    removals, and end with 10^5 bit-identical instances."""
     script = REPO / "tests/engine/multiplayer.gd"
     with processes() as start:
         server = start("--path", imported_demo, "--script", script, "--", "server")
@@ -115,8 +115,8 @@ def test_peers_exchange_removals_and_agree(imported_demo):
 
 
 def test_the_demo_has_a_server(imported_demo, tmp_path):
-    """Runs server.tscn and client.tscn as documented in their comments: a client fells trees, the next client sees this, and so does a restarted
-    server."""
+    """Runs server.tscn and client.tscn as documented in their comments: a client fells trees, the next client sees this, and so
+    does a restarted server."""
     scene = "res://gameplay/{}.tscn"
     state = tmp_path / "state.bin"
     with processes() as start:

@@ -1,5 +1,5 @@
-"""The files for users: the zips of tools/package.sh have the right content and no traces of the build machine, and their libraries load on the
-oldest supported systems."""
+"""The files for users: the zips of tools/package.sh have the right content and no traces of the build machine, and their libraries
+load on the oldest supported systems."""
 
 from __future__ import annotations
 
@@ -100,7 +100,8 @@ def test_libraries_are_small_and_stripped(addon):
 
 @pytest.mark.full
 def test_libraries_for_linux_are_hardened_and_need_little(addon):
-    """They load with a glibc from 2018 and include the C++ library. Their relocated data is read-only, and their stack is not executable."""
+    """They load with a glibc from 2018 and include the C++ library. Their relocated data is read-only, and their stack is not
+    executable."""
     assert len(list((addon / "bin").glob("*.so"))) == 8
     for path in (addon / "bin").glob("*.so"):
         text = run(["readelf", "--wide", "--dynamic", "--segments", "--version-info", path], timeout=60).stdout
@@ -195,7 +196,8 @@ def at_home(addon) -> list[str]:
 
 @pytest.mark.full
 def test_the_library_for_windows_loads(addon, at_home):
-    """All symbols are found, all static objects are created, the classes match those on Linux, and one object of each is created. Then it unloads."""
+    """All symbols are found, all static objects are created, the classes match those on Linux, and one object of each is created.
+    Then it unloads."""
     if why := emulators.absence("wine", "Windows", "x86_64"):
         pytest.skip(why)
     program = [*emulators.command("wine", "Windows", "x86_64"), zig_loader("x86_64-windows-gnu")]
@@ -238,16 +240,16 @@ def test_the_engine_tests_pass_with_the_unpacked_add_on(addon):
 
 @pytest.mark.full
 def test_a_users_project(addon, godot, tmp_path):
-    """The editor opens a new project with the add-on without errors and imports it twice with the same result. It opens the project again after
-    the add-on is deleted."""
+    """The editor opens a new project with the add-on without errors and imports it twice with the same result. It opens the project
+    again after the add-on is deleted."""
     project = tmp_path / "project"
     (project / "addons").mkdir(parents=True)
     (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="A user\'s"\n[editor_plugins]\n'
         'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')  # fmt: skip
     shutil.copytree(addon, project / "addons/thicket")
     complaint = re.compile(r"\b(ERROR|WARNING)\b")
-    # Like a user, the editor runs first. An editor that exits right after it has found an extension for the first time crashes, with any extension
-    # (github.com/godotengine/godot/issues/111048).
+    # Like a user, the editor runs first. An editor that exits right after it has found an extension for the first time crashes,
+    # with any extension (github.com/godotengine/godot/issues/111048).
     for arguments in (["--editor", "--quit-after", "200"], ["--import"], ["--import"], ["--editor", "--quit-after", "200"]):
         done = godot(["--path", project, *arguments], timeout=600)
         wrong = [line for line in (done.stdout + done.stderr).splitlines() if complaint.search(line)]

@@ -1,5 +1,5 @@
-"""The Python package. It is built with its one command and installed offline into a new environment. Its digests equal the core's, NumPy arrays
-are not copied, other threads run during calls, calls can be canceled, and bad arguments are refused."""
+"""The Python package. It is built with its one command and installed offline into a new environment. Its digests equal the core's,
+NumPy arrays are not copied, other threads run during calls, calls can be canceled, and bad arguments are refused."""
 
 from __future__ import annotations
 
@@ -229,7 +229,8 @@ def test_progress(thicket, work):
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_cancel(thicket, work):
-    """Cancels from a different thread, from the progress function, and before the call. Exceptions of the progress function are passed on."""
+    """Cancels from a different thread, from the progress function, and before the call. Exceptions of the progress function are
+    passed on."""
     cancel, begun = thicket.Cancel(), threading.Event()
     canceller = threading.Thread(target=lambda: (begun.wait(), cancel.cancel()))
     canceller.start()

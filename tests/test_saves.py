@@ -62,8 +62,8 @@ def test_pages_show_saves_that_cannot_run_code(page):
 
 
 def test_scripts_replace_files_through_one_helper():
-    """Scripts of the add-on write files through whole_file.gd, which checks for errors that the engine ignores. The bake into a folder has its own
-    checks."""
+    """Scripts of the add-on write files through whole_file.gd, which checks for errors that the engine ignores. The bake into a
+    folder has its own checks."""
     writing = re.compile(r"^[^#\n]*(ResourceSaver\.save\(|FileAccess\.WRITE|\.save_(png|exr|jpg|webp)\()", re.MULTILINE)
     scripts = {path.name for path in ADDON.rglob("*.gd") if writing.search(path.read_text(encoding="utf-8"))}
     assert scripts == {"whole_file.gd", "bake_to_folder.gd"}

@@ -9,8 +9,8 @@ import pytest
 from conftest import REPO
 from test_demo import complaints
 
-# glibc uses one arena and returns free memory immediately. Otherwise, leaks would be hidden: the arenas of threads grow for a quarter of an hour,
-# and adaptive thresholds change the memory by up to 8 %.
+# glibc uses one arena and returns free memory immediately. Otherwise, leaks would be hidden: the arenas of threads grow for a
+# quarter of an hour, and adaptive thresholds change the memory by up to 8 %.
 GIVES_BACK = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_TRIM_THRESHOLD_": "131072"}
 
 

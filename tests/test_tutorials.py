@@ -1,5 +1,5 @@
-"""The add-on's tutorials: their links, pictures and quoted names are valid, their steps work in the editor and over the network, and the class
-reference links to them. tests/test_readme.py runs their examples."""
+"""The add-on's tutorials: their links, pictures and quoted names are valid, their steps work in the editor and over the network,
+and the class reference links to them. tests/test_readme.py runs their examples."""
 
 from __future__ import annotations
 
@@ -158,8 +158,8 @@ def test_steps_in_the_editor(editor):
     check_passed(editor)
 
 
-# The server and the players of server.md. A player clicks on some visible trees around a position, waits until the given number is felled, and
-# takes a picture.
+# The server and the players of server.md. A player clicks on some visible trees around a position, waits until the given number is
+# felled, and takes a picture.
 PLAYER = """extends SceneTree
 
 func _initialize() -> void:

@@ -16,8 +16,8 @@ RADIUS = CELL * np.sqrt(2.0)
 
 
 def lattice_points(thicket: ModuleType, rect, seed: int, *, tile: float | None = None, **options) -> np.ndarray:
-    """Lattice coordinates (int64, n x 2) of the sampler's set with radius 1 in rect = (min_x, min_y, max_x, max_y). The rectangle is requested as
-    a whole, or in tiles of width `tile`. The options are those of thicket.sample."""
+    """Lattice coordinates (int64, n x 2) of the sampler's set with radius 1 in rect = (min_x, min_y, max_x, max_y). The rectangle
+    is requested as a whole, or in tiles of width `tile`. The options are those of thicket.sample."""
     rects = [rect]
     if tile:
         min_x, min_y, max_x, max_y = rect
@@ -62,6 +62,6 @@ class References:
 
 
 def in_radii(lattice: np.ndarray, corner) -> np.ndarray:
-    """Lattice coordinates in radii, relative to a corner in radii. They are subtracted as integers, so that sets far from the origin keep their
-    precision."""
+    """Lattice coordinates in radii, relative to a corner in radii. They are subtracted as integers, so that sets far from the
+    origin keep their precision."""
     return (lattice - np.round(np.asarray(corner) * RADIUS).astype(np.int64)) / RADIUS

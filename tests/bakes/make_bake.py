@@ -1,4 +1,5 @@
-"""Writes a small bake for the tests of its readers, in the same format as the baker, and its content as arrays. Runs with the Python of tools/bake.
+"""Writes a small bake for the tests of its readers, in the same format as the baker, and its content as arrays. Runs with the
+Python of tools/bake.
 
     make_bake.py FOLDER
 

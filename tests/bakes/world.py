@@ -100,7 +100,8 @@ def bake(project: Path, out: Path, *options: str, timeout: float = 120, **furthe
 
 
 def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
-    """Starts a bake in a process group of its own. It receives Ctrl-C as in a terminal, even if the tests run in the background with `&`."""
+    """Starts a bake in a process group of its own. It receives Ctrl-C as in a terminal, even if the tests run in the background
+    with `&`."""
     return subprocess.Popen(
         command(project, out, *options), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),

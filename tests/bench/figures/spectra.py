@@ -8,8 +8,8 @@ from analysis.estimators import Spectrum
 
 
 class AveragedSpectrum:
-    """The mean of the periodograms of several sets, each tapered (analysis.estimators.Spectrum). Frequencies are waves per radius. The power
-    of independent points is 1."""
+    """The mean of the periodograms of several sets, each tapered (analysis.estimators.Spectrum). Frequencies are waves per radius.
+    The power of independent points is 1."""
 
     def __init__(self, sets: list[np.ndarray], side: float, modes: int, edges: np.ndarray):
         assert sets, "needs a set"
@@ -38,8 +38,8 @@ class AveragedSpectrum:
         return np.array([10.0 * np.log10(power.var(ddof=1) / power.mean() ** 2) for power in values])
 
     def image(self) -> np.ndarray:
-        """The power over the plane of frequencies, (2 modes + 1) squared, with zero in the middle. Rows go up with y. Frequencies that the mean
-        density distorts are 0."""
+        """The power over the plane of frequencies, (2 modes + 1) squared, with zero in the middle. Rows go up with y. Frequencies
+        that the mean density distorts are 0."""
         picture = np.zeros((2 * self.modes + 1, 2 * self.modes + 1))
         i = np.round(self.frequency * self.side * np.cos(self.angle)).astype(int)
         j = np.round(self.frequency * self.side * np.sin(self.angle)).astype(int)
@@ -49,8 +49,8 @@ class AveragedSpectrum:
 
 
 def noise_level(sets: int) -> float:
-    """The anisotropy, in decibels, of an average of this many periodograms of an isotropic set. The power of one wave has a standard deviation
-    equal to its mean, and averaging divides the variance."""
+    """The anisotropy, in decibels, of an average of this many periodograms of an isotropic set. The power of one wave has a
+    standard deviation equal to its mean, and averaging divides the variance."""
     return -10.0 * np.log10(sets)
 
 

@@ -30,10 +30,10 @@ def memory_available() -> float:
 
 
 def touch_memory(size: float) -> None:
-    """Allocates this many bytes, or half of the free memory, writes to every page and frees them. In a virtual machine, the first touch of a
-    page may wait for the host, which must not count for any contender. Afterwards, a run gets pages that only its own system has to map.
-    Huge pages are requested if available: systems that have them may allocate them from other memory than small pages, and touching
-    them serves both."""
+    """Allocates this many bytes, or half of the free memory, writes to every page and frees them. In a virtual machine, the first
+    touch of a page may wait for the host, which must not count for any contender. Afterwards, a run gets pages that only its own
+    system has to map. Huge pages are requested if available: systems that have them may allocate them from other memory than small
+    pages, and touching them serves both."""
     size = int(min(size, 0.5 * memory_available()))
     if size >= TOUCHED_FROM:
         with mmap.mmap(-1, size) as memory:

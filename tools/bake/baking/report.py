@@ -113,8 +113,8 @@ class Map:
         return colors
 
     def picture(self) -> Image.Image:
-        """The map. An instance is a disc with its layer's radius as its diameter. If pixels are larger, they show the share of ground that such
-        discs cover."""
+        """The map. An instance is a disc with its layer's radius as its diameter. If pixels are larger, they show the share of
+        ground that such discs cover."""
         image = np.empty((*self.size, 3), np.float32)
         image[:] = GROUND
         for index in reversed(self._largest_first()):

@@ -100,8 +100,9 @@ def column_of(table: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray | None
 
 
 def digest(columns: Columns) -> str:
-    """SHA-256 over all bits of sorted rows, in hexadecimal digits. For each column in the order of SCHEMA, the hash contains its name, a
-    zero byte and its little-endian numbers, 0 for null. Before the numbers of a nullable column, there is one byte per row: 1 for a value."""
+    """SHA-256 over all bits of sorted rows, in hexadecimal digits. For each column in the order of SCHEMA, the hash contains its
+    name, a zero byte and its little-endian numbers, 0 for null. Before the numbers of a nullable column, there is one byte per row:
+    1 for a value."""
     return digest_of((columns[name], columns.get(_MASKS.get(name, ""))) for name in SCHEMA.names)
 
 

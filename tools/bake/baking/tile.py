@@ -84,7 +84,8 @@ def _begin_to_count(key: tuple[Source | MadeTiles, str]) -> None:
 
 
 def _core_seconds() -> float:
-    """Processor time of this process and of this thread's engine so far. In a process with several such threads, each counts all of them."""
+    """Processor time of this process and of this thread's engine so far. In a process with several such threads, each counts all of
+    them."""
     engine = getattr(_own, "engine", None)
     return time.process_time() + (engine.core_seconds() if engine is not None else 0.0)
 

@@ -58,7 +58,8 @@ class TileEngine:
                 arguments.append(f"node={source.node}")
             command = [*source.godot, "--headless", "--path", source.project, "--script", SCRIPT, "--", *arguments]
             try:
-                # Started in the project's folder: a wrapper around Godot may make only some folders visible, among them the working directory.
+                # Started in the project's folder: a wrapper around Godot may make only some folders visible, among them the working
+                # directory.
                 self.process = subprocess.Popen(
                     command, cwd=source.project, stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log
                 )
@@ -126,8 +127,8 @@ class TileEngine:
         return header, self._take(header["bytes"])
 
     def describe(self, asked: dict[str, str]) -> dict:
-        """The scene as scene_description.gd describes it. `asked` has a `rect`, a `tile_size` and `layers` as text; missing values get defaults.
-        Raises Refused for a scene that cannot be baked, and for a project with an older version of the add-on."""
+        """The scene as scene_description.gd describes it. `asked` has a `rect`, a `tile_size` and `layers` as text; missing values
+        get defaults. Raises Refused for a scene that cannot be baked, and for a project with an older version of the add-on."""
         self._send({"do": "describe", **asked})
         described = self._receive()[0]
         if "columns" not in described:
@@ -149,8 +150,8 @@ class TileEngine:
                 found.append(header)
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, bytearray]]:
-        """For each of the game's tiles in a tile of the bake, its rows, and its `layer`, `bounds` (see grid.py) and so on. Refers to the scene that
-        was described last; see ScatterTile.get_rows."""
+        """For each of the game's tiles in a tile of the bake, its rows, and its `layer`, `bounds` (see grid.py) and so on. Refers
+        to the scene that was described last; see ScatterTile.get_rows."""
         self._send({"do": "rows", "tile": tile})
         while True:
             part, data = self._receive()

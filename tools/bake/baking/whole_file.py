@@ -19,8 +19,8 @@ class CannotWrite(RuntimeError):
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
-    """Yields a new file beside `path` for writing. At the end of the block, the file is flushed to disk and replaces `path`. Raises CannotWrite
-    if the disk refuses. Then, and after an exception in the block, the old file is unchanged."""
+    """Yields a new file beside `path` for writing. At the end of the block, the file is flushed to disk and replaces `path`. Raises
+    CannotWrite if the disk refuses. Then, and after an exception in the block, the old file is unchanged."""
     partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}{PART}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

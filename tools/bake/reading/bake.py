@@ -153,8 +153,8 @@ def _open_tile(tile: Tile) -> pq.ParquetFile:
 
 
 def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
-    """Yields columns of a tile in the file's order, at most `most_rows` rows at a time. Raises BakeError if the file is missing or damaged, or
-    does not have the manifest's number of rows or digest. Without `verify` in open_bake, the digest is not checked."""
+    """Yields columns of a tile in the file's order, at most `most_rows` rows at a time. Raises BakeError if the file is missing or
+    damaged, or does not have the manifest's number of rows or digest. Without `verify` in open_bake, the digest is not checked."""
     if tile.rows == 0:
         return
     with _open_tile(tile) as file:

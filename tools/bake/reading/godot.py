@@ -59,10 +59,11 @@ class Meshes:
 
 
 def level_nodes(drawn: Drawn, meshes: Meshes, start: int, number: int) -> list[dict]:
-    """The nodes that write_tiles.gd creates for one part of a tile: one for each level of detail. They share the bytes of `drawn` from `start` on.
+    """The nodes that write_tiles.gd creates for one part of a tile: one for each level of detail. They share the bytes of `drawn`
+    from `start` on.
 
-    The engine measures the distance to the center of a node, but a level of detail depends on the nearest instance. So each level begins and
-    ends farther away by the reach."""
+    The engine measures the distance to the center of a node, but a level of detail depends on the nearest instance. So each level
+    begins and ends farther away by the reach."""
     layer, levels = drawn.layer, drawn.layer.models[drawn.model].levels
     entry = {
         "count": drawn.count, "from": start, "to": start + drawn.buffer.nbytes, "use_colors": layer.colored, "use_custom_data": layer.custom_data,
@@ -132,8 +133,8 @@ def empty(folder: Path) -> None:
 
 
 def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
-    """Writes all tiles that have rows, then the world, and replaces an earlier export. A missing world means that the export is incomplete, because
-    it is written last."""
+    """Writes all tiles that have rows, then the world, and replaces an earlier export. A missing world means that the export is
+    incomplete, because it is written last."""
     project = project_of(folder)
     check_folder(bake, folder)
     for part in ("tiles", "models"):

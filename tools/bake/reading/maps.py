@@ -84,7 +84,8 @@ class Map:
         return np.floor((z - self.top) / self.meters).clip(0, self.height - 1).astype(np.int64)
 
     def bands(self, memory: int) -> Iterator[np.ndarray]:
-        """Yields counts of instances, layers by rows by width, from the top down. Each array has as many rows as fit into `memory` bytes."""
+        """Yields counts of instances, layers by rows by width, from the top down. Each array has as many rows as fit into `memory`
+        bytes."""
         # A pixel takes 4 bytes for its count and 8 for the sum of a batch. Encoding takes as much as the sum.
         row_bytes = self.width * len(self._bake.layers) * 12
         most = memory // row_bytes

@@ -34,8 +34,9 @@ class Drawn:
 
 
 def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, *more: np.ndarray) -> np.ndarray:
-    """The content of MultiMesh.buffer: n by 12 floats, and 4 more for each of `more`. The 12 floats are the rows of the basis, each followed by
-    a coordinate of the position. Colors come next, then custom data. Positions are n by 3 in double precision, relative to a nearby origin."""
+    """The content of MultiMesh.buffer: n by 12 floats, and 4 more for each of `more`. The 12 floats are the rows of the basis, each
+    followed by a coordinate of the position. Colors come next, then custom data. Positions are n by 3 in double precision, relative
+    to a nearby origin."""
     x, y, z, w = (rotations / np.linalg.norm(rotations, axis=1, keepdims=True)).astype(np.float64).T
     basis = np.empty((len(positions), 3, 3))
     basis[:, 0] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=1)
@@ -52,9 +53,9 @@ def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, 
 
 
 def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
-    """The number of cells along a side of a tile for a model. It is one if nothing changes with distance, or only so far away that a whole tile
-    may change at once. A cell has a side of at most `cell` meters. It is smaller if the first change is close, because otherwise all of a dense
-    meadow would be drawn at the finest level."""
+    """The number of cells along a side of a tile for a model. It is one if nothing changes with distance, or only so far away that
+    a whole tile may change at once. A cell has a side of at most `cell` meters. It is smaller if the first change is close, because
+    otherwise all of a dense meadow would be drawn at the finest level."""
     levels = layer.models[model].levels
     nearest = levels[1].begin if len(levels) > 1 else layer.view_distance
     if nearest <= 0 or (len(levels) == 1 and nearest >= FAR_TILES * bake.tile_size):

@@ -18,8 +18,8 @@ KEPT = 4000  # The maximum length of the quoted engine output, in characters.
 
 
 class PipedScript:
-    """Runs `script`, from the folder SCRIPTS, in `project` until the end of the block. It handles one job after the other. A job is a dictionary
-    and its bytes. The script reads both with job_reader.gd, and prints a dictionary as the answer."""
+    """Runs `script`, from the folder SCRIPTS, in `project` until the end of the block. It handles one job after the other. A job is
+    a dictionary and its bytes. The script reads both with job_reader.gd, and prints a dictionary as the answer."""
 
     def __init__(self, project: Path, script: str, godot: Path = REPO / "tools/godot"):
         self._said = tempfile.TemporaryFile()

@@ -25,8 +25,9 @@ _verified: dict[Path, tuple] = {}
 
 
 def check(tile: Tile) -> None:
-    """Raises BakeError if a tile's file does not have the manifest's digest. A process reads a file once, and again if its size or time changes.
-    `sha256` in the manifest is the digest of the file's bytes. Older manifests only have `digest`, for which every row is read."""
+    """Raises BakeError if a tile's file does not have the manifest's digest. A process reads a file once, and again if its size or
+    time changes. `sha256` in the manifest is the digest of the file's bytes. Older manifests only have `digest`, for which every
+    row is read."""
     try:
         status = tile.file.stat()
         seen = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns, tile.sha256 or tile.digest)
