@@ -63,7 +63,7 @@ def test_a_scheduler_without_workers_is_reported(monkeypatch):
                 raise OSError("gone")
             return {f"worker {number}": 1 for number in range(counts.pop(0))}
 
-    monkeypatch.setattr(cluster, "LOOK_SECONDS", 0.01)
+    monkeypatch.setattr(cluster, "CHECK_SECONDS", 0.01)
     said: list[str] = []
     with cluster.watched(Scheduler(), "tcp://here:1", said.append):
         assert looked.wait(10.0)
@@ -87,24 +87,24 @@ def test_a_leftover_that_cannot_be_removed_is_reported(tmp_path):
     stuck = tmp_path / "tiles/.tile_0_0.part"
     stuck.mkdir(parents=True)
     with pytest.raises(BakeError, match="Cannot remove .*tile_0_0.part"):
-        driver.bake(driver.Wish(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path), print)
+        driver.bake(driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path), print)
 
 
 def test_an_unusable_manifest_is_reported(tmp_path):
     """A file that is no manifest is replaced with a message. A manifest that lacks an important field is refused."""
-    wish = driver.Wish(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
+    request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
     said: list[str] = []
-    driver._go_on_with(wish, dict(WORLD), said.append)
+    driver._resume(request, dict(WORLD), said.append)
     assert not said, "a new folder has no manifest"
     (tmp_path / MANIFEST).write_text("{")
-    driver._go_on_with(wish, dict(WORLD), said.append)
+    driver._resume(request, dict(WORLD), said.append)
     assert len(said) == 1 and str(tmp_path / MANIFEST) in said[0] and "replaced" in said[0], said
     (tmp_path / MANIFEST).write_text(json.dumps({**WORLD, "format": FORMAT, "version": VERSION, "rect": None}))
     with pytest.raises(BakeError, match="manifest.json: rect must be an array of 4 values, got null; restore the manifest of the bake"):
-        driver._go_on_with(wish, dict(WORLD), said.append)
+        driver._resume(request, dict(WORLD), said.append)
     (tmp_path / MANIFEST).write_text(json.dumps({"format": FORMAT, "version": VERSION, "scene": "res://world.tscn"}))
     with pytest.raises(BakeError, match="manifest.json: scene_digest is missing, and must be there"):
-        driver._go_on_with(wish, dict(WORLD), said.append)
+        driver._resume(request, dict(WORLD), said.append)
 
 
 @pytest.mark.parametrize(

@@ -231,10 +231,10 @@ def said_of(bake: Path, out: Path, capsys) -> list[tuple[int, str]]:
     if found[0][0] == 0:  # Otherwise, the same code would refuse it.
         found.append((main([str(bake), "gltf", str(out), "--stand-ins"]), capsys.readouterr().err))
     found.append((schedule.main([str(bake), "--workers", "2"]), capsys.readouterr().err))
-    wish = driver.Wish(Source(("godot",), "/nowhere", "res://world.tscn"), bake)
+    request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), bake)
     tiny = json.loads((bake.parent / "good.json").read_text())
     try:
-        driver._go_on_with(wish, tiny, print)
+        driver._resume(request, tiny, print)
         found.append((0, capsys.readouterr().out))
     except BakeError as error:
         found.append((2, str(error)))
@@ -305,8 +305,8 @@ def test_a_folder_of_tiles_with_any_content_results_in_a_sentence(tmp_path):
         shutil.rmtree(out, ignore_errors=True)
         out.mkdir()
         try:
-            wish = driver.Wish(tile_folder.made_tiles(made), out)
-            plan, manifest, _ = driver._begin(wish, AtOnce(), lambda said: None)
+            request = driver.BakeRequest(tile_folder.made_tiles(made), out)
+            plan, manifest, _ = driver._begin(request, AtOnce(), lambda said: None)
             report.Map(plan.rect, plan.pixel, manifest["layers"])
         except BakeError as error:
             assert str(made) in str(error) and "make the folder again with bake_world.gd" in str(error), (error, content)

@@ -12,7 +12,7 @@ from pathlib import Path
 from PIL import Image
 
 WIDTH = 960
-MOST_BYTES = 150_000
+MAX_BYTES = 150_000
 # Pixels between two pictures side by side.
 GAP = 8
 
@@ -26,18 +26,18 @@ def side_by_side(left, right):
 
 
 def write(image, path):
-    """Writes a JPEG with the highest quality that fits into MOST_BYTES."""
+    """Writes a JPEG with the highest quality that fits into MAX_BYTES."""
     image = image.convert("RGB")
     if image.width != WIDTH:
         image = image.resize((WIDTH, round(WIDTH * image.height / image.width)), Image.Resampling.LANCZOS)
     for quality in range(92, 40, -4):
         packed = io.BytesIO()
         image.save(packed, "JPEG", quality=quality, optimize=True)
-        if packed.tell() <= MOST_BYTES:
+        if packed.tell() <= MAX_BYTES:
             path.write_bytes(packed.getvalue())
             print(f"{path.name}: {image.width} by {image.height}, {packed.tell()} bytes")
             return
-    raise SystemExit(f"{path.name} does not fit into {MOST_BYTES} bytes")
+    raise SystemExit(f"{path.name} does not fit into {MAX_BYTES} bytes")
 
 
 def main():

@@ -21,7 +21,7 @@ from pathlib import Path
 
 from baking import schedule
 from baking.command_line import REPO
-from baking.driver import Wish, bake
+from baking.driver import BakeRequest, bake
 from baking.tile_engine import Source
 
 SCENE = Source((str(REPO / "tools/godot"),), str(REPO / "demo_project"), "res://demo.tscn")
@@ -33,7 +33,7 @@ CONTENDERS = ((1, 1), (2, 2), (1, 2))
 def once(out: Path, workers: int, cores: int) -> None:
     """Bakes in a process with this many cores, and prints the times as JSON."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
-    outcome = bake(Wish(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
+    outcome = bake(BakeRequest(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
     if outcome.failed or outcome.stopped:
         raise SystemExit(outcome.stopped or str(outcome.failed))
     print(json.dumps({

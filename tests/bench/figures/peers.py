@@ -8,7 +8,7 @@ from bench.figures.contenders import TODAY, Contender
 from bench.figures.programs import Failed, Run, run_lines, say
 
 # A process makes a small set and then one set, so further sets cost a start each.
-MOST_SETS = 2
+MAX_SETS = 2
 
 PYTHON_PEERS = {"hdt_sampling": "hdt-sampling", "scipy_poisson_disk": "scipy PoissonDisk"}
 RUST_PEERS = {
@@ -40,9 +40,9 @@ class Peers:
         return able
 
     def run(self, method: str, _precision: str, points: float, seed: int, sets: int = 1) -> list[Run]:
-        """Like Programs.domain, but makes at most MOST_SETS sets."""
+        """Like Programs.domain, but makes at most MAX_SETS sets."""
         lines: list[Run] = []
-        for number in range(min(sets, MOST_SETS)):
+        for number in range(min(sets, MAX_SETS)):
             lines += run_lines([*self._commands[method], method, f"{points:.0f}", seed + number])
         if not lines:
             raise Failed(f"{method} printed nothing")

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from .command_line import REPO, with_values
-from .driver import Wish, bake
+from .driver import BakeRequest, bake
 from .format import BakeError, tile_of_name
 from .report import Outcome
 from .tile_engine import Source
@@ -17,31 +17,31 @@ from .tile_folder import WORLD, MadeTiles, made_tiles
 from .words import amount, duration
 
 
-MOST_WAIT = 1e6  # Seconds; the maximum of --wait.
+MAX_WAIT = 1e6  # Seconds; the maximum of --wait.
 
 
 def main(arguments: list[str]) -> int:
     """Returns 0 for a complete bake, 1 if tiles failed or the bake was stopped, 2 if it could not start, 130 if it was interrupted."""
     chosen = _parser().parse_args(with_values(arguments, ("--rect", "--tiles")))
     try:
-        wish = _wish(chosen)
-        outcome = bake(wish, functools.partial(print, flush=True))
+        request = _request(chosen)
+        outcome = bake(request, functools.partial(print, flush=True))
     except BakeError as error:
         print(f"bake: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("\nbake: interrupted; the same command goes on from here", file=sys.stderr)
         return 130
-    return _tell(wish, outcome)
+    return _print_summary(request, outcome)
 
 
-def _tell(wish: Wish, outcome: Outcome) -> int:
+def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
     total = sum(tile["rows"] for tile in outcome.manifest["tiles"].values())
     print(f"{amount(total)} instances in {len(outcome.manifest['tiles'])} tiles, {outcome.made} of them made now in {duration(outcome.seconds)}")
     if outcome.unreported:
         print(f"bake: {outcome.unreported} The tiles are not affected.", file=sys.stderr)
     else:
-        print(f"report and map: {wish.out / 'report.md'}")
+        print(f"report and map: {request.out / 'report.md'}")
     if outcome.manifest["complete"]:
         print(f"digest: {outcome.manifest['digest']}")
     for (i, j), why in sorted(outcome.failed.items())[:10]:
@@ -84,12 +84,12 @@ def _tiles(text: str) -> list[tuple[int, int]]:
     return tiles
 
 
-def _wish(chosen: argparse.Namespace) -> Wish:
+def _request(chosen: argparse.Namespace) -> BakeRequest:
     if chosen.workers < 1:
         raise BakeError(f"--workers must be 1 or more, got {chosen.workers}. Leave it out for one per processor core.")
-    if not 0.0 <= chosen.wait <= MOST_WAIT:
-        raise BakeError(f"--wait must be between 0 and {MOST_WAIT:g} seconds, got {chosen.wait:g}. Choose a value in that range.")
-    return Wish(
+    if not 0.0 <= chosen.wait <= MAX_WAIT:
+        raise BakeError(f"--wait must be between 0 and {MAX_WAIT:g} seconds, got {chosen.wait:g}. Choose a value in that range.")
+    return BakeRequest(
         source=_source(chosen),
         asked={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
         out=chosen.out.resolve(), tiles=chosen.tiles,

@@ -23,7 +23,7 @@ ALLOWED_DEATHS = 10
 # malloc keeps a tile's memory for the next tile: clearing new pages takes the system longer than sorting the rows.
 KEPT_MEMORY = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": str(1 << 25), "MALLOC_TRIM_THRESHOLD_": str(1 << 28)}
 # The interval between checks of the workers.
-LOOK_SECONDS = 2.0
+CHECK_SECONDS = 2.0
 
 
 @contextlib.contextmanager
@@ -91,7 +91,7 @@ def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Itera
     """Reports when the scheduler has no workers, and when it has workers again."""
     there = True
 
-    def look() -> None:
+    def check() -> None:
         nonlocal there
         with contextlib.suppress(OSError, TimeoutError):  # The loop that waits for tiles reports it.
             workers = len(client.nthreads())
@@ -101,19 +101,19 @@ def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Itera
                 say(f"The scheduler at {scheduler} has workers: {workers}.")
             there = workers > 0
 
-    with _repeated(look):
+    with _repeated(check):
         yield
 
 
 @contextlib.contextmanager
-def _repeated(look: Callable[[], None]) -> Iterator[None]:
-    """Calls `look` in a separate thread, immediately and then every LOOK_SECONDS."""
+def _repeated(check: Callable[[], None]) -> Iterator[None]:
+    """Calls `check` in a separate thread, immediately and then every CHECK_SECONDS."""
     ended = threading.Event()
 
     def watch() -> None:
         while True:
-            look()
-            if ended.wait(LOOK_SECONDS):
+            check()
+            if ended.wait(CHECK_SECONDS):
                 return
 
     watcher = threading.Thread(target=watch, daemon=True)

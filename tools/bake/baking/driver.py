@@ -27,7 +27,7 @@ MANIFEST_SHARE = 0.05
 
 
 @dataclass
-class Wish:
+class BakeRequest:
     """The settings of a bake."""
 
     source: Source | MadeTiles
@@ -40,51 +40,51 @@ class Wish:
     fresh: bool = False
 
 
-def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
+def bake(request: BakeRequest, say: Callable[[str], None] = print) -> Outcome:
     """Starts a bake, or continues an unfinished one. Raises BakeError if it cannot start."""
     try:
-        with files.locked(wish.out):
-            files.sweep(wish.out)
+        with files.locked(request.out):
+            files.sweep(request.out)
             try:
-                with cluster.client(wish.workers, wish.scheduler, say) as client:
-                    return _bake(wish, client, say)
+                with cluster.client(request.workers, request.scheduler, say) as client:
+                    return _bake(request, client, say)
             finally:
-                files.sweep(wish.out)  # Terminated workers leave unfinished files.
-    except (files.Taken, files.CannotWrite) as error:
+                files.sweep(request.out)  # Terminated workers leave unfinished files.
+    except (files.FolderInUse, files.CannotWrite) as error:
         raise BakeError(str(error)) from error
     except (OSError, TimeoutError) as error:
-        if wish.scheduler is None:
+        if request.scheduler is None:
             raise
-        raise BakeError(f"No Dask scheduler answers at {wish.scheduler}: {error}. Check --scheduler (tcp://HOST:PORT), or leave it out.") from error
+        raise BakeError(f"No Dask scheduler answers at {request.scheduler}: {error}. Check --scheduler (tcp://HOST:PORT), or leave it out.") from error
 
 
-def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
-    plan, manifest, starting = _begin(wish, client, say)
-    order = wish.tiles if wish.tiles is not None else plan.grid.tiles()
+def _bake(request: BakeRequest, client: Client, say: Callable[[str], None]) -> Outcome:
+    plan, manifest, starting = _begin(request, client, say)
+    order = request.tiles if request.tiles is not None else plan.grid.tiles()
     _refuse_tiles_beyond(order, plan.grid)
-    if wish.shuffle is not None:
-        random.Random(wish.shuffle).shuffle(order)
+    if request.shuffle is not None:
+        random.Random(request.shuffle).shuffle(order)
     outcome = Outcome(manifest, starting=[starting])
     picture = Map(plan.rect, plan.pixel, manifest["layers"])
     start = time.monotonic()
     own = time.process_time()
     try:
-        _make_all(plan, client, wish.workers, order, outcome, picture, Progress(len(order), say))
+        _make_all(plan, client, request.workers, order, outcome, picture, Progress(len(order), say))
     finally:
         outcome.seconds = time.monotonic() - start
         outcome.driver_seconds = time.process_time() - own
         _keep_costs(outcome)
-        _finish(wish.out, plan.grid, outcome)
-    if wish.scheduler is not None and not outcome.stopped:
+        _finish(request.out, plan.grid, outcome)
+    if request.scheduler is not None and not outcome.stopped:
         client.run(tile.close_engines)  # These workers keep running after the bake.
-    write_report(wish.out, wish.workers, outcome, picture)
+    write_report(request.out, request.workers, outcome, picture)
     return outcome
 
 
-def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
+def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
     """The plan, the manifest so far, which is on disk, and the seconds that an engine took to start."""
     try:
-        described = client.submit(tile.describe, wish.source, wish.asked, pure=False).result()
+        described = client.submit(tile.describe, request.source, request.asked, pure=False).result()
     except (EngineGone, Refused) as error:
         raise BakeError(str(error)) from error
     for problem in described["problems"]:
@@ -94,53 +94,53 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
     if uneven:
         say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}. Choose a --tile-size that is a multiple of all their sizes.")
     plan = tile.Plan(
-        source=wish.source, asked=wish.asked, out=str(wish.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
+        source=request.source, asked=request.asked, out=str(request.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
         layers={layer["index"]: described["columns"][str(layer["index"])] for layer in layers},
         parts=described["parts"], pixel=max(rect[2], rect[3]) / MAP_PIXELS,
     )  # fmt: skip
     looks = {each["index"]: each for each in described["models"]}
     manifest = {
         "format": FORMAT, "version": VERSION, "thicket": described["thicket"],
-        "scene": wish.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
+        "scene": request.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
         "rect": rect, "tile_size": grid.tile_size, "grid": list(grid.grid), "world_offset": described["world_offset"],
         "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
         "complete": False, "digest": None, "costs": None, "tiles": {},
     }  # fmt: skip
-    _go_on_with(wish, manifest, say)
-    files.sweep_strays(wish.out, set(grid.tiles()))
+    _resume(request, manifest, say)
+    files.sweep_strays(request.out, set(grid.tiles()))
     for path, content in described["files"].items():
         if any(path.startswith(f"models/{layer['index']}_") for layer in layers):
-            files.write_whole(wish.out / path, content)
-    files.write_manifest(wish.out, manifest)
+            files.write_whole(request.out / path, content)
+    files.write_manifest(request.out, manifest)
     return plan, manifest, described["starting"]
 
 
-def _go_on_with(wish: Wish, manifest: dict, say: Callable[[str], None]) -> None:
+def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) -> None:
     """Reuses the tiles of an unfinished bake in the folder, if it is of the same world."""
-    if wish.fresh:
-        files.empty(wish.out)
+    if request.fresh:
+        files.empty(request.out)
     try:
-        before = read_manifest(wish.out)
+        before = read_manifest(request.out)
     except BakeError as error:
-        if (wish.out / MANIFEST).exists():
+        if (request.out / MANIFEST).exists():
             say(f"{error}. It is replaced; every tile in the folder is checked.")
         return  # Each tile's file identifies its bake.
-    again = f"Bake into a different folder, or start again in {wish.out} with --fresh."
+    again = f"Bake into a different folder, or start again in {request.out} with --fresh."
     if before.get("version") != VERSION:
-        raise BakeError(f"{wish.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
-    check_manifest(before, wish.out / MANIFEST)
+        raise BakeError(f"{request.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
+    check_manifest(before, request.out / MANIFEST)
     if before["scene"] != manifest["scene"]:
-        raise BakeError(f"{wish.out} holds a bake of a different scene, {before['scene']}, not {manifest['scene']}. {again}")
+        raise BakeError(f"{request.out} holds a bake of a different scene, {before['scene']}, not {manifest['scene']}. {again}")
     for key, name in {"rect": "the rectangle", "tile_size": "the size of tiles"}.items():
         if before[key] != manifest[key]:
-            raise BakeError(f"{wish.out} holds a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
+            raise BakeError(f"{request.out} holds a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
     if [layer["index"] for layer in before["layers"]] != [layer["index"] for layer in manifest["layers"]]:
-        raise BakeError(f"{wish.out} holds a bake of different layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
+        raise BakeError(f"{request.out} holds a bake of different layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
     if before["scene_digest"] != manifest["scene_digest"]:
         parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
         raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
     # Other errors in a file are found when its tile is needed.
-    manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (wish.out / entry["file"]).is_file()}
+    manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (request.out / entry["file"]).is_file()}
     manifest["costs"] = before.get("costs")
 
 
@@ -177,7 +177,7 @@ def _make_all(
         if outcome.stopped:
             client.cancel([each for each in futures.futures])
             return
-        progress.tell(outcome)
+        progress.print_if_due(outcome)
         if time.monotonic() >= next_manifest:
             start = time.monotonic()
             files.write_manifest(Path(plan.out), outcome.manifest)

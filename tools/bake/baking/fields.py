@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 
 Check = Callable[[object], None]
 
-MOST_CHARACTERS = 1000
+MAX_CHARACTERS = 1000
 _SHOWN = 80  # Characters of a refused value.
 
 
@@ -67,7 +67,7 @@ def whole(least: int, most: int) -> Check:
     return check
 
 
-def text(pattern: str = "", allowed: str = "", most: int = MOST_CHARACTERS) -> Check:
+def text(pattern: str = "", allowed: str = "", most: int = MAX_CHARACTERS) -> Check:
     """Accepts text that a path or a terminal can hold. With a pattern, all of the text must match it."""
     allowed = allowed or f"a text of at most {most} characters, none of them a zero or half of a surrogate pair"
     form = re.compile(pattern or r"[^\0\ud800-\udfff]*")

@@ -25,7 +25,7 @@ _ENCODINGS = {field.name: "BYTE_STREAM_SPLIT" for field in SCHEMA if pa.types.is
 _ENCODINGS |= {"id": "DELTA_BINARY_PACKED"}
 
 
-class Taken(RuntimeError):
+class FolderInUse(RuntimeError):
     """A different bake is using the folder."""
 
 
@@ -76,7 +76,7 @@ def write_manifest(out: Path, manifest: dict) -> None:
 
 @contextlib.contextmanager
 def locked(out: Path) -> Iterator[None]:
-    """Locks a folder for one bake. Raises Taken if a different bake has it. The lock ends with the process, however that ends."""
+    """Locks a folder for one bake. Raises FolderInUse if a different bake has it. The lock ends with the process, however that ends."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         lock = (out / LOCK).open("a+")
@@ -86,7 +86,7 @@ def locked(out: Path) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise Taken(f"A different bake is using {out}. Wait for its end, or bake into a different folder.") from None
+            raise FolderInUse(f"A different bake is using {out}. Wait for its end, or bake into a different folder.") from None
         yield
 
 

@@ -11,15 +11,15 @@ from . import fields
 from .fields import flag, items, mapping, members, nullable, number, text, whole
 from .format import FORMAT, MANIFEST, VERSION, BakeError, tile_of_name
 
-MOST_TILES = 1_000_000
-MOST_METERS = 1e12
+MAX_TILES = 1_000_000
+MAX_METERS = 1e12
 RADII = (1e-3, 1e6)  # Meters.
 REMEDY = "restore the manifest of the bake, or bake again with --fresh"
 
-METERS = number(-MOST_METERS, MOST_METERS)
-LENGTH = number(1e-3, MOST_METERS)
+METERS = number(-MAX_METERS, MAX_METERS)
+LENGTH = number(1e-3, MAX_METERS)
 RECT = items(METERS, 4, 4)
-_distance = number(0.0, MOST_METERS)
+_distance = number(0.0, MAX_METERS)
 _whole_32 = whole(-(2**31), 2**31 - 1)
 _rows = whole(0, 2**31 - 1)
 _cost = nullable(number(0.0, 1e12))
@@ -45,13 +45,13 @@ _manifest = members(
     {
         "scene": text(), "scene_digest": text(), "scene_parts": mapping(text(), text(), 1 << 20),
         "rect": RECT, "tile_size": LENGTH, "grid": items(_whole_32, 4, 4), "world_offset": items(METERS, 3, 3),
-        "layers": items(_layer, 1, 0x10000), "tiles": mapping(_tile_name, _tile, MOST_TILES), "complete": flag, "digest": nullable(_sha256),
+        "layers": items(_layer, 1, 0x10000), "tiles": mapping(_tile_name, _tile, MAX_TILES), "complete": flag, "digest": nullable(_sha256),
     },
     ["scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles"],
 )  # fmt: skip
 _costs = members(
     {
-        "tiles": mapping(text(), members({"core_seconds": _cost}), MOST_TILES),
+        "tiles": mapping(text(), members({"core_seconds": _cost}), MAX_TILES),
         "costs": nullable(members(dict.fromkeys(("start_seconds", "driver_seconds", "bytes"), number(0.0, 1e12)), ["start_seconds", "driver_seconds", "bytes"])),
     },
     ["tiles"],

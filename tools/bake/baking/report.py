@@ -64,7 +64,7 @@ class Progress:
             f"{amount(outcome.made_rows / passed)} instances a second, {duration(left)} left"
         )
 
-    def tell(self, outcome: Outcome) -> None:
+    def print_if_due(self, outcome: Outcome) -> None:
         """Prints the progress, if it is time to."""
         now = time.monotonic()
         if now < self.next:
@@ -78,7 +78,7 @@ class Progress:
     def end(self, outcome: Outcome) -> None:
         """Prints the final progress."""
         self.next = 0.0
-        self.tell(outcome)
+        self.print_if_due(outcome)
         if self.live:
             print()
 

@@ -173,7 +173,7 @@ def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
 def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
     for attempt in range(1, _ATTEMPTS + 1):
         try:
-            return _asked(plan, tile, _engine_of(plan))
+            return _requested_rows(plan, tile, _engine_of(plan))
         except (EngineGone, rows.BadRows) as error:
             _drop_engine()  # It may have stopped in the middle of a message.
             if attempt == _ATTEMPTS:
@@ -181,7 +181,7 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
     raise AssertionError
 
 
-def _asked(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
+def _requested_rows(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
     """The sorted rows of a tile, and the number of rows with a shear."""
     area = plan.grid.area_of(tile)
     parts, sheared = [], 0

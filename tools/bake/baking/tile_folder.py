@@ -13,7 +13,7 @@ from pathlib import Path
 from .fields import Refused as BadField
 from .fields import items, mapping, members, number, text, whole
 from .format import BakeError, name_of
-from .manifest import LENGTH, METERS, MOST_TILES, RADII, RECT, check_rect, read_json, refusing
+from .manifest import LENGTH, MAX_TILES, METERS, RADII, RECT, check_rect, read_json, refusing
 from .tile_engine import Refused
 
 WORLD = "world.json"
@@ -36,7 +36,7 @@ _checks = {
     "scene": text(), "scene_digest": text(), "thicket": text(), "seed": text("-?[0-9]{1,20}", "a whole number in a text"), "problems": items(text(most=1 << 20)),
     "parts": mapping(text(), text(), 1 << 20), "rect": RECT, "tile_size": LENGTH, "world_offset": items(METERS, 3, 3),
     "layers": items(_layer, 1, 0x10000), "models": items(_models), "grid": items(whole(-(2**31), 2**31 - 1), 4, 4),
-    "edges": items(items(METERS, 2, MOST_TILES + 1), 2, 2), "columns": mapping(text(), mapping(text(), text(), 100), 0x10000),
+    "edges": items(items(METERS, 2, MAX_TILES + 1), 2, 2), "columns": mapping(text(), mapping(text(), text(), 100), 0x10000),
 }  # fmt: skip
 _world = members(_checks, _checks)
 
@@ -64,8 +64,8 @@ def _check_sense(world: dict) -> None:
     """Checks that involve more than one value."""
     check_rect(world["rect"])
     sides = world["grid"][2:]
-    if min(sides) < 1 or sides[0] * sides[1] > MOST_TILES:
-        raise BadField(sides, f"first column, first row, columns and rows of 1 to {MOST_TILES} tiles").within("grid")
+    if min(sides) < 1 or sides[0] * sides[1] > MAX_TILES:
+        raise BadField(sides, f"first column, first row, columns and rows of 1 to {MAX_TILES} tiles").within("grid")
     if [len(edges) - 1 for edges in world["edges"]] != sides:
         raise BadField(world["edges"], "the edges of all columns and rows of the grid").within("edges")
     indices = [layer["index"] for layer in world["layers"]]

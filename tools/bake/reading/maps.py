@@ -21,7 +21,7 @@ from .bake import Bake, Layer, Tile, open_bake, read_batches
 from .say import say
 
 LONGEST = 4096  # The default maximum of a map's longer side in pixels.
-MOST_PIXELS = 2**31 - 1  # The maximum side of a PNG.
+MAX_PIXELS = 2**31 - 1  # The maximum side of a PNG.
 BATCH = 1 << 18  # The number of rows of a tile that are read at once.
 
 
@@ -70,8 +70,8 @@ class Map:
         self._bake, self.meters = bake, meters
         self.left, self.top, width, depth = bake.rect
         self.width, self.height = max(1, math.ceil(width / meters)), max(1, math.ceil(depth / meters))
-        if max(self.width, self.height) > MOST_PIXELS:
-            raise BakeError(f"--meters {meters} results in {self.width} x {self.height} pixels, but a PNG can have at most {MOST_PIXELS} a side; choose a larger value")
+        if max(self.width, self.height) > MAX_PIXELS:
+            raise BakeError(f"--meters {meters} results in {self.width} x {self.height} pixels, but a PNG can have at most {MAX_PIXELS} a side; choose a larger value")
         self._slots = np.full(1 << 16, -1, np.int64)
         for slot, layer in enumerate(bake.layers):
             self._slots[layer.index] = slot
