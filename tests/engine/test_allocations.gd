@@ -93,6 +93,42 @@ func test_samplers() -> void:
 	sweep("an exact domain", func() -> PackedFloat64Array: return sampler.sample_domain_exact(0, 0, 30, 30).y)
 
 
+## A change that runs out of memory is repeated by the next frame. So many layers make the lists of layers large. Single tiles that could
+## not be generated are reported, and stay as they were.
+func test_changes_of_layers() -> void:
+	var layers: Array[ScatterLayer] = []
+	for index in 100:
+		layers.push_back(make_layer(12.0))
+		layers.back().layer_id = index + 1
+		layers.back().view_distance = 20.0
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
+	var expected := []
+	for density: float in [0.3, 0.8]:
+		layers[7].density = density
+		await settle(scatter)
+		expected.push_back(ids_of_shown(scatter, 7))
+	check(expected[0] != expected[1] and not expected[0].is_empty(), "the two densities differ")
+	check_no_error("without failures")
+	var hits := 0
+	for number in range(1, 60):
+		layers[7].density = [0.3, 0.8][number % 2]
+		OS.set_environment("THICKET_ALLOCATIONS", "fail %d %d" % [number, LARGE])
+		await frames(2)
+		OS.set_environment("THICKET_ALLOCATIONS", "stop")
+		await settle(scatter)
+		var reported := "".join(errors.take())
+		hits += int(reported != "")
+		check("tile (" in reported or ids_of_shown(scatter, 7) == expected[number % 2], "allocation %d: the change is applied" % number)
+	check(hits > 5, "%d allocations failed" % hits)
+
+
+func ids_of_shown(scatter: TerrainScatter3D, layer: int) -> Array:
+	var ids := []
+	for tile in scatter.get_shown_tiles(layer):
+		ids.append_array(ids_of(scatter.get_tile(layer, tile)))
+	return ids
+
+
 ## On worker threads. A tile that could not be made is reported; those that were uploaded are whole.
 func test_streaming() -> void:
 	var expected := await stream(0)
@@ -140,5 +176,5 @@ func noise(count: int) -> PackedByteArray:
 
 
 func check_memory_error(asked_for: String) -> void:
-	var told := Array(errors.take()).filter(func(message: String) -> bool: return "more memory than there is" in message)
+	var told := Array(errors.take()).filter(func(message: String) -> bool: return "more memory than is available" in message)
 	check(told.size() == 1 and asked_for in told[0], "%s: one error, got %s" % [asked_for, told])
