@@ -41,7 +41,7 @@ void fail_every_request(bool sampled_before, const Work &work) {
 		++failures;
 		REQUIRE(code == THICKET_OUT_OF_MEMORY);
 		const std::string message = thicket_message(sampler.get());
-		REQUIRE(message == "there is not even memory to say what went wrong");
+		REQUIRE(message == "there is not enough memory for an error message");
 		CHECK(thicket_count(sampler.get()) == (sampled_before ? before : 0));
 		REQUIRE(work(sampler.get()) == THICKET_OK);
 	}
@@ -92,5 +92,5 @@ TEST_CASE("the C library names what there was no memory for") {
 		REQUIRE(thicket_sample(sampler.get(), &some_set, &some_rect, nullptr, nullptr) == THICKET_OUT_OF_MEMORY);
 	}
 	const std::string message = thicket_message(sampler.get());
-	CHECK(message.starts_with("rect needs more memory than there is, got "));
+	CHECK(message.starts_with("rect needs more memory than is available, got "));
 }

@@ -120,7 +120,7 @@ TEST_CASE("links: names of nobody, of two layers, of the layer itself") {
 	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 1.0, nullptr});
 	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // It was the other oak that asked.
 	CHECK(result[3]->neighbors.size() == 1);
-	CHECK(problems(layers, 1, "\"oak\" means the first") == 1);
+	CHECK(problems(layers, 1, "\"oak\" refers to the earlier") == 1);
 	CHECK(problems(layers, 2, "") == 3);
 	layers[2].spacing.erase("fern"); // Itself.
 	CHECK(problems(layers, 2, "\"elm\", and no layer") == 2);
@@ -171,8 +171,8 @@ TEST_CASE("links: the layers that colors and variations follow are earlier ones,
 	CHECK(result[2]->instance_data.variation.layer == result[1]);
 	CHECK(result[2]->neighbors.empty());
 	CHECK(linked(layers, result) == result);
-	CHECK(problems(layers, 0, "color_source_layer is \"moss\", which does not stand before") == 1);
-	CHECK(problems(layers, 1, "variation_source_layer is \"fern\", which does not stand before") == 1);
+	CHECK(problems(layers, 0, "color_source_layer is \"moss\", which is not before") == 1);
+	CHECK(problems(layers, 1, "variation_source_layer is \"fern\", which is not before") == 1);
 	CHECK(problems(layers, 2, "") == 0);
 	layers[2].color_layer = "elm";
 	CHECK(problems(layers, 2, "color_source_layer is \"elm\", and no layer has that name") == 1);

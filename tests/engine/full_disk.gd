@@ -114,7 +114,7 @@ func test_a_full_disk_leaves_the_old_files() -> void:
 		check(not write.call(path, true), way[0] + " finds no room")
 		var messages := errors.take()
 		if not (way[2] as String).is_empty() and check(messages.size() == 1, str(messages)):
-			for word: String in [way[2], path, "full", "The old file is as it was"]:
+			for word: String in [way[2], path, "full", "The old file is unchanged"]:
 				check(word in messages[0], "'%s' in '%s'" % [word, messages[0]])
 		check(FileAccess.get_file_as_bytes(path) == before, way[0] + " is as it was")
 		check_equal(names(), there, "no half of a file is left")

@@ -190,7 +190,7 @@ func test_refused_rectangles() -> void:
 			refuse(sampler, Rect2(3, 4, bad, 5), ["PoissonSampler.rect.size must be positive, got %d" % bad])
 		refuse(sampler, Rect2(0, 0, NAN, 5), ["PoissonSampler.rect.size must be finite, got nan"])
 		refuse(sampler, Rect2(0, 0, 5, INF), ["PoissonSampler.rect.size must be finite, got inf"])
-		refuse(sampler, Rect2(0, 0, 1e6, 1e6), ["PoissonSampler.rect", "asks for too many points, got 6"])
+		refuse(sampler, Rect2(0, 0, 1e6, 1e6), ["PoissonSampler.rect", "requires too many points, got 6"])
 		refuse(sampler, Rect2(-1e30, -1e30, 3e30, 3e30), ["PoissonSampler.rect", "e+"])
 		sampler.toroidal = true
 		if method == PoissonSampler.METHOD_TILES:

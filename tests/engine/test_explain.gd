@@ -102,7 +102,7 @@ func test_each_rule_says_no_by_itself() -> void:
 		"clumps": [{"clump_size": 20.0, "clump_coverage": 0.0}, ["clumps"]],
 		"density_over_height": [{"density_over_height": nothing}, ["Density over height is 0 at"]],
 		"density_over_slope": [{"density_over_slope": nothing}, ["Density over slope is 0 at"]],
-		"spacing": [{"spacing": {"Trees": 8.0}}, ["Trees stands", "m away, the layer keeps 8 m"]],
+		"spacing": [{"spacing": {"Trees": 8.0}}, ["The nearest Trees is", "m away; the spacing requires 8 m"]],
 		"proximity": [{"proximity_layer": "Trees", "proximity_distance": 0.01}, ["No Trees within 0.01 m"]],
 	}
 	var trees := make_layer(4.0)
@@ -152,9 +152,9 @@ func test_what_a_game_and_the_view_take_away() -> void:
 	await settle(scatter)
 	var there := scatter.explain_position(Vector3(3, 0, 3))[0]
 	check_equal([there.refused_by, there.standing, there.shown], [&"", true, true], there.reason)
-	check("Stands" in there.reason and "m away" in there.reason, there.reason)
+	check("Placed" in there.reason and "m away" in there.reason, there.reason)
 	var here := scatter.explain_position(there.point_position)[0]
-	check_equal(here.reason, "Stands here.", "at the point itself")
+	check_equal(here.reason, "Placed here.", "at the point itself")
 	scatter.remove_instance(there.id)
 	var gone := scatter.explain_position(Vector3(3, 0, 3))[0]
 	check_equal([gone.refused_by, gone.standing, gone.allowed], [&"state", false, true], gone.reason)
@@ -251,7 +251,7 @@ func test_maps_hold_what_is_explained() -> void:
 	check_equal(scatter.get_density_map("Oaks", rect, size).size(), 0, "no layer")
 	check_error(["get_density_map", "Oaks"], "a layer that is not there")
 	check_equal(scatter.get_rank_map("Ferns", Rect2(0, 0, 1e5, 1e5), size).size(), 0, "too many points")
-	check_error(["get_rank_map", "rect asks for too many points"], "a large rectangle")
+	check_error(["get_rank_map", "rect requires too many points"], "a large rectangle")
 
 
 ## A ground that is asked on the main thread, where its script may do anything.

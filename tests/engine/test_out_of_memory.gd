@@ -29,4 +29,4 @@ func expect_memory_error(asked_for: String) -> void:
 	var told: Array = Array(errors.take()).filter(func(message: String) -> bool: return not 'Parameter "mem' in message)
 	check(told.size() == 1, "one error, got %s" % [told])
 	for message in told:
-		check(message.begins_with(asked_for) and "more memory than there is" in message, message)
+		check(message.begins_with(asked_for) and "more memory than is available" in message, message)

@@ -193,10 +193,10 @@ func test_what_is_no_such_file_is_refused() -> void:
 	check_equal(make_mask().save_to_file(PATH), OK, "a mask")
 	var state := make_state()
 	check_equal(state.load_from_file(PATH), ERR_FILE_CORRUPT, "a mask is no state")
-	check_error([PATH, "of another kind"], "a mask is no state")
+	check_error([PATH, "of a different kind"], "a mask is no state")
 	check_equal(make_state().save_to_file(PATH), OK, "a state")
 	check_equal(make_mask().load_from_file(PATH), ERR_FILE_CORRUPT, "a state is no mask")
-	check_error([PATH, "of another kind"], "a state is no mask")
+	check_error([PATH, "of a different kind"], "a state is no mask")
 
 
 func test_damaged_files_are_refused() -> void:

@@ -239,7 +239,7 @@ func test_references() -> void:
 	check("color_source is Distance, but names no layer" in "\n".join(scatter.get_problems()), "a warning")
 	scatter.layers = [fern, oak]
 	var problems := "\n".join(scatter.get_problems())
-	check("variation_source_layer is \"elm\", which does not stand before" in problems, "another: %s" % problems)
+	check("variation_source_layer is \"elm\", which is not before" in problems, "another: %s" % problems)
 	fern.color_source_layer = "ash"
 	check("color_source_layer is \"ash\", and no layer has that name" in "\n".join(scatter.get_problems()), "a third")
 	fern.resource_name = ""

@@ -102,7 +102,7 @@ func test_paint_and_shapes() -> void:
 
 func add_regions() -> void:
 	var regions: Node = workspace().toolbar.regions
-	regions._on_chosen(menu_of_regions("Nothing stands in", "Cylinder"))
+	regions._on_chosen(menu_of_regions("Exclude Layers", "Cylinder"))
 	await frames(3)
 	var clearing: Node3D = scatter.get_node("WithoutCylinder")
 	clearing.radius = 9.0
@@ -112,7 +112,7 @@ func add_regions() -> void:
 	await settle(scatter)
 	check_equal(count_in(Vector2(-16.0, -10.0), 7.0, ["Spruce", "Birch"]), 0, "the clearing")
 	await select(scatter)
-	regions._on_chosen(menu_of_regions("Nothing stands in", "Path"))
+	regions._on_chosen(menu_of_regions("Exclude Layers", "Path"))
 	await frames(3)
 	var path: Path3D = scatter.get_node("WithoutPath/Path3D")
 	path.global_position = Vector3.ZERO
@@ -122,7 +122,7 @@ func add_regions() -> void:
 	scatter.get_node("WithoutPath").width = 6.0
 	await select(scatter)
 	surface().grab_focus()
-	regions._on_chosen(menu_of_regions("Nothing stands in", "Polygon"))
+	regions._on_chosen(menu_of_regions("Exclude Layers", "Polygon"))
 	await frames(3)
 	for corner: Vector2 in [Vector2(-2, -8), Vector2(8, -10), Vector2(10, 0), Vector2(-1, 2)]:
 		await click_at(on_screen(on_ground(corner.x, corner.y)))
