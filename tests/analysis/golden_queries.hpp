@@ -37,7 +37,7 @@ public:
 		settings_ = {forest(), bushes};
 		for (const auto &[layer, tile_size] : {std::pair{0, 64.0}, std::pair{1, 5.5}}) {
 			const LayerSettings &settings = settings_[static_cast<std::size_t>(layer)];
-			asked.push_back({.set = settings.set,
+			query_layers.push_back({.set = settings.set,
 					.tile_size = tile_size,
 					.shape = {.radius = 0.6, .height = 7.0},
 					.max_scale = settings.placement.max_scale,
@@ -45,13 +45,13 @@ public:
 		}
 	}
 
-	std::vector<QueryLayer> asked;
+	std::vector<QueryLayer> query_layers;
 
 	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override {
 		std::shared_ptr<const CompactTile> &kept = tiles_[{layer, tile.x, tile.y}];
 		if (kept == nullptr) {
 			TileInstances made;
-			const Rect square = tile_rect(asked[layer].tile_size, tile);
+			const Rect square = tile_rect(query_layers[layer].tile_size, tile);
 			if (const Status status = builder_.build(settings_[layer], hills_, square, made); !status.ok()) {
 				return status;
 			}
@@ -173,11 +173,12 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, gl
 /// The displayed meshes of a tile with removed instances.
 template <typename Require>
 std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm::dvec3 place, Require require) {
-	const glm::ivec2 tile = tile_at(world.asked[0].tile_size, {place.x, place.z});
+	const glm::ivec2 tile = tile_at(world.query_layers[0].tile_size, {place.x, place.z});
 	std::shared_ptr<const CompactTile> found;
 	require(world.find_tile(0, tile, found));
 	OverlaidMeshes meshes;
-	require(overlaid(found, world.settings(0), tile_rect(world.asked[0].tile_size, tile), {&state, nullptr}, meshes));
+	require(overlaid(
+			found, world.settings(0), tile_rect(world.query_layers[0].tile_size, tile), {&state, nullptr}, meshes));
 	WordHash hash;
 	for (const std::shared_ptr<const CompactMesh> &kept : meshes) {
 		const MeshInstances mesh = expanded(*kept);
@@ -195,11 +196,11 @@ std::vector<std::pair<std::string, std::uint64_t>> query_digests(
 	GoldenWorld world(place);
 	const Rect rect{place - glm::dvec2(90.25, 80.5), place + glm::dvec2(80.75, 95.125)};
 	std::vector<PlacedInstance> all;
-	require(InstanceQuery{world.asked, world}.in_rect(rect, {}, all));
+	require(InstanceQuery{world.query_layers, world}.in_rect(rect, {}, all));
 	// A height in the middle of the instances.
 	const glm::dvec3 center(place.x, all.empty() ? 0.0 : all[all.size() / 2].position.y, place.y);
 	const InstanceState state = changed_world(all, center, require);
-	const InstanceQuery query{world.asked, world, &state};
+	const InstanceQuery query{world.query_layers, world, &state};
 
 	std::vector<PlacedInstance> in_rect;
 	std::vector<PlacedInstance> in_sphere;

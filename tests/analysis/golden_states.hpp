@@ -106,10 +106,10 @@ std::vector<std::pair<std::string, std::uint64_t>> state_digests(Require require
 	std::vector<std::uint8_t> both;
 	require(merged.save(both));
 	require(there.apply(diff, changes));
-	std::vector<std::uint8_t> told;
-	require(there.save(told));
+	std::vector<std::uint8_t> other_after;
+	require(there.save(other_after));
 	return {{"state", checksum(saved)}, {"state, another", checksum(other)}, {"state, a diff", checksum(diff)},
-			{"state, a merge", checksum(both)}, {"state, another after the diff", checksum(told)}};
+			{"state, a merge", checksum(both)}, {"state, another after the diff", checksum(other_after)}};
 }
 
 } // namespace thicket::analysis
