@@ -19,6 +19,6 @@ public:
 	AllocationLimit(const AllocationLimit &) = delete;
 	AllocationLimit &operator=(const AllocationLimit &) = delete;
 
-	/// Whether a call has failed.
+	/// True if a call has failed.
 	bool reached() const;
 };

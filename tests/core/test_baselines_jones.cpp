@@ -59,7 +59,7 @@ std::vector<glm::dvec2> sample(double side, std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("jones: free areas of cells are exact, however small") {
+TEST_CASE("jones: free areas of cells are exact, even the smallest") {
 	FreeCell cell;
 	cell.assign({{2.0, 0.0}, {0.0, 2.0}, {-2.0, 0.0}, {0.0, -2.0}});
 	CHECK(std::abs(cell.area() - (4.0 - std::numbers::pi)) < 1e-15);

@@ -277,7 +277,7 @@ TEST_CASE("edits of biomes: a changed pixel, density or biome changes nothing ou
 	CHECK(edits(after, after).empty());
 }
 
-TEST_CASE("edits of biomes: also through a layer that keeps away from those of a biome") {
+TEST_CASE("edits of biomes: also through a layer with spacing from a biome's layer") {
 	LayerSettings trees = grass();
 	trees.set.layer = 1;
 	trees.set.radius = 5.0;

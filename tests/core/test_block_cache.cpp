@@ -151,7 +151,7 @@ TEST_CASE("Windows at the set's last cells are filled from blocks, too") {
 	}
 }
 
-TEST_CASE("A window that is canceled leaves its blocks to the next") {
+TEST_CASE("A canceled window leaves its blocks for the next one to generate") {
 	const PointSet set{.seed = 4, .radius = 1.0};
 	TileSampler sampler({}, std::make_shared<BlockCache>());
 	const Rect rect{{10.0, 10.0}, {26.0, 26.0}};

@@ -141,7 +141,7 @@ TEST_CASE("body fit: the outermost points of a box are its corners") {
 	}
 }
 
-TEST_CASE("body fit: the outermost points of a ball reach nearly as far as it") {
+TEST_CASE("body fit: the outermost points of a ball reach nearly its radius") {
 	std::mt19937_64 random(6);
 	std::normal_distribution<float> along;
 	std::vector<glm::vec3> points;

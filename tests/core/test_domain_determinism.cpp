@@ -93,7 +93,7 @@ TEST_CASE_TEMPLATE("domain: sets of different seeds share no points", Real, floa
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: single and double precision are sets of their own, each as dense", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: single and double precision produce different sets of equal density", Real, float, double) {
 	// Guards against a fallback to single precision: coordinates of a double sampler do not fit into floats.
 	const Points<Real> points = sampled<Real>(request_of({"", {40.0, 40.0}, 1.0, true}, DomainMethod::hierarchical, 5));
 	const auto fits = [](const auto &point) {

@@ -139,7 +139,7 @@ TEST_CASE("impostor: pixels with alpha below the threshold are discarded, and co
 	CHECK(coverage(baked({surface}, three), from_front) == 0.0);
 }
 
-TEST_CASE("impostor: colors of vertices, as they are or in sRGB") {
+TEST_CASE("impostor: vertex colors, linear or in sRGB") {
 	ImpostorSurface surface = square(1.0F, 0.0F, glm::vec4(1.0F));
 	surface.colors.assign(4, {128.0F / 255.0F, 64.0F / 255.0F, 1.0F, 1.0F});
 	const auto middle = [&](VertexColors colors) {
@@ -276,7 +276,7 @@ TEST_CASE("impostor: directions of the maps, and axes of pictures") {
 	CHECK(octahedral_direction({0.0F, 1.0F}, OctahedralSpan::sphere) == glm::vec3(0, 0, 1));
 }
 
-TEST_CASE("impostor: a mirroring transform keeps fronts in front and normals outside") {
+TEST_CASE("impostor: a mirroring transform keeps front faces and outward normals") {
 	ImpostorSurface surface = cube(1.0F);
 	surface.transform(glm::mat3({-2.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}, {0.0F, 0.0F, 1.0F}), {10.0F, 0.0F, 0.0F});
 	const Impostor impostor = baked({surface}, three);

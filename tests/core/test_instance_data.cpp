@@ -86,7 +86,7 @@ TEST_CASE("placement: the tilt leans away from the instance's up axis, uniformly
 	}
 }
 
-TEST_CASE("placement: a tilt of 90 degrees lies down, and stays a rotation on any ground") {
+TEST_CASE("placement: a tilt of 90 degrees is horizontal, and stays a rotation on any ground") {
 	std::mt19937 random(6);
 	Placement placement;
 	placement.min_tilt_degrees = placement.max_tilt_degrees = 90.0;

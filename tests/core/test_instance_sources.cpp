@@ -108,7 +108,7 @@ TEST_CASE("sources: bad ranges are refused by name, if they are used") {
 	check_refused(validate(following(source, {})), ErrorCode::not_positive, "radius", -2.0);
 }
 
-TEST_CASE("sources: a noise that fails fails the tile") {
+TEST_CASE("sources: an error of the noise fails the tile") {
 	class Broken final : public DensityField {
 	public:
 		Status sample(std::span<const glm::dvec2>, std::span<float>) const override {

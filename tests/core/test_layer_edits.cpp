@@ -132,7 +132,7 @@ TEST_CASE("edits of a mask: the pixels that differ, and the reach of their blend
 	CHECK_FALSE(area.finite());
 }
 
-TEST_CASE("edits of a layer: its own by its edge, its neighbors' by their distances, chained") {
+TEST_CASE("edits of a layer: grown by its edge, and by the distances along chains of neighbors") {
 	const auto oak_before = layer_with({ball({0.0, 0.0}, 2.0)});
 	const auto oak_after = layer_with({});
 	const auto between = [](const std::shared_ptr<LayerSettings> &oak) {

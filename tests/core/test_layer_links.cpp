@@ -73,7 +73,7 @@ TEST_CASE("links: of a pair, the later layer yields, whichever one names the oth
 	CHECK(turned[2]->neighbors[1] == Neighbor{turned[1], 5.0, nullptr});
 }
 
-TEST_CASE("links: proximity counts for earlier layers only") {
+TEST_CASE("links: proximity applies to earlier layers only") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern")};
 	const auto curve = std::make_shared<const CurveTable>();
 	for (NamedLayer &layer : layers) {

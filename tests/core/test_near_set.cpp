@@ -87,7 +87,7 @@ TEST_CASE("near set: the nearest enter first, the farthest leave first") {
 	CHECK(changes.gone == 0);
 }
 
-TEST_CASE("near set: both ends of the range count as near, in space") {
+TEST_CASE("near set: both ends of the range are inclusive, in three dimensions") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 3.0, 0.0}};

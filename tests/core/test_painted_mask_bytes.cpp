@@ -84,7 +84,7 @@ TEST_CASE("mask bytes: a loaded mask can be painted, and blocks of one value sta
 	CHECK(pixel(loaded, 96, 32) == 255);
 }
 
-TEST_CASE("mask bytes: equal masks have equal bytes, however they were painted") {
+TEST_CASE("mask bytes: equal masks have equal bytes, regardless of the painting") {
 	PaintedMask forth = mask_of(1.0, 0.0);
 	PaintedMask back = mask_of(1.0, 0.0);
 	paint(back, {.center = {500.0, 0.0}, .radius = 90.0});

@@ -106,7 +106,7 @@ void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vecto
 
 } // namespace
 
-TEST_CASE("post grid: a patched field is the field of the patched posts, bit for bit") {
+TEST_CASE("post grid: a patched field equals the field of the patched posts, bit for bit") {
 	for (const glm::ivec2 count :
 			{glm::ivec2(2, 2), glm::ivec2(5, 131), glm::ivec2(129, 130), glm::ivec2(300, 260), glm::ivec2(257, 257)}) {
 		const auto posts = static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y);
@@ -204,7 +204,7 @@ TEST_CASE("heightfield: an error names the column and row of the first refused p
 	CHECK(meters.post == glm::ivec2(4, 3));
 }
 
-TEST_CASE("heightfield: changed weights are changes of the ground") {
+TEST_CASE("heightfield: changed weights count as changes of the ground") {
 	const glm::ivec2 count(10, 10);
 	const auto posts = shared(count, std::vector<std::uint16_t>(100, 5), FloatPosts::meters);
 	const HeightfieldFrame frame = frame_of(count);

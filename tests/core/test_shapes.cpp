@@ -150,7 +150,7 @@ TEST_CASE("shapes: the depth of a leaning cylinder's shadow matches a search, at
 	}
 }
 
-TEST_CASE("shapes: axes as inexact as an engine's floats move no border") {
+TEST_CASE("shapes: axes with single-precision errors move no border") {
 	Shape large = box({0.0, 0.0, 0.0}, {1e6, 1e6, 1e6});
 	large.axes = glm::dmat3({1.0 + 4e-7, 0.0, 0.0}, {4e-7, 1.0 - 4e-7, 0.0}, {0.0, 0.0, 1.0 - 4e-7});
 	for (const bool ignore_height : {false, true}) {

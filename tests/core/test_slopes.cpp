@@ -28,7 +28,7 @@ glm::vec3 inclined(double degrees, double heading, double length = 1.0) {
 
 } // namespace
 
-TEST_CASE("slopes are true degrees") {
+TEST_CASE("slopes are accurate in degrees") {
 	for (double degrees = 0.0; degrees <= 180.0; degrees += 0.25) {
 		for (const double heading : {0.0, 77.0, 200.0}) {
 			const glm::vec3 normal = inclined(degrees, heading);

@@ -92,7 +92,7 @@ TEST_CASE("state formats: damaged bytes of release 0.2.0 are refused, and loaded
 	}
 }
 
-TEST_CASE("state formats: a felling takes few bytes in the diff of a named state") {
+TEST_CASE("state formats: the diff of a single removal is small for a named state") {
 	InstanceState server;
 	server.set_origin(0x0123456789abcdef);
 	REQUIRE(server.claim(1, 0x1234567890abcdef).ok());

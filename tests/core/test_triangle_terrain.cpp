@@ -174,7 +174,7 @@ TEST_CASE("triangles: of equally high ones, the first determines the normal") {
 	}
 }
 
-TEST_CASE("triangles: a mesh has no cracks, and holes where it has holes") {
+TEST_CASE("triangles: a mesh has no cracks, and only its own holes") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (const double size : {1e-3, 1.0, 300.0}) {
