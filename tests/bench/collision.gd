@@ -35,7 +35,7 @@ func run() -> String:
 	for title: String in SHAPES:
 		var rates := await _measure_shape(SHAPES[title], rounds)
 		if rates.is_empty():
-			return "bodies did not come"
+			return "bodies did not appear"
 		row("collision %s created a millisecond, %s, 3 700 at once" % [title, physics], rates[0])
 		row("collision %s removed a millisecond, %s" % [title, physics], rates[1])
 	_layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
