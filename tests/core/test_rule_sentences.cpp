@@ -1,4 +1,4 @@
-// What a designer reads about a rule: the value, what is asked for, and which rule says no.
+// The sentences that explain a rule to a designer: the value, the required range, and which rule excludes a position.
 
 #include "core/placement/rule_sentences.hpp"
 
@@ -23,7 +23,7 @@ std::string said(const RuleFactor &factor, const LayerSettings &layer, const Rul
 	return describe(factor, layer, names).sentence;
 }
 
-/// A place and a point 1.5 m from it, with a density each that the mask gives.
+/// A position and a point 1.5 m from it, each with a density from the mask.
 PlaceExplanation explained(double at_place, double at_point, double rank) {
 	PlaceExplanation explanation;
 	explanation.place = {{}, at_place, {{RuleKind::mask, at_place, at_place, no_index}}};
@@ -35,7 +35,7 @@ PlaceExplanation explained(double at_place, double at_point, double rank) {
 
 } // namespace
 
-TEST_CASE("rule sentences: a range says the value, what is asked for, and how much it leaves") {
+TEST_CASE("rule sentences: a range names the value, the required range, and the remaining share") {
 	LayerSettings layer = sloped();
 	const RuleSentence steep = describe({RuleKind::slope, 42.0, 0.0, no_index}, layer, {});
 	CHECK(steep.rule == "slope");
@@ -49,7 +49,7 @@ TEST_CASE("rule sentences: a range says the value, what is asked for, and how mu
 	CHECK(std::isinf(low.max));
 }
 
-TEST_CASE("rule sentences: a value just beyond a limit does not look like the limit") {
+TEST_CASE("rule sentences: a value just beyond a limit is not printed as the limit") {
 	CHECK(said({RuleKind::slope, 30.0004, 0.0, no_index}, sloped()) ==
 			"Slope is 30.0004°; the layer requires 0° to 30°.");
 	CHECK(number_text(1234.5) == "1234");
@@ -59,7 +59,7 @@ TEST_CASE("rule sentences: a value just beyond a limit does not look like the li
 	CHECK(number_text(2.004, 2.0) == "2.004");
 }
 
-TEST_CASE("rule sentences: other layers, regions and fields are called by their names") {
+TEST_CASE("rule sentences: other layers, regions and fields have their names") {
 	LayerSettings layer;
 	const auto other = std::make_shared<LayerSettings>();
 	layer.neighbors = {{other, 3.0, nullptr}};
@@ -80,7 +80,7 @@ TEST_CASE("rule sentences: other layers, regions and fields are called by their 
 	CHECK(said({RuleKind::shapes, 1.0, 1.0, no_index}, layer, names) == "No region excludes anything here.");
 }
 
-TEST_CASE("rule sentences: one rule says no, or the rank, or none") {
+TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {
 	const LayerSettings layer;
 	const RuleVerdict refused = judge(explained(0.0, 1.0, 0.0), layer, {});
 	CHECK(!refused.yes);
@@ -94,11 +94,11 @@ TEST_CASE("rule sentences: one rule says no, or the rank, or none") {
 	CHECK(late.rule == "rank");
 	CHECK(late.reason ==
 			"Left out by the density: the nearest point of the set, 1.5 m away, has rank 0.75, and the density there "
-	        "is 0.25. "
+			"is 0.25. "
 			"The painted "
 			"mask leaves 25 % here.");
-	const RuleVerdict stands = judge(explained(0.5, 0.5, 0.25), layer, {});
-	CHECK(stands.yes);
-	CHECK(stands.rule.empty());
-	CHECK(stands.reason == "Placed 1.5 m away.");
+	const RuleVerdict accepted = judge(explained(0.5, 0.5, 0.25), layer, {});
+	CHECK(accepted.yes);
+	CHECK(accepted.rule.empty());
+	CHECK(accepted.reason == "Placed 1.5 m away.");
 }

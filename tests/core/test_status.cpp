@@ -34,7 +34,7 @@ TEST_CASE("statuses: the range that is checked is the range that is printed") {
 	CHECK(check_order("max_height", 5.0, inverted.allowed.min).ok());
 }
 
-TEST_CASE("statuses: a view distance beyond the tiles names the limit and what to change") {
+TEST_CASE("statuses: a view distance beyond the tiles names the limit and the remedy") {
 	const Status status = validate(StreamLayer{.tile_size = 16.0, .view_distance = 1500.0});
 	CHECK(describe(status) ==
 			"view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Raise tile_size or lower "

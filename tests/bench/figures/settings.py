@@ -1,4 +1,4 @@
-"""How much is measured: FULL for the page, QUICK to see that everything works."""
+"""The amount of measurement: FULL for the page, QUICK to check that everything works."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 def half_decades(first: int, last: int) -> list[int]:
-    """10^first to 10^last points in half decades, the halves rounded to two digits."""
+    """10^first to 10^last points in half decades. The halves are rounded to two digits."""
     return [int(round(10 ** (step / 2), 1 - step // 2)) for step in range(2 * first, 2 * last + 1)]
 
 
@@ -14,10 +14,10 @@ def half_decades(first: int, last: int) -> list[int]:
 class Settings:
     sizes: list[int]  # figures 4 and 6
     most_rounds: int  # of every contender at every size,
-    least_rounds: int  # of our own methods up to the size that the loss is told for,
-    contender_seconds: float  # and between the two as many as fit into this
+    least_rounds: int  # of our own methods up to the size whose loss is reported,
+    contender_seconds: float  # and between the two, as many as fit into this time
     longest_run: float  # seconds; a contender ends before the size at which one run would take longer
-    shortest_run: float  # seconds; smaller sets are made until they have taken this long together
+    shortest_run: float  # seconds; smaller sets are repeated until they have taken this long in total
 
     memory_points: int  # sections 4.2 and 4.3
     cells: list[float]  # radii
@@ -31,7 +31,7 @@ class Settings:
     coverage_points: int
 
     large_sets: bool  # 95 and 750 million points
-    longest_large_run: float  # seconds; a large set that would take longer is not made
+    longest_large_run: float  # seconds; a large set that would take longer is skipped
     billion_points: float
 
 
@@ -63,7 +63,7 @@ QUICK = Settings(
     most_rounds=2,
     least_rounds=1,
     contender_seconds=0.5,
-    longest_run=3.0,  # Jones' method makes 100,000 points in 0.7 s; a busy machine must not leave it out.
+    longest_run=3.0,  # Jones' method takes 0.7 s for 100,000 points, and must also fit on a busy machine.
     shortest_run=0.02,
     memory_points=100_000,
     cells=[1, 5, 20],
