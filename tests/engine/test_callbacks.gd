@@ -4,13 +4,13 @@ extends "scenes_harness.gd"
 
 ## Ground that calls back in the middle of being asked.
 class CallingGround extends ScatterGround:
-	var deed := Callable()
+	var action := Callable()
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		heights.resize(positions.size())
-		if deed.is_valid():
-			deed.call()
+		if action.is_valid():
+			action.call()
 		return heights
 
 
@@ -96,7 +96,7 @@ var calls: Dictionary[String, Callable] = {
 }
 var scatter: TerrainScatter3D
 var ground: CallingGround
-var deed := ""
+var action := ""
 var again := Callable() ## What made the node call.
 var times := 0 ## How often the callback was called.
 
@@ -118,8 +118,8 @@ func a_diff(count: int) -> PackedByteArray:
 
 func act() -> void:
 	times += 1
-	if times <= (3 if deed in ["remove more", "add", "call again"] else 1) and is_instance_valid(scatter):
-		deeds[deed].call()
+	if times <= (3 if action in ["remove more", "add", "call again"] else 1) and is_instance_valid(scatter):
+		deeds[action].call()
 
 
 func hear0() -> void: act()
@@ -134,7 +134,7 @@ func accept(_id: int, _layer: int, _at: Transform3D) -> bool:
 
 
 func listen(callback: String) -> void:
-	var hear: Array[Callable] = [hear0, hear1, hear2, hear3]
+	var handlers: Array[Callable] = [hear0, hear1, hear2, hear3]
 	match callback:
 		"removed in a sphere", "diff", "large diff": scatter.instance_removed.connect(hear3)
 		"regrowth": scatter.instance_restored.connect(hear3)
@@ -143,10 +143,10 @@ func listen(callback: String) -> void:
 		"_scatter_shown", "_scatter_hidden": Plant.hooks[callback] = hear1
 		_:
 			if callback.begins_with("ground"):
-				ground.deed = hear0
+				ground.action = hear0
 			for event in scatter.get_signal_list():
 				if event["name"] == callback:
-					scatter.connect(callback, hear[event["args"].size()])
+					scatter.connect(callback, handlers[event["args"].size()])
 
 
 ## A small forest with bodies and scenes, settled.
@@ -166,7 +166,7 @@ func make_forest(with_scenes: bool) -> void:
 
 func cross(callback: String, name: String) -> void:
 	await make_forest(callback.contains("scene") or callback.contains("_scatter"))
-	deed = name
+	action = name
 	times = 0
 	again = calls[callback]
 	listen(callback)
@@ -183,7 +183,7 @@ func cross(callback: String, name: String) -> void:
 		var bare := "is missing" in message or "There is no layer 0" in message or "another seed" in message
 		check(refused or bare, "%s, %s: the engine printed: %s" % [callback, name, message])
 	Plant.hooks.clear()
-	ground.deed = Callable()
+	ground.action = Callable()
 	ground = null
 	again = Callable()
 	if is_instance_valid(scatter):

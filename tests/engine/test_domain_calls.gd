@@ -7,9 +7,9 @@ func test_progress() -> void:
 		var area := area_for(method)
 		var listener := Listener.new()
 		var start := Time.get_ticks_usec()
-		var points := make(method).sample_domain(area, listener.hear)
+		var points := make(method).sample_domain(area, listener.record)
 		var elapsed := Time.get_ticks_usec() - start
-		var count := listener.heard()
+		var count := listener.get_report_count()
 		check(count >= 2, "%s: called %d times in %d us" % [label(method), count, elapsed])
 		check(count <= elapsed / 15000.0 + 2, "%s: called %d times in %d us" % [label(method), count, elapsed])
 		for index in range(1, count):
@@ -26,7 +26,7 @@ func test_progress() -> void:
 func test_a_short_call_says_that_it_is_done() -> void:
 	for method in METHODS:
 		var listener := Listener.new()
-		var exact := make(method).sample_domain_exact(0.0, 0.0, 4.0, 3.0, listener.hear)
+		var exact := make(method).sample_domain_exact(0.0, 0.0, 4.0, 3.0, listener.record)
 		check_equal(listener.fractions[-1], 1.0, label(method))
 		check_equal(listener.points[-1], exact.size(), label(method))
 
@@ -38,13 +38,13 @@ func test_one_call_at_a_time() -> void:
 		var expected := sampler.sample_domain(area)
 		var results: Array = []
 		var listener := Listener.new()
-		listener.deed = func(_fraction: float) -> void:
+		listener.on_report = func(_fraction: float) -> void:
 			if results.is_empty():
 				results.push_back(sampler.sample(SMALL).ids.size())
 				results.push_back(sampler.sample_domain(SMALL).size())
 				results.push_back(sampler.sample_exact(0.0, 0.0, 5.0, 5.0).x.size())
 				results.push_back(sampler.sample_domain_exact(0.0, 0.0, 5.0, 5.0).y.size())
-		check(sampler.sample_domain(area, listener.hear) == expected, label(method) + ": goes on undisturbed")
+		check(sampler.sample_domain(area, listener.record) == expected, label(method) + ": goes on undisturbed")
 		check_equal(results, [0, 0, 0, 0], label(method) + ": calls within the call")
 		var messages := "\n".join(errors.take())
 		for name: String in ["sample", "sample_domain", "sample_exact", "sample_domain_exact"]:
@@ -56,8 +56,8 @@ func test_one_thread_at_a_time() -> void:
 	var expected := sampler.sample_domain(area_for(sampler.method))
 	var listener := Listener.new()
 	var thread := Thread.new()
-	thread.start(func() -> PackedVector2Array: return sampler.sample_domain(area_for(sampler.method), listener.hear))
-	while listener.heard() == 0:
+	thread.start(func() -> PackedVector2Array: return sampler.sample_domain(area_for(sampler.method), listener.record))
+	while listener.get_report_count() == 0:
 		OS.delay_usec(500)
 	check_equal(sampler.sample_domain(SMALL).size(), 0, "a call from a second thread")
 	check_error(["PoissonSampler.sample_domain()", "under way"], "a call from a second thread")
@@ -93,21 +93,21 @@ func test_changes_hold_from_the_next_call_on() -> void:
 		var expected := make(method).sample_domain(area)
 		var sampler := make(method)
 		var listener := Listener.new()
-		listener.deed = func(_fraction: float) -> void:
+		listener.on_report = func(_fraction: float) -> void:
 			sampler.radius = 9.0
 			sampler.seed = 77
 			sampler.progressive_levels = 2
 			sampler.method = PoissonSampler.METHOD_WAVEFRONT
 			sampler.double_precision = true
-		check(sampler.sample_domain(area, listener.hear) == expected, label(method) + ": as it was when the call began")
+		check(sampler.sample_domain(area, listener.record) == expected, label(method) + ": as it was when the call began")
 		check(sampler.sample_domain(area).size() < expected.size() / 20.0, label(method) + ": the next one is another")
 
 
 class Passing extends Object:
-	var heard := 0
+	var report_count := 0
 
-	func hear(_fraction: float, _points: int) -> void:
-		heard += 1
+	func record(_fraction: float, _points: int) -> void:
+		report_count += 1
 
 
 func test_progress_that_breaks() -> void:
@@ -140,9 +140,9 @@ func test_progress_whose_object_goes() -> void:
 		var expected := make(method).sample_domain(area)
 		var passing := Passing.new()
 		var thread := Thread.new()
-		var hear := passing.hear
-		thread.start(func() -> PackedVector2Array: return make(method).sample_domain(area, hear))
-		while passing.heard == 0:
+		var record := passing.record
+		thread.start(func() -> PackedVector2Array: return make(method).sample_domain(area, record))
+		while passing.report_count == 0:
 			OS.delay_usec(500)
 		OS.delay_usec(500)
 		passing.free()

@@ -17,11 +17,11 @@ func test_cancel_from_progress() -> void:
 			sampler.double_precision = precise
 			check_promise(label(method), func() -> int:
 				var listener := Listener.new()
-				listener.deed = func(_fraction: float) -> void: sampler.cancel()
-				var points := sampler.sample_domain(HUGE, listener.hear)
+				listener.on_report = func(_fraction: float) -> void: sampler.cancel()
+				var points := sampler.sample_domain(HUGE, listener.record)
 				var elapsed := Time.get_ticks_usec() - listener.times[-1]
 				check_equal(points.size(), 0, label(method) + ": nothing comes out")
-				check_equal(listener.heard(), 1, label(method) + ": nor is there more to hear")
+				check_equal(listener.get_report_count(), 1, label(method) + ": nor is there more to hear")
 				return elapsed)
 			check_no_error(label(method) + " cancelled")
 			check(sampler.sample_domain(SMALL).size() > 300, label(method) + ": the next call works")
@@ -50,10 +50,10 @@ func test_cancel_late() -> void:
 		var side := 60.0 if method == PoissonSampler.METHOD_NAIVE else 500.0
 		for late: float in [0.6, 1.0]:
 			var listener := Listener.new()
-			listener.deed = func(fraction: float) -> void:
+			listener.on_report = func(fraction: float) -> void:
 				if fraction >= late:
 					sampler.cancel()
-			var exact := sampler.sample_domain_exact(0.0, 0.0, side, side, listener.hear)
+			var exact := sampler.sample_domain_exact(0.0, 0.0, side, side, listener.record)
 			check(exact.is_empty() and exact.x.is_empty() and exact.y.is_empty(), "%s at %s" % [label(method), late])
 			check_equal(sampler.get_stats()["points"], 0, label(method) + ": no stats")
 
@@ -66,8 +66,8 @@ func test_cancel_from_another_thread() -> void:
 				var sampler := make(method)
 				var listener := Listener.new()
 				var thread := Thread.new()
-				thread.start(func() -> PackedVector2Array: return sampler.sample_domain(HUGE, listener.hear))
-				while listener.heard() < words:
+				thread.start(func() -> PackedVector2Array: return sampler.sample_domain(HUGE, listener.record))
+				while listener.get_report_count() < words:
 					OS.delay_usec(500)
 				var start := Time.get_ticks_usec()
 				sampler.cancel()
@@ -87,13 +87,13 @@ func test_never_silent_for_long() -> void:
 			var sampler := make(method)
 			var listener := Listener.new()
 			var words: Array[int] = [0]
-			listener.deed = func(_fraction: float) -> void:
+			listener.on_report = func(_fraction: float) -> void:
 				words[0] += 1
 				if words[0] > 50:
 					sampler.cancel()
 			var longest := 0
 			var last := Time.get_ticks_usec()
-			sampler.sample_domain(HUGE, listener.hear)
+			sampler.sample_domain(HUGE, listener.record)
 			for time in listener.times:
 				longest = maxi(longest, time - last)
 				last = time

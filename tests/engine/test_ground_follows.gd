@@ -219,7 +219,7 @@ func test_refresh_ground_reads_in_portions() -> void:
 	var scatter := await make_on_meshes()
 	var reads: int = scatter.get_stats()["ground_reads"]
 	var most := 0
-	var made := await made_again(scatter, func() -> void:
+	var made := await regenerated_by(scatter, func() -> void:
 			scatter.refresh_ground()
 			var last := reads
 			while not scatter.is_settled():
@@ -278,7 +278,7 @@ func test_moving_bodies_are_not_followed() -> void:
 	var rides := func(one: Transform3D) -> bool: return one.origin.y > 1.0
 	check(all_transforms(scatter).any(rides), "on the platform at first")
 	var under := tiles_under([square(on_map(platform.transform), 5.0)])
-	var made := await made_again(scatter, func() -> void:
+	var made := await regenerated_by(scatter, func() -> void:
 			platform.position.x += 30.0
 			await until(func() -> bool: return not all_transforms(scatter).any(rides), "none float"))
 	check(made.all(func(tile: Vector2i) -> bool: return under.has(tile)), "tiles where it was: %s" % [made])
@@ -286,7 +286,7 @@ func test_moving_bodies_are_not_followed() -> void:
 	await frames(60)
 	check(scatter.is_settled(), "still settled")
 	check_equal(scatter.get_stats()["tiles_made"], tiles, "and no further tile is made")
-	made = await made_again(scatter, scatter.refresh_ground)
+	made = await regenerated_by(scatter, scatter.refresh_ground)
 	check_equal(made.size(), scatter.get_shown_tiles(0).size(), "all rays are cast again when asked to")
 	var on_it := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.y > 1.0)
 	check(on_it.size() > 40 and on_it.all(func(one: Transform3D) -> bool: return absf(one.origin.x - 10.0) < 5.1), "where it is now")
@@ -356,12 +356,12 @@ func test_handlers_may_end_it_all() -> void:
 		var plane := put_plane(Vector3.ZERO)
 		var scatter := await make_on_meshes()
 		var terrain: ScatterGroundMeshes = scatter.ground
-		var heard := [0]
+		var signal_count := [0]
 		terrain.ground_changed.connect(func(_rect: Rect2) -> void:
-				heard[0] += 1
+				signal_count[0] += 1
 				endings[ending].call(scatter))
 		plane.position.y = 2.0
-		await until(func() -> bool: return heard[0] > 0, "%s: told" % ending)
+		await until(func() -> bool: return signal_count[0] > 0, "%s: told" % ending)
 		await frames(10)
 		check(ending != "free" or not is_instance_valid(scatter) or was_kept_from_being_freed(), "freed, or kept by the engine")
 		if is_instance_valid(scatter):

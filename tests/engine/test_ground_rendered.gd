@@ -67,7 +67,7 @@ func test_an_updated_texture_is_ground() -> void:
 		var region := Rect2i(120, 122, 10, 4)
 		var height := 4.0 if by_region else 3.0
 		image.fill_rect(region, Color(height, 0.0, 0.0))
-		var made := await made_again(scatter, func() -> void:
+		var made := await regenerated_by(scatter, func() -> void:
 				texture.update(image)
 				if by_region:
 					terrain.update_region(region)

@@ -18,17 +18,17 @@ func test_sculpting_makes_its_tiles_anew() -> void:
 					for row in range(56, 59):
 						data.set_post(column, row, 12.0 + step)
 				data.notify_region_change(Rect2i(56, 56, 3, 3), CHANNEL_HEIGHT)
-			var made := await made_again(scatter, sculpt)
+			var made := await regenerated_by(scatter, sculpt)
 			check_equal(made, [Vector2i(1, 1)] as Array[Vector2i], "%s, step %d: tiles" % [kind, step])
 			check_ground(scatter, node, "%s, step %d" % [kind, step])
-		var nothing := await made_again(scatter, func() -> void: data.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
+		var nothing := await regenerated_by(scatter, func() -> void: data.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
 		check_equal(nothing.size(), 0, "%s: tiles made where nothing has changed" % kind)
 		var odd := func() -> void:
 			for rect: Rect2i in [Rect2i(-5, -5, 3, 3), Rect2i(60, 60, 50, 50), Rect2i(3, 3, 0, 0), Rect2i(5, 5, -2, 4)]:
 				data.notify_region_change(rect, CHANNEL_HEIGHT)
 			data.notify_region_change(Rect2i(0, 0, 65, 65), 4)
 			data.notify_region_change(Rect2i(0, 0, 65, 65), 99)
-		check_equal((await made_again(scatter, odd)).size(), 0, "%s: tiles made for odd rects" % kind)
+		check_equal((await regenerated_by(scatter, odd)).size(), 0, "%s: tiles made for odd rects" % kind)
 		check_no_error(kind)
 		scatter.free()
 		node.free()
@@ -88,7 +88,7 @@ func test_other_data() -> void:
 	await frames(2)
 	await settle(scatter)
 	check_ground(scatter, node, "other data")
-	var made := await made_again(scatter, func() -> void: old.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
+	var made := await regenerated_by(scatter, func() -> void: old.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
 	check_equal(made.size(), 0, "the old data is not followed")
 	other.resolution = 129
 	other.maps[CHANNEL_HEIGHT] = [Image.create_empty(129, 129, false, Image.FORMAT_RF)]
@@ -98,7 +98,7 @@ func test_other_data() -> void:
 	await settle(scatter)
 	check_ground(scatter, node, "another resolution")
 	other.maps[CHANNEL_HEIGHT] = [other.maps[CHANNEL_HEIGHT][0].duplicate()]
-	check_equal((await made_again(scatter, func() -> void: other.map_changed.emit(CHANNEL_HEIGHT, 0))).size(), 0, "an equal image")
+	check_equal((await regenerated_by(scatter, func() -> void: other.map_changed.emit(CHANNEL_HEIGHT, 0))).size(), 0, "an equal image")
 	other.maps[CHANNEL_HEIGHT] = [Image.create_empty(129, 129, false, Image.FORMAT_RF)]
 	other.map_changed.emit(CHANNEL_HEIGHT, 0)
 	await settle(scatter)
@@ -182,7 +182,7 @@ func test_a_recenter_that_it_follows_makes_nothing() -> void:
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	var shift := Vector3(256.0, 16.0, -512.0)
-	var made := await made_again(scatter, func() -> void:
+	var made := await regenerated_by(scatter, func() -> void:
 		viewer.global_position -= shift
 		node.global_position -= shift
 		scatter.world_offset = shift)

@@ -145,7 +145,7 @@ func test_nobody_waits_for_a_huge_tile() -> void:
 	layer.tile_size = 1000.0
 	layer.view_distance = 0.0
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer(Vector3(500.0, 0.0, 500.0)))
-	for deed: Callable in [
+	for action: Callable in [
 			func() -> void: root.remove_child(scatter),
 			func() -> void: root.add_child(scatter),
 			func() -> void: scatter.ground = null,
@@ -154,7 +154,7 @@ func test_nobody_waits_for_a_huge_tile() -> void:
 		await frames(10)
 		OS.delay_msec(50)
 		var start := Time.get_ticks_msec()
-		deed.call()
+		action.call()
 		await process_frame
 		var time := Time.get_ticks_msec() - start
 		check(time < 500, "2.8 million points of work held up the main thread for %d ms" % time)
@@ -173,7 +173,7 @@ func test_viewer_freed_and_teleported() -> void:
 
 
 func test_meddling_grounds() -> void:
-	for deed in 7:
+	for action in 7:
 		var ground := MeddlingGround.new()
 		# So few points that one question answers a tile: what follows the answer meets what the deed has left.
 		var scatter := make_scatter([make_layer(8.0)], ground, make_viewer())
@@ -185,10 +185,10 @@ func test_meddling_grounds() -> void:
 			func() -> void: scatter.layers = [],
 			func() -> void: ground.emit_changed(),
 			func() -> void: root.remove_child(scatter),
-		][deed]
+		][action]
 		await frames(20)
-		check(not ground.meddle.is_valid(), "deed %d is done" % deed)
-		check_equal(was_kept_from_being_freed(), deed == 1, "deed %d: kept from being freed" % deed)
+		check(not ground.meddle.is_valid(), "deed %d is done" % action)
+		check_equal(was_kept_from_being_freed(), action == 1, "deed %d: kept from being freed" % action)
 		if is_instance_valid(scatter):
 			scatter.free()
 	await frames(3)

@@ -32,12 +32,12 @@ func samples(mask: ScatterMask, center: Vector2, reach: float) -> PackedFloat32A
 
 ## One error that names the property, and nothing else has happened.
 func refuse(mask: ScatterMask, property: StringName, value: Variant, words: Array) -> void:
-	var heard := Heard.new(mask)
+	var signals := Heard.new(mask)
 	var before: Variant = mask.get(property)
 	mask.set(property, value)
 	check_error(["ScatterMask.%s" % property] + words, "a bad %s" % property)
 	check(mask.get(property) == before, "%s stays" % property)
-	check_equal(heard.changes, 0, "nothing was told")
+	check_equal(signals.changes, 0, "nothing was told")
 
 
 func test_new_masks() -> void:
@@ -57,10 +57,10 @@ func test_paint() -> void:
 	for pixel_size: float in [0.25, 1.0, 3.0]:
 		for center: Vector2 in [Vector2(0, 0), Vector2(-1000.3, 64.0), Vector2(123456.5, -98765.25)]:
 			var mask := blank(0.0, pixel_size)
-			var heard := Heard.new(mask)
+			var signals := Heard.new(mask)
 			var rect := mask.paint(center, 12.0, 1.0, 0.75)
-			check_equal(heard.areas, [rect] as Array[Rect2], "told once, with the rectangle returned")
-			check_equal(heard.changes, 0, "a dab is no change of the whole")
+			check_equal(signals.areas, [rect] as Array[Rect2], "told once, with the rectangle returned")
+			check_equal(signals.changes, 0, "a dab is no change of the whole")
 			check_equal(mask.sample(center), 1.0, "full in the middle")
 			check_equal(mask.sample(center + Vector2(9.0 - 1.5 * pixel_size, 0)), 1.0, "as far as it is hard")
 			check_equal(mask.sample(center + Vector2(12.1 + pixel_size, 0)), 0.0, "nothing beyond its rim")
@@ -82,16 +82,16 @@ func test_modes() -> void:
 	var weak := blank(0.0)
 	weak.paint(Vector2.ZERO, 10.0, 0.25)
 	check(absf(weak.sample(Vector2.ZERO) - 0.25) < 0.01, "a quarter of the way: %s" % weak.sample(Vector2.ZERO))
-	var heard := Heard.new(mask)
+	var signals := Heard.new(mask)
 	check_equal(blank(0.0).paint(Vector2.ZERO, 5.0, 1.0, 0.5, ScatterMask.MODE_ERASE), Rect2(), "nothing to erase")
-	check_equal(heard.areas.size(), 0, "and nothing told")
+	check_equal(signals.areas.size(), 0, "and nothing told")
 
 
 func test_refused_dabs() -> void:
 	var mask := blank(0.0)
 	mask.paint(Vector2(3, 3), 4.0)
 	var data := mask.data
-	var heard := Heard.new(mask)
+	var signals := Heard.new(mask)
 	for dab: Array in [[Vector2(NAN, 0), 5.0], [Vector2(0, INF), 5.0], [Vector2.ZERO, 0.0], [Vector2.ZERO, -1.0],
 			[Vector2.ZERO, NAN], [Vector2.ZERO, 2000.0], [Vector2.ZERO, 5.0, 1.5], [Vector2.ZERO, 5.0, -0.1],
 			[Vector2.ZERO, 5.0, 1.0, 2.0], [Vector2.ZERO, 5.0, 1.0, NAN], [Vector2.ZERO, 5.0, 1.0, 0.5, 3],
@@ -99,7 +99,7 @@ func test_refused_dabs() -> void:
 		check_equal(mask.paint.callv(dab), Rect2(), "%s" % [dab])
 		check_error(["ScatterMask."], "paint%s" % [dab])
 	check_equal(mask.data, data, "what was painted before")
-	check_equal(heard.areas.size() + heard.changes, 0, "nothing told")
+	check_equal(signals.areas.size() + signals.changes, 0, "nothing told")
 
 
 func test_undo_and_redo() -> void:
@@ -113,16 +113,16 @@ func test_undo_and_redo() -> void:
 	var after := samples(mask, Vector2(50, -25), 40.0)
 	var painted := mask.get_pixels(pixels)
 	check(before != after, "painted")
-	var heard := Heard.new(mask)
-	check_equal(heard.areas, [] as Array[Rect2], "not told yet")
+	var signals := Heard.new(mask)
+	check_equal(signals.areas, [] as Array[Rect2], "not told yet")
 	var rect := mask.set_pixels(pixels, kept)
-	check_equal(heard.areas, [rect] as Array[Rect2], "undo tells where")
+	check_equal(signals.areas, [rect] as Array[Rect2], "undo tells where")
 	check(Rect2(45, -35, 20, 20).grow(1.0).encloses(rect), "%s holds the dab" % rect)
 	check_equal(samples(mask, Vector2(50, -25), 40.0), before, "undone")
 	mask.set_pixels(pixels, painted)
 	check_equal(samples(mask, Vector2(50, -25), 40.0), after, "done again")
 	check_equal(mask.set_pixels(pixels, painted), Rect2(), "nothing left to change")
-	check_equal(heard.areas.size(), 2, "and nothing told")
+	check_equal(signals.areas.size(), 2, "and nothing told")
 
 
 func test_refused_pixels() -> void:
@@ -155,12 +155,12 @@ func test_whole_properties() -> void:
 		refuse(mask, "pixel_size", value, ["range"])
 	for value: float in [-0.1, 1.1]:
 		refuse(mask, "background", value, ["range"])
-	var heard := Heard.new(mask)
+	var signals := Heard.new(mask)
 	mask.pixel_size = 2.0
 	mask.background = 1.0
-	check_equal(heard.changes, 2, "both told")
+	check_equal(signals.changes, 2, "both told")
 	mask.background = 1.0
-	check_equal(heard.changes, 2, "no change, nothing told")
+	check_equal(signals.changes, 2, "no change, nothing told")
 	mask.paint(Vector2.ZERO, 10.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
 	refuse(mask, "pixel_size", 4.0, ["painted", "clear"])
 	refuse(mask, "background", 0.5, ["painted", "clear"])
@@ -168,12 +168,12 @@ func test_whole_properties() -> void:
 	mask.background = 1.0
 	check_no_error("the same again")
 	mask.clear()
-	check_equal(heard.changes, 3, "cleared")
+	check_equal(signals.changes, 3, "cleared")
 	check_equal(mask.sample(Vector2.ZERO), 1.0, "nothing painted any more")
 	mask.pixel_size = 4.0
 	check_equal(mask.pixel_size, 4.0, "free again")
 	mask.clear()
-	check_equal(heard.changes, 4, "nothing to clear, nothing told")
+	check_equal(signals.changes, 4, "nothing to clear, nothing told")
 
 
 func test_stored_bytes() -> void:
@@ -182,9 +182,9 @@ func test_stored_bytes() -> void:
 	mask.paint(Vector2(900.0, -5000.0), 8.0, 0.6, 0.0, ScatterMask.MODE_ERASE)
 	var seen := samples(mask, Vector2(-300, 77), 40.0)
 	var other := ScatterMask.new()
-	var heard := Heard.new(other)
+	var signals := Heard.new(other)
 	other.data = mask.data
-	check_equal(heard.changes, 1, "told as a change of the whole")
+	check_equal(signals.changes, 1, "told as a change of the whole")
 	check_equal(other.data, mask.data, "the same bytes")
 	check_equal([other.pixel_size, other.get_pixels(Rect2i(0, 0, 1, 1))], [0.5, mask.get_pixels(Rect2i(0, 0, 1, 1))], "with pixel size and background")
 	check_equal(samples(other, Vector2(-300, 77), 40.0), seen, "the same densities")
@@ -229,18 +229,18 @@ func test_files() -> void:
 func test_layers_pass_on_what_is_painted() -> void:
 	var mask := blank(0.0)
 	var layers: Array[ScatterLayer] = [make_layer(), make_layer()]
-	var heard: Array[Heard] = []
+	var signals: Array[Heard] = []
 	for layer in layers:
 		layer.mask = mask
-		heard.push_back(Heard.new(layer))
+		signals.push_back(Heard.new(layer))
 	var rect := mask.paint(Vector2(10, 10), 5.0)
 	mask.clear()
 	for index in 2:
-		check_equal(heard[index].areas, [rect] as Array[Rect2], "the area of the dab")
-		check_equal(heard[index].changes, 1, "clearing is a change of the whole")
+		check_equal(signals[index].areas, [rect] as Array[Rect2], "the area of the dab")
+		check_equal(signals[index].changes, 1, "clearing is a change of the whole")
 	layers[0].mask = null
 	mask.paint(Vector2(10, 10), 5.0)
-	check_equal([heard[0].areas.size(), heard[1].areas.size()], [1, 2], "one layer has let go")
-	check_equal(heard[0].changes, 2, "which is a change of that layer")
+	check_equal([signals[0].areas.size(), signals[1].areas.size()], [1, 2], "one layer has let go")
+	check_equal(signals[0].changes, 2, "which is a change of that layer")
 	layers[1].mask = mask
-	check_equal(heard[1].changes, 1, "the same mask again is none")
+	check_equal(signals[1].changes, 1, "the same mask again is none")

@@ -309,19 +309,19 @@ func test_a_reimported_scene_is_drawn_as_it_is_now() -> void:
 
 ## The root of a scene, whose making does something.
 class Meddler extends Node3D:
-	static var deed: Callable
+	static var action: Callable
 
 	func _init() -> void:
-		if deed.is_valid():
-			deed.call()
+		if action.is_valid():
+			action.call()
 
 
 func pack_meddler() -> PackedScene:
-	var deed := Meddler.deed
-	Meddler.deed = Callable()
+	var action := Meddler.action
+	Meddler.action = Callable()
 	var root_node := Meddler.new()
 	put_mesh(box_of(Vector3.ONE), "Stone", root_node, root_node)
-	Meddler.deed = deed
+	Meddler.action = action
 	return pack(root_node)
 
 
@@ -330,13 +330,13 @@ func test_scripts_in_a_scene_may_do_anything_while_it_is_read() -> void:
 	var scatter := make_scatter([make_model_layer([BoxMesh.new()])], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var layer := scatter.layers[0]
-	Meddler.deed = func() -> void: layer.meshes = []
+	Meddler.action = func() -> void: layer.meshes = []
 	layer.meshes = [meddling]
 	check_equal(layer.meshes, [meddling], "nothing runs when it is set")
 	await settle(scatter)
 	check_equal(layer.meshes, [], "the script that runs when it is read has the last word")
-	for deed: Callable in [func() -> void: scatter.free(), func() -> void: root.remove_child(scatter)]:
-		Meddler.deed = deed
+	for action: Callable in [func() -> void: scatter.free(), func() -> void: root.remove_child(scatter)]:
+		Meddler.action = action
 		layer.reload_scenes([""]) # No file: nothing is read.
 		layer.meshes = [SphereMesh.new()]
 		layer.meshes = [pack_meddler()]
@@ -346,11 +346,11 @@ func test_scripts_in_a_scene_may_do_anything_while_it_is_read() -> void:
 	scatter.free()
 	var model := ScatterModel.new()
 	var tree := pack(make_tree())
-	Meddler.deed = func() -> void:
-		Meddler.deed = Callable()
+	Meddler.action = func() -> void:
+		Meddler.action = Callable()
 		check(model.get_mesh() == null, "what is being read has no mesh yet")
 		model.scene = tree
 	model.scene = meddling
 	check_equal(model.get_mesh().get_surface_count(), 2, "a model that gets a different scene meanwhile has that")
 	check_equal(model.scene, tree, "as its property says")
-	Meddler.deed = Callable()
+	Meddler.action = Callable()

@@ -138,7 +138,7 @@ func test_nobody_waits_for_ever() -> void:
 	var canceled := scatter.request_rect(far)
 	canceled.cancel()
 	check((await canceled.completed).is_empty(), "a canceled one")
-	for deed: Callable in [
+	for action: Callable in [
 			func() -> void: root.remove_child(scatter),
 			func() -> void: root.add_child(scatter),
 			func() -> void: scatter.ground = null,
@@ -147,7 +147,7 @@ func test_nobody_waits_for_ever() -> void:
 			scatter.ground = ScatterGroundFlat.new()
 		var left := [false]
 		scatter.request_rect(far).completed.connect(func(_found: ScatterInstances) -> void: left[0] = true)
-		deed.call()
+		action.call()
 		await until(func() -> bool: return left[0], "a request whose node went away")
 	await frames(2)
 

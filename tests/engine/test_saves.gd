@@ -86,10 +86,10 @@ func test_what_listens_hears_of_loading() -> void:
 	var state := make_state(2)
 	state.save_to_file(PATH)
 	state.remove(point(50))
-	var heard: Array = []
-	state.instances_changed.connect(func(ids: PackedInt64Array) -> void: heard.append_array(ids))
+	var emitted: Array = []
+	state.instances_changed.connect(func(ids: PackedInt64Array) -> void: emitted.append_array(ids))
 	check_equal(state.load_from_file(PATH), OK, "loaded")
-	check(heard.has(point(50)), "what stands again is told: %s" % [heard])
+	check(emitted.has(point(50)), "what stands again is told: %s" % [emitted])
 
 
 func test_a_diff_under_way_is_not_in_the_file() -> void:
@@ -167,17 +167,17 @@ func refuse_loading(bytes: Variant, error: Error, words: Array, what: String) ->
 		FileAccess.open(PATH, FileAccess.WRITE).store_buffer(bytes as PackedByteArray)
 	var state := make_state()
 	var before := [state.to_bytes(), state.get_revision()]
-	var heard: Array = []
-	state.changed.connect(func() -> void: heard.push_back(true))
+	var emitted: Array = []
+	state.changed.connect(func() -> void: emitted.push_back(true))
 	check_equal(state.load_from_file(PATH), error, what)
 	check_error(["ScatterState.load_from_file: cannot load " + PATH] + words, what)
-	check([state.to_bytes(), state.get_revision()] == before and heard.is_empty(), what + " has changed nothing")
+	check([state.to_bytes(), state.get_revision()] == before and emitted.is_empty(), what + " has changed nothing")
 	var mask := make_mask()
-	mask.changed.connect(func() -> void: heard.push_back(true))
+	mask.changed.connect(func() -> void: emitted.push_back(true))
 	var painted := mask.data
 	check_equal(mask.load_from_file(PATH), error, what + ", for a mask")
 	check_error(["ScatterMask.load_from_file: cannot load " + PATH] + words, what + ", for a mask")
-	check(mask.data == painted and heard.is_empty(), what + " has changed nothing of a mask")
+	check(mask.data == painted and emitted.is_empty(), what + " has changed nothing of a mask")
 
 
 func test_what_is_no_such_file_is_refused() -> void:
@@ -245,10 +245,10 @@ func test_masks() -> void:
 		check_equal(mask.save_to_file(path), OK, "saved")
 		var loaded := ScatterMask.new()
 		loaded.paint(Vector2(-50, 3), 4.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
-		var heard: Array = []
-		loaded.changed.connect(func() -> void: heard.push_back(true))
+		var emitted: Array = []
+		loaded.changed.connect(func() -> void: emitted.push_back(true))
 		check_equal(loaded.load_from_file(path), OK, "loaded")
-		check_equal(heard.size(), 1, "told once")
+		check_equal(emitted.size(), 1, "told once")
 		check_equal([loaded.pixel_size, loaded.background, loaded.data], [mask.pixel_size, mask.background, mask.data], "the same mask")
 	check_equal(files_there(), ["lanes.mask"], "no other file is left")
 

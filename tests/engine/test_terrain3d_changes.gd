@@ -30,7 +30,7 @@ func test_a_stroke_in_the_editor() -> void:
 					node.data.set_height(Vector3(40.5 + x, 0.0, 40.5 + z), 20.0 + step)
 			node.data.height_maps_changed.emit()
 			node.data.maps_edited.emit(AABB(Vector3(40.0, 0.0, 40.0), Vector3(6.0, 50.0, 6.0)))
-	check_made(await made_again(scatter, stroke), rect, "a stroke")
+	check_made(await regenerated_by(scatter, stroke), rect, "a stroke")
 	check_ground(scatter, node, "a stroke")
 
 
@@ -39,7 +39,7 @@ func test_a_game_script() -> void:
 	var scatter := make_on(node)
 	await settle(scatter)
 	var act := func(edit: Callable, rect: Rect2, what: String) -> void:
-		check_made(await made_again(scatter, edit), rect, what)
+		check_made(await regenerated_by(scatter, edit), rect, what)
 		check_ground(scatter, node, what)
 	await act.call(func() -> void:
 		node.data.set_height(Vector3(-20.5, 0.0, 45.5), 9.0)
@@ -52,7 +52,7 @@ func test_a_game_script() -> void:
 		node.data.set_height(Vector3(-12.5, 0.0, -45.5), -5.0)
 		node.data.regions[Vector2i(-1, -1)].edited = true
 		node.data.update_maps(HEIGHT, false), Rect2(-13.0, -46.0, 1.0, 1.0), "an edited region")
-	var nothing := await made_again(scatter, func() -> void: node.data.update_maps())
+	var nothing := await regenerated_by(scatter, func() -> void: node.data.update_maps())
 	check_equal(nothing.size(), 0, "tiles made where nothing has changed")
 
 
@@ -79,17 +79,17 @@ func test_regions_that_come_and_go() -> void:
 	await settle(scatter)
 	var before := by_id(scatter)
 	var region := node.data.regions[Vector2i(0, -1)]
-	var made := await made_again(scatter, func() -> void: node.data.remove_region(region))
+	var made := await regenerated_by(scatter, func() -> void: node.data.remove_region(region))
 	check(made.all(func(tile: Vector2i) -> bool: return tile in tiles_of(Rect2(0.0, -64.0, 64.0, 64.0))), "removed: %s" % [made])
 	check_ground(scatter, node, "removed")
 	check(by_id(scatter).size() < 0.85 * before.size(), "a quarter is gone")
-	await made_again(scatter, func() -> void: node.data.add_region(region))
+	await regenerated_by(scatter, func() -> void: node.data.add_region(region))
 	check_equal(by_id(scatter), before, "added again")
 	var higher := func() -> void:
 		for at in node.data.regions:
 			fill_region(node.data.regions[at], func(post: Vector2i) -> float: return 5.0 + hill(post))
 		node.data.update_maps()
-	await made_again(scatter, higher)
+	await regenerated_by(scatter, higher)
 	check_ground(scatter, node, "imported")
 	check(all_transforms(scatter)[0].origin.y > 0.0, "higher")
 
@@ -99,7 +99,7 @@ func test_vertex_spacing() -> void:
 	var scatter := make_on(node)
 	await settle(scatter)
 	for spacing: float in [2.0, 0.7]:
-		await made_again(scatter, func() -> void: node.vertex_spacing = spacing)
+		await regenerated_by(scatter, func() -> void: node.vertex_spacing = spacing)
 		check_ground(scatter, node, "a spacing of %s m" % spacing)
 
 

@@ -54,13 +54,13 @@ func test_an_edit_makes_its_tiles_anew() -> void:
 		var edit := func() -> void:
 			node.data.lift = 2.0
 			node.data.maps_edited.emit(AABB(Vector3(34.0, -5.0, 34.0), Vector3(8.0, 50.0, 8.0)))
-		var made := await made_again(scatter, edit)
+		var made := await regenerated_by(scatter, edit)
 		check_equal(made, [Vector2i(1, 1)] as Array[Vector2i], "tiles made anew")
 		var after := digests(scatter, 0)
 		for tile: Vector2i in before:
 			check_equal(after[tile] == before[tile], tile != Vector2i(1, 1), "tile %s" % tile)
 		var everything := func() -> void: scatter.ground.ground_changed.emit(Rect2())
-		made = await made_again(scatter, everything)
+		made = await regenerated_by(scatter, everything)
 		check_equal(made.size(), before.size(), "an empty rect stands for everything")
 		scatter.free()
 		node.free()

@@ -276,7 +276,7 @@ class Handler:
 	var state: ScatterState
 	var depth := 0
 
-	func hear(_ids: PackedInt64Array) -> void:
+	func record(_ids: PackedInt64Array) -> void:
 		depth += 1
 		if depth < 5:
 			state.remove(100 + depth)
@@ -292,7 +292,7 @@ func test_calls_within_a_call() -> void:
 		var handler := Handler.new()
 		handler.state = ScatterState.new()
 		var watched: WeakRef = weakref(handler.state)
-		handler.state.instances_changed.connect(handler.hear)
+		handler.state.instances_changed.connect(handler.record)
 		handler.state.remove(1)
 		return handler.depth if watched.get_ref() == null else -1)
 	check_equal(removed, 5, "calls, and the state is gone")

@@ -60,9 +60,9 @@ func _set_rules(layer: Resource) -> void:
 
 ## Whether those rules are as they were, and the layer hears of a curve's change once, and of dabs by their places.
 func _rules_hold(layer: Resource) -> bool:
-	var heard := [0, 0]
-	var on_changed := func() -> void: heard[0] += 1
-	var on_area_changed := func(_rect: Rect2) -> void: heard[1] += 1
+	var signal_counts := [0, 0]
+	var on_changed := func() -> void: signal_counts[0] += 1
+	var on_area_changed := func(_rect: Rect2) -> void: signal_counts[1] += 1
 	layer.changed.connect(on_changed)
 	layer.connect("area_changed", on_area_changed)
 	var curve: Curve = layer.get("density_over_height")
@@ -72,7 +72,7 @@ func _rules_hold(layer: Resource) -> bool:
 	layer.changed.disconnect(on_changed)
 	layer.disconnect("area_changed", on_area_changed)
 	var densities: Array = [Vector2.ZERO, Vector2(100, 0)].map(layer.get("mask").sample)
-	return heard == [1, 2] and densities == [1.0, 1.0] and layer.get("spacing") == {"Oaks": 2.5} and curve.point_count == 1
+	return signal_counts == [1, 2] and densities == [1.0, 1.0] and layer.get("spacing") == {"Oaks": 2.5} and curve.point_count == 1
 
 
 func _stream(scatter: Node3D) -> void:
