@@ -194,7 +194,7 @@ func test_max_multimeshes_prefers_near_tiles() -> void:
 	var exact := island_digests(scatter)
 	scatter.max_multimeshes = 80
 	await settle(scatter)
-	check(scatter.get_stats()["multimeshes"] in range(60, 81), "with one, %s" % scatter.get_stats()["multimeshes"])
+	check(scatter.get_stats()["multimeshes"] in range(60, 81), "%s multimeshes with a limit" % scatter.get_stats()["multimeshes"])
 	check_nearest_in_cells(scatter, Vector2i(-2, -2))
 	check_equal(island_digests(scatter), exact, "the renderer's buffers")
 	for step in 100:
