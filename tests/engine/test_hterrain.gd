@@ -177,7 +177,7 @@ func test_maps_without_pixels_are_reported() -> void:
 	var node := make_hterrain(data)
 	var scatter := make_on(node)
 	await settle(scatter)
-	check("without pixels" in "\n".join(scatter.get_problems()), "said: %s" % [scatter.get_problems()])
+	check("without pixels" in "\n".join(scatter.get_problems()), "reported: %s" % [scatter.get_problems()])
 	check_ground(scatter, node, "without holes")
 	data.textures[CHANNEL_COLOR] = [texture]
 	data.map_changed.emit(CHANNEL_COLOR, 0)
@@ -217,7 +217,7 @@ func test_a_tilted_node_is_reported() -> void:
 	node.rotation = Vector3(0.3, 0.5, 0.0)
 	var scatter := make_on(node)
 	await settle(scatter)
-	check("tilted" in "\n".join(scatter.get_problems()), "said: %s" % [scatter.get_problems()])
+	check("tilted" in "\n".join(scatter.get_problems()), "reported: %s" % [scatter.get_problems()])
 	node.rotation = Vector3(0.0, 0.5, 0.0)
 	await settle(scatter)
 	check_equal(scatter.get_problems().size(), 0, "upright: %s" % [scatter.get_problems()])
