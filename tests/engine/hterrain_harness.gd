@@ -19,7 +19,7 @@ class HTerrainDataDouble extends Resource:
 	var maps: Dictionary[int, Array] = {}
 	var textures: Dictionary[int, Array] = {} ## Maps that were loaded in a game. These have no image.
 	var resolution := 65
-	var asked := 0 ## Calls for single positions.
+	var point_calls := 0 ## Calls for single positions.
 	var read: Dictionary[int, int] = {} ## How often each map was read.
 
 	func _init(format := Image.FORMAT_RF) -> void:
@@ -90,7 +90,7 @@ class HTerrainDataDouble extends Resource:
 		image.set_pixel(column, row, color)
 
 	func get_interpolated_height_at(at: Vector3) -> float:
-		asked += 1
+		point_calls += 1
 		return height_at(at)
 
 	func height_at(at: Vector3) -> float:

@@ -86,4 +86,4 @@ func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D],
 	check(gone > 20, "%s: %d were removed" % [context, gone])
 
 
-## What does not count for the chosen shape is hidden in the inspector, and stored all the same.
+## Properties without effect on the chosen shape are hidden in the inspector, but stored.

@@ -63,7 +63,7 @@ class Terrain3DDataDouble extends Object:
 	var regions: Dictionary[Vector2i, Terrain3DRegionDouble] = {}
 	var region_size := 64
 	var vertex_spacing := 1.0
-	var asked := 0 ## Calls for single positions.
+	var point_calls := 0 ## Calls for single positions.
 
 	func get_regions_active(_copy := false, _deep := false) -> Array[Terrain3DRegionDouble]:
 		var active: Array[Terrain3DRegionDouble] = []
@@ -136,7 +136,7 @@ class Terrain3DDataDouble extends Object:
 		return region.maps[CONTROL].get_data().decode_u32(4 * (pixel.y * region_size + pixel.x))
 
 	func get_height(at: Vector3) -> float:
-		asked += 1
+		point_calls += 1
 		return height_at(at)
 
 	func height_at(at: Vector3) -> float:
@@ -151,14 +151,14 @@ class Terrain3DDataDouble extends Object:
 		return lerpf(lerpf(posts[0], posts[1], part.x), lerpf(posts[2], posts[3], part.x), part.y)
 
 	func get_normal(at: Vector3) -> Vector3:
-		asked += 1
+		point_calls += 1
 		var here := height_at(at)
 		var x := here - height_at(at + Vector3(vertex_spacing, 0.0, 0.0))
 		var z := here - height_at(at + Vector3(0.0, 0.0, vertex_spacing))
 		return Vector3(x, vertex_spacing, z).normalized()
 
 	func get_texture_id(at: Vector3) -> Vector3:
-		asked += 1
+		point_calls += 1
 		var control := get_control(at)
 		if control & HOLE:
 			return Vector3(NAN, NAN, NAN)
@@ -234,7 +234,7 @@ class Terrain3DDouble extends Node3D:
 
 
 ## The same ground as a node of an unknown plug-in, which is queried point by point.
-class Asked extends Node3D:
+class QueriedNode extends Node3D:
 	var of: Terrain3DDouble
 
 	func get_height(at: Vector3) -> float:

@@ -89,9 +89,9 @@ class HTerrainLike extends Node3D:
 ## Any node that has heights only. It records whether it was called on a different thread.
 class Slope extends Node3D:
 	var rise := 1.0
-	var asked_elsewhere := false
+	var called_on_worker := false
 
 	func get_height(at: Vector3) -> float:
 		if OS.get_thread_caller_id() != OS.get_main_thread_id():
-			asked_elsewhere = true
+			called_on_worker = true
 		return rise * at.x

@@ -44,7 +44,7 @@ func test_the_copy_makes_no_calls_for_single_positions() -> void:
 		var scatter := make_on(node)
 		await settle(scatter)
 		check_ground(scatter, node, "copied")
-		check_equal(node.get_data().asked, 0, "calls for single positions")
+		check_equal(node.get_data().point_calls, 0, "calls for single positions")
 		var terrain: ScatterGroundNode = scatter.ground
 		for word: String in ["HTerrain", "65 x 65", "no textures"]:
 			check(word in terrain.recognized, "'%s' in '%s'" % [word, terrain.recognized])
