@@ -84,11 +84,11 @@ func test_the_copy_has_the_same_instances_as_queries_by_point() -> void:
 			layer.max_slope_degrees = 60.0
 			layer.layer_id = 2
 			layer.ground_textures = PackedInt32Array(textures)
-			var scatter := make_on(node if bulk else point_calls, false, layer)
+			var scatter := make_on(node if bulk else queried, false, layer)
 			await settle(scatter)
 			found.push_back(by_id(scatter))
 			scatter.free()
-			point_calls.free()
+			queried.free()
 		var differ := 0
 		for id: int in found[0]:
 			differ += int(not found[1].has(id) or found[1][id].distance_to(found[0][id]) > 0.01)
