@@ -206,6 +206,6 @@ func off_the_ground(scatter: TerrainScatter3D, node: HTerrainDouble) -> int:
 	return wrong
 
 
-func check_ground(scatter: TerrainScatter3D, node: HTerrainDouble, what: String) -> void:
-	check(scatter.get_stats()["instances"] > 500, "%s: %d instances" % [what, scatter.get_stats()["instances"]])
-	check_equal(off_the_ground(scatter, node), 0, what + ": instances off the ground")
+func check_ground(scatter: TerrainScatter3D, node: HTerrainDouble, context: String) -> void:
+	check(scatter.get_stats()["instances"] > 500, "%s: %d instances" % [context, scatter.get_stats()["instances"]])
+	check_equal(off_the_ground(scatter, node), 0, context + ": instances off the ground")

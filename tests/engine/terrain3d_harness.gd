@@ -279,6 +279,6 @@ func off_the_ground(scatter: TerrainScatter3D, node: Terrain3DDouble) -> int:
 	return wrong
 
 
-func check_ground(scatter: TerrainScatter3D, node: Terrain3DDouble, what: String) -> void:
-	check(scatter.get_stats()["instances"] > 500, "%s: %d instances" % [what, scatter.get_stats()["instances"]])
-	check_equal(off_the_ground(scatter, node), 0, what + ": instances off the ground")
+func check_ground(scatter: TerrainScatter3D, node: Terrain3DDouble, context: String) -> void:
+	check(scatter.get_stats()["instances"] > 500, "%s: %d instances" % [context, scatter.get_stats()["instances"]])
+	check_equal(off_the_ground(scatter, node), 0, context + ": instances off the ground")

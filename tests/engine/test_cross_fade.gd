@@ -8,7 +8,7 @@ const MOST_CHANGE := 0.2 ## Limit for the change of an 8 by 8 block between two 
 var camera: Camera3D
 
 
-## A shader that adds light, so that anything drawn twice is brighter, or one that covers what is behind it.
+## A shader that adds light, so that anything drawn twice is brighter, or one that is opaque.
 func material(light: float, fades := true, adds := true) -> ShaderMaterial:
 	var shader := Shader.new()
 	shader.code = """

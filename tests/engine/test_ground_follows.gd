@@ -68,8 +68,8 @@ func tiles_under(areas: Array[Rect2]) -> Array[Vector2i]:
 
 
 ## Makes an edit, and checks that the visible tiles under the areas were regenerated, and no others.
-func check_regenerated(scatter: TerrainScatter3D, areas: Array[Rect2], what: String, edit: Callable) -> void:
-	await check_made_under(scatter, tiles_under(areas), not areas.is_empty(), what, edit)
+func check_regenerated(scatter: TerrainScatter3D, areas: Array[Rect2], context: String, edit: Callable) -> void:
+	await check_regenerated_under(scatter, tiles_under(areas), not areas.is_empty(), context, edit)
 
 
 ## Returns the largest distance in meters of an instance from the expected ground. `height` of a position is NAN where no instance
@@ -93,13 +93,13 @@ func test_a_mesh_joins_later_and_leaves() -> void:
 	var on_later := func(at: Vector3) -> bool: return at.x > 14.0
 	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return on_later.call(one.origin)), "not ground yet")
 	var area: Array[Rect2] = [square(Vector2(25.0, 0.0), 10.0)]
-	await check_regenerated(scatter, area, "joins", func() -> void: later.add_to_group(&"joins the group"))
+	await check_regenerated(scatter, area, "joins the group", func() -> void: later.add_to_group(&"ground"))
 	var stand := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return on_later.call(one.origin))
 	check(stand.size() > 100, "%d instances on the new mesh" % stand.size())
 	check(stand.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 3.0) < 1e-4), "at its height")
-	await check_regenerated(scatter, area, "leaves", func() -> void: later.remove_from_group(&"leaves the group"))
+	await check_regenerated(scatter, area, "leaves the group", func() -> void: later.remove_from_group(&"ground"))
 	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return on_later.call(one.origin)), "no instances after it has left")
-	await check_regenerated(scatter, area, "comes with the group", func() -> void: later.add_to_group(&"joins again"))
+	await check_regenerated(scatter, area, "joins again", func() -> void: later.add_to_group(&"ground"))
 	await check_regenerated(scatter, area, "one leaves, another one joins", func() -> void:
 			later.remove_from_group(&"ground")
 			put_plane(later.position, Vector2(20.0, 20.0)))
@@ -108,7 +108,7 @@ func test_a_mesh_joins_later_and_leaves() -> void:
 
 func test_the_first_mesh_is_added_last() -> void:
 	var scatter := await make_on_meshes()
-	check("\"ground\"" in "a warning without meshes".join(scatter.get_problems()), "a warning while there is none")
+	check("\"ground\"" in "\n".join(scatter.get_problems()), "a warning without meshes")
 	var plane := put_plane(Vector3.ZERO, Vector2(30.0, 30.0), &"")
 	plane.mesh = null
 	plane.add_to_group(&"ground")
@@ -121,7 +121,7 @@ func test_the_first_mesh_is_added_last() -> void:
 	plane.free()
 	await settle(scatter)
 	check_equal(all_transforms(scatter).size(), 0, "no instances after it was freed")
-	check("\"ground\"" in "the warning is back".join(scatter.get_problems()), "and the warning again")
+	check("\"ground\"" in "\n".join(scatter.get_problems()), "the warning is back")
 
 
 func test_a_mesh_moves_rotates_and_changes() -> void:

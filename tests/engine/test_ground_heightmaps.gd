@@ -34,13 +34,13 @@ func tiles_under(region: Rect2i, post_spacing := 1.0) -> Array[Vector2i]:
 	return result
 
 
-func check_regenerated(scatter: TerrainScatter3D, region: Rect2i, what: String, edit: Callable) -> void:
+func check_regenerated(scatter: TerrainScatter3D, region: Rect2i, context: String, edit: Callable) -> void:
 	var under := tiles_under(region)
-	await check_made_under(scatter, under, not under.is_empty(), what, edit)
+	await check_regenerated_under(scatter, under, not under.is_empty(), context, edit)
 
 
 ## Checks that all plants are at the heights that the posts of an image define, one meter apart.
-func check_on(scatter: TerrainScatter3D, image: Image, what: String, scale := 1.0) -> void:
+func check_on(scatter: TerrainScatter3D, image: Image, context: String, scale := 1.0) -> void:
 	var fresh := ScatterGroundHeightmap.new()
 	fresh.heights_in_meters = scatter.ground.heights_in_meters
 	fresh.rect = scatter.ground.rect
@@ -50,7 +50,7 @@ func check_on(scatter: TerrainScatter3D, image: Image, what: String, scale := 1.
 	var stand := all_transforms(scatter)
 	for one in stand:
 		wrong += int(absf(one.origin.y - fresh.get_height(one.origin)) > 1e-3)
-	check(stand.size() > 500 and wrong == 0, "%s: %d of %d plants are off the ground" % [what, wrong, stand.size()])
+	check(stand.size() > 500 and wrong == 0, "%s: %d of %d plants are off the ground" % [context, wrong, stand.size()])
 
 
 func test_setting_the_same_image_again() -> void:

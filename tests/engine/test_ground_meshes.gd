@@ -67,7 +67,7 @@ func plane(subdivisions: int, height := 0.0) -> PlaneMesh:
 class ScriptedMesh extends Mesh:
 	var arrays: Array
 	var primitive := Mesh.PRIMITIVE_TRIANGLES
-	var asked := Callable()
+	var on_read := Callable()
 
 	func _get_surface_count() -> int:
 		return 1
@@ -79,8 +79,8 @@ class ScriptedMesh extends Mesh:
 		return 0
 
 	func _surface_get_arrays(_surface: int) -> Array:
-		if asked.is_valid():
-			asked.call()
+		if on_read.is_valid():
+			on_read.call()
 		return arrays
 
 	func _surface_get_format(_surface: int) -> int:
@@ -290,7 +290,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		check(messages.size() == 1 and "\"Broken\"" in messages[0] and "global_transform" in messages[0] and "finite" in messages[0], "a transform of %s: %s" % [bad, messages])
 		await create_timer(0.6).timeout
 		check_no_error("reported once")
-		check("\"Broken\"" in "among the problems".join(scatter.get_problems()), "among the problems")
+		check("\"Broken\"" in "\n".join(scatter.get_problems()), "among the problems")
 		check_equal(scatter.get_shown_count(0), shown, "the instances stay")
 		instance.global_transform = Transform3D()
 		await settle(scatter)
@@ -323,7 +323,7 @@ func test_invalid_corners_are_refused() -> void:
 	check_no_error("the same reason is not reported again")
 	far.scale = Vector3.ONE
 	await settle(scatter)
-	check("\"Hole\"" in "the other mesh is still refused".join(scatter.get_problems()), "the other one is still refused")
+	check("\"Hole\"" in "\n".join(scatter.get_problems()), "the other mesh is still refused")
 	check(is_finite(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))), "the mesh that was too large is ground now")
 
 
@@ -332,10 +332,10 @@ func test_a_scripted_mesh_changes_the_node() -> void:
 	var meddling: Dictionary[String, Callable] = {
 		"change": func(_scatter: TerrainScatter3D, mesh: Mesh) -> void: mesh.emit_changed(),
 		"refresh": func(scatter: TerrainScatter3D, mesh: ScriptedMesh) -> void:
-			mesh.asked = Callable()
+			mesh.on_read = Callable()
 			(scatter.ground as ScatterGroundMeshes).refresh(),
 		"group": func(scatter: TerrainScatter3D, mesh: ScriptedMesh) -> void:
-			mesh.asked = Callable()
+			mesh.on_read = Callable()
 			(scatter.ground as ScatterGroundMeshes).group = &"none",
 		"terrain": func(scatter: TerrainScatter3D, _mesh: Mesh) -> void: scatter.ground = null,
 		"leave": func(scatter: TerrainScatter3D, _mesh: Mesh) -> void: root.remove_child(scatter),
@@ -346,12 +346,12 @@ func test_a_scripted_mesh_changes_the_node() -> void:
 		var instance := put(mesh)
 		var scatter := make_on_meshes()
 		var calls := [0]
-		mesh.asked = func() -> void:
+		mesh.on_read = func() -> void:
 			calls[0] += 1
 			meddling[how].call(scatter, mesh)
 		await frames(20)
 		check(calls[0] > 0 and calls[0] < 40, "%s: %d calls" % [how, calls[0]])
-		mesh.asked = Callable() # The callback refers to the mesh.
+		mesh.on_read = Callable() # The callback refers to the mesh.
 		scatter.free()
 		instance.free()
 		check_no_error(how)

@@ -35,7 +35,7 @@ func refuse(mask: ScatterMask, property: StringName, value: Variant, words: Arra
 	var signals := SignalLog.new(mask)
 	var before: Variant = mask.get(property)
 	mask.set(property, value)
-	check_error(["ScatterMask.%s" % property] + words, "a bad %s" % property)
+	check_error(["ScatterMask.%s" % property] + words, "an invalid %s" % property)
 	check(mask.get(property) == before, "%s stays" % property)
 	check_equal(signals.changes, 0, "no signal")
 
@@ -98,7 +98,7 @@ func test_refused_dabs() -> void:
 			[Vector2.ZERO, 5.0, 1.0, 0.5, -1], [Vector2(1e12, 0), 5.0]]:
 		check_equal(mask.paint.callv(dab), Rect2(), "%s" % [dab])
 		check_error(["ScatterMask."], "paint%s" % [dab])
-	check_equal(mask.data, data, "what was painted before")
+	check_equal(mask.data, data, "the mask before")
 	check_equal(signals.areas.size() + signals.changes, 0, "no signal")
 
 
@@ -141,7 +141,7 @@ func test_refused_pixels() -> void:
 	for rect: Rect2 in [Rect2(), Rect2(0, 0, -5, 5), Rect2(NAN, 0, 5, 5)]:
 		check_equal(mask.get_pixel_rect(rect).size, Vector2i.ZERO, "pixels of %s" % rect)
 	check_no_error("invalid rectangles contain no pixels")
-	check_equal(mask.data, data, "what was painted before")
+	check_equal(mask.data, data, "the mask before")
 
 
 func test_pixel_size_and_background() -> void:

@@ -183,11 +183,11 @@ func top_with(edit: Callable) -> float:
 
 func test_boxes_of_plants_include_their_sway() -> void:
 	var still: float = await top_with(func(_layer: ScatterLayer) -> void: pass)
-	var grown_by := func(wanted: float, what: String, edit: Callable) -> void:
+	var grown_by := func(wanted: float, context: String, edit: Callable) -> void:
 		var grown: float = await top_with(edit) - still
-		check(absf(grown - wanted) < 0.01, "%s: %f m instead of %f" % [what, grown, wanted])
-	var sways_by := func(wanted: float, what: String, material: Material) -> void:
-		await grown_by.call(wanted, what, func(layer: ScatterLayer) -> void: layer.material_override = material)
+		check(absf(grown - wanted) < 0.01, "%s: %f m instead of %f" % [context, grown, wanted])
+	var sways_by := func(wanted: float, context: String, material: Material) -> void:
+		await grown_by.call(wanted, context, func(layer: ScatterLayer) -> void: layer.material_override = material)
 	var swaying := {&"wind_sway": 1.0, &"wind_flutter": 0.25, &"bend_reach": 0.5}
 	await sways_by.call((0.12 + 0.03) * 2.0 + 0.4, "defaults of the shader", foliage({}))
 	await sways_by.call(3.0, "parameters of a material", foliage(swaying))

@@ -63,7 +63,7 @@ func seen(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Seen]:
 
 
 ## Checks colors and variations of all instances against a function. `slack` is the tolerance of the expected fraction.
-func check_shares(all: Dictionary[int, Seen], share: Callable, what: String, slack := 0.0) -> void:
+func check_shares(all: Dictionary[int, Seen], share: Callable, context: String, slack := 0.0) -> void:
 	var worst := 0.0
 	var least := 1.0
 	var most := 0.0
@@ -72,9 +72,9 @@ func check_shares(all: Dictionary[int, Seen], share: Callable, what: String, sla
 		worst = maxf(worst, maxf(absf(all[id].color - expected) - STEP, absf(all[id].custom.r - expected) - 0.001))
 		least = minf(least, expected)
 		most = maxf(most, expected)
-	check(all.size() > 300, "%s: %d instances" % [what, all.size()])
-	check(worst <= slack, "%s: off by %f" % [what, worst])
-	check(least < 0.1 and most > 0.9, "%s: from %f to %f" % [what, least, most])
+	check(all.size() > 300, "%s: %d instances" % [context, all.size()])
+	check(worst <= slack, "%s: off by %f" % [context, worst])
+	check(least < 0.1 and most > 0.9, "%s: from %f to %f" % [context, least, most])
 
 
 func set_source(layer: ScatterLayer, source: ScatterLayer.ValueSource, from: float, to: float) -> void:

@@ -208,7 +208,7 @@ func test_callbacks_may_do_anything() -> void:
 func test_callbacks_that_cannot_be_called() -> void:
 	var state := ScatterState.new()
 	var gone := Node.new()
-	state.apply_diff_async(removals(10), gone.set_meta.bind("told"))
+	state.apply_diff_async(removals(10), gone.set_meta.bind("called"))
 	state.apply_diff_async(removals(10), gone.queue_free.unbind(1))
 	gone.free()
 	await until(func() -> bool: return state.get_removed_count() == 10, "applied")

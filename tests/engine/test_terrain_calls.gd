@@ -223,7 +223,7 @@ class Map extends Node3D:
 
 
 func test_a_node_that_acts_while_it_is_read() -> void:
-	for act: String in ["free later", "leave", "ask", "other node", "free the scatter", "no terrain"]:
+	for act: String in ["free later", "leave", "query", "other node", "free the scatter", "no terrain"]:
 		var map := Map.new()
 		root.add_child(map)
 		var terrain := ScatterGroundNode.new()
@@ -238,7 +238,7 @@ func test_a_node_that_acts_while_it_is_read() -> void:
 					map.queue_free()
 				"leave":
 					root.remove_child(map)
-				"ask":
+				"query":
 					terrain.get_height(Vector3.ZERO)
 				"other node":
 					terrain.node = ^"../Nobody"
