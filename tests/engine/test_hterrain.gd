@@ -200,7 +200,7 @@ func test_errors_name_invalid_maps() -> void:
 		var scatter := make_on(node)
 		await frames(3)
 		var problems := "\n".join(scatter.get_problems())
-		check(words in problems and "place by place" in problems, "%s: %s" % [words, problems])
+		check(words in problems and "position by position" in problems, "%s: %s" % [words, problems])
 		node.get_data().maps = HTerrainMasterData.new().maps
 		node.get_data().fill()
 		scatter.regenerate()
