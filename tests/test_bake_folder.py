@@ -194,7 +194,7 @@ def test_a_full_disk_stops_with_an_error(world, made, tmp_path):
         (["out=/tmp/made", *ASKED, "share=3/2"], "share is '3/2', and has to be K/N"),
         (["out=/tmp/made", "rect=0,0,1e7,1e7", "tile_size=32"], "97656250000 tiles are more than a bake has, 1000000"),
         (["out=/tmp/made"], "The terrain does not say where it lies: give a rect"),
-        (["out=/tmp/made", *ASKED, "node=Nobody", "wait=1"], "In the scene res://world.tscn there is no TerrainScatter3D after 1 s"),
+        (["out=/tmp/made", *ASKED, "node=Nobody", "wait=1"], "In the scene res://world.tscn there is not a TerrainScatter3D after 1 s"),
         (["out=/tmp/made", *ASKED, "wait=-1"], "wait is '-1', and has to be a number of seconds, 0 or more"),
         (["out=/tmp/made", *ASKED, "wait=long"], "wait is 'long', and has to be a number of seconds"),
         (["out=/tmp/made", "rekt=0,0,5,5"], "rekt is '0,0,5,5', and is nothing that can be given here"),

@@ -71,7 +71,7 @@ def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
     (tiles / "tile_60003_-20001.baked").write_bytes(changed)
     stops, errors, _ = errors_of(godot, game, "far=200", "far=201")
     reasons = {
-        "60000, -20002": "cannot be read: it cannot be opened", "60001, -20002": "it is no file of a baked world",
+        "60000, -20002": "cannot be read: it cannot be opened", "60001, -20002": "it is not a file of a baked world",
         "60002, -20000": "is not the file that the index names", "60003, -20001": "it is damaged: its SHA-256 is",
     }  # fmt: skip
     for name, why in reasons.items():

@@ -207,7 +207,7 @@ REFUSED_SETS = [
     ({"rect": (0.0, 0.0, float("inf"), 1.0)}, "NOT_FINITE", "rect must be finite, got inf"),
     ({"rect": (0.0, 0.0, -3.0, 1.0)}, "INVERTED", "rect ends before it starts, got -3"),
     ({"rect": (0.0, 0.0, 1e9, 1.0)}, "OUT_OF_RANGE", "rect must be between -5931641.6 and 5931641.6, got 1000000000"),
-    ({"rect": (0.0, 0.0, 1e5, 1e5)}, "TOO_MANY_POINTS", "rect asks for too many points, got "),
+    ({"rect": (0.0, 0.0, 1e5, 1e5)}, "TOO_MANY_POINTS", "rect requires too many points, got "),
 ]
 
 
@@ -223,7 +223,7 @@ def test_bad_sets_are_refused(sampler, wrong, name, sentence):
 REFUSED_DOMAINS = [
     ({"size": (0.0, 5.0)}, "NOT_POSITIVE", "size must be positive, got 0"),
     ({"size": (5.0, float("nan"))}, "NOT_FINITE", "size must be finite, got nan"),
-    ({"size": (1e6, 1e6)}, "TOO_MANY_POINTS", "size asks for too many points, got "),
+    ({"size": (1e6, 1e6)}, "TOO_MANY_POINTS", "size requires too many points, got "),
     ({"size": (3.0, 9.0), "toroidal": 1}, "OUT_OF_RANGE", "size is out of range, got 3; a toroidal domain measures at least 4 radii on each axis"),
     (
         {"size": (2e5, 9.0), "single_precision": 1},
@@ -288,7 +288,7 @@ def test_a_call_can_be_watched_and_canceled(sampler, work: Callable):
     assert work(sampler, Watch(PROGRESS(progress), 4711)) == code("CANCELLED")
     assert "was cancelled" in sampler.message() and sampler.count() == 0
     assert len(seen) == 5 and seen == sorted(seen) and seen[-1][0] < 0.9
-    assert inside == [code("BUSY"), "another call of this sampler is under way", 0, 4711]
+    assert inside == [code("BUSY"), "a different call of this sampler is running", 0, 4711]
 
     begun = threading.Event()
 

@@ -139,7 +139,7 @@ REFUSED = [
     ("sample", {"rect": (0, 0, float("inf"), 1)}, ValueError, "rect must be finite, got inf"),
     ("sample", {"rect": (0, 0, 1, -2)}, ValueError, "rect ends before it starts, got -2"),
     ("sample", {"rect": (0, 0, 1e9, 1)}, ValueError, "rect must be between -5931641.6 and 5931641.6, got 1000000000"),
-    ("sample", {"rect": (0, 0, 1e5, 1e5)}, ValueError, "rect asks for too many points, got 69"),
+    ("sample", {"rect": (0, 0, 1e5, 1e5)}, ValueError, "rect requires too many points, got 69"),
     ("sample", {"rect": (0, 0, 1)}, TypeError, "rect must be four numbers, (min_x, min_y, max_x, max_y), got (0, 0, 1)"),
     ("sample", {"rect": "wide"}, TypeError, "rect must be four numbers, (min_x, min_y, max_x, max_y), got 'wide'"),
     ("sample", {"levels": 0}, ValueError, "levels must be between 1 and 8, got 0"),
@@ -149,7 +149,7 @@ REFUSED = [
     ("sample_domain", {"size": (0, 1)}, ValueError, "size must be positive, got 0"),
     ("sample_domain", {"size": (3, 9), "toroidal": True}, ValueError, "size is out of range, got 3; a toroidal domain measures at least 4 radii"),
     ("sample_domain", {"size": (2e5, 9), "precision": "single"}, ValueError, "size is out of range, got 200000; in single precision"),
-    ("sample_domain", {"size": (1e6, 1e6)}, ValueError, "size asks for too many points, got "),
+    ("sample_domain", {"size": (1e6, 1e6)}, ValueError, "size requires too many points, got "),
     ("sample_domain", {"size": [1, 2, 3]}, TypeError, "size must be two numbers, (width, height), got [1, 2, 3]"),
     ("sample_domain", {"method": "best"}, ValueError, "method must be one of 'naive', 'hierarchical', 'accumulator', 'wavefront', got 'best'"),
     ("sample_domain", {"precision": "half"}, ValueError, "precision must be 'single' or 'double', got 'half'"),
@@ -184,7 +184,7 @@ for work in (lambda: thicket.sample((0, 0, 8000, 8000), 1.0), lambda: thicket.sa
 print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
 """
     done = script(wheel_python, text)
-    assert re.fullmatch(r"rect needs more memory than there is, got .+\nsize needs more memory than there is, got 8000\. .+\nTrue\n", done.stdout), (
+    assert re.fullmatch(r"rect needs more memory than is available, got .+\nsize needs more memory than is available, got 8000\. .+\nTrue\n", done.stdout), (
         done.stdout + done.stderr
     )
 

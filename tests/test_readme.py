@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import fnmatch
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -91,6 +93,20 @@ def test_pages_for_engineers_have_valid_paths(page):
     paths = [path for path in paths if not re.search(r"_$|test_$|addons/thicket/(bin|csharp)|/CLASS|-$", path)]
     assert len(paths) > 10
     missing = [path for path in paths if not (REPO / path).exists()]
+    assert not missing, missing
+
+
+def test_every_part_of_the_addon_is_described():
+    """ARCHITECTURE.md has a line for each folder of the add-on, for each folder of its editor, and for each script beside them."""
+    text = (REPO / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    block = text[text.index("## The add-on") :].split("```")[1]
+    listed = re.findall(r"^ *(\w+)/? ", block, re.MULTILINE) + re.findall(r"[\w*]+\.gd", block)
+    addon = REPO / "demo_project/addons/thicket"
+    tracked = subprocess.run(["git", "ls-files"], cwd=addon, capture_output=True, text=True, check=True).stdout.split()
+    parts = {path.split("/")[0] for path in tracked} | {path.split("/")[1] for path in tracked if path.startswith("editor/")}
+    parts = {part for part in parts if part.endswith(".gd") or "." not in part}
+    assert len(parts) > 30
+    missing = [part for part in sorted(parts) if not any(fnmatch.fnmatch(part, pattern) for pattern in listed)]
     assert not missing, missing
 
 

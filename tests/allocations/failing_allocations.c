@@ -1,15 +1,15 @@
-// A library for preloading into the engine. It makes chosen allocations fail, and records the consequences.
+// A library to preload into the engine. It makes chosen allocations fail, and records the consequences.
 //
-// Only allocations with a frame of the extension on their stack count: those of the extension, and those that the engine makes
-// during a call from the extension. A script sends commands with OS.set_environment("THICKET_ALLOCATIONS", COMMAND):
+// Only allocations with a frame of the extension on their stack count: its own, and those that the engine makes during
+// a call of the extension. A script sends commands with OS.set_environment("THICKET_ALLOCATIONS", COMMAND):
 //
-//   fail N BYTES  the N-th allocation from now on of at least BYTES bytes fails; N begins with 1. With THICKET_TRACE set, prints the
-//                 stacks of this allocation and of a crash to standard error
-//   worker N BYTES  the same for allocations on threads other than the main thread
-//   stop          no more allocations fail
-//   sweep         forks a process for each number in THICKET_SWEEP ("FIRST LAST STEP JOBS"). In each, the allocation with that number
-//                 fails, or none for 0. The engine must run without worker threads. In THICKET_SWEEP_FOLDER, N.log has the output of
-//                 each process and N.txt its result
+//   fail N BYTES  fails the N-th allocation from now on of at least that many bytes, counted from 1. With THICKET_TRACE set,
+//                 prints its stack and that of a crash to standard error
+//   worker N BYTES  the same, but only counts allocations on threads other than the main one
+//   stop          no allocation fails any more
+//   sweep         for each number in THICKET_SWEEP ("FIRST LAST STEP JOBS"), continues in a forked process in which that
+//                 allocation fails, or none for 0. The engine must run without worker threads. Each process writes its output
+//                 (N.log) and its result (N.txt) to THICKET_SWEEP_FOLDER
 //   end           ends such a process
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -42,7 +42,7 @@ static atomic_long fail_at;
 static atomic_size_t least_bytes;
 static atomic_bool workers_only;
 static atomic_long counted;
-static int report = -1; // N.txt in a process of a sweep, standard error with THICKET_TRACE, else -1.
+static int report = -1; // A file of the sweep; -1 in a process outside of a sweep.
 
 static __thread bool busy;
 static __thread const char *stack_end;
@@ -70,7 +70,8 @@ static _Unwind_Reason_Code find_library(struct _Unwind_Context *context, void *f
 	return *(bool *)found ? _URC_END_OF_STACK : _URC_NO_REASON;
 }
 
-// Whether any word on the stack could be a return address into the library. This is fast, and false for nearly all allocations.
+// True if any word on the stack could be a return address into the library. Cheap, and false for nearly all
+// allocations.
 static bool may_be_below_library(void) {
 	if (stack_end == NULL) {
 		pthread_attr_t attributes;
@@ -150,7 +151,7 @@ void *calloc(size_t count, size_t size) {
 }
 
 void *realloc(void *block, size_t size) {
-	// A block shrinks in place in every C library, so Godot does not expect this to fail.
+	// A block shrinks in place in every C library, so Godot does not expect shrinking to fail.
 	if (size > malloc_usable_size(block) && fails(size)) {
 		errno = ENOMEM;
 		return NULL;
@@ -180,7 +181,7 @@ void *dlopen(const char *path, int mode) {
 	if (next == NULL) {
 		next = (void *(*)(const char *, int))dlsym(RTLD_NEXT, "dlopen");
 	}
-	// With this flag, the library would use the C library's functions instead of those above.
+	// With that flag, the library would find the C library's functions before those above.
 	void *handle = next(path, mode & ~RTLD_DEEPBIND);
 	if (path != NULL && strstr(path, "libthicket") != NULL) {
 		int found = 0;

@@ -34,7 +34,7 @@ inline LayerSettings forest() {
 	return layer;
 }
 
-/// A layer with every rule and look there is, for a tile of 200 m at `corner`.
+/// A layer with every kind of rule and source, for a tile of 200 m at `corner`.
 inline LayerSettings undergrowth(glm::dvec2 corner) {
 	auto shrubs = std::make_shared<LayerSettings>();
 	shrubs->set = {.seed = 8, .radius = 4.0, .levels = 1, .layer = 5};

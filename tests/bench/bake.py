@@ -1,12 +1,11 @@
-"""Measures the speedup of a bake with two workers, and compares it with the prediction of baking.schedule.
+"""Measures the speedup of a bake with two workers, and the accuracy of its forecast (baking.schedule).
 
     bash tests/bench/bake.sh [ROUNDS = 3] [FOLDER]
 
-Bakes 64 tiles of the demo, 12 million instances, into FOLDER (a temporary folder by default): with one worker on one core, with two
-workers on two cores, and with one worker on two cores. They take turns, and every second round runs in reverse order. A worker and its
-engine run at the same time, so a worker with two cores uses more than one. The gain of a second worker is therefore the first case over
-the second, where each worker has one core. Times are those of the tiles, without the start of Dask and the engines. The driver shares
-the cores. All bakes must have the same digest.
+Bakes 64 tiles of the demo, 12 million instances, into FOLDER (default: a temporary one): one worker on one core, two on two cores, and one
+on two cores. They take turns, in a different order each round. A worker and its engine run concurrently, so a worker with two cores uses
+more than one of them. The fair speedup is therefore that of the second over the first, where each worker has one core. Times are those of
+tiles, without the start of Dask and the engines. Cores are shared with the driver. All bakes must have the same digest.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ CONTENDERS = ((1, 1), (2, 2), (1, 2))
 
 
 def once(out: Path, workers: int, cores: int) -> None:
-    """Bakes in a process with this many cores, and prints the times as JSON."""
+    """Bakes in a process with this many cores, and prints the cost."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
     outcome = bake(BakeRequest(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
     if outcome.failed or outcome.stopped:
@@ -49,7 +48,7 @@ def measured(out: Path, workers: int, cores: int) -> dict:
         raise SystemExit(done.returncode)
     took = json.loads(done.stdout)
     costs = schedule.read_costs(out)
-    # The predicted time of two workers on two cores, computed from this bake. Neither time includes the start of engines.
+    # Forecasts a bake of two workers on two cores from this one, without the start of engines, which the measured time excludes, too.
     took["foretold"] = schedule.simulate(schedule.Costs(costs.tiles, 0.0, costs.driver, costs.bytes), 2, cores=2)
     return took
 
@@ -65,7 +64,7 @@ def name(workers: int, cores: int) -> str:
 
 def main(rounds: int, folder: Path) -> None:
     if len(os.sched_getaffinity(0)) < 2:
-        raise SystemExit("bake: this needs two cores")
+        raise SystemExit("bake: this takes two cores")
     took: dict[tuple[int, int], list[dict]] = {contender: [] for contender in CONTENDERS}
     for number in range(rounds):
         for contender in CONTENDERS if number % 2 == 0 else CONTENDERS[::-1]:
@@ -85,7 +84,7 @@ def main(rounds: int, folder: Path) -> None:
         print(row(f"bake: 2 workers on 2 cores over {name(*contender)}", gains, "times", 2))
     for contender in CONTENDERS:
         errors = [one["foretold"] / other for one, other in zip(took[contender], two, strict=True)]
-        print(row(f"bake: 2 workers on 2 cores, predicted from {name(*contender)}, over the measured time", errors, "of it", 2))
+        print(row(f"bake: 2 workers on 2 cores, foretold from {name(*contender)}, over the truth", errors, "of it", 2))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-"""Reports the rows of the benchmarks that changed between two commits by more than the machine's noise.
+"""Reports the rows of the bench that moved between two commits by more than the machine's noise.
 
     bash tests/bench/compare.sh BASE [NEW] [--turns 9] [--programs bench_sampler,bench_tile] [--engine gameplay,spikes]
 
-BASE and NEW are commits; without NEW, the folder is measured in its current state. Both are built for release, below build/compare.
-They run in turns with alternating order, so that a slow minute of the machine affects both. Exits with 1 if a row became worse.
+BASE and NEW are commits. The default of NEW is the working folder. Both are built for release in separate folders below build/compare, then
+run in turns with alternating order, so that a slow minute of the machine affects both. Exits with 1 if a row became worse.
 """
 
 import argparse
@@ -18,27 +18,27 @@ from pathlib import Path
 REPO = Path(__file__).resolve().parents[2]
 PROGRAMS = ("bench_sampler", "bench_tile", "bench_fields", "bench_shapes")
 
-# The probability of reporting a row as changed if only chance decides which commit is faster in each turn.
+# The probability that a row counts as moved by mistake is less than this, if chance alone decides which commit is faster in a turn.
 CHANCE = 0.01
-# Smaller changes are ignored: a different position of the same code in memory can cause as much.
+# Smaller changes are ignored: code that merely moves in memory changes as much.
 LEAST = 0.02
 
 ROW = re.compile(r"\| (?P<what>.+?) \| (?P<number>-?[0-9][0-9,]*(?:\.[0-9]+)?)(?P<unit>[^|]*) \| [^|]* \| [0-9]+ \|")
 
 
 def read_rows(printed: str) -> dict[str, tuple[float, str]]:
-    """The rows of a benchmark: the median and its unit ("" for none), by the measured item. Ignores other lines."""
+    """The rows of a bench: the median, and its unit ("" for none), by name. Other lines are ignored."""
     rows = (ROW.fullmatch(line.strip()) for line in printed.splitlines())
     return {row["what"]: (float(row["number"].replace(",", "")), row["unit"].strip()) for row in rows if row}
 
 
 def more_is_better(unit: str) -> bool:
-    """True for rates and speedups; false for times and sizes."""
+    """True for rates and speedups. For times and sizes, less is better."""
     return bool(re.search(r"/s\b|\ba (?:second|ms)\b", unit)) or unit == "times"
 
 
 def outliers(turns: int) -> int:
-    """How many of `turns` turns may have the opposite sign; -1 if there are too few turns for a conclusion."""
+    """The number of turns, of this many, that may contradict the rest; -1 if there are too few turns to decide anything."""
     return max(k for k in range(-1, turns // 2) if 2 * sum(math.comb(turns, i) for i in range(k + 1)) / 2**turns <= CHANCE)
 
 
@@ -46,9 +46,9 @@ def outliers(turns: int) -> int:
 class Change:
     what: str
     unit: str
-    base: float  # The median, like `new`.
+    base: float  # Medians.
     new: float
-    ratio: float  # The median of the turns' ratios of new to base.
+    ratio: float  # The median of new over base within each turn.
     moved: bool
 
     @property
@@ -61,7 +61,7 @@ class Change:
 
 
 def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change:
-    """The change of a row. Both lists have a median for each turn, in the same order."""
+    """Compares a row. Both lists hold the median of each turn, in the same order."""
     ratios = sorted(b / a if a > 0 and b > 0 else 1.0 for a, b in zip(base, new, strict=True))
     ratio = statistics.median(ratios)
     against = sum(each >= 1.0 for each in ratios) if ratio < 1.0 else sum(each <= 1.0 for each in ratios)
@@ -70,7 +70,7 @@ def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change
 
 
 def compare_all(turns: list[tuple[dict, dict]]) -> tuple[list[Change], list[str]]:
-    """The changes of all rows that both commits print in every turn, and the names of the other rows."""
+    """The changes of all rows that both commits print in every turn, and the names of the others."""
     names = dict.fromkeys(what for pair in turns for side in pair for what in side)
     shared = [what for what in names if all(what in side for pair in turns for side in pair)]
     changes = []
@@ -95,7 +95,7 @@ def report(changes: list[Change], others: list[str], turns: int) -> str:
 
 
 class Side:
-    """A commit, with its benchmarks built."""
+    """A commit with its built benches."""
 
     def __init__(self, commit: str | None, engine: bool):
         self.folder = self.check_out(commit) if commit else REPO
@@ -144,7 +144,7 @@ def main() -> int:
     parser.add_argument("--engine", type=named, default=[])
     asked = parser.parse_args()
     if asked.turns < 1:
-        parser.error(f"--turns must be 1 or more, got {asked.turns}")
+        parser.error(f"--turns is {asked.turns}: 1 is the least")
     sides = [Side(asked.base, bool(asked.engine)), Side(asked.new, bool(asked.engine))]
     turns = []
     for turn in range(asked.turns):

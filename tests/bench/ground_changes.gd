@@ -1,15 +1,15 @@
 extends SceneTree
-## What ground that is loaded, replaced or edited costs the main thread: the node's own time a frame (`frame_usec` of its stats), its
-## 99th percentile and its largest, and how long it takes until all is in place. Prints rows of a Markdown table.
+## Cost of loaded, replaced or edited ground on the main thread: the node's own time per frame (`frame_usec` of its stats), as 99th
+## percentile and maximum, and the time until all tiles are up to date. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/ground_changes.gd [-- ONLY]
 ##
-## ONLY is a part of a row's name. `--xvfb --rendering-driver opengl3` in the place of `--headless` measures a renderer that has to be
-## asked for the triangles of meshes. The budget is the node's default.
+## ONLY is a part of a row's name. `--xvfb --rendering-driver opengl3` in place of `--headless` measures a renderer from which the triangles
+## of meshes have to be read back. The budget is the node's default.
 
 const MILLION := 706 ## Subdivisions of a plane with a million triangles.
 const CHUNK := 64.0 ## Meters.
 const CHUNK_QUADS := 127 ## A chunk has 32,000 triangles.
-const SPEED := 50.0 ## Meters a second.
+const SPEED := 50.0 ## Meters per second.
 
 var _viewer := Node3D.new()
 var _only := ""
@@ -38,7 +38,7 @@ func _run() -> void:
 	quit()
 
 
-## Calls a case, which returns the scatter whose frames count and the frames themselves from where they count.
+## Calls a case, which returns its scatter, and the index of the first frame that counts.
 func _measure(named: String, of: Callable) -> void:
 	if _only and not _only in named:
 		return
@@ -53,7 +53,7 @@ func _measure(named: String, of: Callable) -> void:
 	await process_frame
 
 
-## What a case has measured.
+## The measurements of a case.
 class Frames:
 	var usec: PackedInt64Array
 	var seconds := 0.0
@@ -75,13 +75,13 @@ func _scatter(terrain: ScatterGround) -> TerrainScatter3D:
 	return scatter
 
 
-## Frames until the scatter has settled, and some that are always waited for.
+## Waits until the scatter has settled, and at least for some frames.
 func _follow(scatter: TerrainScatter3D, frames: Frames, at_least := 30) -> void:
 	var start := Time.get_ticks_usec()
 	var made: int = scatter.get_stats()["tiles_made"]
 	var waited := 0
 	while waited < at_least or not scatter.is_settled():
-		await process_frame # The node's work of a frame is done after this.
+		await process_frame # The node does its work for the frame after this signal.
 		frames.usec.push_back(scatter.get_stats()["frame_usec"])
 		waited += 1
 		if scatter.get_stats()["tiles_made"] > made:
@@ -139,7 +139,7 @@ func _chunk_replaced(frames: Frames) -> void:
 	await _follow(scatter, frames, 100)
 
 
-## Rows of chunks are made ahead and freed behind, as a streaming world does. Making them is no part of the node's time.
+## Creates rows of chunks ahead and frees them behind, as a streaming world does. Creating them is not part of the node's time.
 func _chunks(frames: Frames) -> void:
 	var rows: Dictionary[int, Array] = {}
 	var scatter: TerrainScatter3D

@@ -1,4 +1,4 @@
-"""Prints rows of a Markdown table with the sizes of the release libraries. Run `bash tools/package.sh` first."""
+"""Prints rows of a Markdown table: the sizes of the release libraries that `bash tools/package.sh` packed last. Run it after that."""
 
 import sys
 import zipfile

@@ -1,10 +1,10 @@
-"""Stores the rows of tests/bench/run.sh in tests/bench/data/speed.json, and writes README's speed tables from them.
+"""Stores the rows that tests/bench/run.sh measured in tests/bench/data/speed.json, and writes README's tables of speed from them.
 
-    python3 tests/bench/speed_table.py --machine TEXT ROWS   stores the rows in the folder ROWS, which has a file for each measured
-                                                             part, with the machine and today's date; then writes the tables
+    python3 tests/bench/speed_table.py --machine TEXT ROWS   stores the rows of ROWS, a folder with a file for each measured part,
+                                                             with the machine and today's date; then writes the tables
     python3 tests/bench/speed_table.py                       writes the tables from the stored rows
 
-The rows of other parts stay unchanged. SECTIONS selects the rows in README.
+The rows of parts that were not measured are kept. SECTIONS lists the rows that README shows.
 """
 
 import argparse
@@ -23,7 +23,7 @@ BEGIN = "<!-- The tables from here on are written by tests/bench/run.sh with the
 END = "<!-- The tables end here. -->"
 HEAD = "| What | Median | Lowest to highest round | Rounds |\n|---|---|---|---|"
 
-# The content of README: headings, and below each the rows whose names match these shell patterns. Stars replace values of a run.
+# The headings of README, and for each the rows whose names match these shell patterns. A star matches the numbers of a run.
 SECTIONS = {
     "The sampler, on one core": [
         "tiles of 64 r: sampler, L = *",
@@ -85,12 +85,12 @@ def read(rows: Path) -> dict[str, list[list[str]]]:
 
 
 def keep(kept: dict, parts: dict[str, list[list[str]]], machine: str, date: str) -> dict:
-    """The stored rows, updated with newly measured parts."""
+    """The stored rows after these parts were measured again."""
     return kept | {part: {"machine": machine, "date": date, "rows": rows} for part, rows in parts.items()}
 
 
 def tables(kept: dict, sections: dict[str, list[str]]) -> str:
-    """The tables in Markdown. A pattern without a matching row is an error, because the row would disappear from README unnoticed."""
+    """The tables in Markdown. A pattern without a matching row is an error, because README would lack that row."""
     rows = [row for part in kept.values() for row in part["rows"]]
     written = [measured(kept)]
     for heading, patterns in sections.items():
@@ -112,7 +112,7 @@ def measured(kept: dict) -> str:
 
 
 def put(readme: str, text: str) -> str:
-    """README's text with these tables between the marks."""
+    """README's text with new tables between the marks."""
     if readme.count(BEGIN) != 1 or readme.count(END) != 1:
         raise SystemExit(f"speed_table: README.md must hold these two lines once each:\n{BEGIN}\n{END}")
     return re.sub(f"(?<={re.escape(BEGIN)}\n).*(?={re.escape(END)})", lambda _: f"\n{text}\n\n", readme, flags=re.DOTALL)
@@ -126,7 +126,7 @@ def main() -> None:
     kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
     if arguments.rows:
         if not arguments.machine:
-            parser.error("--machine must describe the machine that measured the rows")
+            parser.error("--machine must say what the rows were measured on")
         kept = keep(kept, read(arguments.rows), arguments.machine, datetime.date.today().isoformat())
         KEPT.write_text(json.dumps(kept, indent="\t", ensure_ascii=False) + "\n", encoding="utf-8")
     README.write_text(put(README.read_text(encoding="utf-8"), tables(kept, SECTIONS)), encoding="utf-8")

@@ -1,4 +1,4 @@
-// What is kept of a tile gives back every bit of it, and takes a half to a third of the memory.
+// A compact tile restores a tile bit for bit, and takes a half to a third of the memory.
 
 #include "core/base/instance_id.hpp"
 #include "core/placement/compact_tile.hpp"
@@ -17,7 +17,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Bytes an instance, but for what each mesh takes once.
+/// `most_bytes` is per instance, without the fixed cost of each mesh.
 struct Case {
 	std::string name;
 	LayerSettings layer;
@@ -30,7 +30,7 @@ LayerSettings upright() {
 	return layer;
 }
 
-/// Layers that differ in what their floats follow from.
+/// Layers whose floats are derived from different inputs.
 std::vector<Case> cases() {
 	std::vector<Case> result{{"upright", upright(), 20.0}, {"aligned", rich_layer(), 32.0}};
 	LayerSettings layer = upright();
@@ -41,7 +41,7 @@ std::vector<Case> cases() {
 	layer.placement.offset_along_normal = -0.4;
 	result.push_back({"leaning and off its point", layer, 32.0});
 	layer = upright();
-	layer.placement.min_yaw_degrees = layer.placement.max_yaw_degrees = 90.0; // Zeros, whose signs are the ground's.
+	layer.placement.min_yaw_degrees = layer.placement.max_yaw_degrees = 90.0; // Zeros with the ground's signs.
 	layer.placement.offset_along_normal = 0.3;
 	result.push_back({"upright and off its point", layer, 20.0});
 	layer = upright();
@@ -68,7 +68,7 @@ std::size_t bytes_of(const CompactTile &tile) {
 	return bytes;
 }
 
-/// Instances that no layer has made.
+/// Instances that no layer generated.
 MeshInstances handmade(const std::vector<std::uint64_t> &ids) {
 	MeshInstances mesh;
 	mesh.resize(ids.size());
@@ -82,7 +82,7 @@ MeshInstances handmade(const std::vector<std::uint64_t> &ids) {
 
 } // namespace
 
-TEST_CASE("kept tile: every bit comes back, for all that floats may follow from") {
+TEST_CASE("compact tile: every bit is restored, for all inputs of the floats") {
 	for (const auto &[name, layer, most_bytes] : cases()) {
 		CAPTURE(name);
 		const TileInstances tile = built(layer, hills(), tile_of_hills);
@@ -99,7 +99,7 @@ TEST_CASE("kept tile: every bit comes back, for all that floats may follow from"
 	}
 }
 
-TEST_CASE("kept tile: it takes no more memory than is promised") {
+TEST_CASE("compact tile: it takes no more memory than promised") {
 	for (const auto &[name, layer, most_bytes] : cases()) {
 		CAPTURE(name);
 		const TileInstances tile = built(layer, hills(), tile_of_hills);
@@ -107,7 +107,7 @@ TEST_CASE("kept tile: it takes no more memory than is promised") {
 	}
 }
 
-TEST_CASE("kept tile: an instance is found by its id, and only that") {
+TEST_CASE("compact tile: an instance is found by its id only") {
 	const LayerSettings layer = rich_layer();
 	const TileInstances tile = built(layer, hills(), tile_of_hills);
 	const std::shared_ptr<const CompactTile> known = kept(layer, tile);
@@ -122,7 +122,7 @@ TEST_CASE("kept tile: an instance is found by its id, and only that") {
 	}
 }
 
-TEST_CASE("kept tile: what no layer has made is kept as it is, and so is what lies too far apart") {
+TEST_CASE("compact tile: handmade instances and very distant ones are stored uncompressed") {
 	const LayerSettings layer = rich_layer();
 	MeshInstances far = handmade({pack({3, {0, 0}}), pack({3, {1 << 15, 0}})});
 	MeshInstances layers = handmade({pack({3, {0, 0}}), pack({4, {0, 0}})});
@@ -139,7 +139,7 @@ TEST_CASE("kept tile: what no layer has made is kept as it is, and so is what li
 	}
 }
 
-TEST_CASE("kept tile: some of it, behind others, is the same instances") {
+TEST_CASE("compact tile: a subset appended to others has the same instances") {
 	const LayerSettings layer = rich_layer();
 	const std::shared_ptr<const CompactTile> known = kept(layer, built(layer, hills(), tile_of_hills));
 	const CompactMesh &base = known->meshes[0];
@@ -157,7 +157,7 @@ TEST_CASE("kept tile: some of it, behind others, is the same instances") {
 	for (std::size_t i = 0; i < standing.size(); ++i) {
 		CHECK(some.same(first.size() + i, base, standing[i]));
 	}
-	// And once more, of that: the first of them are still kept as they are.
+	// A subset of that subset. Its first instances are still uncompressed.
 	const std::vector<std::uint32_t> fewer{1, 2, 5};
 	const CompactMesh rest(handmade({3}), some, fewer);
 	CHECK(rest.same(1, some, 1));

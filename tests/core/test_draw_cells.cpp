@@ -1,4 +1,5 @@
-// A tile divided for drawing: its cells together are the tile, to the bit, and each prefix of a cell is its share of the tile's.
+// A tile divided for drawing: its cells together are bit-identical to the tile, and each prefix of a cell is its share
+// of the tile's.
 
 #include "core/placement/draw_cells.hpp"
 #include "tile_fixture.hpp"
@@ -21,7 +22,7 @@ DrawCells divided(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, 
 	return cells;
 }
 
-/// Instances at these positions in x and z, relative to the tile's middle; their ids count up from 1.
+/// Instances at these positions in x and z, relative to the tile's center. Their ids count up from 1.
 MeshInstances floats_at(const std::vector<glm::vec2> &positions) {
 	MeshInstances mesh;
 	mesh.resize(positions.size());
@@ -48,20 +49,20 @@ std::vector<std::uint32_t> numbers_of(const DrawCells &cells, std::size_t size) 
 
 } // namespace
 
-TEST_CASE("draw cells: together they are the tile, to the bit, for every number of cells") {
+TEST_CASE("draw cells: together they are bit-identical to the tile, for every number of cells") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
 	const std::shared_ptr<const CompactTile> kept_tile = kept(rich_layer(), tile);
 	for (std::size_t at = 0; at < tile.meshes.size(); ++at) {
 		const MeshInstances &mesh = tile.meshes[at];
 		REQUIRE(mesh.size() > 100);
 		for (const std::uint32_t across : {1U, 2U, 3U, 4U, 7U, 16U}) {
-			const CompactMesh &stands = kept_tile->meshes[at];
-			const DrawCells cells = divided(stands, tile.origin, tile_of_hills, across);
+			const CompactMesh &compact = kept_tile->meshes[at];
+			const DrawCells cells = divided(compact, tile.origin, tile_of_hills, across);
 			std::vector<float> joined(mesh.buffer.size());
 			std::size_t count = 0;
 			for (const DrawCell &cell : cells.cells) {
 				std::vector<float> buffer(cell.size() * mesh.stride);
-				gather(stands, cells.order_of(cell), buffer);
+				gather(compact, cells.order_of(cell), buffer);
 				spread(buffer, cells.order_of(cell), mesh.stride, joined);
 				count += cell.size();
 			}
@@ -93,7 +94,7 @@ TEST_CASE("draw cells: a cell keeps the tile's order, and its prefixes are its s
 	}
 }
 
-TEST_CASE("draw cells: each has what stands in its square, and the box around it") {
+TEST_CASE("draw cells: each has the instances in its square, and the box around them") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
 	const MeshInstances &mesh = tile.meshes[0];
 	const DrawCells cells = divided(CompactMesh(mesh, nullptr), tile.origin, tile_of_hills, 4);
@@ -112,7 +113,7 @@ TEST_CASE("draw cells: each has what stands in its square, and the box around it
 	}
 }
 
-TEST_CASE("draw cells: squares are half-open, and what stands beside the tile is in the nearest") {
+TEST_CASE("draw cells: squares are half-open, and instances beside the tile are in the nearest one") {
 	const Rect rect{{-64.0, 0.0}, {64.0, 128.0}};
 	const CompactMesh mesh = standing_at({{-64.0f, -64.0f}, {-32.0f, -64.0f}, {std::nextafter(-32.0f, -64.0f), -64.0f},
 			{0.0f, 0.0f}, {-1e-30f, -1e-30f}, {64.0f, 64.0f}, {-70.0f, 0.0f}, {500.0f, -500.0f}});
@@ -120,14 +121,14 @@ TEST_CASE("draw cells: squares are half-open, and what stands beside the tile is
 	CHECK(numbers_of(cells, mesh.size()) == std::vector<std::uint32_t>{0, 1, 0, 10, 5, 15, 8, 3});
 }
 
-TEST_CASE("draw cells: of nothing there are none, and odd numbers of cells are brought into range") {
+TEST_CASE("draw cells: an empty tile has none, and numbers of cells are clamped") {
 	CHECK(divided(CompactMesh(), {}, tile_of_hills, 4).empty());
 	const CompactMesh mesh = standing_at({{-63.0f, -63.0f}, {63.0f, 63.0f}});
 	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 0).cells.size() == 1);
 	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 1000).cells.back().number == 255);
 }
 
-TEST_CASE("draw cells: cells with the same instances are told from others") {
+TEST_CASE("draw cells: cells with the same instances compare equal") {
 	const CompactMesh all = standing_at({{-10.0f, -10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}, {11.0f, 11.0f}});
 	MeshInstances fewer = floats_at({{-10.0f, -10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}});
 	const glm::dvec3 origin{0.0, 0.0, 64.0};

@@ -1,4 +1,4 @@
-// Tiles made on several threads for somebody who waits: the same as on one, and really on several.
+// Tiles built on several threads while the caller waits: the same as on one thread, and really on several.
 
 #include "allocation_count.hpp"
 #include "core/placement/parallel_tile_builder.hpp"
@@ -19,7 +19,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Two threads, which do all they find before the caller's own begins.
+/// Two threads that do all available work before the caller's own part begins.
 class EagerThreads final : public LentThreads {
 public:
 	std::size_t count() const override { return 2; }
@@ -35,7 +35,7 @@ public:
 	}
 };
 
-/// Hills that note who asked, and have no answer east of a line.
+/// Hills that record the calling threads, and fail east of a line.
 class WatchedHills final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -72,13 +72,13 @@ std::vector<TileOrder> orders() {
 
 } // namespace
 
-TEST_CASE("tile crew: tiles are those of one builder, in order, and not made on the caller's thread alone") {
+TEST_CASE("parallel tile builder: tiles equal those of one builder, in order, and several threads build them") {
 	const WatchedHills ground;
 	EagerThreads threads;
-	ParallelTileBuilder crew;
+	ParallelTileBuilder builder;
 	std::vector<std::shared_ptr<const CompactTile>> tiles(3);
 	for (int round = 0; round < 2; ++round) {
-		REQUIRE(crew.build(orders(), ground, threads, tiles).ok());
+		REQUIRE(builder.build(orders(), ground, threads, tiles).ok());
 		REQUIRE(tiles.size() == orders().size());
 		for (std::size_t i = 0; i < tiles.size(); ++i) {
 			REQUIRE(tiles[i] != nullptr);
@@ -88,13 +88,13 @@ TEST_CASE("tile crew: tiles are those of one builder, in order, and not made on 
 	CHECK_FALSE(ground.threads().contains(std::this_thread::get_id()));
 }
 
-TEST_CASE("tile crew: the error is that of the first tile that has one, and what came before it is there") {
+TEST_CASE("parallel tile builder: the error is that of the first failing tile, and the tiles before it exist") {
 	WatchedHills ground;
-	ground.east = 0.0; // The fifth tile lies beyond, and the seventh has another error.
+	ground.east = 0.0; // The fifth tile is beyond, and the seventh has a different error.
 	EagerThreads threads;
-	ParallelTileBuilder crew;
+	ParallelTileBuilder builder;
 	std::vector<std::shared_ptr<const CompactTile>> tiles;
-	const Status status = crew.build(orders(), ground, threads, tiles);
+	const Status status = builder.build(orders(), ground, threads, tiles);
 	CHECK(status.code == ErrorCode::missing);
 	CHECK(status.value == 1.0);
 	REQUIRE(tiles.size() == orders().size());
@@ -102,11 +102,11 @@ TEST_CASE("tile crew: the error is that of the first tile that has one, and what
 		CHECK(tiles[i] != nullptr);
 	}
 	CHECK(tiles[4] == nullptr);
-	REQUIRE(crew.build({}, ground, threads, tiles).ok());
+	REQUIRE(builder.build({}, ground, threads, tiles).ok());
 	CHECK(tiles.empty());
 }
 
-TEST_CASE("tile crew: what neighboring tiles share is decided once and kept, for all of its threads") {
+TEST_CASE("parallel tile builder: blocks that neighboring tiles share are computed once for all threads") {
 	const auto layer = std::make_shared<const LayerSettings>(rich_layer());
 	std::vector<TileOrder> small;
 	for (int i = 0; i < 64; ++i) {
@@ -115,21 +115,21 @@ TEST_CASE("tile crew: what neighboring tiles share is decided once and kept, for
 	}
 	const Heightfield ground = hills();
 	EagerThreads threads;
-	ParallelTileBuilder crew;
+	ParallelTileBuilder builder;
 	std::vector<std::shared_ptr<const CompactTile>> tiles;
-	REQUIRE(crew.build(small, ground, threads, tiles).ok());
-	CHECK(crew.points_computed() > 1000);
-	REQUIRE(crew.build(small, ground, threads, tiles)
-					.ok()); // A block that one tile alone has touched is made for the second.
-	const std::uint64_t before = crew.points_computed();
-	REQUIRE(crew.build(small, ground, threads, tiles).ok());
-	CHECK(crew.points_computed() == before);
+	REQUIRE(builder.build(small, ground, threads, tiles).ok());
+	CHECK(builder.points_computed() > 1000);
+	// The second time generates the blocks that only one tile touches.
+	REQUIRE(builder.build(small, ground, threads, tiles).ok());
+	const std::uint64_t before = builder.points_computed();
+	REQUIRE(builder.build(small, ground, threads, tiles).ok());
+	CHECK(builder.points_computed() == before);
 	for (std::size_t i = 0; i < tiles.size(); ++i) {
 		CHECK(digest(expanded(*tiles[i])) == digest(built(*layer, ground, small[i].rect)));
 	}
 }
 
-TEST_CASE("tile crew: workspaces are kept, but not that of a very large tile") {
+TEST_CASE("parallel tile builder: workspaces are kept, except that of a very large tile") {
 	class NoThreads final : public LentThreads {
 	public:
 		std::size_t count() const override { return 0; }
@@ -141,16 +141,16 @@ TEST_CASE("tile crew: workspaces are kept, but not that of a very large tile") {
 	LayerSettings dense = rich_layer();
 	dense.set.radius = 0.4;
 	const auto large = std::make_shared<const LayerSettings>(dense);
-	ParallelTileBuilder crew;
+	ParallelTileBuilder builder;
 	std::vector<std::shared_ptr<const CompactTile>> tiles;
 	const auto allocations_of = [&](const TileOrder &order) {
 		const std::size_t before = allocation_count();
-		REQUIRE(crew.build({&order, 1}, ground, threads, tiles).ok());
+		REQUIRE(builder.build({&order, 1}, ground, threads, tiles).ok());
 		return allocation_count() - before;
 	};
 	const TileOrder order{layer, {{0.0, 0.0}, {32.0, 32.0}}};
 	allocations_of(order);
-	allocations_of(order); // Now its block of points is kept, too.
+	allocations_of(order); // Its block of points is cached as well.
 	const std::size_t warm = allocations_of(order);
 	CHECK(allocations_of(order) == warm);
 	allocations_of({large, {{-100.0, -100.0}, {100.0, 100.0}}});

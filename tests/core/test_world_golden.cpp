@@ -14,7 +14,7 @@
 
 using namespace thicket;
 
-TEST_CASE("golden: ground, rules and transforms have the same bits with every compiler and on every machine") {
+TEST_CASE("golden: ground, rules and transforms are bit-identical with every compiler and on every machine") {
 	constexpr int posts = 33;
 	std::vector<std::uint16_t> heights;
 	for (int i = 0; i < posts * posts; ++i) {

@@ -32,7 +32,7 @@ func make_scene() -> void:
 	scatter.add_child(wood)
 
 
-## Parts that are merged, a coarser one, and a body.
+## Merged parts, a coarser LOD, and a body.
 func pine() -> PackedScene:
 	var scene := Node3D.new()
 	for index in 3:
@@ -106,7 +106,7 @@ func bake_navigation() -> void:
 	var mesh := NavigationMesh.new()
 	mesh.filter_baking_aabb = AABB(Vector3(-10, -2, -10), Vector3(20, 12, 20))
 	var data := NavigationMeshSourceGeometryData3D.new()
-	NavigationServer3D.parse_source_geometry_data(mesh, data, scatter) # A region would end an engine without worker threads.
+	NavigationServer3D.parse_source_geometry_data(mesh, data, scatter) # Baking a region would crash an engine without worker threads.
 	answers.push_back(data.get_projected_obstructions())
 
 

@@ -1,6 +1,6 @@
 extends SceneTree
-## Quits while tiles are being made and uploaded, and while a thread applies a diff. The runner looks at the exit code and at what is said to have leaked.
-## `-- frames leak` says after how many frames, and whether to leave a MultiMesh behind on purpose.
+## Quits while tiles are generated and uploaded and while a thread applies a diff. The runner checks the exit code and reported leaks.
+## `-- FRAMES leak` sets the number of frames before it quits, and whether it leaks a MultiMesh on purpose.
 
 class ThreadedGround extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -43,6 +43,6 @@ func _initialize() -> void:
 		await process_frame
 	if arguments[1] == "leak":
 		RenderingServer.multimesh_create()
-	state.apply_diff_async(diff, func(_error: Error) -> void: print("nobody waits for this"))
+	state.apply_diff_async(diff, func(_error: Error) -> void: print("the callback ran after quitting"))
 	print("thicket quits in mid-generation")
 	quit()

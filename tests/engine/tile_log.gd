@@ -1,10 +1,10 @@
 extends RefCounted
-## Writes down what a scatter shows, for build/.../analysis/tile_digests to make again without the engine.
+## Writes the tiles that a scatter shows to a file. build/.../analysis/tile_digests generates them again without the engine.
 
 var _lines: PackedStringArray
 
 
-## A number by its bits: decimals would have to be long to be exact.
+## Writes a number as its bits, because an exact decimal would be long.
 func _exact(value: float) -> String:
 	var bytes := PackedByteArray()
 	bytes.resize(8)

@@ -1,4 +1,4 @@
-"""The point sets and domains of tests/analysis/golden.cpp and their digests, for tests in Python."""
+"""The point sets and domains of tests/analysis/golden.cpp, for tests in other languages, and their digests."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Set:
 
 @dataclass(frozen=True)
 class Domain:
-    """A complete domain from one of the methods."""
+    """A whole domain, by one of the methods."""
 
     name: str
     seed: int
@@ -39,7 +39,7 @@ class Domain:
     cell_size: float = 0.0
 
     def digest(self, precision: str) -> int:
-        """The digest for precision "single" or "double"."""
+        """`precision` is single or double."""
         return int(DIGESTS[f"domain, {self.name}, {precision}"], 16)
 
 

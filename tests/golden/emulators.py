@@ -10,32 +10,32 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-# Processors that can also run programs for a different one: (this machine's, the program's).
+# Processors that also run the programs of a second one.
 RUNS_TOO = {("x86_64", "i386")}
 
 
 def command(emulator: str, platform: str, native: str) -> list[str | Path]:
-    """The command that precedes the program; empty if this machine can run it without an emulator."""
+    """The command in front of the program. Empty if this machine runs it directly."""
     if platform == native or (native, platform) in RUNS_TOO:
         return []
     if emulator == "node":
-        # Node 20's compiler threads sometimes crash it, usually at the end of the program.
+        # Threads that compile in Node 20 crash it occasionally, at the latest when the program has ended.
         return ["node", "--no-warnings", "--single-threaded", Path(__file__).with_name("wasi.mjs")]
     return [find_wine() or "wine"] if emulator == "wine" else [f"qemu-{platform}"]
 
 
 def absence(emulator: str, platform: str, native: str) -> str:
-    """The reason why programs for that platform cannot run here; empty if they can."""
+    """Why programs for that platform cannot run here. Empty if they can."""
     if emulator == "qemu" and host.system() != "Linux":
         return "programs for Linux do not run here"
     if emulator == "wine" and native != "x86_64":
-        return "wine only runs programs for this machine's processor"
+        return "wine runs programs for this machine's processor only"
     words = command(emulator, platform, native)
     return "" if not words or shutil.which(words[0]) else f"{words[0]} is not installed"
 
 
 def find_wine() -> str | None:
-    """Debian's package of 64-bit wine installs no program on the PATH."""
+    """Debian's package of 64-bit wine puts no program on the PATH."""
     return next((found for name in ("wine64", "wine", "/usr/lib/wine/wine64") if (found := shutil.which(name))), None)
 
 
@@ -45,8 +45,8 @@ def environment(emulator: str) -> dict[str, str]:
 
 @cache
 def wine_environment() -> dict[str, str]:
-    """The environment with a new registry and C: drive, which are deleted when this process ends."""
+    """An environment with a registry and a C: drive that are deleted when this program ends."""
     folder = tempfile.mkdtemp(prefix="thicket-wine-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    # Without the parts that would offer downloads.
+    # Without the components that offer further downloads.
     return {"WINEPREFIX": folder, "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}

@@ -17,7 +17,7 @@ const WholeFile := preload("res://addons/thicket/whole_file.gd")
 const UNFINISHED := ".bake_unfinished/"
 ## The largest number of tiles of all layers together.
 const MOST_TILES := 100000
-const UNWRITABLE := "Cannot write %s: %s. Check that the folder has room and may be written."
+const UNWRITABLE := "Cannot write %s: %s. Check that the folder is writable and the disk has room."
 
 ## The error as a sentence; empty if there is none.
 var problem := ""
@@ -63,7 +63,7 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 		return error
 	error = DirAccess.make_dir_recursive_absolute(_folder + UNFINISHED)
 	if error != OK:
-		return _refuse(error, "Cannot make the folder %s: %s. Choose a folder that may be written." % [_folder, error_string(error)])
+		return _refuse(error, "Cannot create the folder %s: %s. Choose a writable folder." % [_folder, error_string(error)])
 	_empty_unfinished()
 	_name = name
 	_running = true
@@ -149,7 +149,7 @@ func _bake_tile(tile: Vector3i) -> bool:
 	var layer: Resource = _scatter.get(&"layers")[tile.x]
 	var built: RefCounted = _scatter.call(&"build_tile", tile.x, Vector2i(tile.y, tile.z), _rect)
 	if built.get_mesh_count() == 0:
-		problem = "Layer %d cannot be baked; the error that was printed says why." % tile.x
+		problem = "Layer %d cannot be baked; the printed error has the reason." % tile.x
 		return false
 	for mesh_index: int in built.get_mesh_count():
 		var buffer: PackedFloat32Array = built.get_buffer(mesh_index)

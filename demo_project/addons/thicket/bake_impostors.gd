@@ -66,7 +66,7 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake: add one to ScatterLayer.meshes.")
 	var error := DirAccess.make_dir_recursive_absolute(folder)
 	if error != OK:
-		return _refuse(error, "Cannot make the folder %s: %s. Choose a folder that may be written." % [folder, error_string(error)])
+		return _refuse(error, "Cannot create the folder %s: %s. Choose a writable folder." % [folder, error_string(error)])
 	_stem = folder.path_join(name)
 	impostor.material_override = layer.get(&"material_override")
 	_running = true
@@ -139,13 +139,13 @@ func _save() -> bool:
 			replaced[path] = Replaced.new()
 			replaced[path].bytes = FileAccess.get_file_as_bytes(path)
 			if FileAccess.get_open_error() != OK: # Undo could not restore the file.
-				problem = "Cannot read %s, which is to be replaced: %s. Make it readable, or remove it." % [
+				problem = "Cannot read %s, which would be replaced: %s. Make it readable, or remove it." % [
 					path, error_string(FileAccess.get_open_error())]
 				return false
 			replaced[path].resource = load(path) if ResourceLoader.has_cached(path) else null
 		var error := WholeFile.save(_baked[index], path)
 		if error != OK:
-			problem = "Cannot write %s: %s. Check that its folder has room and may be written." % [path, error_string(error)]
+			problem = "Cannot write %s: %s. Check that its folder is writable and the disk has room." % [path, error_string(error)]
 			return false
 		_baked[index].take_over_path(path)
 		files.append(path)

@@ -25,7 +25,7 @@ signal tile_failed(tile: Vector2i)
 const MOST_LOADING := 4
 const UNUSABLE := "ScatterBakedWorld.index_file is %s, which must be the index of a baked world: %s. Nothing is shown. Export the bake again (bake_export.sh)."
 const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version exported, with scenes for tiles. Scenes may run code, so nothing is shown. " \
-		+ "Export the bake again (bake_export.sh); the bake itself is still good."
+		+ "Export the bake again (bake_export.sh); the bake itself is still valid."
 
 ## The index of the world, [code]baked_world.baked[/code]. The tiles are in a folder beside it. Empty for no world.
 @export_file("*.baked") var index_file := "":
@@ -38,7 +38,7 @@ const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version ex
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
 	set(value):
 		if not (value >= 0.0 and value < 1e6):
-			push_error("ScatterBakedWorld.view_distance must be between 0 and 1000000 m, got %s. The last valid value stays; set one in this range." % value)
+			push_error("ScatterBakedWorld.view_distance must be between 0 and 1000000 m, got %s. The last valid value is kept; set one in this range." % value)
 			return
 		view_distance = value
 		_is_stale = true

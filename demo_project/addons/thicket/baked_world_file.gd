@@ -59,7 +59,7 @@ func read(path: String) -> bool:
 		return _refuse("it must have %d to %d bytes, got %d" % [_START, MOST_BYTES, length])
 	var bytes := file.get_buffer(length)
 	if bytes.size() != length or bytes.slice(0, 4) != MAGIC.to_ascii_buffer():
-		return _refuse("it is no file of a baked world")
+		return _refuse("it is not a file of a baked world")
 	if bytes.decode_u32(4) != VERSION:
 		return _refuse("its version must be %d, got %d" % [VERSION, bytes.decode_u32(4)])
 	digest = _sha256(bytes, _HASHED_FROM)

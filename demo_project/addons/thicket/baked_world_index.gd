@@ -71,7 +71,7 @@ func digest_of(number: int) -> PackedByteArray:
 func _take(file: BakedFile) -> void:
 	var header := file.header
 	if file.text(header, "kind") != "index":
-		problem = "it is no index of a baked world"
+		problem = "it is not an index of a baked world"
 		return
 	scene_digest = file.text(header, "scene_digest")
 	tile_size = file.number(header, "tile_size", 0.01, MOST_METERS)
@@ -81,7 +81,7 @@ func _take(file: BakedFile) -> void:
 	materials = PackedStringArray(file.list(header, "materials", TYPE_STRING))
 	for resource in meshes + materials:
 		if not is_in_project(resource):
-			problem = "its meshes and materials must lie in res://, got %s" % resource.left(80)
+			problem = "its meshes and materials must be in res://, got %s" % resource.left(80)
 	var count := file.whole(header, "count", 0, BakedFile.MOST_BYTES / _TILE_BYTES)
 	if file.payload.size() != count * _TILE_BYTES:
 		problem = "it must have %d bytes for %d tiles, got %d" % [count * _TILE_BYTES, count, file.payload.size()]

@@ -3,7 +3,7 @@ extends RefCounted
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 
-const _MISSING := "ScatterBakedWorld: %s %s. What is drawn with it stays hidden. Put it into the project, or export the bake again."
+const _MISSING := "ScatterBakedWorld: %s %s. Instances that need it stay hidden. Add it to the project, or export the bake again."
 
 ## The loaded meshes, in the order of the index, once [method load_step] has returned true; null for those that cannot be loaded.
 var meshes: Array[Mesh] = []
@@ -65,4 +65,4 @@ func _take(resource: Resource, path: String) -> void:
 	if resource == null:
 		push_error(_MISSING % [path, "cannot be loaded"])
 	elif (meshes if is_mesh else materials).back() == null:
-		push_error(_MISSING % [path, "is a %s, where a %s is expected" % [resource.get_class(), "Mesh" if is_mesh else "Material"]])
+		push_error(_MISSING % [path, "is a %s, but must be a %s" % [resource.get_class(), "Mesh" if is_mesh else "Material"]])

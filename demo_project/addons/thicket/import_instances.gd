@@ -293,7 +293,7 @@ static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> v
 	if not node.scene_file_path.is_empty():
 		var scene := load(node.scene_file_path) as PackedScene
 		if scene == null:
-			r_reading.problems.append("%s cannot be loaded; the error that was printed says why." % node.scene_file_path)
+			r_reading.problems.append("%s cannot be loaded; the printed error has the reason." % node.scene_file_path)
 			return
 		_append_transform(_space_of(node), r_reading.batch_of(scene, item_name, {}).transforms)
 		return

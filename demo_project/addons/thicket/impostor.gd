@@ -104,7 +104,7 @@ func finish() -> ArrayMesh:
 	_task = -1
 	var albedo: Image = _baker.get_albedo_image()
 	if albedo == null:
-		_refuse(FAILED, "The impostor cannot be baked; the error that was printed says why.")
+		_refuse(FAILED, "The impostor cannot be baked; the printed error has the reason.")
 		return null
 	return _mesh_of(albedo, _baker.get_normal_image())
 
@@ -139,7 +139,7 @@ func _add(mesh: Mesh, transform: Transform3D) -> Error:
 		return _refuse(ERR_INVALID_PARAMETER, "A mesh is missing: an entry of meshes is null. Remove it, or set a mesh.")
 	for surface in mesh.get_surface_count():
 		if mesh is ArrayMesh and (mesh as ArrayMesh).surface_get_primitive_type(surface) != Mesh.PRIMITIVE_TRIANGLES:
-			_reader.warnings.append("Surface %d of %s has no triangles and is left out: impostors show triangles only." % [surface, _name_of(mesh)])
+			_reader.warnings.append("Surface %d of %s has no triangles and is skipped: impostors show only triangles." % [surface, _name_of(mesh)])
 			continue
 		var material := material_override if material_override != null else mesh.surface_get_material(surface)
 		var arrays := mesh.surface_get_arrays(surface)
@@ -147,7 +147,7 @@ func _add(mesh: Mesh, transform: Transform3D) -> Error:
 		var error: Error = _baker.add_surface(look.arrays, transform, look.albedo, look.texture, look.alpha_threshold,
 				look.cull_mode, look.vertex_colors)
 		if error != OK:
-			return _refuse(error, "Surface %d of %s cannot be baked; the error that was printed says why." % [surface, _name_of(mesh)])
+			return _refuse(error, "Surface %d of %s cannot be baked; the printed error has the reason." % [surface, _name_of(mesh)])
 	return OK
 
 

@@ -31,7 +31,7 @@ static func load_script(path: String) -> GDScript:
 ## Returns why [method load_script] returned null, and what to do, in sentences.
 static func problem() -> String:
 	if is_open():
-		return "Thicket's scripts do not fit the native library that is loaded. Install the whole add-on of one version, then restart the engine."
+		return "Thicket's scripts and the loaded native library have different versions. Install all files of one version of the add-on, then restart the engine."
 	return "Thicket's tools are off: no native library for %s.%s is loaded. Install a release of the add-on that has one in %sbin, or " % [
 			OS.get_name().to_lower(), Engine.get_architecture_name(), ADDON] + "build it with \"scons extension\"."
 

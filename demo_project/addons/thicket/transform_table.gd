@@ -77,7 +77,7 @@ func _take_first(line: String, number: int) -> bool:
 	elif COUNTS.has(fields.size()):
 		_take_count(fields.size())
 	else:
-		problems.append("line %d: %d columns, where 3, 6, 7, 9 or 12 are expected" % [number, fields.size()])
+		problems.append("line %d: %d columns, but must have 3, 6, 7, 9 or 12" % [number, fields.size()])
 	return header
 
 
@@ -87,12 +87,12 @@ func _take_names(fields: Array[String], number: int) -> void:
 		if not PARTS.has(part) and part != ONE_SCALE:
 			problems.append("line %d: no column is called '%s'; known are %s and scale" % [number, field, ", ".join(PARTS)])
 		elif _names.has(part):
-			problems.append("line %d: '%s' comes twice; name each column once" % [number, field])
+			problems.append("line %d: '%s' appears twice; name each column once" % [number, field])
 		_names.append(part)
 		_columns.append(PARTS.find(part))
 	for part in PARTS.slice(0, 3):
 		if not _names.has(part):
-			problems.append("line %d: there is no column '%s'; x, y and z are needed" % [number, part])
+			problems.append("line %d: there is no column '%s'; x, y and z are required" % [number, part])
 
 
 func _take_count(count: int) -> void:
@@ -123,12 +123,12 @@ func _values_of(line: String, number: int) -> PackedFloat64Array:
 func _values_one_by_one(line: String, number: int) -> PackedFloat64Array:
 	var fields := _fields(line)
 	if fields.size() != _columns.size():
-		problems.append("line %d: %d values, where %d are expected" % [number, fields.size(), _columns.size()])
+		problems.append("line %d: %d values, but must have %d" % [number, fields.size(), _columns.size()])
 		return PackedFloat64Array()
 	var values := PackedFloat64Array()
 	for index in fields.size():
 		if not fields[index].is_valid_float():
-			problems.append("line %d: %s is '%s', which is no number; write it with a decimal point" % [number, _names[index], fields[index]])
+			problems.append("line %d: %s is '%s', which is not a number; write it with a decimal point" % [number, _names[index], fields[index]])
 			return PackedFloat64Array()
 		values.append(fields[index].to_float())
 		if not absf(values[-1]) <= MOST:

@@ -77,9 +77,9 @@ void report_exception(const char *p_entry) noexcept {
 	try {
 		throw;
 	} catch (const std::bad_alloc &) {
-		why = "needs more memory than there is";
+		why = "needs more memory than is available";
 	} catch (const std::length_error &) {
-		why = "needs more memory than there is";
+		why = "needs more memory than is available";
 	} catch (...) {
 		why = "failed within";
 	}

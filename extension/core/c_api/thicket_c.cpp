@@ -80,7 +80,7 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 		const Status told = thicket::guarded("message", 0.0,
 				[&] { tell(*sampler, (request != nullptr ? describe(*request, status) : describe(status)).c_str()); });
 		if (!told.ok()) {
-			tell(*sampler, "there is not even memory to say what went wrong");
+			tell(*sampler, "there is not enough memory for an error message");
 		}
 	}
 	sampler->busy.store(false, std::memory_order_release);
@@ -160,7 +160,7 @@ thicket::DomainRequest request_of(const thicket_domain &domain) {
 Status check_part(const thicket_sampler &sampler, std::uint64_t first, std::uint64_t count, const void *buffer) {
 	const std::uint64_t held = count_of(sampler);
 	if (first > held) {
-		return Status::out_of_range("first", first, at_most(held, "the points that are held"));
+		return Status::out_of_range("first", first, at_most(held, "the points in the sampler"));
 	}
 	if (count > held - first) {
 		return Status::out_of_range("count", count, at_most(held - first, "the points from first on"));
@@ -195,7 +195,7 @@ const char *thicket_message(const thicket_sampler *sampler) noexcept {
 	if (sampler == nullptr) {
 		return "sampler is missing";
 	}
-	return sampler->busy.load(std::memory_order_acquire) ? "another call of this sampler is under way"
+	return sampler->busy.load(std::memory_order_acquire) ? "a different call of this sampler is running"
 														 : sampler->message.data();
 }
 

@@ -156,14 +156,14 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		if (!reference.empty() && other == layers.size()) {
 			problems.push_back(std::string(start).append(nobody(reference)));
 		} else if (!reference.empty() && other >= index) {
-			problems.push_back(start + ", which does not stand before this layer in the list: it has no effect.");
+			problems.push_back(start + ", which is not before this layer in the list: it has no effect.");
 		}
 	};
 	check_earlier("proximity_layer", layer.proximity_layer);
 	check_earlier("color_source_layer", layer.color_layer);
 	check_earlier("variation_source_layer", layer.variation_layer);
 	if (!layer.name.empty() && find(layers, layer.name) != index) {
-		problems.push_back("has the same name as another: \"" + layer.name + "\" means the first of them.");
+		problems.push_back("has the name of an earlier layer: \"" + layer.name + "\" refers to the earlier one.");
 	}
 	return problems;
 }

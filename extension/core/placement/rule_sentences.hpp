@@ -24,7 +24,7 @@ struct RuleSentence {
 	/// The range that the rule requires, infinite at an open end.
 	double min = -std::numeric_limits<double>::infinity();
 	double max = std::numeric_limits<double>::infinity();
-	std::string sentence; ///< The value and the requirement: "Slope is 42°, the layer asks for at most 30°."
+	std::string sentence; ///< The value and the requirement: "Slope is 42°; the layer requires at most 30°."
 };
 
 /// `factor` is one of `layer`.

@@ -34,9 +34,9 @@ const char *reason() {
 	try {
 		throw;
 	} catch (const std::bad_alloc &) {
-		return "needs more memory than there is";
+		return "needs more memory than is available";
 	} catch (const std::length_error &) {
-		return "needs more memory than there is";
+		return "needs more memory than is available";
 	} catch (...) {
 		return "failed within";
 	}

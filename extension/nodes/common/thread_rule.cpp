@@ -151,9 +151,9 @@ void ThreadTurn::report() const {
 			remedy = "Use call_deferred(), or an object that no node in the tree uses.";
 			break;
 		case Refusal::busy:
-			problem = "called while another call of the same object is under way on another thread; one thread at a "
-					  "time may use it.";
-			remedy = "Take one object for each thread, or lock a Mutex around the calls.";
+			problem = "called while a different thread runs a call of the same object; only one thread at a time may "
+					  "use it.";
+			remedy = "Use one object per thread, or lock a Mutex around the calls.";
 			break;
 	}
 	if (method_.rule.remedy != nullptr && refusal_ != Refusal::busy) {

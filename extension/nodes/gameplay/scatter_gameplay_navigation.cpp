@@ -127,8 +127,9 @@ void ScatterGameplay::add_obstructions(
 	std::vector<PlacedInstance> found;
 	const Status status = world_.ask([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); });
 	if (!status.ok() && status.code != ErrorCode::cancelled) {
-		ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without what stands there of layer " +
-				std::to_string(layer) + ": " + describe(status) + ". Set its filter_baking_aabb to what it is for.")
+		ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without the instances of layer " +
+				std::to_string(layer) + ": " + describe(status) +
+				". Set its filter_baking_aabb to the area that it needs.")
 						.c_str()));
 	}
 	Obstruction obstruction;

@@ -33,8 +33,8 @@ void SceneRing::refuse(Layer &layer) {
 	layer.refused = true;
 	update_distances();
 	const String path = layer.is.scene->get_path();
-	ERR_PRINT(vformat(
-			"TerrainScatter3D: the scene %s of layer \"%s\" has no Node3D as its root. Its meshes are shown instead.",
+	ERR_PRINT(vformat("TerrainScatter3D: the root of the scene %s of layer \"%s\" is not a Node3D. The layer's meshes "
+	                  "are drawn instead.",
 			path.is_empty() ? String("(built in)") : path, layer.is.name));
 }
 

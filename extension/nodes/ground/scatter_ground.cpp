@@ -121,7 +121,7 @@ String ScatterGround::find_problem() {
 	if (GDVIRTUAL_IS_OVERRIDDEN(_get_heights)) {
 		return {};
 	}
-	return "ScatterGround gives no ground by itself: use one of the classes that inherit from it, or extend it "
+	return "ScatterGround has no ground of its own: use one of the classes that inherit from it, or extend it "
 		   "with a script (a @tool script to see it in the editor) that has _get_heights().";
 }
 

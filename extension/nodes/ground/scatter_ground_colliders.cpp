@@ -146,7 +146,8 @@ String ScatterGroundColliders::find_problem() {
 	if (const Status status = check(); !status.ok()) {
 		return sentence(class_name, status);
 	}
-	return collision_mask_ != 0 ? String() : "ScatterGroundColliders.collision_mask is empty: no body is ground.";
+	return collision_mask_ != 0 ? String()
+								: "ScatterGroundColliders.collision_mask is empty: no body counts as ground.";
 }
 
 Status ScatterGroundColliders::check() const {

@@ -206,8 +206,7 @@ String ScatterGroundHeightmap::sentence_of(const Status &status, glm::ivec2 refu
 				? vformat("must be from %d to %d m", static_cast<std::int64_t>(-max_heightfield_height),
 						  static_cast<std::int64_t>(max_heightfield_height))
 				: String("must be from 0 to 1, or heights_in_meters be set");
-		return vformat(
-				"%s.%s: the post in column %d of row %d %s (NAN for a hole), got %s. The ground stays as it was.",
+		return vformat("%s.%s: the post in column %d of row %d %s (NAN for a hole), got %s. The ground is unchanged.",
 				class_name, property, refused_post.x, refused_post.y, limits, status.value);
 	}
 	Status named = status;

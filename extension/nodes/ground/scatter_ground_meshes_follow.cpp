@@ -35,7 +35,7 @@ String name_of(const Variant &p_node) {
 String refusal_of(const String &p_name, const MeshReading &reading) {
 	const bool misplaced = std::string_view(reading.status.property) == "corners" &&
 			(reading.status.code == ErrorCode::not_finite || reading.status.code == ErrorCode::out_of_range);
-	const String remedy = " Until then its ground stays as it was.";
+	const String remedy = " Until then its ground is unchanged.";
 	if (misplaced) {
 		const glm::dvec3 &at = reading.refused_corner;
 		return vformat("%s: the mesh of \"%s\" has a corner at (%s, %s, %s): each coordinate must be finite and at "
@@ -242,7 +242,7 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	}
 	if (!is_finite(sight.frame)) {
 		refuse(id,
-				vformat("%s: the global_transform of \"%s\" must be finite. Until then its ground stays as it was.",
+				vformat("%s: the global_transform of \"%s\" must be finite. Until then its ground is unchanged.",
 						class_name, name_of(node)));
 		return true;
 	}

@@ -120,10 +120,9 @@ void ScatterGroundNode::take(const Found &found) {
 	} else if (usable) {
 		give(found.ground);
 		if (found.attempt.plugin != GroundPlugin::none) {
-			remark_ =
-					vformat("ScatterGroundNode.node: \"%s\" is like %s, but %s. So its ground is not copied but asked "
-							"for place by place, which is slow.",
-							node_, String(name_of(found.attempt.plugin)), found.attempt.refusal);
+			remark_ = vformat("ScatterGroundNode.node: \"%s\" is like %s, but %s. So its ground is not copied; it is "
+							  "queried position by position, which is slow.",
+					node_, String(name_of(found.attempt.plugin)), found.attempt.refusal);
 		}
 	}
 	if (usable && !was_usable && missed_ && !told_) {
@@ -133,7 +132,7 @@ void ScatterGroundNode::take(const Found &found) {
 	told_ = false;
 	const String recognized = !usable ? String()
 			: copied                  ? copy_->description()
-									  : vformat("%s, asked place by place", target->get_class());
+									  : vformat("%s, queried position by position", target->get_class());
 	if (target != nullptr) { // Also an unusable node, because it may become usable once it is back.
 		const bool asked = usable && !copied;
 		follow_node(target, asked ? ground_->source() : found.attempt.data.get_validated_object());
@@ -174,8 +173,8 @@ void ScatterGroundNode::take_copy(const Found &found) {
 	if (const String remark = copy_->remark(); !remark.is_empty()) {
 		remark_ = vformat("ScatterGroundNode.node: \"%s\" (%s) %s", node_, plugin, remark);
 	} else if (no_ground_enabled_ || !to_core(bounds_).empty()) {
-		remark_ = vformat("ScatterGroundNode.bounds and no_ground_height have no effect: \"%s\" (%s) tells where "
-						  "its ground is.",
+		remark_ = vformat("ScatterGroundNode.bounds and no_ground_height have no effect: \"%s\" (%s) determines "
+						  "the extent of its ground.",
 				node_, plugin);
 	}
 }
@@ -207,7 +206,7 @@ String ScatterGroundNode::problem_of(const Found &found, bool in_tree, bool usab
 				found.attempt.refusal);
 	}
 	return vformat("ScatterGroundNode.node: \"%s\" (%s) has no get_height(), nor data with get_height(), nor "
-				   "get_data() with get_interpolated_height_at(). A script must be a @tool script to be asked in the "
+				   "get_data() with get_interpolated_height_at(). A script must be a @tool script to work in the "
 				   "editor.",
 			node_, found.target.get_validated_object()->get_class());
 }

@@ -103,7 +103,7 @@ void ScatterLayer::add_stripped_problems(PackedStringArray &r_problems) const {
 		}
 	}
 	if (tables_.image_missing && is_stripped(tables_.mask_texture.texture)) {
-		r_problems.push_back(stripped_problem("ScatterLayer.mask_texture", "nothing stands"));
+		r_problems.push_back(stripped_problem("ScatterLayer.mask_texture", "nothing is placed"));
 	}
 }
 

@@ -87,16 +87,17 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.collision_shape is not used: collision_distance is 0.");
 	}
 	if (gameplay_.collision.layer == 0 && gameplay_.collision.mask == 0) {
-		r_problems.push_back("ScatterLayer.collision_shape meets nothing: collision_layer and collision_mask are 0.");
+		r_problems.push_back(
+				"ScatterLayer.collision_shape collides with nothing: collision_layer and collision_mask are 0.");
 	}
 	if (gameplay_.collision.shape == BodyShape::capsule &&
 			gameplay_.instance_height < 2.0 * gameplay_.instance_radius) {
-		r_problems.push_back("ScatterLayer.instance_height is below two times instance_radius, the least height of a "
+		r_problems.push_back("ScatterLayer.instance_height is below two times instance_radius, the minimum height of a "
 							 "capsule.");
 	}
 	if (gameplay_.collision.shape == BodyShape::convex) {
 		if (!meshes_.has_mesh()) {
-			r_problems.push_back("ScatterLayer.collision_shape is Convex, but there is no mesh to make it of.");
+			r_problems.push_back("ScatterLayer.collision_shape is Convex, but the layer has no mesh to build it from.");
 		}
 	}
 	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();

@@ -60,7 +60,7 @@ Status for_scripts(Status status) {
 
 bool ScatterMask::accept_while_blank(const char *p_property, double p_value) const {
 	if (!blank()) {
-		ERR_PRINT(vformat("ScatterMask.%s is fixed while something is painted, got %s: clear() the mask first.",
+		ERR_PRINT(vformat("ScatterMask.%s cannot change while the mask is painted, got %s. Call clear() first.",
 				p_property, p_value));
 	}
 	return blank();

@@ -190,9 +190,9 @@ void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
 /// Adds a remark about a node that cannot be drawn as in the scene.
 void Walk::remark_on(Node *p_node) {
 	if (p_node->is_class("AnimationMixer")) {
-		remark(vformat("\"%s\" plays nothing: the model is drawn as the scene was saved.", p_node->get_name()));
+		remark(vformat("\"%s\" does not play: the model is drawn as the scene was saved.", p_node->get_name()));
 	} else if (p_node->is_class("VisualInstance3D")) {
-		remark(vformat("\"%s\" is not drawn: of a %s nothing can be scattered, only of MeshInstance3D.",
+		remark(vformat("\"%s\" is not drawn: it is a %s, and only MeshInstance3D nodes are scattered.",
 				p_node->get_name(), p_node->get_class()));
 	}
 }

@@ -35,7 +35,7 @@ void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<Scatt
 	}
 	if (layer.needs_water() && !has_water) {
 		r_problems.push_back(p_where +
-				String("nothing stands: min_water_depth asks for water, and there is none. Set "
+				String("nothing is placed: min_water_depth requires water, and there is none. Set "
 					   "TerrainScatter3D.water_enabled."));
 	}
 }
@@ -98,7 +98,7 @@ void add_viewer_problems(
 		const Node3D *viewer = Object::cast_to<Node3D>(node.get_node_or_null(viewers.paths[index]));
 		const String name = "Viewer " + String::num_int64(index);
 		if (viewer == nullptr) {
-			r_problems.push_back(name + String(" is no Node3D in this scene."));
+			r_problems.push_back(name + String(" is not a Node3D in this scene."));
 		} else if (!has_place(*viewer)) {
 			r_problems.push_back(
 					name + String(" has a position that is not finite: no tiles are generated around it."));
@@ -155,8 +155,8 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 		const int64_t id = layer->own_id();
 		if (!ids.insert(id >= 0 ? id : index).second) {
 			r_problems.push_back(where +
-					String("has the same layer_id as another: both use the same random numbers and ids. "
-						   "Set one to -1 for an id of its own."));
+					String("has the layer_id of a different layer: both use the same random numbers and "
+						   "ids. Set one of them to -1 for a new id."));
 		}
 	}
 }

@@ -57,7 +57,8 @@ LayerFailure ScatterStream::print_failure(const std::string &where, const Status
 	const Ref<ScatterGround> &ground = ground_.source.ground;
 	const String by_script = ground.is_valid() ? ground->script_problem(status) : String();
 	ERR_PRINT(String("TerrainScatter3D, ") + text + (by_script.is_empty() ? by_script : String(" ") + by_script));
-	return {by_script.is_empty() ? String("Not all tiles could be made: ") + text : by_script, !by_script.is_empty()};
+	return {by_script.is_empty() ? String("Not all tiles could be generated: ") + text : by_script,
+			!by_script.is_empty()};
 }
 
 void ScatterStream::forget_failure(LayerFailure &r_failure) {

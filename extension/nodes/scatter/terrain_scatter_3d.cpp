@@ -326,7 +326,7 @@ Status TerrainScatter3D::prepare() {
 		return {};
 	}
 	return ground_.is_null() ? Status::missing("ground", "Set TerrainScatter3D.ground")
-							 : Status::missing("layers", "Add a layer that get_problems() reports nothing of");
+							 : Status::missing("layers", "Add a layer without problems in its get_problems()");
 }
 
 /// The engine calls this for each node that a navigation mesh is baked from.

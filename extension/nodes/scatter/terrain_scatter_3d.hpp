@@ -305,6 +305,7 @@ private:
 	bool models_are_read(std::chrono::steady_clock::time_point deadline) const;
 	void warn_of_stripped();
 	void refresh();
+	void apply_changes();
 	bool waits_for_ground() const;
 	void notice_layers();
 	void mark_edited();

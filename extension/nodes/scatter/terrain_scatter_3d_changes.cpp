@@ -172,9 +172,23 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 
 void TerrainScatter3D::refresh() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	dirty_ = false;
+	try {
+		apply_changes();
+	} catch (...) {
+		// Some of the tiles that have changed may be forgotten, so that the next frame regenerates all.
+		if (gameplay->alive()) {
+			ground_change_.everywhere = true;
+			mark_edited();
+		}
+		throw;
+	}
+}
+
+void TerrainScatter3D::apply_changes() {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	const Ref<ScatterGround> ground = ground_;
-	dirty_ = false;
 	set_physics_process_internal(ground.is_valid() && ground->needs_physics_frames());
 	const bool pending = ground.is_valid() && ground->is_pending(get_instance_id());
 	const EditedArea ground_change = pending ? EditedArea() : std::exchange(ground_change_, {});
@@ -256,7 +270,7 @@ TileMaker TerrainScatter3D::worker_tile_maker() const {
 		if (terrain == nullptr) {
 			return Status::missing("thread_safe_ground",
 					"The ground can be sampled on the main thread only (a script that is not thread-safe, or "
-					"colliders), so the snapshot has the tiles that were loaded when it was made, and no others. Use "
+					"colliders), so the snapshot has only the tiles that were loaded when it was made. Use "
 					"request_rect() or request_sphere()");
 		}
 		std::vector<TileOrder> orders;

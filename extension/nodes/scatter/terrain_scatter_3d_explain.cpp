@@ -51,7 +51,7 @@ String TerrainScatter3D::ground_problem() {
 	if (problems.size() > 0) {
 		return problems.ptr()[0];
 	}
-	return ground->is_available() ? String() : String("The ground is away for the time being.");
+	return ground->is_available() ? String() : String("The ground is temporarily unavailable.");
 }
 
 LayerExplainer TerrainScatter3D::layer_explainer() const {
@@ -68,7 +68,7 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 	if (r_explanation.stands && state->state().removed(r_explanation.rules.point.id)) {
 		r_explanation.stands = false;
 		if (r_explanation.verdict.yes) {
-			refuse("state", "Removed: the state has taken away what stood " + where + ".", r_explanation);
+			refuse("state", "Removed: the state has removed the instance " + where + ".", r_explanation);
 		}
 	}
 	const double radius = layer.settings->set.radius;
@@ -77,8 +77,8 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 	if (state->state().added_in(layer.settings->set.layer, {place - radius, place + radius}, ids).ok() &&
 			!ids.empty()) {
 		r_explanation.verdict.reason += ids.size() == 1
-				? " One was placed by hand near by."
-				: " " + std::to_string(ids.size()) + " were placed by hand near by.";
+				? " One was placed by hand nearby."
+				: " " + std::to_string(ids.size()) + " were placed by hand nearby.";
 	}
 }
 
@@ -121,10 +121,11 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 		if (std::isinf(beyond)) {
 			return hidden("view_distance", "there is no viewer.");
 		}
-		return beyond > 0.0 ? hidden("view_distance",
-									  "the nearest viewer is " + distance_text(away) + ", the layer is seen from " +
-											  number_text(layer.range.view_distance, away) + " m.")
-							: hidden("loading", "its tile is still being made.");
+		return beyond > 0.0
+				? hidden("view_distance",
+						  "the nearest viewer is " + distance_text(away) + "; the view distance of the layer is " +
+								  number_text(layer.range.view_distance, away) + " m.")
+				: hidden("loading", "its tile is still being generated.");
 	}
 	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
 	if (const double share = display().drawn_share(layer.lod, away); !thicket::stands(rank, share)) {
@@ -191,7 +192,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	const glm::dvec2 place(r_explanation.place.x, r_explanation.place.z);
 	const Status status = explainer.explain(r_explanation.layer, place, r_explanation);
 	if (!status.ok()) {
-		return refuse("layer", "Cannot be told: " + thicket::describe(status) + ".", r_explanation);
+		return refuse("layer", "Cannot be explained: " + thicket::describe(status) + ".", r_explanation);
 	}
 	if (gameplay->alive()) {
 		explain_changes(*layer, r_explanation);
@@ -220,8 +221,9 @@ PackedFloat32Array TerrainScatter3D::map_of(
 		const LayerExplainer explainer = layer_explainer();
 		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
 		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
-				: p_layer != nullptr && !known    ? Status::missing("layer", "Fix what get_problems() reports of it")
-												  : ask(explainer, layer, places, values);
+				: p_layer != nullptr && !known
+				? Status::missing("layer", "Fix the problems that its get_problems() returns")
+				: ask(explainer, layer, places, values);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
 	if (!status.ok()) {

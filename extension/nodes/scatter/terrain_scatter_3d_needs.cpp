@@ -45,8 +45,8 @@ void TerrainScatter3D::warn_of_stripped() {
 	const PackedStringArray problems = stripped_problems(all_layers(), ground_, biomes_.ptr());
 	if (gameplay->alive() && problems.size() > 0) {
 		warned_of_stripped_ = true;
-		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (Of %d such problems, see get_problems().)", get_name(),
-				problems[0], problems.size()));
+		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (One of %d such problems; get_problems() returns all.)",
+				get_name(), problems[0], problems.size()));
 	}
 }
 

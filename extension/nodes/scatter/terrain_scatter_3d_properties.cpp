@@ -247,7 +247,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 	if (status.ok()) {
 		snapshot = layer < layer_list_.snapshots().size() ? layer_list_.snapshots()[layer] : nullptr;
 		status = !ground_->is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
-				: snapshot == nullptr     ? Status::missing("layer", "Fix what get_problems() reports of it")
+				: snapshot == nullptr     ? Status::missing("layer", "Fix the problems that its get_problems() returns")
 										  : Status{};
 	}
 	const Rect rect = status.ok() ? rect_of(*snapshot) : Rect();
@@ -371,7 +371,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
 		if (const Status status = gameplay_->check_state(*state.ptr()); !status.ok()) {
 			problems.push_back(
-					sentence("TerrainScatter3D", status) + String(": what it has removed are other instances."));
+					sentence("TerrainScatter3D", status) + String(": its removals apply to different instances."));
 		}
 	}
 	add_viewer_problems(*this, viewers_, stream_->viewer_status(), problems);

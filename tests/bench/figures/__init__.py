@@ -1,1 +1,1 @@
-"""Measures the seed paper's figures: `bash tests/bench/figures.sh`."""
+"""Reproduces the seed paper's figures: `bash tests/bench/figures.sh`."""

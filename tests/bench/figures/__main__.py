@@ -1,4 +1,4 @@
-"""Measures the seed paper's figures and writes tables, plots and the page. tests/bench/figures.sh calls it."""
+"""Measures the seed paper's figures again and writes tables, plots and the page. tests/bench/figures.sh calls it."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ FACTS = "machine.json"
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="figures.sh", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="small sizes, for a quick test of all parts")
-    parser.add_argument("--out", type=Path, default=REPO / "build" / "figures", help="the folder for the results")
+    parser.add_argument("--quick", action="store_true", help="small sizes, to check that everything works")
+    parser.add_argument("--out", type=Path, default=REPO / "build" / "figures", help="the folder of the results")
     parser.add_argument(
-        "--only", action="append", choices=list(PARTS), help="measure only this part; the others stay unchanged"
+        "--only", action="append", choices=list(PARTS), help="measure only this part; keep the others"
     )
     parser.add_argument(
-        "--minutes", type=float, default=FULL.longest_large_run / 60.0, help="skip large sets that take longer"
+        "--minutes", type=float, default=FULL.longest_large_run / 60.0, help="make no large set that takes longer"
     )
     parser.add_argument(
-        "--redraw", action="store_true", help="measure nothing, draw the existing results"
+        "--redraw", action="store_true", help="measure nothing, draw from the tables in the folder of the results"
     )
     parser.add_argument(
-        "--render", action="store_true", help="measure nothing, write the page and its pictures from tests/bench/data"
+        "--render", action="store_true", help="measure nothing, write page and pictures from tests/bench/data"
     )
     parser.add_argument("--programs", type=Path, required=True, help="the folder of the build to measure")
     parser.add_argument(
@@ -49,13 +49,13 @@ def arguments() -> argparse.Namespace:
 
 
 def read_facts(out: Path) -> dict[str, tables.Row]:
-    """The machine and the date of each part's measurement."""
+    """When and on which machine each part was measured."""
     path = out / FACTS
     return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
 def measure(given: argparse.Namespace, out: Path) -> None:
-    """Measures the requested parts, and writes their tables and a description of the machine."""
+    """Measures the requested parts, and writes their tables and the machine."""
     out.mkdir(parents=True, exist_ok=True)
     folder = given.programs.resolve()
     settings = QUICK if given.quick else replace(FULL, longest_large_run=60.0 * given.minutes)
@@ -74,7 +74,7 @@ def measure(given: argparse.Namespace, out: Path) -> None:
 
 
 def draw(table: page.Tables, arrays: dict[str, np.ndarray], pictures: Path) -> None:
-    """Draws all plots. The plot of complete point sets needs `arrays`."""
+    """All plots of the measured tables. The plot of whole point sets needs `arrays`."""
     pictures.mkdir(parents=True, exist_ok=True)
     rates, contenders = table["figure4"], CONTENDERS + PEERS
     save(lambda theme: plots.figure4(rates, contenders, PAPER, theme), pictures, "figure4")

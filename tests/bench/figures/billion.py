@@ -1,4 +1,4 @@
-"""A billion points of one set from the exact tile sampler (tests/bench/billion.cpp), with the tiles in two orders."""
+"""A billion points of one set by the exact tile sampler (tests/bench/billion.cpp), generated in two orders of tiles."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SHOWN = (
 
 
 def measure(programs: Programs, settings: Settings) -> list[Row]:
-    """A row for each order. `broken` lists the promises that did not hold."""
+    """A row for each order. `broken` names the broken promises."""
     rows = []
     for order in ORDERS:
         program = programs.folder / "bench" / "billion"

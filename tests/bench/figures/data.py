@@ -1,5 +1,6 @@
-"""The data of the page and its pictures: a few numbers from each table, in one file that is small enough to commit. A full
-measurement replaces tests/bench/data/figures.json. The page and its pictures can be rendered from it at any time."""
+"""The data of the page and its pictures: a few numbers of each table, in one file that is small enough to be
+committed. A full measurement replaces tests/bench/data/figures.json. Page and pictures are rendered from it at any
+time."""
 
 from __future__ import annotations
 
@@ -12,13 +13,13 @@ from bench.figures.contenders import CONTENDERS
 from bench.figures.page_text import Tables
 from bench.figures.tables import Row, where
 
-DIGITS = 8  # More than the page and the pictures show.
+DIGITS = 8  # More than the page prints and the pictures show.
 
 FIGURE6_SHOWN = ("hierarchical", "wavefront")
 
 
 def compact(measured: Tables) -> Tables:
-    """The tables of the page, from the tables of the parts."""
+    """The tables of the page, from those that the parts write."""
     tables = {name: measured[name] for name in ("figure5_spectra", "figure5_coverage", "section42", "losses")}
     tables["figure4"] = _columns(measured["figure4"], "contender asked median lowest highest")
     tables["figure4_rounds"] = _rounds(measured["figure4"])
@@ -45,7 +46,7 @@ def _columns(rows: list[Row], names: str) -> list[Row]:
 
 
 def _rounds(rates: list[Row]) -> list[Row]:
-    """For each contender, the smallest and largest number of rounds over all sizes."""
+    """The fewest and most rounds of any size, for each contender."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in rates):
         rounds = [row["rounds"] for row in where(rates, contender=key)]
@@ -54,7 +55,7 @@ def _rounds(rates: list[Row]) -> list[Row]:
 
 
 def _ranges(counts: list[Row]) -> list[Row]:
-    """For each contender, the lowest and highest counts over all sizes."""
+    """The lowest and highest counts of all sizes, for each contender."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in counts):
         own = where(counts, contender=key)
@@ -84,7 +85,7 @@ def _billion_row(row: Row) -> Row:
 
 
 def write(path: Path, tables: Tables, facts: dict[str, Row]) -> None:
-    """Replaces the file. Each table has its columns once and a line for each row, for readable diffs."""
+    """Replaces the file. Each table has its columns once and a line per row, so that changes are readable in a diff."""
     parts = []
     for name, rows in sorted(tables.items()):
         columns = list(rows[0]) if rows else []
@@ -101,7 +102,7 @@ def _short(cell: object) -> object:
 
 
 def read(path: Path) -> tuple[Tables, dict[str, Row]]:
-    """The tables and the machines that `write` has written."""
+    """The tables and the machines that `write` wrote."""
     whole = json.loads(path.read_text(encoding="utf-8"))
     tables = {
         name: [dict(zip(table["columns"], row, strict=True)) for row in table["rows"]]

@@ -13,14 +13,14 @@ from bench.figures.tables import Row
 
 VARIANTS = ("hierarchical", "accumulator", "wavefront")
 PRECISIONS = ("single", "double")
-GROWTH_CELL = 10  # Radii: little more memory than the bare points.
-LEAST_BYTES = 10.0  # Per point, in single precision. With less free memory, a large set is skipped.
-COORDINATES = {"single": 8, "double": 16}  # Bytes of a bare point.
+GROWTH_CELL = 10  # Radii: slightly more than the bare points.
+LEAST_BYTES = 10.0  # Per point, in single precision. With less free memory, a large set is not tried.
+COORDINATES = {"single": 8, "double": 16}  # Bytes of the bare point.
 
 
 def measure_variants(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.2: bytes per point of each variant, as counted by the sampler, and from the system's view of the process: its peak, minus
-    the memory before the call, minus the returned points."""
+    """Section 4.2: bytes per point of each variant, as counted by the sampler and as measured for the process: its
+    peak, minus the memory before the call, minus the returned points."""
     rows = []
     for method in VARIANTS:
         for precision in PRECISIONS:
@@ -44,8 +44,8 @@ def measure_variants(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def measure_cells(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: time and memory for several sizes of accelerator cells. Within each round, all sizes take turns. Points stay in the
-    cells."""
+    """Section 4.3: time and memory with accelerator cells of several sizes, all in turn within each round. Points stay
+    in the cells."""
     runs: dict[tuple[str, str, float], list[Run]] = {}
     for round_number in range(settings.cell_rounds):
         for method in ("accumulator", "wavefront"):
@@ -82,7 +82,8 @@ def _cell_row(method: str, precision: str, cell: float, runs: list[Run], with_sm
 
 
 def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: bytes per point of wavefront sampling against set size, with large cells. Points stay in the cells."""
+    """Section 4.3: bytes per point of wavefront sampling against set size, with large cells. Points stay in the
+    cells."""
     rows = []
     for precision in PRECISIONS:
         for size in settings.growth_sizes:
@@ -106,8 +107,9 @@ def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def measure_large(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: the paper's largest sets by wavefront sampling in single precision, with a hard limit of the address space. A set is
-    skipped if it does not fit into this machine's memory or would take too long. Its row then has the reason."""
+    """Section 4.3: the paper's largest sets by wavefront sampling in single precision, under a hard limit of the
+    address space. A set that needs more memory than this machine has, or would take too long, is skipped, and its row
+    has the reason."""
     rows: list[Row] = []
     for large in LARGE_SETS:
         rates = [row["points"] / row["seconds"] for row in rows if row["seconds"]]
@@ -117,7 +119,7 @@ def measure_large(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def _fill(programs: Programs, large: LargeSet, expected: float, longest: float) -> Row:
-    """`expected` is the predicted time in seconds, or 0 if it is unknown."""
+    """`expected` is the expected duration of the set in seconds, 0 if unknown."""
     row: Row = {
         "asked": large.points,
         "cell": large.cell,

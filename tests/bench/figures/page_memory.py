@@ -19,9 +19,10 @@ def section42(measured: Tables, pictures: str) -> str:
             "## Section 4.2: memory",
             picture(pictures, "section42.svg", "Bytes per point of each variant and precision"),
             prose(
-                f"""Bytes per point in addition to the returned points, at {number(measured["section42"][0]["points"], 2)}
-                points. "Both" is the sampler's own count. "Process" is the peak of the process's resident memory, minus the memory
-                before the call and the returned points. The paper's values are from {PAPER_BYTES}."""
+                f"""Bytes per point in addition to the returned points, at
+                {number(measured["section42"][0]["points"], 2)} points. "Both" is the sampler's own count. "Process" is
+                the peak of the process's resident memory, minus its memory before the call and the returned points.
+                The paper's numbers are from {PAPER_BYTES}."""
             ),
             table(["", "cell, r", "grid", "squares", "both", "process", "paper", "ratio"], rows),
         ]
@@ -46,12 +47,12 @@ def section43(measured: Tables, pictures: str) -> str:
                 pictures, "section43.svg", "Time and memory against the width of cells, and memory against set size"
             ),
             prose(
-                f"""Accelerator cells of several widths, with {number(cells[0]["points"], 2)} points that stay in the cells: bytes
-                per point, and the time relative to cells of one radius (median, lowest to highest of {cells[0]["rounds"]} rounds). Widths are
-                rounded up to whole base squares."""
+                f"""Accelerator cells of several widths, with {number(cells[0]["points"], 2)} points that stay in the
+                cells: bytes per point, and time relative to cells of one radius (median, lowest to highest of
+                {cells[0]["rounds"]} rounds). Widths are rounded up to whole base squares."""
             ),
             table(head, [_cell_row(row) for row in cells]),
-            "Bytes per point against set size. The points stay in the cells, so the process has them only once:",
+            "Bytes per point against set size. The points stay in the cells, so the process stores them once:",
             table([*grown, "process"], growth_rows),
             _large(measured),
         ]
@@ -73,7 +74,7 @@ def _cell_row(row: Row) -> list[str]:
 
 def _large(measured: Tables) -> str:
     if not measured["section43_large"]:
-        return "The sets that fill a machine's memory were skipped in this run."
+        return "This run skipped the sets that fill a machine's memory."
     rows = []
     for row in measured["section43_large"]:
         limit = f"{row['limit'] / 2**30:.0f} GiB"
@@ -92,9 +93,9 @@ def _large(measured: Tables) -> str:
             )
     head = ["points", "limit", "cells", "peak resident", "bytes per point", "coverage", "squares discarded"]
     head.append("processor time")
-    about = f"""The paper's largest sets, by wavefront sampling in single precision, each in a process with a limited address
-        space. Squares that single precision cannot split are discarded (§3.3). The resulting gaps show in the coverage, compared
-        with {paper.JAMMED_COVERAGE:.6f}:"""
+    about = f"""The paper's largest sets, by wavefront sampling in single precision, each in a process whose address
+        space is limited. Squares that single precision cannot split any further are discarded (§3.3). The resulting
+        gaps reduce the coverage, compared with {paper.JAMMED_COVERAGE:.6f}:"""
     return prose(about) + "\n\n" + table(head, rows)
 
 
@@ -102,17 +103,17 @@ BILLION_ROWS = {
     "points": lambda row: f"{row['points']:,}",
     "tiles, and their width": lambda row: f"{row['tiles']:,}, {number(row['tile_radii'])} r",
     "threads": lambda row: row["threads"],
-    "seconds on the clock": lambda row: number(row["seconds"], 4),
+    "seconds of wall time": lambda row: number(row["seconds"], 4),
     "points per second": lambda row: rate(row["points_per_second"]),
     "peak resident memory": lambda row: f"{row['resident_bytes'] / 1e6:.1f} MB of {row['resident_limit'] / 1e6:.0f} MB",
     "pairs compared, too close": lambda row: f"{row['pairs']:,}, {row['too_close']}",
     "least squared distance over the squared radius": lambda row: f"{row['least_over_radius']:.9f}",
     "coverage": lambda row: f"{row['coverage']:.7f} ± {row['coverage_error']:.7f}",
-    "coverage lost to the lattice": lambda row: f"{row['coverage_lattice_loss']:.7f}",
+    "known loss of coverage by the lattice": lambda row: f"{row['coverage_lattice_loss']:.7f}",
     "standard errors from the jammed coverage": lambda row: f"{row['coverage_z']:+.2f}",
-    "tiles searched for gaps, lattice points uncovered": lambda row: f"{row['gap_tiles']:,}, {row['uncovered']}",
+    "tiles checked for gaps, uncovered lattice points": lambda row: f"{row['gap_tiles']:,}, {row['uncovered']}",
     "digest of the set": lambda row: f"`{row['digest']}`",
-    "all promises held": lambda row: verdict(not row["broken"]) + (f": {row['broken']}" if row["broken"] else ""),
+    "all promises kept": lambda row: verdict(not row["broken"]) + (f": {row['broken']}" if row["broken"] else ""),
 }
 
 
@@ -124,9 +125,10 @@ def billion(measured: Tables) -> str:
         [
             f"## Passed: {rows[0]['points']:,} points of one set",
             prose(
-                f"""The exact tile sampler makes them tile by tile, and discards each tile after it has been verified. Every pair of
-                nearby points is compared, also across tiles. Tiles that a hash selects are searched for gaps on the whole lattice. There
-                are two runs, with two orders of tiles; equal digests: {verdict(same)}. `tests/bench/billion.cpp` explains the rows."""
+                f"""The exact tile sampler generates them tile by tile and discards each tile after its verification.
+                Every pair of points near each other is compared, across tiles too. Tiles chosen by a hash are checked
+                for gaps on the whole lattice. Two runs, in two orders of tiles; equal digests: {verdict(same)}.
+                `tests/bench/billion.cpp` explains each row."""
             ),
             table(["tiles in order", *(row["order"] for row in rows)], body),
         ]

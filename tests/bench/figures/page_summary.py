@@ -1,4 +1,4 @@
-"""The first table of the page: each number of the paper, ours, and the ratio of the two."""
+"""The first table of the page: each number of the paper, ours, and the ratio."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ def summary(measured: Tables) -> str:
     rows = [*_rates(measured["figure4"]), *_counts(measured["figure6_ranges"]), *_bytes(measured["section42"])]
     rows += [*_cells(measured["section43_cells"]), *_large(measured["section43_large"])]
     rows.append(_largest(measured["billion"][0]))
-    about = """If the ratio of two methods' speeds is below the paper's, our version of the slower method has gained more since
-        2007 than the accumulator."""
+    about = """If the ratio of two methods' speeds is below the paper's, our version of the slower method has gained
+        more since 2007 than the accumulator."""
     columns = ["", "paper", "ours", "lowest to highest", "ratio", "where"]
     return "\n\n".join(["## The paper, ours, the ratio", table(columns, rows), prose(about)])
 
 
 def _rates(rates: list[Row]) -> list[list[str]]:
-    """The rates at the paper's set size, or at the nearest measured size."""
+    """At the paper's set size, or the nearest measured one."""
     size = min({row["asked"] for row in rates}, key=lambda asked: abs(asked - paper.RATE_POINTS))
     at = {row["contender"]: row for row in rates if row["asked"] == size}
     of_size = f"points per second at {number(size, 1)} points"
@@ -48,7 +48,7 @@ def _rates(rates: list[Row]) -> list[list[str]]:
 
 
 def _quotient(above: Row, below: Row, expected: float) -> list[str]:
-    """The paper's value, ours, the spread and the ratio for the speed of one method over another's."""
+    """The ratio of one method's speed to another's: the paper's, ours, its spread, and their quotient."""
     value = above["median"] / below["median"]
     spread = span(above["lowest"] / below["highest"], above["highest"] / below["lowest"])
     return [number(expected), number(value), spread, ratio(value / expected)]
@@ -116,7 +116,7 @@ def _large(large: list[Row]) -> list[list[str]]:
 
 
 def _largest(billion: Row) -> list[str]:
-    """The largest set, by the exact tile sampler."""
+    """The largest set of all, by the exact tile sampler."""
     reported = max(paper.LARGE_SETS, key=lambda large: large.points)
     ours = [f"{billion['points']:,}", "two runs", ratio(billion["points"] / reported.points)]
     return ["points of the largest set", f"{reported.points:,.0f}", *ours, reported.where]

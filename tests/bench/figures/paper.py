@@ -1,5 +1,5 @@
-"""The results of the seed paper: White, Cline and Egbert, "Poisson Disk Point Sets by Hierarchical Dart Throwing" (2007). These are
-the only numbers of the page that are not measured. Each has its location in the paper."""
+"""The numbers of the seed paper: White, Cline and Egbert, "Poisson Disk Point Sets by Hierarchical Dart Throwing"
+(2007). Only these numbers of the page are not measured. Each has its location in the paper."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ RATES = {
     "jones": Reported(4_050, "§4.1"),
     "scalloped": Reported(778, "§4.1"),
 }
-# The accumulator's points per second over those of boundary sampling.
+# The accumulator's points per second relative to boundary sampling.
 OVER_BOUNDARY = Reported(1.0, "§4.1")
 
-# Figure 6: the squares are per accepted dart, the checks per selection.
+# Figure 6: per accepted dart, and per selection.
 SQUARES_LEAST = Reported(9.0, "§4.2, figure 6")
 SQUARES_MOST = Reported(10.0, "§4.2, figure 6")
 LIST_CHECKS_MOST = Reported(3.0, "§3.3, figure 6")
@@ -35,7 +35,7 @@ BYTES = {
     ("accumulator", "double"): Reported(416, "§4.2"),
 }
 
-# The time with accelerator cells of this many radii over the time with cells of one radius.
+# Seconds with accelerator cells of this many radii, relative to those with cells of one radius.
 LARGE_CELL = 20
 LARGE_CELL_SLOWDOWN = Reported(2.5, "§4.3")
 
@@ -44,16 +44,17 @@ GIB = 2**30
 
 @dataclass(frozen=True)
 class LargeSet:
-    """The number of points that a machine with this memory can make, according to the paper."""
+    """The number of points that a machine with this memory could hold and generate."""
 
     points: float
     paper_bytes: float
-    limit_bytes: float  # The limit for our run.
-    cell: float  # Radii: the fastest size that fits within the limit.
+    limit_bytes: float  # the limit of our run
+    cell: float  # radii: the fastest that fits below the limit
     where: str = "§4.3"
 
 
 LARGE_SETS = [LargeSet(95e6, 2 * GIB, 2 * GIB, cell=10), LargeSet(750e6, 32 * GIB, 24 * GIB, cell=2.8)]
 
-# Not from the paper: the coverage at which random sequential adsorption of disks (naive dart throwing to its end) jams.
+# Not from the paper: random sequential adsorption of disks, which is naive dart throwing run to its end, jams at this
+# coverage.
 JAMMED_COVERAGE = 0.547070

@@ -1,4 +1,4 @@
-"""The plots. Each is a function that draws tables with a theme and returns a figure."""
+"""The plots. Each function turns tables and a theme into a figure."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SINGLE_DASHES = (0, (4, 1.8))
 
 
 def thousands(value: float) -> str:
-    """1.23 M for 1234567, 4.05 k for 4050."""
+    """1234567 as 1.23 M, 4050 as 4.05 k."""
     for scale, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
         if value >= scale * 0.9995:
             return f"{value / scale:.3g}{unit}"
@@ -33,7 +33,7 @@ def _style(contender: Contender, theme: Theme) -> dict[str, object]:
 
 
 def _log_sizes(axes: Axes, sizes: list[float], room: float) -> None:
-    """Sets up the axis of set sizes, with space for labels at its end."""
+    """The axis of set sizes, with room for labels at its end."""
     axes.set_xscale("log")
     axes.set_xlim(min(sizes) / 1.25, max(sizes) * room)
     decades = [10.0**power for power in range(2, 10) if min(sizes) / 1.25 <= 10.0**power <= max(sizes) * 1.25]
@@ -70,7 +70,7 @@ def figure4(rates: list[Row], contenders: list[Contender], family: str, theme: T
         if not (ours and contender.precision == "single"):
             weight = "bold" if ours else "normal"
             labels.append(Label(sizes[-1], rows[-1]["median"], contender.label, style["color"], weight))
-    axes.set_ylabel("points per second on one core")
+    axes.set_ylabel("points per second of one core")
     ticks = [10.0**power for power in range(2, 8)]
     low, high = axes.get_ylim()
     low = min(low, 0.8 * min(reported.value for reported in paper.RATES.values())) if family == PAPER else low
@@ -81,7 +81,7 @@ def figure4(rates: list[Row], contenders: list[Contender], family: str, theme: T
     if family == PAPER:
         _paper_marks(axes, theme)
     label_ends(axes, labels)
-    gray = "methods that the paper compares with" if family == PAPER else "samplers in use today"
+    gray = "the methods in the paper" if family == PAPER else "the methods in use today"
     axes.set_title(f"colors: ours, dashed in single precision; gray: {gray}", color=theme.muted, fontsize=9)
     return figure
 
@@ -136,7 +136,7 @@ def figure6(counts: list[Row], contenders: list[Contender], theme: Theme) -> Fig
 
 
 def section42(memory: list[Row], theme: Theme) -> Figure:
-    """Bytes per point of each variant, by purpose."""
+    """Bytes per point of each variant, by their use."""
     figure, axes = plt.subplots(figsize=(9.2, 3.3), layout="constrained")
     names = [f"{row['method']}, {row['precision']}" for row in memory]
     places = np.arange(len(memory))[::-1]
@@ -179,7 +179,7 @@ def section43(cells: list[Row], growth: list[Row], theme: Theme) -> Figure:
             sizes = [row["cell_size"] for row in rows]
             slow.plot(sizes, [row["slowdown"] for row in rows], **style)
             small.plot(sizes, [row["grid"] / row["bare"] for row in rows], **style)
-    slow.set_title("time relative to cells of 1 r")
+    slow.set_title("time over that with cells of 1 r")
     slow.plot(
         paper.LARGE_CELL, paper.LARGE_CELL_SLOWDOWN.value, marker="D", color=theme.ink, fillstyle="none", markersize=6
     )

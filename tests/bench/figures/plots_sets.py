@@ -15,7 +15,7 @@ HIGHEST_SHOWN = 2.0  # The maximum of the power in the pictures.
 
 
 def sets_and_spectra(arrays: dict[str, np.ndarray], theme: Theme) -> Figure:
-    """A point set of each method, with the averaged periodogram below."""
+    """A point set of each method, and below it the averaged periodogram."""
     figure, panels = plt.subplots(2, len(SOURCES), figsize=(9.2, 4.95), layout="constrained")
     highest = float(arrays["highest_frequency"])
     for (above, below), source in zip(panels.T, SOURCES, strict=True):
@@ -39,7 +39,7 @@ def sets_and_spectra(arrays: dict[str, np.ndarray], theme: Theme) -> Figure:
 
 
 def radial(rows: list[Row], theme: Theme) -> Figure:
-    """The mean power, its difference from that of naive darts, and the anisotropy."""
+    """Mean power, its difference from that of naive darts, and the anisotropy."""
     figure, panels = plt.subplots(
         3, 1, figsize=(9.2, 7.2), layout="constrained", sharex=True, height_ratios=[1.5, 1, 1]
     )
@@ -55,17 +55,17 @@ def radial(rows: list[Row], theme: Theme) -> Figure:
         direction.plot(frequency, [row["anisotropy_db"] for row in some], **style)
     mean.axhline(1.0, color=theme.muted, linewidth=1.0, linestyle=":")
     mean.set_ylim(bottom=0.0)
-    mean.set_title("radial mean of the power; independent points have 1")
+    mean.set_title("radial mean of the power; unrelated points have 1")
     mean.legend(frameon=False, loc="lower right")
     difference.axhspan(-2.0, 2.0, color=theme.muted, alpha=0.14, linewidth=0)
     difference.axhline(0.0, color=theme.muted, linewidth=1.0)
     difference.set_ylim(-5.0, 5.0)
-    difference.set_title("difference from naive darts, in standard errors; band: two standard errors")
+    difference.set_title("difference from naive darts, in its standard errors; band: two of them")
     noise = noise_level(reference[0]["sets"])
     direction.axhline(noise, color=theme.muted, linewidth=1.2)
     direction.set_ylim(noise - 5.0, noise + 5.0)
     direction.set_title(
-        f"anisotropy of {reference[0]['sets']} averaged periodograms, dB; an isotropic set has {noise:.1f}"
+        f"anisotropy of {reference[0]['sets']} averaged periodograms, dB; a set without directions has {noise:.1f}"
     )
     direction.set_xlabel("frequency, waves a radius")
     direction.set_xlim(0.0, reference[-1]["to"])

@@ -1,4 +1,4 @@
-"""Figure 5: point sets, spectra and coverage of methods that should all sample the same process."""
+"""Figure 5: point sets, spectra and coverage of methods that should all be the same process."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from bench.figures.settings import Settings
 from bench.figures.spectra import AveragedSpectrum, noise_level, ring_edges
 from bench.figures.tables import Row
 
-DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # Points per square radius.
+DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # points per square radius
 RINGS = 75
-RINGS_TOGETHER = 5  # For the test of equal spectra, which needs more sets than features.
-SHOWN_SIDE = 24.0  # The side of the pictures of point sets, in radii.
+RINGS_TOGETHER = 5  # In the test for equal spectra, which needs more sets than features.
+SHOWN_SIDE = 24.0  # radii, of the pictures of point sets
 
 
 @dataclass(frozen=True)
 class Source:
-    """A method whose sets are measured. `method` and `flags` are arguments of domain_run."""
+    """A method whose sets are analyzed. `words` are arguments of domain_run."""
 
     key: str
     label: str
     method: str
     flags: tuple[str, ...] = ()
-    ends: bool = True  # Whether it reaches the jammed state.
+    ends: bool = True  # Runs to the jammed state.
 
 
 SOURCES = [
@@ -46,7 +46,7 @@ STOPPED = Source(
 
 
 def read_sets(path: Path) -> list[np.ndarray]:
-    """Reads the sets that domain_run has dumped, as (n, 2) coordinates in radii."""
+    """The sets in a dump of domain_run, each as (n, 2) coordinates in radii."""
     data, sets, place = path.read_bytes(), [], 0
     while place < len(data):
         count = int(np.frombuffer(data, "<u8", 1, place)[0])
@@ -56,7 +56,8 @@ def read_sets(path: Path) -> list[np.ndarray]:
 
 
 def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: int) -> list[np.ndarray]:
-    """Sets in domains with this side in radii. It may be slightly larger, because domain_run takes a whole number of points."""
+    """Sets in domains of at least this side in radii. It can be slightly larger, because domain_run takes a number of
+    points."""
     with tempfile.TemporaryDirectory() as folder:
         dump = Path(folder) / "sets"
         programs.domain(
@@ -66,13 +67,14 @@ def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: 
 
 
 def p_of_equal_means(a: AveragedSpectrum, b: AveragedSpectrum) -> float:
-    """The probability that radial means differ this much by chance; 1 if both are the same object."""
+    """The probability that radial means differ as much by chance; 1 for identical sources."""
     rows = [one.radial_of_sets.reshape(one.sets, -1, RINGS_TOGETHER).mean(axis=2) for one in (a, b)]
     return 1.0 if a is b else means_differ(*rows)
 
 
 def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], list[Row], dict[str, np.ndarray]]:
-    """The radial table, the table of complete spectra, and for the pictures the power over the plane and the points of one set, by key."""
+    """The radial table, the table of whole spectra and, for the pictures, the power over the plane and the points of
+    one set, by key."""
     rows: list[Row] = []
     whole: list[Row] = []
     arrays: dict[str, np.ndarray] = {}
@@ -98,8 +100,8 @@ def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], 
 
 
 def measure_coverage(programs: Programs, settings: Settings) -> list[Row]:
-    """Coverage (points * pi / 4 over the area in square radii) over sets with independent seeds. All domains are tori or windows onto an
-    infinite set, so borders have no effect."""
+    """Coverage over sets with independent seeds: points * pi / 4 over the area in square radii. Opposite edges meet, or
+    the domain is a window onto an infinite set, so borders have no effect."""
     rows = []
     for source in [*SOURCES, STOPPED]:
         sets = settings.coverage_sets if source.ends else max(2, settings.coverage_sets // 10)

@@ -1,4 +1,4 @@
-"""The amount of measurement: FULL for the page, QUICK for a test of all parts."""
+"""The amount of measurement: FULL for the page, QUICK to check that everything works."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 def half_decades(first: int, last: int) -> list[int]:
-    """10^first to 10^last points in half decades. Half decades are rounded to two digits."""
+    """10^first to 10^last points in half decades. The halves are rounded to two digits."""
     return [int(round(10 ** (step / 2), 1 - step // 2)) for step in range(2 * first, 2 * last + 1)]
 
 
@@ -63,7 +63,7 @@ QUICK = Settings(
     most_rounds=2,
     least_rounds=1,
     contender_seconds=0.5,
-    longest_run=3.0,  # Jones' method makes 100,000 points in 0.7 s; a busy machine must not exclude it.
+    longest_run=3.0,  # Jones' method takes 0.7 s for 100,000 points, and must also fit on a busy machine.
     shortest_run=0.02,
     memory_points=100_000,
     cells=[1, 5, 20],

@@ -1,4 +1,4 @@
-"""Figure 4, points per second against set size, and figure 6, with counts from the same runs."""
+"""Figure 4, points per second against set size, and figure 6, which counts squares and checks in the same runs."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from bench.figures.programs import Failed, Programs, Run, say
 from bench.figures.settings import LOSS_TO, Settings
 from bench.figures.tables import Row, where
 
-# The share of free memory that a run may need, estimated from the previous size.
+# The share of free memory that a run may need, extrapolated from its last size.
 MEMORY_SHARE = 0.8
 
-# Bytes. A run that needs less memory gets it from the memory that the previous run freed.
+# In bytes. A smaller run reuses memory that the previous one freed.
 TOUCHED_FROM = 1 << 26
 
 
 def memory_available() -> float:
-    """The memory in bytes that a new process can have, or all memory if the system does not report it."""
+    """Bytes that a new process can allocate. All memory if the system does not report it."""
     try:
         with open("/proc/meminfo", encoding="ascii") as file:
             return next(int(line.split()[1]) * 1024.0 for line in file if line.startswith("MemAvailable"))
@@ -30,32 +30,32 @@ def memory_available() -> float:
 
 
 def touch_memory(size: float) -> None:
-    """Allocates this many bytes, or half of the free memory, writes to every page and frees them. In a virtual machine, the first
-    touch of a page may wait for the host, which must not count for any contender. Afterwards, a run gets pages that only its own
-    system has to map. Huge pages are requested if available: systems that have them may allocate them from other memory than small
-    pages, and touching them serves both."""
+    """Allocates this many bytes, or half of the free memory, writes to every page and frees them. In a virtual machine,
+    the first touch of a page may wait for the host, which must not be attributed to a contender. Afterwards, pages only
+    need to be mapped by the guest system. Requests large pages if there are any, because a system takes them from
+    different memory than small ones, and touched large pages can serve both."""
     size = int(min(size, 0.5 * memory_available()))
     if size >= TOUCHED_FROM:
         with mmap.mmap(-1, size) as memory:
             if hasattr(mmap, "MADV_HUGEPAGE"):
-                with contextlib.suppress(OSError):  # The kernel may lack them.
+                with contextlib.suppress(OSError):  # A system may be built without them.
                     memory.madvise(mmap.MADV_HUGEPAGE)
             memory[:: mmap.PAGESIZE] = bytes(-(-size // mmap.PAGESIZE))
 
 
 class Series:
-    """One contender, over all sizes."""
+    """One contender, from size to size."""
 
     def __init__(self, contender: Contender, settings: Settings):
         self.contender = contender
         self.settings = settings
         self.rates: dict[int, list[float]] = {}
-        self.first_rate = 0.0  # The rate of a set that is not counted, for the first estimate.
+        self.first_rate = 0.0  # The rate of a set that is not counted, for a first estimate.
         self.bytes_a_point = 0.0
-        self.ended = ""  # The reason for not making larger sets.
+        self.ended = ""  # Why no larger set is generated.
 
     def seconds_expected(self, size: int) -> float:
-        """The predicted seconds of one run, extrapolated from the rates of the last two sizes."""
+        """The expected duration of one run, if the rate continues as over the last two sizes."""
         medians = [statistics.median(rates) for rates in self.rates.values()]
         if not medians:
             return size / self.first_rate
@@ -63,7 +63,7 @@ class Series:
         return size / (medians[-1] * falling)
 
     def rounds(self, size: int) -> int:
-        """The number of runs at this size; 0 once a run would take too long or too much memory."""
+        """The number of runs at this size. None once they would take too long or too much memory."""
         seconds = self.seconds_expected(size)
         if seconds > self.settings.longest_run:
             self.ended = f"a run with {size:,} points would take {seconds:.0f} s"
@@ -85,7 +85,8 @@ class Series:
         return run(contender.method, contender.precision, size, seed, *contender.flags, sets=sets)
 
     def begin(self, programs: Programs) -> None:
-        """Makes two sets of the smallest size (one for a peer, which warms up itself), to estimate the rate."""
+        """Generates two sets of the smallest size (one for a peer, which warms up itself), to estimate this contender's
+        speed."""
         size = self.settings.sizes[0]
         try:
             line = self._run(programs, size, 1, 1 if self.contender.is_peer else 2)[-1]
@@ -95,7 +96,7 @@ class Series:
             say(f"figure 4: {self.contender.key} is left out: {failed}")
 
     def take(self, programs: Programs, size: int, round_number: int) -> Row:
-        """Makes one run: sets of this size, each with its own seed."""
+        """One run: sets of this size, each with its own seed."""
         seed = 1 + 1000 * (round_number + self.settings.most_rounds * self.settings.sizes.index(size))
         touch_memory(1.2 * self.bytes_a_point * size)
         lines = self._run(programs, size, seed, self.sets(size))
@@ -111,7 +112,7 @@ COUNTED = ["points", "seconds", "darts", "squares", "selections", "list_checks",
 
 
 def measure(programs: Programs, contenders: Iterable[Contender], settings: Settings) -> list[Row]:
-    """Makes all runs. Within a round, every contender has its turn, so that a disturbance affects all of them."""
+    """All runs. Within a round every contender has its turn, so that disturbances affect all of them equally."""
     rows: list[Row] = []
     series = [Series(contender, settings) for contender in contenders]
     for one in series:
@@ -138,7 +139,7 @@ def _summary(series: Series, size: int) -> str:
 
 
 def summarise(runs: list[Row]) -> list[Row]:
-    """Figure 4's table: the median, lowest and highest rate of each contender at each size."""
+    """Figure 4's table: median, lowest and highest rate of each contender at each size."""
     rows = []
     for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs):
         some = where(runs, contender=key, asked=size)
@@ -160,8 +161,8 @@ def summarise(runs: list[Row]) -> list[Row]:
 
 
 def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
-    """The share of its points per second that each contender loses between two sizes: from the medians, and the lowest and highest value
-    that the rounds permit."""
+    """The share of its points per second that each contender loses between two sizes: by the medians, and the least and
+    most that the rounds allow."""
     rows = []
     for small in where(rates, asked=from_size):
         for large in where(rates, asked=to_size, contender=small["contender"]):
@@ -179,8 +180,8 @@ def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
 
 
 def counts(runs: list[Row]) -> list[Row]:
-    """Figure 6's table: squares per accepted dart and list checks per selection over all sets of a size. Lowest and highest are over the
-    rounds."""
+    """Figure 6's table: squares per accepted dart and list checks per selection, over all sets of a size. The lowest
+    and highest are those of the rounds."""
     rows = []
     for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs if run["selections"] > 0):
         some = where(runs, contender=key, asked=size)

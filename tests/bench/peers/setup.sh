@@ -1,14 +1,14 @@
-# Installs and builds the samplers of other projects that the benchmarks compare with. tests/bench/figures.sh sources this file.
-#   setup_peers_python   installs the packages of requirements.txt into a virtual environment in the cache folder
+# Installs and builds the samplers of other projects that the benches compare with. tests/bench/figures.sh sources this.
+#   setup_peers_python   the packages of requirements.txt, in their own virtual environment in the cache folder
 #   setup_peers_rust     builds build/peers/faster_poisson, with the installed cargo if it is new enough
 #   peers_python         prints the Python that runs run_python_peer.py
-# Each function prints its steps, and does nothing if nothing is missing. On an error it prints the reason and fails, and the
-# benchmarks continue without that peer.
+# Each prints its actions, and does nothing if everything is installed. If one cannot do its work, it prints the reason
+# and fails, and the benches continue without that peer.
 
 peers_folder=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 source "$peers_folder/../../../tools/setup.sh"
 
-# faster_poisson uses a Rust edition that needs 1.85.
+# faster_poisson is written in an edition of Rust that was introduced in 1.85.
 peers_least_rust=1.85
 
 peers_python() {
@@ -25,7 +25,7 @@ setup_peers_python() {
 	fi
 	python3 -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
 	install_packages "to compare with Python packages" "${missing[@]}" || return
-	say "creating a Python environment for the samplers of other projects in $venv"
+	say "creating a Python environment for the samplers to compare with in $venv"
 	mkdir -p "$venv" && python3 -m venv --clear "$venv" || return
 	if ! "$(peers_python)" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
 		--requirement "$peers_folder/requirements.txt"; then
@@ -46,7 +46,7 @@ setup_peers_rust() {
 		fi
 		install_packages "to compare with a Rust crate" "$package" || return
 	fi
-	# Built in the build folder, so that nothing is written beside the sources.
+	# In a folder of the build, so that nothing is written into the source folders.
 	if ! cargo build --quiet --release --locked --manifest-path "$peers_folder/faster_poisson/Cargo.toml" \
 		--target-dir "$out/target"; then
 		say "faster_poisson could not be built: continuing without it"
@@ -56,7 +56,7 @@ setup_peers_rust() {
 		cp "$out/target/release/faster_poisson_peer" "$out/faster_poisson"
 }
 
-# Succeeds if the version of cargo, or of its package, is new enough: "cargo 1.95.0 (...)", "1.96.0+dfsg1-1".
+# True if the version printed by cargo or its package is new enough: "cargo 1.95.0 (...)", "1.96.0+dfsg1-1".
 is_new_rust() {
 	[[ $1 =~ ^(cargo )?1\.([0-9]+) ]] && ((BASH_REMATCH[2] >= ${peers_least_rust#1.}))
 }

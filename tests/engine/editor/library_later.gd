@@ -1,9 +1,9 @@
 @tool
 extends "res://tests/steps.gd"
-## The library comes while the editor runs: the plugin has its tools then, and they work on once it is reloaded. `later` holds what the build would make. No type of the library is
-## named here, as the editor compiles this script, too.
+## The library is installed while the editor runs. Then the plugin creates its tools, and they keep working after a reload. The folder
+## `later` contains the build output. No type of the library is named here, because the editor compiles this script, too.
 ##
-## Once an extension is loaded the editor reloads all scripts, and no function that waits goes on. So the steps are taken frame by frame.
+## When an extension is loaded, the editor reloads all scripts, and functions that wait never continue. So the steps run in _process.
 
 const SCENE := "res://scene.tscn"
 const ADDON := "res://addons/thicket/"

@@ -1,5 +1,5 @@
 extends SceneTree
-## Makes the scene of a project that is exported as a dedicated server. It needs the project's images imported.
+## Creates the scene of a project that is exported as a dedicated server. The project's images must be imported.
 
 func _initialize() -> void:
 	_make.call_deferred()

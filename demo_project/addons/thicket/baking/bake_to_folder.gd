@@ -23,8 +23,8 @@ const CHUNK_BYTES := 1 << 22
 ## Keys whose values must not change when a bake continues in a folder. The texts are reported otherwise, with the value in the folder and
 ## the current one.
 const SAME: Dictionary[String, String] = {
-	"scene": "the scene is another (%s, not %s)", "rect": "the rectangle is another (%s, not %s)",
-	"tile_size": "tiles are of another size (%s m, not %s m)", "layers": "there are other layers (%s, not %s)", "parts": "",
+	"scene": "the scene is different (%s, not %s)", "rect": "the rectangle is different (%s, not %s)",
+	"tile_size": "the size of the tiles is different (%s m, not %s m)", "layers": "the layers are different (%s, not %s)", "parts": "",
 }
 
 ## The error in the arguments, or the reason why no more tiles can be generated, as a sentence; empty if there is none.
@@ -72,12 +72,12 @@ func make(scatter: TerrainScatter3D, scene: String) -> int:
 	for number in range(_share[0] - 1, count, _share[1]):
 		_make_tile(scatter, _tile(number))
 		if problem:
-			printerr("bake_world: ", problem, " The same command makes only what is missing.")
+			printerr("bake_world: ", problem, " Run the same command again to generate the missing tiles.")
 			return 1
 		if Time.get_ticks_msec() >= next_line:
 			next_line = Time.get_ticks_msec() + 1000.0 * SECONDS_A_LINE
 			print("bake_world: %d of %d tiles" % [number / _share[1] + 1, ceili(float(count - _share[0] + 1) / _share[1])])
-	print("bake_world: {made} tiles made, {kept} found already there, {failed} failed".format(_counts))
+	print("bake_world: {made} tiles generated, {kept} kept from before, {failed} failed".format(_counts))
 	return 0 if _counts.failed == 0 else 1
 
 
@@ -117,7 +117,7 @@ func _go_on() -> bool:
 		world["layers"] = _indices(world["layers"])
 	for key in SAME:
 		if before[key] != now[key]:
-			problem = "%s holds tiles of another bake, in which %s. Choose a different out, or remove the files in this one." % [
+			problem = "%s holds tiles of a different bake: %s. Choose a different out, or remove the files in this one." % [
 				_out, SAME[key] % [before[key], now[key]] if key != "parts"
 				else "these parts of the scene are not the same: " + _changed(before.parts, now.parts)]
 			return false
@@ -270,4 +270,4 @@ static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteAr
 
 ## The reason why a tile has no rows.
 static func cannot_make(part: Dictionary) -> String:
-	return "Tile %d, %d of layer %d cannot be made; the error that was printed says why." % [part["x"], part["y"], part["layer"]]
+	return "Tile %d, %d of layer %d cannot be generated; the printed error has the reason." % [part["x"], part["y"], part["layer"]]

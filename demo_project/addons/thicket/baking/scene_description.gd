@@ -52,9 +52,9 @@ func describe(scatter: TerrainScatter3D) -> bool:
 		if ground.has_area():
 			rect = [ground.position.x, ground.position.y, ground.size.x, ground.size.y]
 	if not problem and rect.is_empty():
-		problem = "The ground does not say where it lies: give a rect, X,Z,WIDTH,DEPTH in meters, or set the rect of a ground that has one."
+		problem = "The ground does not report its extent: set rect to X,Z,WIDTH,DEPTH in meters, or set the rect of a ground that has one."
 	if not problem and SceneDigest.version().is_empty():
-		problem = "%s cannot be read or has no version: install the whole add-on in the project." % SceneDigest.PLUGIN
+		problem = "%s cannot be read or has no version: install all files of the add-on in the project." % SceneDigest.PLUGIN
 	if problem:
 		return false
 	grid = BakeGrid.new(rect, _tile_size if _tile_size > 0.0 else _fitting_size(scatter, rect, layers), layers)

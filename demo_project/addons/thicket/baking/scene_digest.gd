@@ -40,7 +40,7 @@ static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[Strin
 			heights.append(scatter.ground.get_height(Vector3(at.x, 0.0, at.y)))
 	add.call("the heights of the ground", [heights])
 	var changes := scatter.state
-	add.call("what was removed and placed by hand", [changes.get_digest() if changes != null and _holds_anything(changes) else 0])
+	add.call("instances removed and placed by hand", [changes.get_digest() if changes != null and _holds_anything(changes) else 0])
 	return parts
 
 

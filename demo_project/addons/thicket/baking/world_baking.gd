@@ -33,7 +33,7 @@ const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of wh
     wait=SECONDS                 for the scene's ground to be there (120)
 Ends with 0 if all tiles are there that were asked for, 1 if some are not, 2 if it could not begin.
 For a driver, in place of out and what follows it: connect=PORT and token=WORD."""
-const NO_SCATTER := "is no TerrainScatter3D"
+const NO_SCATTER := "is not a TerrainScatter3D"
 const NO_GROUND := "is no ground"
 const NOT_SETTLED := "is a scatter that still waits for its ground"
 ## The remedy for each, for the user.
@@ -92,7 +92,7 @@ func _what_is_wrong() -> String:
 	var known := FOR_ALL + (FOR_FOLDER if _arguments.has("out") else FOR_DRIVER)
 	for name in _arguments:
 		if not name in known:
-			return "%s is '%s', and is nothing that can be given here. Arguments are: %s." % [name, _arguments[name], ", ".join(known)]
+			return "%s is '%s', which is not an argument. Arguments are: %s." % [name, _arguments[name], ", ".join(known)]
 	if _arguments.has("wait") and not (_arguments["wait"].is_valid_float() and _arguments["wait"].to_float() >= 0.0):
 		return "wait is '%s', and has to be a number of seconds, 0 or more." % _arguments["wait"]
 	return ""
@@ -118,7 +118,7 @@ func _open_scene() -> String:
 	var packed := load(path) as PackedScene
 	var scene := packed.instantiate() if packed != null else null
 	if scene == null:
-		return "The scene %s cannot be loaded; the error that was printed says why." % path
+		return "The scene %s cannot be loaded; the printed error has the reason." % path
 	_find_scatter(scene)
 	_tree.root.add_child(scene)
 	_tree.current_scene = scene
@@ -194,7 +194,7 @@ func _answer(problem: String) -> bool:
 			return _send_models(message["layers"])
 		"rows":
 			return _send_rows(message.tile)
-	return _send({"error": "'%s' is no request: do must be describe, models or rows." % message})
+	return _send({"error": "'%s' is not a request: do must be describe, models or rows." % message})
 
 
 func _send_description(asked: Dictionary) -> bool:

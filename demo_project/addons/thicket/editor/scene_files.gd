@@ -5,8 +5,8 @@ extends RefCounted
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
-const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists, has room and may be written, then save the scene again."
-const UNREMOVABLE := "Cannot remove %s, which no scene uses any more: %s. Delete it by hand."
+const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists and is writable and that the disk has room, then save the scene again."
+const UNREMOVABLE := "Cannot remove %s, which no scene uses: %s. Delete it by hand."
 
 ## The reason why [method create] failed, as a sentence.
 var problem := ""
@@ -23,7 +23,7 @@ var _unused: Dictionary[String, String] = {} ## Unused files that the saved scen
 func create(scene_path: String, resource: Resource, owner_name: String, kind: String) -> bool:
 	problem = ""
 	if scene_path.is_empty():
-		problem = "The scene has no file yet. Save the scene first: what you make goes into a file beside it."
+		problem = "The scene has no file yet. Save the scene first: your changes are stored in a file beside it."
 		return false
 	var path := _free_path(scene_path, owner_name, kind)
 	var error := WholeFile.save(resource, path)

@@ -66,11 +66,11 @@ func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
 	add_child(VSeparator.new())
 	_add_presets()
 	_add_regions(undo_redo)
-	var bake := Controls.button("Bake", &"Bake", "Write what stands in a rectangle as MultiMesh resources and a scene.")
+	var bake := Controls.button("Bake", &"Bake", "Bake the instances in a rectangle into MultiMesh resources and a scene.")
 	bake.pressed.connect(bake_requested.emit)
 	add_child(bake)
 	var imports := Controls.button("Import", &"Load",
-			"Make hand-placed instances of MultiMeshes, ProtonScatter's output, Terrain3D's instances or a table.")
+			"Import hand-placed instances from MultiMeshes, ProtonScatter, Terrain3D or a table.")
 	imports.pressed.connect(import_requested.emit)
 	add_child(imports)
 
@@ -143,7 +143,7 @@ func _add_presets() -> void:
 	var menu := MenuButton.new()
 	menu.text = "Presets"
 	menu.set_meta(&"icon", &"Add")
-	menu.tooltip_text = "Add layers to start from."
+	menu.tooltip_text = "Add the layers of a preset."
 	for name in Presets.NAMES:
 		menu.get_popup().add_item("Add " + name.capitalize())
 	menu.get_popup().index_pressed.connect(func(index: int) -> void: preset_chosen.emit(Presets.NAMES[index]))

@@ -20,7 +20,7 @@ static var _materials := {}
 @export_enum("spruce", "birch", "bush", "fern", "grass", "flower", "boulder", "rock", "pebble") var kind := "":
 	set(value):
 		if not KINDS.has(value):
-			push_error("PresetMesh.kind must be one of %s, got '%s'. The last kind stays." % [", ".join(KINDS), value])
+			push_error("PresetMesh.kind must be one of %s, got '%s'. The last kind is kept." % [", ".join(KINDS), value])
 			return
 		kind = value
 		_build()

@@ -7,7 +7,7 @@ const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 const World := preload("res://addons/thicket/baked_world.gd")
 
-const UNWRITABLE := "Cannot write %s: %s. Check that its folder has room and may be written."
+const UNWRITABLE := "Cannot write %s: %s. Check that its folder is writable and the disk has room."
 
 var _reader := JobReader.new()
 var _meshes: Array[Mesh] = []

@@ -13,7 +13,7 @@ const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd"
 static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: PackedInt32Array) -> String:
 	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
 	if packed == null:
-		return "%s cannot be loaded, so the scatter was not replaced; the Output panel says why." % scene_path
+		return "%s cannot be loaded, so the scatter was not replaced; the Output panel has the reason." % scene_path
 	var by_hand := _by_hand(scatter, rect, layers)
 	if not by_hand.is_empty() and not edits.begin(scatter, EditorInterface.get_edited_scene_root().scene_file_path):
 		return edits.problem

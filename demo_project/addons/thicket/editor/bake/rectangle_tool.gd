@@ -8,7 +8,7 @@ const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.
 ## Drawing has ended: the rectangle in meters, or an empty one if it was canceled.
 signal drawn(rect: Rect2)
 
-const HINT := "Drag from corner to corner   Esc gives up"
+const HINT := "Drag from corner to corner   Esc cancels"
 const COLOR := Color(0.55, 0.85, 1.0)
 
 var _cursor := GroundCursor.new()

@@ -27,7 +27,7 @@ func _init() -> void:
 ## Opens for layers with these names and this number of visible instances.
 func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
 	_at = at
-	var gone := "All others of the %d visible instances go." % instances if instances > 0 else ""
+	var gone := "All others of the %d visible instances are removed." % instances if instances > 0 else ""
 	var one := names[0] if names[0] else "The layer"
 	dialog_text = TEXT % [one, gone] if names.size() == 1 else TEXT_OF_MANY % [", ".join(names), gone]
 	popup_centered()

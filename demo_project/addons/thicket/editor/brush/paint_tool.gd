@@ -12,9 +12,9 @@ const MaskOverlay := preload("res://addons/thicket/editor/brush/mask_overlay.gd"
 const RADIUS_STEP := 1.15
 const MODE_NAMES: PackedStringArray = ["Paint", "Erase", "Smooth"]
 const MODE_TIPS: PackedStringArray = [
-	"Paint: more of the layer. The first stroke on a layer that stands everywhere asks what you mean.",
+	"Paint: more of the layer. The first stroke on a layer that grows everywhere opens a dialog with two choices.",
 	"Erase: less of the layer (or hold Ctrl).",
-	"Smooth: even out what is painted (or hold Shift).",
+	"Smooth: blur the painted density (or hold Shift).",
 ]
 const COLORS: Array[Color] = [Color(0.5, 1.0, 0.45), Color(1.0, 0.45, 0.35), Color(0.45, 0.75, 1.0)]
 
@@ -34,7 +34,7 @@ var _hardness: EditorSpinSlider
 
 
 func _init() -> void:
-	_setup("Brush", &"Paint", "Brush: paint where the layer stands, with the left button.")
+	_setup("Brush", &"Paint", "Brush: paint where the layer grows, with the left mouse button.")
 	var group := ButtonGroup.new()
 	for mode in MODE_NAMES.size():
 		var choice := Button.new()
@@ -47,12 +47,12 @@ func _init() -> void:
 		choice.pressed.connect(_on_mode.bind(mode))
 		_modes.append(choice)
 		add_child(choice)
-	_radius = _slider("Radius", "Radius of the brush (keys [ and ]).", 0.25, 256.0, 0.25, brush.radius, "m")
+	_radius = _slider("Radius", "The radius of the brush in meters (keys [ and ]).", 0.25, 256.0, 0.25, brush.radius, "m")
 	_radius.exp_edit = true
 	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value; redraw_requested.emit())
-	_strength = _slider("Strength", "How far one dab goes in its middle.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
+	_strength = _slider("Strength", "Strength: the change of density by one dab, at its center.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
 	_strength.value_changed.connect(func(value: float) -> void: brush.strength = value * 0.01)
-	_hardness = _slider("Hardness", "The part of the radius that is painted in full.", 0.0, 100.0, 1.0,
+	_hardness = _slider("Hardness", "Hardness: the part of the radius with full strength.", 0.0, 100.0, 1.0,
 			brush.hardness * 100.0, "%")
 	_hardness.value_changed.connect(func(value: float) -> void: brush.hardness = value * 0.01; redraw_requested.emit())
 	first_stroke.chosen.connect(_stroke_once)

@@ -8,9 +8,9 @@ const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layer
 const NAMES: PackedStringArray = ["Nothing", "Density", "Slope", "Rank"]
 const TIPS: PackedStringArray = [
 	"No colors on the ground.",
-	"How much of the chosen layer may stand, by all its rules: red for nothing, green for all.",
-	"How steep the ground is.",
-	"In which order the chosen layer thins: dark stands first and goes last. A place has the rank of the nearest point of the layer's set.",
+	"The density of the chosen layer by all of its rules: red for none, green for full.",
+	"The slope of the ground.",
+	"The order in which the chosen layer is thinned: dark instances are removed last. Each position has the rank of the nearest point of the layer's set.",
 ]
 ## In each frame.
 const BUDGET := 4000
@@ -61,7 +61,7 @@ func draw_legend(overlay: Control) -> void:
 	var title := NAMES[_kind] if _kind == Kind.SLOPE else "%s of %s" % [NAMES[_kind], _name]
 	overlay.draw_string(font, bar.position - Vector2(0.0, 8.0), title, HORIZONTAL_ALIGNMENT_LEFT, bar.size.x, size)
 	var ends: Array = {
-		Kind.DENSITY: ["0: nothing", "1: all"], Kind.SLOPE: ["0°: flat", "90°"], Kind.RANK: ["0: stands first", "1: goes first"],
+		Kind.DENSITY: ["0: nothing", "1: all"], Kind.SLOPE: ["0°: flat", "90°"], Kind.RANK: ["0: removed last", "1: removed first"],
 	}[_kind]
 	var below := bar.position + Vector2(0.0, bar.size.y + size)
 	overlay.draw_string(font, below, ends[0], HORIZONTAL_ALIGNMENT_LEFT, bar.size.x, size - 2)

@@ -45,7 +45,7 @@ func draw(overlay: Control, beside: Vector2, pinned: bool) -> void:
 	var size := ThemeDB.fallback_font_size
 	var shown := rows.duplicate()
 	if pinned:
-		shown.append([DIM, "Pinned: click elsewhere to move it, or here to let go."])
+		shown.append([DIM, "Pinned: click a different position to move it, or click here to unpin."])
 	var extent := Vector2.ZERO
 	var heights := PackedFloat32Array()
 	for row in shown:

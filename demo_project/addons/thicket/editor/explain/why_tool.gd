@@ -29,7 +29,7 @@ var _camera: Camera3D
 
 
 func _init() -> void:
-	_setup("Why?", &"Help", "Why?: point at the ground to read what each layer makes of it; click to pin that.")
+	_setup("Why?", &"Help", "Why?: point at the ground to read why each layer is placed there or not; click to pin the text.")
 	_colors.tooltip_text = "Colors on the ground."
 	for kind in RuleOverlay.NAMES.size():
 		_colors.add_item(RuleOverlay.NAMES[kind])

@@ -69,7 +69,7 @@ static func _use_meshes(scatter: TerrainScatter3D, meshes: Array[Node], manager:
 	var new_group := group if group else StringName(str(scatter.name).to_snake_case() + "_ground")
 	meshes = meshes.filter(func(mesh: Node) -> bool: return not mesh.is_in_group(new_group))
 	if meshes.is_empty() and group:
-		return "That is the ground of %s already." % scatter.name
+		return "This is already the ground of %s." % scatter.name
 	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
 	var root := EditorInterface.get_edited_scene_root()
 	for instance in _closed_instances(meshes):
@@ -94,11 +94,11 @@ static func _use_bodies(scatter: TerrainScatter3D, bodies: Array[StaticBody3D], 
 	for body in bodies:
 		layers |= body.collision_layer
 	if layers == 0:
-		return "collision_layer of %s is 0, so no ray can meet it: set at least one layer." % _names(bodies)
+		return "collision_layer of %s is 0, so no ray can hit it: set at least one layer." % _names(bodies)
 	var ground := scatter.ground as ScatterGroundColliders
 	var mask := ground.collision_mask if ground != null else 0
 	if ground != null and mask | layers == mask:
-		return "That is the ground of %s already." % scatter.name
+		return "This is already the ground of %s." % scatter.name
 	manager.create_action("Use as Ground", UndoRedo.MERGE_DISABLE, scatter)
 	if ground != null:
 		manager.add_do_property(ground, &"collision_mask", mask | layers)

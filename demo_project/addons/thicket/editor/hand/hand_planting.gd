@@ -13,9 +13,9 @@ const ANY_MESH := -1
 enum Way { ALIGN, RANDOM_TURN, RANDOM_SIZE }
 const WAY_NAMES: PackedStringArray = ["Lean with the Slope", "Random Turn", "Random Size"]
 const WAY_TIPS: PackedStringArray = [
-	"What is planted or moved stands upright on the slope of the ground.",
-	"What is planted is turned by chance, between the layer's smallest and largest yaw.",
-	"What is planted is scaled by chance, between the layer's smallest and largest scale.",
+	"Align planted and moved instances with the slope of the ground.",
+	"Give planted instances a random yaw within the range of the layer.",
+	"Give planted instances a random scale within the range of the layer.",
 ]
 
 ## The mesh of the next instance, as an index in the layer's meshes.
@@ -35,15 +35,15 @@ var _random := RandomNumberGenerator.new()
 
 func _init() -> void:
 	_snap.text = "Snap"
-	_snap.tooltip_text = "Snap places to the grid and turns to whole steps; hold Ctrl for the opposite."
+	_snap.tooltip_text = "Snap positions to the grid and rotations to steps; hold Ctrl to invert."
 	_snap.toggled.connect(func(_on: bool) -> void: changed.emit())
 	add_child(_snap)
-	_grid = Controls.slider("Grid", "Meters from one place to the next, along x and z.", Vector3(0.05, 64.0, 0.05), 1.0, "m", 88.0)
+	_grid = Controls.slider("Grid", "The step of the grid in meters, along x and z.", Vector3(0.05, 64.0, 0.05), 1.0, "m", 88.0)
 	add_child(_grid)
-	_degrees = Controls.slider("Turn", "Degrees of one turn (key R, with Shift the other way).", Vector3(1.0, 180.0, 1.0), 15.0, "°", 88.0)
+	_degrees = Controls.slider("Turn", "The rotation step in degrees (key R; Shift+R rotates back).", Vector3(1.0, 180.0, 1.0), 15.0, "°", 88.0)
 	add_child(_degrees)
 	_ways.text = "Planting"
-	_ways.tooltip_text = "How the next instance stands."
+	_ways.tooltip_text = "Random values for planted instances, and alignment with the slope."
 	_ways.get_popup().hide_on_checkable_item_selection = false
 	for way in WAY_NAMES.size():
 		_ways.get_popup().add_check_item(WAY_NAMES[way])
@@ -51,7 +51,7 @@ func _init() -> void:
 		_ways.get_popup().set_item_checked(way, way != Way.ALIGN)
 	_ways.get_popup().index_pressed.connect(func(way: int) -> void: _choose_way(way, not _is_way(way)))
 	add_child(_ways)
-	_choice.tooltip_text = "The mesh to plant; by chance, those with more weight in the layer come more often."
+	_choice.tooltip_text = "The mesh to plant. Random picks meshes by their weights in the layer."
 	_choice.item_selected.connect(func(_index: int) -> void: roll(); changed.emit())
 	add_child(_choice)
 

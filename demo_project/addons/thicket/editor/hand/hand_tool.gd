@@ -44,7 +44,7 @@ var _start := HandFrame.new()
 
 
 func _init() -> void:
-	_setup("Hand", &"ToolMove", "Hand: plant, move, turn, scale and delete single instances, with the left button.")
+	_setup("Hand", &"ToolMove", "Hand: plant, move, rotate, scale and delete single instances, with the left mouse button.")
 	add_child(planting)
 	planting.changed.connect(redraw_requested.emit)
 
@@ -181,7 +181,7 @@ func _plant(with_control: bool) -> String:
 	var id := edits.add(layer_index, planting.transform_at(_cursor.on_ground, ground(), with_control), planting.mesh)
 	edits.commit("Plant %s" % layer.resource_name)
 	if id == 0:
-		return "No instance of %s was planted; the Output panel says why." % layer.resource_name
+		return "No instance of %s was planted; the Output panel has the reason." % layer.resource_name
 	planting.roll()
 	_select(id)
 	return ""
@@ -222,7 +222,7 @@ func _change(to: Transform3D) -> void:
 		selected = id
 		_frame.transform = to
 	else:
-		problem = "The instance was not changed; the Output panel says why."
+		problem = "The instance was not changed; the Output panel has the reason."
 
 
 func _release() -> void:

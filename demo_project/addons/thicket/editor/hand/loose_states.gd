@@ -60,7 +60,7 @@ func on_scene_saved(path: String) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null and root.scene_file_path == path and take_in(root):
 		EditorInterface.mark_scene_as_unsaved()
-		EditorInterface.get_editor_toaster().push_toast("Instances placed in %s are now in a file of their own. Save the scene once more to refer to it." %
+		EditorInterface.get_editor_toaster().push_toast("Instances placed in %s are now stored in a separate file. Save the scene once more, so that it refers to the file." %
 				path.get_file(), EditorToaster.SEVERITY_WARNING)
 
 

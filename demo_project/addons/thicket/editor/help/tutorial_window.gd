@@ -78,7 +78,7 @@ func _show(markdown: String) -> void:
 ## A page in Markdown. If its file cannot be read, the page reports that.
 static func _text_of(name: String) -> String:
 	var text := FileAccess.get_file_as_string(FOLDER + name)
-	return text if text else "# %s\n\nCannot read %s: %s. Install the whole add-on again." % [
+	return text if text else "# %s\n\nCannot read %s: %s. Install all files of the add-on again." % [
 		name, FOLDER + name, error_string(FileAccess.get_open_error())]
 
 
@@ -89,5 +89,5 @@ func _add_picture(file: String) -> void:
 	if FileAccess.file_exists(FOLDER + file) and image.load_jpg_from_buffer(FileAccess.get_file_as_bytes(FOLDER + file)) == OK:
 		_text.add_image(ImageTexture.create_from_image(image), 100, 0, Color.WHITE, INLINE_ALIGNMENT_CENTER, Rect2(), null, false, "", true)
 	else:
-		_text.append_text("The picture %s cannot be read. Install the whole add-on again." % (FOLDER + file))
+		_text.append_text("The picture %s cannot be read. Install all files of the add-on again." % (FOLDER + file))
 	_text.append_text("\n\n")

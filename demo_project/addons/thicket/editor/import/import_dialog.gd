@@ -67,7 +67,7 @@ func fill(scatter: TerrainScatter3D, scene: Node) -> void:
 	_sources.add_separator()
 	_sources.add_item("A table (CSV)...", _nodes.size())
 	_layers.clear()
-	_layers.add_item("Each mesh its own; new ones where there is none", 0)
+	_layers.add_item("The layer with the same mesh; a new one if there is none", 0)
 	_layers.set_item_metadata(0, BY_MESH)
 	var layers := scatter.layers
 	for index in layers.size():
@@ -176,5 +176,5 @@ func _say() -> void:
 		for batch: ImportInstances.Batch in _reading.batches.slice(0, 5):
 			parts.append("%d %s" % [batch.size(), batch.name])
 		var rest := "" if _reading.batches.size() <= 5 else " and %d more" % (_reading.batches.size() - 5)
-		_said.text = "%d instances: %s%s. What they are imported from stays; hide it after that." % [
+		_said.text = "%d instances: %s%s. The source is not changed; hide it after the import." % [
 			_reading.size(), ", ".join(parts), rest]

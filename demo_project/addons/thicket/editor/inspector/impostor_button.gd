@@ -22,7 +22,7 @@ func _init(layer: ScatterLayer = null, files: SceneFiles = null) -> void:
 	_layer = layer
 	_files = files
 	_button.text = "Bake Impostors"
-	_button.tooltip_text = "Bakes pictures of each mesh from all around, which are drawn on two triangles, as the last LOD."
+	_button.tooltip_text = "Bakes an impostor of each mesh (pictures from all directions, drawn on two triangles) as its last LOD."
 	_button.pressed.connect(press)
 	add_child(_button)
 	add_child(_bar)

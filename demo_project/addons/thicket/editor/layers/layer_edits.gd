@@ -132,13 +132,13 @@ static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new:
 		if next != null:
 			followed[next] = spacing[key]
 		else:
-			r_told.append("%s keeps no distance to %s any more." % [_title(layer, old), _title_of(key, old)])
+			r_told.append("%s no longer keeps a distance to %s." % [_title(layer, old), _title_of(key, old)])
 	_change(layer, &"spacing", spacing, followed, undo_redo)
 	for property in Names.reference_properties():
 		var mentioned: Variant = layer.get(property)
 		var next: Variant = _next(mentioned, old, new)
 		if next == null:
-			r_told.append("%s has no %s any more: it was %s." % [_title(layer, old), property, _title_of(mentioned, old)])
+			r_told.append("%s no longer has a %s: it was %s." % [_title(layer, old), property, _title_of(mentioned, old)])
 		_change(layer, property, mentioned, next if next != null else "", undo_redo)
 
 
@@ -147,9 +147,9 @@ static func _follow_in_region(region: ScatterRegion3D, old: Array[ScatterLayer],
 	var mentioned := region.layers
 	var followed: Array = mentioned.map(_next.bind(old, new)).filter(func(next: Variant) -> bool: return next != null)
 	if followed.is_empty() and not mentioned.is_empty(): # An empty list would mean all layers.
-		r_told.append("%s counts for no layer that is left." % region.name)
+		r_told.append("%s no longer applies to any layer." % region.name)
 	elif followed.size() < mentioned.size():
-		r_told.append("%s counts for a layer less." % region.name)
+		r_told.append("%s applies to one layer less." % region.name)
 		_change(region, &"layers", mentioned, followed, undo_redo)
 	else:
 		_change(region, &"layers", mentioned, followed, undo_redo)

@@ -111,7 +111,7 @@ func look() -> void:
 		_shown = shown
 		tree.show_layers(layers, biomes)
 		_enable()
-	_empty.text = "" if not layers.is_empty() else "Drop meshes, scenes or layers here: a layer for each." if _scatter != null else (
+	_empty.text = "" if not layers.is_empty() else "Drop meshes, scenes or layers here to add a layer for each." if _scatter != null else (
 			"Select a scatter to see its layers, or make a new one.")
 	if not is_visible_in_tree():
 		return
@@ -123,7 +123,7 @@ func look() -> void:
 		if layer != null:
 			total += _show_count(layer)
 			_pictures.ask(_scatter, layer)
-	_total.text = "%s on show" % PreviewBar.grouped(total)
+	_total.text = "%s visible" % PreviewBar.grouped(total)
 
 
 ## Adds a layer for each of these resources at an index, and chooses the new layers. With an index of -1, each is inserted at a fitting
@@ -164,7 +164,7 @@ func remove_chosen() -> void:
 func add_scatter() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
-		_tell("No scene is open to add a scatter to. Open a 3D scene first, or add a root node to the new one.")
+		_tell("No scene is open to add a scatter to. Open a 3D scene first, or add a root node to the empty one.")
 		return
 	var scatter := TerrainScatter3D.new()
 	scatter.name = "Scatter"
@@ -207,7 +207,7 @@ func _make_head() -> void:
 	_remove = _button(head, "Delete", &"Remove", "Delete the chosen layers (Delete).", remove_chosen)
 	_apart.text = "Keep apart"
 	_apart.button_pressed = true
-	_apart.tooltip_text = "New layers keep distances to the others that follow from their sizes (ScatterLayer.spacing)."
+	_apart.tooltip_text = "New layers keep a distance to the other layers, calculated from their sizes (ScatterLayer.spacing)."
 	head.add_child(_apart)
 	head.add_spacer(false)
 	head.add_child(_total)
@@ -294,7 +294,7 @@ func _on_file(path: String) -> void:
 	if resource != null:
 		add([resource] as Array[Resource])
 	elif not path.is_empty():
-		_tell("%s cannot be loaded; the Output panel says why." % path)
+		_tell("%s cannot be loaded; the Output panel has the reason." % path)
 
 
 ## Applies a mark to all chosen layers if the clicked layer is one of them, else to the clicked layer.

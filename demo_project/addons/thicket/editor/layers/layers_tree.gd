@@ -154,7 +154,7 @@ func has_picture(layer: ScatterLayer) -> bool:
 func _add_heading(root: TreeItem, title: String) -> TreeItem:
 	var heading := create_item(root)
 	heading.set_text(Column.NAME, title)
-	heading.set_tooltip_text(Column.NAME, "Layers of a biome: change which there are in the biome itself.")
+	heading.set_tooltip_text(Column.NAME, "Layers of a biome. Add and remove them in the biome itself.")
 	for column in columns:
 		heading.set_selectable(column, false)
 		heading.set_custom_bg_color(column, get_theme_color(&"prop_subsection", &"Editor"))
@@ -190,7 +190,7 @@ func _show_marks(row: TreeItem) -> void:
 	row.set_button_tooltip_text(Column.MARKS, 0, "Mark with a color, in the editor only.")
 	row.set_button(Column.MARKS, 1, get_theme_icon(&"Lock" if locked else &"Unlock", &"EditorIcons"))
 	row.set_button_color(Column.MARKS, 1, Color(1.0, 1.0, 1.0, 1.0 if locked else 0.5))
-	row.set_button_tooltip_text(Column.MARKS, 1, "Locked: tools leave it as it is." if locked else "Lock it against tools.")
+	row.set_button_tooltip_text(Column.MARKS, 1, "Locked: tools do not change it." if locked else "Lock it against tools.")
 	row.set_button(Column.MARKS, 2, get_theme_icon(&"GuiVisibilityHidden" if hidden else &"GuiVisibilityVisible", &"EditorIcons"))
 	row.set_button_tooltip_text(Column.MARKS, 2, "Hidden in the editor; the game shows it." if hidden else "Hide in the editor only.")
 	for column in columns:

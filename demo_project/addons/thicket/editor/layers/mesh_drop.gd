@@ -53,7 +53,7 @@ static func taken(data: Variant, with_layers := false) -> Array[Resource]:
 	for path in _paths(data, with_layers):
 		result.append(load(path))
 		if result[-1] == null:
-			_tell("%s cannot be loaded; the Output panel says why." % path)
+			_tell("%s cannot be loaded; the Output panel has the reason." % path)
 	return result.filter(func(resource: Resource) -> bool: return resource != null)
 
 

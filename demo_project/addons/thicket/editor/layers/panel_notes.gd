@@ -64,8 +64,8 @@ func note_on(layer: ScatterLayer) -> String:
 	if _shared == null:
 		return ""
 	if layer in _shared.files:
-		return "%s is a file that another scatter uses, too: a change applies to both." % layer.resource_path.get_file()
-	return "Another scatter has this layer, too: a change applies to both. Press Make Unique to copy it." if layer in _shared.layers else ""
+		return "A different scatter also uses the file %s: changes apply to both." % layer.resource_path.get_file()
+	return "A different scatter also has this layer: changes apply to both. Press Make Unique to copy it." if layer in _shared.layers else ""
 
 
 ## Opens the dialog.

@@ -15,7 +15,7 @@ static func layers(name: String, taken: PackedStringArray, first_index := 0) -> 
 	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
 	var source := scene.instantiate() as TerrainScatter3D if scene != null else null
 	if source == null:
-		push_error("The preset %s cannot be loaded from %s: it must be a scene whose root is a TerrainScatter3D. Presets are: %s. Install the whole add-on again." % [
+		push_error("The preset %s cannot be loaded from %s: it must be a scene whose root is a TerrainScatter3D. Presets are: %s. Install all files of the add-on again." % [
 			name, path, ", ".join(NAMES)])
 		return []
 	var copies: Dictionary[Resource, Resource] = {}

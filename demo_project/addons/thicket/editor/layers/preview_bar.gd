@@ -25,10 +25,10 @@ func _init(told: Steps) -> void:
 	_sentence.text_overrun_behavior = TextServer.OVERRUN_TRIM_ELLIPSIS
 	_sentence.mouse_filter = Control.MOUSE_FILTER_PASS
 	row.add_child(_sentence)
-	_show.tooltip_text = "Let the view grow in steps until it shows all; Stop ends that."
+	_show.tooltip_text = "Increase the view in steps until it shows all instances; Stop interrupts it."
 	_show.pressed.connect(_on_show)
 	row.add_child(_show)
-	_keep.tooltip_text = "Only the view is kept: the layer has its new values, and the game shows all."
+	_keep.tooltip_text = "Only the view is limited: the layer has its new values, and the game shows all instances."
 	_keep.pressed.connect(_on_keep)
 	row.add_child(_keep)
 	hide()
@@ -50,7 +50,7 @@ func update() -> void:
 		Steps.State.KEPT:
 			_sentence.text = "The view shows %s of about %s instances of %s; the game shows all." % [now, all, title]
 		Steps.State.GROWING:
-			_sentence.text = "%s: %s of about %s instances on show." % [title, now, all]
+			_sentence.text = "%s: %s of about %s instances visible." % [title, now, all]
 	_sentence.tooltip_text = _sentence.text
 	_show.text = "Show Them" if _watch.state == Steps.State.ASKING else "Show All"
 	_show.visible = _watch.state != Steps.State.GROWING

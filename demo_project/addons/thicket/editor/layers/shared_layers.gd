@@ -33,7 +33,7 @@ class Shared:
 		if not layers.is_empty():
 			parts.append("its layers")
 		if not masks.is_empty():
-			parts.append("what is painted")
+			parts.append("its painted masks")
 		if state:
 			parts.append("its state")
 		if seed:

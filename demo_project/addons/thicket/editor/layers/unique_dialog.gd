@@ -21,10 +21,10 @@ func _init() -> void:
 	_text.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART
 	_text.custom_minimum_size = Vector2(420.0, 0.0) * EditorInterface.get_editor_scale()
 	rows.add_child(_text)
-	_seed.text = "A seed of its own: instances stand in other places"
+	_seed.text = "Use a new seed: instances are placed at different positions"
 	_seed.button_pressed = true
 	rows.add_child(_seed)
-	_files.text = "Copies of the layers that are files, too"
+	_files.text = "Also copy layers that are saved as files"
 	rows.add_child(_files)
 	confirmed.connect(func() -> void: decided.emit(_seed.button_pressed, _files.button_pressed))
 

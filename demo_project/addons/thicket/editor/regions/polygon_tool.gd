@@ -10,8 +10,8 @@ const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd"
 ## The polygon is finished: a region that is not in the scene yet, and its world position.
 signal drawn(region: ScatterRegion3D, place: Vector3)
 
-const HINT_FIRST := "Click the corners   Enter or double click closes   Backspace takes one back   Esc gives up"
-const HINT_NEXT := "%d corners   Enter or double click closes   Backspace takes one back   Esc gives up"
+const HINT_FIRST := "Click the corners   Enter or double click closes   Backspace removes the last one   Esc cancels"
+const HINT_NEXT := "%d corners   Enter or double click closes   Backspace removes the last one   Esc cancels"
 ## The distance in pixels from the first corner within which a click closes the polygon.
 const GRAB := 10.0
 ## The smallest area of a region in square meters.

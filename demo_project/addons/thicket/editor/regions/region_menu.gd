@@ -19,11 +19,11 @@ var scatter: TerrainScatter3D
 
 func _init() -> void:
 	text = "Region"
-	tooltip_text = "Add a region at the middle of the view: no layer stands in it, or layers stand there alone."
+	tooltip_text = "Add a region at the center of the view, which excludes layers or limits them to its area."
 	set_meta(&"icon", &"Add")
 	var popup := get_popup()
 	for exclude: bool in [true, false]:
-		popup.add_separator("Nothing stands in" if exclude else "Stand only in")
+		popup.add_separator("Exclude Layers" if exclude else "Limit Layers")
 		for shape in SHAPE_NAMES.size():
 			popup.add_item(SHAPE_NAMES[shape], shape + (0 if exclude else SHAPE_NAMES.size()))
 	popup.id_pressed.connect(_on_chosen)
