@@ -90,7 +90,7 @@ std::string quoted(const LayerReference &reference) {
 }
 
 /// Why the reference matches no layer. Users try to refer to layers of a different node.
-std::string nobody(const LayerReference &reference) {
+std::string unknown_layer_note(const LayerReference &reference) {
 	return std::string(reference.name.empty() ? ", which is not in the list of this node. "
 											  : ", and no layer has that name in this node. ") +
 			"Layers of different TerrainScatter3D nodes cannot refer to each other: move both layers into one node.";
@@ -145,7 +145,7 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		const std::size_t other = find(layers, reference);
 		// The layer itself reports an empty name.
 		if (!reference.empty() && other == layers.size()) {
-			problems.push_back(("spacing names " + quoted(reference)).append(nobody(reference)));
+			problems.push_back(("spacing names " + quoted(reference)).append(unknown_layer_note(reference)));
 		} else if (other == index) {
 			problems.push_back("spacing names the layer itself; its own instances keep its radius.");
 		}
@@ -154,7 +154,7 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		const std::size_t other = find(layers, reference);
 		const std::string start = property + " is " + quoted(reference);
 		if (!reference.empty() && other == layers.size()) {
-			problems.push_back(std::string(start).append(nobody(reference)));
+			problems.push_back(std::string(start).append(unknown_layer_note(reference)));
 		} else if (!reference.empty() && other >= index) {
 			problems.push_back(start + ", which is not before this layer in the list: it has no effect.");
 		}

@@ -28,11 +28,11 @@ void LevelGrid::reset(const CellRect &p_cells) {
 		requester.resize(count);
 		open.resize(count);
 	}
-	nobody = static_cast<std::uint32_t>(count) - 1;
-	time[nobody] = time_never;
-	dart[nobody] = 0;
-	waiting[nobody] = 0;
-	open[nobody] = 0;
+	sentinel = static_cast<std::uint32_t>(count) - 1;
+	time[sentinel] = time_never;
+	dart[sentinel] = 0;
+	waiting[sentinel] = 0;
+	open[sentinel] = 0;
 	if (coarser != nullptr) {
 		ready.assign(count, 0);
 	}

@@ -59,7 +59,7 @@ struct LevelGrid {
 		in_region, ///< It belongs to the region that is being decided.
 	};
 
-	/// A cell whose darts must be decided up to a time, and a cell whose earlier dart blocked it, or `nobody`.
+	/// A cell whose darts must be decided up to a time, and a cell whose earlier dart blocked it, or `sentinel`.
 	struct Wanted {
 		std::uint32_t cell;
 		TimeKey until;
@@ -87,7 +87,7 @@ struct LevelGrid {
 	std::vector<std::uint8_t> ready;
 
 	WaitingSquares waiting_squares;
-	std::uint32_t nobody = 0; ///< An entry beyond all cells that throws no darts.
+	std::uint32_t sentinel = 0; ///< An entry beyond all cells that throws no darts.
 
 	std::vector<Listing> listed;
 	std::vector<std::uint32_t> requester; ///< For a requested cell: the cell that it blocks.

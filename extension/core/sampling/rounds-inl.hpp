@@ -71,7 +71,7 @@ bool resolve_wanted(LevelGrid *levels, std::uint32_t level);
 HWY_INLINE void want(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	if (grid.listed[cell] == LevelGrid::unlisted) {
 		grid.listed[cell] = LevelGrid::requested;
-		grid.wanted.push_back({cell, until, grid.nobody});
+		grid.wanted.push_back({cell, until, grid.sentinel});
 	}
 }
 
@@ -171,7 +171,7 @@ HWY_INLINE void request(LevelGrid &grid, std::uint32_t cell, std::uint32_t reque
 	if (grid.listed[cell] == LevelGrid::unlisted) {
 		grid.listed[cell] = LevelGrid::requested;
 		grid.requester[cell] = requester;
-		grid.wanted.push_back({cell, until, grid.nobody});
+		grid.wanted.push_back({cell, until, grid.sentinel});
 	}
 }
 

@@ -36,10 +36,10 @@ HWY_INLINE hn::Vec<SplitLanes> load_each(SplitLanes d, const Value &value) {
 /// Sorts rejected cells by the result for their squares. Squares with open children go to `r_splits`, or to `r_deep` if they need a
 /// further check. Cells whose square has no open child go to `r_spent`. Cells that a new point closed are dropped.
 HWY_INLINE void sort_by_children(
-		const Columns &columns, std::uint32_t nobody, Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
+		const Columns &columns, std::uint32_t sentinel, Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
 	const SplitLanes d;
 	std::uint32_t splits = 0;
-	std::fill_n(cells.items + cells.count, hn::MaxLanes(d), make_item(nobody, 0));
+	std::fill_n(cells.items + cells.count, hn::MaxLanes(d), make_item(sentinel, 0));
 	for (std::uint32_t i = 0; i < cells.count; i += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
 		const auto items = hn::Load(d, cells.items + i);
 		const auto parent = load_each(d, [&](std::size_t lane) {
@@ -76,7 +76,7 @@ HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_spli
 	if constexpr (is_plain || HWY_TARGET == HWY_SSE2) {
 		plain::sort_by_children(grid, cells, r_splits, deep, r_spent);
 	} else {
-		sort_by_children(columns, grid.nobody, cells, r_splits, deep, r_spent);
+		sort_by_children(columns, grid.sentinel, cells, r_splits, deep, r_spent);
 	}
 	std::uint32_t splits = r_splits.count;
 	for (std::uint32_t i = 0; i < deep.count; ++i) {

@@ -34,7 +34,7 @@ void SceneRing::refuse(Layer &layer) {
 	update_distances();
 	const String path = layer.is.scene->get_path();
 	ERR_PRINT(vformat("TerrainScatter3D: the root of the scene %s of layer \"%s\" is not a Node3D. The layer's meshes "
-	                  "are drawn instead.",
+					  "are drawn instead.",
 			path.is_empty() ? String("(built in)") : path, layer.is.name));
 }
 
