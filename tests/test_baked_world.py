@@ -108,10 +108,10 @@ def test_foreign_files_are_refused_for_their_values(godot, game, world, tmp_path
     harmless |= {"render_layers = 1000000000.0", "index layer_names = []", "index meshes = []", 'index scene_digest = "x"', "index tile_size = 0.5"}
     harmless |= {"index tile_size = 1000000000.0", "index tile_size = 4294967296.0"}
     assert set(taken) <= harmless and "good" in taken, set(taken) - harmless
-    assert all("must be" in refused or "must" in refused or "damaged" in refused or "is no " in refused or "belongs to" in refused or "index names" in refused
+    assert all("must be" in refused or "must" in refused or "damaged" in refused or "is not " in refused or "belongs to" in refused or "index names" in refused
                for _, refused in cases if refused)  # fmt: skip
     assert len([what for what, _ in cases if what == "flip"]) == 200
-    assert any("must lie in res://, got user://evil.tscn" in refused for _, refused in cases)
+    assert any("must be in res://, got user://evil.tscn" in refused for _, refused in cases)
 
 
 def test_an_unusable_index_is_reported(godot, game, hurt):
