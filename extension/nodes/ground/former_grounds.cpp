@@ -72,7 +72,7 @@ Ref<ScatterGround> current_ground(const Ref<ScatterGround> &p_ground) {
 	if (static_cast<bool>(p_ground->call("has_meta", successor_meta))) {
 		return p_ground->call("get_meta", successor_meta);
 	}
-	const Ref<ScatterGround> made = make_successor(p_ground->get_class());
+	Ref<ScatterGround> made = make_successor(p_ground->get_class());
 	if (made.is_null()) {
 		return p_ground;
 	}
