@@ -286,7 +286,7 @@ def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
     [
         (["--layers", "Ferns"], "no layer 'Ferns'. It has: 0 Trees, 1 Grass"),
         (["--tiles", "9,0"], "Tile 9,0 is not in the rectangle"),
-        (["--node", "Nobody", "--wait", "1"], "there is not a TerrainScatter3D after 1 s"),
+        (["--node", "Nobody", "--wait", "1"], "there is no TerrainScatter3D after 1 s"),
         (["--workers", "0"], "--workers must be 1 or more, got 0"),
         (["--tile-size", "nan"], "tile_size is 'nan', and has to be from 1 to 1000000 meters"),
         (["--rect", "0,0,-5,5"], "rect is '0,0,-5,5', and has to be X,Z,WIDTH,DEPTH"),

@@ -5,9 +5,8 @@
     generate.py --used used_api.toml --out DIR --list
     generate.py --used used_api.toml --unused SOURCES...
 
-The first command writes headers into DIR/include and sources into DIR/src. --list prints their paths and writes nothing.
---unused prints the entries that no source contains, and fails if there are any. Files whose text stays the same are not
-rewritten, so that nothing is recompiled because of them.
+The first command writes headers into DIR/include and sources into DIR/src, and leaves files alone whose text stays the same. --list only
+prints their paths. --unused prints the entries that no source contains, and fails if there are any.
 """
 
 import argparse
@@ -53,8 +52,7 @@ def interface_functions(generated):
 
 
 def interface_types(header, names, release):
-    """[(pointer type, name)] of the interface functions with these names. In the header, the type follows a comment with the function's
-    name and the release that introduced it."""
+    """[(pointer type, name)] of interface functions. In the header, the type follows a comment with the name and the first release."""
     found = re.findall(r"@name (\w+)\n.*?@since (\d+)\.(\d+)\n.*?typedef .*?\(\*(\w+)\)\(", header, re.DOTALL)
     types = {name: kind for name, _, _, kind in found}
     since = {name: (int(major), int(minor)) for name, major, minor, _ in found}

@@ -33,7 +33,7 @@ const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of wh
     wait=SECONDS                 for the scene's ground to be there (120)
 Ends with 0 if all tiles are there that were asked for, 1 if some are not, 2 if it could not begin.
 For a driver, in place of out and what follows it: connect=PORT and token=WORD."""
-const NO_SCATTER := "is not a TerrainScatter3D"
+const NO_SCATTER := "is no TerrainScatter3D"
 const NO_GROUND := "is no ground"
 const NOT_SETTLED := "is a scatter that still waits for its ground"
 ## The remedy for each, for the user.
