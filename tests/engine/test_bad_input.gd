@@ -66,7 +66,7 @@ func test_layer_numbers() -> void:
 		refuse(layer, property, 0.0, "must be between 0.")
 		refuse(layer, property, -3.0, "must be between 0.")
 	for property in ["density", "align_to_normal"]:
-		refuse(layer, property, 1.5, "must be between 0 and 1, got 1.5. The last valid value stays")
+		refuse(layer, property, 1.5, "must be between 0 and 1, got 1.5. The last valid value is kept")
 		refuse(layer, property, -0.5, "must be between 0 and 1, got -0.5. ")
 	refuse(layer, "max_slope_degrees", 91.0, "must be between 0 and 90, ")
 	refuse(layer, "view_distance", -1.0, "must be between 0 and ")

@@ -245,7 +245,7 @@ func test_one_layer_in_several_biomes() -> void:
 	check(right < 0.7 * left and right > 0.3 * left, "thinner in one biome: %d and %d" % [right, left])
 	scatter.layers = [shared]
 	await settle(scatter)
-	check("is one of a biome" in str(scatter.get_problems()), "a problem: %s" % scatter.get_problems())
+	check("is also in a biome" in str(scatter.get_problems()), "a problem: %s" % scatter.get_problems())
 	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "a layer of the node is not limited to biomes")
 
 

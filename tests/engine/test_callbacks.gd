@@ -180,7 +180,7 @@ func run_action_in_callback(callback: String, name: String) -> void:
 		# The engine refuses to free a node that emits a signal.
 		var refused := name == "free" and LOCKED in message
 		# Calls of a node without ground or layers are refused, and so is a state of different points.
-		var bare := "is missing" in message or "There is no layer 0" in message or "another seed" in message
+		var bare := "is missing" in message or "There is no layer 0" in message or "a different seed" in message
 		check(refused or bare, "%s, %s: the engine printed: %s" % [callback, name, message])
 	Plant.hooks.clear()
 	ground.action = Callable()

@@ -198,7 +198,7 @@ func test_references_follow_a_renamed_layer() -> void:
 	check_equal(moss.spacing.keys(), ["fern"], "references to the second layer stay")
 	oak.resource_name = "fern"
 	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "references do not follow to a name that is already used")
-	check("same name" in "".join(scatter.get_problems()), "which is reported")
+	check("the name of an earlier layer" in "".join(scatter.get_problems()), "which is reported")
 	oak.resource_name = "oak"
 	check_equal(fern.spacing.keys(), ["oak", "moss"], "until the name is unique")
 	moss.resource_name = "oak"

@@ -302,7 +302,7 @@ func check_gameplay_warnings() -> void:
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_BOX
 		layer.collision_layer = 0
-		layer.collision_mask = 0, "meets nothing")
+		layer.collision_mask = 0, "collides with nothing")
 	check_warning(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_MODEL, "no model among the meshes")
 	check_warning(func(layer: ScatterLayer) -> void: layer.physics_material = PhysicsMaterial.new(), "physics_material is not used")
 	check_warning(func(layer: ScatterLayer) -> void:
@@ -312,7 +312,7 @@ func check_gameplay_warnings() -> void:
 	bare.collision_shape = ScatterLayer.COLLISION_CONVEX
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [bare]
-	check("no mesh to make it of" in "\n".join(scatter.get_problems()), "a hull without a mesh")
+	check("no mesh to build it from" in "\n".join(scatter.get_problems()), "a hull without a mesh")
 	scatter.free()
 
 
@@ -366,12 +366,12 @@ func test_warnings() -> void:
 	check_warning(func(layer: ScatterLayer) -> void: layer.mask = ScatterMask.new(), "mask has no effect")
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.mask = ScatterMask.new()
-		layer.mask.background = 0.0, "nothing is painted")
+		layer.mask.background = 0.0, "is not painted")
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.mask = ScatterMask.new()
 		layer.mask.paint(Vector2.ZERO, 3.0, 1.0, 0.5, ScatterMask.MODE_ERASE), "")
-	check_warning(func(layer: ScatterLayer) -> void: layer.mask_texture = NoiseTexture2D.new(), "mask_texture has no image")
-	check_warning(func(layer: ScatterLayer) -> void: layer.mask_texture = GradientTexture2D.new(), "mask_texture has no image")
+	check_warning(func(layer: ScatterLayer) -> void: layer.mask_texture = NoiseTexture2D.new(), "mask_texture has no readable image")
+	check_warning(func(layer: ScatterLayer) -> void: layer.mask_texture = GradientTexture2D.new(), "mask_texture has no readable image")
 	check_warning(func(layer: ScatterLayer) -> void:
 		var texture := GradientTexture2D.new()
 		texture.gradient = Gradient.new()
@@ -383,7 +383,7 @@ func test_warnings() -> void:
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.radius = 0.1
 		layer.tile_size = 64.0
-		layer.edge_feather = 3.0, "tile_size smaller")
+		layer.edge_feather = 3.0, "lower tile_size")
 	check_warning(func(layer: ScatterLayer) -> void: layer.spacing = {"": 2.0}, "without a layer's name")
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.resource_name = "Oaks"

@@ -144,7 +144,7 @@ func test_unsupported_nodes_are_reported() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(scene)
 	var problems := "\n".join(model.get_problems())
-	for words: String in ["\"Player\" plays nothing", "\"Lamp\" is not drawn", "\"Vine\" has a skeleton: it is drawn in its rest pose",
+	for words: String in ["\"Player\" does not play", "\"Lamp\" is not drawn", "\"Vine\" has a skeleton: it is drawn in its rest pose",
 			"\"Exact\" is left out: a ConcavePolygonShape3D"]:
 		check(words in problems, "reported: %s, got %s" % [words, problems])
 	check_equal(model.shapes.size(), 2, "the other shapes are read")

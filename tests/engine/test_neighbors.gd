@@ -120,7 +120,7 @@ func test_names() -> void:
 	await settle(scatter)
 	check(digests(scatter, FERN) == spaced, "the oaks are back")
 	scatter.layers[FERN].resource_name = "oak"
-	check("same name" in "".join(scatter.get_problems()), "two layers with the same name")
+	check("the name of an earlier layer" in "".join(scatter.get_problems()), "two layers with the same name")
 	await settle(scatter)
 	check(digests(scatter, FERN) == spaced, "the first one is used")
 	scatter.layers[FERN].resource_name = "fern"

@@ -122,7 +122,7 @@ func test_files_that_cannot_be_written() -> void:
 	refuse_saving("", ERR_FILE_BAD_PATH, ["path is empty", "user://"], "no path")
 	refuse_saving(FOLDER + "/none/forest.state", ERR_FILE_NOT_FOUND, ["folder is missing", "make_dir_recursive_absolute"], "no folder")
 	DirAccess.make_dir_absolute(FOLDER + "/folder")
-	refuse_saving(FOLDER + "/folder", ERR_FILE_NO_PERMISSION, ["is no file", "different path"], "a folder")
+	refuse_saving(FOLDER + "/folder", ERR_FILE_NO_PERMISSION, ["is not a file", "different path"], "a folder")
 	check(DirAccess.dir_exists_absolute(FOLDER + "/folder"), "the folder still exists")
 	DirAccess.remove_absolute(FOLDER + "/folder")
 	make_state(4).save_to_file(PATH)
@@ -142,7 +142,7 @@ func test_a_device_stays() -> void:
 	if OS.get_name() != "Linux":
 		check(true, "not on this system")
 		return
-	refuse_saving("/dev/null", ERR_FILE_NO_PERMISSION, ["is no file"], "a device")
+	refuse_saving("/dev/null", ERR_FILE_NO_PERMISSION, ["is not a file"], "a device")
 	check(not FileAccess.file_exists("/dev/null"), "it is not a file")
 
 
@@ -232,7 +232,7 @@ func test_files_of_a_different_world_are_refused() -> void:
 		bytes.push_back(scatter.state.to_bytes())
 	check_equal(scatters[0].state.save_to_file(PATH), OK, "saved")
 	check_equal(scatters[1].state.load_from_file(PATH), ERR_INVALID_DATA, "a state of a different world")
-	check_error(["cannot load " + PATH, "another seed"], "a state of a different world")
+	check_error(["cannot load " + PATH, "a different seed"], "a state of a different world")
 	check_equal(scatters[1].state.to_bytes(), bytes[1], "nothing has changed")
 
 
