@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
 import threading
+import time
 
 import numpy as np
+import psutil
 import pytest
 from conftest import REPO, new_project, run
 
@@ -15,7 +18,7 @@ from baking import cluster, driver, report, schedule  # noqa: E402 (only on the 
 from baking.__main__ import main  # noqa: E402
 from baking.format import FORMAT, MANIFEST, VERSION, BakeError  # noqa: E402
 from baking.grid import TileGrid, inside  # noqa: E402
-from baking.tile_engine import Source  # noqa: E402
+from baking.tile_engine import ProcessorTime, Source  # noqa: E402
 from baking.whole_file import whole_file, write_whole  # noqa: E402
 from reading.glb import BINARY_CHUNK, MAGIC, GlbError, read_glb  # noqa: E402
 
@@ -49,6 +52,20 @@ def check_areas(rect: list[float], grid: TileGrid, parts: dict[str, list[dict]],
         places = [np.clip(along, low[axis], np.nextafter(high[axis], -np.inf)) for axis, along in enumerate((x, z))]
         wanted = [(place >= rect[axis]) & (place < rect[axis] + rect[axis + 2]) for axis, place in enumerate(places)]
         assert np.array_equal(homes, (wanted[0] & wanted[1]).astype(int)), (grid.tile_size, game)
+
+
+def test_processor_time_of_an_engine_that_has_ended_still_counts():
+    """Otherwise the tile during which the engine ends would cost less than nothing, which a manifest must not say."""
+    busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+    time_of = ProcessorTime([psutil.Process(busy.pid)])
+    try:
+        deadline = time.monotonic() + 30.0
+        while time_of.total() < 0.1 and time.monotonic() < deadline:
+            time.sleep(0.02)
+    finally:
+        busy.kill()
+        busy.wait()
+    assert time_of.total() >= 0.1
 
 
 def test_a_scheduler_without_workers_is_reported(monkeypatch):

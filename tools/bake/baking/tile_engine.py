@@ -45,6 +45,20 @@ class Refused(RuntimeError):
     """The engine has refused a request, with a sentence that gives the reason."""
 
 
+class ProcessorTime:
+    """Processor time of some processes, in seconds. It never decreases: a process that has ended keeps its last known value."""
+
+    def __init__(self, processes: list[psutil.Process]):
+        self._seconds = dict.fromkeys(processes, 0.0)
+
+    def total(self) -> float:
+        for process in self._seconds:
+            with contextlib.suppress(psutil.Error):
+                times = process.cpu_times()
+                self._seconds[process] = times.user + times.system
+        return sum(self._seconds.values())
+
+
 class TileEngine:
     """A running engine with a loaded scene. Not thread-safe."""
 
@@ -69,6 +83,7 @@ class TileEngine:
             self.connection = self._accept(listener, token, time.monotonic() + source.wait + 60.0)
         self.connection.settimeout(ANSWER_TIMEOUT)
         self.family = self._family()
+        self.processor_time = ProcessorTime(self.family)
 
     def _accept(self, listener: socket.socket, token: str, deadline: float) -> socket.socket:
         listener.settimeout(0.2)
@@ -171,12 +186,7 @@ class TileEngine:
 
     def core_seconds(self) -> float:
         """Processor time of all threads of the engine so far. After it has ended, the last known value."""
-        spent = 0.0
-        for each in self.family:
-            with contextlib.suppress(psutil.Error):
-                times = each.cpu_times()
-                spent += times.user + times.system
-        return spent
+        return self.processor_time.total()
 
     def close(self) -> None:
         """Stops the engine. It also stops by itself when this process ends."""
