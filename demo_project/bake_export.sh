@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Writes what a bake of a world has given for others, and installs what that takes:
-#   bash demo_project/bake_export.sh BAKE godot FOLDER   a world in a project, which BakedWorld streams without the extension
+# Exports a bake, and installs the required programs:
+#   bash demo_project/bake_export.sh BAKE godot FOLDER   a world in a project, which ScatterBakedWorld streams without the extension
 #   bash demo_project/bake_export.sh BAKE gltf FOLDER    a .glb for each tile, with EXT_mesh_gpu_instancing
 #   bash demo_project/bake_export.sh BAKE maps FOLDER    a gray PNG for each layer, in plan view
-# Options come last; --help instead of FOLDER tells of them, and tools/bake/READERS.md of all three.
+# Options come last; --help instead of FOLDER lists them, and tools/bake/READERS.md describes all three exports.
 set -euo pipefail
 repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 source "$repo/tools/setup.sh"
@@ -14,5 +14,5 @@ if (($# < 3)) || [[ ! $2 =~ ^(godot|gltf|maps)$ ]]; then
 fi
 setup_bake
 [[ $2 == maps ]] || setup_godot
-# What lies in the caller's folder is no module of ours.
+# Files in the caller's folder must not be imported as modules.
 PYTHONSAFEPATH=1 PYTHONPATH=$repo/tools/bake exec "$(bake_venv)/bin/python" -m reading "$@"

@@ -1,5 +1,5 @@
-"""Fixtures for all tests. They run what the build made; `bash tests/run.sh` builds first, then calls pytest, with several
-workers: what they take from each other, and in which order, is here too."""
+"""Fixtures for all tests. They use the existing build: `bash tests/run.sh` builds first, then calls pytest with several workers. This file
+also defines how the workers share the tests, and the order of the tests."""
 
 from __future__ import annotations
 
@@ -21,58 +21,58 @@ from analysis.point_sets import References
 
 try:
     import fcntl
-except ImportError:  # Not on Windows.
+except ImportError:  # Windows has none.
     fcntl = None
 
 REPO = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(REPO / "tools/scons"))
 import installed  # noqa: E402 (only on the path above)
 
-# Where tools/setup.sh puts what it installs.
+# The folder into which tools/setup.sh installs.
 CACHE = Path(installed.cache_folder())
-# The add-on that projects of tests get: the one that was built here, or another, unpacked from a zip.
+# The add-on for test projects: the one that was built here, or one from a zip.
 ADDON = Path(os.environ.get("THICKET_ADDON") or REPO / "demo_project/addons/thicket")
 ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), platform.machine().lower())
-# An environment with nothing but the Python package of the sampler and what that asks for.
+# An environment that contains only the sampler's Python package and its dependencies.
 WHEEL_VENV = REPO / "build/python/venv"
 BUILD_DIR = REPO / "build" / f"{platform.system().lower()}.template_debug.{ARCH}"
 
-# Doctest patterns of the core's cases that take long.
+# Doctest patterns of the core's slow cases.
 LONG_CASES = [
     line for line in (REPO / "tests/core/long_cases.txt").read_text(encoding="utf-8").splitlines() if line[:1] not in ("", "#")
 ]
 
-# Any worker takes any test of these; else a worker takes a whole file, for what its fixtures make.
+# Any worker may take any test of these files. Other files go to one worker as a whole, because of their fixtures.
 SPREAD = ["test_core", "test_engine"]
-# The files that take longest come first and those whose tests are spread come last, so that all workers end together.
+# The slowest files come first, and those whose tests are spread come last, so that all workers finish at the same time.
 LONG = [
     "test_package", "test_platforms", "test_sanitizers", "test_engine_sanitizers", "test_fast_paths", "test_fuzz", "test_growth", "test_build",
     "test_editor", "test_demo", "test_figures", "test_python_package", "test_lint", "test_golden", "test_analysis", "test_bake_world",
     "test_tutorials", "test_domain_statistics",
 ]  # fmt: skip
-# Files that go to one worker: only one build may run in this tree, and one test would wait for another's until it fails;
-# and the second looks at what the first has set up.
+# Files that go to one worker. Only one build may run in this tree, and a test that waits for a different build may time out. The
+# second entry checks the result of the first one's set-up.
 BUILDS = ("test_package", "test_sanitizers", "test_engine_sanitizers", "test_fuzz", "test_growth", "test_build", "test_platforms")
 TOGETHER = {name: "builds" for name in BUILDS} | {"test_peers": "test_figures"}
 
 
 def group(item: pytest.Item) -> str | None:
-    """The name that the tests of one worker share; None for a test that any worker may take."""
+    """The name that the tests of one worker share, or None for a test that any worker may take."""
     if alone(item):
         return "alone"
     if "imported_demo" in getattr(item, "fixturenames", ()):
-        return "demo"  # Its import writes into the project.
+        return "demo"  # Importing writes into the project.
     return None if item.path.stem in SPREAD else TOGETHER.get(item.path.stem, item.path.stem)
 
 
 def pytest_addoption(parser: pytest.Parser):
-    parser.addoption("--full", action="store_true", help="also what takes long: see the marker full")
+    parser.addoption("--full", action="store_true", help="also run slow tests, with the marker full")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]):
-    """Without --full, no test that is marked so. With several workers: first whole files, then what is spread, and at last, when
-    nothing that takes minutes is under way, the tests that want to be alone: while one waits, no other test begins."""
+    """Removes tests with the marker full, unless --full is given. Orders the tests for several workers: first whole files, then spread
+    tests, and at the end, when no slow test is running, the tests that need to be alone. While one of these waits, no other test starts."""
 
     def rank(item: pytest.Item) -> int:
         stem = item.path.stem
@@ -95,20 +95,20 @@ def alone(item: pytest.Item) -> bool:
 
 
 def is_worker(config: pytest.Config) -> bool:
-    """One of several. A run that a worker's test has begun is none, though it has the worker's environment."""
+    """Whether this is one of several workers. A run that a worker's test has started is not, although it has the worker's environment."""
     return hasattr(config, "workerinput")
 
 
 @contextmanager
 def turn(config: pytest.Config, wants_to_be_alone: bool) -> Iterator[None]:
-    """Waits until a test may run beside those of other workers, or until none of those runs any more."""
+    """Waits until a test may run beside those of other workers, or for `wants_to_be_alone` until none of those is running."""
     if fcntl is None or not is_worker(config):
         yield
         return
     folder = REPO / "build"
     folder.mkdir(exist_ok=True)
     with (folder / ".tests_door").open("w") as door, (folder / ".tests_room").open("w") as room:
-        # Who waits for an empty room keeps the door shut, or there would always be somebody inside.
+        # A test that waits for an empty room keeps the door locked. Otherwise, new tests could enter forever.
         fcntl.flock(door, fcntl.LOCK_EX)
         fcntl.flock(room, fcntl.LOCK_EX if wants_to_be_alone else fcntl.LOCK_SH)
         fcntl.flock(door, fcntl.LOCK_UN)
@@ -122,30 +122,30 @@ def pytest_runtest_protocol(item: pytest.Item):
 
 
 def run(command: list[str | Path], timeout: float, **options) -> subprocess.CompletedProcess[str]:
-    """Runs a command to its end; text in and out, no standard input. A command that takes longer than timeout seconds
-    is ended and fails the test, with what it had printed."""
+    """Runs a command to its end, with text output and without standard input. A command that takes longer than `timeout` seconds is
+    killed and fails the test with its output."""
     options = {"capture_output": True, "text": True, "errors": "replace", "stdin": subprocess.DEVNULL, **options}
     try:
         return subprocess.run([str(part) for part in command], timeout=timeout, check=False, **options)
     except subprocess.TimeoutExpired as expired:
         printed = b"".join(text for text in (expired.stdout, expired.stderr) if text).decode(errors="replace")
-        pytest.fail(f"{command[0]} ran longer than {timeout} s; it had printed:\n{printed[-4000:]}", pytrace=False)
+        pytest.fail(f"{command[0]} ran longer than {timeout} s; its output:\n{printed[-4000:]}", pytrace=False)
 
 
 def in_godots_root(command: list[str | Path], timeout: float) -> subprocess.CompletedProcess[str]:
-    """Runs a program where Godot was installed into the cache."""
+    """Runs a program in the Debian root of Godot, in the cache folder."""
     enter = 'source tools/find.sh; enter_root "$(godot_root)"; exec "${enter[@]}" "$@"'
     return run(["bash", "-c", enter, "bash", *command], timeout, cwd=REPO)
 
 
 def build(*arguments: str | Path, timeout: float, cwd: Path = REPO):
-    """Builds with scons; fails the test with what it has printed if that fails."""
+    """Builds with scons. If that fails, fails the test with the output."""
     built = run(["scons", "-Q", f"-j{os.cpu_count()}", *arguments], timeout=timeout, cwd=cwd)
     assert built.returncode == 0, (built.stdout + built.stderr)[-8000:]
 
 
 def check_engine_tests(addon: Path, **environment: str):
-    """Runs tests/engine in a project that holds nothing but this add-on."""
+    """Runs tests/engine in projects that contain only this add-on."""
     done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", "tests/test_engine.py"], timeout=3600, cwd=REPO,
         env={**os.environ, "THICKET_ADDON": str(addon), **environment})  # fmt: skip
     assert done.returncode == 0, done.stdout[-6000:]
@@ -161,18 +161,18 @@ def repo() -> Path:
 def build_dir() -> Path:
     """The folder of the template_debug build that all tests use: build/<platform>.template_debug.<arch>."""
     if not BUILD_DIR.is_dir():
-        pytest.fail(f"{BUILD_DIR} is not there: run scons, or bash tests/run.sh", pytrace=False)
+        pytest.fail(f"{BUILD_DIR} does not exist: run scons, or bash tests/run.sh", pytrace=False)
     return BUILD_DIR
 
 
 @pytest.fixture(scope="session")
 def core_tool(build_dir: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """core_tool(name, *args, timeout=300): runs a program that the build made, named by its path in the build folder
-    ("core_tests", "bench/sampler", "analysis/spectrum")."""
+    """core_tool(name, *args, timeout=300) runs a program from the build. `name` is its path in the build folder ("core_tests",
+    "bench/sampler", "analysis/spectrum")."""
 
     def call(name: str, *args: str | Path, timeout: float = 300, **options) -> subprocess.CompletedProcess[str]:
         program = build_dir / name
-        assert program.is_file(), f"{program} is not built: its source belongs at tests/{name}.cpp, with a main"
+        assert program.is_file(), f"{program} is not built: its source must be tests/{name}.cpp, with a main"
         return run([program, *args], timeout, **options)
 
     return call
@@ -180,13 +180,13 @@ def core_tool(build_dir: Path) -> Callable[..., subprocess.CompletedProcess[str]
 
 @pytest.fixture(scope="session")
 def references(build_dir: Path) -> References:
-    """Point sets that those of the sampler are compared with."""
+    """Reference point sets that the sampler's sets are compared with."""
     return References(build_dir / "analysis" / "references")
 
 
 @contextmanager
 def one_at_a_time(name: str) -> Iterator[None]:
-    """Keeps other workers from entering under the same name."""
+    """Only lets one worker at a time enter with the same name."""
     if fcntl is None:
         yield
         return
@@ -198,7 +198,7 @@ def one_at_a_time(name: str) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def wheel() -> Path:
-    """What `bash python/build.sh` makes for this Python, of the sources as they are; it says which file that is."""
+    """The wheel that `bash python/build.sh` builds for this Python from the current sources. The script prints its path."""
     with one_at_a_time("wheel"):
         done = run(["bash", "python/build.sh"], timeout=1200, cwd=REPO, env={**os.environ, "PYTHON": sys.executable})
     assert done.returncode == 0, done.stdout + done.stderr
@@ -207,9 +207,9 @@ def wheel() -> Path:
 
 @pytest.fixture(scope="session")
 def wheel_python(wheel: Path) -> Path:
-    """The Python of an environment with the package and what that asks for, and nothing else; kept until the wheel changes."""
+    """The Python of an environment with only the package and its dependencies. It is kept until the wheel changes."""
     with one_at_a_time("wheel"):
-        # The digests of all files in it: its own bytes hold the time of day, too.
+        # The digests of all files in the wheel. The wheel itself also contains the build time.
         with ZipFile(wheel) as files:
             mark = files.read(next(name for name in files.namelist() if name.endswith(".dist-info/RECORD"))).decode()
         stamp = WHEEL_VENV / "complete"
@@ -228,7 +228,7 @@ def wheel_python(wheel: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def thicket(wheel_python: Path) -> ModuleType:
-    """The Python package, imported here out of that environment: it is for the same Python."""
+    """The Python package, imported from that environment, which has the same Python."""
     done = run([wheel_python, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
     sys.path.append(done.stdout.strip())
     module = import_module("thicket")
@@ -237,7 +237,7 @@ def thicket(wheel_python: Path) -> ModuleType:
 
 
 def new_project(folder: Path, settings: str = "") -> Path:
-    """Makes a project with the addon and nothing else in an empty folder; settings are more lines of project.godot."""
+    """Makes a project with only the add-on in an empty folder. `settings` are additional lines for project.godot."""
     (folder / "project.godot").write_text(f'config_version=5\n[application]\nconfig/name="Thicket tests"\n{settings}')
     (folder / "addons").mkdir()
     (folder / "addons/thicket").symlink_to(ADDON)
@@ -248,7 +248,7 @@ def new_project(folder: Path, settings: str = "") -> Path:
 
 @pytest.fixture(scope="session")
 def imported_demo(repo: Path) -> Path:
-    """The demo project, with its resources imported and its extension known to the engine."""
+    """The demo project, after an import of its resources and with the extension known to the engine."""
     project = repo / "demo_project"
     done = run([repo / "tools/godot", "--headless", "--path", project, "--import"], timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -257,7 +257,7 @@ def imported_demo(repo: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def godot(repo: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """godot(args, timeout=300): runs Godot with --headless; args are its arguments, as a list."""
+    """godot(args, timeout=300) runs Godot with --headless. `args` is the list of its arguments."""
 
     def call(args: list[str | Path], timeout: float = 300, **options) -> subprocess.CompletedProcess[str]:
         return run([repo / "tools/godot", "--headless", *args], timeout, **options)
@@ -267,8 +267,7 @@ def godot(repo: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
 
 @pytest.fixture(scope="session")
 def godot_xvfb(repo: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """godot_xvfb(args, timeout=600): runs Godot with a window on a display that nobody sees, drawn in software by the
-    Compatibility renderer."""
+    """godot_xvfb(args, timeout=600) runs Godot with a window on an invisible display, drawn in software by the Compatibility renderer."""
 
     def call(args: list[str | Path], timeout: float = 600, **options) -> subprocess.CompletedProcess[str]:
         environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}

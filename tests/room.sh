@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Builds and runs the tests of one room of the core, in seconds: only that room and those below it are compiled.
-#   bash tests/room.sh rules              all cases of the room, but those in tests/core/long_cases.txt
-#   bash tests/room.sh rules 'clumps*'    those whose names fit the pattern
-#   bash tests/room.sh --all sampling     the long ones, too
-#   bash tests/room.sh --dev rules        built for a debugger: scons dev_build=yes
-# Rooms are the folders of extension/core, and domain for core/sampling/domain. More arguments go to doctest (--help lists them).
+# Builds and runs the tests of one room of the core, in seconds: compiles only that room and those that it includes.
+#   bash tests/room.sh rules              all cases of the room, except those in tests/core/long_cases.txt
+#   bash tests/room.sh rules 'clumps*'    the cases whose names match the pattern
+#   bash tests/room.sh --all sampling     all cases, including the long ones
+#   bash tests/room.sh --dev rules        in a build for a debugger: scons dev_build=yes
+# Rooms are the folders of extension/core, and domain for core/sampling/domain. Other arguments go to doctest (--help lists them).
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Sets up, builds, and runs every test, with a worker for each core and one more, up to four. Arguments go to pytest:
+# Sets up, builds, and runs all tests with one worker more than there are cores, up to four. Arguments go to pytest:
 #   bash tests/run.sh -k sampler
-#   bash tests/run.sh -n 0        one test after the other, in the order of their files
-#   bash tests/run.sh --full      also what takes long: soaks, fuzzers and sanitizers for longer, whole matrices
+#   bash tests/run.sh -n 0        runs one test after the other, in the order of their files
+#   bash tests/run.sh --full      includes slow tests: longer soaks, fuzzers and sanitizers, and complete matrices
 set -euo pipefail
 from=$PWD
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
@@ -32,11 +32,11 @@ scons -Q -j"$(nproc)"
 
 arguments=()
 for argument in "$@"; do
-	# A path, perhaps with ::test behind it, is meant from where the caller stands.
+	# A path, possibly followed by ::test, is relative to the caller's folder.
 	[[ $argument != /* && $argument != -* && -e $from/${argument%%::*} ]] && argument=$from/$argument
 	arguments+=("$argument")
 done
-# One more than there are cores: a test waits about a third of its time, for an engine's frames or for a clock.
+# One worker more than there are cores: a test waits about a third of its time, for an engine's frames or for a clock.
 workers=$(($(nproc) + 1))
 ((workers <= 4)) || workers=4
 exec "$(python_venv)/bin/python" -m pytest -n "$workers" --dist loadgroup --no-loadscope-reorder "${arguments[@]}" </dev/null

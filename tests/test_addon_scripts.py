@@ -1,4 +1,5 @@
-"""The add-on's scripts fit the library: all of them compile with it, and a member that gets another name is noticed before a user clicks."""
+"""The add-on's scripts match the library: all of them compile with it, and a renamed member of the library is found before a user
+meets it."""
 
 from __future__ import annotations
 
@@ -10,19 +11,19 @@ import pytest
 from conftest import REPO
 from test_editor import complaints, link_library, new_plain_project
 
-# Members that the declared type of a variable does not have are errors, in scripts that know the library's types.
+# In scripts that know the library's types, using a member that the declared type of a variable lacks is an error.
 STRICT = """
 [debug]
 gdscript/warnings/directory_rules={"res://": 0, "res://addons/thicket/editor": 1, "res://addons/thicket/baking": 1}
 gdscript/warnings/unsafe_property_access=2
 gdscript/warnings/unsafe_method_access=2
 """
-# How a script reaches members of a layer, and the parts of the check that find fault with it.
+# Faulty scripts, and the parts of the check that find their faults.
 FAULTS = {
     "by_name": ("func f(layer: ScatterLayer) -> float:\n\treturn layer.get(&\"radius\")\n", {"names"}),
     "undo": ("func f(layer: ScatterLayer, undo: UndoRedo) -> void:\n\tundo.add_do_property(layer, &\"radios\", 1.0)\n", {"names"}),
     "listed": ("const FITTED: Array[StringName] = [&\"radios\"]\n", {"names"}),
-    "constant": ("func f() -> int:\n\treturn ClassDB.class_get_integer_constant(&\"ImpostorBaker\", &\"CULL_BAG\")\n", {"names"}),
+    "constant": ("func f() -> int:\n\treturn ClassDB.class_get_integer_constant(&\"ScatterImpostorBaker\", &\"CULL_BAG\")\n", {"names"}),
     "class_name": ("func f(node: Node) -> bool:\n\treturn node.is_class(\"ScatterLayr\")\n", {"names"}),
     "renamed": ("func f(layer: ScatterLayer) -> float:\n\treturn layer.radios\n", {"compile"}),
     "supertype": ("func f(layer: Resource) -> float:\n\treturn layer.radius\n", {"compile"}),
@@ -41,7 +42,7 @@ def project(tmp_path_factory) -> Path:
 
 
 def check(godot, project: Path, part: str) -> tuple[list[str], int, str]:
-    """What is wrong, how much was looked at, and all that was printed."""
+    """The faults, the number of checked items, and the output."""
     done = godot(["--path", project, "--script", REPO / "tests/engine/addon_scripts.gd", "--", part], timeout=300)
     printed = done.stdout + done.stderr
     last = re.search(r"^addon scripts: (\d+) looked at, (\d+) wrong$", printed, re.MULTILINE)
@@ -57,20 +58,20 @@ def test_every_script_compiles(godot, project):
 
 
 def test_members_are_not_reached_by_name(godot, project):
-    """Names that have to be strings, for undo and for lists of properties, are names of members."""
+    """Names that must be strings, for undo and for lists of properties, are names of existing members."""
     wrong, _, printed = check(godot, project, "names")
     assert not wrong and not complaints(printed), wrong
 
 
-def test_a_renamed_member_is_noticed(godot, project):
-    """Each use of a member of the library's classes fails to compile under another name."""
+def test_a_renamed_member_fails_to_compile(godot, project):
+    """If a member of the library's classes is renamed, each use of it fails to compile."""
     wrong, looked, _ = check(godot, project, "renamed")
     assert not wrong and looked > 500, wrong
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_faults_are_noticed(godot, tmp_path, fault):
-    """The checks above find each kind of fault, and nothing in a sound script."""
+def test_faults_are_found(godot, tmp_path, fault):
+    """The checks above find each kind of fault, and none in a correct script."""
     source, finders = FAULTS[fault]
     addon = tmp_path / "addons/thicket"
     (addon / "editor").mkdir(parents=True)

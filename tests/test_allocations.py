@@ -1,8 +1,8 @@
-"""Allocations that fail inside the engine: the library reports each, changes nothing by it and goes on.
+"""Failing allocations inside the engine: the library reports each, changes nothing and continues.
 
-tests/allocations/failing_allocations.c, preloaded into the engine, makes them fail. Most small ones end Godot itself, which writes
-through the null pointer that it got; the library can do nothing about that. So a crash is put down to where it happens: to the
-library if its code crashed or an exception left it, or if the engine crashed in another call than the one that got no memory.
+tests/allocations/failing_allocations.c, preloaded into the engine, makes allocations fail. Most failures of small allocations crash Godot
+itself, which writes through the null pointer, and the library cannot prevent that. So the cause of a crash is attributed by its location.
+It is the library's if its code crashed, if an exception left it, or if the engine crashed in a call other than the one that got no memory.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from conftest import REPO, new_project, run
 from test_engine import ENGINE, assert_passed
 
 LIBRARY = "libthicket"
-# Libraries whose functions crash and allocate for their callers.
+# Libraries that crash and allocate on behalf of their callers.
 SERVANTS = re.compile(r"/(?:libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*|libfailing_allocations)[\d.-]*\.so")
 NODES = REPO / "extension/nodes"
 THREADLESS = "[threading]\nworker_pool/max_threads=0\n"
@@ -53,12 +53,12 @@ class Frame:
 
 @dataclass
 class Outcome:
-    """What became of a process in which one allocation failed."""
+    """The result of a process in which one allocation failed."""
 
     number: int
     log: str
     sections: dict[str, list[Frame]] = field(default_factory=dict)
-    end: str = ""  # "end", "crash", "hang", or nothing for a process that ended otherwise.
+    end: str = ""  # "end", "crash" or "hang"; empty for a process that ended differently.
 
     @classmethod
     def read(cls, path: Path) -> Outcome:
@@ -76,7 +76,7 @@ class Outcome:
         return outcome
 
     def call_into_the_engine(self, section: str) -> Frame | None:
-        """Where the library had called the engine, from which it had not returned."""
+        """The library's frame that called the engine."""
         return next((frame for frame in self.sections.get(section, []) if frame.ours), None)
 
     @property
@@ -84,11 +84,11 @@ class Outcome:
         if self.end == "end":
             return "went on"
         if self.end == "crash":
-            # The engine's own frame is not on the stack where its last step was a jump into the C library.
+            # If the engine's last step was a jump into the C library, the engine's own frame is not on the stack.
             engine_allocated = not self.sections["failed"][0].ours
             same_call = self.call_into_the_engine("crash") == self.call_into_the_engine("failed")
             return "the engine's" if engine_allocated and same_call else "ours"
-        # Without memory for the library's thread-local data the C library ends the program.
+        # Without memory for the library's thread-local data, the C library ends the program.
         return "the system's" if not self.end and "thread-local data" in self.log else "ours"
 
     def __str__(self) -> str:
@@ -99,7 +99,7 @@ class Outcome:
 
 
 def sweep(godot, preload: Path, folder: Path, scene: str, first: int, last: int, step: int) -> list[Outcome]:
-    """Runs a scene once for each of these allocations, in processes that begin where the scene does."""
+    """Runs a scene once for each of these allocations. Each process starts where the scene does."""
     (folder / "project").mkdir()
     (folder / "outcomes").mkdir()
     project = new_project(folder / "project", THREADLESS)
@@ -127,12 +127,12 @@ def check(outcomes: list[Outcome], least: int):
 ARRAY = r"(?:godot::)?(?:Packed\w+Array|TypedArray<[^;<>]+>|Array)"
 DECLARED = re.compile(r"\b(%s|std::\w+<.+>|auto)\s*[&*]*\s+[&*]*(\w+)\b\s*[;={(,)]" % ARRAY)
 GROWS = re.compile(r"(?<![\w:])((?:\w+(?:\.|->))*)(\w+)(?:\.|->)(?:resize|push_back|append|append_array|insert|fill|set)\(")
-SENTENCES = "PackedStringArray"  # One too few, after the engine has printed why, does no harm.
+SENTENCES = "PackedStringArray"  # A missing sentence is harmless, because the engine has printed an error.
 
 
 def unchecked(text: str, header: str, fields: set[str] = frozenset()) -> list[str]:
-    """Lines that let an array of the engine grow, or write to its elements, without a look at whether there was memory. `fields` are arrays
-    of objects."""
+    """Lines that grow an array of the engine, or write to its elements, without checking for memory. `fields` are names of arrays in
+    objects."""
     members = {name: kind for kind, name in DECLARED.findall(header)}
     lines = []
     names = dict(members)
@@ -150,7 +150,7 @@ def unchecked(text: str, header: str, fields: set[str] = frozenset()) -> list[st
     return lines
 
 
-def test_arrays_of_the_engine_grow_by_one_function():
+def test_arrays_of_the_engine_grow_only_through_one_function():
     headers = "".join(path.read_text() for path in NODES.parent.rglob("*.hpp"))
     fields = {name for kind, name in re.findall(r"\b(%s) (\w+);" % ARRAY, headers) if SENTENCES not in kind}
     fields -= set(re.findall(r"\bstd::vector<.+> (\w+);", headers))
@@ -164,19 +164,19 @@ def test_arrays_of_the_engine_grow_by_one_function():
 
 
 @pytest.mark.parametrize("line", ["values.resize(4);", "float *out = values.ptrw();", "list.push_back(values);", "member_.resize(2);"])
-def test_an_unchecked_array_would_be_noticed(line):
+def test_an_unchecked_array_is_found(line):
     text = "void work() {\n\tgodot::PackedFloat32Array values;\n\tArray list;\n\t%s\n}\n" % line
     assert len(unchecked(text, "\tTypedArray<Mesh> member_;\n")) == 1
     assert not unchecked("void work() {\n\tstd::vector<float> values;\n\tvalues.resize(4);\n}\n", "")
 
 
-def test_large_allocations_that_fail(godot, preload, tmp_path):
-    """All of them in calls of many kinds, on all threads."""
+def test_failing_large_allocations(godot, preload, tmp_path):
+    """Large allocations fail in calls of many kinds, on all threads."""
     script = ENGINE / "test_allocations.gd"
     assert_passed(godot(["--verbose", "--path", new_project(tmp_path), "--script", script], timeout=600, env={**os.environ, "LD_PRELOAD": str(preload)}))
 
 
-# How many allocations each makes, about.
+# The approximate number of allocations of each scene.
 SCENES = {"allocation_scene": 8000, "allocation_grounds": 8500}
 
 

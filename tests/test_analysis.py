@@ -1,8 +1,8 @@
-"""The statistics of the sampler's sets, held against naive dart throwing run to its end and against what must be flat.
+"""Statistics of the sampler's sets, compared with naive dart throwing to its end and with distributions that must be uniform.
 
-All seeds are fixed, so every run computes the same figures. A hypothesis is refused where its p-value is below ALPHA;
-the wrong sets (Bridson's method, tiles colored by phase) must fall far below. Nothing else is tuned: spreads are
-estimated from independent seeds."""
+All seeds are fixed, so every run computes the same values. A hypothesis is rejected if its p-value is below ALPHA. The p-values of the
+wrong sets (Bridson's method, tiles colored by phase) must be far below. Nothing else is tuned, because spreads are estimated from
+independent seeds."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRON
 from analysis.point_sets import CELL, LATTICE_BITS, RADIUS, in_radii, lattice_points
 from analysis.significance import mean_differs_from, means_differ, z_of_mean
 
-WINDOW = 64.0  # radii
+WINDOW = 64.0  # Radii.
 BORDER = 8.0
 SIDE = WINDOW + 2.0 * BORDER
-SETS = 128  # independent seeds of each kind
-CORNER = -29.0  # of the rectangle asked from the sampler: on both sides of the origin, on no line of its lattice
+SETS = 128  # Independent seeds of each kind.
+CORNER = -29.0  # The minimum corner of the requested rectangle, which contains the origin. On no line of the lattice.
 TILE = 15.5
 
 
@@ -52,7 +52,7 @@ def test_sampler_agrees_with_naive_darts(darts, sampled, feature):
 
 @pytest.mark.parametrize("feature", FEATURES)
 def test_naive_darts_agree_with_themselves(darts, feature):
-    """The p-values mean what they say only if two halves of the reference agree."""
+    """The p-values are only meaningful if two halves of the reference agree."""
     first, second = darts.rows(feature)[: SETS // 2], darts.rows(feature)[SETS // 2 :]
     p = means_differ(first, second)
     assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
@@ -71,10 +71,10 @@ def wrong_sets(references) -> dict[str, Measured]:
     [("colored", "density"), ("colored", "pairs"), ("colored", "rings")]
     + [("bridson", feature) for feature in FEATURES],
 )
-def test_wrong_sets_are_noticed(darts, wrong_sets, kind, feature):
-    """Seams of colored tiles (8 radii wide) add about 1 % of density, Bridson's sets are another family."""
+def test_wrong_sets_are_detected(darts, wrong_sets, kind, feature):
+    """Seams of colored tiles (8 radii wide) add about 1 % to the density, and Bridson's sets have a different distribution."""
     p = means_differ(darts.rows(feature), wrong_sets[kind].rows(feature))
-    assert p < WRONG, f"{kind} passes for darts by its {feature}: p = {p:.2g}"
+    assert p < WRONG, f"{kind} is not distinguished from darts by its {feature}: p = {p:.2g}"
 
 
 @pytest.mark.parametrize("feature", FEATURES)
@@ -90,7 +90,7 @@ def progressive(references, thicket) -> tuple[Measured, Measured]:
 
 
 def test_progressive_set_differs_from_plain_darts(darts, progressive):
-    """Else the comparison above would have no power to tell one process from the other."""
+    """Otherwise, the comparison above could not distinguish the two distributions."""
     assert means_differ(darts.pairs, progressive[1].pairs) < WRONG
 
 
@@ -100,8 +100,8 @@ def test_near_pairs_have_no_direction(sampled):
 
 
 class Tally:
-    """What is counted over five million points: 48 seeds, each a square of 565 cells, some 400 radii. The side is a
-    whole number of cells and of fives of cells, so that every phase and class has the same area."""
+    """Counts over five million points: 48 seeds, each a square of 565 cells, about 400 radii. The side is a multiple of five cells, so that
+    every phase and class has the same area."""
 
     SEEDS = 48
     SIDE = 565 * CELL / RADIUS
@@ -143,7 +143,7 @@ def test_coverage_is_that_of_the_jammed_state(plain_tally):
     assert sum(tally.count) >= 5_000_000
     coverage = np.array(tally.count) * np.pi * 0.25 / tally.SIDE**2
     error = coverage.std(ddof=1) / np.sqrt(len(coverage))
-    assert error < 1e-4, "too few points to say anything"
+    assert error < 1e-4, "too few points for a conclusion"
     z = z_of_mean(coverage, JAMMED_COVERAGE)
     assert abs(z) < 4.0, f"coverage {coverage.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
 
@@ -151,26 +151,26 @@ def test_coverage_is_that_of_the_jammed_state(plain_tally):
 def test_positions_within_cells_are_uniform(tally):
     expected = 1.0 / tally.PHASES**2
     p = mean_differs_from(np.array(tally.phase)[:, :-1], expected)
-    assert p > ALPHA, f"points prefer places within their cells: p = {p:.2g}"
+    assert p > ALPHA, f"points prefer some positions within their cells: p = {p:.2g}"
 
 
 def test_no_class_of_cells_is_preferred(tally):
-    """Clocks carry the cell's place modulo 5 in their last bits, to break ties; nothing may come of it."""
+    """The last bits of clocks contain the cell's position modulo 5, to break ties. This must not influence the points."""
     p = mean_differs_from(np.array(tally.tag)[:, :-1], 1.0 / tally.CLASSES**2)
-    assert p > ALPHA, f"cells are preferred by their place modulo 5: p = {p:.2g}"
+    assert p > ALPHA, f"some positions of cells modulo 5 are preferred: p = {p:.2g}"
 
 
 @pytest.mark.parametrize("levels", range(1, 9))
-def test_prefix_of_rank_q_holds_q_of_the_points(thicket, levels):
-    """40 windows of 256 radii: at least twice the coarsest radius."""
+def test_prefix_of_rank_q_has_a_share_q_of_the_points(thicket, levels):
+    """Uses 40 windows of 256 radii, which is at least twice the coarsest radius."""
     side, seeds = 256.0, 40
     rect = (-side / 2, 0.0, side / 2, side)
     sets = [np.sort(thicket.sample(rect, 1.0, seed, levels=levels).ranks) for seed in range(4001, 4001 + seeds)]
     shares = np.concatenate([[2.0**-10, 2.0**-8, 2.0**-6], np.arange(1, 16) / 16.0])
-    # A difference and no quotient: its mean is zero for a right table, however much the number of points varies.
+    # A difference, not a quotient: its mean is zero for correct ranks, however much the number of points varies.
     surplus = np.array([np.searchsorted(ranks, shares * 2.0**32) - shares * len(ranks) for ranks in sets])
     p = mean_differs_from(surplus, 0.0)
-    # Eight tests of one promise.
+    # One promise is tested eight times.
     assert p > ALPHA / 8, f"surplus of {shares}: {surplus.sum(axis=0) / sum(map(len, sets))}, p = {p:.2g}"
 
 
@@ -184,7 +184,7 @@ def cross_p(pairs: list[tuple[np.ndarray, np.ndarray]]) -> float:
 
 
 def window(thicket: ModuleType, seed: int, offset_cells=(0, 0), **options) -> np.ndarray:
-    """A window with its border, whose corner is that many cells from the usual one."""
+    """A window with its border. Its corner is shifted by this many cells from the default."""
     shift = np.asarray(offset_cells) * CELL / RADIUS
     low = shift - BORDER
     high = shift + WINDOW + BORDER
@@ -204,14 +204,14 @@ RELATIONS: dict[str, Callable[[ModuleType, int], tuple[np.ndarray, np.ndarray]]]
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
-def test_sets_are_unrelated(thicket, relation):
+def test_sets_are_independent(thicket, relation):
     seeds = range(5001, 5001 + 2 * 40, 2)
     p = cross_p([RELATIONS[relation](thicket, seed) for seed in seeds])
     assert p > ALPHA / len(RELATIONS), f"{relation} are related: p = {p:.2g}"
 
 
-def test_a_relation_would_be_noticed(thicket):
-    """A set and itself, with two of three points replaced by another set's."""
+def test_a_dependence_is_detected(thicket):
+    """Compares a set with a copy of itself in which two of three points come from a different set."""
     pairs = []
     for seed in range(5001, 5001 + 2 * 40, 2):
         a, b = window(thicket, seed), window(thicket, seed + 1)

@@ -1,5 +1,5 @@
-"""Tiles that an engine makes into a folder, by itself: a bake made of them is the driver's own to the bit, whatever was killed, cut short or
-changed on the way."""
+"""Tiles that an engine makes into a folder, without a driver. A bake from them equals the driver's own bit for bit, even if an engine was
+killed or files were damaged meanwhile."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ TILES = 20
 
 @pytest.fixture(scope="module")
 def made(world, tmp_path_factory) -> Path:
-    """The world's tiles in a folder, by one engine."""
+    """The world's tiles in a folder, made by one engine."""
     folder = tmp_path_factory.mktemp("made")
     done = make(world, folder)
-    assert done.returncode == 0 and f"{TILES} tiles made, 0 found" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == 0 and f"{TILES} tiles generated, 0 kept" in done.stdout, done.stdout + done.stderr
     return folder
 
 
@@ -42,7 +42,7 @@ def make(project: Path, folder: Path, *further: str, **options) -> subprocess.Co
 
 
 def bake_of(folder: Path, out: Path, *options: str) -> Baked:
-    """A bake of a folder's tiles, which needs neither project nor engine."""
+    """A bake from a folder's tiles, which needs neither the project nor an engine."""
     words = [sys.executable, "-m", "baking", str(folder), str(out), "--workers", "2", *options]
     done = run(words, 120, env={**environment(), "GODOT": "/nowhere"}, cwd=folder)
     return Baked(done.returncode, done.stdout + done.stderr, out)
@@ -60,8 +60,8 @@ def same(one: Baked, other: Baked) -> bool:
     )
 
 
-def test_a_bake_of_a_folder_is_the_drivers_own(baked, made, tmp_path):
-    """Every file and all of the manifest but what it cost; the models are there as well."""
+def test_a_bake_from_a_folder_equals_the_drivers_own(baked, made, tmp_path):
+    """All files are equal, and so is the manifest except for the costs. The models are included."""
     moved = shutil.copytree(made, tmp_path / "elsewhere")
     other = bake_of(moved, tmp_path / "out")
     assert other.code == 0 and baked.manifest["digest"] in other.said, other.said
@@ -69,8 +69,8 @@ def test_a_bake_of_a_folder_is_the_drivers_own(baked, made, tmp_path):
     assert [path.name for path in other.out.glob("models/*")] == [path.name for path in baked.out.glob("models/*")]
 
 
-def test_shares_make_the_whole(world, baked, tmp_path):
-    """Engines that know nothing of each other, into two folders that are put together afterwards."""
+def test_shares_add_up_to_the_whole(world, baked, tmp_path):
+    """Two engines make their shares independently, into two folders that are merged afterwards."""
     engines = [
         subprocess.Popen(command(world, "scene=res://world.tscn", f"out={tmp_path / str(share)}", *ASKED, f"share={share}/2"), stdout=subprocess.DEVNULL)
         for share in (1, 2)
@@ -83,19 +83,19 @@ def test_shares_make_the_whole(world, baked, tmp_path):
     assert whole.code == 0 and same(whole, baked), whole.said
 
 
-def test_other_tiles_layers_and_the_size_that_fits(world, tmp_path):
-    """As the driver's own with the same arguments."""
+def test_chosen_tiles_and_layers_with_the_default_tile_size(world, tmp_path):
+    """The result equals the driver's own with the same arguments."""
     rect = f"{-RECT[2]},{-RECT[3]},900,700.5"
     done = make(world, tmp_path / "made", f"rect={rect}", "layers=Trees", "tiles=-1,0 0,0")
-    assert done.returncode == 0 and "2 tiles made, 0 found" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == 0 and "2 tiles generated, 0 kept" in done.stdout, done.stdout + done.stderr
     theirs = bake_of(tmp_path / "made", tmp_path / "theirs", "--tiles", "-1,0 0,0")
     ours = bake(world, tmp_path / "ours", "--workers", "1", "--layers", "0", "--tiles", "-1,0 0,0", "--rect", rect, "--tile-size", "256")
     assert theirs.code == 0 and ours.code == 0, theirs.said + ours.said
     assert theirs.manifest["tile_size"] == 256.0 and same(theirs, ours) and not theirs.manifest["complete"]
 
 
-def test_a_killed_engine_costs_nothing_but_time(world, baked, tmp_path):
-    """What is whole stays, what is cut short, changed in one bit or gone is made again, and nothing half written is left."""
+def test_a_killed_engine_only_costs_time(world, baked, tmp_path):
+    """Complete tiles stay. Missing, truncated and damaged ones are made again, and no partial file is left."""
     folder = tmp_path / "made"
     with ground(world, "slow"):
         engine = subprocess.Popen(command(world, "scene=res://world.tscn", f"out={folder}", *ASKED), stdout=subprocess.DEVNULL)
@@ -114,20 +114,20 @@ def test_a_killed_engine_costs_nothing_but_time(world, baked, tmp_path):
     times = {path: path.stat().st_mtime_ns for path in left}
     again = make(world, folder)
     assert again.returncode == 0, again.stdout + again.stderr
-    assert f"{TILES - len(left)} tiles made, {len(left)} found already there, 0 failed" in again.stdout
+    assert f"{TILES - len(left)} tiles generated, {len(left)} kept from before, 0 failed" in again.stdout
     assert {path: path.stat().st_mtime_ns for path in left} == times and not list(folder.glob("**/.*.part"))
     whole = bake_of(folder, tmp_path / "out")
     assert whole.code == 0 and same(whole, baked), whole.said
 
 
-def test_what_is_missing_or_damaged_is_told_by_the_bake(world, baked, made, tmp_path):
+def test_the_bake_reports_missing_and_damaged_tiles(world, baked, made, tmp_path):
     folder = shutil.copytree(made, tmp_path / "made")
     (folder / "tiles/tile_0_0.rows").unlink()
     damaged = folder / "tiles/tile_1_0.rows"
     damaged.write_bytes(damaged.read_bytes()[:-1])
     shutil.copy(folder / "tiles/tile_-1_0.rows", folder / "tiles/tile_-2_0.rows")
     some = bake_of(folder, tmp_path / "out")
-    assert some.code == 1 and "tile_0_0.rows is not there" in some.said, some.said
+    assert some.code == 1 and "tile_0_0.rows is missing" in some.said, some.said
     assert "tile_1_0.rows is damaged" in some.said and "tile_-2_0.rows is damaged" in some.said, some.said
     assert len(some.manifest["tiles"]) == TILES - 3 and not some.manifest["complete"]
     assert make(world, folder).returncode == 0
@@ -135,16 +135,16 @@ def test_what_is_missing_or_damaged_is_told_by_the_bake(world, baked, made, tmp_
     assert whole.code == 0 and "3 of them made now" in whole.said and same(whole, baked), whole.said
 
 
-def test_tiles_that_fail_are_told_and_others_made(world, tmp_path):
+def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
     with ground(world, "bad"):
         broken = make(world, tmp_path / "made")
-    assert broken.returncode == 1 and "tile 1,0 failed. Tile" in broken.stderr and "16 tiles made, 0 found already there, 4 failed" in broken.stdout, broken.stderr
-    mended = make(world, tmp_path / "made")
-    assert mended.returncode == 0 and "4 tiles made, 16 found" in mended.stdout, mended.stdout + mended.stderr
+    assert broken.returncode == 1 and "tile 1,0 failed. Tile" in broken.stderr and "16 tiles generated, 0 kept from before, 4 failed" in broken.stdout, broken.stderr
+    completed = make(world, tmp_path / "made")
+    assert completed.returncode == 0 and "4 tiles generated, 16 kept" in completed.stdout, completed.stdout + completed.stderr
 
 
 def test_a_changed_scene_is_noticed(world, made, tmp_path):
-    """Where the folder was begun, and where another machine's tiles were put into it."""
+    """In the folder itself, and with a tile from a different scene copied into it."""
     other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
     scene = other_world / "world.tscn"
     scene.write_text(scene.read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
@@ -152,18 +152,18 @@ def test_a_changed_scene_is_noticed(world, made, tmp_path):
     refused = make(other_world, folder)
     assert refused.returncode == 2 and "these parts of the scene are not the same: layer 0 (Trees)." in refused.stderr, refused.stderr
     scene.write_text((world / "world.tscn").read_text().replace("view_distance = ", "view_distance = 1"))
-    assert scene.read_text() != (world / "world.tscn").read_text() and make(other_world, folder).returncode == 0, "how they are drawn does not count"
+    assert scene.read_text() != (world / "world.tscn").read_text() and make(other_world, folder).returncode == 0, "drawing settings do not matter"
     scene.write_text((world / "world.tscn").read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
     refused = make(world, folder, "rect=0,0,64,64", "tile_size=32")
-    assert refused.returncode == 2 and "holds tiles of another bake, in which the rectangle is another" in refused.stderr, refused.stderr
+    assert refused.returncode == 2 and "holds tiles of a different bake: the rectangle is different" in refused.stderr, refused.stderr
     assert make(other_world, tmp_path / "other").returncode == 0
     shutil.copy(tmp_path / "other/tiles/tile_0_0.rows", folder / "tiles/tile_0_0.rows")
     mixed = bake_of(folder, tmp_path / "out")
-    assert mixed.code == 1 and "tile_0_0.rows is damaged, or of another bake" in mixed.said, mixed.said
+    assert mixed.code == 1 and "tile_0_0.rows is damaged or belongs to a different bake" in mixed.said, mixed.said
 
 
-def test_a_full_disk_stops_with_a_sentence(world, made, tmp_path):
-    """Files may not become larger than some of the tiles."""
+def test_a_full_disk_stops_with_an_error(world, made, tmp_path):
+    """A limit on the size of files simulates a full disk."""
     largest = max(path.stat().st_size for path in made.glob("tiles/*.rows"))
 
     def little_room():
@@ -171,7 +171,7 @@ def test_a_full_disk_stops_with_a_sentence(world, made, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, (largest - 1, largest - 1))
 
     stopped = make(world, tmp_path / "made", preexec_fn=little_room)
-    assert stopped.returncode == 1 and "Cannot write" in stopped.stderr and "makes only what is missing" in stopped.stderr, stopped.stderr
+    assert stopped.returncode == 1 and "Cannot write" in stopped.stderr and "Run the same command again" in stopped.stderr, stopped.stderr
     assert not list(tmp_path.glob("made/**/.*.part"))
     assert all(path.stat().st_size < largest for path in tmp_path.glob("made/tiles/*.rows"))
     again = make(world, tmp_path / "made")
@@ -193,33 +193,33 @@ def test_a_full_disk_stops_with_a_sentence(world, made, tmp_path):
         (["out=/tmp/made", *ASKED, "tiles=0,0 here"], "tiles has 'here'"),
         (["out=/tmp/made", *ASKED, "share=3/2"], "share is '3/2', and has to be K/N"),
         (["out=/tmp/made", "rect=0,0,1e7,1e7", "tile_size=32"], "97656250000 tiles are more than a bake has, 1000000"),
-        (["out=/tmp/made"], "The terrain does not say where it lies: give a rect"),
+        (["out=/tmp/made"], "The ground does not report its extent: set rect to"),
         (["out=/tmp/made", *ASKED, "node=Nobody", "wait=1"], "In the scene res://world.tscn there is no TerrainScatter3D after 1 s"),
         (["out=/tmp/made", *ASKED, "wait=-1"], "wait is '-1', and has to be a number of seconds, 0 or more"),
         (["out=/tmp/made", *ASKED, "wait=long"], "wait is 'long', and has to be a number of seconds"),
-        (["out=/tmp/made", "rekt=0,0,5,5"], "rekt is '0,0,5,5', and is nothing that can be given here"),
+        (["out=/tmp/made", "rekt=0,0,5,5"], "rekt is '0,0,5,5', which is not an argument"),
         (["out=/tmp/made", "scene=res://none.tscn"], "There is no scene 'res://none.tscn'."),
         (["connect=1", "token=x"], "connect is '1', and no driver listens"),
     ],
 )
-def test_what_cannot_be_made_is_said(world, arguments, sentence):
+def test_invalid_arguments_are_refused_with_a_sentence(world, arguments, sentence):
     done = run(command(world, "scene=res://world.tscn", *arguments), 60)
     assert done.returncode == 2 and f"bake_world: {sentence}" in done.stderr, done.stderr
     assert "SCRIPT ERROR" not in done.stderr and not Path("/tmp/made").exists(), done.stderr
 
 
-def test_what_the_folder_says_cannot_be_asked_for(made, tmp_path):
-    for options, sentence in ((USUAL[:2], "--rect is -70"), (["--layers", "Trees"], "--layers is Trees, but what")):
+def test_options_that_the_folder_fixes_are_refused(made, tmp_path):
+    for options, sentence in ((USUAL[:2], "--rect is -70"), (["--layers", "Trees"], "--layers is Trees, but the tiles in")):
         refused = bake_of(made, tmp_path / "out", *options)
-        assert refused.code == 2 and sentence in refused.said and "was chosen when it was made" in refused.said, refused.said
+        assert refused.code == 2 and sentence in refused.said and "already have a fixed value" in refused.said, refused.said
     spoiled = shutil.copytree(made, tmp_path / "made")
     (spoiled / tile_folder.WORLD).write_text("{")
     refused = bake_of(spoiled, tmp_path / "out")
     assert refused.code == 2 and "world.json cannot be read" in refused.said and "Traceback" not in refused.said, refused.said
 
 
-def test_without_the_library_it_says_what_is_missing(godot, tmp_path):
-    """As on a machine that the library is not built for: one sentence with the remedy, and no error of a script."""
+def test_a_missing_library_is_reported(godot, tmp_path):
+    """For example on a machine without a library for its processor: one sentence with a remedy, and no script error."""
     addon = tmp_path / "addons/thicket"
     shutil.copytree(REPO / "demo_project/addons/thicket", addon, ignore=shutil.ignore_patterns("bin", "*.gdextension*"))
     (tmp_path / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Plain"\n')

@@ -1,4 +1,4 @@
-"""A bake as binary glTF with GPU instancing: parsed here by other code than wrote it, and looked at by Khronos' validator."""
+"""A bake as binary glTF with GPU instancing. Separate code parses the files here, and Khronos' validator checks them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from conftest import CACHE, REPO, run
 
 
 def parse(file: Path) -> tuple[dict, bytes]:
-    """The two chunks of a binary glTF."""
+    """The two chunks of a binary glTF file."""
     data = file.read_bytes()
     magic, version, length, json_length, json_kind = struct.unpack_from("<4sIII4s", data)
     assert (magic, version, length, json_kind) == (b"glTF", 2, len(data), b"JSON")
@@ -38,13 +38,14 @@ def accessor(content: dict, binary: bytes, number: int) -> np.ndarray:
 def glbs(bake, game, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("glb")
     done = run(["bash", "demo_project/bake_export.sh", bake, "gltf", folder, "--project", game], timeout=120, cwd=REPO)
-    assert done.returncode == 0 and "2640 instances in 11 tiles lie in" in done.stderr, done.stdout + done.stderr
+    assert done.returncode == 0 and "wrote 2640 instances in 11 tiles to" in done.stderr, done.stdout + done.stderr
     assert "pyramid" not in done.stderr
     return folder
 
 
 def test_gltf_has_every_instance(glbs, expected):
-    """A node for each layer and model below the tile's center: positions to a hundredth of a millimeter, rotations, scales and colors to the bit."""
+    """There is a node for each layer and model below the tile's center. Positions are exact to 0.01 mm, and rotations, scales and
+    colors bit for bit."""
     files = sorted(glbs.iterdir())
     assert len(files) == 11
     seen = 0
@@ -70,7 +71,7 @@ def test_gltf_has_every_instance(glbs, expected):
 
 
 def test_gltf_has_the_models(glbs):
-    """The engine's own meshes with materials: the cylinder is 6 m high, and the rock is two boxes."""
+    """The files contain the engine's meshes with their materials: the cylinder is 6 m high, and the rock is two boxes."""
     content, binary = parse(next(iter(sorted(glbs.iterdir()))))
     meshes = {node["name"]: content["meshes"][node["mesh"]] for node in content["nodes"] if "mesh" in node}
 
@@ -89,7 +90,7 @@ def test_gltf_has_the_models(glbs):
 
 
 def test_gltf_without_the_engine(copy, game, tmp_path):
-    """Stand-ins where they are asked for, and where a model is gone; some tiles alone; another origin; a coarser level."""
+    """Covers requested pyramids, a pyramid for a missing model, selected tiles, a shifted origin and a coarser level of detail."""
     chosen = ["--tiles=60001,-20001 60000,-20002", "--origin=3000000,0,-1000000"]
     assert reader("gltf", copy, tmp_path / "some", "--stand-ins", *chosen).returncode == 0
     assert sorted(file.name for file in (tmp_path / "some").iterdir()) == ["tile_60000_-20002.glb", "tile_60001_-20001.glb"]
@@ -115,10 +116,10 @@ def test_gltf_without_the_engine(copy, game, tmp_path):
 
 
 @pytest.mark.full
-def test_the_validator_of_gltf_finds_nothing(glbs, bake, tmp_path):
+def test_the_gltf_validator_finds_no_problem(glbs, bake, tmp_path):
     folders = sorted(CACHE.glob("gltf-validator-*/node_modules"))
     if not folders or shutil.which("node") is None:
-        pytest.skip("no validator of glTF: setup_gltf_validator of tools/setup_full.sh installs it")
+        pytest.skip("no glTF validator: setup_gltf_validator in tools/setup_full.sh installs it")
     assert reader("gltf", bake, tmp_path, "--stand-ins", "--tiles=60000,-20002").returncode == 0
     script = "const v = require('gltf-validator'), fs = require('fs'); Promise.all(process.argv.slice(1).map(async f => " \
         "console.log(JSON.stringify((await v.validateBytes(new Uint8Array(fs.readFileSync(f)))).issues))))"  # fmt: skip
@@ -127,7 +128,7 @@ def test_the_validator_of_gltf_finds_nothing(glbs, bake, tmp_path):
     found = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.returncode == 0 and len(found) == 12, done.stderr
     assert all(issues["numErrors"] == issues["numWarnings"] == 0 for issues in found), found[0]["messages"][:5]
-    # It does notice a fault.
+    # The validator does report an error.
     broken = tmp_path / "broken.glb"
     broken.write_bytes(files[-1].read_bytes().replace(b'"POSITION"', b'"POSITIOM"'))
     done = run(["node", "-e", script, broken], timeout=60, cwd=folders[-1].parent)

@@ -1,4 +1,4 @@
-"""Maps of a bake: a gray picture for each layer, from which counts can be read again."""
+"""Maps of a bake: a gray picture for each layer, from which the counts can be computed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def map_of(folder: Path, name: str) -> tuple[np.ndarray, dict]:
 
 
 def counted(rows: dict[str, np.ndarray], layer: int, meters: float, width: int, height: int) -> np.ndarray:
-    """How many instances of a layer stand in each pixel; those beyond the border count to it."""
+    """The number of a layer's instances in each pixel. Instances beyond the border count for the border."""
     here = rows["layer"] == layer
     columns = ((rows["x"][here] - 3_000_010) // meters).clip(0, width - 1).astype(int)
     lines = ((rows["z"][here] + 1_000_100) // meters).clip(0, height - 1).astype(int)
@@ -31,7 +31,7 @@ def counted(rows: dict[str, np.ndarray], layer: int, meters: float, width: int, 
 
 @pytest.mark.parametrize(("meters", "memory", "size"), [(None, "256", (180, 130)), (7.3, "0.005", (25, 18)), (200.0, "256", (1, 1)), (0.5, "0.05", (360, 260))])
 def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, size):
-    """Counts can be read from a map whatever the size of a pixel, and whether it is made at once or in bands of a few rows."""
+    """The counts can be computed for any pixel size, and whether the map is made at once or in bands of a few rows."""
     options = [] if meters is None else ["--meters", str(meters)]
     done = reader("maps", bake, tmp_path / "maps", *options, "--memory", memory)
     assert done.returncode == 0, done.stderr
@@ -50,7 +50,7 @@ def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, siz
 
 
 def test_maps_of_8_bits(bake, expected, tmp_path):
-    """Of 10 m a pixel, where white is as many instances as there can be, and one is less than a shade of a dense layer."""
+    """With 20 m per pixel, white is the maximum number of instances, and one instance of a dense layer is less than one gray value."""
     assert run(["bash", "demo_project/bake_export.sh", bake, "maps", tmp_path, "--meters", "20", "--bits", "8"], timeout=60, cwd=REPO).returncode == 0
     gray, about = map_of(tmp_path, "Grass")
     want = counted(expected, 2, 20.0, 9, 7)
@@ -60,7 +60,7 @@ def test_maps_of_8_bits(bake, expected, tmp_path):
 
 
 def test_memory_for_maps_is_bounded(bake, tmp_path):
-    """A hundred million pixels, 600 MB if they were counted at once, within an eighth of that beyond what Python and Arrow take."""
+    """A map with a hundred million pixels would need 600 MB at once. The limit is an eighth of that, in addition to Python and Arrow."""
     script = (
         "import resource, sys; from pathlib import Path; from reading import bake, maps; "
         "world = bake.open_bake(sys.argv[1]); base = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss; "
@@ -76,18 +76,18 @@ def test_memory_for_maps_is_bounded(bake, tmp_path):
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--meters", "0"], "--meters is 0.0, where a length above 0 is expected"),
-        (["--meters", "nan"], "--meters is nan"),
-        (["--meters", "1e-9"], "more than a PNG can have"),
-        (["--memory", "0.001"], "--memory is too small for one row of 180 pixels in 2 layers"),
-        (["--memory", "-1"], "--memory is -1.0"),
+        (["--meters", "0"], "--meters must be above 0 m, got 0.0"),
+        (["--meters", "nan"], "--meters must be above 0 m, got nan"),
+        (["--meters", "1e-9"], "but a PNG can have at most"),
+        (["--memory", "0.001"], "MB or more for a row of 180 pixels in 2 layers, got 0.001 MB"),
+        (["--memory", "-1"], "--memory must be above 0 MB, got -1.0"),
     ],
 )
-def test_options_of_maps_without_sense_are_refused(bake, tmp_path, options, says):
+def test_invalid_options_of_maps_are_refused(bake, tmp_path, options, says):
     assert says in refused("maps", bake, tmp_path, *options)
 
 
-def test_a_layer_that_the_manifest_does_not_name_is_refused(copy, tmp_path):
+def test_a_layer_that_is_not_in_the_manifest_is_refused(copy, tmp_path):
     edit_manifest(copy, layers=manifest_of(copy)["layers"][1:])
     for name, options in (("maps", []), ("gltf", ["--stand-ins"])):
         assert "has instances of layer 0" in refused(name, copy, tmp_path / name, *options)

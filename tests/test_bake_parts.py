@@ -1,12 +1,15 @@
-"""What a bake consists of, by itself: which tiles there are, and what is said of a scheduler."""
+"""The parts of a bake, each on its own: the areas of tiles, the messages about a scheduler, the manifest and the files."""
 
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
 import threading
+import time
 
 import numpy as np
+import psutil
 import pytest
 from conftest import REPO, new_project, run
 
@@ -15,13 +18,13 @@ from baking import cluster, driver, report, schedule  # noqa: E402 (only on the 
 from baking.__main__ import main  # noqa: E402
 from baking.format import FORMAT, MANIFEST, VERSION, BakeError  # noqa: E402
 from baking.grid import TileGrid, inside  # noqa: E402
-from baking.tile_engine import Source  # noqa: E402
+from baking.tile_engine import ProcessorTime, Source  # noqa: E402
 from baking.whole_file import whole_file, write_whole  # noqa: E402
 from reading.glb import BINARY_CHUNK, MAGIC, GlbError, read_glb  # noqa: E402
 
 
-def test_areas_share_instances_among_them(godot, tmp_path):
-    """Every place of a tile of the game is in exactly one of the tiles of a bake, edges and what lies beyond them included."""
+def test_each_instance_belongs_to_one_area(godot, tmp_path):
+    """Every position in a tile of the game is in exactly one tile of a bake, including edges and positions beyond them."""
     rect = [-1e5 - 17.0, 2e6, 96.5, 81.25]
     sizes = ((32.0, 32.0), (27.0, 20.0), (10.3, 0.7), (64.0, 33.3))
     cases = [json.dumps([rect, size, game_size]) for size, game_size in sizes]
@@ -51,8 +54,22 @@ def check_areas(rect: list[float], grid: TileGrid, parts: dict[str, list[dict]],
         assert np.array_equal(homes, (wanted[0] & wanted[1]).astype(int)), (grid.tile_size, game)
 
 
-def test_it_is_said_when_a_scheduler_has_no_workers(monkeypatch):
-    """And when it has some again; once each."""
+def test_processor_time_of_an_engine_that_has_ended_still_counts():
+    """Otherwise the tile during which the engine ends would cost less than nothing, which a manifest must not say."""
+    busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+    time_of = ProcessorTime([psutil.Process(busy.pid)])
+    try:
+        deadline = time.monotonic() + 30.0
+        while time_of.total() < 0.1 and time.monotonic() < deadline:
+            time.sleep(0.02)
+    finally:
+        busy.kill()
+        busy.wait()
+    assert time_of.total() >= 0.1
+
+
+def test_a_scheduler_without_workers_is_reported(monkeypatch):
+    """Also reports when it has workers again. Each change is reported once."""
     counts = [2, 0, 0, 3, 3, 0]
     looked = threading.Event()
 
@@ -63,7 +80,7 @@ def test_it_is_said_when_a_scheduler_has_no_workers(monkeypatch):
                 raise OSError("gone")
             return {f"worker {number}": 1 for number in range(counts.pop(0))}
 
-    monkeypatch.setattr(cluster, "LOOK_SECONDS", 0.01)
+    monkeypatch.setattr(cluster, "CHECK_SECONDS", 0.01)
     said: list[str] = []
     with cluster.watched(Scheduler(), "tcp://here:1", said.append):
         assert looked.wait(10.0)
@@ -76,43 +93,43 @@ WORLD = {
 }  # fmt: skip
 
 
-def test_a_report_that_cannot_be_written_is_said(tmp_path):
+def test_a_failure_to_write_the_report_is_reported(tmp_path):
     outcome = report.Outcome(dict(WORLD))
     (tmp_path / "map.png").mkdir()
     report.write_report(tmp_path, 1, outcome, report.Map((0, 0, 32, 32), 1.0, []))
     assert str(tmp_path / "map.png") in outcome.unreported, outcome.unreported
 
 
-def test_what_a_killed_bake_left_and_cannot_be_removed_is_said(tmp_path):
+def test_a_leftover_that_cannot_be_removed_is_reported(tmp_path):
     stuck = tmp_path / "tiles/.tile_0_0.part"
     stuck.mkdir(parents=True)
     with pytest.raises(BakeError, match="Cannot remove .*tile_0_0.part"):
-        driver.bake(driver.Wish(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path), print)
+        driver.bake(driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path), print)
 
 
-def test_a_manifest_that_cannot_be_used_is_said(tmp_path):
-    """One that is no manifest is replaced, and said so; one that lacks what decides is refused by name."""
-    wish = driver.Wish(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
+def test_an_unusable_manifest_is_reported(tmp_path):
+    """A file that is no manifest is replaced with a message. A manifest that lacks an important field is refused."""
+    request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
     said: list[str] = []
-    driver._go_on_with(wish, dict(WORLD), said.append)
-    assert not said, "a new folder has none"
+    driver._resume(request, dict(WORLD), said.append)
+    assert not said, "a new folder has no manifest"
     (tmp_path / MANIFEST).write_text("{")
-    driver._go_on_with(wish, dict(WORLD), said.append)
+    driver._resume(request, dict(WORLD), said.append)
     assert len(said) == 1 and str(tmp_path / MANIFEST) in said[0] and "replaced" in said[0], said
     (tmp_path / MANIFEST).write_text(json.dumps({**WORLD, "format": FORMAT, "version": VERSION, "rect": None}))
-    with pytest.raises(BakeError, match="manifest.json: rect must be an array of 4 values, got null; put the manifest of the bake back"):
-        driver._go_on_with(wish, dict(WORLD), said.append)
+    with pytest.raises(BakeError, match="manifest.json: rect must be an array of 4 values, got null; restore the manifest of the bake"):
+        driver._resume(request, dict(WORLD), said.append)
     (tmp_path / MANIFEST).write_text(json.dumps({"format": FORMAT, "version": VERSION, "scene": "res://world.tscn"}))
     with pytest.raises(BakeError, match="manifest.json: scene_digest is missing, and must be there"):
-        driver._go_on_with(wish, dict(WORLD), said.append)
+        driver._resume(request, dict(WORLD), said.append)
 
 
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
         (["--tiles", "0,0 1;2"], "'1;2' must be a pair of whole numbers I,J"),
-        (["--wait", "nan"], "--wait is nan, and has to be from 0 to 1e+06 seconds"),
-        (["--project", "/nowhere"], "--project is /nowhere, and has to be a folder with a project.godot"),
+        (["--wait", "nan"], "--wait must be between 0 and 1e+06 seconds, got nan"),
+        (["--project", "/nowhere"], "--project must be a folder with a project.godot, got /nowhere"),
     ],
 )
 def test_a_bake_is_refused_before_an_engine_starts(tmp_path, capsys, options, sentence):
@@ -123,10 +140,10 @@ def test_a_bake_is_refused_before_an_engine_starts(tmp_path, capsys, options, se
     assert code == 2 and sentence in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
-def test_a_forecast_is_refused_for_workers_that_are_no_numbers(tmp_path, capsys):
+def test_a_forecast_refuses_workers_that_are_not_numbers(tmp_path, capsys):
     with pytest.raises(SystemExit):
         schedule.main([str(tmp_path), "--workers", "1,many"])
-    assert "--workers is '1,many'" in capsys.readouterr().err
+    assert "--workers must be whole numbers separated by commas, such as 1,10,100, got '1,many'" in capsys.readouterr().err
 
 
 def test_a_model_without_json_is_no_binary_gltf():
@@ -134,7 +151,7 @@ def test_a_model_without_json_is_no_binary_gltf():
         read_glb(np.array([MAGIC, 2, 20, 0, BINARY_CHUNK], "<u4").tobytes())
 
 
-# In a process of its own, whose files the system keeps small.
+# Runs in a separate process with a limit on the size of files.
 FULL_DISK = """
 import resource, sys
 from pathlib import Path
@@ -168,15 +185,15 @@ for write in (streamed, glb, lambda path, size: write_whole(path, bytes(size))):
 """
 
 
-def test_a_full_disk_leaves_what_was_there(tmp_path):
-    """Files of a bake and of what reads it: refused in a sentence, with the old file as it was and nothing beside it."""
+def test_a_full_disk_keeps_the_old_file(tmp_path):
+    """Applies to the files of a bake and of its readers: the error is a sentence, the old file is unchanged and no other file is left."""
     done = run([sys.executable, "-c", FULL_DISK, tmp_path], timeout=60, cwd=REPO)
-    sentence = f"Cannot write {tmp_path / 'file'}: File too large. Free space there, or choose a folder that may be written."
+    sentence = f"Cannot write {tmp_path / 'file'}: File too large. Free space there, or choose a writable folder."
     assert done.stdout.splitlines() == [sentence, "True ['file']"] * 3, done.stdout + done.stderr
 
 
-def test_what_fails_within_a_file_is_raised_as_it_is(tmp_path):
-    """An error of something else, a file that is read say, is not reported as this one's."""
+def test_an_unrelated_error_during_writing_is_passed_on(tmp_path):
+    """An error of something else, such as reading a different file, is not reported as a failure to write this one."""
     path = tmp_path / "file"
     write_whole(path, b"old")
     with pytest.raises(FileNotFoundError, match="missing"), whole_file(path) as file:

@@ -1,4 +1,4 @@
-"""What reads a baked world refuses what is damaged; and a bake as scenes for Godot, with the node that streams them."""
+"""The readers of a bake refuse damaged files; and the export of a bake to Godot, with the node that streams it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from test_demo import complaints
 
 
-# What is wrong with a bake, whoever reads it
+# Errors in a bake, for all readers
 
 
 def test_a_folder_without_a_bake_is_refused(tmp_path):
@@ -26,29 +26,30 @@ def test_a_folder_without_a_bake_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("values", "says"),
     [
-        ({"version": 2}, "version must be 1, the one that is known here, got 2; bake again with this version of Thicket"),
+        ({"version": 2}, "version must be 1, got 2; bake again with this version of Thicket"),
         ({"format": "other"}, "is not the manifest of a bake"),
-        ({"rect": [0, 0, -5, 5]}, "rect must be x, z, width and depth in meters, the last two above 0, got -5; put the manifest of the bake back"),
+        ({"rect": [0, 0, -5, 5]}, "rect must be x, z, width and depth in meters, the last two above 0, got -5; restore the manifest of the bake"),
         ({"tile_size": 0}, "tile_size must be a number from 0.001 to 1e+12, got 0"),
         ({"layers": [{"index": 0}]}, "layers[0].radius is missing, and must be there"),
         ({"layers": [{"index": 0, "radius": 0, "models": []}]}, "layers[0].radius must be a number from 0.001 to 1e+06, got 0"),
         ({"tiles": {"0,0": {"file": "../../other", "rows": 1, "digest": "0" * 64}}}, "the file of tile 0,0 lies outside of the bake"),
     ],
 )
-def test_a_manifest_without_sense_is_refused(copy, tmp_path, values, says):
+def test_an_invalid_manifest_is_refused(copy, tmp_path, values, says):
     edit_manifest(copy, **values)
     assert says in refused("maps", copy, tmp_path / "maps")
 
 
 def test_damaged_tiles_are_refused(copy, tmp_path):
-    """Missing, cut off, or not the one that the manifest means: each is told with the file's name, and how to bake it again."""
+    """A tile may be missing, truncated or different from the manifest's. Each error has the file's name and the command to bake it
+    again."""
     first, second = (copy / f"tiles/tile_{x}_-20002.parquet" for x in (60000, 60001))
     whole = first.read_bytes()
     for damage in (lambda: first.unlink(), lambda: first.write_bytes(whole[: len(whole) // 2]), lambda: shutil.copy(copy / "tiles/tile_60002_-20001.parquet", first)):
         damage()
         said = refused("maps", copy, tmp_path / "maps")
         assert "tile_60000_-20002.parquet" in said or "tile 60000,-20002 cannot be read" in said, said
-        assert "bake that tile again: give the command of the bake --tiles 60000,-20002" in said
+        assert "bake that tile again: run the command of the bake with --tiles 60000,-20002" in said
     first.write_bytes(whole)
     broken = bytearray(second.read_bytes())
     broken[100:2000] = bytes(1900)
@@ -57,25 +58,25 @@ def test_damaged_tiles_are_refused(copy, tmp_path):
     assert "tile_60001_-20002.parquet is damaged" in refused("gltf", copy, tmp_path / "gltf", "--stand-ins", "--no-verify")
 
 
-def test_a_folder_that_cannot_be_written_is_refused_by_name(copy, tmp_path):
+def test_an_unwritable_folder_is_refused_by_name(copy, tmp_path):
     (tmp_path / "file").write_text("mine")
     for writer, options in (("maps", ()), ("gltf", ("--stand-ins",))):
         said = refused(writer, copy, tmp_path / "file", *options)
         assert f"Cannot read or write {tmp_path / 'file'}" in said, said
 
 
-def test_the_command_says_how_it_is_used(bake):
+def test_the_command_prints_its_usage(bake):
     for arguments in ([], [bake, "obj", "out"]):
         done = run(["bash", "demo_project/bake_export.sh", *arguments], timeout=60, cwd=REPO)
         assert done.returncode == 2 and "bake_export.sh BAKE gltf FOLDER" in done.stderr
 
 
-# Scenes for Godot
+# The export to Godot
 
 
 @pytest.fixture(scope="module")
 def world(bake, game) -> Path:
-    """The bake as scenes in the game's project, by the command that the page names."""
+    """The bake as a world in the game's project, exported with the documented command."""
     done = run(["bash", "demo_project/bake_export.sh", bake, "godot", game / "world", "--cell", "25"], timeout=120, cwd=REPO)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "res://world/baked_world.scn streams 2640 instances in 11 tiles" in done.stderr, done.stderr
@@ -84,7 +85,7 @@ def world(bake, game) -> Path:
 
 @pytest.fixture(scope="module")
 def nodes(godot, game, world) -> list[dict]:
-    """What stands in the scenes of the tiles, as the engine has loaded them."""
+    """The nodes of the tiles, as the engine has loaded them."""
     done = godot(["--path", game, "--script", BAKES / "dump_tiles.gd", "--", "res://world/baked_world.baked"], timeout=60)
     found = [json.loads(line) for line in re.findall(r"^node (.*)$", done.stdout, re.MULTILINE)]
     assert done.returncode == 0 and found and not complaints(done.stdout + done.stderr), done.stdout + done.stderr
@@ -95,15 +96,16 @@ def nodes(godot, game, world) -> list[dict]:
 
 
 def transforms_of(rows: dict[str, np.ndarray]) -> np.ndarray:
-    """n by 3 by 4 in double precision: a basis, and a position of the world."""
+    """n by 3 by 4 in double precision: a basis, and a position in the world."""
     turn = Rotation.from_quat(np.stack([rows[name] for name in ("qx", "qy", "qz", "qw")], axis=1)).as_matrix()
     scale = np.stack([rows[f"scale_{axis}"] for axis in "xyz"], axis=1).astype(np.float64)
     place = np.stack([rows[axis] for axis in "xyz"], axis=1)
     return np.concatenate([turn * scale[:, None, :], place[:, :, None]], axis=2)
 
 
-def test_scenes_hold_every_instance_where_it_was_baked(nodes, expected):
-    """Three million meters from the origin to a hundredth of a millimeter, with colors and custom data; each level of detail has all of them."""
+def test_exported_tiles_have_every_instance_at_its_baked_position(nodes, expected):
+    """Three million meters from the origin, positions are exact to 0.01 mm. Colors and custom data match, and each level of detail
+    has all instances."""
     seen = 0
     for tile in sorted({tuple(node["tile"]) for node in nodes}):
         for layer, model, name, levels in ((0, 0, "Oak_0", ["_LOD0", "_LOD1"]), (0, 1, "Oak_1", [""]), (2, 0, "Grass_0", [""])):
@@ -127,7 +129,7 @@ def test_scenes_hold_every_instance_where_it_was_baked(nodes, expected):
                 ranks = np.empty(len(rows), np.int64)
                 ranks[order] = wanted["rank"][want_order]
                 cells = np.unique((want[:, [0, 2], 3] > 0) & (name != "Oak_1"), axis=0)
-                assert len(here) == len(cells), "cells where something changes with distance, and only there"
+                assert len(here) == len(cells), "only models that change with distance have cells"
                 for part in np.split(ranks, np.cumsum([len(node["rows"]) for node in here])[:-1]):
                     assert (np.diff(part) >= 0).all(), "the front of a buffer is the thinned cell"
                 seen += len(rows) if level != "_LOD1" else 0
@@ -135,8 +137,8 @@ def test_scenes_hold_every_instance_where_it_was_baked(nodes, expected):
     assert empty_models > 0 and seen == len(expected["id"]) - empty_models
 
 
-def test_meshes_are_named_or_copied_once(nodes, world, bake):
-    """A mesh of the project by its path, and those that only the bake has once."""
+def test_meshes_are_referenced_or_copied_once(nodes, world, bake):
+    """A mesh of the project is referenced by its path. A mesh that only the bake has is copied once."""
     meshes = {re.sub(r"(_\d+)_\d+", r"\1", node["name"]): node["mesh"] for node in nodes}
     assert meshes["Oak_0_LOD0"] == "res://oak.tres" and meshes["Oak_0_LOD1"] == "res://far.tres"
     assert meshes["Grass_0"] == "res://world/models/2_0.res"
@@ -146,8 +148,8 @@ def test_meshes_are_named_or_copied_once(nodes, world, bake):
     assert rock["mesh"].startswith("res://world/models/") and rock["surfaces"] == 1 and rock["height"] == pytest.approx(3.0)
 
 
-def test_levels_of_detail_leave_no_gap_and_never_come_too_early(nodes):
-    """A level begins where the one before ends, measured from the same middle; and nothing nearer than 40 m has the coarse one."""
+def test_levels_of_detail_have_no_gap_and_never_begin_too_early(nodes):
+    """A level begins where the previous one ends, measured from the same center. No instance nearer than 40 m has the coarse level."""
     fine = {(*node["tile"], node["name"][:-5]): node for node in nodes if node["name"].endswith("_LOD0")}
     coarse = {(*node["tile"], node["name"][:-5]): node for node in nodes if node["name"].endswith("_LOD1")}
     assert fine.keys() == coarse.keys() and len(fine) >= 11
@@ -164,8 +166,9 @@ def test_levels_of_detail_leave_no_gap_and_never_come_too_early(nodes):
     assert all(70 < node["end"] < 70 + 50 for node in grass)
 
 
-def test_cells_are_smaller_where_levels_change_near_by(godot, copy, game):
-    """With a second level from 5 m on, a tile of 50 m has 3 by 3 cells, though --cell allows larger ones; what has no levels stays whole."""
+def test_cells_are_smaller_if_levels_change_nearby(godot, copy, game):
+    """With a second level from 5 m on, a tile of 50 m has 3 by 3 cells, although --cell permits larger ones. Models without levels
+    stay whole."""
     layers = manifest_of(copy)["layers"]
     layers[0]["models"][0]["lods"][1]["distance"] = 5.0
     edit_manifest(copy, layers=layers)
@@ -177,19 +180,19 @@ def test_cells_are_smaller_where_levels_change_near_by(godot, copy, game):
     assert sum(node["name"].startswith("Oak_1_") for node in here) == 1
 
 
-def test_an_export_replaces_an_earlier_one_and_nothing_else(bake, game, world, tmp_path):
-    """What is no export stays; a folder outside of a project, and one without the scripts, are refused."""
+def test_an_export_only_replaces_an_earlier_export(bake, game, world, tmp_path):
+    """Other files stay. A folder outside of a project, and one without the scripts, are refused."""
     foreign = game / "mine"
     foreign.mkdir()
     (foreign / "tiles.txt").write_text("mine")
-    assert "has files in it that no export has written" in refused("godot", bake, foreign)
+    assert "has files that are not from an export" in refused("godot", bake, foreign)
     assert [file.name for file in foreign.iterdir()] == ["tiles.txt"]
-    assert "lies in no project of Godot" in refused("godot", bake, tmp_path / "out")
+    assert "is not in a Godot project" in refused("godot", bake, tmp_path / "out")
     bare = tmp_path / "bare"
     bare.mkdir()
     (bare / "project.godot").write_text("config_version=5\n")
-    assert "has no addons/thicket/baked_world.gd: copy the add-on, or these scripts alone" in refused("godot", bake, bare / "out")
-    assert "--cell is -1.0, where meters above 0 are expected" in refused("godot", bake, game / "again", "--cell", "-1")
+    assert "has no addons/thicket/baked_world.gd: copy the add-on, or only these scripts" in refused("godot", bake, bare / "out")
+    assert "--cell must be above 0 m, got -1.0" in refused("godot", bake, game / "again", "--cell", "-1")
     again = game / "again"
     shutil.copytree(world, again)
     (again / "tiles/tile_1_1.baked").write_bytes(b"of an earlier bake")
@@ -197,9 +200,9 @@ def test_an_export_replaces_an_earlier_one_and_nothing_else(bake, game, world, t
     assert sorted(file.name for file in (again / "tiles").iterdir()) == sorted(file.name for file in (world / "tiles").iterdir())
 
 
-def test_a_model_that_cannot_be_had_is_named(copy, game):
+def test_an_unavailable_model_is_named(copy, game):
     layers = manifest_of(copy)["layers"]
-    layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}  # As a manifest names scenes in old bakes.
+    layers[0]["models"][1] = {"path": "res://gone.tscn", "name": "rock"}  # Old manifests contain paths of scenes.
     edit_manifest(copy, layers=layers)
     assert "res://gone.tscn cannot be loaded: is it in the project?" in refused("godot", copy, game / "without")
     assert not (game / "without/baked_world.baked").exists()
@@ -212,18 +215,19 @@ def test_a_model_that_cannot_be_had_is_named(copy, game):
     assert "res://oak.tscn is a scene, which only Thicket's library can read" in refused("godot", copy, game / "without")
 
 
-# The node that streams
+# The streaming node
 
 
 def distance(tile: str, place: tuple[float, float]) -> float:
-    """Meters from a place of the world to a tile's square."""
+    """The distance in meters from a position in the world to a tile's square."""
     low = np.array([int(part) * 50.0 for part in tile.split(",")])
     return float(np.linalg.norm(np.clip(place, low, low + 50) - place))
 
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
-    """With and without a renderer: only with one are files read on threads. Exactly those that are nearer than asked come, those that fall behind by a quarter tile go, and each has what the manifest says."""
+    """Runs with and without a renderer; files are read on threads only with one. Exactly the tiles within the view distance appear.
+    Tiles that are a quarter of a tile farther away disappear. The content of each matches the manifest."""
     tiles = {key: entry for key, entry in manifest_of(bake)["tiles"].items() if entry["rows"]}
     walk = [(20.0, -80.0), (120.0, -80.0), (170.0, 20.0), (5000.0, 0.0)]
     stops, printed = stops_of(request.getfixturevalue(engine), game, *(f"{x},{z}" for x, z in walk))
@@ -237,7 +241,7 @@ def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
         assert shown == near | kept
         assert stop["children"] == len(shown)
         assert stop["instances"] == sum(tiles[key]["rows"] for key in shown)
-        assert 0 <= stop["instances"] - stop["drawn"] <= 0.05 * stop["instances"]  # Those of the empty model.
+        assert 0 <= stop["instances"] - stop["drawn"] <= 0.05 * stop["instances"]  # The instances of the empty model.
         for key, place in stop["places"].items():
             i, j = (int(part) for part in key.split(","))
             assert place[0] == (i + 0.5) * 50 - 3_000_000 and place[2] == (j + 0.5) * 50 + 1_000_000
@@ -246,7 +250,7 @@ def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
 
 
 def test_work_in_a_frame_is_bounded(godot, game, world):
-    """With hardly any budget, one tile a frame, however many are ready."""
+    """With hardly any budget, one tile is added per frame, however many are ready."""
     stops, _ = stops_of(godot, game, "90,-40", "far=200")
     assert stops[1]["most"] == 1 and len(stops[1]["tiles"]) == 11
 

@@ -1,4 +1,4 @@
-"""How long a bake is foretold to take: against what can be worked out by hand, and against a real one."""
+"""Predicted durations of bakes, compared with values computed by hand and with a real bake."""
 
 import json
 import sys
@@ -17,7 +17,7 @@ def test_equal_tiles_take_rounds():
     costs = Costs([2.0] * 100, start=5.0, driver=0.0, bytes=10)
     assert schedule.simulate(costs, 1) == pytest.approx(205.0)
     assert schedule.simulate(costs, 10) == pytest.approx(25.0)
-    assert schedule.simulate(costs, 7) == pytest.approx(5.0 + 15 * 2.0)  # 14 full rounds, and one of 2 tiles.
+    assert schedule.simulate(costs, 7) == pytest.approx(5.0 + 15 * 2.0)  # 14 full rounds, and one with 2 tiles.
     assert schedule.simulate(costs, 1000) == pytest.approx(7.0)
 
 
@@ -29,7 +29,7 @@ def test_the_driver_serves_one_at_a_time():
     assert schedule.forecast(costs, 10, 1010.0).bound == "tiles"
 
 
-def test_what_bounds_a_bake_is_told():
+def test_the_bottleneck_of_a_bake_is_named():
     uneven = Costs([1.0] * 99 + [50.0], start=0.0, driver=0.001, bytes=10)
     assert schedule.forecast(uneven, 100, 149.0).bound == "the longest tile"
     assert schedule.simulate(uneven, 100) >= 50.0
@@ -37,12 +37,12 @@ def test_what_bounds_a_bake_is_told():
     assert schedule.forecast(slow_start, 100, 130.0).bound == "engines that start"
 
 
-def test_cores_that_all_share_bound_a_bake():
-    """The driver's work takes of them, too, and more workers than there are cores gain nothing."""
+def test_shared_cores_bound_a_bake():
+    """The driver's work also uses these cores, and more workers than cores gain nothing."""
     costs = Costs([1.0] * 100, start=2.0, driver=0.1, bytes=10)
     assert schedule.simulate(costs, 2, cores=2) == pytest.approx(2.0 + (100.0 + 10.0) / 2, abs=0.2)
     assert schedule.simulate(costs, 8, cores=2) == pytest.approx(2.0 + (100.0 + 10.0) / 2)
-    assert schedule.simulate(costs, 1, cores=2) == schedule.simulate(costs, 1), "an idle core helps a worker that has one no further"
+    assert schedule.simulate(costs, 1, cores=2) == schedule.simulate(costs, 1), "a second core does not help a single worker"
     assert schedule.forecast(costs, 8, 110.0, cores=2).bound == "the cores"
 
 
@@ -55,7 +55,7 @@ def test_no_schedule_beats_its_bounds(workers):
     assert seconds <= 1.0 + costs.work / workers + max(tiles) + 0.002 * len(tiles)
 
 
-def test_a_larger_world_costs_what_its_tiles_cost():
+def test_a_larger_world_costs_as_much_as_its_tiles():
     costs = Costs([1.0, 3.0], start=1.0, driver=0.1, bytes=10)
     world = schedule.larger(costs, 10000)
     assert len(world.tiles) == 10000 and set(world.tiles) == {1.0, 3.0}
@@ -63,11 +63,11 @@ def test_a_larger_world_costs_what_its_tiles_cost():
     assert schedule.larger(costs, 10000).tiles == world.tiles
 
 
-def test_a_bake_that_says_nothing_is_refused(tmp_path, capsys):
+def test_a_bake_without_costs_is_refused(tmp_path, capsys):
     assert schedule.main([str(tmp_path / "none")]) == 2
     (tmp_path / "manifest.json").write_text(json.dumps({"format": FORMAT, "tiles": {"0,0": {"seconds": 1.0, "core_seconds": 1.2}}, "costs": None}))
     assert schedule.main([str(tmp_path)]) == 2
-    assert "does not say what its tiles cost" in capsys.readouterr().err
+    assert "has no costs of tiles" in capsys.readouterr().err
 
 
 def test_a_table_is_printed(tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""Bakes that are damaged, or that somebody else has written: each changed bit of a tile is noticed, and a manifest of any content ends in a sentence."""
+"""Damaged and foreign bakes: each changed bit of a tile is detected, and a manifest with any content results in an error message."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ HOSTILE = [
 
 @pytest.fixture(scope="module")
 def tiny(tmp_path_factory) -> Path:
-    """A bake of one tile with few instances, and costs."""
+    """A bake of one tile with few instances and with costs."""
     folder = tmp_path_factory.mktemp("tiny") / "bake"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(make_bake, "COLUMNS", 1)
@@ -56,7 +56,7 @@ def tiny(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def bake(tiny, tmp_path) -> Path:
-    """A copy, to be damaged."""
+    """A copy, for tests that damage it."""
     return Path(shutil.copytree(tiny, tmp_path / "bake"))
 
 
@@ -78,8 +78,8 @@ def read(folder: Path, **options: bool):
     return instances
 
 
-def test_each_changed_bit_of_a_tile_is_noticed(bake):
-    """The error names the tile, both digests, and how to bake it again."""
+def test_each_changed_bit_of_a_tile_is_detected(bake):
+    """The error has the tile, both digests, and the command to bake it again."""
     read(bake)
     file = bake / "tiles/tile_60000_-20002.parquet"
     wanted = json.loads((bake / MANIFEST).read_text())["tiles"][TILE]["sha256"]
@@ -91,27 +91,27 @@ def test_each_changed_bit_of_a_tile_is_noticed(bake):
         assert f"tile {TILE} is damaged" in said and str(file) in said and wanted in said and f"--tiles {TILE}" in said and "--no-verify" in said
 
 
-def test_in_older_bakes_no_changed_bit_changes_an_instance(bake):
-    """Their manifests have the digests of rows alone; the rest of a file says nothing about instances."""
+def test_in_older_bakes_no_undetected_change_affects_an_instance(bake):
+    """Their manifests only have the digests of rows. The rest of a file does not affect instances."""
     manifest = json.loads((bake / MANIFEST).read_text())
     del manifest["tiles"][TILE]["sha256"]
     (bake / MANIFEST).write_text(json.dumps(manifest))
     good = read(bake)
     file = bake / "tiles/tile_60000_-20002.parquet"
-    told = 0
+    detected = 0
     for changed in flips(file.read_bytes(), 400):
         file.write_bytes(changed)
         try:
             found = read(bake)
         except BakeError:
-            told += 1
+            detected += 1
             continue
         assert all(np.array_equal(getattr(good, name), getattr(found, name)) for name in good.__dataclass_fields__)
-    assert told > 200
+    assert detected > 200
 
 
-def test_every_reader_verifies_unless_told_otherwise(bake, tmp_path, capsys):
-    """The rows of another tile, in a sound file with as many of them, are taken only with --no-verify."""
+def test_every_reader_verifies_by_default(bake, tmp_path, capsys):
+    """A valid file with other rows, but the right number of them, is only accepted with --no-verify."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     columns = rows.to_columns(files.pq.read_table(file).replace_schema_metadata(None))
     columns["x"] = columns["x"] + 1.0
@@ -126,13 +126,13 @@ def test_every_reader_verifies_unless_told_otherwise(bake, tmp_path, capsys):
         if writer == "godot":
             edit_layers(bake)
         assert main([str(bake), writer, str(folder), *options]) == 1
-        assert f"tile {TILE} is damaged, or belongs to another bake" in capsys.readouterr().err, writer
+        assert f"tile {TILE} is damaged or belongs to a different bake" in capsys.readouterr().err, writer
         assert main([str(bake), writer, str(folder), *options, "--no-verify"]) == 0, capsys.readouterr().err
     assert read(bake, verify=False) is not None
 
 
 def edit_layers(bake: Path) -> None:
-    """Lets all models be meshes that the project has."""
+    """Replaces all models by a mesh that the project has."""
     manifest = json.loads((bake / MANIFEST).read_text())
     for layer in manifest["layers"]:
         layer["models"] = [{"path": "res://oak.tres", "name": "oak"} for _ in layer["models"]]
@@ -140,7 +140,8 @@ def edit_layers(bake: Path) -> None:
 
 
 def test_a_file_is_verified_once_until_it_changes(bake, monkeypatch):
-    """Its time and size tell. One that was written a moment ago may change again within the same tick, and is not remembered."""
+    """A file counts as changed if its time or size changes. A recently written file is not remembered, because it could change
+    again within the same tick."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     hashed = []
     digest_of = verify._bytes_digest
@@ -160,8 +161,8 @@ def test_a_file_is_verified_once_until_it_changes(bake, monkeypatch):
         read(bake)
 
 
-def test_a_bake_that_goes_on_keeps_only_what_the_manifest_means(bake):
-    """A sound file with other rows, or with other bytes, is made again."""
+def test_a_continued_bake_only_keeps_files_that_match_the_manifest(bake):
+    """A valid file with other rows or other bytes is made again."""
     file = bake / "tiles/tile_60000_-20002.parquet"
     columns = rows.to_columns(files.pq.read_table(file).replace_schema_metadata(None))
     marks = {"thicket.digest": rows.digest(columns)}
@@ -177,7 +178,7 @@ def test_a_bake_that_goes_on_keeps_only_what_the_manifest_means(bake):
 
 
 def paths_in(value: object, path: tuple = ()) -> Iterator[tuple]:
-    """The way to each value of a JSON tree."""
+    """The path to each value of a JSON tree."""
     if path:
         yield path
     for key, inner in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
@@ -185,7 +186,7 @@ def paths_in(value: object, path: tuple = ()) -> Iterator[tuple]:
 
 
 def replaced(manifest: dict) -> Iterator[str]:
-    """Each value missing, in a list, or replaced by each of HOSTILE; each key of an object by others."""
+    """The manifest with each value removed, in a list, or replaced by each of HOSTILE; and with other keys in objects."""
     for path in paths_in(manifest):
         for value in (*HOSTILE, "remove", "wrap", *(["rename"] if path[-1] == TILE else [])):
             changed = copy.deepcopy(manifest)
@@ -206,7 +207,7 @@ def replaced(manifest: dict) -> Iterator[str]:
 
 
 def spoiled(text: str) -> Iterator[bytes]:
-    """The text cut short, with bytes that are no UTF-8, with other characters, nested deeply, and with fields that are there twice."""
+    """The text truncated, with bytes that are not UTF-8, with other characters, deeply nested, and with repeated fields."""
     chance = random.Random(2)
     content = text.encode()
     for at in range(0, len(content), 17):
@@ -225,15 +226,15 @@ def spoiled(text: str) -> Iterator[bytes]:
 
 
 def said_of(bake: Path, out: Path, capsys) -> list[tuple[int, str]]:
-    """The exit code of each command that reads the manifest, and what it said."""
+    """The exit code and the output of each command that reads the manifest."""
     found = [(main([str(bake), "maps", str(out)]), capsys.readouterr().err)]
-    if found[0][0] == 0:  # Or it would be refused by the same lines.
+    if found[0][0] == 0:  # Otherwise, the same code would refuse it.
         found.append((main([str(bake), "gltf", str(out), "--stand-ins"]), capsys.readouterr().err))
     found.append((schedule.main([str(bake), "--workers", "2"]), capsys.readouterr().err))
-    wish = driver.Wish(Source(("godot",), "/nowhere", "res://world.tscn"), bake)
+    request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), bake)
     tiny = json.loads((bake.parent / "good.json").read_text())
     try:
-        driver._go_on_with(wish, tiny, print)
+        driver._resume(request, tiny, print)
         found.append((0, capsys.readouterr().out))
     except BakeError as error:
         found.append((2, str(error)))
@@ -241,7 +242,7 @@ def said_of(bake: Path, out: Path, capsys) -> list[tuple[int, str]]:
 
 
 def check_said(bake: Path, out: Path, content: bytes | str, capsys) -> int:
-    """How many of the commands refuse a manifest. Whatever else than a BakeError comes out of them fails the test."""
+    """The number of commands that refuse a manifest. Any exception other than a BakeError fails the test."""
     (bake / MANIFEST).write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass"))
     try:
         found = said_of(bake, out, capsys)
@@ -253,8 +254,8 @@ def check_said(bake: Path, out: Path, content: bytes | str, capsys) -> int:
 
 
 @pytest.mark.parametrize("part", range(2))
-def test_a_manifest_of_any_content_ends_in_a_sentence(bake, tmp_path, capsys, part):
-    """Thousands of them: every field missing, of any other type, huge, negative, no number, in the wrong place."""
+def test_a_manifest_with_any_content_results_in_a_sentence(bake, tmp_path, capsys, part):
+    """Thousands of manifests, with every field missing, of a different type, huge, negative, not a number, or in the wrong position."""
     good = (bake / MANIFEST).read_text()
     (tmp_path / "good.json").write_text(good)
     assert check_said(bake, tmp_path / "out", good, capsys) == 0
@@ -263,7 +264,7 @@ def test_a_manifest_of_any_content_ends_in_a_sentence(bake, tmp_path, capsys, pa
     assert len(contents) > 1500 and refused > 0.7 * len(contents), (refused, len(contents))
 
 
-def test_a_spoiled_text_ends_in_a_sentence(bake, tmp_path, capsys):
+def test_a_damaged_text_results_in_a_sentence(bake, tmp_path, capsys):
     good = (bake / MANIFEST).read_text()
     (tmp_path / "good.json").write_text(good)
     contents = list(spoiled(good))
@@ -279,7 +280,7 @@ MADE = {
 
 
 class AtOnce:
-    """In the place of a Dask client: does what is submitted."""
+    """Replaces a Dask client, and runs submitted functions immediately."""
 
     def __init__(self):
         self.value = None
@@ -292,8 +293,8 @@ class AtOnce:
         return self.value
 
 
-def test_a_folder_of_tiles_of_any_content_ends_in_a_sentence(tmp_path):
-    """What bake_world.gd has made elsewhere, up to the first tile."""
+def test_a_folder_of_tiles_with_any_content_results_in_a_sentence(tmp_path):
+    """The folder is from bake_world.gd. Only reads it up to the first tile."""
     made = tmp_path / "made"
     made.mkdir()
     refused = 0
@@ -304,8 +305,8 @@ def test_a_folder_of_tiles_of_any_content_ends_in_a_sentence(tmp_path):
         shutil.rmtree(out, ignore_errors=True)
         out.mkdir()
         try:
-            wish = driver.Wish(tile_folder.made_tiles(made), out)
-            plan, manifest, _ = driver._begin(wish, AtOnce(), lambda said: None)
+            request = driver.BakeRequest(tile_folder.made_tiles(made), out)
+            plan, manifest, _ = driver._begin(request, AtOnce(), lambda said: None)
             report.Map(plan.rect, plan.pixel, manifest["layers"])
         except BakeError as error:
             assert str(made) in str(error) and "make the folder again with bake_world.gd" in str(error), (error, content)
@@ -317,7 +318,7 @@ def test_a_folder_of_tiles_of_any_content_ends_in_a_sentence(tmp_path):
     assert 0.6 * len(contents) < refused < len(contents)
 
 
-def test_a_refusal_names_the_field_what_is_allowed_and_what_to_do(bake):
+def test_a_refusal_has_the_field_its_range_and_a_remedy(bake):
     manifest = json.loads((bake / MANIFEST).read_text())
     manifest["layers"][1]["models"][0]["path"] = 5
     (bake / MANIFEST).write_text(json.dumps(manifest))
@@ -325,4 +326,4 @@ def test_a_refusal_names_the_field_what_is_allowed_and_what_to_do(bake):
         open_bake(bake)
     said = str(refused.value)
     assert said.startswith(f"{bake / MANIFEST}: layers[1].models[0].path must be a text of at most 1000 characters"), said
-    assert said.endswith("got 5; put the manifest of the bake back, or bake again with --fresh"), said
+    assert said.endswith("got 5; restore the manifest of the bake, or bake again with --fresh"), said

@@ -1,5 +1,5 @@
-"""Bakes of a world into files: what they hold is what the game shows, whoever makes them in whatever order, and whatever is killed,
-cut short or changed meanwhile is noticed."""
+"""Bakes of a world into files. The files have the instances of the running game, independently of the workers and their order. If a
+worker is killed, or files are damaged or changed, this is detected."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ from baking.tile_engine import Refused, Source, TileEngine  # noqa: E402 (only o
 
 
 def copied(baked: Baked, to: Path) -> Baked:
-    """A bake that a test may spoil."""
+    """A copy of a bake, for tests that damage it."""
     shutil.copytree(baked.out, to)
     return Baked(0, "", to)
 
 
-def test_manifest_says_what_was_baked(baked):
+def test_manifest_describes_the_bake(baked):
     manifest = baked.manifest
     assert manifest["format"] == "thicket-bake" and manifest["version"] == 1 and manifest["complete"]
     assert manifest["scene"] == "res://world.tscn" and manifest["seed"] == 11
@@ -57,11 +57,11 @@ def test_manifest_says_what_was_baked(baked):
 
 
 def test_costs_count_the_engine_too(world, baked):
-    """Whatever runs it: a forecast follows from the processor time of worker and engine."""
+    """Also if a wrapper runs it. A forecast uses the processor time of worker and engine."""
     engine = TileEngine(Source((str(REPO / "tools/godot"),), str(world), "res://world.tscn"))
     try:
         first = engine.core_seconds()
-        assert first > 0.1, "an engine that has started has loaded a scene"
+        assert first > 0.1, "an engine loads the scene when it starts"
         with pytest.raises(Refused, match="before describe succeeded"):
             next(engine.rows((0, 0)))
         engine.describe({"rect": "-160,-160,320,320", "tile_size": "320", "layers": "Grass"})
@@ -74,7 +74,7 @@ def test_costs_count_the_engine_too(world, baked):
     assert baked.manifest["costs"]["start_seconds"] > 0.1
 
 
-def test_files_hold_what_the_manifest_says(baked):
+def test_files_match_the_manifest(baked):
     low_x, low_z, high_x, high_z = RECT[0], RECT[1], RECT[0] + RECT[2], RECT[1] + RECT[3]
     for name, entry in baked.manifest["tiles"].items():
         file = pq.ParquetFile(baked.out / entry["file"])
@@ -89,7 +89,7 @@ def test_files_hold_what_the_manifest_says(baked):
         assert entry["rows_of_layer"] == [int(np.sum(columns["layer"] == layer)) for layer in (0, 1)]
         assert entry["bounds"] == [*(columns[axis].min() for axis in "xyz"), *(columns[axis].max() for axis in "xyz")]
         i, j = map(int, name.split(","))
-        slack = np.where(columns["layer"] == 0, 1.5, 1e-5)  # Trees are moved along the normal.
+        slack = np.where(columns["layer"] == 0, 1.5, 1e-5)  # Trees have an offset along the normal.
         assert np.all(columns["x"] >= max(32 * i, low_x) - slack) and np.all(columns["x"] <= min(32 * i + 32, high_x) + slack)
         assert np.all(columns["z"] >= max(32 * j, low_z) - slack) and np.all(columns["z"] <= min(32 * j + 32, high_z) + slack)
         of_trees = columns["layer"] == 0
@@ -100,7 +100,7 @@ def test_files_hold_what_the_manifest_says(baked):
 
 
 def test_digests_follow_from_the_rows(baked):
-    """By the recipe that the documentation gives, written down once more."""
+    """A second implementation, according to the documentation."""
     types = {pa.uint64(): "<u8", pa.uint16(): "<u2", pa.uint32(): "<u4", pa.float64(): "<f8", pa.float32(): "<f4"}
     lines = []
     for (i, j), entry in sorted((tuple(map(int, name.split(","))), entry) for name, entry in baked.manifest["tiles"].items()):
@@ -118,7 +118,8 @@ def test_digests_follow_from_the_rows(baked):
 
 
 def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
-    """What a running game shows: id, model, x, y, z, rotation, scale and rank, and the floats of color and custom data, by layer and id."""
+    """The instances of a running game by layer and id: id, model, x, y, z, rotation, scale, rank, and the floats of color and
+    custom data."""
     done = run([REPO / "tools/godot", "--headless", "--path", world, "--script", "game.gd", "--", file], timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     data = file.read_bytes()
@@ -139,8 +140,8 @@ def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
     return found
 
 
-def test_files_hold_what_the_game_shows(world, baked, tmp_path):
-    """To the bit: every instance of the game whose place is in the rectangle, and no other."""
+def test_files_have_the_instances_of_the_game(world, baked, tmp_path):
+    """Bit for bit: every instance of the game in the rectangle, and no other."""
     shown = rows_of_the_game(world, tmp_path / "rows")
     made = baked.rows()
     assert sum(layer == 0 and id >> 63 for layer, id in made) == PLACED_BY_HAND
@@ -151,17 +152,17 @@ def test_files_hold_what_the_game_shows(world, baked, tmp_path):
             color = [round(255 * min(max(part, 0.0), 1.0)) for part in game[12:16]]
             assert [row[14] >> 8 * place & 255 for place in range(4)] == color, key
             assert row[15:17] == game[16:18], key
-    margin = 2.0  # What is moved off its point may stand beyond the edge.
+    margin = 2.0  # Instances with an offset may be beyond the edge.
     missing = [
         key for key, row in shown.items()
         if key not in made and RECT[0] + margin < row[1] < RECT[0] + RECT[2] - margin and RECT[1] + margin < row[3] < RECT[1] + RECT[3] - margin
     ]  # fmt: skip
     assert not missing and len(made) > 5000
     near = [row for (layer, id), row in made.items() if layer == 0 and not id >> 63 and np.hypot(row[3], row[5]) < 20.0]
-    assert not near, "felled trees stand"
+    assert not near, "felled trees are in the bake"
 
 
-def test_one_worker_in_another_order_makes_the_same(world, baked, tmp_path):
+def test_one_worker_in_a_different_order_makes_the_same(world, baked, tmp_path):
     other = bake(world, tmp_path / "out", "--workers", "1", "--shuffle", "5")
     assert other.code == 0, other.said
     assert other.manifest["digest"] == baked.manifest["digest"]
@@ -170,14 +171,14 @@ def test_one_worker_in_another_order_makes_the_same(world, baked, tmp_path):
     }
 
 
-def test_tiles_that_fit_no_layer_hold_the_same_instances(world, baked, tmp_path):
+def test_a_tile_size_that_fits_no_layer_gives_the_same_instances(world, baked, tmp_path):
     other = bake(world, tmp_path / "out", "--tile-size", "27", "--workers", "2")
     assert other.code == 0 and "cut through tiles of the game" in other.said, other.said
     assert other.rows() == baked.rows()
 
 
-def test_bakes_side_by_side_are_one_world(world, baked, tmp_path):
-    """Parts along edges of tiles hold the same tiles, and are read and hashed together as one, as the documentation says."""
+def test_adjacent_bakes_form_one_world(world, baked, tmp_path):
+    """If parts meet along edges of tiles, they have the same tiles as the whole. The documented code reads and hashes them together."""
     parts = []
     for name, rect in {"west": "-70,-50,70,100", "east": "0,-50,60,100"}.items():
         parts.append(bake(world, tmp_path / name, "--rect", rect, "--workers", "1"))
@@ -191,9 +192,9 @@ def test_bakes_side_by_side_are_one_world(world, baked, tmp_path):
     assert together.to_table().sort_by(order).equals(ds.dataset(baked.out / "tiles").to_table().sort_by(order))
 
 
-def test_spoiled_files_are_made_again(world, baked, tmp_path):
-    """Cut short, changed in one bit, another tile's, gone: found, and made again; whole ones are left alone, though the manifest is
-    spoiled, too. What a killed bake left unfinished goes, and so do tiles that are none of this bake."""
+def test_damaged_files_are_made_again(world, baked, tmp_path):
+    """Truncated, changed, swapped and missing files are found and made again. Valid ones are kept, although the manifest is damaged, too.
+    Leftovers of a killed bake and tiles of a different bake are removed."""
     spoiled = copied(baked, tmp_path / "out")
     names = sorted(spoiled.manifest["tiles"])
     before = {name: spoiled.file(name).read_bytes() for name in names}
@@ -216,7 +217,7 @@ def test_spoiled_files_are_made_again(world, baked, tmp_path):
     assert not list(again.out.glob("**/*.part")) and len(list(again.out.glob("tiles/*.parquet"))) == len(names)
 
 
-def test_a_bake_of_some_tiles_does_not_vouch_for_files_that_are_gone(world, baked, tmp_path):
+def test_a_bake_of_some_tiles_does_not_list_missing_files(world, baked, tmp_path):
     some = copied(baked, tmp_path / "out")
     gone, asked = sorted(some.manifest["tiles"])[:2]
     some.file(gone).unlink()
@@ -225,7 +226,7 @@ def test_a_bake_of_some_tiles_does_not_vouch_for_files_that_are_gone(world, bake
     assert gone not in again.manifest["tiles"] and not again.manifest["complete"] and again.manifest["digest"] is None
 
 
-def test_a_changed_scene_is_noticed(world, baked, tmp_path):
+def test_a_changed_scene_is_refused(world, baked, tmp_path):
     other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
     out = copied(baked, tmp_path / "out").out
     scene = other_world / "world.tscn"
@@ -234,40 +235,40 @@ def test_a_changed_scene_is_noticed(world, baked, tmp_path):
     scene.write_text(text.replace("max_scale = 2.0", "max_scale = 2.25"))
     refused = bake(other_world, out, "--workers", "1")
     assert refused.code == 2 and "has changed since this bake was begun: layer 0 (Trees)." in refused.said, refused.said
-    assert Baked(0, "", out).manifest["digest"] == baked.manifest["digest"], "and left alone"
+    assert Baked(0, "", out).manifest["digest"] == baked.manifest["digest"], "the bake is unchanged"
     (other_world / "hills.gd").write_text((world / "hills.gd").read_text().replace("6.0 * sin", "6.5 * sin"))
     scene.write_text(text)
     refused = bake(other_world, out, "--workers", "1")
-    assert refused.code == 2 and "the terrain, the heights of the ground." in refused.said, refused.said
+    assert refused.code == 2 and "the ground, the heights of the ground." in refused.said, refused.said
     fresh = bake(other_world, out, "--workers", "1", "--fresh")
     assert fresh.code == 0 and "20 of them made now" in fresh.said, fresh.said
     assert fresh.manifest["digest"] != baked.manifest["digest"]
 
 
-def test_another_bake_of_the_folder_is_refused(world, baked, tmp_path):
+def test_a_second_bake_into_the_folder_is_refused(world, baked, tmp_path):
     out = copied(baked, tmp_path / "out").out
     with (out / ".lock").open("a+") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         refused = bake(world, out, "--workers", "1")
-        assert refused.code == 2 and "Another bake is at work on" in refused.said, refused.said
+        assert refused.code == 2 and "A different bake is using" in refused.said, refused.said
     refused = bake(world, out, "--workers", "1", "--rect", "0,0,64,64")
     assert refused.code == 2 and "the rectangle is [-70.0, -50.0, 130.0, 100.0]" in refused.said, refused.said
 
 
-def test_tiles_that_fail_are_told_and_others_made(world, baked, tmp_path):
+def test_failing_tiles_are_reported_and_others_made(world, baked, tmp_path):
     with ground(world, "bad"):
         broken = bake(world, tmp_path / "out", "--workers", "2")
     assert broken.code == 1 and "tile 1,0 failed. Tile" in broken.said and "heights" in broken.said, broken.said
     assert set(broken.manifest["tiles"]) == {name for name in baked.manifest["tiles"] if not name.startswith("1,")}
     assert not broken.manifest["complete"] and broken.manifest["digest"] is None
     assert "## Tiles that failed" in (broken.out / "report.md").read_text()
-    mended = bake(world, broken.out, "--workers", "1")
-    assert mended.code == 0 and "4 of them made now" in mended.said, mended.said
-    assert mended.manifest["digest"] == baked.manifest["digest"]
+    completed = bake(world, broken.out, "--workers", "1")
+    assert completed.code == 0 and "4 of them made now" in completed.said, completed.said
+    assert completed.manifest["digest"] == baked.manifest["digest"]
 
 
-def test_a_full_disk_stops_with_a_sentence(world, baked, tmp_path):
-    """Files may not become larger than some of the tiles."""
+def test_a_full_disk_stops_with_an_error(world, baked, tmp_path):
+    """A limit on the size of files simulates a full disk."""
     largest = max((baked.out / entry["file"]).stat().st_size for entry in baked.manifest["tiles"].values())
 
     def little_room():
@@ -286,7 +287,7 @@ def test_a_full_disk_stops_with_a_sentence(world, baked, tmp_path):
         (["--layers", "Ferns"], "no layer 'Ferns'. It has: 0 Trees, 1 Grass"),
         (["--tiles", "9,0"], "Tile 9,0 is not in the rectangle"),
         (["--node", "Nobody", "--wait", "1"], "there is no TerrainScatter3D after 1 s"),
-        (["--workers", "0"], "--workers is 0"),
+        (["--workers", "0"], "--workers must be 1 or more, got 0"),
         (["--tile-size", "nan"], "tile_size is 'nan', and has to be from 1 to 1000000 meters"),
         (["--rect", "0,0,-5,5"], "rect is '0,0,-5,5', and has to be X,Z,WIDTH,DEPTH"),
         (["--rect", "1e11,0,5,5", "--tile-size", "1"], "is too far from the origin for tiles of 1"),
@@ -294,14 +295,14 @@ def test_a_full_disk_stops_with_a_sentence(world, baked, tmp_path):
         (["--scheduler", "tcp://127.0.0.1:1"], "No Dask scheduler answers at tcp://127.0.0.1:1"),
     ],
 )
-def test_what_cannot_be_baked_is_said(world, tmp_path, options, sentence):
+def test_invalid_requests_are_refused_with_a_sentence(world, tmp_path, options, sentence):
     refused = bake(world, tmp_path / "out", "--workers", "1", *options)
     assert refused.code == 2 and sentence in refused.said and "Traceback" not in refused.said, refused.said
 
 
 def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | None = None) -> None:
-    """Begins a bake with two workers and kills one of them, an engine or the driver: after some seconds, or in the middle of its tiles.
-    What is left afterwards is baked to its end."""
+    """Starts a bake with two workers and kills a worker, an engine or the driver: after some seconds, or in the middle of the bake.
+    Then completes the bake with the same command."""
     with ground(world, "slow"):
         driver = begin(world, out, "--workers", "2")
         try:
@@ -318,7 +319,7 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
                 kill(each.pid)
             said = driver.communicate(timeout=120)[0]
             if victim == "driver":
-                wait_for(lambda: all(has_ended(each) for each in below), "an end of all workers and engines")
+                wait_for(lambda: all(has_ended(each) for each in below), "the end of all workers and engines")
             else:
                 assert driver.returncode == 0, said
         finally:
@@ -329,12 +330,12 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
 
 
 @pytest.mark.parametrize("victim", ["worker", "driver", "engine"])
-def test_a_kill_costs_nothing_but_time(world, baked, tmp_path, victim):
+def test_a_kill_only_costs_time(world, baked, tmp_path, victim):
     survive(world, tmp_path / "out", baked.manifest["digest"], victim)
 
 
-def test_an_interrupt_ends_it_with_a_sentence(world, baked, tmp_path):
-    """Ctrl-C goes to the driver, its workers and their engines alike."""
+def test_an_interrupt_ends_the_bake_with_a_message(world, baked, tmp_path):
+    """Ctrl-C is sent to the driver, its workers and their engines."""
     out = tmp_path / "out"
     with ground(world, "slow"):
         driver = begin(world, out, "--workers", "2")
@@ -344,7 +345,7 @@ def test_an_interrupt_ends_it_with_a_sentence(world, baked, tmp_path):
         said = driver.communicate(timeout=60)[0]
     assert driver.returncode == 130 and "interrupted; the same command goes on from here" in said, said
     assert "Traceback" not in said, said
-    wait_for(lambda: all(has_ended(each) for each in below), "an end of all workers and engines")
+    wait_for(lambda: all(has_ended(each) for each in below), "the end of all workers and engines")
     known = Baked(0, "", out).manifest["tiles"]
     assert 0 < len(known) < 20 and not list(out.glob("**/*.part"))
     assert all(entry["digest"] == baked.manifest["tiles"][name]["digest"] for name, entry in known.items())
@@ -358,8 +359,8 @@ def test_kills_at_random_moments(world, baked, tmp_path, number):
         survive(world, tmp_path / victim, baked.manifest["digest"], victim, chance.uniform(0.2, 6.0))
 
 
-def test_workers_of_a_cluster_that_exists(world, baked, tmp_path):
-    """They are waited for, are sent the baker's modules, and end their engines when the bake ends."""
+def test_workers_of_an_existing_cluster(world, baked, tmp_path):
+    """The bake waits for workers and sends them its modules. Their engines end with the bake."""
     with contextlib.ExitStack() as stack:
         environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 

@@ -1,4 +1,4 @@
-"""BakedWorld reads data: files that somebody else has written, or that are damaged, are refused with a sentence and run nothing."""
+"""ScatterBakedWorld reads data. It refuses foreign and damaged files with a sentence, and runs no code from them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ exclude_filter=""
 [preset.0.options]
 binary_format/architecture="x86_64"
 """
-# Scenes that print a line where their script runs.
+# Scenes that print a line when their script runs.
 EVIL = """[gd_scene format=3]
 [sub_resource type="GDScript" id="1"]
 script/source = "extends Node3D
@@ -44,7 +44,7 @@ def world(bake, game) -> Path:
 
 @pytest.fixture
 def hurt(game, world) -> Path:
-    """A copy of the world, to be damaged; its scene names its own index."""
+    """A copy of the world, for tests that damage it. Its scene refers to its own index."""
     folder = game / "hurt"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(world, folder)
@@ -54,13 +54,14 @@ def hurt(game, world) -> Path:
     return folder
 
 
-def told_by(engine, game: Path, *steps: str) -> tuple[list[dict], list[str], str]:
+def errors_of(engine, game: Path, *steps: str) -> tuple[list[dict], list[str], str]:
     stops, printed = stops_of(engine, game, "90,-40", "other=res://hurt/baked_world.baked", *steps)
-    return stops, [line for line in complaints(printed) if "BakedWorld" in line], printed
+    return stops, [line for line in complaints(printed) if "ScatterBakedWorld" in line], printed
 
 
-def test_a_tile_that_cannot_be_shown_is_told_and_the_others_come(godot, game, hurt):
-    """One file is missing, one is no tile, one is of another place, one has a changed bit: an error each, once, that names the file."""
+def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
+    """One file is missing, one is not a tile, one is from a different position, and one has a changed bit. Each causes one error
+    with the file's name."""
     tiles = hurt / "tiles"
     (tiles / f"{FIRST}.baked").unlink()
     (tiles / "tile_60001_-20002.baked").write_text("no tile" * 20)
@@ -68,20 +69,20 @@ def test_a_tile_that_cannot_be_shown_is_told_and_the_others_come(godot, game, hu
     changed = bytearray((tiles / "tile_60003_-20001.baked").read_bytes())
     changed[len(changed) // 2] ^= 4
     (tiles / "tile_60003_-20001.baked").write_bytes(changed)
-    stops, told, _ = told_by(godot, game, "far=200", "far=201")
+    stops, errors, _ = errors_of(godot, game, "far=200", "far=201")
     reasons = {
-        "60000, -20002": "cannot be read: it cannot be opened", "60001, -20002": "it is no file of a baked world",
+        "60000, -20002": "cannot be read: it cannot be opened", "60001, -20002": "it is not a file of a baked world",
         "60002, -20000": "is not the file that the index names", "60003, -20001": "it is damaged: its SHA-256 is",
     }  # fmt: skip
     for name, why in reasons.items():
-        (line,) = [line for line in told if f"({name})" in line]
+        (line,) = [line for line in errors if f"({name})" in line]
         assert why in line and "Export the bake again." in line and "res://hurt/tiles/tile_" in line
     assert len(stops[-1]["failed"]) == 4 and len(stops[-1]["tiles"]) == 7
 
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_foreign_scripts_do_not_run(engine, game, hurt, request):
-    """In the place of a tile, beside it, and as a remap of it; with and without threads."""
+    """A scene in place of a tile, beside it, and as its remap; with and without threads."""
     evil = game / "evil.tscn"
     evil.write_text(EVIL)
     for name in (f"{FIRST}.baked", f"{FIRST}.scn", f"{FIRST}.tscn"):
@@ -89,15 +90,15 @@ def test_foreign_scripts_do_not_run(engine, game, hurt, request):
     second = hurt / "tiles/tile_60001_-20002.baked"
     second.rename(hurt / "tiles/kept")
     second.with_name(second.name + ".remap").write_text('[remap]\npath="res://evil.tscn"\n')
-    stops, told, printed = told_by(request.getfixturevalue(engine), game, "far=200")
+    stops, errors, printed = errors_of(request.getfixturevalue(engine), game, "far=200")
     assert "CODE OF THE TILE RUNS" not in printed
-    assert sorted(stops[-1]["failed"]) == [[60000, -20002], [60001, -20002]] and len(told) == 2, printed[-4000:]
+    assert sorted(stops[-1]["failed"]) == [[60000, -20002], [60001, -20002]] and len(errors) == 2, printed[-4000:]
     proof = request.getfixturevalue("godot")(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://evil.tscn"], timeout=60)
-    assert "CODE OF THE TILE RUNS" in proof.stdout, "the scene would run code"
+    assert "CODE OF THE TILE RUNS" in proof.stdout, "loading the scene does run its code"
 
 
-def test_files_of_others_are_refused_by_their_values(godot, game, world, tmp_path):
-    """Changed bits, and each field with values of any kind under digests that fit, as somebody may have written them."""
+def test_foreign_files_are_refused_for_their_values(godot, game, world, tmp_path):
+    """Changed bits, and each field with values of any kind, under matching digests, as in forged files."""
     done = godot(["--path", game, "--script", BAKES / "foreign_tiles.gd", "--", "res://world/baked_world.baked", tmp_path / "foreign"], timeout=300)
     printed = done.stdout + done.stderr
     cases = [json.loads(line) for line in re.findall(r"^case (.*)$", done.stdout, re.MULTILINE)]
@@ -107,36 +108,36 @@ def test_files_of_others_are_refused_by_their_values(godot, game, world, tmp_pat
     harmless |= {"render_layers = 1000000000.0", "index layer_names = []", "index meshes = []", 'index scene_digest = "x"', "index tile_size = 0.5"}
     harmless |= {"index tile_size = 1000000000.0", "index tile_size = 4294967296.0"}
     assert set(taken) <= harmless and "good" in taken, set(taken) - harmless
-    assert all("must be" in refused or "must" in refused or "damaged" in refused or "is no " in refused or "belongs to" in refused or "index names" in refused
+    assert all("must be" in refused or "must" in refused or "damaged" in refused or "is not " in refused or "belongs to" in refused or "index names" in refused
                for _, refused in cases if refused)  # fmt: skip
     assert len([what for what, _ in cases if what == "flip"]) == 200
-    assert any("must lie in res://, got user://evil.tscn" in refused for _, refused in cases)
+    assert any("must be in res://, got user://evil.tscn" in refused for _, refused in cases)
 
 
-def test_an_index_that_cannot_be_used_is_told(godot, game, hurt):
-    """A damaged one, and the resource that earlier versions wrote."""
+def test_an_unusable_index_is_reported(godot, game, hurt):
+    """A damaged index, and the resource that earlier versions wrote."""
     index = hurt / "baked_world.baked"
     index.write_bytes(index.read_bytes()[:-1])
     done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://hurt/hurt.tscn"], timeout=60)
-    told = complaints(done.stdout + done.stderr)
-    assert len(told) == 1 and "BakedWorld.index_file is res://hurt/baked_world.baked" in told[0] and "it is damaged" in told[0] and "bake_export.sh" in told[0]
+    errors = complaints(done.stdout + done.stderr)
+    assert len(errors) == 1 and "ScatterBakedWorld.index_file is res://hurt/baked_world.baked" in errors[0] and "it is damaged" in errors[0] and "bake_export.sh" in errors[0]
     old = '[gd_resource type="Resource" script_class="BakedWorldIndex" format=3]\n[ext_resource type="Script" path="res://addons/thicket/baked_world_index.gd" id="1"]\n'
     (game / "old.tres").write_text(old + '[resource]\nscript = ExtResource("1")\nscene_digest = "5ce7e"\n')
     world = '[gd_scene format=3]\n[ext_resource type="Script" path="res://addons/thicket/baked_world.gd" id="1"]\n[ext_resource type="Resource" path="res://old.tres" id="2"]\n'
     (game / "old.tscn").write_text(world + '[node name="World" type="Node3D"]\nscript = ExtResource("1")\nindex = ExtResource("2")\n')
     done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://old.tscn"], timeout=60)
-    told = complaints(done.stdout + done.stderr)
-    assert len(told) == 1 and "BakedWorld.index names res://old.tres, which an earlier version exported" in told[0] and "Export the bake again" in told[0], told
+    errors = complaints(done.stdout + done.stderr)
+    assert len(errors) == 1 and "ScatterBakedWorld.index names res://old.tres, which an earlier version exported" in errors[0] and "Export the bake again" in errors[0], errors
 
 
-def test_a_missing_mesh_is_told_once(godot, game, hurt):
+def test_a_missing_mesh_is_reported_once(godot, game, hurt):
     kept = game / "far.tres"
     kept.rename(game / "far.kept")
     try:
-        stops, told, printed = told_by(godot, game, "far=200")
+        stops, errors, printed = errors_of(godot, game, "far=200")
     finally:
         (game / "far.kept").rename(kept)
-    assert len([line for line in told if "res://far.tres cannot be loaded" in line]) == 2, told  # Once for each of the two worlds.
+    assert len([line for line in errors if "res://far.tres cannot be loaded" in line]) == 2, errors  # Once for each of the two worlds.
     assert len(stops[-1]["tiles"]) == 11, printed[-4000:]
 
 
@@ -153,8 +154,8 @@ def test_it_streams_without_threads(engine, game, world, request):
     assert len(stops[-1]["tiles"]) == 11 and not complaints(printed), printed[-4000:]
 
 
-def test_an_export_takes_the_files_along(godot, game, world, tmp_path):
-    """With the usual filter of a game's export, which takes resources."""
+def test_a_game_export_includes_the_files(godot, game, world, tmp_path):
+    """With the default filter of a game's export, which includes resources."""
     (game / "export_presets.cfg").write_text(PRESETS)
     godot(["--path", game, "--import"], timeout=300)
     done = godot(["--path", game, "--export-pack", "Linux", tmp_path / "game.zip"], timeout=300)

@@ -1,4 +1,4 @@
-"""The verdicts of tests/bench/compare.py: what has moved is found, and noise is not taken for it."""
+"""The verdicts of tests/bench/compare.py: it finds changes, and does not report noise."""
 
 import importlib.util
 import random
@@ -19,7 +19,7 @@ def noisy(median, turns, seed, spread=0.03):
     return [median * (1.0 + spread * chance.uniform(-1.0, 1.0)) for _ in range(turns)]
 
 
-def test_rows_of_a_bench_are_read():
+def test_rows_of_a_benchmark_are_read():
     printed = """Measured on one core.
 | what | median | lowest to highest round | rounds |
 |---|---|---|---|
@@ -40,52 +40,52 @@ def test_rows_of_a_bench_are_read():
     ("unit", "better"),
     [("M points/s", True), ("a second", True), ("a ms", True), ("times", True), ("times the time", False), ("µs", False), ("bytes", False), ("", False)],
 )
-def test_units_tell_what_is_better(unit, better):
+def test_units_determine_the_better_direction(unit, better):
     assert compare.more_is_better(unit) is better
 
 
 @pytest.mark.parametrize(("factor", "unit", "verdict"), [(1.1, "M points/s", "better"), (0.9, "M points/s", "worse"), (1.1, "ms", "worse"), (0.9, "ms", "better")])
-def test_a_row_that_moved_is_found(factor, unit, verdict):
+def test_a_changed_row_is_found(factor, unit, verdict):
     change = compare.compare("row", unit, noisy(4.0, 9, seed=1), noisy(4.0 * factor, 9, seed=2))
     assert change.verdict == verdict
     assert change.worse == (verdict == "worse")
     assert change.ratio == pytest.approx(factor, rel=0.04)
 
 
-def test_noise_moves_few_rows():
+def test_noise_rarely_counts_as_a_change():
     moved = sum(compare.compare("row", "ms", noisy(4.0, 9, 2 * seed, 0.1), noisy(4.0, 9, 2 * seed + 1, 0.1)).moved for seed in range(2000))
     assert moved <= 2000 * compare.CHANCE
 
 
-def test_a_change_below_the_least_is_nobodys_matter():
+def test_a_change_below_the_minimum_is_ignored():
     assert not compare.compare("row", "ms", [1.0] * 20, [1.0 + 0.9 * compare.LEAST] * 20).moved
     assert compare.compare("row", "ms", [1.0] * 20, [1.0 + 1.1 * compare.LEAST] * 20).moved
     assert not compare.compare("row", "", [0.0] * 20, [0.0] * 20).moved
 
 
-def test_outliers_are_allowed_where_there_are_many_turns():
+def test_many_turns_permit_outliers():
     assert [compare.outliers(turns) for turns in (1, 7, 8, 10, 11, 12, 14)] == [-1, -1, 0, 0, 0, 1, 1]
     late = [1.2] * 11 + [0.5]
     assert compare.compare("row", "ms", [1.0] * 12, late).worse
     assert not compare.compare("row", "ms", [1.0] * 9, late[-9:]).moved
 
 
-def test_rows_of_one_commit_alone_are_named():
+def test_rows_of_only_one_commit_are_listed():
     base, new = {"a": (1.0, "ms"), "gone": (1.0, "ms")}, {"a": (2.0, "ms"), "fresh": (1.0, "ms")}
     changes, others = compare.compare_all([(base, new)] * 9)
     assert [(change.what, change.verdict) for change in changes] == [("a", "worse")]
     printed = compare.report(changes, others, 9)
     assert "| a | 1 ms | 2 ms | 2.000 | worse |" in printed
     assert "1 of 1 rows moved, 1 for the worse" in printed
-    assert "In one of the two alone: gone; fresh." in printed
+    assert "Only in one of the two: gone; fresh." in printed
 
 
-def test_too_few_turns_are_told():
+def test_too_few_turns_are_reported():
     assert "too few turns" in compare.report([], [], 7)
     assert "too few turns" not in compare.report([], [], 8)
 
 
-def test_a_commit_that_is_not_there_is_refused():
+def test_an_unknown_commit_is_refused():
     done = subprocess.run([sys.executable, "tests/bench/compare.py", "no-such-commit"], cwd=REPO, capture_output=True, text=True, check=False)
     assert done.returncode != 0
     assert "no-such-commit" in done.stderr

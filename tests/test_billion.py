@@ -1,5 +1,5 @@
-"""The program bench/billion, with a thousandth of its points: the same set whatever the order of tiles, within its
-memory, with all that it promises to print. What its checks notice is tested in tests/core/test_billion.cpp."""
+"""The program bench/billion with a thousandth of its points. It makes the same set for any order of tiles, within its memory limit,
+and prints all documented values. tests/core/test_billion.cpp tests its checks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KEYS = set(
     "points_per_second cpu_seconds cpu_nanoseconds_per_point sampling_seconds checking_seconds gap_seconds "
     "checking_share rim_points resident_bytes resident_limit compiler broken".split()
 )
-# What only depends on the set and the region.
+# Values that depend only on the set and the region.
 SAME = ["points", "side_cells", "least_squared", "pairs", "coverage", "coverage_error", "digest"]
 
 
@@ -39,11 +39,11 @@ def test_a_million_points_keep_every_promise(first):
     assert first["radius_squared"] == 2 * 4**14 <= first["least_squared"]
     assert [first[key] for key in ("too_close", "misplaced", "doubled", "uncovered", "changed")] == [0] * 5
     assert first["tiles_missing"] == first["tiles_repeated"] == 0
-    # A disk of twice the radius holds about 3.5 times as many pairs as points.
+    # A disk with twice the radius contains about 3.5 times as many pairs as points.
     assert first["pairs"] > 3 * first["points"]
     assert first["gap_tiles"] >= 4
     assert first["coverage"] == pytest.approx(first["points"] / first["side_cells"] ** 2 * 1.5707963267948966)
-    # Counts of a jammed set scatter by about a quarter of those of independent points.
+    # The standard deviation of counts in a jammed set is about a quarter of that of independent points.
     assert 0.15 < first["coverage_error"] / first["coverage"] * first["points"] ** 0.5 < 0.4
     assert abs(first["coverage_z"]) <= 4.0
     assert re.fullmatch("[0-9a-f]{32}", first["digest"])
@@ -58,14 +58,14 @@ def test_a_million_points_keep_every_promise(first):
     ],
     ids=" ".join,
 )
-def test_another_order_gives_the_same_set(core_tool, first, arguments):
+def test_a_different_order_gives_the_same_set(core_tool, first, arguments):
     other = billion(core_tool, "points=1e6", "gaps=0", *arguments)
     assert {key: other[key] for key in SAME} == {key: first[key] for key in SAME}
     assert other["resident_bytes"] < RESIDENT_LIMIT
     assert other["gap_tiles"] == 0
 
 
-def test_another_seed_gives_another_set(core_tool):
+def test_a_different_seed_gives_a_different_set(core_tool):
     one, two = (billion(core_tool, "points=1e5", "gaps=1", f"seed={seed}") for seed in (2**64 - 1, 0))
     assert one["side_cells"] == two["side_cells"] and one["digest"] != two["digest"]
     assert one["gap_tiles"] == one["tiles"]
@@ -74,13 +74,13 @@ def test_another_seed_gives_another_set(core_tool):
 def test_memory_does_not_grow_with_the_points(core_tool, first):
     assert first["resident_bytes"] < RESIDENT_LIMIT == first["resident_limit"]
     small = billion(core_tool, "points=2e5", "gaps=16", "order=rows", "threads=1")
-    # What grows are the points along a row of tiles, of 8 bytes each. All of them would be 6.4 MB more; what of the program itself lies in
-    # memory differs by a part of one.
+    # Only the points along a row of tiles add to the memory, with 8 bytes each. All points would add 6.4 MB. The resident part of
+    # the program itself varies by less than 1 MB.
     assert first["resident_bytes"] - small["resident_bytes"] < 2_000_000
 
 
 def test_too_much_memory_is_a_broken_promise(core_tool):
-    """Many threads with large tiles: the program says so, and how much it was."""
+    """With many threads and large tiles, the program reports the broken limit and the memory that it used."""
     spent = billion(core_tool, "points=3e6", "tile=512", "threads=36", "verify=no", expected=1)
     assert spent["broken"] == ["memory"]
     assert spent["resident_bytes"] >= RESIDENT_LIMIT
@@ -95,7 +95,7 @@ def test_without_verification_nothing_is_claimed(core_tool):
 
 
 def test_the_source_names_every_key():
-    """The page of results reads what the head of the file documents."""
+    """The page of results uses the keys that the head of the file documents."""
     head = (REPO / "tests/bench/billion.cpp").read_text(encoding="utf-8").split("#include")[0]
     documented = set(re.findall(r"\w+", head))
     assert KEYS <= documented, KEYS - documented

@@ -1,5 +1,5 @@
-"""What the bindings promise: the extension loads, unloads and reloads cleanly, in a game and in the editor; scripts see
-our classes as they were declared; engine code compiles against godot-cpp and the stand-in alike."""
+"""The promises of the bindings. The extension loads, unloads and reloads cleanly, in a game and in the editor. Scripts see our classes as
+declared. Engine code compiles with godot-cpp and with our stand-in."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ SCENE = """[gd_scene format=3]
 [node name="Scatter" type="TerrainScatter3D"]
 """
 KINDS = (".py", ".hpp", ".inc", ".cpp")
-# What an engine says that has something to complain about, at work or at its end.
+# Complaints in an engine's output, during its work or at its end.
 COMPLAINTS = re.compile(r"ERROR|WARNING|[Ll]eak|Orphan|unclaimed|still in use|RID allocations|crashed|corrupted")
 
 
 def make_project(folder: Path, extension: bool) -> Path:
-    """A project with the extension, or without, and with the editor plugin that runs the steps of a test."""
+    """A project with or without the extension, and with the editor plugin that runs the steps of a test."""
     folder.mkdir()
     (folder / "project.godot").write_text(PROJECT)
     shutil.copytree(SCRIPTS, folder / "addons/steps", ignore=shutil.ignore_patterns("test_*"))
@@ -59,14 +59,14 @@ def project(tmp_path) -> Path:
 
 
 def complaints(output: str) -> list[str]:
-    """A display that nobody sees has no V-Sync, which is nobody's fault."""
+    """The complaints in an engine's output. Ignores that an invisible display has no V-Sync."""
     return [line for line in output.splitlines() if COMPLAINTS.search(line) and "V-Sync" not in line]
 
 
 @pytest.mark.parametrize("display", ["godot", "godot_xvfb"])
-def test_scripts_see_our_classes_and_nothing_is_left(display, project, request):
-    """A game with everything that scripts do; at the end the engine, asked to be verbose, has nothing to report. Only a
-    renderer that draws counts what it holds."""
+def test_scripts_see_our_classes_and_nothing_leaks(display, project, request):
+    """Runs a game that covers all uses from scripts. At the end, the engine has nothing to report in verbose mode. Only a real
+    renderer counts its resources."""
     play = request.getfixturevalue(display)
     done = play(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
@@ -75,8 +75,8 @@ def test_scripts_see_our_classes_and_nothing_is_left(display, project, request):
     assert not expected, "\n".join(expected)
 
 
-def test_a_leak_would_be_seen(godot_xvfb, project):
-    """The lines that the test above looks for are lines that this engine prints."""
+def test_a_leak_is_detected(godot_xvfb, project):
+    """This engine does print the lines that the test above searches for."""
     script = project / "leak.gd"
     leaks = "TerrainScatter3D.new()", "RenderingServer.multimesh_create()", "quit()"
     script.write_text("extends SceneTree\nfunc _init():\n\t" + "\n\t".join(leaks) + "\n")
@@ -86,7 +86,7 @@ def test_a_leak_would_be_seen(godot_xvfb, project):
 
 
 def editor(godot, project: Path, *steps: str) -> str:
-    # Folders of its own: the editor keeps the class reference that it once read, and what was open.
+    # Uses its own folders, because the editor stores the class reference and its open tabs.
     environment = {
         **os.environ,
         "THICKET_CACHE": str(CACHE),
@@ -102,14 +102,14 @@ def editor(godot, project: Path, *steps: str) -> str:
 
 @pytest.fixture(scope="module")
 def plain_editor(godot, tmp_path_factory) -> set[str]:
-    """What an editor complains about that never heard of us."""
+    """The complaints of an editor without the extension."""
     project = make_project(tmp_path_factory.mktemp("plain") / "project", extension=False)
     return set(complaints(editor(godot, project)))
 
 
 @pytest.fixture(scope="module")
 def whole_editor(godot, tmp_path_factory) -> str:
-    """What an editor prints in which our library is reloaded under a live node, and our pages and scenes are opened."""
+    """The output of an editor that reloads the library under a live node, and opens our pages and scenes."""
     project = make_project(tmp_path_factory.mktemp("whole") / "project", extension=True)
     return editor(godot, project, "reload", "help", "preview", "warnings")
 
@@ -138,11 +138,11 @@ def test_class_reference_is_shown_in_the_editor(whole_editor):
 
 def test_editor_shows_configuration_warnings(whole_editor):
     """The engine finds our override of one of its virtual methods."""
-    assert re.search(r"^button of Scatter: .*terrain", whole_editor, re.MULTILINE | re.IGNORECASE)
+    assert re.search(r"^button of Scatter: .*No ground", whole_editor, re.MULTILINE | re.IGNORECASE)
 
 
-def test_preview_keeps_to_its_number(whole_editor):
-    """In the editor never more is drawn than preview_instances, and not much less where more stands; without an upload."""
+def test_preview_draws_at_most_preview_instances(whole_editor):
+    """In the editor, at most preview_instances are drawn, and not many fewer if there are more. Changing the number uploads nothing."""
     figure = r"^preview of (\d+): (\d+) drawn of (\d+), at most (\d+), (\d+) uploads$"
     rows = [[int(number) for number in row] for row in re.findall(figure, whole_editor, re.MULTILINE)]
     assert [row[0] for row in rows] == [5000, 800, 0, 20000, 10**9]
@@ -153,7 +153,7 @@ def test_preview_keeps_to_its_number(whole_editor):
 
 
 def described(path: Path) -> dict[str, str]:
-    """{what a class has, with its types: its description} of a page of the class reference."""
+    """{member with its types: its description} for a page of the class reference."""
     root = ElementTree.parse(path).getroot()
     found = {f"class {root.get('name')} of {root.get('inherits')}": root.findtext("description")}
     for item in root.iterfind("*/*[@name]"):
@@ -165,7 +165,7 @@ def described(path: Path) -> dict[str, str]:
 
 
 def test_class_reference_is_complete(godot, project):
-    """The engine writes the same members, arguments and types as our pages have, and none without a description."""
+    """The engine lists the same members, arguments and types as our pages, and each has a description."""
     pages = project / "reference"
     (pages / "doc_classes").mkdir(parents=True)
     done = godot(["--path", project, "--doctool", pages, "--gdextension-docs"])
@@ -184,14 +184,14 @@ def generate(*arguments) -> subprocess.CompletedProcess[str]:
     return run([sys.executable, BINDINGS / "generate.py", *arguments], timeout=120)
 
 
-def test_nothing_is_offered_that_is_not_used():
+def test_the_bindings_provide_only_what_is_used():
     done = generate("--used", BINDINGS / "used_api.toml", "--unused", REPO / "extension/nodes", BINDINGS / "src",
         BINDINGS / "include")  # fmt: skip
     assert done.returncode == 0, done.stdout
 
 
 def test_the_stand_in_stays_small():
-    """Under 2500 lines by hand, generator included, without comments, includes and blank ones; no file past 400."""
+    """Less than 2500 hand-written lines, including the generator, without comments, includes and blank lines. No file has more than 400."""
     texts = {path: path.read_text(encoding="utf-8") for path in BINDINGS.rglob("*") if path.suffix in KINDS}
     code = sum(len(re.findall(r"^\s*(?!//|#include|#pragma)\S", text, re.MULTILINE)) for text in texts.values())
     assert code < 2500, code
@@ -207,8 +207,8 @@ def test_engine_code_has_no_switch_between_bindings():
         assert not re.search(r"^\s*#\s*(if|ifdef|ifndef|elif)\b", path.read_text(encoding="utf-8"), re.MULTILINE), path
 
 
-def test_every_header_that_is_used_is_offered():
-    """Headers that engine code includes are ones of the stand-in, hand-written or generated."""
+def test_every_included_header_exists_in_the_bindings():
+    """The headers that engine code includes are part of the stand-in, hand-written or generated."""
     used = tomllib.loads((BINDINGS / "used_api.toml").read_text())
     listed = generate("--used", BINDINGS / "used_api.toml", "--out", "gen", "--list").stdout
     assert used["classes"]
@@ -218,10 +218,10 @@ def test_every_header_that_is_used_is_offered():
             assert offered, f"{path.name} includes {name}"
 
 
-@pytest.mark.alone  # The extension that all tests load is another one meanwhile.
+@pytest.mark.alone  # Meanwhile, a different extension is installed for all tests.
 @pytest.mark.skipif("THICKET_GODOT_CPP" not in os.environ, reason="set THICKET_GODOT_CPP to a built godot-cpp")
 def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
-    """All that the language test checks holds there too, except that godot-cpp takes null for a value of a wrong type."""
+    """All checks of the language test also hold there, except that godot-cpp accepts null for a value of a wrong type."""
     try:
         done = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
         assert done.returncode == 0, done.stdout + done.stderr

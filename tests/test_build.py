@@ -1,5 +1,5 @@
-"""What the build and the tree promise: rooms include only what stands before them, the core knows no engine, warnings
-are errors, and the manifest names what was built."""
+"""The promises of the build and the source tree. Rooms only include rooms above them in the table, the core does not depend on the engine,
+warnings are errors, and the manifest lists the existing binaries."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from conftest import BUILD_DIR, LONG_CASES, REPO, run
 
-# From tools/scons, which conftest puts on the path.
+# These are in tools/scons, which conftest adds to the path.
 import installed
 import manifest
 import rooms
@@ -30,7 +30,7 @@ SOURCES = sorted(
 
 
 def includes(source: str) -> list[tuple[bool, str]]:
-    """(quoted, what is included) for each include of a file of extension/."""
+    """(quoted, included path) for each include of a file in extension/."""
     text = (REPO / "extension" / source).read_text(encoding="utf-8")
     return [(match.group(1) == '"', match.group(2)) for match in INCLUDE.finditer(text)]
 
@@ -41,7 +41,7 @@ def room_of(path: str) -> str | None:
 
 @pytest.mark.parametrize("source", SOURCES)
 def test_room_order(source):
-    """A room includes only itself and rooms that stand before it."""
+    """A room only includes itself and rooms above it."""
     room = room_of(source)
     assert room, f"{source} lies in no room of {list(ROOMS)}"
     for quoted, included in includes(source):
@@ -51,18 +51,38 @@ def test_room_order(source):
         assert any(included.startswith(one + "/") for one in allowed), f"{source} includes {included}"
 
 
-def test_rooms_stand_in_order():
-    """The table of rooms has no circle: each room names only rooms that stand before it. Every folder of the core is a room."""
+def test_the_table_of_rooms_is_in_order():
+    """The table of rooms has no cycle: each room only lists rooms above it. Every folder is a room."""
     before: list[str] = []
     for room, allowed in ROOMS.items():
         assert all(one in before or any(known.startswith(one + "/") for known in before) for one in allowed), room
         before.append(room)
-    folders = {path.relative_to(REPO / "extension").as_posix() for path in (REPO / "extension/core").iterdir()}
-    assert folders == {room for room in ROOMS if room.startswith("core/")}
+    folders = {path.relative_to(REPO / "extension").as_posix() for part in ("core", "nodes") for path in (REPO / "extension" / part).iterdir() if path.is_dir()}
+    assert folders == {room for room in ROOMS if "/" in room}
 
 
-def test_no_circle_of_includes():
-    """No header includes itself by way of others: what is included by nothing that is left goes, until nothing is left."""
+@pytest.mark.parametrize("room", ROOMS)
+def test_every_permitted_include_is_used(room):
+    included = {name for source in SOURCES if room_of(source) == room for quoted, name in includes(source) if quoted}
+    unused = [other for other in ROOMS[room] if not any(name.startswith(other + "/") for name in included)]
+    assert not unused, f"{room} includes nothing of {unused}: take these from its row in tools/scons/rooms.py"
+
+
+def test_the_documents_list_every_room():
+    """README.md lists the rooms in the order of the table, and ARCHITECTURE.md has a line for each."""
+    readme = (REPO / "README.md").read_text(encoding="utf-8")
+    architecture = (REPO / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    tree = architecture[architecture.index("\nextension/core/") : architecture.index("\nextension/bindings/")]
+    for part in ("core", "nodes"):
+        expected = [room.removeprefix(part + "/") for room in ROOMS if room.startswith(part + "/")]
+        row = re.search(rf"^\| `extension/{part}` \| .*: (`.*`) \|$", readme, re.MULTILINE)
+        assert row and re.findall(r"`(\w+)`", row.group(1)) == expected
+        lines = tree[tree.index(f"\nextension/{part}/") :].split("\nextension/")[1]
+        assert re.findall(r"^  (\w+) ", lines, re.MULTILINE) == expected
+
+
+def test_includes_have_no_cycle():
+    """No header includes itself indirectly. Repeatedly removes headers that include no remaining header; none must be left."""
     left = {source: {name for quoted, name in includes(source) if quoted and name in SOURCES} for source in SOURCES}
     while leaves := [source for source, included in left.items() if not included & left.keys()]:
         for source in leaves:
@@ -81,11 +101,11 @@ def test_headers_are_included_once_and_open_no_namespace(source):
     text = (REPO / "extension" / source).read_text(encoding="utf-8")
     if not source.endswith("-inl.hpp"):
         assert "#pragma once" in text
-    assert not re.search(r"^\s*using\s+namespace\s", text, re.MULTILINE), f"{source} opens a namespace to all who include it"
+    assert not re.search(r"^\s*using\s+namespace\s", text, re.MULTILINE), f"{source} opens a namespace in every file that includes it"
 
 
 def test_core_compiles_on_its_own(tmp_path):
-    """Every header of the core compiles with nothing before it, in a C++20 compiler that finds no engine header."""
+    """Every header of the core compiles as the first include, with a C++20 compiler that finds no engine header."""
     headers = [source for source in SOURCES if source.startswith("core/") and source.endswith(".hpp")]
     headers = [header for header in headers if not header.endswith("-inl.hpp")]
     assert headers
@@ -93,7 +113,7 @@ def test_core_compiles_on_its_own(tmp_path):
     def complaint(number: int) -> str:
         unit = f"unit_{number}.cpp"
         (tmp_path / unit).write_text(f'#include "{headers[number]}"\n')
-        # To an object, and by a relative path: a compiler cache keeps nothing else.
+        # Compiles to an object with a relative path, because a compiler cache stores nothing else.
         done = run(["g++", "-std=c++20", "-c", f"-I{REPO}/extension", unit], timeout=120, cwd=tmp_path)
         return f"{headers[number]}:\n{done.stderr[:2000]}" if done.returncode else ""
 
@@ -102,14 +122,14 @@ def test_core_compiles_on_its_own(tmp_path):
     assert not failures, "\n".join(failures)
 
 
-# What the C library may round as it likes, so that two machines differ; hypot too. What IEEE 754 rounds exactly (sqrt) and
-# what does not round at all (floor, ldexp, ilogb, nextafter) is the same everywhere.
+# Functions of the C library with inexact results, which differ between machines; hypot is one of them. Functions that IEEE 754 requires
+# to be exact (sqrt), or that do not round (floor, ldexp, ilogb, nextafter), are the same everywhere.
 INEXACT = """acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp exp10 exp2 expm1 hypot j0 j1 jn lgamma log log10
     log1p log2 logb pow sin sincos sinh tan tanh tgamma y0 y1 yn""".split()
 
 
-def test_core_leaves_no_rounding_to_the_machine(build_dir):
-    """Nothing in the core calls a function of the C library whose last bit depends on the library: no exceptions."""
+def test_core_calls_no_inexact_math_function(build_dir):
+    """Without exceptions, the core calls no function of the C library whose last bit depends on the library."""
     listed = run(["nm", "-u", build_dir / "libthicket_core.a"], timeout=60)
     assert listed.returncode == 0, listed.stderr
     wanted = {words[1] for words in map(str.split, listed.stdout.splitlines()) if len(words) == 2 and words[0] == "U"}
@@ -119,7 +139,7 @@ def test_core_leaves_no_rounding_to_the_machine(build_dir):
 
 
 def test_every_test_of_the_core_belongs_to_one_room():
-    """`bash tests/room.sh ROOM` runs each of them for one room, but those that include no room: what they test is a bench."""
+    """`bash tests/room.sh ROOM` runs each test for one room, except tests that include no room, because they test a benchmark."""
     programs = {room: set(rooms.tests_of(REPO, rooms.PREFIX + room.removeprefix("core/"))[0]) for room in rooms.TESTED}
     everywhere = set.intersection(*programs.values())
     tests = [path.relative_to(REPO).as_posix() for path in sorted((REPO / "tests/core").glob("test_*.cpp"))]
@@ -131,16 +151,16 @@ def test_every_test_of_the_core_belongs_to_one_room():
     assert belongs["tests/core/test_rules.cpp"] == ["core/rules"]
 
 
-def test_a_room_is_tested_on_its_own():
-    """The program of one room runs all of its cases that are not listed as long, and takes doctest's arguments."""
+def test_a_room_can_be_tested_alone():
+    """The program of one room runs all of its cases that are not listed as long, and accepts doctest's arguments."""
     done = run(["bash", "tests/room.sh", "base", "*", "--no-skipped-summary"], timeout=900, cwd=REPO)
     assert done.returncode == 0 and re.search(r"test cases: +[1-9]\d* \|", done.stdout), done.stdout + done.stderr
     wrong = run(["bash", "tests/room.sh", "cellar"], timeout=120, cwd=REPO)
     assert wrong.returncode != 0 and "no such room; there are base, sampling" in wrong.stderr, wrong.stderr
 
 
-def test_long_cases_are_cases():
-    """Each pattern of tests/core/long_cases.txt still fits a case."""
+def test_long_cases_exist():
+    """Each pattern of tests/core/long_cases.txt matches a case."""
     listed = run([BUILD_DIR / "core_tests", "--list-test-cases"], timeout=60).stdout.splitlines()
     for pattern in LONG_CASES:
         assert any(fnmatch.fnmatchcase(case, pattern) for case in listed), pattern
@@ -148,16 +168,16 @@ def test_long_cases_are_cases():
 
 @pytest.fixture(scope="module")
 def commands() -> list[dict]:
-    """What the build would run for each source, as compile_commands.json has it."""
+    """The compile commands of all sources, from compile_commands.json."""
     done = run(["scons", "-Q", "compiledb"], timeout=300, cwd=REPO)
     assert done.returncode == 0, done.stdout + done.stderr
     again = run(["scons", "-Q", "-q", "compiledb"], timeout=300, cwd=REPO)
-    assert again.returncode == 0, "it would be written again, with nothing changed"
+    assert again.returncode == 0, "it would be rewritten although nothing has changed"
     return json.loads((REPO / "compile_commands.json").read_text(encoding="utf-8"))
 
 
 def test_compile_flags(commands):
-    """Our code is compiled with all warnings as errors, and so that floating point means the same everywhere."""
+    """Our code is compiled with all warnings as errors, and with identical floating-point results everywhere."""
     assert any("extension/core/" in entry["file"] for entry in commands)
     for entry in commands:
         for flag in ("-std=c++20", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-ffp-contract=off"):
@@ -167,17 +187,17 @@ def test_compile_flags(commands):
 
 
 def test_every_source_has_its_command(commands):
-    """Editors and clang-tidy find each source of the tree in compile_commands.json, once."""
+    """compile_commands.json contains each source of the tree once, for editors and clang-tidy."""
     named = [entry["file"] for entry in commands if not entry["file"].startswith("build/")]
     sources = [path for room in ("extension", "tests") for path in (REPO / room).rglob("*.cpp")]
-    # These are compiled for other systems alone, by the tests that run them there, or in a build of their own (count_steps=yes).
+    # These are only compiled for other systems, by the tests that run them there, or in a separate build (count_steps=yes).
     elsewhere = [REPO / "tests/golden/no_exceptions.cpp", *(REPO / "tests/loader").glob("*.cpp"), *(REPO / "tests/cost").glob("*.cpp")]
     sources = [path for path in sources if path not in elsewhere]
     assert sorted(named) == sorted(path.relative_to(REPO).as_posix() for path in sources)
 
 
-def test_a_build_for_a_debugger():
-    """dev_build=yes compiles with -Og -g3, into a folder of its own."""
+def test_debugger_build():
+    """dev_build=yes compiles with -Og -g3, into a separate folder."""
     done = run(["scons", "-Q", "-n", "dev_build=yes", "core"], timeout=300, cwd=REPO)
     assert done.returncode == 0 and f"{BUILD_DIR.name}.dev/libthicket_core.a" in done.stdout, done.stdout + done.stderr
     compiled = f"build/{BUILD_DIR.name}.dev/obj/extension/core/base/orientation.o"
@@ -187,8 +207,8 @@ def test_a_build_for_a_debugger():
     assert " -Og" in flags and " -g3" in flags and " -O2" not in flags, flags
 
 
-def test_build_has_nothing_left_to_do():
-    """A second build finds everything up to date, whatever the first one did."""
+def test_second_build_has_nothing_to_do():
+    """A second build finds everything up to date, whatever the first build did."""
     first = run(["scons", "-Q", "-j2"], timeout=1800, cwd=REPO)
     assert first.returncode == 0, first.stdout + first.stderr
     second = run(["scons", "-Q", "-q"], timeout=120, cwd=REPO)
@@ -196,7 +216,7 @@ def test_build_has_nothing_left_to_do():
 
 
 def test_core_needs_no_godot(tmp_path):
-    """With no Godot anywhere, core, tests and benches still build, and asking for the extension says what is missing."""
+    """Without Godot, the core, tests and benchmarks still build, and a build of the extension reports that Godot is missing."""
     bare = {"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "THICKET_CACHE": str(tmp_path), "GODOT": "/nowhere/godot"}
     sources = "highway=%s" % installed.highway_folder()
     done = run(["scons", "-Q", "-n", sources, "core", "tests", "bench"], timeout=120, cwd=REPO, env=bare)
@@ -234,13 +254,13 @@ def test_wrong_option_is_refused(option):
         (["use_zig=yes", "zig=/nowhere/zig"], "no zig at /nowhere/zig"),
     ],
 )
-def test_what_cannot_be_built_is_said(options, sentence):
+def test_impossible_builds_are_refused_with_a_sentence(options, sentence):
     done = run(["scons", "-Q", "-n", *options, "core"], timeout=120, cwd=REPO)
     assert done.returncode != 0 and sentence in done.stderr, done.stdout + done.stderr
 
 
-def test_builds_for_other_systems_have_folders_of_their_own():
-    """What is built for another system meets nothing of this one, and does not go into the demo's add-on."""
+def test_builds_for_other_systems_use_separate_folders():
+    """A build for a different system shares no folder with builds for this one, and does not go into the demo's add-on."""
     compiler = ["zig=/bin/true", "use_zig=yes"]
     for options, folder in (
         (["platform=windows", "arch=arm64"], "windows.template_debug.arm64.zig"),
@@ -256,7 +276,7 @@ def test_builds_for_other_systems_have_folders_of_their_own():
 
 
 def test_godot_cpp_without_a_library_is_refused(tmp_path):
-    """A folder that holds no built godot-cpp is told from one that does, by what it lacks."""
+    """The error for a folder without a built godot-cpp names the missing library."""
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/libgodot-cpp.linux.template_release.wasm32.a").touch()
     done = run(["scons", "-Q", "-n", f"godot_cpp={tmp_path}", "extension"], timeout=120, cwd=REPO)
@@ -268,26 +288,26 @@ ADDON = REPO / "demo_project/addons/thicket"
 
 
 def manifest_paths() -> dict[str, str]:
-    """feature tags → file, as the manifest has them."""
+    """{feature tags: file} in the manifest."""
     text = (ADDON / "thicket.gdextension").read_text(encoding="utf-8")
     section = text.split("[libraries]")[1].split("\n[")[0]
     return dict(re.findall(r'^(\S+)\s*=\s*"([^"]+)"', section, re.MULTILINE))
 
 
-def test_manifest_names_what_was_built():
+def test_manifest_lists_the_built_binaries():
     paths = manifest_paths()
     assert paths, "the manifest names no library"
     for tags, path in paths.items():
-        assert (ADDON / path).is_file(), f"{tags} = {path} is not there"
+        assert (ADDON / path).is_file(), f"{tags} = {path} does not exist"
     built = {f"bin/{path.name}" for path in (ADDON / "bin").glob("libthicket.*")}
     assert set(paths.values()) == built
     text = (ADDON / "thicket.gdextension").read_text(encoding="utf-8")
-    assert 'compatibility_minimum = "4.4"' in text, "the oldest engine that the bindings are made for"
+    assert 'compatibility_minimum = "4.4"' in text, "the oldest engine that the bindings support"
     assert "reloadable = true" in text
 
 
-def test_manifest_falls_back_to_the_binary_that_is_there():
-    """One binary serves all builds of the engine; a second one takes over its own."""
+def test_manifest_falls_back_to_the_existing_binary():
+    """A single binary serves all builds of the engine. If there are two, each serves its own build."""
     debug, release = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_release.x86_64.so"
     alone = "\n".join(manifest.write({debug, "convert.lib", "notes.txt"}, ["ScatterLayer.svg", "ScatterLayer.png"]))
     assert f'linux.release.x86_64 = "bin/{debug}"' in alone
@@ -299,8 +319,8 @@ def test_manifest_falls_back_to_the_binary_that_is_there():
     assert "[dependencies]" not in both and "[icons]" not in both
 
 
-def test_manifest_tells_precisions_apart():
-    """Each engine is offered the library of its own precision; one that is alone is offered to both and refuses the wrong."""
+def test_manifest_distinguishes_precisions():
+    """Each engine gets the library with its precision. A single library is offered to both, and refuses the wrong engine."""
     single, double = "libthicket.linux.template_debug.x86_64.so", "libthicket.linux.template_debug.double.x86_64.so"
     both = "\n".join(manifest.write({single, double}, []))
     for feature in ("debug", "release"):
@@ -311,17 +331,17 @@ def test_manifest_tells_precisions_apart():
     assert f'linux.debug.x86_64 = "bin/{single}"' in "\n".join(manifest.write({single}, []))
 
 
-def test_extension_shows_only_its_entry(build_dir):
-    """The binary exports what Godot calls and nothing that could meet another library's symbol of that name."""
+def test_extension_exports_only_its_entry_point(build_dir):
+    """The binary exports the function that Godot calls, and no symbol that could collide with one of a different library."""
     for binary in (ADDON / "bin").glob("libthicket.*.so"):
         listed = subprocess.run(["nm", "-D", "--defined-only", binary], capture_output=True, text=True, check=True)
         names = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines() if line.strip()}
         assert names == {"thicket_library_init"}, f"{binary.name} also shows {sorted(names)[:20]}"
 
 
-def test_tracked_files_name_no_machine():
-    """No path of a build machine in a tracked file, and no host but those of the pages and schemas that we point at: what is
-    installed comes from wherever the machine's own package clients take it."""
+def test_tracked_files_contain_no_machine_names():
+    """Tracked files contain no path of a build machine. The only hosts are those of linked pages and schemas, because the package
+    clients of each machine determine the sources of packages."""
     if shutil.which("git") is None or not (REPO / ".git").exists():
         pytest.skip("no git, or not a git checkout")
     listed = run(["git", "ls-files", "-z"], timeout=60, cwd=REPO)

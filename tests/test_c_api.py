@@ -1,5 +1,5 @@
-"""The C library: a program in C11 prints points, and all that extension/core/c_api/thicket.h promises holds through its shared
-library, as another language would call it."""
+"""The C library. A program in C11 prints points, and all promises of extension/core/c_api/thicket.h hold for its shared library when called
+from a different language."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def code(name: str) -> int:
 
 
 class Sampler:
-    """A sampler of the library; calls return the code."""
+    """A sampler of the library. Its calls return the error code."""
 
     def __init__(self, library: ctypes.CDLL):
         self.library = library
@@ -131,13 +131,13 @@ def test_a_program_in_c_prints_points(program, one):
         assert one.rect[0] <= float(x) < one.rect[2] and one.rect[1] <= float(y) < one.rect[3]
 
 
-def test_a_program_in_c_tells_what_was_wrong(program):
+def test_a_program_in_c_prints_the_error(program):
     done = run([program, 1, -2.5, 1, 0, 0, 0, 9, 9], timeout=60)
     assert done.returncode != 0
     assert done.stderr == f"error {code('NOT_POSITIVE')}: radius must be positive, got -2.5\n"
 
 
-def test_the_example_of_the_page_runs(folder, tmp_path):
+def test_the_example_in_the_readme_runs(folder, tmp_path):
     (example,) = re.findall(r"^```c\n(.*?)^```", (HEADER.parent / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
     source, made = tmp_path / "example.c", tmp_path / "example"
     source.write_text(example)
@@ -147,14 +147,14 @@ def test_the_example_of_the_page_runs(folder, tmp_path):
 
 
 @pytest.mark.parametrize("compiler", [["gcc", "-std=c11"], ["g++", "-xc++", "-std=c++11"], ["g++", "-xc++", "-std=c++20"]], ids=" ".join)
-def test_the_header_stands_alone(compiler, tmp_path):
+def test_the_header_compiles_alone(compiler, tmp_path):
     unit = tmp_path / "unit.c"
     unit.write_text('#include "thicket.h"\nint main(void) { return (int)thicket_c_version() - THICKET_C_VERSION; }\n')
     done = run([*compiler, *STRICT, f"-I{HEADER.parent}", "-fsyntax-only", unit], timeout=60)
     assert done.returncode == 0, done.stderr
 
 
-def test_the_library_shows_only_what_the_header_declares(folder):
+def test_the_library_exports_only_what_the_header_declares(folder):
     listed = run(["nm", "-D", "--defined-only", folder / "libthicket_c.so"], timeout=60)
     shown = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines()}
     assert shown == set(re.findall(r"\b(thicket_\w+)\([^)]*\) THICKET_NOEXCEPT", HEADER.read_text(encoding="utf-8"), re.DOTALL))
@@ -184,7 +184,7 @@ def test_domains(sampler, one, precision):
     assert all(0.0 <= x < one.size[0] for x in numbers[::2]) and all(0.0 <= y < one.size[1] for y in numbers[1::2])
 
 
-def test_parts_are_read_as_the_whole(sampler):
+def test_points_can_be_read_in_parts(sampler):
     assert sampler.sample(levels=3) == 0 and sampler.message() == ""
     count = sampler.count()
     given, points = sampler.points(0, count)
@@ -195,7 +195,7 @@ def test_parts_are_read_as_the_whole(sampler):
     for first, asked, named in ((0, count + 1, "count"), (count + 1, 0, "first"), (1, 2**64 - 1, "count"), (2**64 - 1, 2, "first")):
         given = sampler.library.thicket_read_points(sampler.handle, U64(first), U64(asked), None)
         assert given == code("OUT_OF_RANGE") and sampler.message().startswith(f"{named} must be at most ")
-    assert sampler.count() == count, "a bad question takes no point away"
+    assert sampler.count() == count, "a bad request removes no points"
 
 
 REFUSED_SETS = [
@@ -207,7 +207,7 @@ REFUSED_SETS = [
     ({"rect": (0.0, 0.0, float("inf"), 1.0)}, "NOT_FINITE", "rect must be finite, got inf"),
     ({"rect": (0.0, 0.0, -3.0, 1.0)}, "INVERTED", "rect ends before it starts, got -3"),
     ({"rect": (0.0, 0.0, 1e9, 1.0)}, "OUT_OF_RANGE", "rect must be between -5931641.6 and 5931641.6, got 1000000000"),
-    ({"rect": (0.0, 0.0, 1e5, 1e5)}, "TOO_MANY_POINTS", "rect asks for too many points, got "),
+    ({"rect": (0.0, 0.0, 1e5, 1e5)}, "TOO_MANY_POINTS", "rect requires too many points, got "),
 ]
 
 
@@ -223,7 +223,7 @@ def test_bad_sets_are_refused(sampler, wrong, name, sentence):
 REFUSED_DOMAINS = [
     ({"size": (0.0, 5.0)}, "NOT_POSITIVE", "size must be positive, got 0"),
     ({"size": (5.0, float("nan"))}, "NOT_FINITE", "size must be finite, got nan"),
-    ({"size": (1e6, 1e6)}, "TOO_MANY_POINTS", "size asks for too many points, got "),
+    ({"size": (1e6, 1e6)}, "TOO_MANY_POINTS", "size requires too many points, got "),
     ({"size": (3.0, 9.0), "toroidal": 1}, "OUT_OF_RANGE", "size is out of range, got 3; a toroidal domain measures at least 4 radii on each axis"),
     (
         {"size": (2e5, 9.0), "single_precision": 1},
@@ -249,7 +249,7 @@ def test_bad_domains_are_refused(sampler, wrong, name, sentence):
     assert sampler.fill() == 0 and sampler.count() > 200
 
 
-def test_what_is_missing_is_named(sampler):
+def test_missing_arguments_are_named(sampler):
     library, handle = sampler.library, sampler.handle
     missing = code("MISSING")
     some, count, rect = Set(1, 1.0, 1, 0), U64(77), Rect(0.0, 0.0, 9.0, 9.0)
@@ -274,8 +274,8 @@ LONG = {"sample": lambda sampler, watch: sampler.sample((0.0, 0.0, 3000.0, 3000.
 
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
-def test_a_call_is_watched_and_ended(sampler, work: Callable):
-    """By what the progress function returns, and from another thread; and a call from within is refused."""
+def test_a_call_can_be_watched_and_canceled(sampler, work: Callable):
+    """It can be canceled by the result of the progress function, and from another thread. A nested call is refused."""
     seen: list[tuple[float, int]] = []
     inside: list = []
 
@@ -288,7 +288,7 @@ def test_a_call_is_watched_and_ended(sampler, work: Callable):
     assert work(sampler, Watch(PROGRESS(progress), 4711)) == code("CANCELLED")
     assert "was cancelled" in sampler.message() and sampler.count() == 0
     assert len(seen) == 5 and seen == sorted(seen) and seen[-1][0] < 0.9
-    assert inside == [code("BUSY"), "another call of this sampler is under way", 0, 4711]
+    assert inside == [code("BUSY"), "a different call of this sampler is running", 0, 4711]
 
     begun = threading.Event()
 
@@ -301,7 +301,7 @@ def test_a_call_is_watched_and_ended(sampler, work: Callable):
     assert work(sampler, Watch(PROGRESS(begin), None)) == code("CANCELLED")
     canceller.join()
     sampler.cancel()
-    assert sampler.sample() == 0 and sampler.count() > 200, "a cancel concerns no later call"
+    assert sampler.sample() == 0 and sampler.count() > 200, "a cancel does not affect later calls"
 
 
 def test_progress_ends_at_one(sampler):
@@ -311,7 +311,7 @@ def test_progress_ends_at_one(sampler):
 
 
 def test_samplers_on_threads_agree(library):
-    """Each thread has its own; ctypes gives the interpreter's lock away during a call."""
+    """Each thread has its own sampler. ctypes releases the interpreter's lock during a call."""
     digests: list = []
 
     def work():

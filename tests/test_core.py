@@ -1,4 +1,4 @@
-"""Every doctest case of tests/core, one pytest test each."""
+"""Runs every doctest case of tests/core as a separate pytest test."""
 
 import subprocess
 
@@ -9,7 +9,7 @@ RUNNER = BUILD_DIR / "core_tests"
 
 
 def cases() -> list[str]:
-    """The names of all cases that the runner knows; none if it is not built, which test_runner_is_built tells."""
+    """The names of all cases in the runner; empty if it is not built, which test_runner_is_built reports."""
     if not RUNNER.is_file():
         return []
     listed = subprocess.run([RUNNER, "--list-test-cases"], capture_output=True, text=True, timeout=60, check=True)
@@ -17,17 +17,18 @@ def cases() -> list[str]:
 
 
 def only(case: str) -> str:
-    """The filter that selects a case. A comma would end it and a star would widen it, so both become "any letter"."""
+    """The filter that selects a case. A comma would end it and a star would widen it, so both are replaced by "?", which matches
+    any letter."""
     return "--test-case=" + case.replace(",", "?").replace("*", "?").replace("\\", "?")
 
 
 def test_runner_is_built():
-    assert RUNNER.is_file(), f"{RUNNER} is not there: run scons tests"
-    assert cases(), "the runner holds no case"
+    assert RUNNER.is_file(), f"{RUNNER} does not exist: run scons tests"
+    assert cases(), "the runner has no cases"
 
 
 @pytest.mark.parametrize("case", cases())
 def test_case(core_tool, case):
     done = core_tool("core_tests", only(case), "--no-intro", timeout=900)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "test cases: 0 " not in done.stdout, f"the filter found no case:\n{done.stdout}"
+    assert "test cases: 0 " not in done.stdout, f"the filter matched no case:\n{done.stdout}"

@@ -1,5 +1,5 @@
-"""The C# wrappers of the add-on and the C# example of README.md, as far as a compiler without an engine can check them: no
-package registry has a Godot with .NET, so Debian's mono compiler reads them against tests/csharp/GodotStub.cs."""
+"""The C# wrappers of the add-on and the C# example of README.md, as far as a compiler can check them without an engine. No package registry
+has a Godot with .NET, so Debian's mono compiler compiles them with tests/csharp/GodotStub.cs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def wrappers(tmp_path_factory) -> list[Path]:
 
 
 def engine_classes(sources: list[str]) -> str:
-    """Empty classes and the enums of what these sources name and the stub lacks, with the bases that the engine gives them."""
+    """Empty classes and enums for all engine types that these sources use and the stub lacks, with their base classes in the engine."""
     api = json.loads((REPO / "build/engine/extension_api.json").read_text(encoding="utf-8"))
     known = {one["name"]: one for one in api["classes"]}
     there = set(re.findall(r"\b(?:class|struct) (\w+)", STUB.read_text(encoding="utf-8"))) | {"Object"}
@@ -58,7 +58,7 @@ def engine_classes(sources: list[str]) -> str:
 
 
 def compile_all(folder: Path, files: list[Path], *more: str):
-    """Compiles a library from files and more sources."""
+    """Compiles a library from the files and the additional sources in `more`."""
     texts = [path.read_text(encoding="utf-8") for path in files] + list(more)
     (folder / "engine.cs").write_text(engine_classes(texts), encoding="utf-8")
     for number, source in enumerate(more):
@@ -75,7 +75,7 @@ def test_every_class_has_a_wrapper_that_compiles(wrappers, tmp_path):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_nothing_of_a_page_is_missing(wrappers, page):
+def test_a_wrapper_has_every_member_of_its_page(wrappers, page):
     root = ElementTree.parse(page).getroot()
     text = next(path for path in wrappers if path.stem == page.stem).read_text(encoding="utf-8")
     for kind, tag in (("Object.Get(PropertyName.", "member"), ("Object.Call(MethodName.", "method"), ("AddHandler(SignalName.", "signal")):
@@ -106,14 +106,14 @@ def test_the_example_of_the_readme_compiles(wrappers, tmp_path):
         "ScatterState state = new ScatterLayer();",
     ],
 )
-def test_what_is_wrong_is_noticed(wrappers, tmp_path, body):
+def test_wrong_code_does_not_compile(wrappers, tmp_path, body):
     source = f"using Godot; using Thicket; class Wrong {{ void Run() {{ {body} }} }}"
     done = compile_all(tmp_path, wrappers, source)
     assert done.returncode != 0 and "source_0.cs" in done.stdout + done.stderr, done.stdout + done.stderr
 
 
-def test_generated_files_are_replaced_and_others_are_kept(tmp_path):
-    """What a class that is gone has left is removed, what a user wrote is not."""
+def test_generated_files_are_replaced_and_others_kept(tmp_path):
+    """The file of a removed class is deleted, but a user's file is not."""
     generated(tmp_path)
     note = (tmp_path / "ScatterLayer.cs").read_text(encoding="utf-8").splitlines()[0]
     (tmp_path / "ScatterGone.cs").write_text(note + "\nclass ScatterGone {}\n")
@@ -122,7 +122,7 @@ def test_generated_files_are_replaced_and_others_are_kept(tmp_path):
     assert "Mine.cs" in names and "ScatterGone.cs" not in names
 
 
-def test_the_add_on_has_what_was_generated(wrappers):
+def test_the_add_on_has_the_generated_files(wrappers):
     """The build has put the same files into the add-on."""
     shipped = REPO / "demo_project/addons/thicket/csharp"
     for path in wrappers:

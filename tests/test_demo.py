@@ -1,4 +1,4 @@
-"""The demo: its scene, and the pictures that it takes when nobody watches."""
+"""The demo: its scene, and the pictures that it takes without a display."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def complaints(printed: str) -> list[str]:
     return [line for line in COMPLAINT.findall(printed) if not any(words in line for words in HARMLESS)]
 
 
-def test_scene_holds_settings_only():
+def test_scene_contains_only_settings():
     scene = DEMO / "demo.tscn"
     text = scene.read_text()
     assert scene.stat().st_size < 100_000
     assert not re.search(r"MultiMesh|PackedByteArray|_surfaces|transform_array|buffer =", text)
 
 
-def test_scene_and_description_name_the_same_ground():
+def test_scene_and_description_have_the_same_ground():
     description = json.loads((TERRAIN / "jacksboro.json").read_text())
     text = (DEMO / "demo.tscn").read_text()
     rect = [float(part) for part in re.search(r"^rect = Rect2\((.*)\)$", text, re.MULTILINE).group(1).split(",")]
@@ -42,7 +42,7 @@ def test_scene_and_description_name_the_same_ground():
 
 
 def test_demo_runs_without_a_renderer(godot, imported_demo):
-    """The whole fixed path, headless: no warning, nothing leaked, a forest of more than 10^5 instances at each stop."""
+    """The whole fixed path, headless: no warnings, no leaks, and a forest of more than 10^5 instances at each stop."""
     done = godot(["--verbose", "--path", imported_demo, "--", "--screenshots"], timeout=300)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
@@ -54,7 +54,7 @@ def test_demo_runs_without_a_renderer(godot, imported_demo):
 
 
 def test_plants_are_the_same_on_every_run(godot, imported_demo, tmp_path):
-    """Two processes build the same meshes to the bit, and saving one stores its settings alone."""
+    """Two processes build bit-identical meshes, and saving one stores only its settings."""
     script = tmp_path / "plants.gd"
     script.write_text(PLANTS.replace("OUT", str(tmp_path)))
     runs = [godot(["--path", imported_demo, "--script", script], timeout=120) for _ in range(2)]
@@ -93,7 +93,7 @@ func _init() -> void:
 
 
 def test_keys(godot, imported_demo, tmp_path):
-    """What the overlay's help promises: seeds, density, walking, tiles, help; and one ground for all."""
+    """The functions in the overlay's help: seeds, density, walking, tiles, help. The ground is the same for drawing and for plants."""
     script = tmp_path / "keys.gd"
     script.write_text(KEYS)
     done = godot(["--path", imported_demo, "--script", script], timeout=240)
@@ -163,7 +163,7 @@ func run() -> void:
 	check(scatter.get_stats().instances == all, "+: everything again")
 
 	var camera := demo.get_node("Camera") as Camera3D
-	var ground: float = scatter.terrain.get_height(camera.position)
+	var ground: float = scatter.ground.get_height(camera.position)
 	press(KEY_F)
 	check(absf(camera.position.y - ground - 1.75) < 0.01, "F: eyes 1.75 m above the ground")
 	press(KEY_F)
@@ -183,7 +183,7 @@ func run() -> void:
 	for i in 2000:
 		var x := rng.randf_range(elevation.rect.position.x, elevation.rect.end.x)
 		var z := rng.randf_range(elevation.rect.position.y, elevation.rect.end.y)
-		worst = maxf(worst, absf(elevation.height(x, z) - scatter.terrain.get_height(Vector3(x, 0.0, z))))
+		worst = maxf(worst, absf(elevation.height(x, z) - scatter.ground.get_height(Vector3(x, 0.0, z))))
 	check(worst < 0.01, "one ground for drawing and for plants: %.4f m apart" % worst)
 	check(is_nan(elevation.height(elevation.rect.end.x + 1.0, 0.0)), "no ground outside")
 	print("keys: %d failed" % failed)
@@ -194,7 +194,7 @@ func run() -> void:
 
 
 def test_ground_has_no_holes(godot_xvfb, imported_demo, tmp_path):
-    """Magenta behind bare ground, seen from all over the map: nothing of it shows below any piece of ground."""
+    """The background is magenta. In views from all over the map, no magenta is visible below the ground."""
     script = tmp_path / "holes.gd"
     script.write_text(HOLES.replace("OUT", str(tmp_path)))
     done = godot_xvfb(["--path", imported_demo, "--resolution", "480x270", "--script", script], timeout=300)
@@ -207,7 +207,7 @@ def test_ground_has_no_holes(godot_xvfb, imported_demo, tmp_path):
         assert not (behind & below_ground).any()
         assert behind.mean() < 0.8
         skies += behind.any()
-    assert skies >= 6, "the views must look over the horizon, or the color behind is wrong"
+    assert skies >= 6, "the horizon must be in the views, or the background color is wrong"
 
 
 HOLES = """extends SceneTree
@@ -263,7 +263,7 @@ def pictures(godot_xvfb, imported_demo) -> dict[str, np.ndarray]:
 
 
 def is_a_picture(image: np.ndarray, least_green: float = 0.25) -> str:
-    """Why an image is not a picture of a landscape, of which this share at least is green; empty if it is one."""
+    """The reason why an image is not a picture of a landscape with at least this share of green; empty if it is one."""
     gray = image.mean(axis=2)
     share, _ = np.histogram(gray, bins=64, range=(0, 256))
     share = share[share > 0] / gray.size
@@ -282,7 +282,7 @@ def is_a_picture(image: np.ndarray, least_green: float = 0.25) -> str:
     return ", ".join(what for what, good in checks.items() if not good)
 
 
-def test_pictures_are_pictures(pictures):
+def test_pictures_show_landscapes(pictures):
     assert {"overview", "forest", "walk", "stones", "tiles"} <= pictures.keys()
     for name, image in pictures.items():
         assert image.shape == (720, 1280, 3)
@@ -290,7 +290,7 @@ def test_pictures_are_pictures(pictures):
 
 
 def test_pictures_have_a_sky(pictures):
-    """The upper border is bluer and brighter than the lower one, and smoother."""
+    """The upper border is bluer, brighter and smoother than the lower one."""
     for name in ("overview", "forest", "walk", "stones"):
         top, bottom = pictures[name][:60], pictures[name][-160:]
         columns = top[..., 2].mean(axis=0) - top[..., 0].mean(axis=0)
@@ -302,13 +302,13 @@ def test_pictures_differ(pictures):
     names = sorted(pictures)
     for i, first in enumerate(names):
         for second in names[i + 1 :]:
-            assert np.abs(pictures[first] - pictures[second]).mean() > 10.0, f"{first} and {second} show the same"
+            assert np.abs(pictures[first] - pictures[second]).mean() > 10.0, f"{first} and {second} look the same"
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("method", ["forward_plus", "mobile"])
-def test_other_renderers_show_the_same_afternoon(godot_xvfb, imported_demo, pictures, tmp_path, method):
-    """Forward+ and Mobile light in linear space; materials, light and haze look as they do in the Compatibility renderer."""
+def test_other_renderers_draw_the_same_colors(godot_xvfb, imported_demo, pictures, tmp_path, method):
+    """Forward+ and Mobile compute light in linear space. Materials, light and haze must look as in the Compatibility renderer."""
     stops = ["overview", "forest", "walk"]
     renderer = ["--rendering-driver", "vulkan", "--rendering-method", method, "--resolution", "640x360"]
     arguments = ["--path", imported_demo, *renderer, "--", f"--screenshots={tmp_path}", f"--stops={','.join(stops)}"]
@@ -328,7 +328,7 @@ def test_other_renderers_show_the_same_afternoon(godot_xvfb, imported_demo, pict
         assert apart < 20.0, f"{name}: colors differ by {apart:.1f} of 255"
 
 
-def test_a_picture_that_is_none_would_be_noticed():
+def test_images_without_a_landscape_are_detected():
     noise = np.random.default_rng(1).uniform(0, 255, (720, 1280, 3))
     ramp = np.broadcast_to(np.linspace(60, 200, 1280)[None, :, None], (720, 1280, 3))
     for bad in (np.zeros((720, 1280, 3)), np.full((720, 1280, 3), (40.0, 120.0, 40.0)), ramp, noise):

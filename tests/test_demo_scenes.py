@@ -1,4 +1,4 @@
-"""The demo's other scenes: what each of them promises to show, asked of what stands in it."""
+"""The other scenes of the demo: their content, and the pictures that they take."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PASSED = re.compile(r"^thicket engine tests: [1-9]\d* checks, 0 failed$", re.MUL
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_scene_holds_settings_only(scene):
+def test_scene_contains_only_settings(scene):
     path = DEMO / f"{scene}.tscn"
     text = path.read_text()
     assert path.stat().st_size < 100_000
@@ -26,7 +26,7 @@ def test_scene_holds_settings_only(scene):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
-    """Every stop, headless: no warning, nothing leaked, something to see at each."""
+    """Visits every stop, headless: no warnings, no leaks, and visible instances at each."""
     done = godot(["--verbose", "--path", imported_demo, f"res://{scene}.tscn", "--", "--screenshots"], timeout=300)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "demo: done" in done.stdout, printed[-4000:]
@@ -37,7 +37,7 @@ def test_scene_runs_without_a_renderer(godot, imported_demo, scene):
 
 
 @pytest.mark.parametrize("scene", ["rules", "biomes", "script_terrain"])
-def test_what_stands_in_the_scene(godot, imported_demo, scene):
+def test_content_of_the_scene(godot, imported_demo, scene):
     done = godot(["--verbose", "--path", imported_demo, "--script", ENGINE / f"test_demo_{scene}.gd"], timeout=300)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and PASSED.search(done.stdout), printed[-4000:]
@@ -56,8 +56,9 @@ def test_scene_is_a_picture(godot_xvfb, imported_demo, tmp_path, scene, stop):
     assert not is_a_picture(image, least_green=0.2), is_a_picture(image, least_green=0.2)
 
 
-def test_what_is_felled_stays_felled(godot, imported_demo, tmp_path):
-    """In the gameplay scene, one process fells a tree and saves, another one loads: gone for picture, queries, bodies."""
+def test_felled_trees_stay_felled(godot, imported_demo, tmp_path):
+    """In the gameplay scene, one process fells a tree and saves, and a second one loads. The tree is missing from the picture,
+    queries and bodies."""
     for test in ("test_felled_and_saved", "test_felled_after_a_restart"):
         script = ["--script", ENGINE / "test_demo_gameplay.gd", "--", test, f"file={tmp_path}/felled"]
         done = godot(["--verbose", "--path", imported_demo, *script], timeout=120)
@@ -66,8 +67,8 @@ def test_what_is_felled_stays_felled(godot, imported_demo, tmp_path):
         assert "leaked" not in printed, printed[-4000:]
 
 
-def test_the_game_leaves_pictures(godot_xvfb, imported_demo, tmp_path):
-    """Played by its script of keys: every step is seen, and looks unlike the one before."""
+def test_the_game_takes_pictures(godot_xvfb, imported_demo, tmp_path):
+    """A script presses the keys. Every step has a picture that differs from the previous one."""
     arguments = ["--path", imported_demo, "--resolution", "640x360", "res://gameplay.tscn", "--"]
     done = godot_xvfb([*arguments, f"--screenshots={tmp_path}"], timeout=400)
     printed = done.stdout + done.stderr
@@ -80,13 +81,13 @@ def test_the_game_leaves_pictures(godot_xvfb, imported_demo, tmp_path):
         image = np.asarray(Image.open(tmp_path / f"{name}.png").convert("RGB"), np.float64)
         assert image.shape == (360, 640, 3)
         why = is_a_picture(image, least_green=0.2)
-        assert name == "map" or not why, f"{name}: {why}"  # The map lies over half of the landscape.
+        assert name == "map" or not why, f"{name}: {why}"  # The map covers half of the landscape.
         assert before is None or np.abs(image - before).mean() > 3.0, name
         before = image
 
 
 def test_the_script_terrain_is_short():
-    """What people copy: about 30 lines that are neither empty nor a comment."""
+    """It is meant for copying, so it has at most 30 lines that are neither empty nor comments."""
     lines = [line.strip() for line in (DEMO / "terrain/island.gd").read_text().splitlines()]
     assert len([line for line in lines if line and not line.startswith("#")]) <= 30
 
@@ -99,8 +100,8 @@ def test_an_unknown_scene_is_named():
         assert re.search(rf"\b{scene}\b", done.stderr)
 
 
-def test_the_valley_is_what_its_script_makes():
-    """To one step of 2 mm and one of 1/255: other versions of numpy may round the last bit otherwise."""
+def test_the_valley_matches_its_script():
+    """Heights may differ by one step of 2 mm and soils by 1/255, because versions of numpy round the last bit differently."""
     valley = load_script("make_valley")
     posts, soil = valley.make()
     stored = np.frombuffer((TERRAIN / "valley.r16").read_bytes(), "<u2").astype(int)
@@ -122,7 +123,7 @@ def test_the_rules_scene_and_the_valley_agree():
     assert text.count(f"rect = Rect2({-valley.SIZE / 2:g}, {-valley.SIZE / 2:g}, {valley.SIZE:g}, {valley.SIZE:g})") == 2
     assert f"min_height = {valley.LOW}\n" in text and f"max_height = {valley.HIGH}\n" in text
     numbers = re.search(r'"points": PackedVector3Array\((.*?)\)', text).group(1).split(",")
-    points = np.array(numbers, float).reshape(-1, 3, 3)[:, 2]  # In, out, place.
+    points = np.array(numbers, float).reshape(-1, 3, 3)[:, 2]  # In, out, position.
     assert np.array_equal(points[:, [0, 2]], np.array(valley.PATH, float))
     heights = valley.heights(points[:, 0], points[:, 2])
     assert np.abs(points[:, 1] - heights).max() < 0.01, "the path lies on the ground"

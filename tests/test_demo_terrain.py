@@ -1,4 +1,4 @@
-"""The demo's elevation data: where they come from, and how they are drawn."""
+"""The demo's elevation data: their source, and the ground that is drawn from them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TERRAIN = REPO / "demo_project/terrain"
 
 
 def load_script(name: str):
-    """A script of the terrain's folder as a module."""
+    """Loads a script from the terrain's folder as a module."""
     spec = importlib.util.spec_from_file_location(name, TERRAIN / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -43,7 +43,7 @@ def test_heightmap_holds_the_elevations_exactly():
 
 
 def test_heightmap_has_the_true_scale():
-    """3 arc-seconds on the ellipsoid, against the usual series for the length of a degree."""
+    """Compares 3 arc-seconds on the ellipsoid with the usual series for the length of a degree."""
     description = json.loads((TERRAIN / "jacksboro.json").read_text())
     latitude = np.radians((36.73291666666667 + 36.44625) / 2.0)
     degree_z = 111132.92 - 559.82 * np.cos(2 * latitude) + 1.175 * np.cos(4 * latitude)
@@ -53,7 +53,7 @@ def test_heightmap_has_the_true_scale():
     for axis, posts in (("x", 403), ("z", 344)):
         size = description[f"size_{axis}"]
         assert size == description[f"post_meters_{axis}"] * (posts - 1)
-        # Exact in the engine's single precision, as is its half.
+        # Exact in the engine's single precision, and so is half of it.
         assert struct.unpack("f", struct.pack("f", size / 2.0))[0] == size / 2.0
 
 
@@ -68,9 +68,9 @@ def test_converter_refuses_a_model_that_does_not_fit(tmp_path):
         converter.convert(tmp_path / "turned.npz")
 
 
-def test_drawn_ground_stays_with_the_bilinear_one():
-    """Near the camera 16 quads stand between two posts: their triangles leave the bilinear surface by less than 5 cm
-    anywhere on the map, and by 2 cm at most on 97 % of it."""
+def test_drawn_ground_is_close_to_the_bilinear_surface():
+    """Near the camera there are 16 quads between two posts. Their triangles are less than 5 cm away from the bilinear surface
+    anywhere on the map, and at most 2 cm on 97 % of it."""
     quads = int(re.search(r"^const QUADS := (\d+)$", (TERRAIN / "terrain_view.gd").read_text(), re.MULTILINE).group(1))
     description = json.loads((TERRAIN / "jacksboro.json").read_text())
     heights = np.fromfile(TERRAIN / "jacksboro.r16", "<u2").reshape(description["rows"], description["columns"]) / 64.0

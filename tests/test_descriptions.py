@@ -1,5 +1,5 @@
-"""The bindings are generated from what the oldest engine says of itself and rely on nothing that later ones have otherwise:
-description_4.4.json is compared with this engine's own description, and with those of all releases where they can be had."""
+"""The bindings are generated from the oldest engine's description of itself, and rely on nothing that later engines have changed.
+description_4.4.json is compared with the description of this engine, and with those of all releases, if available."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ def script(name: str, *arguments) -> subprocess.CompletedProcess[str]:
 
 
 def dumped(build_dir: Path) -> Path:
-    """What the engine at hand says of itself."""
+    """This engine's description of itself."""
     return build_dir.parent / "engine/extension_api.json"
 
 
 def released(version: str) -> Path:
     path = DESCRIPTIONS / version / "extension_api.json"
     if not path.is_file():
-        pytest.skip(f"{path} is not there: tools/setup.sh fetches it, or set THICKET_DESCRIPTIONS")
+        pytest.skip(f"{path} does not exist: tools/setup.sh downloads it, or set THICKET_DESCRIPTIONS")
     return path
 
 
@@ -115,10 +115,10 @@ DAMAGES: dict[str, tuple[Callable[[dict], object], str]] = {
         lambda api: of_class(api, "Node", "constants", "NOTIFICATION_ENTER_TREE").update(value=1),
         "Node.NOTIFICATION_ENTER_TREE is 1 and was 10",
     ),
-    "parent": (lambda api: named(api["classes"], "Noise").update(inherits="Node"), "Noise inherits Resource no more"),
+    "parent": (lambda api: named(api["classes"], "Noise").update(inherits="Node"), "Noise no longer inherits Resource"),
     "counting": (lambda api: named(api["classes"], "Mesh").update(is_refcounted=False), "Mesh: is_refcounted is False"),
     "class": (lambda api: lose(api["classes"], "Curve"), "Curve is gone"),
-    "singleton": (lambda api: lose(api["singletons"], "Engine"), "Engine is no singleton any more"),
+    "singleton": (lambda api: lose(api["singletons"], "Engine"), "Engine is no longer a singleton"),
     "size": (
         lambda api: named(api["builtin_class_sizes"][2]["sizes"], "Vector3").update(size=12),
         "Vector3 takes [12, 12, 12, 24] bytes",
@@ -154,8 +154,8 @@ def test_a_difference_is_found(name, tmp_path):
     assert done.stdout.count("\n") == 1, done.stdout
 
 
-def test_what_is_no_difference(tmp_path):
-    """A method that keeps its old form under its old hash, a class between two others, and all that is new."""
+def test_harmless_changes_are_no_difference(tmp_path):
+    """A method with its old version under the old hash, a new class between two others, and all additions."""
 
     def harmless(api: dict) -> None:
         other_hash(api, "Node", "add_child", True)
@@ -168,7 +168,7 @@ def test_what_is_no_difference(tmp_path):
 
 
 def test_numbers_in_engine_code_are_compared():
-    """A value that engine code names by number, since older headers have no name for it, is one that check.py knows."""
+    """Engine code contains values as numbers if older headers have no name for them. check.py must know each of these values."""
     newer = tomllib.loads(USED.read_text(encoding="utf-8"))["newer"]
     known = {(owner, enum, name.lower(), value) for owner, enums in newer.items() for enum, values in enums.items()
         for name, value in values.items()}  # fmt: skip
@@ -179,9 +179,9 @@ def test_numbers_in_engine_code_are_compared():
 
 
 def test_newer_values_are_those_of_this_engine(build_dir):
-    """The numbers above are no guesses, where this engine is new enough to have them."""
+    """The numbers above are correct, if this engine is new enough to have the values."""
     if tuple(map(int, release(dumped(build_dir)).split("."))) < (4, 6):
-        pytest.skip("this engine is older than what they came with")
+        pytest.skip("this engine is too old to have these values")
     api = json.loads(dumped(build_dir).read_text(encoding="utf-8"))
     for owner, enums in tomllib.loads(USED.read_text(encoding="utf-8"))["newer"].items():
         for enum, values in enums.items():
@@ -196,18 +196,18 @@ def describe(api: Path, out: Path, used: Path = USED) -> subprocess.CompletedPro
     return script("describe.py", "--api", api, "--used", used, "--out", out)
 
 
-def test_the_description_holds_what_is_used_and_no_more(tmp_path):
-    """Describing it gives itself again: nothing is missing, and nothing is left over from what was used before."""
+def test_the_description_contains_only_what_is_used(tmp_path):
+    """describe.py, applied to the description, reproduces it: nothing is missing, and nothing is unused."""
     assert describe(OLDEST, tmp_path / OLDEST.name).returncode == 0
     assert (tmp_path / OLDEST.name).read_text() == OLDEST.read_text()
 
 
-def test_the_description_is_that_of_the_release(tmp_path):
+def test_the_description_matches_the_release(tmp_path):
     assert describe(released("4.4"), tmp_path / OLDEST.name).returncode == 0
     assert (tmp_path / OLDEST.name).read_text() == OLDEST.read_text(), "run describe.py with the 4.4 description"
 
 
-def test_another_release_is_not_taken_for_the_oldest(tmp_path, build_dir):
+def test_a_different_release_is_not_accepted_as_the_oldest(tmp_path, build_dir):
     version = release(dumped(build_dir))
     done = describe(dumped(build_dir), tmp_path / "description_4.1.json")
     assert done.returncode != 0 and version in done.stderr and "4.1" in done.stderr
@@ -225,7 +225,7 @@ def test_another_release_is_not_taken_for_the_oldest(tmp_path, build_dir):
         ('[classes.PhysicsServer2D]\nmethods = ["body_apply_force"]', ["body_apply_force", "double_hashes"]),
     ],
 )
-def test_what_the_engine_lacks_is_named(addition, words, tmp_path, build_dir):
+def test_missing_api_is_named(addition, words, tmp_path, build_dir):
     used = tmp_path / "used.toml"
     used.write_text(USED.read_text() + "\n" + addition + "\n")
     done = describe(dumped(build_dir), tmp_path / f"description_{release(dumped(build_dir))}.json", used)
@@ -242,7 +242,7 @@ def generate(out: Path, build_dir: Path, used: Path = USED, interface: Path | No
     return script("generate.py", "--used", used, "--out", out, "--api", OLDEST, "--interface", interface)
 
 
-def test_generator_writes_what_it_lists_and_only_changes(tmp_path, build_dir):
+def test_generator_writes_the_listed_files_and_only_changes(tmp_path, build_dir):
     listed = script("generate.py", "--used", USED, "--out", tmp_path, "--list").stdout.split()
     assert generate(tmp_path, build_dir).returncode == 0
     written = {str(path): path.stat().st_mtime_ns for path in tmp_path.rglob("*") if path.is_file()}
@@ -259,8 +259,8 @@ def test_generator_writes_what_it_lists_and_only_changes(tmp_path, build_dir):
         ('enums = ["Error",', 'enums = ["Error", "Side",', ["Side"]),
     ],
 )
-def test_generator_names_what_the_description_lacks(before, after, words, tmp_path, build_dir):
-    """It says what is missing there, and how the description is made anew."""
+def test_generator_names_api_that_the_description_lacks(before, after, words, tmp_path, build_dir):
+    """The error names the missing API and the command that updates the description."""
     used = tmp_path / "used.toml"
     text = USED.read_text()
     assert before in text
@@ -272,7 +272,7 @@ def test_generator_names_what_the_description_lacks(before, after, words, tmp_pa
 
 
 def test_interface_functions_are_old_enough(tmp_path, build_dir):
-    """The header says since when there is a function. One that the oldest engine lacks must not be asked for by all."""
+    """The header has the release that introduced each function. A function that the oldest engine lacks must not be required."""
     header = (build_dir.parent / "engine/gdextension_interface.h").read_text(encoding="utf-8")
     late = tmp_path / "late.h"
     late.write_text(re.sub(r"(@name variant_call\n \* @since) [\d.]+", r"\1 4.10", header))

@@ -1,9 +1,9 @@
-"""The statistics of the single-domain samplers, held against naive dart throwing run to its end by code that shares
-nothing with them.
+"""Statistics of the single-domain samplers, compared with naive dart throwing to its end, by code that shares nothing with
+them.
 
-Hierarchical dart throwing is naive dart throwing, point by point: also a part of a set, in the order of acceptance, is
-one of naive darts. Wavefront sampling fills the domain from a corner, so its order is another; the full sets are the
-same as far as these tests can see (section 4.4 of the paper says no more). All seeds are fixed."""
+Hierarchical dart throwing has the distribution of naive dart throwing, point by point. So the first part of a set, in the order of
+acceptance, also matches naive darts. Wavefront sampling fills the domain from a corner, so its order is different. Its full sets
+match as far as these tests can detect, and section 4.4 of the paper claims no more. All seeds are fixed."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ import pytest
 from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRONG, Measured
 from analysis.significance import mean_differs_from, means_differ, z_of_mean
 
-WINDOW = 36.0  # radii
+WINDOW = 36.0  # Radii.
 BORDER = 6.0
 SIDE = WINDOW + 2.0 * BORDER
-SETS = 128  # independent seeds of each kind
+SETS = 128  # Independent seeds of each kind.
 
-# The accumulator gives the points of the standard variant: tests/core/test_domain_determinism.cpp.
+# The accumulator produces the points of the standard variant: tests/core/test_domain_determinism.cpp.
 EQUIVALENT = [("hierarchical", "single"), ("hierarchical", "double")]
 KINDS = [*EQUIVALENT, ("wavefront", "double")]
-# Both precisions start from the same random numbers, so the same seed would make them agree in their luck as well.
+# Both precisions use the same random numbers, so the same seeds would give them the same deviations.
 FIRST_SEED = {"single": 1001, "double": 2001}
 
 
 def domains_of(thicket: ModuleType, method: str, size, first_seed: int, seeds: int, *, toroidal=True, **options) -> list[np.ndarray]:
-    """Whole domains of size = (width, height) with radius 1, one for each seed, in double precision to reckon with; options are
-    those of thicket.sample_domain."""
+    """Whole domains of size = (width, height) with radius 1, one for each seed, converted to double precision. The options are those of
+    thicket.sample_domain."""
     return [
         thicket.sample_domain(size, 1.0, seed, method=method, toroidal=toroidal, **options).astype(np.float64)
         for seed in range(first_seed, first_seed + seeds)
@@ -36,7 +36,7 @@ def domains_of(thicket: ModuleType, method: str, size, first_seed: int, seeds: i
 
 
 def measured(sets: list[np.ndarray], part: float = 1.0) -> Measured:
-    """The first part of the points of each torus, with both seams through the middle of the window."""
+    """The first part of the points of each torus, shifted so that both seams pass through the middle of the window."""
     windows = []
     for points in sets:
         windows.append(np.mod(points[: round(part * len(points))] + 0.5 * SIDE, SIDE) - BORDER)
@@ -67,7 +67,7 @@ def domains(domain_sets) -> dict[tuple[str, str], Measured]:
 @pytest.mark.parametrize("kind", KINDS, ids="-".join)
 def test_sets_agree_with_naive_darts(darts, domains, kind, feature):
     p = means_differ(darts.rows(feature), domains[kind].rows(feature))
-    # Twelve tests of one promise.
+    # One promise is tested twelve times.
     assert p > ALPHA / 12, f"{feature} differ: p = {p:.2g}"
 
 
@@ -80,8 +80,8 @@ def test_near_pairs_have_no_direction(domains, kind):
 @pytest.mark.parametrize("part", [0.3, 0.9])
 @pytest.mark.parametrize("kind", EQUIVALENT, ids="-".join)
 def test_parts_of_sets_agree_with_naive_darts(dart_sets, domain_sets, kind, part):
-    """Darts must fall anywhere in the open domain with equal probability, at all times: not more often into small
-    squares, not in the order of rows."""
+    """At any time, darts must have equal probability everywhere in the open domain. They must not prefer small squares or the order of
+    rows."""
     p = means_differ(measured(dart_sets, part).pairs, measured(domain_sets[kind], part).pairs)
     assert p > ALPHA / 4, f"the first {part} of the points differ: p = {p:.2g}"
 
@@ -97,13 +97,13 @@ def wrong_sets(thicket, references) -> dict[str, Measured]:
 
 @pytest.mark.parametrize("feature", ["density", "pairs"])
 @pytest.mark.parametrize("kind", ["early", "colored"])
-def test_what_differs_is_noticed(darts, wrong_sets, kind, feature):
+def test_wrong_sets_are_detected(darts, wrong_sets, kind, feature):
     p = means_differ(darts.rows(feature), wrong_sets[kind].rows(feature))
-    assert p < WRONG, f"{kind} passes for darts by its {feature}: p = {p:.2g}"
+    assert p < WRONG, f"{kind} is not distinguished from darts by its {feature}: p = {p:.2g}"
 
 
-def test_another_order_is_noticed(dart_sets, domain_sets):
-    """Else the comparison of parts would say nothing: the wavefront fills a corner first."""
+def test_a_different_order_is_detected(dart_sets, domain_sets):
+    """Otherwise, the comparison of parts would prove nothing: the wavefront fills a corner first."""
     wavefront = domain_sets["wavefront", "double"]
     assert means_differ(measured(dart_sets, 0.3).pairs, measured(wavefront, 0.3).pairs) < WRONG
 
@@ -120,14 +120,14 @@ def test_coverage_is_that_of_the_jammed_state(thicket, kind):
     assert sum(map(len, sets)) >= 2_000_000
     found = coverage(sets, side)
     error = found.std(ddof=1) / np.sqrt(seeds)
-    assert error < 1.5e-4, "too few points to say anything"
+    assert error < 1.5e-4, "too few points for a conclusion"
     z = z_of_mean(found, JAMMED_COVERAGE)
     assert abs(z) < 4.0, f"coverage {found.mean():.6f} is {z:.1f} standard errors from {JAMMED_COVERAGE}"
 
 
-def test_naive_darts_come_close_to_the_jammed_state_as_they_should(thicket):
-    """What is missing shrinks with the square root of the number of darts (Feder 1980, Swendsen 1981), so four times
-    the darts leave half of it."""
+def test_naive_darts_approach_the_jammed_state_at_the_known_rate(thicket):
+    """The missing coverage decreases with the square root of the number of darts (Feder 1980, Swendsen 1981), so four times the darts
+    halve it."""
     side, seeds = 48.0, 16
     missing = []
     for darts_each in [25, 100, 400]:
@@ -140,8 +140,8 @@ def test_naive_darts_come_close_to_the_jammed_state_as_they_should(thicket):
 
 @pytest.mark.parametrize("method", ["naive", "hierarchical", "wavefront"])
 @pytest.mark.parametrize("torus", [True, False], ids=["torus", "bounded"])
-def test_four_sides_are_alike(thicket, method, torus):
-    """Points beside each side of a domain that is no square, by their distance from it, a square radius each."""
+def test_all_four_sides_have_equal_densities(thicket, method, torus):
+    """Counts points near each side of a rectangular domain by their distance from it, per square radius."""
     size, seeds = np.array([70.0, 41.0]), 96
     edges = np.linspace(0.0, 3.0, 9)
     rows, density = [], []
@@ -161,5 +161,5 @@ def test_four_sides_are_alike(thicket, method, torus):
     p = mean_differs_from(differences.reshape(seeds, -1), 0.0)
     assert p > ALPHA / 6, f"sides differ: p = {p:.2g}"
     beside = z_of_mean(rows[:, :, 0].mean(axis=1) - density, 0.0)
-    # Beyond the border of a bounded domain nothing takes the room beside it; across a seam something does.
+    # A bounded domain has no points beyond its border that would exclude others. Across a seam, there are some.
     assert abs(beside) < 4.0 if torus else beside > 20.0

@@ -1,4 +1,4 @@
-"""The editor's side: a designer's steps in the real editor, drawn in software, with pictures in build/editor."""
+"""The editor's tools: a designer's steps in the real editor, drawn in software, with pictures in build/editor."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def project(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def imported(godot, project) -> Path:
-    """The project once the editor has read its files; pictures of earlier runs are gone."""
+    """The project after the editor has imported its files. Pictures of earlier runs are deleted."""
     done = godot(["--path", project, "--import"], timeout=120)
     assert not complaints(done.stdout + done.stderr)
     for old in PICTURES.glob("*.png"):
@@ -88,13 +88,14 @@ def imported(godot, project) -> Path:
 
 @pytest.fixture(scope="module")
 def designer(godot_xvfb, imported, project) -> str:
-    """What is printed while the demo scene is worked on."""
+    """The output while a designer works on the demo scene."""
     done = godot_xvfb(["--editor", "--path", project, "--", "demo_scene"], timeout=900)
     return done.stdout + done.stderr
 
 
 def test_a_designers_first_hour(designer):
-    """A node, a layer, a stroke, undo, redo, save, reopen, presets, shapes, bake: checks in demo_scene.gd."""
+    """Creates a node and a layer, paints, undoes, redoes, saves, reopens, uses presets and shapes, and bakes. The checks are in
+    demo_scene.gd."""
     check_passed(designer)
 
 
@@ -123,7 +124,7 @@ def plain_project(tmp_path) -> Path:
 
 @pytest.mark.parametrize("script", ["test_bake", "test_scene_files"])
 def test_scripts_of_the_editor(godot, plain_project, script):
-    """What a bake writes, how it is given up, what it refuses; where the brush's ray meets the ground; files that cannot be written."""
+    """Covers the result of a bake, canceling and refusing a bake, the brush's ray on the ground, and unwritable files."""
     link_library(plain_project)
     done = godot(["--verbose", "--path", plain_project, "--script", REPO / f"tests/engine/{script}.gd"], timeout=120)
     printed = done.stdout + done.stderr
@@ -133,7 +134,7 @@ def test_scripts_of_the_editor(godot, plain_project, script):
 
 @pytest.fixture
 def editor_project(plain_project) -> Path:
-    """The same with the library and the scripts of editor tests, and nothing heavy to draw."""
+    """The plain project with the library and the scripts of the editor tests, and without expensive scenes."""
     link_library(plain_project)
     shutil.copytree(STEPS, plain_project / "tests")
     settings = plain_project / "project.godot"
@@ -146,14 +147,14 @@ def editor_project(plain_project) -> Path:
 
 @pytest.mark.parametrize("script", ["impostors", "imports", "whole_files"])
 def test_small_scenes(godot, godot_xvfb, editor_project, script):
-    """Impostors by one click, imports of instances, files that are replaced: checks in these scripts."""
-    run = godot_xvfb if script == "imports" else godot  # Without a renderer no scene is saved in silence.
+    """Covers impostors from one click, imports of instances, and replaced files. The checks are in these scripts."""
+    run = godot_xvfb if script == "imports" else godot  # Without a renderer, saving a scene prints errors.
     done = run(["--editor", "--path", editor_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
 
 
-def test_single_instances_by_hand(godot, godot_xvfb, editor_project):
-    """Checks in hand.gd, with the mouse and the keys; then a game finds what was planted, to the bit."""
+def test_hand_placed_instances(godot, godot_xvfb, editor_project):
+    """The checks are in hand.gd and use mouse and keys. Then a game finds the hand-placed instances, bit for bit."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "hand"], timeout=600)
     check_passed(done.stdout + done.stderr)
     played = godot(["--path", editor_project, "--script", "res://tests/hand_in_game.gd"], timeout=120)
@@ -162,14 +163,14 @@ def test_single_instances_by_hand(godot, godot_xvfb, editor_project):
 
 
 def test_shapes(godot_xvfb, editor_project):
-    """Checks in shapes.gd."""
+    """The checks are in shapes.gd."""
     done = godot_xvfb(["--editor", "--path", editor_project, "--", "shapes"], timeout=600)
     check_passed(done.stdout + done.stderr)
 
 
 @pytest.fixture(scope="module")
 def ground_follows(godot_xvfb, tmp_path_factory) -> str:
-    """What is printed while a designer chooses a ground and moves it."""
+    """The output while a designer chooses a ground and moves it."""
     folder = new_plain_project(tmp_path_factory.mktemp("ground"))
     link_library(folder)
     shutil.copytree(STEPS, folder / "tests")
@@ -182,13 +183,15 @@ def ground_follows(godot_xvfb, tmp_path_factory) -> str:
     return done.stdout + done.stderr
 
 
-def test_a_ground_is_chosen_and_followed(ground_follows):
-    """Checks in ground_follows.gd: what is selected becomes the ground, undone to the byte; what moves is followed."""
+def test_a_ground_can_be_chosen_and_moved(ground_follows):
+    """The checks are in ground_follows.gd. The selection becomes the ground, undo restores every byte, and the scatter follows
+    movements."""
     check_passed(ground_follows)
 
 
 def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
-    """Checks in plugin_ground.gd, with the doubles of the engine's tests, which run in the editor as plug-ins do; and water there."""
+    """The checks are in plugin_ground.gd. They use the doubles of terrain plug-ins from the engine tests, which run in the editor,
+    and water."""
     (editor_project / "doubles").mkdir()
     for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness"):
         text = (REPO / f"tests/engine/{name}.gd").read_text(encoding="utf-8")
@@ -197,12 +200,13 @@ def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
     check_passed(done.stdout + done.stderr)
 
 
-def test_what_helps_where_a_first_import_crashes(godot, plain_project):
-    """Engines up to 4.7 crash as they quit after a first import with any extension (godot issue 111048). README.md says what to do:
-    all is imported by then, so the next one ends well; and so does the first, if the engine knows the extension."""
+def test_workarounds_for_the_crash_of_a_first_import(godot, plain_project):
+    """Engines up to 4.7 may crash on quitting after a first import with any extension (godot issue 111048). README.md has two
+    workarounds. After the crash everything is imported, so a second import succeeds. And a first import succeeds if the engine
+    already knows the extension."""
     link_library(plain_project)
     project = plain_project / "project.godot"
-    project.write_text(project.read_text().split("[editor_plugins]")[0])  # The plug-in's scripts would give it time.
+    project.write_text(project.read_text().split("[editor_plugins]")[0])  # The plug-in's scripts would delay the end and avoid the crash.
     listed = (plain_project / ".godot/extension_list.cfg").read_text()
     for first in (False, True):
         shutil.rmtree(plain_project / ".godot")
@@ -219,20 +223,20 @@ def test_what_helps_where_a_first_import_crashes(godot, plain_project):
 
 @pytest.fixture(scope="module")
 def why(godot, godot_xvfb, tmp_path_factory) -> str:
-    """What is printed while a designer asks why nothing stands somewhere; the camera is where it is on a first start."""
+    """The output while a designer queries why a position is empty. The camera is at its position of a first start."""
     project = new_demo_project(tmp_path_factory.mktemp("why"))
     godot(["--path", project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", project, "--", "why"], timeout=600)
     return done.stdout + done.stderr
 
 
-def test_why_nothing_stands_there(why):
-    """Hovering, pinning and colors: checks in why.gd."""
+def test_why_a_position_is_empty(why):
+    """Covers hovering, pinning and colors. The checks are in why.gd."""
     check_passed(why)
 
 
-def test_pictures_of_the_colors(why):
-    """Much of the ground is red where nothing may stand, green where it is gentle, and blue where the first stand."""
+def test_pictures_of_the_ground_colors(why):
+    """Much of the ground is red where nothing is permitted, green where it is gentle, and blue where the first instances are."""
     shares = {}
     for name in ("why", "why_density", "why_slope", "why_rank"):
         image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("RGB"), np.int16)[150:850, 290:1150]
@@ -245,7 +249,7 @@ def test_pictures_of_the_colors(why):
 
 @pytest.fixture
 def desk_project(plain_project) -> Path:
-    """The same with the library, and with the scripts that work in the editor."""
+    """The plain project with the library, and with scripts that run in the editor."""
     link_library(plain_project)
     shutil.copytree(STEPS, plain_project / "tests")
     PICTURES.mkdir(parents=True, exist_ok=True)
@@ -261,10 +265,11 @@ def desk_project(plain_project) -> Path:
     ["layers_panel", "shared_layers", "biome_layers", "undo_steps", "toolbar_room", "pasted", "first_minute"]
     + ["loose_states", "clicks", "navigation", "viewports"],
 )
-def test_layers_desk(godot, godot_xvfb, desk_project, script):
-    """The panel with mouse and keys, what a duplicate shares, questions before far more is shown, undo of every step to the byte, the
-    toolbar in a narrow window, a node pasted into another scene, what scripts have placed, the
-    brush, regions and a radius by clicks alone, a navigation mesh, what each of the viewports shows: checks in the scripts."""
+def test_layers_panel(godot, godot_xvfb, desk_project, script):
+    """Covers the panel with mouse and keys, shared resources of duplicates, confirmations before many more instances are shown,
+    undo of every step to the byte, the toolbar in a narrow window, a node pasted into a different scene, instances placed by
+    scripts, the brush, regions and a radius with clicks only, a navigation mesh, and the instances in each viewport. The checks are
+    in the scripts."""
     godot(["--path", desk_project, "--import"], timeout=120)
     done = godot_xvfb(["--editor", "--path", desk_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
@@ -272,7 +277,7 @@ def test_layers_desk(godot, godot_xvfb, desk_project, script):
 
 @pytest.fixture
 def libraryless_project(plain_project) -> Path:
-    """A plain project without the library, with the scripts for an editor that has none; what the build makes is put aside."""
+    """A plain project without the library, with scripts for an editor that lacks it. Removes generated files of the build."""
     tests = plain_project / "tests"
     tests.mkdir()
     for name in ("plugin.cfg", "plugin.gd", "steps.gd", "without_library.gd", "library_later.gd"):
@@ -288,7 +293,8 @@ def libraryless_project(plain_project) -> Path:
 
 
 def test_without_the_library_the_plugin_warns_once(godot, godot_xvfb, libraryless_project):
-    """As in a checkout that is not built yet: one warning names the remedy, and no script fails. Checks in without_library.gd."""
+    """For example in a checkout before the first build: one warning has the remedy, and no script fails. The checks are in
+    without_library.gd."""
     imported = godot(["--path", libraryless_project, "--import"], timeout=120)
     assert imported.returncode == 0
     # Only an editor with a window compiles all scripts that it indexes, for the class reference.
@@ -301,7 +307,7 @@ def test_without_the_library_the_plugin_warns_once(godot, godot_xvfb, libraryles
 
 
 def test_a_first_import_finds_the_library(godot, plain_project):
-    """The editor loads the library before the plugin begins: the plugin has nothing to warn of."""
+    """The editor loads the library before the plugin starts, so the plugin must not warn."""
     link_library(plain_project)
     shutil.rmtree(plain_project / ".godot")
     done = godot(["--path", plain_project, "--import"], timeout=120)
@@ -309,7 +315,7 @@ def test_a_first_import_finds_the_library(godot, plain_project):
 
 
 def test_the_tools_appear_once_the_library_is_loaded(godot, libraryless_project):
-    """As where it is built, or copied into the project, while the editor runs. Steps in library_later.gd."""
+    """The library may be built or copied into the project while the editor is running. The steps are in library_later.gd."""
     done = godot(["--editor", "--path", libraryless_project, "--", "library_later"], timeout=200)
     printed = done.stdout + done.stderr
     assert "library later: the tools are there" in printed and "library reloaded: the panel has added a layer" in printed, printed
@@ -321,7 +327,7 @@ def test_the_tools_appear_once_the_library_is_loaded(godot, libraryless_project)
     ["added", "brush", "preset", "gizmos", "region", "neighbors", "region_layers", "dropped", "layer", "inspector", "help"],
 )
 def test_pictures(designer, name):
-    """The editor drew something: many shades, none of them most of the picture."""
+    """The editor has drawn its content: the picture has many shades, and none covers most of it."""
     image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("L"), np.int16)
     shades = np.bincount(image.ravel(), minlength=256) / image.size
     assert image.shape == (900, 1440)
@@ -329,7 +335,7 @@ def test_pictures(designer, name):
 
 
 def test_picture_of_the_cursor(designer):
-    """The ring of an erasing brush is red, and no other picture has so much of it."""
+    """The ring of an erasing brush is red. No other picture has as much red."""
     reds = {}
     for name in ("added", "brush"):
         image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("RGB"), np.int16)[150:850, 290:1150]

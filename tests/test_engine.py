@@ -1,4 +1,4 @@
-"""The extension in the real engine: what tests/engine asks from GDScript, and what only shows from outside."""
+"""The extension in the real engine: runs the scripts of tests/engine, and checks the engine's output and exit."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SCENE = """[gd_scene format=3]
 
 [ext_resource type="Script" path="res://in_editor.gd" id="1"]
 
-[sub_resource type="ScatterTerrainFlat" id="ground"]
+[sub_resource type="ScatterGroundFlat" id="ground"]
 
 [sub_resource type="BoxMesh" id="box"]
 
@@ -32,7 +32,7 @@ meshes = Array[Mesh]([SubResource("box")])
 [node name="Root" type="Node3D"]
 
 [node name="Scatter" type="TerrainScatter3D" parent="."]
-terrain = SubResource("ground")
+ground = SubResource("ground")
 layers = Array[ScatterLayer]([SubResource("layer")])
 
 [node name="Glade" type="ScatterRegion3D" parent="Scatter"]
@@ -44,7 +44,7 @@ radius = 20.0
 script = ExtResource("1")
 """
 
-# The same on a floor that only rays can find.
+# The same scene with a floor that only ray casts can find.
 FLOOR_SHAPE = """[sub_resource type="BoxShape3D" id="floor"]
 size = Vector3(150, 2, 90)
 
@@ -55,11 +55,11 @@ FLOOR = """[node name="Floor" type="StaticBody3D" parent="."]
 shape = SubResource("floor")
 
 """
-COLLIDER_SCENE = SCENE.replace("ScatterTerrainFlat", "ScatterTerrainColliders")
+COLLIDER_SCENE = SCENE.replace("ScatterGroundFlat", "ScatterGroundColliders")
 for before, added in ('[node name="Root"', FLOOR_SHAPE), ('[node name="Watcher"', FLOOR):
     COLLIDER_SCENE = COLLIDER_SCENE.replace(before, added + before)
 
-# Runs each example as its reader would: nodes in a scene, a tool by its _run.
+# Runs each example as a user would: nodes in a scene, an editor script with its _run.
 EXAMPLES = """extends SceneTree
 
 func _initialize() -> void:
@@ -78,13 +78,13 @@ func _initialize() -> void:
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
-    """A new project with the addon and nothing else."""
+    """A new project with the add-on and nothing else."""
     return new_project(tmp_path_factory.mktemp("engine"))
 
 
 @pytest.fixture(scope="module")
 def jolt_project(tmp_path_factory) -> Path:
-    """The same with the engine's other physics server."""
+    """The same project with the engine's other physics server."""
     return new_project(tmp_path_factory.mktemp("jolt"), '[physics]\n3d/physics_engine="Jolt Physics"\n')
 
 
@@ -144,6 +144,7 @@ def assert_passed(done):
         "test_layer_placement",
         "test_regions",
         "test_saves",
+        "test_former_names",
         "test_state",
         "test_callbacks",
         "test_state_async",
@@ -167,18 +168,18 @@ def test_script(godot, project, script):
 
 @pytest.fixture(scope="module")
 def threadless_project(tmp_path_factory) -> Path:
-    """The same where the engine may have no threads to work on, as in most builds for the web."""
+    """The same project in an engine without worker threads, as in most builds for the web."""
     return new_project(tmp_path_factory.mktemp("threadless"), "[threading]\nworker_pool/max_threads=0\n")
 
 
 @pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state", "test_state_async", "test_ground_follows"])
 def test_without_threads(godot, threadless_project, script):
-    """The main thread makes the tiles, a few in each frame, and all comes out the same."""
+    """The main thread generates the tiles, a few in each frame, and the results are the same."""
     assert_passed(godot(["--verbose", "--path", threadless_project, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
-def test_what_asks_for_too_much_memory_is_told_and_the_engine_goes_on(godot, project):
-    """In 3 GB of address space, of which the engine takes less than one."""
+def test_lack_of_memory_is_reported_and_the_engine_continues(godot, project):
+    """Limits the address space to 3 GB. The engine uses less than one."""
 
     def with_little_memory():
         resource.setrlimit(resource.RLIMIT_AS, (3 << 30, 3 << 30))
@@ -195,8 +196,8 @@ def test_bodies(godot, request, physics, script):
     assert_passed(godot(["--verbose", "--path", folder, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
-def test_a_model_from_a_file_of_an_asset_pack(godot, tmp_path):
-    """Written by one engine, imported by the editor, drawn by a third."""
+def test_a_model_from_an_asset_pack(godot, tmp_path):
+    """One engine writes the file, the editor imports it, and a third engine draws it."""
     project = new_project(tmp_path)
     script = ENGINE / "test_imported_model.gd"
     assert_passed(godot(["--path", project, "--script", script, "--", "make"]))
@@ -205,19 +206,19 @@ def test_a_model_from_a_file_of_an_asset_pack(godot, tmp_path):
     assert_passed(godot(["--verbose", "--path", project, "--script", script]))
 
 
-def test_what_is_felled_stays_felled_in_the_next_engine(godot, project, tmp_path):
+def test_felled_trees_stay_felled_in_the_next_engine(godot, project, tmp_path):
     script = ENGINE / "state_across_starts.gd"
     for part in ("test_save", "test_load"):
         assert_passed(godot(["--verbose", "--path", project, "--script", script, "--", part, tmp_path]))
 
 
 def test_examples_of_the_class_reference_run(godot, project):
-    """The examples of PoissonSampler's page: a look at a window, a pattern without a seam, and a large domain given up."""
+    """The examples on the page of PoissonSampler: a window, a seamless pattern, and a large domain that is canceled."""
     text = ElementTree.parse(REPO / "extension/doc_classes/PoissonSampler.xml").getroot().findtext("description")
     examples = [textwrap.dedent(block) for block in re.findall(r"\[codeblock\]\n(.*?)\[/codeblock\]", text, re.DOTALL)]
     assert len(examples) == 3
     examples[0] = "extends Node\nfunc _ready() -> void:\n" + textwrap.indent(examples[0], "    ")
-    examples[1] = examples[1].replace("extends EditorScript", "extends RefCounted")  # Only an editor makes those.
+    examples[1] = examples[1].replace("extends EditorScript", "extends RefCounted")  # Only an editor can instantiate EditorScript.
     for number, example in enumerate(examples):
         (project / f"example_{number}.gd").write_text(example)
     (project / "examples.gd").write_text(EXAMPLES)
@@ -239,7 +240,7 @@ def test_ground_rendered(godot_xvfb, project):
 
 
 def test_look(godot_xvfb, project):
-    """What the renderer draws of each tile; a renderer that keeps nothing could not say."""
+    """The instances that the renderer draws of each tile. The dummy renderer stores nothing, so this needs a real one."""
     assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_look.gd"]))
 
 
@@ -259,21 +260,21 @@ def test_pictures_of_models(godot_xvfb, project, renderer):
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_foliage(godot_xvfb, project, renderer):
-    """The add-on's material in each renderer: it compiles, fades, sways, bends, tints, and casts shadows."""
+    """The add-on's material in each renderer: it compiles, fades, sways, bends, tints and casts shadows."""
     script = ENGINE / "test_foliage.gd"
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=120))
 
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_cross_fade(godot_xvfb, project, renderer):
-    """LODs become each other pixel by pixel, and sight ends softly."""
+    """LODs cross-fade, and instances fade out at the view distance."""
     script = ENGINE / "test_cross_fade.gd"
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=240))
 
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_high_cameras(godot_xvfb, project, renderer):
-    """What is in view is seen from high up, by orthogonal cameras, and by cameras that are no viewers."""
+    """Instances are visible from high up, for orthogonal cameras, and for cameras that are not viewers."""
     script = ENGINE / "test_high_cameras.gd"
     assert_passed(godot_xvfb([*RENDERERS[renderer], "--path", project, "--script", script], timeout=240))
 
@@ -315,20 +316,20 @@ script = ExtResource("2")
 
 
 def test_foliage_in_the_editor(godot_xvfb, tmp_path):
-    """The wind blows there, and no material is changed by it."""
-    project = new_project(tmp_path)  # Of its own: the editor opens the same scene again next time.
+    """Wind blows in the editor, without changing any material."""
+    project = new_project(tmp_path)  # A separate project, because the editor reopens the scene on its next start.
     (project / "foliage_in_editor.gd").write_text((ENGINE / "foliage_in_editor.gd").read_text())
     (project / "foliage.tscn").write_text(FOLIAGE_SCENE)
     done = godot_xvfb(["--editor", "--path", project, "foliage.tscn", "--quit-after", "20000"], timeout=120)
     printed = done.stdout + done.stderr
     assert "shown: [0.5, 0.5]\n" in printed, printed
-    assert re.search(r"^kept: \[(1.0|<null>), 0.75\]$", printed, re.MULTILINE), printed  # 1.0 is the shader's.
+    assert re.search(r"^kept: \[(1.0|<null>), 0.75\]$", printed, re.MULTILINE), printed  # 1.0 is the shader's default.
     assert re.search(r"^without the world: \[(1.0|<null>), 0.75\]$", printed, re.MULTILINE), printed
     assert done.returncode == 0, printed
 
 
 def test_draw_cells(godot_xvfb, project):
-    """What is drawn of tiles in cells, and that no picture shows how they are divided."""
+    """The instances that are drawn of tiles with cells. The division into cells is invisible in pictures."""
     assert_passed(godot_xvfb(["--verbose", "--path", project, "--script", ENGINE / "test_draw_cells.gd"]))
 
 
@@ -340,7 +341,7 @@ def test_the_harness_can_fail(godot, project):
 
 
 @pytest.mark.parametrize("frames", [0, 1, 2, 5, 20, 80])
-def test_quitting_in_mid_generation(godot, project, frames):
+def test_quitting_during_generation(godot, project, frames):
     arguments = ["--verbose", "--path", project, "--script", ENGINE / "quit_midway.gd", "--", str(frames), "clean"]
     done = godot(arguments, timeout=60)
     printed = done.stdout + done.stderr
@@ -350,24 +351,24 @@ def test_quitting_in_mid_generation(godot, project, frames):
 
 
 def test_loading_in_the_background(godot, project):
-    """The main thread waits for threads that load: a setter that waited for the main thread would hang for ever."""
+    """The main thread waits for loading threads. A setter that waited for the main thread would cause a deadlock."""
     assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / "background_load.gd"], timeout=60))
 
 
 @pytest.mark.parametrize("frames", [0, 2, 5, 10])
 def test_quitting_while_a_scene_loads(godot, project, frames):
-    """The engine waits for its loader when it ends. What the request holds may leak: nobody has taken the scene."""
+    """The engine waits for its loader on exit. The content of the request may leak, because no code has taken the scene."""
     done = godot(["--path", project, "--script", ENGINE / "quit_loading.gd", "--", str(frames)], timeout=60)
     assert done.returncode == 0 and "thicket quits while it loads" in done.stdout, done.stdout + done.stderr
 
 
-def test_a_leak_would_be_noticed(godot, project):
+def test_a_leak_is_detected(godot, project):
     done = godot(["--verbose", "--path", project, "--script", ENGINE / "quit_midway.gd", "--", "5", "leak"], timeout=60)
     assert re.search(r"1 RID allocations of type .*MultiMesh.* leaked", done.stdout + done.stderr)
 
 
 def test_demo(godot, core_tool, imported_demo, tmp_path):
-    """Streams the demo's forest and checks it; then the core alone makes the same tiles, to the bit."""
+    """Streams the demo's forest and checks it. Then the core alone generates the same tiles, bit for bit."""
     listed = tmp_path / "tiles.txt"
     script = ENGINE / "test_demo.gd"
     assert_passed(godot(["--verbose", "--path", imported_demo, "--script", script, "--", f"out={listed}"], timeout=600))
@@ -383,12 +384,12 @@ def test_demo(godot, core_tool, imported_demo, tmp_path):
     lines[first_tile] = lines[first_tile][:-1] + ("2" if last == "1" else "1")
     tampered = tmp_path / "tampered.txt"
     tampered.write_text("\n".join(lines))
-    assert core_tool("analysis/tile_digests", tampered).returncode == 1, "a wrong digest must be noticed"
+    assert core_tool("analysis/tile_digests", tampered).returncode == 1, "a wrong digest must be detected"
 
 
 @pytest.mark.parametrize(("scene", "least"), [(SCENE, 10_000), (COLLIDER_SCENE, 5_000)], ids=["flat", "colliders"])
 def test_editor_shows_and_reloads(scene, least, godot, project):
-    """A scene in the editor streams around the editor's camera, and goes on after the extension was loaded anew."""
+    """In the editor, a scene streams around the editor's camera, and continues after the extension is reloaded."""
     (project / "in_editor.gd").write_text((ENGINE / "in_editor.gd").read_text())
     (project / "scene.tscn").write_text(scene)
     done = godot(["--editor", "--path", project, "scene.tscn", "--quit-after", "20000"], timeout=120)

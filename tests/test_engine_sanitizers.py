@@ -1,5 +1,5 @@
-"""The extension in the real engine, with every access to memory checked: by ThreadSanitizer, and by AddressSanitizer and
-UndefinedBehaviorSanitizer. The engine itself is as it is: what it does is not checked."""
+"""The extension in the real engine, with every memory access checked: by ThreadSanitizer, and by AddressSanitizer and
+UndefinedBehaviorSanitizer. The engine itself is not instrumented, so it is not checked."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from test_engine import ENGINE, PASSED
 
 pytestmark = pytest.mark.full
 
-# Of each sanitizer: the libraries that have to be there before the engine, and its options.
+# For each sanitizer: the libraries to load before the engine, and its options.
 SANITIZERS = {
-    # Engine code is not instrumented, so what its own calls of the C library look like says nothing.
+    # Engine code is not instrumented, so reports about its calls of the C library are meaningless.
     "thread": (["libtsan.so"], "TSAN_OPTIONS", "ignore_noninstrumented_modules=1:report_signal_unsafe=0:history_size=4:exitcode=66"
                f":suppressions={REPO / 'tests/sanitizers/thread.supp'}"),
-    # The engine keeps memory until its end, and frees some of it by functions of its own.
+    # The engine keeps memory until it exits, and frees some of it with its own functions.
     "address,undefined": (["libasan.so", "libubsan.so"], "ASAN_OPTIONS", "verify_asan_link_order=0:detect_leaks=0:exitcode=66"),
 }  # fmt: skip
 
-# What calls from many threads, loads on threads, or frees in the middle of calls.
+# Scripts that call from many threads, load on threads, or free objects during calls.
 SCRIPTS = ["test_threads", "test_snapshots", "background_load", "test_state_async", "test_terrain_calls", "test_lifetime",
            "test_domain_calls"]  # fmt: skip
 
 
 def runtime(folder: Path, names: list[str]) -> str:
-    """The libraries to preload, where programs in Godot's root find them, too. The shim comes first: a sanitizer's own dlopen refuses
-    the flag that it strips."""
+    """The libraries to preload, in a folder that programs in Godot's root can also read. The shim comes first, because a
+    sanitizer's own dlopen refuses the flag that the shim removes."""
     shim = folder / "no_deepbind.so"
     done = run(["gcc", "-shared", "-fPIC", "-O1", "-o", shim, REPO / "tests/sanitizers/no_deepbind.c"], timeout=60)
     assert done.returncode == 0, done.stderr

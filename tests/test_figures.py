@@ -1,5 +1,5 @@
-"""The figures of the seed paper: the command runs from end to end in small, and its estimators are right where the
-answer is known."""
+"""The figures of the seed paper: the command runs completely with small sizes, and its estimators are correct for known
+results."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from bench.figures.spectra import AveragedSpectrum, noise_level, ring_edges
 from conftest import REPO, run
 
 BENCH = REPO / "tests" / "bench"
-LARGEST_PICTURE = 300_000  # bytes
-SVG_MARKS = 20  # Fewer paths than this are no plot.
+LARGEST_PICTURE = 300_000  # Bytes.
+SVG_MARKS = 20  # A plot has more paths than this.
 
 
 def fingerprint() -> dict[str, str]:
-    """What must not change: the committed data."""
+    """The digests of the committed data, which must not change."""
     files = [*(BENCH / "data").glob("*")]
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files if path.is_file()}
 
 
 class Quick:
-    """One quick run of the command, on the programs of the build that the tests use."""
+    """One quick run of the command, with the programs of the tests' build."""
 
     def __init__(self, folder: Path, build_dir: Path):
         self.folder = folder
@@ -50,12 +50,12 @@ def quick(tmp_path_factory, build_dir) -> Quick:
     return Quick(tmp_path_factory.mktemp("figures"), build_dir)
 
 
-def test_quick_run_leaves_the_data_alone(quick):
+def test_quick_run_does_not_change_the_data(quick):
     assert quick.untouched
     assert "This is a quick run" in quick.page
 
 
-def test_tables_are_whole(quick):
+def test_tables_are_complete(quick):
     for name, rows in quick.tables.items():
         assert rows or name == "section43_large", f"{name} is empty"
         for row in rows:
@@ -66,12 +66,12 @@ def test_tables_are_whole(quick):
     for contender in CONTENDERS:
         rows = tables.where(quick.tables["figure4"], contender=contender.key)
         assert rows and all(row["lowest"] <= row["median"] <= row["highest"] for row in rows), contender.key
-        # A set has about as many points as were asked for; those of other processes than dart throwing differ.
+        # A set has about the requested number of points, except for methods other than dart throwing.
         close = 0.05 if contender.family == OURS and contender.method != "naive" else 0.3
         assert all(abs(row["points"] / row["asked"] - 1.0) < close for row in rows), rows
 
 
-def test_page_names_every_method_and_every_figure(quick):
+def test_page_has_every_method_and_every_figure(quick):
     for contender in CONTENDERS:
         assert f"| {contender.label}, {contender.precision} |" in quick.page
     for peer in PEERS:
@@ -115,7 +115,7 @@ def shown_pictures(text: str, beside: Path) -> list[Path]:
 
 
 def check_pictures(pictures: list[Path]) -> None:
-    assert len(pictures) >= 2 * 6, pictures  # Light and dark.
+    assert len(pictures) >= 2 * 6, pictures  # Light and dark versions.
     for picture in pictures:
         assert 2_000 < picture.stat().st_size < LARGEST_PICTURE, picture
         if picture.suffix == ".svg":
@@ -124,13 +124,13 @@ def check_pictures(pictures: list[Path]) -> None:
             assert not re.search(r"https?://(?!www\.w3\.org/)", text), picture
 
 
-def test_pictures_of_a_run_are_there(quick):
+def test_pictures_of_a_run_exist(quick):
     check_pictures(shown_pictures(quick.page, quick.folder))
 
 
 @pytest.fixture(scope="module")
 def rendered(tmp_path_factory) -> Path:
-    """Page and pictures from the committed data."""
+    """The page and its pictures, rendered from the committed data."""
     folder = tmp_path_factory.mktemp("rendered")
     done = run(["bash", BENCH / "figures.sh", "--render", "--out", folder], timeout=300)
     assert done.returncode == 0 and "done" in done.stderr, done.stderr
@@ -147,8 +147,8 @@ def test_the_page_is_rendered_from_committed_data(rendered):
         assert f"| {contender.label}, {contender.precision} |" in text
 
 
-def test_committed_data_is_whole():
-    """The same tables and columns as a run writes, from a run in full, small enough to be kept."""
+def test_committed_data_is_complete():
+    """It has the same tables and columns as a run writes, is from a full run, and is small enough to commit."""
     tables_there, facts = data.read(BENCH / "data/figures.json")
     assert set(facts) == set(PARTS) and not any(one["quick"] for one in facts.values())
     assert (BENCH / "data/figures.json").stat().st_size < 100_000
@@ -169,8 +169,8 @@ def test_committed_data_has_the_columns_of_a_run(quick, tmp_path):
             assert set(rows[0]) >= set(committed[name][0]), name
 
 
-def test_part_is_measured_on_its_own(quick, tmp_path, build_dir):
-    """One part makes no page in an empty folder; in a full one it replaces its own tables and no others."""
+def test_a_part_can_be_measured_alone(quick, tmp_path, build_dir):
+    """One part does not make a page in an empty folder. In a complete folder it only replaces its own tables."""
     command = ["bash", BENCH / "figures.sh", "--quick", "--programs", build_dir, "--only", "billion", "--out"]
     alone = run([*command, tmp_path], timeout=300)
     assert alone.returncode == 0 and "no page yet: speed, sets, memory, large" in alone.stderr, alone.stderr
@@ -201,13 +201,13 @@ def test_wrong_options_are_refused(arguments):
         ["naive", "double", "1000", "1", "darts=0"],
     ],
 )
-def test_domain_run_refuses_bad_words(core_tool, words):
+def test_domain_run_refuses_bad_arguments(core_tool, words):
     done = core_tool("bench/domain_run", *words)
     assert done.returncode == 1 and done.stderr.startswith("domain_run: ") and not done.stdout, done.stderr
 
 
-def test_domain_run_dumps_what_it_counts(core_tool, tmp_path):
-    """The same points whether handed out or left in the cells, all of them inside."""
+def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
+    """The points are the same if they are returned or stay in the cells, and all of them are inside."""
     sets = {}
     for flags in ([], ["fill"]):
         dump = tmp_path / "sets"
@@ -223,8 +223,8 @@ def test_domain_run_dumps_what_it_counts(core_tool, tmp_path):
 
 
 def test_limited_memory_is_limited(build_dir):
-    """What is too large for the limit is refused; with a wider one the same call succeeds. The limits come from what the
-    call itself counts, so that a sampler that learns to live on less moves them along."""
+    """A set that is too large for the limit is refused, and succeeds with a larger limit. The limits depend on the call's own
+    count, so that they adapt to a sampler that needs less memory."""
     programs = Programs(build_dir, peer=lambda *_: [], contenders=[])
     call = ("accumulator", "double", 300_000, 1, "torus", "fill")
     unlimited = programs.domain(*call)[0]
@@ -239,18 +239,18 @@ MODES = 80
 EDGES = ring_edges(MODES, SIDE, 20)
 
 
-def test_unrelated_points_have_a_flat_spectrum_without_directions():
+def test_independent_points_have_a_flat_isotropic_spectrum():
     random = np.random.default_rng(1)
     spectrum = AveragedSpectrum([random.random((1500, 2)) * SIDE for _ in range(20)], SIDE, MODES, EDGES)
     assert np.abs((spectrum.radial() - 1.0) / spectrum.radial_error()).max() < 4.5
-    # Rings of few waves scatter, and the taper relates waves that are side by side.
+    # Rings with few waves have a large spread, and the taper correlates neighboring waves.
     assert np.abs(spectrum.anisotropy()[3:] - noise_level(20)).max() < 1.5
     assert abs(spectrum.anisotropy()[3:].mean() - noise_level(20)) < 0.4
     assert noise_level(10) == pytest.approx(-10.0)
 
 
-def test_lattice_has_directions_and_a_symmetric_image():
-    """A jittered lattice: power at whole waves a cell, on the axes of the image."""
+def test_lattice_has_an_anisotropic_symmetric_spectrum():
+    """A jittered lattice has power at whole waves per cell, on the axes of the image."""
     random = np.random.default_rng(2)
     cells = np.stack(np.meshgrid(np.arange(SIDE), np.arange(SIDE)), axis=-1).reshape(-1, 2)
     sets = [(cells + 0.5 + 0.1 * random.standard_normal(cells.shape)) % SIDE for _ in range(10)]
@@ -268,7 +268,7 @@ def test_sizes_are_half_decades():
     assert paper.LARGE_CELL in FULL.cells and paper.LARGE_CELL in QUICK.cells
 
 
-def test_tables_come_back_as_they_were(tmp_path):
+def test_tables_are_read_back_unchanged(tmp_path):
     rows = [
         {"name": "a", "count": 3, "share": 0.25, "there": True},
         {"name": "b", "count": 4, "share": 1e-9, "there": False},
@@ -278,7 +278,7 @@ def test_tables_come_back_as_they_were(tmp_path):
     assert tables.read(tmp_path / "none.csv") == []
 
 
-def test_numbers_are_written_for_reading():
+def test_numbers_are_formatted_for_readers():
     texts = [page_text.number(value) for value in (0, 211_000, 4050, 778, 12.345, 9.4, 0.25, 1e-9)]
     assert texts == ["0", "211,000", "4,050", "778", "12.3", "9.40", "0.250", "1e-09"]
     assert [page_text.rate(value) for value in (778, 4050, 999_900, 2.58e6)] == ["778", "4.05 k", "1.00 M", "2.58 M"]
@@ -286,7 +286,7 @@ def test_numbers_are_written_for_reading():
 
 
 class FakePrograms:
-    """Runs that take a set time a point, twice as long beyond a size."""
+    """Replaces Programs. A run takes a fixed time per point, and twice as long above a certain size."""
 
     def __init__(self, seconds_a_point: float):
         self.seconds_a_point = seconds_a_point
@@ -308,7 +308,7 @@ def test_contenders_take_turns_and_slow_ones_end():
     assert speed.losses(rates, 1000, 100_000)[0]["loss"] == pytest.approx(0.5)
 
 
-def test_failures_say_why():
+def test_failures_have_a_reason():
     with pytest.raises(Failed, match="no such file"):
         run_lines(["bash", "-c", "echo no such file >&2; exit 3"])
     assert run_lines(["bash", "-c", "echo '{\"a\": 1}'; exit 1"], accepted=(0, 1)) == [{"a": 1}]

@@ -1,4 +1,4 @@
-"""A slow flight over the demo's path, picture by picture: nothing pops. The films lie in build/film."""
+"""A slow flight over the demo's path, frame by frame: nothing pops. The films are in build/film."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from conftest import REPO
 from PIL import Image
 
 PICTURES = 20
-# From one picture to the next: what is nearest moves by a few pixels.
+# The movement between two pictures. The nearest objects move by a few pixels.
 METERS = {"overview": 1.0, "forest": 0.25, "ridge": 0.1, "tiles": 0.5}
 BLOCK = 8  # Pixels.
-# Of the mean brightness of a block, from one picture to the next, 0 to 1. The movement itself makes up to 0.11 of it: leaves near
-# by come and go.
+# The maximum change of a block's mean brightness (0 to 1) between two pictures. The movement alone changes it by up to 0.11, because nearby
+# leaves come and go.
 MOST = 0.16
 
 

@@ -1,6 +1,6 @@
-"""Random input for a few seconds each, under the address and undefined-behavior sanitizers: a smoke test of the targets
-in tests/fuzz, which can run for hours (see tests/fuzz/fuzz_main.hpp). Inputs come from fixed seeds, so what fails once
-fails again; how many are tried depends on the machine."""
+"""Random input for a few seconds each, under the address and undefined-behavior sanitizers. This is a smoke test of the targets in
+tests/fuzz, which can run for hours (see tests/fuzz/fuzz_main.hpp). Inputs come from fixed seeds, so failures are reproducible. The
+number of inputs depends on the machine."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from conftest import BUILD_DIR, REPO, build, run
 
 SECONDS = 7
 FULL_SECONDS = 180
-FULL_SEED = 1_000_003  # Other inputs than those of the short run.
+FULL_SEED = 1_000_003  # Different inputs from those of the short run.
 TARGETS = ["fuzz_sampler", "fuzz_domain", "fuzz_tile", "fuzz_streamer", "fuzz_mask", "fuzz_shapes", "fuzz_state"]
 
 
@@ -27,7 +27,7 @@ def sanitized() -> Path:
 
 
 def fuzz(program: Path, seconds: int, *seed: str):
-    # What asks for more memory than there is is refused, and has to say so.
+    # A request for more memory than there is must be refused with an error.
     environment = {**os.environ, "ASAN_OPTIONS": "allocator_may_return_null=1"}
     done = run([program, str(seconds), *seed], timeout=seconds + 120, env=environment)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
@@ -42,5 +42,5 @@ def test_random_input(sanitized, target):
 
 @pytest.mark.full
 @pytest.mark.parametrize("target", TARGETS)
-def test_much_random_input(sanitized, target):
+def test_random_input_for_longer(sanitized, target):
     fuzz(sanitized / "fuzz" / target, FULL_SECONDS, str(FULL_SEED))

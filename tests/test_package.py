@@ -1,5 +1,5 @@
-"""What users install: the zips that tools/package.sh writes hold what they should and nothing of the machine that made them,
-and the libraries in them load on the oldest systems that they promise."""
+"""The files for users: the zips of tools/package.sh have the right content and no traces of the build machine, and their libraries
+load on the oldest supported systems."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ import binaries  # noqa: E402 (only on the path above)
 import contents  # noqa: E402
 
 DIST = REPO / "build/dist_test"
-# glibc 2.28 is that of Debian 10; the Steam runtime has 2.31, Ubuntu 20.04 too.
+# Debian 10 has glibc 2.28. The Steam runtime and Ubuntu 20.04 have 2.31.
 OLDEST_GLIBC = (2, 28)
-# Where a machine that builds keeps its things, and how a registry's address begins.
+# Folders of build machines, and addresses of registries.
 OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)/(?!dyld|libSystem|libstdc)[\w.-]|ziglang|\.cache/|https?://(?!github\.com/|www\.w3\.org/|www\.apple\.com/DTDs)[\w.]+\.[a-z]")
 
 
@@ -33,8 +33,8 @@ OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)
 
 
 def pack(names: list[str], out: Path) -> dict[str, Path]:
-    """{name: zip} of tools/package.sh for these builds."""
-    # Fourteen builds, of which one takes two cores 2.5 minutes when nothing else runs, and 8 beside two other workers.
+    """{name: zip} from tools/package.sh for these builds."""
+    # There are fourteen builds. One takes 2.5 minutes on two cores, and 8 minutes beside two other workers.
     done = run(["bash", "tools/package.sh", "--out", out, *names], timeout=3 * 3600, cwd=REPO)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
     sums = dict(reversed(line.split()) for line in (out / "SHA256SUMS").read_text().splitlines())
@@ -45,13 +45,13 @@ def pack(names: list[str], out: Path) -> dict[str, Path]:
 
 @pytest.fixture(scope="module")
 def zips() -> dict[str, Path]:
-    """The zips as they are released: of all platforms, in both precisions."""
+    """The zips as they are released, with all platforms in both precisions."""
     return pack([], DIST)
 
 
 @pytest.fixture(scope="module")
 def addon(zips, tmp_path_factory) -> Path:
-    """The add-on as a user unpacks it."""
+    """The add-on, unpacked like a user would."""
     folder = tmp_path_factory.mktemp("unpacked")
     with zipfile.ZipFile(zips["thicket"]) as file:
         file.extractall(folder)
@@ -60,14 +60,14 @@ def addon(zips, tmp_path_factory) -> Path:
 
 
 def libraries(addon: Path) -> list[Path]:
-    """All libraries of an add-on, those in frameworks too."""
+    """All libraries of an add-on, including those in frameworks."""
     found = [path for path in (addon / "bin").rglob("*") if path.is_file() and path.suffix in (".so", ".dll", ".wasm")]
     return found + [path / path.stem for path in (addon / "bin").glob("*.framework")]
 
 
 @pytest.mark.full
-def test_what_is_in_the_zip(addon):
-    """One folder, with all that the README promises and nothing of the build."""
+def test_content_of_the_zip(addon):
+    """One folder, with everything that the README mentions and nothing of the build."""
     names = {path.relative_to(addon).as_posix() for path in addon.rglob("*") if path.is_file()}
     for needed in ("plugin.cfg", "thicket.gdextension", "LICENSE", "THIRD_PARTY.txt", "README.md", "CHANGELOG.md", "plugin.gd",
         "editor/.gdignore", "editor/workspace.gd"):
@@ -81,8 +81,8 @@ def test_what_is_in_the_zip(addon):
 
 
 @pytest.mark.full
-def test_nothing_of_the_machine_is_in_it(addon):
-    """No path, compiler or registry of the machine that built it, in any byte."""
+def test_no_traces_of_the_build_machine(addon):
+    """No byte of the add-on contains a path, a compiler or a registry of the build machine."""
     for path in (each for each in addon.rglob("*") if each.is_file() and each.name != "THIRD_PARTY.txt"):
         found = OF_THE_MACHINE.search(path.read_bytes())
         assert not found, f"{path.name}: {path.read_bytes()[max(0, found.start() - 40) : found.end() + 40]}"
@@ -99,13 +99,14 @@ def test_libraries_are_small_and_stripped(addon):
 
 
 @pytest.mark.full
-def test_libraries_for_linux_are_hardened_and_ask_for_little(addon):
-    """They load where glibc is of 2018, bring their C++ library along, and can neither be overwritten nor run their stack."""
+def test_libraries_for_linux_are_hardened_and_need_little(addon):
+    """They load with a glibc from 2018 and include the C++ library. Their relocated data is read-only, and their stack is not
+    executable."""
     assert len(list((addon / "bin").glob("*.so"))) == 8
     for path in (addon / "bin").glob("*.so"):
         text = run(["readelf", "--wide", "--dynamic", "--segments", "--version-info", path], timeout=60).stdout
         asked = {tuple(map(int, version.split("."))) for version in re.findall(r"GLIBC_(\d+\.\d+)", text)}
-        assert asked and max(tuple(version) for version in asked) <= OLDEST_GLIBC, f"{path.name} asks for {max(asked)}"
+        assert asked and max(tuple(version) for version in asked) <= OLDEST_GLIBC, f"{path.name} needs {max(asked)}"
         needed = re.findall(r"\(NEEDED\)\s+Shared library: \[([^\]]+)\]", text)
         assert all(re.match(r"(libc|libm|libpthread|libdl|ld-linux[\w-]*)\.so", name) for name in needed), needed
         assert "GNU_RELRO" in text and re.search(r"FLAGS_1.*NOW|BIND_NOW", text), path.name
@@ -122,8 +123,8 @@ def exported(command: list[str | Path]) -> set[str]:
 
 
 @pytest.mark.full
-def test_libraries_for_windows_are_hardened_and_ask_for_little(addon):
-    """Addresses are random, data cannot run, and nothing but what every Windows 10 has is asked for."""
+def test_libraries_for_windows_are_hardened_and_need_little(addon):
+    """Addresses are random, data is not executable, and only libraries that every Windows 10 has are imported."""
     for path in (addon / "bin").glob("*.dll"):
         text = run([binaries.tool("llvm-readobj"), "--file-headers", "--coff-imports", "--coff-exports", path], timeout=60).stdout
         for word in ("DYNAMIC_BASE", "HIGH_ENTROPY_VA", "NX_COMPAT"):
@@ -139,14 +140,14 @@ def test_frameworks_for_macos_hold_both_processors(addon):
         listed = run([binaries.tool("llvm-lipo"), "-archs", folder / folder.stem], timeout=60)
         assert sorted(listed.stdout.split()) == ["arm64", "x86_64"], listed.stderr
         commands = run([binaries.tool("llvm-objdump"), "--macho", "--arch=arm64", "--private-headers", folder / folder.stem], timeout=60).stdout
-        assert "LC_CODE_SIGNATURE" in commands, "Apple's own processors run nothing that is not signed"
+        assert "LC_CODE_SIGNATURE" in commands, "Apple's processors only run signed code"
         about = plistlib.loads((folder / "Resources/Info.plist").read_bytes())
         assert about["CFBundleExecutable"] == folder.stem and about["CFBundleVersion"] == contents.version()
 
 
 @pytest.mark.full
-def test_the_same_sources_give_the_same_bytes(zips, tmp_path):
-    """A second build of one library, in another folder, and a second packing: the same zips."""
+def test_builds_are_reproducible(zips, tmp_path):
+    """Building one library again in a different folder, and packing again, gives identical zips."""
     copy = tmp_path / "elsewhere"
     shutil.copytree(REPO, copy, ignore=shutil.ignore_patterns("build", ".godot", "__pycache__"), symlinks=True)
     done = run(["bash", "tools/package.sh", "--out", tmp_path / "again", "linux.x86_64"], timeout=3600, cwd=copy)
@@ -161,7 +162,7 @@ def test_the_same_sources_give_the_same_bytes(zips, tmp_path):
 
 
 def compile_loader(compiler: list[str | Path], name: str) -> Path:
-    """The program of tests/loader for another system."""
+    """The program of tests/loader, compiled for a different system."""
     program = REPO / "build/loader" / name
     program.parent.mkdir(parents=True, exist_ok=True)
     done = run([*compiler, "-std=c++20", "-O1", "-I.", "-Ibuild/engine", *sorted((REPO / "tests/loader").glob("*.cpp")), "-o", program],
@@ -175,7 +176,7 @@ def zig_loader(target: str, *flags: str) -> Path:
 
 
 def registered(program: list[str | Path], library: Path, environment: dict[str, str] | None = None) -> list[str]:
-    """What a library has registered, by the words of the loader."""
+    """The classes that a library has registered, from the loader's output."""
     done = run([*program, library, *(["double"] if ".double." in library.name else [])], timeout=300, env=environment)
     assert done.returncode == 0, library.name + done.stdout[-2000:] + done.stderr[-2000:]
     lines = done.stdout.replace("\r", "").splitlines()
@@ -195,7 +196,8 @@ def at_home(addon) -> list[str]:
 
 @pytest.mark.full
 def test_the_library_for_windows_loads(addon, at_home):
-    """All symbols are found, all static objects made, all classes registered as on Linux, one of each made; and it goes."""
+    """All symbols are found, all static objects are created, the classes match those on Linux, and one object of each is created.
+    Then it unloads."""
     if why := emulators.absence("wine", "Windows", "x86_64"):
         pytest.skip(why)
     program = [*emulators.command("wine", "Windows", "x86_64"), zig_loader("x86_64-windows-gnu")]
@@ -205,7 +207,7 @@ def test_the_library_for_windows_loads(addon, at_home):
 
 @pytest.mark.full
 def test_the_library_for_arm_loads(addon, at_home):
-    """The same on the other processor, under an emulator, with the C library of its own that the loader brings along."""
+    """The same on ARM in an emulator, with the C library of a cross compiler."""
     if not shutil.which("qemu-aarch64"):
         pytest.skip("qemu-user is not installed")
     root = Path("/usr/aarch64-linux-gnu")
@@ -219,7 +221,7 @@ def test_the_library_for_arm_loads(addon, at_home):
 @pytest.mark.full
 @pytest.mark.parametrize("threads", [True, False])
 def test_the_library_for_the_web_loads(addon, at_home, threads):
-    """The same in WebAssembly, where a call of a function by a wrong signature traps; for both kinds of export templates."""
+    """The same in WebAssembly, where a call with a wrong function signature traps, for both kinds of export templates."""
     if not shutil.which("node"):
         pytest.skip("node is not installed")
     flags = ["-fwasm-exceptions", "-sSUPPORT_LONGJMP=wasm", "-sMAIN_MODULE=1", "-sWASM_BIGINT", "-sNODERAWFS", "-sINITIAL_MEMORY=256MB",
@@ -232,22 +234,22 @@ def test_the_library_for_the_web_loads(addon, at_home, threads):
 
 
 @pytest.mark.full
-def test_the_tests_of_the_engine_pass_with_what_was_unpacked(addon):
+def test_the_engine_tests_pass_with_the_unpacked_add_on(addon):
     check_engine_tests(addon)
 
 
 @pytest.mark.full
 def test_a_users_project(addon, godot, tmp_path):
-    """The editor opens a new project with the add-on without a word, imports it twice alike, and opens it again once the
-    add-on is gone."""
+    """The editor opens a new project with the add-on without errors and imports it twice with the same result. It opens the project
+    again after the add-on is deleted."""
     project = tmp_path / "project"
     (project / "addons").mkdir(parents=True)
     (project / "project.godot").write_text('config_version=5\n[application]\nconfig/name="A user\'s"\n[editor_plugins]\n'
         'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')  # fmt: skip
     shutil.copytree(addon, project / "addons/thicket")
     complaint = re.compile(r"\b(ERROR|WARNING)\b")
-    # As a user does it: the editor first. An editor that ends as soon as it has found an extension for the first time crashes,
-    # whatever the extension (github.com/godotengine/godot/issues/111048).
+    # Like a user, the editor runs first. An editor that exits right after it has found an extension for the first time crashes,
+    # with any extension (github.com/godotengine/godot/issues/111048).
     for arguments in (["--editor", "--quit-after", "200"], ["--import"], ["--import"], ["--editor", "--quit-after", "200"]):
         done = godot(["--path", project, *arguments], timeout=600)
         wrong = [line for line in (done.stdout + done.stderr).splitlines() if complaint.search(line)]
@@ -267,7 +269,7 @@ func _ready() -> void:
 	oaks.progressive_levels = 2
 	oaks.meshes = [CylinderMesh.new()]
 	var forest := TerrainScatter3D.new()
-	forest.terrain = ScatterTerrainFlat.new()
+	forest.ground = ScatterGroundFlat.new()
 	forest.layers = [oaks]
 	add_child(forest)
 	var digests: Array[String] = []
@@ -294,8 +296,8 @@ binary_format/architecture="x86_64"
 
 
 @pytest.mark.full
-def test_an_exported_game_makes_the_same(addon, godot, tmp_path):
-    """A game exported with the release template, run without a screen, prints the digests that the editor's engine prints."""
+def test_an_exported_game_has_the_same_digests(addon, godot, tmp_path):
+    """A game that was exported with the release template prints the same digests as the editor's engine. It runs headless."""
     if in_godots_root(["test", "-x", "/usr/bin/godot-template-release"], 60).returncode:
         pytest.skip("no export template is installed")
     project = tmp_path / "project"
@@ -320,8 +322,8 @@ def test_an_exported_game_makes_the_same(addon, godot, tmp_path):
 
 
 @pytest.mark.full
-def test_the_engine_for_arm_plays_what_was_unpacked(addon, tmp_path):
-    """Scripts of tests/engine that ask for points, tiles, rules and states, in the engine for ARM, under an emulator."""
+def test_the_engine_for_arm_runs_the_unpacked_add_on(addon, tmp_path):
+    """Runs scripts of tests/engine about points, tiles, rules and states in the engine for ARM, in an emulator."""
     root = CACHE / "godot-root-arm64"
     if not shutil.which("qemu-aarch64") or not (root / "usr/bin/godot").exists():
         pytest.skip("no engine for ARM, or no emulator, is installed")

@@ -1,5 +1,4 @@
-"""How tools/package.sh packs, without a build: one version, zips that depend on their content alone, a manifest that tells all
-libraries apart."""
+"""Packing by tools/package.sh, without a build: one version, reproducible zips, and a manifest that distinguishes all libraries."""
 
 from __future__ import annotations
 
@@ -17,15 +16,15 @@ import package  # noqa: E402
 
 
 def test_one_version():
-    """The version is a semantic one, and the change log begins with it."""
+    """The version is a semantic version, and the change log begins with it."""
     version = contents.version()
     assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9a-z.]+)?", version), version
     first = re.search(r"^## (\S+)", (REPO / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert first and first.group(1) == version
 
 
-def test_a_zip_depends_on_its_content_alone(tmp_path):
-    """Other times, another order of writing: the same bytes. Another content: others."""
+def test_a_zip_depends_only_on_its_content(tmp_path):
+    """Different times and a different order of writing give the same bytes. Different content gives different bytes."""
     for number, names in enumerate((["b.txt", "a/c.txt"], ["a/c.txt", "b.txt"])):
         for name in names:
             path = tmp_path / str(number) / name
@@ -38,8 +37,8 @@ def test_a_zip_depends_on_its_content_alone(tmp_path):
     assert archive.write(tmp_path / "1", tmp_path / "1.zip").read_bytes() != first
 
 
-def test_every_library_has_an_entry_of_its_own():
-    """The manifest tells all libraries of a whole package apart, and names each; the engine's features decide."""
+def test_every_library_has_its_own_entry():
+    """The manifest of a complete package lists every library, distinguished by the engine's features."""
     names = {file for build in package.BUILDS for file in shipped_names(build)}
     text = "\n".join(manifest.write(names, []))
     entries = re.findall(r'^([\w.]+) = "bin/([^"]+)"$', text, re.MULTILINE)
@@ -55,7 +54,7 @@ def test_every_library_has_an_entry_of_its_own():
 
 
 def shipped_names(build: package.Build) -> list[str]:
-    """The files of bin/ that a build is shipped as."""
+    """The files of a build in bin/."""
     double = ".double" if build.precision == "double" else ""
     threads = "" if build.threads else ".nothreads"
     suffix = {"linux": ".so", "windows": ".dll", "web": ".wasm"}.get(build.platform)

@@ -1,4 +1,4 @@
-"""The samplers of other projects that the benches compare with are set up, called and reported as they should be."""
+"""The samplers of other projects that the benchmarks compare with are installed, called and reported correctly."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ KEYS = {"method", "points", "seconds", "size", "maximal_claimed", "toroidal", "p
 
 
 def shell(script: str, **environment: str):
-    """Runs a line of shell with the functions that set the peers up, in an environment with these changes."""
+    """Runs a line of shell with the functions that install the peers, in a changed environment."""
     changed = {**os.environ, **environment}
     return run(
         ["bash", "-euo", "pipefail", "-c", f"source tests/bench/peers/setup.sh; {script}"],
@@ -46,8 +46,8 @@ def test_versions_of_rust(version, taken):
     assert (shell(f"is_new_rust '{version}'").returncode == 0) == taken
 
 
-def test_without_rust_the_reason_is_said(tmp_path):
-    """No cargo on the PATH and none among the packages: one clear line, and a failure that the caller can go on from."""
+def test_a_missing_rust_is_reported(tmp_path):
+    """There is no cargo on the PATH or among the packages: one clear line, and a failure from which the caller can continue."""
     for name in ("cargo", "apt-cache"):
         (tmp_path / name).write_text("#!/bin/sh\nexit 1\n")
         (tmp_path / name).chmod(0o755)
@@ -77,7 +77,7 @@ def test_python_peer(tmp_path):
 @pytest.mark.parametrize("name", ["faster_poisson_dart", "faster_poisson_bridson", "faster_poisson_parental"])
 def test_rust_peer(tmp_path, name):
     if not RUST_RUNNER.is_file():
-        pytest.skip("faster_poisson is built by tests/bench/figures.sh only")
+        pytest.skip("only tests/bench/figures.sh builds faster_poisson")
     check_line_and_set([RUST_RUNNER], name, tmp_path / "set")
 
 

@@ -1,5 +1,5 @@
-"""The Python package: built by its one command, installed without a network into an environment of its own, and looked at from here: the
-same digests as the core's, NumPy arrays without copies, other threads that run meanwhile, cancelling, and what is refused."""
+"""The Python package. It is built with its one command and installed offline into a new environment. Its digests equal the core's,
+NumPy arrays are not copied, other threads run during calls, calls can be canceled, and bad arguments are refused."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def script(wheel_python: Path, text: str, timeout: float = 120) -> subprocess.Co
 
 
 def test_wheel(wheel):
-    """Named by what it runs on: from Python 3.12 on one wheel serves all later ones."""
+    """The name has the platform. From Python 3.12 on, one wheel serves all later versions."""
     tag = "cp312-abi3" if sys.version_info >= (3, 12) else "cp3{0}-cp3{0}".format(sys.version_info.minor)
     assert f"-{tag}-" in wheel.name
     version = re.search(r'^version="([^"]+)"', (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE)
@@ -55,7 +55,7 @@ def test_sets(thicket, one):
         assert array.shape == (count,) and array.dtype == dtype
     assert (points.positions >= one.rect[:2]).all() and (points.positions < one.rect[2:]).all()
     assert len(np.unique(points.ids)) == count and (points.ids >> np.uint64(48) == one.layer).all()
-    # The coarsest level has its points farther apart than the small rectangles are wide.
+    # The points of the coarsest level are farther apart than the small rectangles are wide.
     assert set(range(min(one.levels, 4))) <= set(points.levels) <= set(range(one.levels))
     assert (np.diff(points.levels[np.argsort(points.ranks)].astype(int)) <= 0).all(), "coarse levels come first"
 
@@ -79,7 +79,7 @@ def test_domains(thicket, one, precision):
 
 
 def test_nothing_is_copied(thicket):
-    """All arrays are one piece of memory, which lives as long as one of them."""
+    """All arrays are views into one block of memory, which lives as long as any of them."""
     points = thicket.sample((0, 0, 300, 300), 1.0)
     start = points.positions.ctypes.data
     assert points.positions.strides == (32, 8) and points.ids.strides == (32,) and points.ranks.strides == (32,)
@@ -101,8 +101,8 @@ def test_nothing_is_copied(thicket):
     assert (tail == copied).all()
 
 
-def test_memory_comes_back(wheel_python):
-    """A set and a domain take 4.5 megabytes; twelve more of each leave less than ten behind."""
+def test_memory_is_freed(wheel_python):
+    """A set and a domain take 4.5 megabytes. After twelve more of each, less than ten megabytes more are in use."""
     text = """
 import resource, thicket
 def work(count):
@@ -139,7 +139,7 @@ REFUSED = [
     ("sample", {"rect": (0, 0, float("inf"), 1)}, ValueError, "rect must be finite, got inf"),
     ("sample", {"rect": (0, 0, 1, -2)}, ValueError, "rect ends before it starts, got -2"),
     ("sample", {"rect": (0, 0, 1e9, 1)}, ValueError, "rect must be between -5931641.6 and 5931641.6, got 1000000000"),
-    ("sample", {"rect": (0, 0, 1e5, 1e5)}, ValueError, "rect asks for too many points, got 69"),
+    ("sample", {"rect": (0, 0, 1e5, 1e5)}, ValueError, "rect requires too many points, got 69"),
     ("sample", {"rect": (0, 0, 1)}, TypeError, "rect must be four numbers, (min_x, min_y, max_x, max_y), got (0, 0, 1)"),
     ("sample", {"rect": "wide"}, TypeError, "rect must be four numbers, (min_x, min_y, max_x, max_y), got 'wide'"),
     ("sample", {"levels": 0}, ValueError, "levels must be between 1 and 8, got 0"),
@@ -149,7 +149,7 @@ REFUSED = [
     ("sample_domain", {"size": (0, 1)}, ValueError, "size must be positive, got 0"),
     ("sample_domain", {"size": (3, 9), "toroidal": True}, ValueError, "size is out of range, got 3; a toroidal domain measures at least 4 radii"),
     ("sample_domain", {"size": (2e5, 9), "precision": "single"}, ValueError, "size is out of range, got 200000; in single precision"),
-    ("sample_domain", {"size": (1e6, 1e6)}, ValueError, "size asks for too many points, got "),
+    ("sample_domain", {"size": (1e6, 1e6)}, ValueError, "size requires too many points, got "),
     ("sample_domain", {"size": [1, 2, 3]}, TypeError, "size must be two numbers, (width, height), got [1, 2, 3]"),
     ("sample_domain", {"method": "best"}, ValueError, "method must be one of 'naive', 'hierarchical', 'accumulator', 'wavefront', got 'best'"),
     ("sample_domain", {"precision": "half"}, ValueError, "precision must be 'single' or 'double', got 'half'"),
@@ -159,14 +159,14 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("name", "wrong", "error", "sentence"), REFUSED)
-def test_what_the_core_refuses_raises(thicket, name, wrong, error, sentence):
+def test_arguments_that_the_core_refuses_raise(thicket, name, wrong, error, sentence):
     good = {"radius": 1.0, **({"rect": (0, 0, 9, 9)} if name == "sample" else {"size": (9, 9)})}
     with pytest.raises(error) as raised:
         getattr(thicket, name)(**{**good, **wrong})
     assert str(raised.value).startswith(sentence)
 
 
-def test_what_has_no_digest_raises(thicket):
+def test_arrays_without_a_digest_raise(thicket):
     for wrong in (np.zeros((4, 3)), np.zeros((4, 2), int), np.zeros((2, 4)).T, [[1.0, 2.0]]):
         with pytest.raises(TypeError):
             thicket.domain_digest(wrong)
@@ -184,12 +184,12 @@ for work in (lambda: thicket.sample((0, 0, 8000, 8000), 1.0), lambda: thicket.sa
 print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
 """
     done = script(wheel_python, text)
-    assert re.fullmatch(r"rect needs more memory than there is, got .+\nsize needs more memory than there is, got 8000\. .+\nTrue\n", done.stdout), (
+    assert re.fullmatch(r"rect needs more memory than is available, got .+\nsize needs more memory than is available, got 8000\. .+\nTrue\n", done.stdout), (
         done.stdout + done.stderr
     )
 
 
-# A second or two of work, by each function.
+# Calls of each function that take a second or two.
 LONG = {
     "sample": lambda thicket, **watched: thicket.sample((0, 0, 2500, 2500), 1.0, **watched),
     "sample by threads": lambda thicket, **watched: thicket.sample((0, 0, 4000, 2500), 1.0, threads=3, **watched),
@@ -199,7 +199,7 @@ LONG = {
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_other_threads_run_meanwhile(thicket, work):
-    """If the call kept the interpreter's lock, there would be no tick between its begin and its end."""
+    """If the call held the interpreter's lock, there would be no tick between its start and its end."""
     ticks: list[float] = []
     end = threading.Event()
 
@@ -229,7 +229,8 @@ def test_progress(thicket, work):
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_cancel(thicket, work):
-    """From another thread, from within, and before; and what the progress function raises comes out."""
+    """Cancels from a different thread, from the progress function, and before the call. Exceptions of the progress function are
+    passed on."""
     cancel, begun = thicket.Cancel(), threading.Event()
     canceller = threading.Thread(target=lambda: (begun.wait(), cancel.cancel()))
     canceller.start()
@@ -240,7 +241,7 @@ def test_cancel(thicket, work):
     start = time.perf_counter()
     with pytest.raises(thicket.Cancelled):
         work(thicket, cancel=cancel)
-    assert time.perf_counter() - start < 0.2, "what is cancelled already ends at once"
+    assert time.perf_counter() - start < 0.2, "a call with a canceled object ends immediately"
     calls: list[float] = []
 
     def stop(fraction: float, points: int) -> None:
@@ -250,7 +251,7 @@ def test_cancel(thicket, work):
     with pytest.raises(LookupError, match="enough"):
         work(thicket, progress=stop)
     assert len(calls) == 1
-    assert thicket.sample(SETS[0].rect, 1.0, 1).digest() == SETS[0].digests, "later calls are as ever"
+    assert thicket.sample(SETS[0].rect, 1.0, 1).digest() == SETS[0].digests, "later calls are not affected"
 
 
 def test_a_progress_function_may_sample(thicket):
@@ -269,7 +270,7 @@ def test_threads_agree(thicket):
     assert digests == [SETS[0].digests] * 20
 
 
-def test_a_call_by_several_threads_gives_the_same(thicket):
+def test_a_call_with_several_threads_gives_the_same(thicket):
     for one in SETS:
         alone = thicket.sample(one.rect, one.radius, one.seed, levels=one.levels, layer=one.layer)
         for threads in (0, 2, 5):
@@ -278,7 +279,7 @@ def test_a_call_by_several_threads_gives_the_same(thicket):
 
 
 def test_control_c_ends_a_call(wheel_python):
-    # Behind a shell's & a program would ignore the signal.
+    # A program that a shell starts with & would ignore the signal.
     text = "import signal, thicket\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    print('begun', flush=True)\n    thicket.sample((0, 0, 5000, 5000), 1.0)\nexcept KeyboardInterrupt:\n    print('ended')"
     process = subprocess.Popen([wheel_python, "-c", text], stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "begun\n"
@@ -287,8 +288,8 @@ def test_control_c_ends_a_call(wheel_python):
     assert process.communicate(timeout=20)[0] == "ended\n"
 
 
-def test_types_and_words(thicket):
-    """Every name has a docstring with units and errors where there are some, and stands in the stubs with the same arguments."""
+def test_types_and_docstrings(thicket):
+    """Every name has a docstring, with units and errors where applicable, and has the same arguments in the stubs."""
     folder = Path(thicket.__file__).parent
     assert all((folder / name).is_file() for name in ("py.typed", "LICENSE", "licenses/highway", "licenses/nanobind"))
     stub = ast.parse((folder / "_core.pyi").read_text(encoding="utf-8"))

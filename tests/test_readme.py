@@ -1,8 +1,10 @@
-"""The examples of README and tutorials run as they stand, and its commands and folders are there."""
+"""The examples of README and the tutorials run unchanged, and the commands and folders in README exist."""
 
 from __future__ import annotations
 
+import fnmatch
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -16,7 +18,7 @@ EXAMPLES = [
     for example in re.findall(r"^```gdscript\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 ]
 
-# Runs each example as a person would who pastes it into a new project: nodes under a camera, terrains asked for a height.
+# Runs each example as if it were pasted into a new project: nodes are added to the scene under a camera, terrains return a height.
 RUNNER = """extends SceneTree
 
 func _initialize() -> void:
@@ -37,7 +39,7 @@ func _initialize() -> void:
 						ids += shown.get_ids(mesh).size()
 				print("example ", example, " shows ", ids)
 			made.queue_free()
-		elif made is ScatterTerrain:
+		elif made is ScatterGround:
 			print("example ", example, " height ", made.get_height(Vector3(10, 0, 0)))
 	await process_frame
 	print("README: ran %d")
@@ -47,7 +49,7 @@ func _initialize() -> void:
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
-    """A new project with the addon and the examples."""
+    """A new project with the add-on and the examples."""
     folder = new_project(tmp_path_factory.mktemp("readme"))
     for number, example in enumerate(EXAMPLES):
         (folder / f"example_{number}.gd").write_text(example)
@@ -74,7 +76,7 @@ def test_examples_run(godot, project):
     assert re.search(r"^felled \d+$", done.stdout, re.MULTILINE) and "\nstill cut: true\n" in done.stdout, printed
 
 
-def test_folders_and_commands_are_there():
+def test_folders_and_commands_exist():
     for folder in re.findall(r"^\| `([\w/]+)` \|", TEXT.split("## Where things are")[1].split("\n## ")[0], re.MULTILINE):
         assert (REPO / folder).is_dir(), folder
     for script in re.findall(r"\bbash ([\w/]+\.sh)", TEXT):
@@ -84,11 +86,38 @@ def test_folders_and_commands_are_there():
 
 
 @pytest.mark.parametrize("page", ["ARCHITECTURE.md", "CONTRIBUTING.md"])
-def test_pages_for_engineers_name_what_is_there(page):
-    """Every path, command and room that the pages name exists; patterns and what a build makes are no such paths."""
+def test_pages_for_engineers_have_valid_paths(page):
+    """Every path, command and room on the pages exists. Patterns and generated files are exceptions."""
     text = (REPO / page).read_text(encoding="utf-8")
     paths = re.findall(r"(?<![\w/.])((?:extension|tests|tools|demo_project)/[\w/.-]*\w)(?![\w*])", text)
     paths = [path for path in paths if not re.search(r"_$|test_$|addons/thicket/(bin|csharp)|/CLASS|-$", path)]
     assert len(paths) > 10
     missing = [path for path in paths if not (REPO / path).exists()]
     assert not missing, missing
+
+
+def test_every_part_of_the_addon_is_described():
+    """ARCHITECTURE.md has a line for each folder of the add-on, for each folder of its editor, and for each script beside them."""
+    text = (REPO / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    block = text[text.index("## The add-on") :].split("```")[1]
+    listed = re.findall(r"^ *(\w+)/? ", block, re.MULTILINE) + re.findall(r"[\w*]+\.gd", block)
+    addon = REPO / "demo_project/addons/thicket"
+    tracked = subprocess.run(["git", "ls-files"], cwd=addon, capture_output=True, text=True, check=True).stdout.split()
+    parts = {path.split("/")[0] for path in tracked} | {path.split("/")[1] for path in tracked if path.startswith("editor/")}
+    parts = {part for part in parts if part.endswith(".gd") or "." not in part}
+    assert len(parts) > 30
+    missing = [part for part in sorted(parts) if not any(fnmatch.fnmatch(part, pattern) for pattern in listed)]
+    assert not missing, missing
+
+
+def test_the_table_of_renames_has_every_former_name_in_files():
+    """README's table has exactly the former names that the library still reads."""
+    table = TEXT[TEXT.index("## From 0.2 to 0.3") : TEXT.index("## From 0.1 to 0.2")]
+    rows = set(re.findall(r"^\| `([\w.]+)` \| `([\w.]+)` \|$", table, re.MULTILINE))
+    properties = re.findall(r'\{"(\w+)", "(\w+)", "(\w+)"\}', (REPO / "extension/nodes/common/renames.cpp").read_text(encoding="utf-8"))
+    grounds = re.findall(r"m_each\((\w+), (\w+)\)", (REPO / "extension/nodes/ground/former_grounds.cpp").read_text(encoding="utf-8"))
+    assert len(properties) >= 4 and len(grounds) == 7
+    expected = {(f"{owner}.{former}", f"{owner}.{current}") for owner, former, current in properties} | set(grounds)
+    assert expected <= rows
+    in_scripts = {"FoliageWorld", "ImpostorBaker"}  # Scenes refer to the scripts of these by path.
+    assert {former for former, _ in rows - expected} == in_scripts

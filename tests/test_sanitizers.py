@@ -1,4 +1,4 @@
-"""The core's tests once more, with every memory access and every undefined operation checked."""
+"""The core's tests with sanitizers, which check every memory access and every undefined operation."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def check(selection: str, timeout: float):
     assert "0 failed" in done.stdout
 
 
-def test_no_case_trips_a_sanitizer():
+def test_no_case_triggers_a_sanitizer():
     check("test-case-exclude", timeout=900)
 
 
 @pytest.mark.full
-def test_no_long_case_trips_a_sanitizer():
+def test_no_long_case_triggers_a_sanitizer():
     check("test-case", timeout=7200)

@@ -1,4 +1,4 @@
-"""Saved games: what the tutorial teaches, and disks that are full."""
+"""Saved games: the tutorial's code, and full disks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ENGINE = REPO / "tests/engine"
 ADDON = REPO / "demo_project/addons/thicket"
 TUTORIAL = ADDON / "tutorials/game_that_fells.md"
 
-# Saves, loads, plays on and loads again, by the functions of the tutorial's script.
+# Saves, loads, continues playing and loads again, with the functions of the tutorial's script.
 TWICE = """extends SceneTree
 
 func _initialize() -> void:
@@ -43,7 +43,7 @@ def project(tmp_path_factory) -> Path:
 
 
 def test_the_tutorials_save_can_be_loaded_twice(godot, project):
-    """A player saves, loads, plays on and loads again: what was saved comes back each time."""
+    """A player saves, loads, continues playing and loads again. Each load restores the saved state."""
     (project / "tutorial.gd").write_text(re.search(r"^```gdscript\n(.*?)^```", TUTORIAL.read_text(), re.MULTILINE | re.DOTALL).group(1))
     (project / "twice.gd").write_text(TWICE)
     done = godot(["--path", project, "--script", "twice.gd"], timeout=60)
@@ -54,15 +54,16 @@ def test_the_tutorials_save_can_be_loaded_twice(godot, project):
 
 
 @pytest.mark.parametrize("page", ["README.md", "demo_project/addons/thicket/tutorials/game_that_fells.md", "extension/doc_classes/ScatterState.xml"])
-def test_pages_show_saves_that_run_no_code(page):
-    """No page teaches a game to save or load its changes as a resource."""
+def test_pages_show_saves_that_cannot_run_code(page):
+    """No page recommends saving or loading a game's changes as a resource."""
     text = (REPO / page).read_text(encoding="utf-8")
     assert re.search(r"save_to_file\(\"user://", text) and re.search(r"load_from_file\(\"user://", text)
     assert not re.search(r"ResourceSaver\.[sS]ave\(|state = load\(", text)
 
 
-def test_scripts_replace_files_by_one_helper():
-    """Scripts of the add-on write through whole_file.gd, which checks what the engine does not. The bake into a folder checks by itself."""
+def test_scripts_replace_files_through_one_helper():
+    """Scripts of the add-on write files through whole_file.gd, which checks for errors that the engine ignores. The bake into a
+    folder has its own checks."""
     writing = re.compile(r"^[^#\n]*(ResourceSaver\.save\(|FileAccess\.WRITE|\.save_(png|exr|jpg|webp)\()", re.MULTILINE)
     scripts = {path.name for path in ADDON.rglob("*.gd") if writing.search(path.read_text(encoding="utf-8"))}
     assert scripts == {"whole_file.gd", "bake_to_folder.gd"}
@@ -70,23 +71,23 @@ def test_scripts_replace_files_by_one_helper():
 
 @pytest.fixture
 def small_disk(tmp_path) -> Path:
-    """A disk of 1 MB, where the tests may mount one."""
+    """A disk of 1 MB, if the tests may mount one."""
     folder = tmp_path / "disk"
     folder.mkdir()
     if not shutil.which("mount") or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", folder], capture_output=True).returncode != 0:
-        pytest.skip("no disk may be mounted here")
+        pytest.skip("mounting a disk is not permitted here")
     yield folder
     subprocess.run(["umount", folder], check=True)
 
 
-def test_a_full_disk_leaves_the_old_files(godot, project, small_disk):
-    """States, masks, impostors and what the editor's tools write."""
+def test_a_full_disk_keeps_the_old_files(godot, project, small_disk):
+    """Covers states, masks, impostors and the files of the editor's tools."""
     script = ENGINE / "full_disk.gd"
     assert_passed(godot(["--path", project, "--script", script, "--", f"folder={small_disk}", "fill"], timeout=120))
 
 
-def test_a_limit_of_file_sizes_leaves_the_old_files(godot, project, tmp_path):
-    """The same where the system lets no file become larger than 96 KiB."""
+def test_a_limit_of_file_sizes_keeps_the_old_files(godot, project, tmp_path):
+    """The same if the system limits all files to 96 KiB."""
 
     def with_small_files():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""A dedicated server exported with Strip Visuals: what collides, and what reads textures, stands there as in the project."""
+"""A dedicated server that was exported with Strip Visuals. Colliders, and layers that read textures, are the same as in the project."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ binary_format/architecture="x86_64"
 
 
 def png(path: Path, color) -> None:
-    """Writes an RGB image of 64 x 64 pixels; color(x, y) has three bytes."""
+    """Writes an RGB image of 64 x 64 pixels. color(x, y) returns three bytes."""
 
     def chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -79,7 +79,7 @@ def template() -> None:
 
 
 def export(project: Path, godot, out: Path) -> Path:
-    """The program of the exported server; nothing is printed meanwhile that complains."""
+    """The program of the exported server. Exporting must print no errors."""
     out.mkdir()
     done = godot(["--path", project, "--export-release", "Server", out / "server.x86_64"], timeout=300)
     assert done.returncode == 0 and not complaints(done), done.stdout + done.stderr
@@ -99,11 +99,11 @@ def test_a_server_without_visuals_collides_as_the_project(template, godot, tmp_p
 
 @pytest.mark.full
 def test_an_export_without_the_plugin_warns_once_for_each_node(template, godot, tmp_path):
-    """Shapes of models collide all the same."""
+    """Shapes of models still collide."""
     project = make_project(tmp_path / "project", godot, "")
     level = project / "level.tscn"
     scene = level.read_text()
-    flat = scene.replace('type="ScatterTerrainHeightmap"', 'type="ScatterTerrainFlat"')
+    flat = scene.replace('type="ScatterGroundHeightmap"', 'type="ScatterGroundFlat"')
     assert flat != scene
     level.write_text(re.sub(r"^(image|rect|max_height) = .*\n", "", flat, flags=re.MULTILINE))
     played = godot(["--path", project], timeout=120)

@@ -1,4 +1,4 @@
-"""The set-up finds what is there, takes nothing that is too old, and needs no network once all is installed."""
+"""The set-up finds existing programs, rejects versions that are too old, and needs no network if nothing is missing."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from conftest import REPO, run
 
 
 def shell(script: str, **environment: str):
-    """Runs a line of shell with the set-up's functions, in an environment with these changes."""
+    """Runs a line of shell with the set-up's functions, in a changed environment."""
     changed = {**os.environ, **environment}
     return run(["bash", "-euo", "pipefail", "-c", f"source tools/setup.sh; {script}"], timeout=60, cwd=REPO, env=changed)
 
@@ -49,7 +49,7 @@ def test_the_users_godot_goes_first(tmp_path):
 
 @pytest.mark.parametrize("version", [None, "4.2.stable"])
 def test_a_wrong_godot_is_an_error(tmp_path, version):
-    """Whoever names a Godot means it: no other is taken in its place."""
+    """If the user names a Godot, no other Godot replaces it."""
     named = tmp_path / "my-godot"
     if version:
         fake_godot(tmp_path, "my-godot", version)
@@ -74,25 +74,25 @@ def test_a_wrong_godot_is_an_error(tmp_path, version):
         ("sources.list.d/a.list", "deb http://five.example/debian-security trixie-security main\n", ""),
     ],
 )
-def test_the_mirror_is_the_machines_own(tmp_path, file, text, mirror):
+def test_the_mirror_is_that_of_the_machine(tmp_path, file, text, mirror):
     (tmp_path / "sources.list.d").mkdir()
     (tmp_path / file).write_text(text)
     found = shell(f"debian_mirror '{tmp_path}'")
     assert found.stdout.strip() == mirror
 
 
-def test_all_installed_means_no_network():
-    """In a network namespace with nothing in it, the set-up finds all there and asks nobody."""
+def test_without_missing_packages_no_network_is_used():
+    """Runs in an empty network namespace, where any access to the network would fail."""
     if run(["unshare", "--net", "true"], timeout=20).returncode:
-        pytest.skip("this user may not make a network namespace")
+        pytest.skip("this user may not create a network namespace")
     done = run(["unshare", "--net", "bash", "tools/setup.sh"], timeout=120, cwd=REPO)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "all there" in done.stderr
-    assert "install" not in done.stderr and "making" not in done.stderr, done.stderr
+    assert "nothing is missing" in done.stderr
+    assert "install" not in done.stderr and "creating" not in done.stderr, done.stderr
 
 
-def test_godot_runs_where_the_caller_stands(tmp_path):
-    """Arguments with blanks arrive whole, and relative paths mean what they mean to the caller."""
+def test_godot_runs_in_the_callers_folder(tmp_path):
+    """Arguments with blanks are passed unchanged, and relative paths are relative to the caller's folder."""
     folder = tmp_path / "a project"
     folder.mkdir()
     (folder / "say.gd").write_text(

@@ -1,5 +1,4 @@
-"""Three quarters of a minute of everything at once, and with --full twenty minutes; tests/bench/soak.gd runs longer by
-hand."""
+"""Everything at once for 45 seconds, and with --full for twenty minutes. tests/bench/soak.gd can run longer, started by hand."""
 
 from __future__ import annotations
 
@@ -10,8 +9,8 @@ import pytest
 from conftest import REPO
 from test_demo import complaints
 
-# glibc has one arena and gives back at once what is free, or that would hide what is not freed: threads' own arenas keep more and more
-# for a quarter of an hour, and thresholds that adapt keep up to 8 % more at one time than at another.
+# glibc uses one arena and returns free memory immediately. Otherwise, leaks would be hidden: the arenas of threads grow for a
+# quarter of an hour, and adaptive thresholds change the memory by up to 8 %.
 GIVES_BACK = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": "131072", "MALLOC_TRIM_THRESHOLD_": "131072"}
 
 

@@ -1,4 +1,4 @@
-"""README's tables of speed are those that the bench wrote, and say what was measured."""
+"""README's tables of speed are those that the benchmarks have written, and describe the measurement."""
 
 import importlib.util
 import json
@@ -24,8 +24,8 @@ def kept():
     return speed_table.keep({}, {"sampler": SAMPLER, "flight": FLIGHT}, "2 cores of a processor", "2026-01-02")
 
 
-def test_readme_shows_what_was_kept():
-    """Who edits a figure by hand, or changes what is shown without writing the tables, fails here."""
+def test_readme_shows_the_stored_rows():
+    """Fails if a value was edited by hand, or if SECTIONS was changed without rewriting the tables."""
     text = (REPO / "README.md").read_text(encoding="utf-8")
     kept = json.loads(speed_table.KEPT.read_text(encoding="utf-8"))
     assert speed_table.put(text, speed_table.tables(kept, speed_table.SECTIONS)) == text
@@ -43,11 +43,11 @@ def test_a_part_without_rows_is_refused(tmp_path, text):
         speed_table.read(tmp_path)
 
 
-def test_a_part_that_was_not_measured_stays(kept):
-    anew = speed_table.keep(kept, {"sampler": SAMPLER[:1]}, "another machine", "2026-03-04")
-    assert anew["flight"] == kept["flight"]
-    assert anew["sampler"] == {"machine": "another machine", "date": "2026-03-04", "rows": SAMPLER[:1]}
-    assert "from 2026-01-02 to 2026-03-04: another machine; 2 cores of a processor." in speed_table.tables(anew, {})
+def test_a_part_that_was_not_measured_is_kept(kept):
+    updated = speed_table.keep(kept, {"sampler": SAMPLER[:1]}, "another machine", "2026-03-04")
+    assert updated["flight"] == kept["flight"]
+    assert updated["sampler"] == {"machine": "another machine", "date": "2026-03-04", "rows": SAMPLER[:1]}
+    assert "from 2026-01-02 to 2026-03-04: another machine; 2 cores of a processor." in speed_table.tables(updated, {})
 
 
 def test_rows_come_in_the_order_of_their_patterns(kept):
@@ -66,7 +66,7 @@ def test_a_pattern_without_a_row_is_an_error(kept):
         speed_table.tables(kept, {"Sampler": ["tiles of 8 r"]})
 
 
-def test_nothing_but_the_tables_changes():
+def test_only_the_tables_change():
     readme = f"before\n{speed_table.BEGIN}\nold\n{speed_table.END}\nafter"
     assert speed_table.put(readme, "new") == f"before\n{speed_table.BEGIN}\n\nnew\n\n{speed_table.END}\nafter"
     with pytest.raises(SystemExit, match="must hold these two lines"):

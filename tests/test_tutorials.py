@@ -1,5 +1,5 @@
-"""The add-on's tutorials: their links, pictures and names hold, their steps are taken in the editor and over the network, and the
-class reference leads to them. tests/test_readme.py runs their examples as they stand."""
+"""The add-on's tutorials: their links, pictures and quoted names are valid, their steps work in the editor and over the network,
+and the class reference links to them. tests/test_readme.py runs their examples."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PAGES = {path.name: path.read_text(encoding="utf-8") for path in sorted(FOLDER.g
 LINK = re.compile(r"(?<!!)\[[^\]]+\]\(([^)]+)\)")
 PICTURE = re.compile(r"!\[[^\]]+\]\(([^)]+)\)")
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-# What a page calls by the words of the engine's own editor, its inspector, or the keyboard.
+# Names of the engine's editor, its inspector and the keyboard, which the pages quote.
 OF_THE_ENGINE = """Project | Project Settings | Plugins | Debug | Customize Run Instances... | Enable Multiple Instances | Override Main Run Args |
     Launch Arguments | Run Current Scene | Materials | Use External | Path | Reimport | Root Scale | Path3D | Make Unique | Node | [ | ]"""
 
@@ -31,18 +31,18 @@ def title(page: str) -> str:
     return PAGES[page].splitlines()[0].removeprefix("# ")
 
 
-# --- What stands in the pages -------------------------------------------------------------------------------------------
+# --- The content of the pages -------------------------------------------------------------------------------------------
 
 
 def test_the_window_offers_every_page():
-    source = (ADDON / "editor/tutorial_window.gd").read_text()
+    source = (ADDON / "editor/help/tutorial_window.gd").read_text()
     offered = re.findall(r'"(\w+\.md)"', source)
     assert sorted(offered) == sorted(PAGES) and len(PAGES) == 8
     assert offered[:5] == ["first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md"]
 
 
-def test_the_class_reference_leads_to_every_page():
-    """Links are paths of the add-on, under the page's own title; the node that everybody begins with has them all."""
+def test_the_class_reference_links_to_every_page():
+    """Links are paths in the add-on, with the page's title. The main node links to all pages."""
     linked: dict[str, set[str]] = {}
     for path in (REPO / "extension/doc_classes").glob("*.xml"):
         for link in ElementTree.parse(path).getroot().iterfind("tutorials/link"):
@@ -56,7 +56,7 @@ def test_the_class_reference_leads_to_every_page():
     assert all("TerrainScatter3D" in classes for classes in linked.values()), linked
 
 
-def test_links_and_pictures_are_there():
+def test_links_and_pictures_exist():
     used = set()
     for page, text in PAGES.items():
         for link in LINK.findall(FENCE.sub("", text)):
@@ -66,13 +66,13 @@ def test_links_and_pictures_are_there():
             with Image.open(FOLDER / picture) as image:
                 assert image.format == "JPEG" and image.width == 960, picture
             assert (FOLDER / picture).stat().st_size <= 150_000, picture
-    assert used == {path.name for path in FOLDER.glob("*.jpg")}, "pictures that no page shows"
-    assert (FOLDER / ".gdignore").is_file(), "or projects of users would import the pictures"
+    assert used == {path.name for path in FOLDER.glob("*.jpg")}, "some pictures are not used by any page"
+    assert (FOLDER / ".gdignore").is_file(), "without it, users' projects would import the pictures"
     for page in ("first_forest.md", "your_own_tree.md", "paint_and_shapes.md", "game_that_fells.md", "server.md"):
         assert PICTURE.search(PAGES[page]) and "\n## If it goes wrong\n" in PAGES[page], page
 
 
-def test_readmes_lead_to_the_pages():
+def test_readmes_link_to_the_pages():
     shipped = (REPO / "tools/package/README.md").read_text(encoding="utf-8")
     readme = (REPO / "README.md").read_text(encoding="utf-8")
     for page in PAGES:
@@ -83,7 +83,7 @@ def test_readmes_lead_to_the_pages():
 
 
 def test_code_is_run():
-    """Blocks of GDScript are run by test_readme.py; the one shader is compiled by test_foliage.gd."""
+    """test_readme.py runs the blocks of GDScript, and test_foliage.gd compiles the one shader."""
     kinds = [(page, kind) for page, text in PAGES.items() for kind, _ in FENCE.findall(text)]
     assert {kind for _, kind in kinds} == {"gdscript", "glsl"}
     assert [page for page, kind in kinds if kind == "glsl"] == ["your_own_tree.md"]
@@ -92,14 +92,14 @@ def test_code_is_run():
 
 
 def capitalized(name: str) -> str:
-    """As the inspector writes a property's name, but for case."""
+    """The inspector's name of a property, in lower case."""
     return name.replace("_", " ").lower()
 
 
 def known_names() -> set[str]:
-    """What the editor's buttons and menus say, and the names that the inspector shows, in small letters."""
+    """The texts of the editor's buttons and menus, and the names in the inspector, in lower case."""
     names = {word.strip().lower() for word in OF_THE_ENGINE.split("|")}
-    for script in (ADDON / "editor").glob("*.gd"):
+    for script in (ADDON / "editor").rglob("*.gd"):
         names |= {text.lower() for text in re.findall(r'"((?:[^"\\]|\\.)*)"', script.read_text())}
     for path in (REPO / "extension/doc_classes").glob("*.xml"):
         root = ElementTree.parse(path).getroot()
@@ -116,21 +116,21 @@ def known_names() -> set[str]:
 
 
 def test_names_that_pages_quote_are_in_the_editor():
-    """What stands in italics is what a button, a menu or the inspector says; so a renamed button is a failing test."""
+    """Text in italics must be the text of a button, a menu or the inspector, so renaming a button makes this test fail."""
     names = known_names()
     assert "use as ground..." in names and "use as grounds" not in names
     for page, text in PAGES.items():
         for quoted in re.findall(r"(?<![*\w])\*(?![*\s])([^*`\n]+(?:\n[^*`\n]+)?)\*(?!\*)", FENCE.sub("", text)):
             for word in re.sub(r"\s+", " ", quoted).split(" > "):
-                assert word.lower() in names, f"{page}: *{word}* is nowhere in the editor"
+                assert word.lower() in names, f"{page}: *{word}* is not in the editor"
 
 
-# --- Their steps --------------------------------------------------------------------------------------------------------
+# --- The steps of the pages ----------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def editor(godot, godot_xvfb, tmp_path_factory) -> str:
-    """What is printed while the steps are taken in the editor, in a project with the add-on and a tree from a pack."""
+    """The output while the steps are performed in the editor, in a project with the add-on and a tree from an asset pack."""
     folder = new_plain_project(tmp_path_factory.mktemp("tutorials"))
     link_library(folder)
     shutil.copytree(STEPS, folder / "tests")
@@ -154,11 +154,11 @@ def editor(godot, godot_xvfb, tmp_path_factory) -> str:
 
 
 def test_steps_in_the_editor(editor):
-    """Checks in tutorials.gd."""
+    """The checks are in tutorials.gd."""
     check_passed(editor)
 
 
-# What those do who run the scene of server.md. A player clicks on so many trees around a place that he sees, waits until so many are
+# The server and the players of server.md. A player clicks on some visible trees around a position, waits until the given number is
 # felled, and takes a picture.
 PLAYER = """extends SceneTree
 
@@ -202,12 +202,13 @@ func take_part(game: Node3D, clicks: int, around: Vector3, wanted: int) -> void:
 func is_seen(game: Node3D, id: int) -> bool:
 	var eye := root.get_camera_3d().global_position
 	var foot: Vector3 = game.forest.get_instance(id).get_position() + Vector3.UP
-	return game.forest.query_ray(eye, foot + eye.direction_to(foot)).get("id", 0) == id
+	var hit: ScatterInstance = game.forest.query_ray(eye, foot + eye.direction_to(foot))
+	return hit != null and hit.id == id
 """
 
 
 def write_game(folder: Path) -> None:
-    """The script of server.md, on a port that nobody has, and a player."""
+    """Writes the script of server.md, with an unused port, and the script of a player."""
     code = dict(FENCE.findall(PAGES["server.md"]))["gdscript"]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
@@ -219,7 +220,7 @@ def write_game(folder: Path) -> None:
 
 
 def test_a_server_and_its_players(tmp_path):
-    """Players' clicks fell on the server and with each other; one who comes later has all of it; all agree to the bit."""
+    """Players' clicks fell trees on the server and for all players. A late player gets all changes. All end with the same digest."""
     folder = new_project(tmp_path, '[rendering]\nrenderer/rendering_method="gl_compatibility"\n')
     write_game(folder)
     PICTURES.mkdir(parents=True, exist_ok=True)

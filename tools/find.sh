@@ -1,31 +1,31 @@
-# Where things are, for tools/godot and tools/setup.sh, which source this.
+# Paths for tools/godot and tools/setup.sh, which source this file.
 
-# The folder for what is installed once and used by every checkout.
+# The folder for everything that is installed once and shared by all checkouts.
 cache_folder() {
 	echo "${THICKET_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/thicket}"
 }
 
-# The Debian root in which Godot lies, whether it is there or not.
+# The Debian root of Godot, whether it exists or not.
 godot_root() {
 	echo "$(cache_folder)/godot-root"
 }
 
-# The Debian root in which emscripten lies, whether it is there or not.
+# The Debian root of emscripten, whether it exists or not.
 emscripten_root() {
 	echo "$(cache_folder)/emscripten-root"
 }
 
-# Prints the version of the Python that the package is built for, as 3.12.
+# Prints the version of the Python that the package is built for, such as 3.12.
 wheel_python() {
 	"${PYTHON:-python3}" -c 'import sys; print("%d.%d" % sys.version_info[:2])'
 }
 
-# Prints the folder of the virtual environment in which the package is built.
+# Prints the folder of the virtual environment that builds the package.
 wheel_venv() {
 	echo "$(cache_folder)/wheel-python$(wheel_python)"
 }
 
-# Print the folders of the virtual environments of the tests and of the bake.
+# Print the folders of the virtual environments for the tests and for the bake.
 python_venv() {
 	echo "$(cache_folder)/venv"
 }
@@ -34,7 +34,7 @@ bake_venv() {
 	echo "$(cache_folder)/bake-venv"
 }
 
-# True for a program that says that it is Godot 4.4 or newer.
+# Succeeds if the program's version is Godot 4.4 or newer.
 is_new_godot() {
 	local version
 	version=$("$1" --version 2>/dev/null </dev/null | tail -n 1) || return 1
@@ -42,8 +42,8 @@ is_new_godot() {
 	((BASH_REMATCH[1] > 4 || (BASH_REMATCH[1] == 4 && BASH_REMATCH[2] >= 4)))
 }
 
-# Prints the path of a Godot that runs as it is: $GODOT, or godot or godot4 on the PATH; nothing if there is none.
-# A $GODOT that cannot be used is an error, not a reason to take another.
+# Prints the path of a Godot that runs without a Debian root: $GODOT, or godot or godot4 on the PATH. Prints nothing if there is none.
+# An unusable $GODOT is an error, and no other Godot replaces it.
 find_native_godot() {
 	local candidate
 	if [[ -n ${GODOT:-} ]]; then
@@ -65,8 +65,7 @@ find_native_godot() {
 	done
 }
 
-# enter_root ROOT: sets the array `enter` to the command behind which programs of a Debian root run, with our folders under the
-# paths that they have here.
+# enter_root ROOT: sets the array `enter` to the command that runs a program inside a Debian root. Our folders keep their paths there.
 enter_root() {
 	local root=$1 repo folder
 	repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
@@ -74,14 +73,14 @@ enter_root() {
 	enter+=(--ro-bind-try /etc/ssl/certs /etc/ssl/certs)
 	for folder in /tmp /run "$HOME" "$(cache_folder)" "$repo" "$PWD"; do
 		case $folder/ in
-			/ | // | /usr/* | /etc/* | /bin/* | /sbin/* | /lib* | /dev/* | /proc/* | /sys/*) ;; # the root has its own
+			/ | // | /usr/* | /etc/* | /bin/* | /sbin/* | /lib* | /dev/* | /proc/* | /sys/*) ;; # The root has its own.
 			*) [[ ! -d $folder ]] || enter+=(--bind "$folder" "$folder") ;;
 		esac
 	done
 	enter+=(--chdir "$PWD")
 }
 
-# Lets Godot import what is new in the demo project, which it does not do by itself when it runs a project.
+# Lets Godot import new files of the demo project, because a run of the project does not.
 import_demo() {
 	local repo stamp
 	repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
@@ -89,7 +88,7 @@ import_demo() {
 	if [[ -f $stamp && -z $(find "$repo/demo_project" -name .godot -prune -o -newer "$stamp" -print -quit) ]]; then
 		return
 	fi
-	# Godot lists a new extension only after it has read all scripts, and would complain about those that use it.
+	# Godot lists a new extension only after it has read all scripts, and would report errors in those that use it.
 	mkdir -p "${stamp%/*}"
 	[[ -f ${stamp%/*}/extension_list.cfg ]] ||
 		echo res://addons/thicket/thicket.gdextension >"${stamp%/*}/extension_list.cfg"

@@ -1,11 +1,11 @@
 """Formats and checks the C++ sources, with the clang-format and clang-tidy of tests/requirements.txt.
 
-    ~/.cache/thicket/venv/bin/python tools/lint.py format     rewrites what is not formatted (.clang-format says how)
-    ~/.cache/thicket/venv/bin/python tools/lint.py tidy       checks what changed in extension/ since it was last found clean
-    ~/.cache/thicket/venv/bin/python tools/lint.py tidy --all the same with tests/
+    ~/.cache/thicket/venv/bin/python tools/lint.py format     formats all sources in place (see .clang-format)
+    ~/.cache/thicket/venv/bin/python tools/lint.py tidy       checks the files in extension/ that changed since the last clean check
+    ~/.cache/thicket/venv/bin/python tools/lint.py tidy --all also checks tests/
 
-What clang-tidy found clean is remembered in the cache folder, for all checkouts, by how a source is compiled and by the contents
-of it, of all headers of ours that it includes and of .clang-tidy. It needs compile_commands.json, which any build writes."""
+The cache folder remembers clean files for all checkouts. The key is the compile command and the contents of the source, of all our
+headers that it includes and of .clang-tidy. Needs compile_commands.json, which any build writes."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ import installed  # noqa: E402 (only on the path above)
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 CLEAN = Path(installed.cache_folder()) / "tidy"
-# g++'s flags that clang does not know.
+# Flags of g++ that clang does not support.
 UNKNOWN = {"-fno-gnu-unique"}
 
 
 def tool(name: str) -> str:
-    """The program beside this Python: the one of the pinned package."""
+    """The program beside this Python, which belongs to the pinned package."""
     return str(Path(sys.executable).parent / name)
 
 
@@ -41,7 +41,7 @@ def sources(*suffixes: str) -> list[Path]:
 
 
 def format_sources(check: bool) -> str:
-    """Rewrites what is not formatted, or, to check, only tells which lines."""
+    """Formats the sources; with `check`, only reports the lines that it would change."""
     command = [tool("clang-format"), *(["--dry-run", "--Werror"] if check else ["-i"])]
     done = subprocess.run([*command, *sources(".c", ".cpp", ".h", ".hpp")], capture_output=True, text=True, cwd=REPO, check=False)
     return done.stderr
@@ -53,7 +53,7 @@ def text(path: Path) -> str:
 
 
 def with_headers(path: Path, seen: set[Path]) -> set[Path]:
-    """A source and all files of the tree that it includes, by way of others too."""
+    """A source and all files of the tree that it includes, directly or indirectly."""
     seen.add(path)
     for name in INCLUDE.findall(text(path)):
         for folder in (path.parent, REPO / "extension", REPO / "extension/bindings/include", REPO):
@@ -65,7 +65,7 @@ def with_headers(path: Path, seen: set[Path]) -> set[Path]:
 
 
 def fingerprint(path: Path, command: str) -> str:
-    """Changes with all that may change what clang-tidy says about a source that is compiled by this command."""
+    """A hash of everything that may change clang-tidy's result for a source that is compiled by this command."""
     digest = hashlib.sha256((text(REPO / ".clang-tidy") + text(REPO / "tests/requirements.txt") + command).encode())
     for one in sorted(with_headers(path, set())):
         digest.update(one.relative_to(REPO).as_posix().encode() + b"\0" + text(one).encode())
@@ -73,7 +73,7 @@ def fingerprint(path: Path, command: str) -> str:
 
 
 def tidy(everything: bool) -> str:
-    """What clang-tidy says against the sources; nothing if all are clean."""
+    """Runs clang-tidy; returns its warnings, or "" if all sources are clean."""
     CLEAN.mkdir(parents=True, exist_ok=True)
     known = REPO / "build/tidy"
     known.mkdir(parents=True, exist_ok=True)
@@ -87,7 +87,7 @@ def tidy(everything: bool) -> str:
     stale = [path for path, stamp in stamps.items() if not stamp.is_file()]
 
     def check(path: Path) -> str:
-        # Compilers of another kind warn about other things: warnings are g++'s business.
+        # -w: clang warns about other things than g++, and g++ is our reference for warnings.
         command = [tool("clang-tidy"), "--quiet", f"-p={known}", "--extra-arg=-w", "--header-filter=/(extension|tests)/", path]
         done = subprocess.run(command, capture_output=True, text=True, cwd=REPO, check=False)
         if done.returncode == 0:

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds Thicket for every platform and packs what users install into build/dist:
+# Builds Thicket for every platform, and packs the files for users into build/dist:
 #   thicket-VERSION.zip          the add-on: libraries, editor tools, shaders, presets, C# wrappers, licenses
 #   thicket-demo-VERSION.zip     the demo project with the add-on in it
 #   symbols/                     the libraries with their debug symbols, for crash reports
-#   SHA256SUMS                   of the zips
-# The same sources give the same bytes. Takes about half an hour on two cores. Arguments are names of what to build, as the
-# libraries have them; all by itself:
+#   SHA256SUMS                   the checksums of the zips
+# The same sources produce identical zips. Takes about half an hour on two cores. The arguments name the builds, as in the names of
+# the libraries; without arguments, everything is built:
 #   bash tools/package.sh linux.x86_64 windows.x86_64.double
 #   bash tools/package.sh --list
 set -euo pipefail

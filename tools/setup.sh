@@ -1,29 +1,29 @@
 #!/usr/bin/env bash
-# Installs what building, testing and the demo need and this machine lacks; says what it does; does nothing, and asks
-# the network nothing, where all is there. Run it for everything, or source it and call the parts:
+# Installs everything that this machine lacks for building, testing and the demo, and prints each step. If nothing is missing, it
+# changes nothing and uses no network. Run it for everything, or source it and call its parts:
 #   setup_compiler   a C++20 compiler, scons, GLM, doctest, and the sources of Highway
-#   setup_compiler_cache  ccache, for compilers that are called from here on; they compile in full where it cannot be had
-#   setup_baselines  CGAL, for one of the methods that tests and benches compare with
-#   setup_clang      a second compiler, for the tests that compare compilers; those are skipped where it cannot be had
-#   setup_mono       a C# compiler, for the test of the wrappers; it is skipped where none can be had
-#   setup_qemu       what runs programs for other processors, for the tests that compare them; skipped where it cannot be had
+#   setup_compiler_cache  ccache, for the compilers called afterwards; without it, everything is compiled
+#   setup_baselines  CGAL, for one of the methods that tests and benchmarks compare with
+#   setup_clang      a second compiler, for the tests that compare compilers (skipped without it)
+#   setup_mono       a C# compiler, for the test of the wrappers (skipped without it)
+#   setup_qemu       emulators of other processors, for the tests that compare processors (skipped without them)
 #   setup_python     the Python packages of tests/requirements.txt and of setup_bake, in a virtual environment in the cache folder
-#   setup_bake       what bakes worlds: Dask and Arrow, in a virtual environment in the cache folder
-#   setup_wheel      what builds the Python package of the sampler, and NumPy for its tests, in the cache folder
+#   setup_bake       Dask and Arrow, for baking worlds, in a virtual environment in the cache folder
+#   setup_wheel      the build tools of the sampler's Python package, and NumPy for its tests, in the cache folder
 #   setup_godot      Godot 4.4 or newer: $GODOT, else one on the PATH, else a Debian root in the cache folder
-# setup_full.sh has the parts that only packing and the long tests call.
+# setup_full.sh has the parts that only packing and the long tests need.
 # The cache folder is $THICKET_CACHE, or thicket in $XDG_CACHE_HOME or ~/.cache.
 
 setup_repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 source "$setup_repo/tools/find.sh"
 source "$setup_repo/tools/setup_full.sh"
 
-# The Debian release that Godot comes from where a machine has none. The mirror is the machine's own.
+# The Debian release that provides Godot on machines without one. The mirror is the one that the machine uses.
 godot_suite=forky
 godot_root_packages=godot,xvfb,xauth,libgl1,libegl1,libgl1-mesa-dri,mesa-vulkan-drivers,fonts-dejavu-core
 
-# The release of Highway that is compiled in, everywhere the same: Debian has its sources. $highway_sha256 is that of the
-# tar ball as it was published.
+# The release of Highway that we compile on all machines, from Debian's sources. $highway_sha256 is the checksum of the published
+# tarball.
 highway_version=1.2.0
 highway_sha256=7e0be78b8318e8bdbf6fa545d2ecb4c90f947df03f7aadc42c1967f019e63343
 highway_suite=trixie
@@ -44,7 +44,7 @@ setup_compiler() {
 	setup_core_sources
 }
 
-# What the core alone takes, however it is built.
+# The requirements of the core alone, for any build.
 setup_core_sources() {
 	local missing=()
 	command -v "${CXX:-g++}" >/dev/null || missing+=(g++)
@@ -61,14 +61,14 @@ setup_highway() {
 		say "to build, please put the sources of Highway $highway_version into $folder, so that $folder/hwy/highway.h is there"
 		return 1
 	fi
-	say "taking the sources of Highway $highway_version from Debian $highway_suite"
+	say "downloading the sources of Highway $highway_version from Debian $highway_suite"
 	mkdir -p "$(cache_folder)"
 	partial=$(mktemp --directory "$folder.partial.XXXXXX")
 	tar_ball=$partial/highway_$highway_version.orig.tar.gz
 	if ! apt_of deb-src "$highway_suite" "$partial" --download-only source highway ||
 		! echo "$highway_sha256  $tar_ball" | sha256sum --check --quiet >&2; then
 		rm -rf "$partial"
-		say "the sources of Highway could not be had; the messages above say why"
+		say "the sources of Highway could not be downloaded; see the messages above"
 		return 1
 	fi
 	mkdir "$partial/highway"
@@ -78,8 +78,8 @@ setup_highway() {
 	rm -rf "$partial"
 }
 
-# apt_of deb|deb-src SUITE FOLDER ARGS...: runs apt-get for one Debian release, in a folder that also holds its lists: what the
-# machine's own apt knows stays as it is.
+# apt_of deb|deb-src SUITE FOLDER ARGS...: runs apt-get for one Debian release. FOLDER also holds its package lists, so that the
+# machine's own lists stay unchanged.
 apt_of() {
 	local kind=$1 suite=$2 folder=$3
 	shift 3
@@ -91,11 +91,11 @@ apt_of() {
 	(cd "$folder" && apt-get "${from[@]}" update && apt-get "${from[@]}" "$@") >&2
 }
 
-# What one checkout has compiled, no other compiles again, wherever it lies: the folder is not hashed. Not for a debugger, which
-# would look for sources in the first one.
+# Shares compiled objects between checkouts: the cache ignores their folders. Not for debuggers, which would open the sources of the
+# checkout that compiled an object first.
 setup_compiler_cache() {
-	command -v ccache >/dev/null || install_packages "to compile nothing twice" ccache ||
-		say "going on without a compiler cache; everything that is new here will be compiled"
+	command -v ccache >/dev/null || install_packages "to share compiled objects" ccache ||
+		say "continuing without a compiler cache; everything will be compiled"
 	[[ -d /usr/lib/ccache ]] || return 0
 	export PATH="/usr/lib/ccache:$PATH" CCACHE_NOHASHDIR=1
 	export CCACHE_DIR=${CCACHE_DIR:-$(cache_folder)/ccache}
@@ -107,21 +107,21 @@ setup_baselines() {
 
 setup_clang() {
 	command -v clang++ >/dev/null || install_packages "to compare compilers" clang ||
-		say "going on without clang; the tests that need it will be skipped"
+		say "continuing without clang; the tests that need it will be skipped"
 }
 
 setup_mono() {
 	command -v mcs >/dev/null || install_packages "to check C#" mono-mcs ||
-		say "going on without a C# compiler; the tests that need it will be skipped"
+		say "continuing without a C# compiler; the tests that need it will be skipped"
 }
 
-# The C library is for programs that are not linked with one.
+# The C library is for dynamically linked programs.
 setup_qemu() {
 	local missing=()
 	command -v qemu-aarch64 >/dev/null || missing+=(qemu-user)
 	[[ $(uname -m) == aarch64 || -e /usr/aarch64-linux-gnu/lib/ld-linux-aarch64.so.1 ]] || missing+=(libc6-arm64-cross)
 	install_packages "to run programs for other processors" "${missing[@]}" ||
-		say "going on without qemu; the tests that need it will be skipped"
+		say "continuing without qemu; the tests that need it will be skipped"
 }
 
 setup_python() {
@@ -156,18 +156,18 @@ setup_wheel() {
 	echo "$wanted" >"$venv/complete"
 }
 
-# has_venv FOLDER WANTED: whether a virtual environment is whole, and the one that is wanted.
+# has_venv FOLDER WANTED: succeeds if a virtual environment is complete and has the wanted packages.
 has_venv() {
 	[[ -f $1/complete && $(<"$1/complete") == "$2" && -x $1/bin/python ]]
 }
 
-# make_venv PYTHON FOLDER WHY OPTION...: makes a virtual environment anew, with what these options of pip ask for. Whoever calls it says in
-# FOLDER/complete what it is, once it is whole.
+# make_venv PYTHON FOLDER WHY OPTION...: recreates a virtual environment, and installs into it with these options of pip. When it is
+# complete, the caller records its packages in FOLDER/complete.
 make_venv() {
 	local python=$1 venv=$2 why=$3
 	shift 3
 	"$python" -c 'import venv, ensurepip' 2>/dev/null || install_packages "$why" python3 python3-venv
-	say "making a Python environment in $venv"
+	say "creating a Python environment in $venv"
 	mkdir -p "$(cache_folder)"
 	"$python" -m venv --clear "$venv"
 	"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: "$@"
@@ -191,38 +191,38 @@ setup_godot() {
 	install_packages "to run Godot" "${missing[@]}"
 	[[ -x $root/usr/bin/godot ]] || make_godot_root "$root"
 	if ! "$setup_repo/tools/godot" --version >/dev/null </dev/null; then
-		say "Godot lies in $root, but bubblewrap cannot run it here (some containers forbid it): set GODOT to a Godot of" \
-			"this machine's own"
+		say "Godot is installed in $root, but bubblewrap cannot run it here (some containers forbid it): set GODOT to a Godot" \
+			"that runs on this machine"
 		return 1
 	fi
 }
 
-# Prints options of mmdebstrap: how this machine's apt reaches its mirror, and what it accepts from it, holds elsewhere too.
+# Prints options of mmdebstrap with this machine's settings of apt for reaching and verifying the mirror.
 mirror_options() {
 	apt-config dump | sed -nE 's/^(Acquire::(Check-|Retries|https?::).*[^:] ".*");$/--aptopt=\1/p'
 }
 
 make_godot_root() {
 	if [[ -z $(debian_mirror) ]]; then
-		say "no Godot 4.4 or newer here, and no Debian mirror among the apt sources to take it from: install Godot" \
-			"and put it on the PATH, or set GODOT to it"
+		say "no Godot 4.4 or newer found, and no Debian mirror among the apt sources to install it from: install Godot" \
+			"and put it on the PATH, or set GODOT to its path"
 		return 1
 	fi
 	say "installing Godot from Debian $godot_suite into $1 (about 800 MB, once)"
 	make_debian_root "$1" "$godot_suite" "$godot_root_packages" || {
-		say "Godot could not be installed; the messages above say why"
+		say "Godot could not be installed; see the messages above"
 		return 1
 	}
 }
 
-# make_debian_root ROOT SUITE PACKAGES: makes a Debian root. It appears under its name only when it is whole.
+# make_debian_root ROOT SUITE PACKAGES: creates a Debian root, which appears at its path only when it is complete.
 make_debian_root() {
 	local root=$1 suite=$2 packages=$3 mirror partial aptopts
 	mirror=$(debian_mirror)
 	mkdir -p "$(dirname "$root")"
 	partial=$(mktemp --directory "$root.partial.XXXXXX")
 	mapfile -t aptopts < <(mirror_options)
-	# Through tar, so that everything belongs to whoever installs it.
+	# Extracted by tar, so that the user who installs it owns all files.
 	if ! mmdebstrap --variant=apt --include="$packages" "${aptopts[@]}" \
 		--dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' \
 		--dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' \
@@ -236,8 +236,8 @@ make_debian_root() {
 	mv "$partial" "$root"
 }
 
-# debian_mirror [FOLDER]: prints the first Debian mirror among the apt sources in /etc/apt, or in FOLDER, in either of
-# their formats; nothing if there is none.
+# debian_mirror [FOLDER]: prints the first Debian mirror among the apt sources in /etc/apt, or in FOLDER. Reads both formats, and
+# prints nothing if there is none.
 debian_mirror() {
 	local folder=${1:-/etc/apt} file
 	for file in "$folder"/sources.list "$folder"/sources.list.d/*.sources "$folder"/sources.list.d/*.list; do
@@ -257,7 +257,7 @@ install_packages() {
 	shift
 	(($#)) || return 0
 	if ! command -v apt-get >/dev/null; then
-		say "$why, please install what Debian calls: $*"
+		say "$why, please install these packages, named as in Debian: $*"
 		return 1
 	fi
 	if ((EUID != 0)); then
@@ -268,7 +268,7 @@ install_packages() {
 		fi
 	fi
 	say "$why, installing $*"
-	# A source that is no business of ours may be out of reach; what counts is whether the packages can be had.
+	# An unrelated source may be unreachable. Only the installation below has to succeed.
 	"${as_root[@]}" apt-get -qq -o Acquire::Retries=3 update >&2 || true
 	"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3 -o Dpkg::Use-Pty=0 \
 		install --no-install-recommends --yes "$@" </dev/null >&2
@@ -285,5 +285,5 @@ if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
 	setup_wheel
 	setup_godot
 	version=$("$setup_repo/tools/godot" --version | tail -n 1)
-	say "all there, Godot is $version"
+	say "nothing is missing, Godot is $version"
 fi

@@ -1,10 +1,10 @@
-# What only packing and the long tests need (bash tests/run.sh --full, tools/package.sh); tools/setup.sh brings it along:
-#   setup_zig        clang for every platform, and their C libraries, for what is shipped (README.md, "Build")
+# Parts that only packing and the long tests need (tools/package.sh, bash tests/run.sh --full). tools/setup.sh sources this file:
+#   setup_zig        clang and the C libraries for every platform, to build releases (README.md, "Build")
 #   setup_llvm       tools that strip and join libraries of all platforms
-#   setup_gltf_validator  Khronos' validator, for the test of glTF files; it is skipped where it cannot be had
+#   setup_gltf_validator  Khronos' validator, for the test of glTF files (skipped without it)
 #   setup_emscripten the compiler for the web, in a Debian root in the cache folder
-#   setup_descriptions  the engine's descriptions of itself from 4.2 on, to compare; those tests are skipped without
-#   setup_emulators  what runs programs for other processors, for Windows and for the web, and g++ for other processors (about 1.5 GB)
+#   setup_descriptions  the engine's descriptions of itself since 4.2, for the tests that compare them (skipped without them)
+#   setup_emulators  emulators of other processors, Windows and the web, and g++ for other processors (about 1.5 GB)
 #   setup_export_template, setup_godot_arm64  Godot for exported games, and for ARM processors under an emulator
 
 # Zig's compiler is clang with the headers and C libraries of all platforms.
@@ -24,7 +24,7 @@ setup_llvm() {
 	compgen -c llvm-strip >/dev/null || install_packages "to strip libraries" llvm
 }
 
-# The compiler for the web, from a Debian release that has one near to that of the engine's own web builds.
+# The compiler for the web, from a Debian release with a version close to that of the engine's own web builds.
 setup_emscripten() {
 	local root missing=()
 	root=$(emscripten_root)
@@ -34,12 +34,12 @@ setup_emscripten() {
 	install_packages "to build for the web" "${missing[@]}"
 	say "installing emscripten from Debian $emscripten_suite into $root (about 1.5 GB, once)"
 	make_debian_root "$root" "$emscripten_suite" emscripten || {
-		say "emscripten could not be installed; the messages above say why"
+		say "emscripten could not be installed; see the messages above"
 		return 1
 	}
 }
 
-# The engine's descriptions of itself, one for each version, which a Rust crate carries.
+# The engine's descriptions of itself, one for each version. A Rust crate contains them.
 setup_descriptions() {
 	local folder partial version sources
 	folder=$(cache_folder)/descriptions
@@ -53,7 +53,7 @@ setup_descriptions() {
 		"$descriptions_version" >"$partial/Cargo.toml"
 	if ! cargo fetch --quiet --manifest-path "$partial/Cargo.toml" >&2; then
 		rm -rf "$partial"
-		say "going on without the descriptions of other versions of the engine; the tests that need them will be skipped"
+		say "continuing without the descriptions of other versions of the engine; the tests that need them will be skipped"
 		return 0
 	fi
 	sources=("${CARGO_HOME:-$HOME/.cargo}"/registry/src/*/"gdextension-api-$descriptions_version"/src)
@@ -75,21 +75,21 @@ setup_emulators() {
 
 setup_node() {
 	command -v node >/dev/null || install_packages "to run programs for the web" nodejs ||
-		say "going on without node; the tests that need it will be skipped"
+		say "continuing without node; the tests that need it will be skipped"
 }
 
 setup_wine() {
 	[[ -x /usr/lib/wine/wine64 ]] || command -v wine64 wine >/dev/null || install_packages "to run programs for Windows" wine64 ||
-		say "going on without wine; the tests that need it will be skipped"
+		say "continuing without wine; the tests that need it will be skipped"
 }
 
-# What Debian has for this machine; not every one has a compiler for every other.
+# Debian does not have every cross compiler for every machine, so each may be missing.
 setup_crosses() {
 	local processor
 	for processor in aarch64 riscv64 i686; do
 		[[ $(uname -m) != "$processor" ]] || continue
 		command -v "$processor-linux-gnu-g++" >/dev/null || install_packages "to compare compilers" "g++-$processor-linux-gnu" ||
-			say "going on without g++ for $processor; the tests that need it will be skipped"
+			say "continuing without g++ for $processor; the tests that need it will be skipped"
 	done
 }
 
@@ -105,11 +105,11 @@ setup_gltf_validator() {
 		mv "$folder.partial" "$folder"
 	else
 		rm -rf "$folder.partial"
-		say "going on without the validator of glTF; the test that needs it will be skipped"
+		say "continuing without the glTF validator; the test that needs it will be skipped"
 	fi
 }
 
-# The engine of exported games, for the test that exports one: into the Debian root with Godot. Skipped where that is not used.
+# Installs the engine of exported games into the Debian root of Godot, for the test that exports one. Does nothing without that root.
 setup_export_template() {
 	local root partial
 	root=$(godot_root)
@@ -120,12 +120,12 @@ setup_export_template() {
 		dpkg-deb --extract "$partial"/godot-template-release_*.deb "$partial/content"
 		cp "$partial/content/usr/bin/godot-template-release" "$root/usr/bin/"
 	else
-		say "going on without it; the test that needs it will be skipped"
+		say "continuing without it; the test that needs it will be skipped"
 	fi
 	rm -rf "$partial"
 }
 
-# The same Godot for ARM processors, unpacked to run under an emulator. Nothing in it is set up, so none of its programs run.
+# The same Godot for ARM processors, unpacked for use in an emulator. Its packages are not configured, because their scripts cannot run here.
 setup_godot_arm64() {
 	local root folder aptopts
 	root=$(godot_root)-arm64
@@ -136,13 +136,13 @@ setup_godot_arm64() {
 	rm -rf "$root" "$root.partial"
 	if mmdebstrap --architectures=arm64 --variant=extract --include=godot,libgl1,libegl1 "${aptopts[@]}" \
 		"$godot_suite" "$root.partial" "$(debian_mirror)" </dev/null >&2; then
-		# Which the scripts of packages would have made.
+		# The packages' scripts would create these links.
 		for folder in bin lib; do
 			[[ -e $root.partial/$folder ]] || ln -s "usr/$folder" "$root.partial/$folder"
 		done
 		mv "$root.partial" "$root"
 	else
 		rm -rf "$root.partial"
-		say "going on without it; the test that needs it will be skipped"
+		say "continuing without it; the test that needs it will be skipped"
 	fi
 }

@@ -1,8 +1,8 @@
-"""Makes small pictures of what was taken for the tutorials: see tools/tutorial_pictures.sh.
+"""Scales screenshots for the tutorials: see tools/tutorial_pictures.sh.
 
     tutorial_pictures.py EDITOR GAME TUTORIALS
 
-Folders: of the pictures of the editor's tests, of those of the game, and of the pages.
+The arguments are folders: of the screenshots of the editor tests, of those of the demo, and of the tutorial pages.
 """
 
 import io
@@ -12,13 +12,13 @@ from pathlib import Path
 from PIL import Image
 
 WIDTH = 960
-MOST_BYTES = 150_000
-# Pixels between two views side by side.
+MAX_BYTES = 150_000
+# Pixels between two pictures side by side.
 GAP = 8
 
 
 def side_by_side(left, right):
-    """Two views of one size as one picture."""
+    """Two pictures of the same size, joined into one."""
     both = Image.new("RGB", (left.width * 2 + GAP * left.width * 2 // WIDTH, left.height), "white")
     both.paste(left, (0, 0))
     both.paste(right, (both.width - right.width, 0))
@@ -26,18 +26,18 @@ def side_by_side(left, right):
 
 
 def write(image, path):
-    """As sharp as fits."""
+    """Writes a JPEG with the highest quality that fits into MAX_BYTES."""
     image = image.convert("RGB")
     if image.width != WIDTH:
         image = image.resize((WIDTH, round(WIDTH * image.height / image.width)), Image.Resampling.LANCZOS)
     for quality in range(92, 40, -4):
         packed = io.BytesIO()
         image.save(packed, "JPEG", quality=quality, optimize=True)
-        if packed.tell() <= MOST_BYTES:
+        if packed.tell() <= MAX_BYTES:
             path.write_bytes(packed.getvalue())
             print(f"{path.name}: {image.width} by {image.height}, {packed.tell()} bytes")
             return
-    raise SystemExit(f"{path.name} does not fit into {MOST_BYTES} bytes")
+    raise SystemExit(f"{path.name} does not fit into {MAX_BYTES} bytes")
 
 
 def main():

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the pictures of the add-on's tutorials anew: those of the editor and of the server by taking the pages' steps, as the tests do,
-# and that of the game by playing the demo. All is drawn in software, in two minutes:
+# Regenerates the pictures of the add-on's tutorials. The tests of the tutorials take those of the editor and the server, and the demo
+# takes those of the game. Everything is drawn in software, which takes two minutes:
 #   bash tools/tutorial_pictures.sh
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
@@ -15,8 +15,8 @@ import_demo
 
 python=$(python_venv)/bin/python
 game=build/tutorials
-say "taking the steps of the pages"
+say "running the steps of the tutorials"
 "$python" -m pytest -q -n 0 tests/test_tutorials.py -k "steps or players" </dev/null
-say "playing the demo"
+say "running the demo"
 timeout 600 tools/godot --xvfb --path demo_project res://gameplay.tscn -- --screenshots="$PWD/$game" </dev/null
 "$python" tools/tutorial_pictures.py build/editor "$game" demo_project/addons/thicket/tutorials

@@ -1,23 +1,23 @@
 extends "res://demo/stage.gd"
-## The scene that shows biomes and water: a meadow and a wood by a coarse picture of the valley, with borders that waver, and a lake that
-## may rise: whoever keeps to dry land gives way, and reeds follow the shore.
+## The scene that shows biomes and water: a meadow and a wood from a coarse image of the valley, with wavering borders, and a lake that
+## can rise. When it rises, plants of dry land disappear and reeds follow the shore.
 
-const ScatterGround := preload("res://demo/scatter_ground.gd")
-## Stops as in the other scenes; [code]water[/code] is the level of the lake, in meters.
+const DemoGround := preload("res://demo/demo_ground.gd")
+## Stops as in the other scenes. [code]water[/code] is the level of the lake, in meters.
 const STOPS: Array[Dictionary] = [
 	{"name": "biomes", "eye": Vector3(-20.0, 64.0, 215.0), "heading": 352.0, "pitch": -17.0},
 	{"name": "border", "eye": Vector3(-2.0, 2.4, 120.0), "heading": 320.0, "pitch": -4.0},
 	{"name": "waterline", "eye": Vector3(4.0, 5.5, 24.0), "heading": 318.0, "pitch": -12.0, "water": 0.0},
 	{"name": "high_water", "eye": Vector3(4.0, 5.5, 24.0), "heading": 318.0, "pitch": -12.0, "water": HIGH_WATER},
 ]
-## Meters that the lake rises.
+## How far the lake rises, in meters.
 const HIGH_WATER := 1.2
 
 @onready var _lake: Node3D = $Lake
 
 
 func _ready() -> void:
-	ground = ScatterGround.new($Scatter.terrain)
+	ground = DemoGround.new($Scatter.ground)
 	$Ground.soil = _soil($Ground.soil)
 	super()
 
@@ -44,14 +44,14 @@ func place(stop: Dictionary) -> void:
 		raise_water(stop.water)
 
 
-## Puts the surface of the lake at a height, in meters: what is drawn of it, and what the rules know of it.
+## Sets the height of the lake's surface in meters, for drawing and for the rules.
 func raise_water(level: float) -> void:
 	_lake.global_position.y = level
 	$Ground.material.set_shader_parameter(&"water_level", level)
 	scatter.set(&"water_level", level)
 
 
-## The soils of the valley with its woods where the map of biomes has them: what stands there, and the floor, end at one border.
+## The soils of the valley, with woods where the biome map has them, so that plants and forest floor end at the same border.
 func _soil(valley: Image) -> Image:
 	var map: Resource = $Scatter.biomes
 	var rect: Rect2 = $Ground.rect

@@ -1,17 +1,17 @@
 extends Camera3D
-## A camera that flies freely or walks on the ground; F changes between both.
+## A camera that flies freely or walks on the ground. F switches between both.
 
-## Meters a second of walking; Shift makes walking and flying faster.
+## The walking speed in meters per second; Shift makes walking and flying faster.
 const WALK_SPEED := 2.5
 const FAST := 4.0
-## Meters of the eye above the ground.
+## The height of the eye above the ground in meters.
 const EYE_HEIGHT := 1.75
 const RADIANS_PER_PIXEL := 0.0025
 
-## Meters a second of flying.
+## The flying speed in meters per second.
 @export_range(1.0, 1000.0, 1.0, "suffix:m/s") var fly_speed := 100.0
 
-## The ground to walk on; has [code]height(x, z)[/code].
+## The ground to walk on; it must have [code]height(x, z)[/code].
 var elevation: RefCounted
 ## True while walking.
 var walking := false:

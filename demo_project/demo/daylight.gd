@@ -1,14 +1,14 @@
 @tool
 extends WorldEnvironment
-## The light of the demo's scenes: hands the shared noise to the sky's shader, past the resource, so that the scene never stores the
-## texture, and has the same afternoon in each renderer.
+## The light of the demo's scenes. It sets the shared noise on the sky's shader through the RenderingServer, so that the scene never
+## stores the texture. It also makes the afternoon look the same in each renderer.
 ##
 ## The numbers in the scenes are for the Compatibility renderer, which lights in sRGB. The others light in linear space, where the same
-## numbers give less light and more haze.
+## numbers result in less light and more haze.
 
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
 
-## How many times as bright as in the Compatibility renderer, in linear space.
+## Factors of brightness relative to the Compatibility renderer, in linear space.
 const SUN := 1.8
 const AMBIENT := 1.4
 const FOG := 1.7

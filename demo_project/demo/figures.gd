@@ -1,10 +1,10 @@
 extends RefCounted
-## Gathers what the scatter reports, frame by frame, for the overlay and for the screenshot run.
+## Collects the statistics of the scatter in each frame, for the overlay and for the screenshot run.
 
-## Frames that the median and the 99th percentile look back on.
+## The number of frames for the median and the 99th percentile.
 const WINDOW := 1200
 
-## While true, frames no longer count: the quantiles stay those of the frames before.
+## While true, new frames are ignored, and the quantiles do not change.
 var frozen := false
 
 var _microseconds := PackedFloat64Array()
@@ -12,7 +12,7 @@ var _next := 0
 var _last := {}
 
 
-## Takes the figures of the frame that has just been processed.
+## Adds the statistics of the last frame.
 func sample(stats: Dictionary) -> void:
 	_last = stats
 	if frozen:
@@ -25,13 +25,13 @@ func sample(stats: Dictionary) -> void:
 	_next = (_next + 1) % WINDOW
 
 
-## Forgets the frames seen so far.
+## Removes all frames.
 func clear() -> void:
 	_microseconds.clear()
 	_next = 0
 
 
-## Microseconds of the main thread below which this share (0..1) of the frames stayed; 0 before the first frame.
+## The main thread's microseconds that this share (0..1) of the frames did not exceed; 0 before the first frame.
 func quantile(share: float) -> float:
 	if _microseconds.is_empty():
 		return 0.0
@@ -40,13 +40,13 @@ func quantile(share: float) -> float:
 	return sorted[clampi(ceili(share * sorted.size()) - 1, 0, sorted.size() - 1)]
 
 
-## Points that one worker samples in a second, over all tiles made so far; 0 before the first.
+## Points that one worker samples per second, over all tiles since the start; 0 before the first tile.
 func points_per_second() -> float:
 	var spent := float(_last.get("worker_usec", 0))
 	return float(_last.get("points_sampled", 0)) / spent * 1e6 if spent > 0.0 else 0.0
 
 
-## The figures in a few lines.
+## The statistics as a few lines of text.
 func text() -> String:
 	return "\n".join([
 		"%s tiles, %s on the way" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending",
@@ -57,7 +57,7 @@ func text() -> String:
 	])
 
 
-## A number with a thin gap between groups of three digits.
+## A number with a thin space between groups of three digits.
 static func grouped(value: int) -> String:
 	var digits := str(value)
 	for at in range(digits.length() - 3, 0, -3):

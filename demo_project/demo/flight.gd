@@ -1,13 +1,13 @@
 extends RefCounted
-## The fixed path of the first scene: where it looks from when nobody steers.
+## The fixed path and the stops of the first scene, for runs without user input.
 ##
-## All positions are world meters in x and z and meters above the ground in y, so the path follows the terrain.
+## Positions are world meters in x and z and meters above the ground in y, so the path follows the terrain.
 
-## Meters a second between the first two places.
+## Meters per second between the first two stops.
 const SPEED := 100.0
 
-## Every stop: its name, the eye (x, meters above the ground, z), the direction in degrees clockwise from north, and how
-## far it looks up (positive) or down, in degrees.
+## The stops: the name, the eye (x, meters above the ground, z), the direction in degrees clockwise from north, and the
+## pitch in degrees, positive for looking up.
 const STOPS: Array[Dictionary] = [
 	{"name": "overview", "eye": Vector3(2350.0, 280.0, 150.0), "heading": 301.0, "pitch": -11.0},
 	{"name": "forest", "eye": Vector3(1620.0, 26.0, -1180.0), "heading": 325.0, "pitch": -3.0},
@@ -18,7 +18,7 @@ const STOPS: Array[Dictionary] = [
 ]
 
 
-## World x and z on the straight way between the first two stops after [param seconds], and z as y.
+## World x and z (as y) on the straight line between the first two stops after [param seconds].
 static func on_the_way(seconds: float) -> Vector2:
 	var from: Vector3 = STOPS[0].eye
 	var to: Vector3 = STOPS[1].eye

@@ -28,7 +28,8 @@ func flight_seconds() -> float:
 	return Flight.flight_seconds()
 
 
-## Puts the camera where the flight is after [param seconds], as high above the ground as it begins, looking as it looks.
+## Puts the camera at its position in the flight after [param seconds], with the height above the ground of the first
+## stop. It does not turn the camera.
 func fly(seconds: float) -> void:
 	var there := Flight.on_the_way(seconds)
 	var height: float = ground.height(there.x, there.y)

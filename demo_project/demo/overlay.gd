@@ -1,12 +1,12 @@
 extends CanvasLayer
-## What the demo says on the screen: the scatter's figures and the keys.
+## The text on the screen: the scatter's statistics and the keys.
 
 const HELP := """W A S D, Q E   move        mouse   look (click to catch it, Esc to free it)
 Shift   faster             F   walk or fly
 N B   next, previous seed  + -   more, less of everything
 T   tiles                  H   this help"""
 
-## The scene's own keys, one line.
+## The keys of this scene only, one line.
 @export var own_keys := ""
 
 @onready var _figures: Label = $Panel/Rows/Figures
@@ -18,7 +18,7 @@ func _ready() -> void:
 	_help.text = HELP if own_keys.is_empty() else "%s\n%s" % [HELP, own_keys]
 
 
-## Shows the figures of a frame; [param state] is the demo's own line.
+## Shows the statistics of a frame; [param state] is a line of the demo itself.
 func show_figures(text: String, state: String) -> void:
 	_figures.text = "%s\n%s" % [text, state]
 
@@ -26,11 +26,11 @@ func show_figures(text: String, state: String) -> void:
 ## Shows or hides the list of keys.
 func toggle_help() -> void:
 	_help.visible = not _help.visible
-	# A panel does not shrink by itself.
+	# A panel does not shrink automatically.
 	_panel.reset_size.call_deferred()
 
 
-## Hides the list of keys, for pictures.
+## Hides the list of keys, for screenshots.
 func hide_help() -> void:
 	_help.visible = false
 	_panel.reset_size.call_deferred()

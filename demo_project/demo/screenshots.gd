@@ -1,31 +1,32 @@
 extends Node
-## Visits a scene's stops when nobody watches: writes a picture at each, prints the figures, and quits. A demo that has a
-## flight is flown along it first.
+## Visits a scene's stops without user input: writes a screenshot at each, prints the statistics, and quits. If the demo
+## has a flight, it is flown first.
 ##
-## The engine does not draw between the stops, so that a machine that draws in software streams at full speed.
+## The engine does not draw between the stops, so that a machine with a software renderer streams at full speed.
 
 const Figures := preload("res://demo/figures.gd")
 
-## Frames a second of the streaming part.
+## Frames per second while streaming.
 const FLIGHT_FPS := 60
-## Seconds after which a stop that is not idle counts as failed.
+## A stop that is not idle after this number of seconds has failed.
 const PATIENCE := 120.0
-## Frames to draw before a picture is kept: levels of detail and shadows settle.
+## Frames to draw before a screenshot, until LODs and shadows settle.
 const SETTLING_FRAMES := 2
 
 ## The demo's root.
 var demo: Node3D
-## The folder for the pictures; made where it is missing. Empty: no pictures, for runs without a renderer.
+## The folder for the screenshots; created if it does not exist. Empty for no screenshots, for runs without a renderer.
 var folder := ""
-## Names of the stops to visit, without the flight; empty: everything.
+## Names of the stops to visit, without the flight. Empty for all stops and the flight.
 var only := PackedStringArray()
 
 var _failed := false
 
 
-## Does everything and ends the process: 0 when all went well, 1 otherwise.
+## Runs everything and ends the process: 0 on success, 1 otherwise.
 func run() -> void:
-	# Four pixels for one: smooth leaves as well as edges, and in software much faster than multisampling.
+	# Four pixels for one: this smooths leaves as well as edges, and is much faster than multisampling in a software
+	# renderer.
 	get_viewport().msaa_3d = Viewport.MSAA_DISABLED
 	get_viewport().scaling_3d_scale = 2.0
 	if folder != "" and DirAccess.make_dir_recursive_absolute(folder) != OK:
@@ -36,12 +37,12 @@ func run() -> void:
 		if not _failed and (only.is_empty() or only.has(stop.name)):
 			await _visit(stop)
 	print("demo: %s" % ("FAILED" if _failed else "done"))
-	# The default is restored, lest a failing run hang in a loop that draws nothing.
+	# Restores the default, because otherwise a failing run would hang in a loop that draws nothing.
 	RenderingServer.render_loop_enabled = true
 	get_tree().quit(1 if _failed else 0)
 
 
-## Streams at full speed from the first stop to the second and prints what it cost.
+## Streams at full speed from the first stop to the second and prints the cost.
 func _fly() -> void:
 	RenderingServer.render_loop_enabled = false
 	demo.place(demo.stops()[0])
@@ -59,7 +60,7 @@ func _fly() -> void:
 
 
 func _visit(stop: Dictionary) -> void:
-	# Frames go on, without the world in them: where there is none, Forward+ and Mobile wait at each upload for one.
+	# Frames go on, but without the 3D world. Without frames, Forward+ and Mobile wait for one at each upload.
 	get_viewport().disable_3d = true
 	RenderingServer.render_loop_enabled = true
 	var started := Time.get_ticks_msec()
@@ -87,7 +88,7 @@ func _visit(stop: Dictionary) -> void:
 
 func _wait_until_idle() -> void:
 	var limit := Time.get_ticks_msec() + int(PATIENCE * 1000.0)
-	# The camera has just jumped: give the scatter a frame to notice.
+	# The camera has just jumped: the scatter needs a frame to notice.
 	for frame in 3:
 		await get_tree().process_frame
 	while not demo.scatter.is_settled():

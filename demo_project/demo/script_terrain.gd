@@ -1,7 +1,8 @@
 extends "res://demo/stage.gd"
-## The scene with a ground of its own: an island by a formula, drawn from the same script that the scatter asks.
+## The scene with a ground in GDScript: an island from a formula, drawn with the same script that the scatter
+## queries.
 
-const ScatterGround := preload("res://demo/scatter_ground.gd")
+const DemoGround := preload("res://demo/demo_ground.gd")
 const STOPS: Array[Dictionary] = [
 	{"name": "island", "eye": Vector3(-62.0, 66.0, 208.0), "heading": 16.0, "pitch": -17.0},
 	{"name": "coast", "eye": Vector3(-135.0, 4.0, 105.0), "heading": 25.0, "pitch": 8.0},
@@ -10,7 +11,7 @@ const STOPS: Array[Dictionary] = [
 
 
 func _ready() -> void:
-	ground = ScatterGround.new($Scatter.terrain)
+	ground = DemoGround.new($Scatter.ground)
 	super()
 
 

@@ -1,19 +1,19 @@
 extends Node3D
-## What all scenes of the demo share: a scatter, a camera on its ground, an overlay, keys to play with the scatter, and a
-## run that takes pictures when nobody watches. A scene's own script extends this one.
+## The base of all scenes of the demo: a scatter, a camera on its ground, an overlay, keys to change the scatter, and a run that takes screenshots without user
+## input. The script of each scene extends this one.
 ##
-## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] visits the scene's
-## stops, writes a picture at each (to build/demo beside the project unless told otherwise, in a folder of its own for each
-## scene but the first; none with --headless), prints the figures and quits; [code]--stops=NAME,NAME[/code] does so for these stops alone; [code]--seed=NUMBER[/code] starts
-## with another seed; [code]--at=STOP[/code] starts at a stop.
+## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] visits the scene's stops, writes a screenshot at each,
+## prints the statistics and quits. The default folder is build/demo beside the project, with a subfolder for each scene but the first. With --headless, there
+## are no screenshots. [code]--stops=NAME,NAME[/code] visits only these stops. [code]--seed=NUMBER[/code] starts with a different seed. [code]--at=STOP[/code]
+## starts at a stop.
 
 const Figures := preload("res://demo/figures.gd")
 const Screenshots := preload("res://demo/screenshots.gd")
 const DENSITY_STEP := 0.1
 
-## The scatter's figures, gathered in every frame.
+## The scatter's statistics, collected in every frame.
 var figures := Figures.new()
-## The ground under the camera; has [code]height(x, z)[/code]. Set by the scene's own script before this one is ready.
+## The ground under the camera; it must have [code]height(x, z)[/code]. The scene's own script sets it before this one is ready.
 var ground: RefCounted
 
 var _density := 1.0
@@ -74,33 +74,33 @@ func _unhandled_key_input(event: InputEvent) -> void:
 			own_key(key.keycode)
 
 
-## The places that the screenshot run visits; the first is where the scene starts. See [code]flight.gd[/code] for what a
-## stop holds; where its [code]tiles[/code] is true, the borders of tiles and the figures are in the picture.
+## The stops of the screenshot run; the scene starts at the first. See [code]flight.gd[/code] for the fields of a stop. If its [code]tiles[/code] is true, the
+## screenshot shows the tile borders and the statistics.
 func stops() -> Array[Dictionary]:
 	return []
 
 
-## The layers that + and - thin.
+## The layers whose density + and - change.
 func layers() -> Array:
 	return scatter.get(&"layers")
 
 
-## How long the scene's flight takes; 0 for a scene without one.
+## The duration of the scene's flight in seconds; 0 for a scene without one.
 func flight_seconds() -> float:
 	return 0.0
 
 
-## Puts the camera where the flight is after [param _seconds].
+## Puts the camera at its position in the flight after [param _seconds].
 func fly(_seconds: float) -> void:
 	pass
 
 
-## Called for a key that is not one of all scenes.
+## Called for a key that is not handled for all scenes.
 func own_key(_keycode: Key) -> void:
 	pass
 
 
-## Puts the camera where a stop says.
+## Puts the camera at a stop.
 func place(stop: Dictionary) -> void:
 	var eye: Vector3 = stop.eye
 	var height: float = ground.height(eye.x, eye.z)
@@ -114,7 +114,7 @@ func show_tiles(shown: bool) -> void:
 	_borders.visible = shown
 
 
-## Shows or hides the figures.
+## Shows or hides the statistics.
 func show_overlay(shown: bool) -> void:
 	_overlay.visible = shown
 
@@ -139,7 +139,7 @@ func _take_screenshots(folder: String, only: String) -> void:
 	run.run()
 
 
-## The user's arguments: --name=value as name and value, --name as name and an empty value.
+## The command-line arguments: --name=value as name and value, --name as name and an empty value.
 static func _arguments() -> Dictionary:
 	var found := {}
 	for argument in OS.get_cmdline_user_args():

@@ -1,16 +1,17 @@
 extends MeshInstance3D
-## Draws the borders of the tiles that a scatter shows as bright bands on the ground, a color for each size of tile.
+## Draws the borders of the tiles that a scatter shows as bright bands on the ground, with a color for each tile
+## size.
 
 const COLORS: Array[Color] = [
 	Color(1.0, 0.72, 0.2), Color(0.35, 0.85, 1.0), Color(1.0, 0.45, 0.75), Color(0.75, 1.0, 0.4), Color(0.95, 0.95,
 			0.95)]
-## Meters: how far a band floats above the ground, and pieces that follow it.
+## In meters: the height of a band above the ground, and the length of the pieces that follow the ground.
 const LIFT := 0.6
 const PIECE := 16.0
 
 ## The [code]TerrainScatter3D[/code] whose tiles to draw.
 var scatter: Node3D
-## The ground; has [code]height(x, z)[/code].
+## The ground; it must have [code]height(x, z)[/code].
 var elevation: RefCounted
 
 var _stale := true
@@ -27,7 +28,7 @@ func _ready() -> void:
 	mesh = ImmediateMesh.new()
 
 
-## Follows a scatter; its tiles are drawn anew whenever they change.
+## Follows a scatter: its tile borders are redrawn whenever its tiles change.
 func follow(followed: Node3D, ground: RefCounted) -> void:
 	scatter = followed
 	elevation = ground

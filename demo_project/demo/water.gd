@@ -1,6 +1,7 @@
 @tool
 extends MeshInstance3D
-## Hands the shared noise to the water's shader, past the resource, so that the scene never stores the texture.
+## Sets the shared noise on the water's shader through the RenderingServer, so that the scene never stores the
+## texture.
 
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
 

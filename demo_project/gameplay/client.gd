@@ -1,14 +1,14 @@
 extends Node
-## A player without a picture, as an example: joins a server, asks what stands around a place, fells the nearest trees,
-## waits until the world says so, and leaves.
+## An example of a client without rendering: it joins a server, queries the trees around a position, fells the nearest
+## ones, waits until its world has the changes, and leaves.
 ##   godot --headless --path demo_project res://gameplay/client.tscn -- --port=4433 --at=-20,150 --fell=5
 ##
-## Arguments after [code]--[/code]: [code]--port=NUMBER[/code], [code]--address=ADDRESS[/code] (this machine unless told
-## otherwise), [code]--at=X,Z[/code] in meters, [code]--fell=COUNT[/code].
+## Arguments after [code]--[/code]: [code]--port=NUMBER[/code], [code]--address=ADDRESS[/code] (this machine by
+## default), [code]--at=X,Z[/code] in meters, [code]--fell=COUNT[/code].
 
 const DEFAULT_PORT := 4433
 const REACH := 60.0
-## Seconds for everything.
+## Seconds for the whole run.
 const PATIENCE := 30.0
 
 @onready var world: TerrainScatter3D = $World
@@ -32,7 +32,7 @@ func _ready() -> void:
 
 
 func _fell_around(place: Vector3, count: int) -> void:
-	place.y = world.terrain.get_height(place)
+	place.y = world.ground.get_height(place)
 	session.call(&"ask", place, REACH, world.get(&"trees"))
 	var answer: Array = await session.answered
 	var ids: PackedInt64Array = answer[1]

@@ -1,21 +1,21 @@
 extends Node3D
-## A game in small: walk, look at a tree, fell it, save, load. What is felled stays felled, for what is saved is what the
-## game has changed about the world.
+## A small game: walk, look at a tree, fell it, save, load. Felled trees stay felled, because a save holds the game's
+## changes to the world.
 ##
-## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] plays a fixed script
-## of keys and mouse moves, writes pictures as the demo's other scenes do, and quits.
+## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] plays a fixed
+## sequence of keys and mouse moves, writes screenshots like the demo's other scenes, and quits.
 
 const Tour := preload("res://gameplay/tour.gd")
 const TREE := preload("res://gameplay/tree.tscn")
 const SAVED := "user://gameplay.state"
 const HIGHLIGHT := preload("res://shaders/highlight.gdshader")
-## Radians from straight away from the player, to his left, that trees fall.
+## The direction in which trees fall, in radians to the left of straight away from the player.
 const ASIDE := 0.8
-## Meters from the middle to the sides of the small map, and of the large one.
+## Meters from the center to the sides of the small map, and of the large one.
 const MAP_REACHES: Array[float] = [50.0, 120.0]
 const MAP_SIZES: Array[float] = [260.0, 640.0]
 
-## Trees that fall or lie just now.
+## Trees that are falling or lying on the ground.
 var falling: Array[Node3D] = []
 
 @onready var world: TerrainScatter3D = $World
@@ -31,23 +31,23 @@ func _ready() -> void:
 	world.scene_shown.connect(_on_scene_shown)
 	_enlarge_map(false)
 	for argument in OS.get_cmdline_user_args():
-		# A game that is started again by the script of a tour goes on with it.
+		# A game that the tour has restarted continues with the tour.
 		if argument.begins_with("--screenshots") and not get_tree().root.has_node(^"Tour"):
 			Tour.begin(get_tree(), argument.trim_prefix("--screenshots").trim_prefix("="))
 
 
 func _process(_delta: float) -> void:
-	var tree: Dictionary = player.looked_at
-	_highlight.visible = not tree.is_empty()
-	_looking.visible = not tree.is_empty()
-	if tree.is_empty():
+	var tree: ScatterInstance = player.looked_at
+	_highlight.visible = tree != null
+	_looking.visible = tree != null
+	if tree == null:
 		return
 	var mesh: Mesh = world.layers[tree.layer].meshes[tree.mesh]
 	if _highlight.mesh != mesh:
 		_highlight.mesh = mesh
 		_highlight.material_override = _glow_of(mesh)
 	_highlight.global_transform = tree.transform
-	var height := mesh.get_aabb().end.y * (tree.transform as Transform3D).basis.get_scale().y
+	var height := mesh.get_aabb().end.y * tree.transform.basis.get_scale().y
 	_looking.text = "%s, %.1f m tall, %.1f m away\nid %d\nF   fell" % [
 		world.layers[tree.layer].resource_name, height, tree.distance, tree.id]
 
@@ -71,10 +71,10 @@ func _unhandled_key_input(event: InputEvent) -> void:
 			player.capture(false)
 
 
-## Fells the tree that the player looks at. The scene that stood for it falls; a tree too far off to have one gets one.
+## Fells the tree that the player looks at. Its scene falls; a tree that is too far away to have a scene gets one.
 func fell() -> void:
-	var tree: Dictionary = player.looked_at
-	if tree.is_empty():
+	var tree: ScatterInstance = player.looked_at
+	if tree == null:
 		return
 	var scene := world.take_scene(tree.id)
 	if not world.fell(tree.id):
@@ -87,20 +87,20 @@ func fell() -> void:
 	scene.global_transform = tree.transform
 	scene.show_as(world.layers[tree.layer].meshes[tree.mesh])
 	var away := (scene.global_position - player.global_position) * Vector3(1.0, 0.0, 1.0)
-	scene.fall(away.normalized().rotated(Vector3.UP, ASIDE), world.terrain)
+	scene.fall(away.normalized().rotated(Vector3.UP, ASIDE), world.ground)
 	falling.append(scene)
 	scene.tree_exited.connect(func() -> void: falling.erase(scene))
-	player.looked_at = {}
+	player.looked_at = null
 	_say("felled %d" % tree.id)
 
 
-## Writes what the game has changed, and nothing else.
+## Saves the game's changes, and nothing else.
 func save() -> void:
 	var error := world.state.save_to_file(SAVED)
 	_say("saved" if error == OK else "not saved: " + error_string(error))
 
 
-## Puts the world back to what was saved last.
+## Restores the world from the last save.
 func load_saved() -> void:
 	if not FileAccess.file_exists(SAVED):
 		_say("nothing to load")
@@ -126,7 +126,7 @@ func _enlarge_map(large: bool) -> void:
 	minimap.set_deferred(&"position", Vector2(view.x - side - 16.0, 16.0))
 
 
-## The glow with the leaves and the wind of a tree's own material.
+## The glow material, with the leaves and the wind of a tree's own material.
 static func _glow_of(mesh: Mesh) -> ShaderMaterial:
 	var glow := mesh.surface_get_material(0).duplicate() as ShaderMaterial
 	glow.shader = HIGHLIGHT

@@ -1,7 +1,8 @@
 extends Control
-## A map of what stands around the player, drawn from a query: north is up, a dot for each instance.
+## A map of the instances around the player, drawn from a query: north is up, with a dot for each
+## instance.
 
-## Color of the dots by the layer's name; other layers are not on the map.
+## The color of the dots by the layer's name. Other layers are not on the map.
 const COLORS := {
 	"Oak": Color(0.62, 0.8, 0.27),
 	"Spruce": Color(0.2, 0.55, 0.33),
@@ -11,24 +12,24 @@ const COLORS := {
 const BACKGROUND := Color(0.08, 0.11, 0.07, 0.85)
 const FRAME := Color(0.9, 0.93, 0.85, 0.7)
 const PLAYER := Color(1.0, 1.0, 1.0)
-## Meters that the player walks before the map asks again.
+## Meters that the player walks before the map runs a new query.
 const STEP := 2.0
-## Share of a layer's radius that its dots have.
+## The radius of a dot, as a share of its layer's radius.
 const DOT := 0.42
-## Pixels that a dot's radius has at least.
+## The smallest radius of a dot in pixels.
 const SMALLEST_DOT := 3.5
 
 ## The world to draw.
 @export var world: TerrainScatter3D
-## Who is in the middle.
+## The player, shown at the center.
 @export var player: Node3D
-## Meters from the middle to the map's sides.
+## Meters from the center to the map's sides.
 @export_range(10.0, 500.0, 1.0, "suffix:m") var reach := 60.0:
 	set(value):
 		reach = clampf(value, 10.0, 500.0)
 		_stale = true
 
-## How many dots the map shows.
+## The number of dots on the map.
 var dots := 0
 
 var _stale := true
@@ -40,7 +41,7 @@ var _seen := []
 func _process(_delta: float) -> void:
 	if not is_visible_in_tree():
 		return
-	# Also right after another state was loaded.
+	# This also detects that a different state was loaded.
 	var seen := [world.state, world.state.get_revision()]
 	_stale = _stale or seen != _seen
 	_seen = seen

@@ -1,19 +1,20 @@
 extends CharacterBody3D
-## Walks on the ground of a world, is stopped by its trunks and stones, and knows the tree it looks at.
+## Walks on the ground of a world, is blocked by its trunks and stones, and finds the tree in the
+## middle of the view.
 
-## Meters a second; Shift makes it faster.
+## Meters per second; Shift makes walking faster.
 const WALK_SPEED := 3.0
 const FAST := 2.5
 const RADIANS_PER_PIXEL := 0.0025
-## Meters within which it sees what it looks at.
+## The distance in meters within which trees are found.
 const REACH := 30.0
 
 ## The world to walk in.
 @export var world: TerrainScatter3D
 
-## What [method TerrainScatter3D.query_ray] says of the tree in the middle of the view; empty for none.
-var looked_at := {}
-## Whether the mouse turns the head.
+## The tree in the middle of the view, from [method TerrainScatter3D.query_ray]; null if there is none.
+var looked_at: ScatterInstance
+## Whether the mouse turns the view.
 var captured := false
 
 @onready var eyes: Camera3D = $Eyes
@@ -33,7 +34,7 @@ func _unhandled_input(event: InputEvent) -> void:
 		capture(true)
 
 
-## Lets the mouse turn the head, or gives it free.
+## Captures the mouse to turn the view, or releases it.
 func capture(wanted: bool) -> void:
 	captured = wanted
 	Input.mouse_mode = Input.MOUSE_MODE_CAPTURED if wanted else Input.MOUSE_MODE_VISIBLE
@@ -51,9 +52,9 @@ func _physics_process(_delta: float) -> void:
 	looked_at = world.query_ray(from, from - eyes.global_basis.z * REACH, world.get(&"trees"))
 
 
-## What is in the way may push it up or down; it stays on the ground.
+## Obstacles may push the player up or down, so this puts it back on the ground.
 func _stand_on_ground() -> void:
-	var ground := world.terrain.get_height(position)
+	var ground := world.ground.get_height(position)
 	if is_finite(ground):
 		position.y = ground
 

@@ -1,43 +1,43 @@
 extends Node
-## One end of a world that several share over the network. Everybody makes the world from its seed; what travels is what
-## has been changed: a few bytes for each felled tree. The server alone decides.
+## One end of a world that is shared over the network. Every peer generates the world from its seed, and only changes are
+## sent: a few bytes for each felled tree. The server alone decides.
 ##
-## A client asks what stands somewhere, and to fell. The server answers, and once a frame sends every client what is new to
-## it, by [method ScatterState.diff_since]. A client that joins late gets all of it in the same way. A client that lacks a
-## diff, because it was lost or the server was restarted, asks for it.
+## A client sends queries and requests to fell trees. The server answers, and once per frame sends each client the changes
+## that are new to it, from [method ScatterState.diff_since]. A client that joins late receives all changes in the same
+## way. If a client lacks a diff, because it was lost or the server was restarted, it requests the diff again.
 
-## The server's word on a question of [method ask].
+## The server's answer to a query of [method ask].
 signal answered(question: int, ids: PackedInt64Array)
-## The world is as the server has it, for the first time or again after a change.
+## The world matches the server's, for the first time or after a change.
 signal synced
 
-## Meters that a question may reach.
+## The largest radius of a query in meters.
 const FARTHEST := 200.0
-## Clients that a server takes.
+## The largest number of clients of a server.
 const MOST_CLIENTS := 32
 
-## The world that is shared. Its [member TerrainScatter3D.state] is not null.
+## The shared world. Its [member TerrainScatter3D.state] is not null.
 @export var world: TerrainScatter3D
 
-## For each client, the revision of the state that it knows. On the server only.
+## For each client, the revision of the state that it has. Only on the server.
 var _known: Dictionary[int, int] = {}
 var _questions := 0
 
 
-## Becomes the server, on a port of this machine; 0 takes a free one. See [method port].
+## Becomes the server, on a port of this machine; 0 uses a free one. See [method port].
 func host(at_port: int) -> Error:
 	var peer := ENetMultiplayerPeer.new()
 	peer.set_bind_ip("127.0.0.1")
 	var error := peer.create_server(at_port, MOST_CLIENTS)
 	if error == OK:
-		# Clients send wishes. Were they to send diffs, these would be small.
+		# Clients send only requests. If they sent diffs, these limits would keep them small.
 		world.state.diff_limits = ScatterDiffLimits.new()
 		_begin(peer)
 		multiplayer.peer_disconnected.connect(func(client: int) -> void: _known.erase(client))
 	return error
 
 
-## Joins a server. Once it has answered, [signal synced] is emitted.
+## Joins a server. Emits [signal synced] once it has answered.
 func join(address: String, at_port: int) -> Error:
 	var peer := ENetMultiplayerPeer.new()
 	var error := peer.create_client(address, at_port)
@@ -47,25 +47,25 @@ func join(address: String, at_port: int) -> Error:
 	return error
 
 
-## The port that a server listens on.
+## The port on which a server listens.
 func port() -> int:
 	return (multiplayer.multiplayer_peer as ENetMultiplayerPeer).host.get_local_port()
 
 
-## Asks the server what stands around a place; [signal answered] comes with the number that is returned.
+## Queries the server for the instances around a position. [signal answered] is emitted with the returned number.
 func ask(center: Vector3, radius: float, layers: PackedInt32Array) -> int:
 	_questions += 1
 	_ask.rpc_id(1, _questions, center, radius, layers)
 	return _questions
 
 
-## Asks the server to fell a tree. What comes of it is seen in the world.
+## Requests the server to fell a tree. The result appears in the world.
 func fell(id: int) -> void:
 	_fell.rpc_id(1, id)
 
 
 func _begin(peer: ENetMultiplayerPeer) -> void:
-	# Clients have nothing to say to each other.
+	# Clients send nothing to each other.
 	(multiplayer as SceneMultiplayer).server_relay = false
 	multiplayer.multiplayer_peer = peer
 
@@ -90,7 +90,7 @@ func _greet(their_seed: int) -> void:
 @rpc("any_peer", "call_remote", "reliable")
 func _ask(question: int, center: Vector3, radius: float, layers: PackedInt32Array) -> void:
 	var client := multiplayer.get_remote_sender_id()
-	# What comes from outside may be anything.
+	# Data from the network may be anything.
 	if not _known.has(client) or not center.is_finite() or not is_finite(radius):
 		return
 	var standing := world.query_sphere(center, clampf(radius, 0.0, FARTHEST), layers)
@@ -103,7 +103,7 @@ func _fell(id: int) -> void:
 		world.call(&"fell", id)
 
 
-## The next frame sends a client all changes after a revision.
+## Makes the next frame send a client all changes after a revision.
 @rpc("any_peer", "call_remote", "reliable")
 func _send_since(revision: int) -> void:
 	var client := multiplayer.get_remote_sender_id()

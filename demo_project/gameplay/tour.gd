@@ -1,25 +1,26 @@
 extends Node
-## Plays the game when nobody watches: presses keys and moves the mouse by a fixed script, leaves a picture of each step,
-## checks that each did what it should, and quits. It stands beside the game, which it starts anew in the middle.
+## Plays the game without user input: presses keys and moves the mouse in a fixed sequence, saves a screenshot of each
+## step, checks the result of each step, and quits. It is a node beside the game, because it restarts the game in the
+## middle.
 
-## Seconds after which a step that has not come to its end counts as failed.
+## A step that has not ended after this number of seconds has failed.
 const PATIENCE := 60.0
-## How much faster than for a player time goes between pictures.
+## The time scale between screenshots.
 const HURRY := 4.0
-## Frames to draw before a picture is kept: shadows settle.
+## Frames to draw before a screenshot, until shadows settle.
 const SETTLING_FRAMES := 2
-## How far from a tree to stop, and from a stump, in meters.
+## The distance at which to stop, from a tree and from a stump, in meters.
 const STAND_BACK := 7.0
 const STAND_NEAR := 3.2
 
-## The folder for the pictures; empty for none.
+## The folder for the screenshots; empty for none.
 var folder := ""
 
 var _failed := false
 var _game: Node3D
 
 
-## Begins a tour of the game that is the current scene.
+## Begins a tour of the game in the current scene.
 static func begin(tree: SceneTree, where: String) -> void:
 	var tour := new()
 	tour.name = "Tour"
@@ -47,7 +48,7 @@ func _play() -> void:
 		if not _failed:
 			await step.call()
 	print("demo: %s" % ("FAILED" if _failed else "done"))
-	# The default is restored, lest a failing run hang in a loop that draws nothing.
+	# Restores the default, because otherwise a failing run would hang in a loop that draws nothing.
 	RenderingServer.render_loop_enabled = true
 	get_tree().quit(1 if _failed else 0)
 
@@ -57,7 +58,7 @@ func _arrive() -> void:
 	await _picture("arrive")
 
 
-## To the nearest oak, until it is close.
+## Walks to the nearest oak, until it is close.
 func _walk() -> void:
 	var oak: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, [_game.world.place_of("Oak")])
 	if not _check(oak != null, "no oak near"):
@@ -66,7 +67,7 @@ func _walk() -> void:
 
 
 func _look() -> void:
-	_check(not _game.player.looked_at.is_empty(), "looks at no tree")
+	_check(_game.player.looked_at != null, "looks at no tree")
 	await _picture("look")
 
 
@@ -88,7 +89,7 @@ func _wait_for_the_stump() -> void:
 		await _picture("stump")
 
 
-## Three more, each the nearest one that still stands.
+## Fells three more trees, each the nearest remaining one.
 func _fell_more() -> void:
 	for count in 3:
 		var tree: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, _game.world.trees)
@@ -106,7 +107,7 @@ func _map() -> void:
 	_key(KEY_M)
 
 
-## The world is loaded anew and knows nothing, until the saved state is loaded.
+## Reloads the world, which then has no changes until the saved state is loaded.
 func _save_and_reload() -> void:
 	var here: Transform3D = _game.player.global_transform
 	var felled: PackedInt64Array = _game.world.state.get_removed()
@@ -133,10 +134,10 @@ func _walk_to(tree: ScatterInstance, distance: float) -> void:
 	var root: Vector3 = tree.transform.origin
 	await _walk_towards(root, distance)
 	await _look_at(root + Vector3.UP * 2.4)
-	await _until(func() -> bool: return _game.player.looked_at.get("id", 0) == tree.id, "sees the tree")
+	await _until(func() -> bool: return _game.player.looked_at != null and _game.player.looked_at.id == tree.id, "sees the tree")
 
 
-## Turns to a place and walks until it is near.
+## Turns to a position and walks until it is near.
 func _walk_towards(place: Vector3, distance: float) -> void:
 	await _look_at(place + Vector3.UP * 1.6)
 	_hold(KEY_W, true)
@@ -148,7 +149,7 @@ func _flat_distance(place: Vector3) -> float:
 	return ((place - _game.player.global_position) * Vector3(1.0, 0.0, 1.0)).length()
 
 
-## Moves the mouse until a place is in the middle of the view.
+## Moves the mouse until a position is in the middle of the view.
 func _look_at(place: Vector3) -> void:
 	_game.player.captured = true
 	var eyes: Camera3D = _game.player.eyes
@@ -162,7 +163,7 @@ func _look_at(place: Vector3) -> void:
 	await get_tree().physics_frame
 
 
-## Presses a key and lets it go.
+## Presses and releases a key.
 func _key(key: Key) -> void:
 	_hold(key, true)
 	_hold(key, false)
@@ -176,7 +177,7 @@ func _hold(key: Key, pressed: bool) -> void:
 	Input.parse_input_event(event)
 
 
-## Waits until all is on show, then draws: in the meantime nothing moves.
+## Waits until all tiles are visible, then draws. Meanwhile the game is paused.
 func _picture(what: String) -> void:
 	await _frames(3)
 	await _until(func() -> bool: return _game.world.is_settled(), "all is on show")

@@ -1,23 +1,23 @@
 extends Node3D
-## A tree as a scene. Near the player the scatter shows it in the place of the tree's mesh, from which it cannot be told;
-## felled, it topples over about the cut above its stump, lies for a while, and dissolves.
+## A tree as a scene. Near the player, the scatter shows it in place of the tree's mesh, and both look the same. A felled
+## tree topples over about the cut above its stump, lies for a while, and dissolves.
 
 const FELLED := preload("res://shaders/felled.gdshader")
 const Stump := preload("res://meshes/stump.gd")
 const GRAVITY := 9.81
 ## Radians from the vertical at which the fall begins.
 const FIRST_LEAN := 0.04
-## The share of its speed with which the crown springs back.
+## The share of its speed with which the crown bounces back.
 const BOUNCE := 0.22
-## Radians by which the crown's branches keep the trunk off the ground.
+## The angle in radians by which the crown's branches keep the trunk off the ground.
 const CROWN := 0.14
-## Seconds that it lies before it dissolves, and that this takes.
+## Seconds that it lies before it dissolves, and seconds that dissolving takes.
 const REST := 5.0
 const DISSOLVING := 2.5
 
-## Radians from the vertical.
+## The angle from the vertical in radians.
 var angle := 0.0
-## True once it has come to rest.
+## True once it is at rest.
 var lies := false
 
 var _speed := 0.0
@@ -36,13 +36,13 @@ func _ready() -> void:
 	set_physics_process(false)
 
 
-## Makes it look as the instance it stands for.
+## Makes it look like the instance that it replaces.
 func show_as(mesh: Mesh) -> void:
 	_body.mesh = mesh
 
 
-## Fells it towards a direction in the plane, onto this ground.
-func fall(direction: Vector3, ground: ScatterTerrain) -> void:
+## Makes it fall in a horizontal direction, onto this ground.
+func fall(direction: Vector3, ground: ScatterGround) -> void:
 	_standing = global_transform
 	_hinge = _standing * (Vector3.UP * Stump.HEIGHT)
 	_height = _body.get_aabb().end.y * _standing.basis.get_scale().y
@@ -55,7 +55,7 @@ func fall(direction: Vector3, ground: ScatterTerrain) -> void:
 	set_physics_process(true)
 
 
-## The material of a felled tree, with all else as it was.
+## Sets the material of a felled tree, with the parameters of the tree's own.
 func _wear(standing: ShaderMaterial) -> void:
 	_material = standing.duplicate()
 	_material.shader = FELLED
@@ -71,7 +71,7 @@ func _physics_process(delta: float) -> void:
 		if _lying > REST + DISSOLVING:
 			queue_free()
 		return
-	# A rod that turns about its end.
+	# The physics of a rod that rotates about its end.
 	_speed += 1.5 * GRAVITY / _height * sin(angle) * delta
 	angle += _speed * delta
 	if angle > _last_angle:

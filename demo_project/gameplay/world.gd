@@ -1,16 +1,16 @@
 extends TerrainScatter3D
-## The world that the player, a server and its clients share: a seed, layers, and what it means to fell a tree. Whoever
-## loads this scene agrees with all others on every id.
+## The world that the player, a server and its clients share: a seed, layers, and the rules for felling trees. All
+## peers that load this scene have the same ids.
 
-## Layers that can be felled, by name; the stumps' meshes are in this order.
+## Layers that can be felled, by name. The stumps' meshes are in this order.
 const TREES: Array[String] = ["Oak", "Spruce"]
-## The layer of what is left. Its density is 0, so that nothing of it grows by itself.
+## The layer of stumps. Its density is 0, so that no stump is generated.
 const STUMP := "Stump"
 
-## Whether felling leaves a stump. Without, removals are all that peers need to tell each other.
+## Whether felling leaves a stump. Without stumps, peers need to send each other only removals.
 @export var leaves_stumps := true
 
-## Where the layers of [constant TREES] stand in [member layers].
+## The indices of the layers of [constant TREES] in [member layers].
 var trees := PackedInt32Array()
 
 
@@ -21,7 +21,7 @@ func _ready() -> void:
 		state = ScatterState.new()
 
 
-## Where a layer stands in [member layers]; -1 for none of that name.
+## The index of a layer in [member layers]; -1 if no layer has that name.
 func place_of(layer_name: String) -> int:
 	for place in layers.size():
 		if layers[place] != null and layers[place].resource_name == layer_name:
@@ -29,7 +29,7 @@ func place_of(layer_name: String) -> int:
 	return -1
 
 
-## Takes a tree away and leaves a stump. Both are in [member state] from now on. False for what is no tree, or felled
+## Removes a tree and leaves a stump. [member state] keeps both. Returns false if the instance is no tree or was felled
 ## already.
 func fell(id: int) -> bool:
 	var tree := get_instance(id)
@@ -40,7 +40,8 @@ func fell(id: int) -> bool:
 	return true
 
 
-## How many stand in a rectangle, and a digest of all of them to the last bit: two peers that agree have the same.
+## The number of instances in a rectangle, and a digest of them bit for bit. Two peers with the same world have the
+## same fingerprint.
 func fingerprint(rect: Rect2) -> String:
 	var standing := query_rect(rect)
 	var hashing := HashingContext.new()

@@ -7,7 +7,7 @@ const LOW := Color(0.08, 0.15, 0.035, 0.5)
 const HIGH := Color(0.25, 0.37, 0.09, 1.0)
 
 
-## The fern that [param variant] names.
+## Builds the fern with the number [param variant].
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 900 + variant

@@ -1,5 +1,5 @@
 extends RefCounted
-## A handful of meadow flowers, 0.3 to 0.6 m high; the variant chooses white, yellow or violet.
+## A few meadow flowers, 0.3 to 0.6 m high. The variant selects white, yellow or violet.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const STEM := Color(0.2, 0.3, 0.06, 0.7)
@@ -7,7 +7,7 @@ const PETALS: Array[Color] = [Color(0.85, 0.83, 0.76), Color(0.86, 0.6, 0.06), C
 const HEART := Color(0.7, 0.42, 0.03)
 
 
-## The flowers that [param variant] names.
+## Builds the flowers with the number [param variant].
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 1100 + variant

@@ -1,5 +1,5 @@
 extends RefCounted
-## A tuft of grass, 0.35 to 0.75 m high: bent blades without any texture, lit like the ground that they stand on.
+## A tuft of grass, 0.35 to 0.75 m high: bent blades without a texture, lit like the ground below them.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const LOW := Color(0.1, 0.16, 0.04, 0.6)
@@ -7,7 +7,7 @@ const HIGH := Color(0.3, 0.4, 0.1, 1.0)
 const DRY := Color(0.5, 0.44, 0.2, 1.0)
 
 
-## The tuft that [param variant] names; odd ones are lower and denser, and carry no dry stalks.
+## Builds the tuft with the number [param variant]. Odd ones are lower and denser, and have no dry stalks.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 700 + variant

@@ -1,29 +1,30 @@
 extends RefCounted
-## Draws the leaves and the bark of all plants into one small texture, once a run: our own work, made of ellipses, strokes and noise.
+## Draws the leaves and the bark of all plants into one small texture, once per run: original artwork from ellipses, strokes and
+## noise.
 ##
-## Broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (the same way), opaque white, and columns of
-## bark that repeat from top to bottom, so that a trunk of any length has bark of one size. The color is a brightness that the
-## vertex color tints; alpha is for scissoring.
+## The atlas has broad leaves, a conifer's twig (stem on the left, tip on the right), a fern's frond (in the same direction), and
+## opaque white. It also has columns of bark, which repeat from top to bottom, so that the bark has the same size on a trunk of any
+## length. The color is a brightness, which the vertex color tints. Alpha is for the alpha scissor.
 
 const SIZE := Vector2i(1248, 512)
-## Leaves are squares of so many texels.
+## The side of a leaf's square in texels.
 const CELL := 256
 const BROADLEAF := Rect2(0.0, 0.0, 256.0 / 1248.0, 0.5)
 const TWIG := Rect2(256.0 / 1248.0, 0.0, 256.0 / 1248.0, 0.5)
 const FROND := Rect2(0.0, 0.5, 256.0 / 1248.0, 0.5)
-## A texel that is opaque and white, for what has no texture.
+## An opaque white texel, for surfaces without a texture.
 const OPAQUE_UV := Vector2(384.0 / 1248.0, 0.75)
-## Columns around a trunk: furrows as of oaks, scales as of spruces.
+## Columns that go around a trunk: furrows like an oak's, scales like a spruce's.
 const BARKS: Array[Rect2] = [Rect2(560.0 / 1248.0, 0.0, 288.0 / 1248.0, 1.0), Rect2(912.0 / 1248.0, 0.0, 288.0 / 1248.0, 1.0)]
-## How long the column is that fits once around a trunk.
+## The length of a column, as a multiple of the trunk's circumference.
 const BARK_LENGTH := 512.0 / 288.0
-## Texels by which a column goes on at its sides, and after which transparent ones follow as far: mipmaps mix nothing else in.
+## Texels by which a column continues at its sides, followed by as many transparent ones, so that mipmaps mix in nothing else.
 const MARGIN := 16
 
 static var _texture: ImageTexture
 
 
-## The atlas, made on the first call.
+## The atlas, drawn on the first call.
 static func texture() -> ImageTexture:
 	if _texture == null:
 		var image := _draw()
@@ -46,7 +47,7 @@ static func _draw() -> Image:
 	return image
 
 
-## Cracks between plates, long on an oak and round on a spruce, lit from one side as if they were deep.
+## Draws cracks between plates, long on an oak and round on a spruce, lit from one side to look deep.
 static func _draw_barks(image: Image) -> void:
 	var furrows := FastNoiseLite.new()
 	furrows.seed = 5
@@ -64,8 +65,8 @@ static func _draw_barks(image: Image) -> void:
 	_draw_bark(image, BARKS[1], scales, 256, -1.0)
 
 
-## [param cracks] is high where cracks are if [param sign] is 1, low if it is -1; it is stretched along the trunk from [param rows]
-## rows.
+## Draws one bark. Cracks are at high values of [param cracks] if [param sign] is 1, and at low values if it is -1. The noise is
+## stretched along the trunk from [param rows] rows.
 static func _draw_bark(image: Image, column: Rect2, cracks: FastNoiseLite, rows: int, sign: float) -> void:
 	var wide := int(column.size.x * SIZE.x)
 	var plates := cracks.get_seamless_image(wide, rows)
@@ -96,7 +97,7 @@ static func _draw_bark(image: Image, column: Rect2, cracks: FastNoiseLite, rows:
 	image.blit_rect(drawn, Rect2i(0, 0, MARGIN, SIZE.y), Vector2i(left + wide, 0))
 
 
-## A roundish spray of pointed leaves, dark ones first, so that it has depth.
+## Draws a roundish spray of pointed leaves, dark ones first, which makes it look deep.
 static func _draw_broadleaf(image: Image, rng: RandomNumberGenerator) -> void:
 	var bounds := Rect2i(0, 0, CELL, CELL)
 	var center := Vector2(CELL, CELL) * 0.5
@@ -113,7 +114,7 @@ static func _draw_broadleaf(image: Image, rng: RandomNumberGenerator) -> void:
 				true)
 
 
-## A drooping conifer twig: side shoots along a stem, needles along the shoots.
+## Draws a drooping conifer twig: side shoots along a stem, needles along the shoots.
 static func _draw_twig(image: Image, rng: RandomNumberGenerator) -> void:
 	var bounds := Rect2i(CELL, 0, CELL, CELL)
 	var half := float(CELL)
@@ -144,7 +145,7 @@ static func _needles(image: Image, bounds: Rect2i, from: Vector2, to: Vector2, r
 				false)
 
 
-## A fern's frond: leaflets in pairs, longest in the lower third.
+## Draws a fern's frond: leaflets in pairs, longest in the lower third.
 static func _draw_frond(image: Image, rng: RandomNumberGenerator) -> void:
 	var bounds := Rect2i(0, CELL, CELL, CELL)
 	var half := float(CELL)
@@ -160,7 +161,7 @@ static func _draw_frond(image: Image, rng: RandomNumberGenerator) -> void:
 			_stroke(image, bounds, base, end, 5.4, rng.randf_range(0.75, 1.0), true)
 
 
-## Paints a leaf (pointed at both ends, with a lighter rib) or a needle of half-width [param width] pixels.
+## Draws a leaf (pointed at both ends, with a lighter rib) or a needle with a half-width of [param width] pixels.
 static func _stroke(image: Image, bounds: Rect2i, from: Vector2, to: Vector2, width: float, shade: float,
 		leaf: bool) -> void:
 	var axis := to - from

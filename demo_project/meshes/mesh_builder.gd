@@ -1,22 +1,21 @@
 extends RefCounted
-## Collects the triangles of one plant or stone, level of detail by level of detail, and makes meshes of them: one for each level, or
-## one with all levels.
+## Collects the triangles of one plant or stone, LOD by LOD, and builds meshes from them: one for each LOD, or one with all LODs.
 ##
-## In one mesh all levels share one vertex array and one surface; a level is an index list, which the engine picks by distance, for
-## the instances of a MultiMesh as well. Vertex data as the demo's shaders read it: COLOR.rgb albedo
-## (sRGB), UV into [code]leaf_atlas.gd[/code].
+## In one mesh, all LODs share one vertex array and one surface. An LOD is an index list, which the engine selects by distance, also
+## for the instances of a MultiMesh. The vertex data is for the demo's shaders: COLOR.rgb is the albedo (sRGB), UV refers to
+## [code]leaf_atlas.gd[/code].
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 
-## The edge length that the engine lets go below one pixel from one meter away on, in a view 1280 pixels wide and 65
-## degrees high: twice the tangent of half the horizontal angle over the width. It turns a distance into the key of a
-## level.
+## The engine draws an LOD where its edge length is below one pixel. This factor converts a distance into the edge length for which
+## that holds from this distance on, which is the key of an LOD. It is for a view 1280 pixels wide and 65 degrees high: twice the
+## tangent of half the horizontal angle, divided by the width.
 const EDGE_PER_METER := 0.00177
 
-## For what has no texture: stones, blades and petals, the dark inside of a crown.
+## For surfaces without a texture: stones, blades and petals, and the dark inside of a crown.
 const OPAQUE_UV := Atlas.OPAQUE_UV
 
-## How bright a vertex is that no sky reaches.
+## The brightness of a vertex that is not open to the sky.
 const ENCLOSED := 0.45
 
 var _vertices := PackedVector3Array()
@@ -32,8 +31,8 @@ func begin_level() -> void:
 	_levels.append(PackedInt32Array())
 
 
-## Adds a vertex and returns its index. [param normal] need not be of unit length. The alpha of [param color] is how open to the sky
-## the vertex is, 0..1: what is not is darker.
+## Adds a vertex and returns its index. [param normal] may have any length. The alpha of [param color] is how open to the sky the
+## vertex is, 0..1: enclosed vertices are darker.
 func vertex(position: Vector3, normal: Vector3, color: Color, uv: Vector2) -> int:
 	_vertices.append(position)
 	_normals.append(normal.normalized())
@@ -42,7 +41,7 @@ func vertex(position: Vector3, normal: Vector3, color: Color, uv: Vector2) -> in
 	return _vertices.size() - 1
 
 
-## Adds a triangle of three vertex indices to the current level, clockwise as seen from its front.
+## Adds a triangle of three vertex indices to the current level, clockwise when seen from its front.
 func triangle(a: int, b: int, c: int) -> void:
 	var level := _levels[_levels.size() - 1]
 	level.append(a)
@@ -62,8 +61,8 @@ func triangle_count(level: int) -> int:
 	return _levels[level].size() / 3
 
 
-## Adds a flat leaf card with its own normal direction at the center; [param bulge] bends the corner normals outwards
-## from it (0 flat, 1 strongly), so that a crown of cards is lit as a round body.
+## Adds a flat leaf card with its own normal direction at the center. [param bulge] bends the corner normals outwards from it (0
+## flat, 1 strongly), so that a crown of cards is lit like a round body.
 func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color,
 		bulge := 0.45) -> void:
 	var corners: Array[int] = []
@@ -74,8 +73,8 @@ func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region:
 	quad(corners[0], corners[3], corners[2], corners[1])
 
 
-## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch in the bark of that
-## index of [code]leaf_atlas.gd[/code].
+## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch. [param bark] is the
+## index of its bark in [code]leaf_atlas.gd[/code].
 func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, sides: int, color: Color, bark: int) -> void:
 	var axis := (to - from).normalized()
 	var right := axis.cross(Vector3.FORWARD if absf(axis.z) < 0.9 else Vector3.RIGHT).normalized()
@@ -94,9 +93,8 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 		quad(a, a + 1, a + 3, a + 2)
 
 
-## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, flatter below than above, its
-## radii varied by up to [param roughness] (0..1). Vertex colors run from [param low] at the bottom to [param high] at
-## the top.
+## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, flatter below than above. Its radii vary by
+## up to [param roughness] (0..1). Vertex colors change from [param low] at the bottom to [param high] at the top.
 func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color,
 		rng: RandomNumberGenerator) -> void:
 	var sphere := _icosphere(subdivisions)
@@ -112,8 +110,8 @@ func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, 
 		triangle(first + faces[i], first + faces[i + 1], first + faces[i + 2])
 
 
-## Adds a cone (a conifer's tier) with a star-shaped skirt: its apex up, every second rim point pulled in by [param
-## notch].
+## Adds a cone (a conifer's tier) with a star-shaped skirt. Its apex is at the top, and every second rim point is pulled in by
+## [param notch].
 func cone(base: Vector3, radius: float, height: float, sides: int, notch: float, droop: float, low: Color, high: Color,
 		turn: float) -> void:
 	var apex := vertex(base + Vector3.UP * height, Vector3.UP, high, OPAQUE_UV)
@@ -128,7 +126,7 @@ func cone(base: Vector3, radius: float, height: float, sides: int, notch: float,
 		triangle(apex, first + i, first + (i + 1) % sides)
 
 
-## Says beyond which distances level 1, 2, ... are drawn, in meters; one fewer than the levels.
+## Sets the distances in meters from which levels 1, 2, ... are drawn; one fewer than the levels.
 func end(distances: PackedFloat32Array) -> void:
 	assert(distances.size() == _levels.size() - 1)
 	_distances = distances
@@ -139,12 +137,12 @@ func level_count() -> int:
 	return _levels.size()
 
 
-## The distance from which a level is drawn, meters.
+## The distance in meters from which a level is drawn.
 func distance(level: int) -> float:
 	return _distances[level - 1] if level > 0 else 0.0
 
 
-## A level as a mesh of its own.
+## Returns a level as a separate mesh.
 func mesh_of(level: int, material: Material) -> ArrayMesh:
 	var arrays := _arrays()
 	var of_old := {}
@@ -170,7 +168,7 @@ func mesh_of(level: int, material: Material) -> ArrayMesh:
 	return mesh
 
 
-## Writes the levels as one surface, for the engine to choose from: those distances are for 1280 pixels of width and an instance
+## Writes the levels as one surface, from which the engine selects. The distances are for a width of 1280 pixels and an instance
 ## scale of 1. Levels finer than [param finest] are left out, but never the last.
 func commit(mesh: ArrayMesh, finest: int, material: Material) -> void:
 	finest = mini(finest, _levels.size() - 1)
@@ -194,7 +192,7 @@ func _arrays() -> Array:
 	return arrays
 
 
-## Unit icosphere: points and clockwise faces.
+## The points and clockwise faces of a unit icosphere.
 static func _icosphere(subdivisions: int) -> Array:
 	var t := (1.0 + sqrt(5.0)) / 2.0
 	var points := PackedVector3Array()

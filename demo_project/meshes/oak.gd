@@ -9,7 +9,7 @@ const LOW := Color(0.1, 0.175, 0.04)
 const HIGH := Color(0.29, 0.375, 0.11)
 
 
-## The tree that [param variant] names.
+## Builds the tree with the number [param variant].
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 100 + variant
@@ -37,7 +37,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## Center and radius of the crown's clumps, as Vector4(x, y, z, radius).
+## The center and radius of the crown's clumps, as Vector4(x, y, z, radius).
 static func _clumps(rng: RandomNumberGenerator, variant: int) -> Array[Vector4]:
 	var result: Array[Vector4] = []
 	var count := 11
@@ -66,7 +66,7 @@ static func _trunk(builder: Builder, clumps: Array[Vector4], sides: int) -> void
 		builder.tube(start, start.lerp(end, 0.85), 0.2, 0.06, maxi(3, sides - 3), BARK * 0.8, 0)
 
 
-## The trunk as it is seen from far away.
+## The trunk for far away.
 static func _stem(builder: Builder) -> void:
 	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, 6.5, 0.0), 0.5, 0.3, 3, BARK, 0)
 
@@ -77,7 +77,7 @@ static func _far_crown(builder: Builder, size: float, rng: RandomNumberGenerator
 			LOW.lerp(HIGH, 0.62), rng)
 
 
-## Leaf sprays around each clump, on the sides that are seen: not towards the crown's heart.
+## Adds leaf sprays around each clump on its visible sides, not towards the crown's center.
 static func _crown(builder: Builder, clumps: Array[Vector4], cards: int, size: float,
 		rng: RandomNumberGenerator) -> void:
 	var heart := Vector3(0.0, 8.4, 0.0)
@@ -102,7 +102,7 @@ static func _crown(builder: Builder, clumps: Array[Vector4], cards: int, size: f
 			builder.card(position, right * extent, right.cross(face) * extent, normal, Atlas.BROADLEAF, color)
 
 
-## Dark round bodies that fill the crown behind the leaves.
+## Adds dark round bodies that fill the crown behind the leaves.
 static func _cores(builder: Builder, clumps: Array[Vector4], size: float, low: Color, high: Color,
 		rng: RandomNumberGenerator) -> void:
 	for clump in clumps:

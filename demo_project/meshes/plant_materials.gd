@@ -1,11 +1,12 @@
 extends RefCounted
-## The materials of the demo's plants, one for each species, shared by all its meshes: the add-on's foliage shader.
+## The materials of the demo's plants, with the add-on's foliage shader: one for each species, shared by all its
+## meshes.
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 const FOLIAGE := preload("res://addons/thicket/shaders/foliage.gdshader")
 const STONE := preload("res://shaders/stone.gdshader")
 
-## What differs from the shader's defaults. Trees do not bend for those who pass.
+## The parameters that differ from the shader's defaults. Trees do not bend around characters.
 const SETTINGS := {
 	&"oak": {"sway_height": 14.0, "wind_sway": 0.12, "wind_flutter": 0.03, "bend_reach": 0.0, "backlight": 0.35},
 	&"spruce": {"sway_height": 21.0, "wind_sway": 0.2, "wind_flutter": 0.02, "bend_reach": 0.0, "backlight": 0.2},
@@ -20,7 +21,7 @@ const SETTINGS := {
 static var _made := {}
 
 
-## The material of a species, made on the first call.
+## The material of a species, created on the first call.
 static func of(species: StringName) -> ShaderMaterial:
 	if not _made.has(species):
 		var material := ShaderMaterial.new()

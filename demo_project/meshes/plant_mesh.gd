@@ -1,9 +1,9 @@
 @tool
 extends ArrayMesh
-## A mesh that a scene stores as a few settings and builds itself when it is loaded: a species of the demo, a variant, and
-## how fine it is at most.
+## A mesh that builds itself when it is loaded, from a few settings that the scene stores: a species of the demo, a
+## variant, and the finest LOD.
 ##
-## The surfaces are never saved, so a scene that uses it stays small. Equal settings give equal meshes, on every
+## The surfaces are never saved, so a scene that uses it stays small. The same settings produce the same mesh on every
 ## machine.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
@@ -29,13 +29,14 @@ const SPECIES := {
 		species = value
 		_request_build()
 
-## Which individual of the species, 0 or more.
+## The number of the individual plant, 0 or more.
 @export_range(0, 15) var variant := 0:
 	set(value):
 		variant = clampi(value, 0, 15)
 		_request_build()
 
-## The finest level of detail that it has, 0 for the species' own: a coarser mesh for [member ScatterLayer.lod_meshes].
+## The finest LOD that the mesh has. 0 is the species' finest; others make coarser meshes for
+## [member ScatterLayer.lod_meshes].
 @export_range(0, 4) var finest_level := 0:
 	set(value):
 		finest_level = clampi(value, 0, 4)

@@ -1,7 +1,7 @@
 @tool
 extends ScatterModel
-## A plant or stone whose levels of detail are meshes of their own, which a scene stores as a species and a variant and which builds
-## itself when it is loaded.
+## A plant or stone with a separate mesh for each LOD. A scene stores only its species and variant, and it builds itself when it is
+## loaded.
 
 const Plant := preload("res://meshes/plant_mesh.gd")
 const Materials := preload("res://meshes/plant_materials.gd")
@@ -15,7 +15,7 @@ const Materials := preload("res://meshes/plant_materials.gd")
 		species = value
 		_request_build()
 
-## Which individual of the species, 0 or more.
+## The number of the individual plant, 0 or more.
 @export_range(0, 15) var variant := 0:
 	set(value):
 		variant = clampi(value, 0, 15)

@@ -8,7 +8,7 @@ const LOW := Color(0.11, 0.2, 0.045)
 const HIGH := Color(0.34, 0.41, 0.13)
 
 
-## The shrub that [param variant] names.
+## Builds the shrub with the number [param variant].
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 500 + variant

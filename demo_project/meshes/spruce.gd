@@ -1,5 +1,5 @@
 extends RefCounted
-## A spruce of about 21 m: whorls of boughs around a straight trunk, which hang and lift their tips, long at the bottom.
+## A spruce of about 21 m: whorls of boughs around a straight trunk. Boughs hang and lift their tips, and are longer at the bottom.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
@@ -11,7 +11,7 @@ const HEIGHT := 21.0
 const BARK_KIND := 1
 
 
-## The tree that [param variant] names.
+## Builds the tree with the number [param variant].
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 300 + variant
@@ -35,7 +35,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## The crown's radius in meters at a height 0..1 of the tree.
+## The crown's radius in meters at a height of 0..1 of the tree.
 static func _radius(height: float) -> float:
 	return 4.7 * pow(1.0 - height, 0.92) * (0.6 + 0.4 * minf(1.0, height / 0.16)) + 0.15
 
@@ -45,7 +45,7 @@ static func _trunk(builder: Builder, sides: int) -> void:
 	builder.tube(Vector3(0.0, 0.4, 0.0), Vector3(0.0, HEIGHT * 0.9, 0.0), 0.34, 0.05, sides, BARK, BARK_KIND)
 
 
-## The trunk as it is seen from far away.
+## The trunk for far away.
 static func _stem(builder: Builder) -> void:
 	builder.tube(Vector3(0.0, -0.8, 0.0), Vector3(0.0, HEIGHT * 0.3, 0.0), 0.4, 0.25, 3, BARK, BARK_KIND)
 
@@ -62,14 +62,14 @@ static func _boughs(builder: Builder, whorls: int, count: int, slim: float, bent
 			var reach := _radius(height) * slim * rng.randf_range(0.82, 1.12)
 			var start := Vector3.UP * HEIGHT * (height + rng.randf_range(-0.016, 0.016))
 			_bough(builder, start, out, reach, along, TAU / number, bent, rng)
-	# The leader: two crossed twigs upright at the top.
+	# The leader: two crossed upright twigs at the top.
 	for turn: float in [0.0, PI * 0.5]:
 		var side := Vector3(cos(turn), 0.0, sin(turn))
 		builder.card(Vector3.UP * HEIGHT * 0.965, Vector3.UP * 1.1, side * 0.4, Vector3.UP, Atlas.TWIG, LOW.lerp(HIGH, 0.7), 0.3)
 
 
-## One bough, which fills the angle [param share]: a roof of one or two pairs of quads whose sides hang, so that it is seen from the
-## side as from above. It leaves the trunk upwards when young and hangs when old, its tip lifted.
+## Adds one bough, which fills the angle [param share]: a roof of one or two pairs of quads with hanging sides, visible from the
+## side as well as from above. A young bough leaves the trunk upwards, and an old one hangs with a lifted tip.
 static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float, along: float, share: float, bent: bool,
 		rng: RandomNumberGenerator) -> void:
 	var side := out.cross(Vector3.UP).rotated(out, rng.randf_range(-0.25, 0.25))

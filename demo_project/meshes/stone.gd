@@ -1,12 +1,12 @@
 extends RefCounted
-## A weathered boulder of about 1 m, mossy above, with facets softened by shared normals.
+## A weathered boulder of about 1 m, mossy on top, with facets softened by shared normals.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const ROCK_LOW := Color(0.16, 0.155, 0.145, 0.6)
 const ROCK_HIGH := Color(0.44, 0.42, 0.385, 1.0)
 
 
-## The stone that [param variant] names.
+## Builds the stone with the number [param variant].
 static func build(variant: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:
@@ -16,7 +16,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## An icosphere cut by a few random planes: the cuts are the stone's faces.
+## Adds an icosphere cut by a few random planes, which are the stone's faces.
 static func _rock(builder: Builder, subdivisions: int, variant: int) -> void:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 1300 + variant

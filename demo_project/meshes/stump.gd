@@ -1,9 +1,9 @@
 extends RefCounted
-## What is left of a tree: half a meter of trunk with its roots, and pale wood on top. Variant 0 has the oak's trunk, 1 the
-## spruce's.
+## The stump of a felled tree: half a meter of trunk with its roots, and pale wood on top. Variant 0 has the oak's trunk, 1
+## the spruce's.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
-## Meters from the ground to the cut.
+## The height of the cut above the ground in meters.
 const HEIGHT := 0.5
 const BARKS: Array[Color] = [Color(0.37, 0.3, 0.225), Color(0.39, 0.27, 0.195)]
 ## Radii of the trunks at the cut, in meters.
@@ -12,7 +12,7 @@ const WOOD := Color(0.56, 0.4, 0.22)
 const RING := Color(0.38, 0.25, 0.13)
 
 
-## The stump that [param variant] names.
+## Builds the stump with the number [param variant].
 static func build(variant: int) -> Builder:
 	var kind := variant % RADII.size()
 	var builder := Builder.new()
@@ -27,7 +27,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## The cut, with a few rings of the tree's years.
+## Adds the cut, with a few annual rings.
 static func _top(builder: Builder, radius: float, sides: int) -> void:
 	var rings := 5 if sides > 8 else 1
 	var inner: Array[int] = []

@@ -2,17 +2,17 @@
 """Converts the Jacksboro fault elevation model into the demo's heightmap.
 
 Source: `mpl-data/sample_data/jacksboro_fault_dem.npz` of the PyPI package matplotlib, elevations of the Shuttle Radar
-Topography Mission (SRTM, public domain; so says the change that brought the file there, matplotlib pull request 3291):
-344 x 403 posts of 3 arc-seconds in the Cumberland Mountains of Tennessee around the Jacksboro fault, in whole meters,
-236 to 1076 m above the sea.
+Topography Mission (SRTM). They are in the public domain, according to matplotlib pull request 3291, which added the file. The model has
+344 x 403 posts, 3 arc-seconds apart, in the Cumberland Mountains of Tennessee around the Jacksboro fault. Elevations are in whole
+meters, 236 to 1076 m above sea level.
 
-Writes beside this script, bit for bit the same on every machine:
+Writes these files beside this script, bit-identical on every machine:
 - jacksboro.r16   unsigned 16-bit little-endian samples, row by row, rows from north to south, posts from west to east.
-- jacksboro.json  size, meters between posts, extent and the heights that samples 0 and 65535 stand for.
+- jacksboro.json  size, meters between posts, extent and the heights of samples 0 and 65535.
 
-In the world +x is east, +z is south, y is up, and the map's center is the origin. One sample step is 1/64 m, which
-holds every elevation of the source exactly: height = min_height + sample / 65535 * (max_height - min_height), and
-max_height - min_height is 65535/64.
+In the world, +x is east, +z is south, y is up, and the map's center is the origin. One sample step is 1/64 m, so every elevation of the
+source is represented exactly: height = min_height + sample / 65535 * (max_height - min_height), where max_height - min_height is
+65535/64.
 
 Usage: convert_dem.py [--out DIRECTORY] [--source FILE.npz]
 """
@@ -33,7 +33,7 @@ ECCENTRICITY_2 = 6.69437999014e-3
 
 
 def find_source() -> pathlib.Path:
-    """The data file inside the installed matplotlib, found without importing it; FileNotFoundError if there is none."""
+    """The data file in the installed matplotlib, found without importing it. Raises FileNotFoundError if there is none."""
     spec = importlib.util.find_spec("matplotlib")
     if spec is None or spec.origin is None:
         raise FileNotFoundError("matplotlib is not installed: pip install matplotlib, or pass --source")
@@ -44,7 +44,7 @@ def find_source() -> pathlib.Path:
 
 
 def meters_per_degree(latitude_degrees: float) -> tuple[float, float]:
-    """Meters of one degree of longitude and of one degree of latitude on the ellipsoid at a latitude."""
+    """Meters per degree of longitude and of latitude on the ellipsoid, at a latitude."""
     latitude = math.radians(latitude_degrees)
     w2 = 1.0 - ECCENTRICITY_2 * math.sin(latitude) ** 2
     prime_vertical = SEMI_MAJOR / math.sqrt(w2)
@@ -54,10 +54,10 @@ def meters_per_degree(latitude_degrees: float) -> tuple[float, float]:
 
 
 def convert(source: pathlib.Path) -> tuple[bytes, dict]:
-    """The raw samples and the description of the heightmap made from the npz file."""
+    """The samples and the description of the heightmap, from the npz file."""
     with np.load(source) as dem:
         elevation = dem["elevation"].astype(np.int64)
-        # The file's ymin is the northern border and its first row; posts are the centers of cells of dx by dy degrees.
+        # The file's ymin is the northern border, and its first row the northernmost. Posts are the centers of cells of dx by dy degrees.
         north, south = float(dem["ymin"]), float(dem["ymax"])
         dx, dy = float(dem["dx"]), float(dem["dy"])
     if north < south:
@@ -68,7 +68,7 @@ def convert(source: pathlib.Path) -> tuple[bytes, dict]:
     if samples.max() > 0xFFFF:
         raise ValueError(f"{high - low} m of relief do not fit 16 bits at {STEPS_PER_METER} steps a meter")
     per_lon, per_lat = meters_per_degree((north + south) / 2.0)
-    # Whole 1/256 m, so that the extent and its half are exact in single precision, which the engine's Rect2 has.
+    # Rounded to 1/256 m, so that the extent and half of it are exact in the single precision of the engine's Rect2.
     post_x, post_z = round(per_lon * dx * 256) / 256, round(per_lat * dy * 256) / 256
     description = {
         "source": f"matplotlib {SOURCE}; SRTM elevations, public domain",
@@ -88,7 +88,7 @@ def convert(source: pathlib.Path) -> tuple[bytes, dict]:
 
 
 def main() -> None:
-    """Reads the arguments, converts, writes both files and says what it wrote."""
+    """Reads the arguments, writes both files and prints their sizes."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent)
     parser.add_argument("--source", type=pathlib.Path)

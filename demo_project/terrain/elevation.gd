@@ -1,16 +1,16 @@
 extends RefCounted
-## The demo's elevation model for drawing and walking: the posts that [code]convert_dem.py[/code] wrote, bilinear in
-## between, the same surface that a [ScatterTerrainHeightmap] of the same file gives to the scatter.
+## The demo's elevation model for drawing and walking: the posts that [code]convert_dem.py[/code] wrote, with bilinear
+## interpolation. It is the same surface as that of a [ScatterGroundHeightmap] with the same file.
 ##
-## The file is read as it lies in the project; to export the demo, add [code]*.r16, *.json[/code] to the preset's filter
+## The file is read directly from the project. To export the demo, add [code]*.r16, *.json[/code] to the preset's filter
 ## for non-resource files.
 
-## Posts of the smallest block whose lowest and highest ground are kept.
+## The side in posts of the smallest block for which the lowest and highest ground are stored.
 const BLOCK := 8
 
 ## Columns (west to east) and rows (north to south) of posts.
 var posts := Vector2i.ZERO
-## World meters from the first post to the last: x, and z as y.
+## World rectangle from the first post to the last, in meters: x, and z as y.
 var rect := Rect2()
 ## Meters between posts along x and z.
 var spacing := Vector2.ONE
@@ -21,7 +21,7 @@ var _block_low := PackedFloat32Array()
 var _block_high := PackedFloat32Array()
 
 
-## Reads the description at [param path] and the samples beside it. Says what is wrong with [method push_error] and
+## Reads the description at [param path] and the samples beside it. On an error, prints it with [method push_error] and
 ## returns false.
 func load_description(path: String) -> bool:
 	var parsed: Variant = JSON.parse_string(FileAccess.get_file_as_string(path))
@@ -42,7 +42,7 @@ func load_description(path: String) -> bool:
 	return true
 
 
-## Height of the ground in meters at world x and z; NAN outside of the map.
+## The height of the ground in meters at world x and z; NAN outside of the map.
 func height(x: float, z: float) -> float:
 	var place := (Vector2(x, z) - rect.position) / spacing
 	if place.x < 0.0 or place.y < 0.0 or place.x > posts.x - 1 or place.y > posts.y - 1:
@@ -55,7 +55,7 @@ func height(x: float, z: float) -> float:
 	return lerpf(north, south, place.y - j)
 
 
-## Lowest and highest ground of the posts from [param from] to [param to], rounded outwards to whole blocks.
+## The lowest and highest ground of the posts from [param from] to [param to], rounded outwards to whole blocks.
 func bounds(from: Vector2i, to: Vector2i) -> Vector2:
 	var low := INF
 	var high := -INF
@@ -67,14 +67,15 @@ func bounds(from: Vector2i, to: Vector2i) -> Vector2:
 	return Vector2(low, high)
 
 
-## Heights of the posts in meters as a texture of 32-bit floats, to be fetched without filtering.
+## The heights of the posts in meters as a texture of 32-bit floats, to be read without filtering.
 func height_texture() -> ImageTexture:
 	var image := Image.create_from_data(posts.x, posts.y, false, Image.FORMAT_RF, _heights.to_byte_array())
 	return ImageTexture.create_from_image(image)
 
 
-## What a shader needs to light the ground, at each post, to be filtered linearly: the gradient along x and along z in
-## red and green, and in blue how far the post lies above (ridge) or below (hollow) the land around it, in meters.
+## A texture for lighting the ground, with a pixel for each post, to be filtered linearly. Red and green are the
+## gradient along x and along z. Blue is how far the post is above (ridge) or below (hollow) the land around it, in
+## meters.
 func relief_texture() -> ImageTexture:
 	var values := PackedFloat32Array()
 	values.resize(posts.x * posts.y * 3)
@@ -118,7 +119,7 @@ func _bound_blocks() -> void:
 	for j in posts.y:
 		for i in posts.x:
 			var value := _heights[j * posts.x + i]
-			# A post on the border of a block belongs to both sides.
+			# A post on the border of a block belongs to the blocks on both sides.
 			for block_j in range(maxi(0, (j - 1) / BLOCK), mini(_blocks.y - 1, j / BLOCK) + 1):
 				for block_i in range(maxi(0, (i - 1) / BLOCK), mini(_blocks.x - 1, i / BLOCK) + 1):
 					var at := block_j * _blocks.x + block_i

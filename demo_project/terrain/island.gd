@@ -1,19 +1,19 @@
 @tool
-extends ScatterTerrain
-## A hilly island with a sinkhole, by a formula: a ground of your own needs no more than this. Past the coast and in the
-## sinkhole there is no ground, so nothing stands there.
+extends ScatterGround
+## A hilly island with a sinkhole, from a formula: an example of a ground in GDScript. There is no ground beyond the
+## coast and in the sinkhole, so nothing is placed there.
 
-## Meters from the world's origin to the coast, on average.
+## The average distance from the world's origin to the coast in meters.
 @export_range(20.0, 500.0, 1.0, "suffix:m") var coast := 150.0:
 	set(value):
 		coast = value
-		emit_changed()  # The scatter makes its tiles anew, and so does whatever else shows this ground.
-## The middle of the sinkhole, world x and z in meters.
+		emit_changed()  # The scatter regenerates its tiles, and everything else that shows this ground updates, too.
+## The center of the sinkhole, world x and z in meters.
 @export var sinkhole := Vector2(44.0, 20.0):
 	set(value):
 		sinkhole = value
 		emit_changed()
-## Meters from there to its edge, on average.
+## The average radius of the sinkhole in meters.
 @export_range(0.0, 100.0, 1.0, "suffix:m") var sinkhole_radius := 17.0:
 	set(value):
 		sinkhole_radius = value
@@ -28,12 +28,12 @@ func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 	return heights
 
 
-## Only reads its own settings, so any number of threads may ask at once.
+## This ground only reads its own settings, so any number of threads may query it at the same time.
 func _is_thread_safe() -> bool:
 	return true
 
 
-## Meters, for a place given as world x and z.
+## The height in meters at world x and z.
 func _height(at: Vector2) -> float:
 	var angle := at.angle()
 	var bays := 0.17 * sin(2.0 * angle + 0.4) + 0.09 * sin(3.0 * angle + 2.2) + 0.04 * sin(8.0 * angle)

@@ -1,14 +1,14 @@
 extends RefCounted
-## One small seamless texture of noise that the ground and the sky share, made once a run.
+## A small seamless noise texture that the ground and the sky share, generated once per run.
 ##
-## Red: soft patches, green: grain, blue: billows, alpha: another set of soft patches.
+## Red: soft patches, green: grain, blue: billows, alpha: different soft patches.
 
 const SIZE := 256
 
 static var _texture: ImageTexture
 
 
-## The texture, made on the first call.
+## The texture, generated on the first call.
 static func texture() -> ImageTexture:
 	if _texture == null:
 		var soft := _noise(1, 0.02, FastNoiseLite.FRACTAL_FBM)

@@ -1,28 +1,29 @@
 @tool
 extends MeshInstance3D
-## Draws any [ScatterTerrain] of moderate size as one mesh: a grid of its heights, cut along the edge of its holes, with
-## walls below that edge.
+## Draws any [ScatterGround] of moderate size as one mesh: a grid of its heights, cut along the edges of its holes, with
+## walls below these edges.
 ##
 ## UV.x of every vertex is its distance in meters to [member path], up to [constant FAR]; UV.y is 1 on walls, 0 elsewhere.
 
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
-## What stands for "not near the path", in meters.
+## The distance in meters that means "not near the path".
 const FAR := 16.0
-## Halvings of a quad's side that find where the ground ends.
+## The number of halvings of a quad's side for finding the edge of the ground.
 const HALVINGS := 8
-## Seconds that a path must rest before the ground is drawn with it, lest every step of a drag does so.
+## The ground is redrawn only after a path has not changed for this number of seconds, so that it is not redrawn at every
+## step of a drag.
 const PATH_REST := 0.25
-## Rows of quads from the top of a wall to its foot.
+## The rows of quads from the top of a wall to its foot.
 const WALL_ROWS := 9
 
-## The ground to draw; drawn anew when it changes.
-@export var terrain: ScatterTerrain:
+## The ground to draw. It is redrawn when it changes.
+@export var ground: ScatterGround:
 	set(value):
-		if terrain != null:
-			terrain.changed.disconnect(_request_build)
-		terrain = value
-		if terrain != null:
-			terrain.changed.connect(_request_build)
+		if ground != null:
+			ground.changed.disconnect(_request_build)
+		ground = value
+		if ground != null:
+			ground.changed.connect(_request_build)
 		_request_build()
 ## The part of the world to draw, x and z in meters.
 @export var rect := Rect2(-200.0, -200.0, 400.0, 400.0):
@@ -34,12 +35,12 @@ const WALL_ROWS := 9
 	set(value):
 		spacing = maxf(value, 0.25)
 		_request_build()
-## World height to which walls reach down, in meters.
+## The world height of the foot of walls, in meters.
 @export_range(-100.0, 100.0, 0.5, "suffix:m") var wall_foot := -4.0:
 	set(value):
 		wall_foot = value
 		_request_build()
-## A path whose distance the material may draw; none if empty.
+## A path whose distance the material may use; null for none.
 @export var path: Path3D:
 	set(value):
 		if path != null:
@@ -48,12 +49,12 @@ const WALL_ROWS := 9
 		if path != null:
 			path.curve_changed.connect(_on_path_changed)
 		_request_build()
-## What the ground consists of, a weight in each channel, over [member rect]: for the material, if it draws that.
+## The composition of the ground over [member rect], a weight in each channel, for materials that draw it.
 @export var soil: Image:
 	set(value):
 		soil = value
 		_request_build()
-## The material of ground and walls; gets the shared noise.
+## The material of ground and walls. Its shader gets the shared noise.
 @export var material: ShaderMaterial:
 	set(value):
 		material = value
@@ -64,12 +65,12 @@ var _path_changes := 0
 var _soil_texture: ImageTexture
 var _columns := 0
 var _vertices := PackedVector3Array()
-## For each post, 1 where there is ground.
+## For each post, 1 if there is ground.
 var _solid := PackedByteArray()
 var _indices := PackedInt32Array()
-## Vertex where the ground ends between two posts, by the numbers of both.
+## The vertex at the edge of the ground between two posts, by the numbers of both.
 var _cuts := {}
-## Vertex to the next one along the edge, with the ground on the right as seen from above.
+## The next vertex along the edge for each vertex, with the ground on the right when seen from above.
 var _edge := {}
 
 
@@ -101,11 +102,11 @@ func _on_path_rested(changes: int) -> void:
 
 
 func _build() -> void:
-	# The editor makes scenes before it shows them; a path outside of the tree is nowhere.
+	# The editor builds scenes before it shows them, and a path outside of the tree has no global transform.
 	if not _requested or not is_inside_tree():
 		return
 	_requested = false
-	if terrain == null:
+	if ground == null:
 		mesh = null
 		return
 	_vertices.clear()
@@ -118,7 +119,7 @@ func _build() -> void:
 	for row in rows:
 		for column in _columns:
 			var place := rect.position + Vector2(column, row) * spacing
-			var height := terrain.get_height(Vector3(place.x, 0.0, place.y))
+			var height := ground.get_height(Vector3(place.x, 0.0, place.y))
 			_vertices.append(Vector3(place.x, height, place.y))
 			_solid.append(int(is_finite(height)))
 	for row in rows - 1:
@@ -134,7 +135,8 @@ func _build() -> void:
 	mesh = built
 
 
-## Past the resource: what the editor sets in a material would be saved with the scene.
+## Sets the parameters through the RenderingServer, because values that the editor sets on a material would be saved with
+## the scene.
 func _fill_material() -> void:
 	if material == null:
 		return
@@ -147,7 +149,7 @@ func _fill_material() -> void:
 		RenderingServer.material_set_param(rid, &"soil_size", rect.size)
 
 
-## The part of a quad that has ground: a polygon of up to six corners.
+## Adds the part of a quad that has ground: a polygon of up to six corners.
 func _add_quad(first: int) -> void:
 	var south := first + _columns
 	if _solid[first] + _solid[first + 1] + _solid[south] + _solid[south + 1] == 4:
@@ -185,7 +187,8 @@ func _add_quad(first: int) -> void:
 		_indices.append_array([polygon[0], polygon[i - 1], polygon[i]])
 
 
-## The last place with ground on the way from a post that has it to one that has none.
+## Adds a vertex at the last position with ground on the line from a post with ground to one without, and returns its
+## index.
 func _cut(solid: int, hollow: int) -> int:
 	var key := Vector2i(solid, hollow)
 	if not _cuts.has(key):
@@ -193,7 +196,7 @@ func _cut(solid: int, hollow: int) -> int:
 		var to := Vector3(_vertices[hollow].x, from.y, _vertices[hollow].z)
 		for step in HALVINGS:
 			var middle := (from + to) * 0.5
-			middle.y = terrain.get_height(middle)
+			middle.y = ground.get_height(middle)
 			if is_finite(middle.y):
 				from = middle
 			else:
@@ -214,7 +217,7 @@ func _add_ground(built: ArrayMesh) -> void:
 		normals.append(_normal(vertex))
 		var near := near_path.has_point(Vector2(place.x, place.z))
 		uvs.append(Vector2(_distance_to_path(place) if near else FAR, 0.0))
-		# A post without ground is in no triangle, but counts for the box that the engine culls by.
+		# A post without ground is in no triangle, but counts for the bounding box that the engine uses for culling.
 		if is_nan(place.y):
 			_vertices[vertex].y = wall_foot
 	var arrays: Array = []
@@ -226,7 +229,7 @@ func _add_ground(built: ArrayMesh) -> void:
 	built.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 
 
-## From the posts around it; from the terrain itself at the borders.
+## The normal from the posts around the vertex, or from the ground itself at the borders.
 func _normal(vertex: int) -> Vector3:
 	var column := vertex % _columns
 	if column > 0 and column < _columns - 1 and vertex >= _columns and vertex + _columns < _solid.size():
@@ -235,7 +238,7 @@ func _normal(vertex: int) -> Vector3:
 		var rise_z := _vertices[vertex + _columns].y - _vertices[vertex - _columns].y
 		if around == 4:
 			return Vector3(-rise_x, 2.0 * spacing, -rise_z).normalized()
-	var normal := terrain.get_normal(_vertices[vertex])
+	var normal := ground.get_normal(_vertices[vertex])
 	return normal if normal != Vector3.ZERO else Vector3.UP
 
 
@@ -270,7 +273,7 @@ func _add_walls(built: ArrayMesh) -> void:
 	noise.frequency = 0.09
 	var surface := SurfaceTool.new()
 	surface.begin(Mesh.PRIMITIVE_TRIANGLES)
-	# Facets, as rock breaks.
+	# Facets, because rock breaks that way.
 	surface.set_smooth_group(-1)
 	var firsts := {}
 	var count := 0
@@ -282,7 +285,7 @@ func _add_walls(built: ArrayMesh) -> void:
 		for row in WALL_ROWS + 1:
 			var depth := float(row) / WALL_ROWS
 			var place := Vector3(top.x, lerpf(top.y, wall_foot, depth), top.z)
-			# Pillars and ledges, and rubble at the foot.
+			# Adds pillars and ledges, and rubble at the foot.
 			var rough := noise.get_noise_3dv(place * Vector3(1.0, 0.3, 1.0)) + 0.6 * noise.get_noise_3dv(place * 2.7)
 			var lean := 2.0 * depth + 3.0 * depth ** 4 + 6.0 * minf(3.0 * depth, 1.0) * rough
 			surface.set_uv(Vector2(FAR, 1.0))

@@ -1,28 +1,28 @@
 @tool
 extends Node3D
-## Draws the elevation model around the camera: a quadtree of square patches, each the same small grid that the vertex
-## shader lays onto the bilinear ground, finer near the camera, with vertices that slide from one level's grid into the
-## next one's.
+## Draws the elevation model around the camera as a quadtree of square patches. Each is the same small grid, which the
+## vertex shader places on the bilinear ground, finer near the camera. Vertices slide from the grid of one level to that of
+## the next.
 ##
-## Every vertex lies on the bilinear surface. Up to 220 m from the camera vertices stand 5 to 6 m apart, where triangles
-## leave it by 2 cm at most on 97 % of this map, 5 cm anywhere; so plants stand on what is drawn. Lines of posts are
-## edges of the grid.
+## Every vertex lies on the bilinear surface. Up to 220 m from the camera, vertices are 5 to 6 m apart. There, triangles
+## differ from the surface by at most 2 cm on 97 % of this map, and by at most 5 cm anywhere, so plants touch the drawn
+## ground. Lines of posts are edges of the grid.
 
 const Elevation := preload("res://terrain/elevation.gd")
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
 
 ## Quads along a patch's side.
 const QUADS := 16
-## Meters up to which the finest patches are drawn; each coarser level reaches twice as far.
+## The distance in meters up to which the finest patches are drawn. Each coarser level reaches twice as far.
 const FINEST_RANGE := 300.0
 ## The coarsest level: patches of 2^9 posts, wider than the map.
 const TOP_LEVEL := 9
-## The patches are chosen anew when the camera has moved this many meters.
+## The patches are chosen again when the camera has moved this many meters.
 const STEP := 6.0
 
 ## The description that [code]convert_dem.py[/code] writes.
 @export_file("*.json") var description := "res://terrain/jacksboro.json"
-## The ground's material; gets the elevation textures.
+## The ground's material. Its shader gets the elevation textures.
 @export var material: ShaderMaterial
 
 ## The ground that is drawn; null until the node is ready.
@@ -44,7 +44,7 @@ func _ready() -> void:
 		return
 	_heights = elevation.height_texture()
 	_relief = elevation.relief_texture()
-	# Past the resource: what the editor sets there would be saved with the scene.
+	# Through the RenderingServer, because values that the editor sets on the material would be saved with the scene.
 	var rid := material.get_rid()
 	RenderingServer.material_set_param(rid, &"heights", _heights.get_rid())
 	RenderingServer.material_set_param(rid, &"relief", _relief.get_rid())
@@ -74,7 +74,7 @@ func _process(_delta: float) -> void:
 		RenderingServer.instance_set_visible(_instances[i], false)
 
 
-## Triangles of the patches chosen last, before culling.
+## The number of triangles of the current patches, before culling.
 func triangle_count() -> int:
 	return _used * QUADS * QUADS * 2
 
@@ -85,7 +85,8 @@ func _camera() -> Camera3D:
 	return get_viewport().get_camera_3d()
 
 
-## Draws the square of 2^level posts whose first post is [param post], or its four quarters where the camera is near.
+## Draws the square of 2^level posts whose first post is [param post]. If the camera is near, draws its four quarters
+## instead.
 func _select(level: int, post: Vector2i) -> void:
 	if level == 0 or not _in_range(level - 1, post, 1 << level):
 		_draw(_patch, level, post, 1 << level)
@@ -126,7 +127,7 @@ func _draw(mesh: ArrayMesh, level: int, post: Vector2i, size: int) -> void:
 	var instance := _instances[_used]
 	_used += 1
 	var box := _box(post, size)
-	# The shader reads the level from the basis' y axis: the grid itself is flat.
+	# The shader reads the level from the y axis of the basis, because the grid itself is flat.
 	var basis := Basis.from_scale(Vector3(box.size.x, level + 1.0, box.size.z))
 	RenderingServer.instance_set_base(instance, mesh.get_rid())
 	RenderingServer.instance_geometry_set_material_override(instance, material.get_rid())
@@ -137,7 +138,8 @@ func _draw(mesh: ArrayMesh, level: int, post: Vector2i, size: int) -> void:
 	RenderingServer.instance_set_visible(instance, true)
 
 
-## A unit square of [param quads] by [param quads] quads, for the shader: its place is the UV, the number of quads is UV2.x.
+## Fills a unit square with [param quads] by [param quads] quads, for the shader. UV is the position, UV2.x the number of
+## quads.
 static func _fill_grid(mesh: ArrayMesh, quads: int) -> void:
 	var vertices := PackedVector3Array()
 	var places := PackedVector2Array()

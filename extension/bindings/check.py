@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Compares the description that the bindings are generated from with those of later engines (extension_api.json).
+"""Compares the bindings' description of the engine with those of later engines (extension_api.json).
 
     check.py NEWER...
 
-Prints a sentence for each thing on which the bindings rely and which a later engine has no more or has otherwise, and fails
-if there is any. What later engines have besides is no difference.
+Prints a sentence for each item that the bindings rely on and that a later engine removed or changed, and fails if there is any.
+Additions in later engines are ignored.
 """
 
 import argparse
@@ -19,20 +19,20 @@ HERE = pathlib.Path(__file__).resolve().parent
 
 
 def signature(method):
-    """What crosses the border with a call, in order."""
+    """The types that a call passes and returns, in order."""
     given = [argument["type"] for argument in method.get("arguments", [])]
     return "%s(%s)" % (dump.return_type(method) or "void", ", ".join(given))
 
 
 def method(owner, old, new):
-    """A method is found by its hash; one that changed may keep its old form under the old hash. The engine asks for virtual
-    methods by the new hash only."""
+    """The engine finds a method by its hash, and may keep an old version of a changed method under the old hash. It looks up virtual
+    methods only by the new hash."""
     name = "%s.%s()" % (owner, old["name"])
     if old["hash"] != new.get("hash"):
         if old["is_static"] != new["is_static"] or old.get("is_virtual", False) != new.get("is_virtual", False):
-            yield "%s is another kind of method" % name
+            yield "%s is a different kind of method" % name
         elif old.get("is_virtual") or old["hash"] not in new.get("hash_compatibility", []):
-            yield "%s has the hash %s, and %d is not known any more" % (name, new.get("hash"), old["hash"])
+            yield "%s has the hash %s, and %d is no longer known" % (name, new.get("hash"), old["hash"])
         return
     for flag in ("is_static", "is_virtual", "is_vararg", "is_const"):
         if old.get(flag, False) != new.get(flag, False):
@@ -42,7 +42,7 @@ def method(owner, old, new):
 
 
 def values(owner, old, new):
-    """Constants, and the values of enumerations."""
+    """Compares constants, or the values of an enumeration."""
     found = dump.by_name(new)
     for item in old:
         value = found.get(item["name"], {"value": "gone"})["value"]
@@ -65,7 +65,7 @@ def methods(owner, old, new):
 
 
 def builtin(name, old, new):
-    """A type that a Variant holds. Its constructors are found by number."""
+    """Compares a type that a Variant can hold. Its constructors are identified by number."""
     for key in ("has_destructor", "indexing_return_type"):
         if key in old and old[key] != new.get(key):
             yield "%s: %s is %s and was %s" % (name, key, new.get(key), old[key])
@@ -87,10 +87,10 @@ def ancestors(api, name):
 
 
 def engine_class(old, new, name):
-    """A class. Others may have come between it and its parent."""
+    """Compares a class. New classes between it and its parent are no difference."""
     known, found = old.classes[name], new.classes[name]
     if "inherits" in known and known["inherits"] not in ancestors(new, name):
-        yield "%s inherits %s no more" % (name, known["inherits"])
+        yield "%s no longer inherits %s" % (name, known["inherits"])
     if known["is_refcounted"] != found["is_refcounted"]:
         yield "%s: is_refcounted is %s" % (name, found["is_refcounted"])
     yield from values(name, known.get("constants", []), found.get("constants", []))
@@ -99,7 +99,7 @@ def engine_class(old, new, name):
 
 
 def newer_values(new, newer):
-    """Values that used_api.toml names by number: where an engine lacks one, the number must mean nothing else there."""
+    """Compares the values that used_api.toml contains as numbers. An engine without such a value must not use its number for another."""
     for owner, expected in newer.items():
         for name, numbers in expected.items():
             enum = dump.by_name(new.classes[owner]["enums"])[name]["values"]
@@ -107,11 +107,11 @@ def newer_values(new, newer):
                 wanted = numbers.get(value["name"], value["value"])
                 taken = value["value"] in numbers.values() and value["name"] not in numbers
                 if value["value"] != wanted or (taken and not value["name"].endswith("_MAX")):
-                    yield "%s.%s.%s is %d, which [newer] does not say" % (owner, name, value["name"], value["value"])
+                    yield "%s.%s.%s is %d, which [newer] does not have" % (owner, name, value["name"], value["value"])
 
 
 def differences(old, new, newer):
-    """Sentences about all that the bindings rely on and that is otherwise in a later engine."""
+    """Sentences about everything that the bindings rely on and that is different in a later engine."""
     for name, sizes in old.sizes.items():
         if new.sizes.get(name) != sizes:
             yield "%s takes %s bytes (%s) and took %s" % (name, new.sizes.get(name), ", ".join(dump.BUILDS), sizes)
@@ -121,14 +121,14 @@ def differences(old, new, newer):
     for name in old.classes:
         yield from engine_class(old, new, name) if name in new.classes else ["%s is gone" % name]
     for name in sorted(old.singletons - new.singletons):
-        yield "%s is no singleton any more" % name
+        yield "%s is no longer a singleton" % name
     yield from newer_values(new, newer)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("newer", nargs="+", help="extension_api.json of a later engine")
-    parser.add_argument("--api", default=HERE / OLDEST, help="what describe.py wrote")
+    parser.add_argument("--api", default=HERE / OLDEST, help="the description from describe.py")
     parser.add_argument("--used", type=pathlib.Path, default=HERE / "used_api.toml")
     options = parser.parse_args()
     old = dump.Api(dump.load(options.api))

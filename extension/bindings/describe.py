@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the part of a description of the engine that the stand-in for godot-cpp needs, without the texts in it.
+"""Writes the part of a description of the engine that our stand-in for godot-cpp needs, without the texts.
 
     describe.py --api extension_api.json
 
-The description is the oldest that is supported, so that what is generated from it runs in all later engines, and check.py
-compares it with theirs. It holds what used_api.toml asks for and all types that this mentions. Every method, enumeration
-and class has a line of its own, for the sake of diffs.
+The description is of the oldest supported engine, so that the code generated from it runs in all later engines. check.py compares it
+with their descriptions. It contains everything in used_api.toml, and all types that these items mention. Every method, enumeration
+and class is on a line of its own, for readable diffs.
 """
 
 import argparse
@@ -19,16 +19,16 @@ import emit
 HERE = pathlib.Path(__file__).resolve().parent
 OLDEST = "description_4.4.json"
 
-# Texts, and what is asked of later descriptions only.
+# Texts, and keys that only matter in descriptions of later engines.
 LEFT_OUT = {"description", "brief_description", "category", "is_required", "hash_compatibility"}
-# Lists with a line for each entry.
+# Lists with one entry per line.
 BROKEN = set(
     "builtin_class_sizes global_enums builtin_classes constructors operators methods classes constants enums singletons".split()
 )
 
 
 def facts(item):
-    """An item without its texts. Values that count the others (FORMAT_MAX) grow with the engine, so they go as well."""
+    """An item without its texts, and without values that are counts (FORMAT_MAX), because they grow with the engine."""
     if isinstance(item, list):
         return [facts(part) for part in item if not (isinstance(part, dict) and part.get("name", "").endswith("_MAX"))]
     if isinstance(item, dict):
@@ -37,12 +37,12 @@ def facts(item):
 
 
 def kept(item, keys, **parts):
-    """These keys of an item, where it has them, and these parts, where there is anything in them."""
+    """An item with only these keys, as far as it has them, and with these parts that are not empty."""
     return {key: item[key] for key in keys if key in item} | {key: facts(part) for key, part in parts.items() if part}
 
 
 def builtin(api, name, entry):
-    """What is used of a type that the engine constructs and destroys, with what Opaque uses of all of them."""
+    """The used part of a type that the engine constructs and destroys, including the parts that Opaque uses of all such types."""
     known = api.pick(api.builtins, name, "builtins")
     wanted = [tuple(types) for types in entry.get("constructors", [])]
     signatures = {tuple(a["type"] for a in item.get("arguments", [])): item for item in known["constructors"]}
@@ -56,7 +56,7 @@ def builtin(api, name, entry):
 
 
 def engine_class(api, name, entry):
-    """What is used of a class, with the enumerations of its own that its methods mention."""
+    """The used part of a class, with those of its enumerations that the used methods mention."""
     known = api.pick(api.classes, name, "classes")
     methods = [api.pick(known.get("methods", []), method, name) for method in entry.get("methods", [])]
     enums = [enum for owner, enum in api.enums_of(methods) if owner == name]
@@ -67,7 +67,7 @@ def engine_class(api, name, entry):
 
 
 def part(description, used):
-    """The part of a description that used_api.toml asks for."""
+    """The part of a description that used_api.toml lists."""
     api = dump.Api(description)
     builtins = [builtin(api, name, entry) for name, entry in used["builtins"].items()]
     builtins += [kept(api.pick(api.builtins, name, "values"), ["name"]) for name in used["global"]["values"]]
@@ -89,7 +89,7 @@ def part(description, used):
 
 
 def text(value, key="", depth=0):
-    """As JSON, with a line for each entry of what is BROKEN."""
+    """The value as JSON, with one entry per line for the keys in BROKEN."""
     if isinstance(value, dict) and (depth == 0 or any(name in BROKEN for name in value)):
         parts = ["%s: %s" % (json.dumps(name), text(item, name, depth + 1)) for name, item in value.items()]
         return "{%s}" % (",\n" if depth == 0 else ", ").join(parts)
@@ -100,8 +100,8 @@ def text(value, key="", depth=0):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--api", required=True, help="extension_api.json of the oldest engine that is supported")
-    parser.add_argument("--used", type=pathlib.Path, default=HERE / "used_api.toml", help="what to describe")
+    parser.add_argument("--api", required=True, help="extension_api.json of the oldest supported engine")
+    parser.add_argument("--used", type=pathlib.Path, default=HERE / "used_api.toml", help="the API to describe")
     parser.add_argument("--out", type=pathlib.Path, default=HERE / OLDEST, help="description_<version>.json")
     options = parser.parse_args()
     used = tomllib.loads(options.used.read_text(encoding="utf-8"))
@@ -109,7 +109,7 @@ def main():
     release = dump.Api(found).release
     if options.out.name != "description_%s.json" % release:
         raise SystemExit("describe.py: %s is of Godot %s, and %s is not" % (options.api, release, options.out.name))
-    # What the generator would refuse is refused here.
+    # Reports errors that the generator would report later.
     emit.builtins(dump.Api(found), used)
     emit.classes(dump.Api(found), used)
     options.out.write_text(text(found) + "\n", encoding="utf-8")

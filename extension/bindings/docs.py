@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Writes class reference in the engine's XML format as a C++ source that hands it to the editor when it starts.
+"""Writes the class reference, in the engine's XML format, into a C++ source that passes it to the editor at startup.
 
     docs.py --out doc_data.cpp extension/doc_classes/*.xml
 
-The source registers what godot-cpp calls DocDataRegistration, so it compiles against godot-cpp and the stand-in alike.
+The source uses godot-cpp's DocDataRegistration, so it compiles with both godot-cpp and our stand-in.
 """
 
 import argparse
@@ -28,7 +28,7 @@ const godot::internal::DocDataRegistration registration("%s", %d, sizeof(data), 
 
 
 def join(paths):
-    """The classes of all files, one after the other, as the engine reads them."""
+    """The contents of all files, sorted by path and joined, as the engine reads them."""
     texts = []
     for path in sorted(paths):
         root = ElementTree.parse(path).getroot()

@@ -1,4 +1,4 @@
-"""The text of every generated file. Each function returns {path below the output folder: text}."""
+"""The text of every generated file. Functions that return files use {path below the output folder: text}."""
 
 import textwrap
 
@@ -39,10 +39,10 @@ def forward(names):
 
 
 def interface(functions):
-    """Pointers to the interface functions that are used, and the function that looks all of them up."""
+    """Pointers to the used interface functions, and the function that looks all of them up."""
     path = "core/gdextension_interface_loader"
     promise = [
-        "/// Looks them all up. Returns null, or the name of the first function that this Godot lacks.",
+        "/// Looks up all of them. Returns null, or the name of the first function that this Godot lacks.",
         "const char *load_interface(GDExtensionInterfaceGetProcAddress p_get);",
     ]
     find = [
@@ -82,7 +82,7 @@ def interface(functions):
 
 
 def builtins(api, used):
-    """The types that the engine constructs and destroys (String, Array, ...), and what is known of all types."""
+    """The types that the engine constructs and destroys (String, Array, ...), and the traits of all types."""
     texts, bodies = {}, []
     for name, entry in used["builtins"].items():
         text, code = builtin(api, name, entry)
@@ -106,11 +106,11 @@ def traits(api, names):
         "",
         "namespace internal {",
         "",
-        "/// The Variant type of a C++ type, exactly; NIL for all that is not a type of the engine.",
+        "/// The Variant type that a C++ type represents; NIL if it is not a type of the engine.",
         "template <typename T>",
         "inline constexpr GDExtensionVariantType builtin_type = GDEXTENSION_VARIANT_TYPE_NIL;",
         "",
-        "/// Bytes that the engine gives a value of the type.",
+        "/// The size of a value of the type in the engine, in bytes.",
         "template <typename T>",
         "inline constexpr std::size_t builtin_size = 0;",
         "",
@@ -169,7 +169,7 @@ def builtin(api, name, entry):
 
 
 def packed_access(name, element):
-    """[(declaration, definition)] for the elements of a packed array. An index outside gives a null pointer."""
+    """[(declaration, definition)] for the elements of a packed array. An index out of range returns a null pointer."""
     function = "gdextension_interface::%s_operator_index" % dump.snake(name)
 
     def member(declared, defined, const, index, deref):
@@ -241,7 +241,7 @@ def definition(api, owner, method):
 
 
 def vararg(api, owner, method):
-    """A method that takes any number of values: a template, and so in the header."""
+    """A method with any number of arguments. It is a template, and therefore in the header."""
     result = result_type(api, method)
     fixed = method.get("arguments", [])
     parameters = ", ".join(filter(None, [api.parameters(method, False), "const Args &...p_args"]))
@@ -368,7 +368,7 @@ def engine_method(api, name, method, number):
 
 
 def virtual_default(api, name, method):
-    """What a virtual method does in a class that does not override it: the engine never asks for it."""
+    """The body of a virtual method for classes that do not override it. The engine never calls it."""
     types = ", ".join(api.parameter_type(argument).strip() for argument in method.get("arguments", []))
     signature = "%s%s::%s(%s)%s" % (
         spaced(result_type(api, method)), name, method["name"], types, " const" if method["is_const"] else "",

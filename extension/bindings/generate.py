@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""Writes the part of the stand-in for godot-cpp that follows from a description of the engine.
+"""Generates the part of our stand-in for godot-cpp that depends on a description of the engine.
 
     generate.py --api description_4.4.json --interface gdextension_interface.h --used used_api.toml --out DIR
     generate.py --used used_api.toml --out DIR --list
     generate.py --used used_api.toml --unused SOURCES...
 
-The first writes headers into DIR/include and sources into DIR/src; --list prints their paths and writes nothing;
---unused prints the entries that none of the sources names, and fails if there are any. Files whose text stays the same
-are not written again, so that nothing is compiled again for them.
+The first command writes headers into DIR/include and sources into DIR/src, and leaves files alone whose text stays the same. --list only
+prints their paths. --unused prints the entries that no source contains, and fails if there are any.
 """
 
 import argparse
@@ -25,17 +24,17 @@ REMEDY = "; if that Godot has it, run python3 extension/bindings/describe.py --a
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--used", type=pathlib.Path, required=True, help="the classes and methods to offer")
-    parser.add_argument("--api", help="what describe.py wrote, or extension_api.json")
+    parser.add_argument("--used", type=pathlib.Path, required=True, help="the classes and methods to generate")
+    parser.add_argument("--api", help="a description from describe.py, or extension_api.json")
     parser.add_argument("--interface", type=pathlib.Path, help="gdextension_interface.h, as Godot dumps it")
     parser.add_argument("--out", type=pathlib.Path, help="folder for include/ and src/")
-    parser.add_argument("--list", action="store_true", help="print what would be written")
-    parser.add_argument("--unused", nargs="+", type=pathlib.Path, metavar="SOURCES", help="look for idle entries")
+    parser.add_argument("--list", action="store_true", help="print the paths of the files")
+    parser.add_argument("--unused", nargs="+", type=pathlib.Path, metavar="SOURCES", help="find unused entries")
     return parser.parse_args()
 
 
 def outputs(used):
-    """Paths below DIR of all that is written. They depend on used_api.toml alone, so a build knows them early."""
+    """Paths of all generated files, relative to DIR. They depend only on used_api.toml, so a build knows them early."""
     paths = ["include/gdextension_interface.h"]
     paths += ["include/godot_cpp/core/" + name for name in ("gdextension_interface_loader.hpp", "builtin_traits.hpp")]
     paths += ["include/godot_cpp/classes/global_constants.hpp"]
@@ -46,15 +45,14 @@ def outputs(used):
 
 
 def interface_functions(generated):
-    """Names of the interface functions that the stand-in calls, by hand or in these texts: only those are looked up."""
+    """Names of the interface functions that hand-written or generated code calls. Only those are looked up."""
     paths = [*HERE.rglob("*.hpp"), *HERE.rglob("*.inc"), *HERE.rglob("*.cpp")]
     texts = [path.read_text(encoding="utf-8") for path in paths] + list(generated)
     return sorted({name for text in texts for name in re.findall(r"\bgdextension_interface::(\w+)", text)})
 
 
 def interface_types(header, names, release):
-    """[(pointer type, name)] of the interface functions of these names: in the header, the type follows the comment that
-    names the function and the release that it came with."""
+    """[(pointer type, name)] of interface functions. In the header, the type follows a comment with the name and the first release."""
     found = re.findall(r"@name (\w+)\n.*?@since (\d+)\.(\d+)\n.*?typedef .*?\(\*(\w+)\)\(", header, re.DOTALL)
     types = {name: kind for name, _, _, kind in found}
     since = {name: (int(major), int(minor)) for name, major, minor, _ in found}
@@ -62,8 +60,8 @@ def interface_types(header, names, release):
         if name not in types:
             raise SystemExit("generate.py: this Godot has no interface function '%s'" % name)
         if since[name] > tuple(map(int, release.split("."))):
-            raise SystemExit("generate.py: the interface function '%s' came with Godot %d.%d, and %s must do without it: ask"
-                " for it at run time, where it may be missing" % (name, *since[name], release))  # fmt: skip
+            raise SystemExit("generate.py: the interface function '%s' is new in Godot %d.%d, and %s lacks it: look it up"
+                " at run time, and handle its absence" % (name, *since[name], release))  # fmt: skip
     return [(types[name], name) for name in names]
 
 
@@ -82,13 +80,13 @@ def generate(options, used):
     texts["include/gdextension_interface.h"] = header
     expected = outputs(used)
     if sorted(texts) != sorted(expected):
-        raise SystemExit("generate.py: --list and what is written differ: %s" % (set(texts) ^ set(expected)))
+        raise SystemExit("generate.py: --list and the written files differ: %s" % (set(texts) ^ set(expected)))
     for path, text in texts.items():
         write(options.out / path, text)
 
 
 def entries(used):
-    """(owner, word) for all that used_api.toml asks for, where word is what a source that uses it contains."""
+    """(owner, word) for every entry of used_api.toml. A source that uses the entry contains the word."""
     for room in ("builtins", "classes"):
         for owner, entry in used[room].items():
             for kind in ("methods", "constants"):
@@ -96,7 +94,7 @@ def entries(used):
 
 
 def unused(used, folders):
-    """Sentences about entries that no source names."""
+    """Sentences about entries that no source uses."""
     paths = [path for folder in folders for path in sorted(folder.rglob("*.[chi]*p*")) + sorted(folder.rglob("*.inc"))]
     words = set(re.findall(r"\w+", "\n".join(path.read_text(encoding="utf-8") for path in paths)))
     return ["%s: nothing uses '%s'" % pair for pair in entries(used) if pair[1] not in words]

@@ -11,20 +11,21 @@
 #include "nodes/gameplay/scatter_request.hpp"
 #include "nodes/gameplay/scatter_snapshot.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
-#include "nodes/impostor/impostor_baker.hpp"
+#include "nodes/impostor/scatter_impostor_baker.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 #include "nodes/layer/scatter_tile_grid.hpp"
 #include "nodes/model/scatter_lod.hpp"
 #include "nodes/model/scatter_model.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
-#include "nodes/terrain/scatter_terrain_colliders.hpp"
-#include "nodes/terrain/scatter_terrain_flat.hpp"
-#include "nodes/terrain/scatter_terrain_heightmap.hpp"
-#include "nodes/terrain/scatter_terrain_meshes.hpp"
-#include "nodes/terrain/scatter_terrain_noise.hpp"
-#include "nodes/terrain/scatter_terrain_object.hpp"
+#include "nodes/ground/former_grounds.hpp"
+#include "nodes/ground/scatter_ground.hpp"
+#include "nodes/ground/scatter_ground_colliders.hpp"
+#include "nodes/ground/scatter_ground_flat.hpp"
+#include "nodes/ground/scatter_ground_heightmap.hpp"
+#include "nodes/ground/scatter_ground_meshes.hpp"
+#include "nodes/ground/scatter_ground_noise.hpp"
+#include "nodes/ground/scatter_ground_node.hpp"
 #include "nodes/scatter/scatter_explanation.hpp"
 #include "nodes/scatter/scatter_tile.hpp"
 #include "nodes/scatter/terrain_scatter_3d.hpp"
@@ -43,14 +44,15 @@ void initialize(ModuleInitializationLevel p_level) {
 	remember_main_thread(); // The engine initializes libraries there.
 	GDREGISTER_CLASS(PoissonPoints);
 	GDREGISTER_CLASS(PoissonSampler);
-	GDREGISTER_CLASS(ImpostorBaker);
-	GDREGISTER_CLASS(ScatterTerrain);
-	GDREGISTER_CLASS(ScatterTerrainFlat);
-	GDREGISTER_CLASS(ScatterTerrainHeightmap);
-	GDREGISTER_CLASS(ScatterTerrainNoise);
-	GDREGISTER_CLASS(ScatterTerrainObject);
-	GDREGISTER_CLASS(ScatterTerrainMeshes);
-	GDREGISTER_CLASS(ScatterTerrainColliders);
+	GDREGISTER_CLASS(ScatterImpostorBaker);
+	GDREGISTER_CLASS(ScatterGround);
+	GDREGISTER_CLASS(ScatterGroundFlat);
+	GDREGISTER_CLASS(ScatterGroundHeightmap);
+	GDREGISTER_CLASS(ScatterGroundNoise);
+	GDREGISTER_CLASS(ScatterGroundNode);
+	GDREGISTER_CLASS(ScatterGroundMeshes);
+	GDREGISTER_CLASS(ScatterGroundColliders);
+	register_former_grounds();
 	GDREGISTER_CLASS(ScatterMask);
 	GDREGISTER_CLASS(ScatterDiffLimits);
 	GDREGISTER_CLASS(ScatterState);
@@ -76,7 +78,7 @@ void terminate(ModuleInitializationLevel) { drop_main_thread_calls(); }
 
 extern "C" {
 
-/// Where the engine enters the library; named in thicket.gdextension.
+/// The entry point of the library, named in thicket.gdextension.
 GDExtensionBool GDE_EXPORT thicket_library_init(GDExtensionInterfaceGetProcAddress p_get_proc_address,
 		GDExtensionClassLibraryPtr p_library, GDExtensionInitialization *r_initialization) {
 	if (!thicket::fits_precision(p_get_proc_address)) {

@@ -4,10 +4,10 @@
 
 namespace thicket {
 
-/// Makes our classes known to the engine, at the level at which it knows its scenes; called once for every level.
+/// Registers our classes with the engine, at the scene level. Called once for every level.
 void initialize(godot::ModuleInitializationLevel p_level);
 
-/// Called once for every level when the library is closed, in the other order.
+/// Called once for every level when the library is unloaded, in reverse order.
 void terminate(godot::ModuleInitializationLevel p_level);
 
 } // namespace thicket

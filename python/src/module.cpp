@@ -1,4 +1,4 @@
-// The module thicket._core: the samplers of the core for Python. What stands here turns arguments and results, and nothing else.
+// The module thicket._core: the samplers of the core for Python. It only converts arguments and results.
 
 #include "docs.hpp"
 #include "own_threads.hpp"
@@ -31,7 +31,7 @@ namespace thicket::python {
 
 namespace {
 
-/// The points of a set in a rectangle. Arrays are views into `points`, and keep the object alive.
+/// The points of a set in a rectangle. Arrays are views into `points`, and keep this object alive.
 struct Points {
 	std::vector<SamplePoint> points;
 };
@@ -41,13 +41,13 @@ using Column = nb::ndarray<nb::numpy, const Number, nb::ndim<1>>;
 template <typename Real>
 using Positions = nb::ndarray<nb::numpy, const Real, nb::shape<-1, 2>>;
 
-/// The first point, or one to point at where there is none: an array needs an address.
+/// The first point, or a dummy if there is none, because an array needs an address.
 const SamplePoint *first_of(const std::vector<SamplePoint> &points) {
 	static const SamplePoint none{};
 	return points.empty() ? &none : points.data();
 }
 
-/// The member of all points, as an array whose entries stand as far apart as the points.
+/// One member of all points, as an array with the stride of a point.
 template <typename Number>
 Column<Number> column(nb::handle_t<Points> self, const Number SamplePoint::*member) {
 	static_assert(sizeof(SamplePoint) % sizeof(Number) == 0);
@@ -62,7 +62,7 @@ Positions<double> positions(nb::handle_t<Points> self) {
 	return Positions<double>(first, {points.size(), 2}, self, {sizeof(SamplePoint) / sizeof(double), 1});
 }
 
-/// Hands a list over to Python: the array owns it.
+/// Moves a list into an array, which owns it.
 template <typename Real>
 nb::object array_of(std::vector<glm::vec<2, Real>> &&list) {
 	static_assert(sizeof(glm::vec<2, Real>) == 2 * sizeof(Real));
@@ -87,7 +87,7 @@ void require(const Status &status) {
 	}
 }
 
-/// That many numbers out of any sequence of Python, an array too; `words` says what they are.
+/// Converts a sequence of `count` numbers, which may be an array. `words` describes them in the error message.
 template <std::size_t count>
 std::array<double, count> numbers(nb::handle sequence, const char *words) {
 	std::array<double, count> found{};
@@ -99,7 +99,7 @@ std::array<double, count> numbers(nb::handle sequence, const char *words) {
 	throw nb::python_error();
 }
 
-/// 64 bits, signed as the engine has them, or unsigned.
+/// 64 bits: signed, as in the engine, or unsigned.
 std::uint64_t seed_of(nb::handle number) {
 	const nb::object whole = nb::steal(PyNumber_Index(number.ptr()));
 	if (!whole.is_valid()) {
@@ -118,7 +118,7 @@ std::uint64_t seed_of(nb::handle number) {
 	return large;
 }
 
-/// A sampler with warm memory: that which this thread used before, unless a call of it is under way.
+/// A sampler with warm memory: the one that this thread used before, unless a call is using it.
 class Lease {
 public:
 	Lease() : sampler_(std::move(spare())) {
@@ -252,7 +252,7 @@ void bind_functions(nb::module_ &module) {
 	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a = 0, nb::kw_only(), "levels"_a = 1, "layer"_a = 0,
 			"threads"_a = 1, "progress"_a = nb::none(), "cancel"_a = nb::none(), nb::sig(doc::sample_type),
 			doc::sample);
-	// The first one takes every call; the second one is there for its type.
+	// The first signature handles every call. The second only adds its type to the stubs.
 	for (const auto &[type, words] :
 			{std::pair{doc::sample_domain_double, doc::sample_domain}, std::pair{doc::sample_domain_single, ""}}) {
 		module.def("sample_domain", &sample_domain, "size"_a, "radius"_a, "seed"_a = 0, nb::kw_only(),

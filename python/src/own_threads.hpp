@@ -11,20 +11,20 @@
 
 namespace thicket::python {
 
-/// Threads made for one call. They never take the interpreter's lock: what they run is the core's.
+/// Threads for one call. They run only code of the core, and never take the interpreter's lock.
 class OwnThreads : public LentThreads {
 public:
-	/// `count` threads besides the calling one.
+	/// `count` threads in addition to the calling one.
 	explicit OwnThreads(std::size_t count) : count_(count) {}
 
-	/// As many as the machine has cores, but the one that the calling thread has.
+	/// The number of cores minus one, for the calling thread.
 	static std::size_t spare() { return std::max(std::thread::hardware_concurrency(), 1u) - 1; }
 
 	std::size_t count() const override { return count_; }
 
-	/// Where the system gives no more threads, those that there are do it.
+	/// If the system cannot start more threads, the existing ones do all of the work.
 	void run(const std::function<void(std::size_t index)> &work) override {
-		std::vector<std::jthread> threads; // Waits for all of them in the end.
+		std::vector<std::jthread> threads; // The destructor waits for all of them.
 		try {
 			threads.reserve(count_);
 			for (std::size_t index = 1; index <= count_; ++index) {

@@ -9,7 +9,8 @@ namespace thicket::python {
 
 namespace {
 
-/// With another thread at work, Python hands its lock over every 5 milliseconds: less often, where nobody waits for progress.
+/// The intervals between calls to the interpreter, with and without a progress function. Taking its lock is slow if another thread runs:
+/// Python hands the lock over only every 5 milliseconds.
 constexpr std::chrono::milliseconds pause_told{15};
 constexpr std::chrono::milliseconds pause_untold{100};
 

@@ -13,7 +13,7 @@
 
 namespace thicket::python {
 
-/// What ends calls from other threads. Once raised it stays so.
+/// Cancels calls from other threads. It stays cancelled.
 class Cancel {
 public:
 	void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
@@ -23,7 +23,7 @@ private:
 	std::atomic<bool> cancelled_ = false;
 };
 
-/// Raised in Python where a Cancel ended a call.
+/// Raised in Python when a Cancel has ended a call.
 class Cancelled : public std::exception {
 public:
 	explicit Cancelled(std::string text) : text_(std::move(text)) {}
@@ -33,18 +33,18 @@ private:
 	std::string text_;
 };
 
-/// Watches one call that runs without the interpreter's lock: takes it about every 15 milliseconds, for the progress function and for
-/// Ctrl+C, and ends the call where one of both raises an exception, or the Cancel is raised.
+/// Watches one call that runs without the interpreter's lock. About every 15 milliseconds, it takes the lock to call the progress function
+/// and to check for Ctrl+C. Ends the call if either raises an exception, or if the Cancel is cancelled.
 class Watcher {
 public:
-	/// `callback` is a callable or None, `cancel` may be null. With the lock, as all but `progress`'s own functions.
+	/// `callback` is a callable or None, `cancel` may be null. Needs the lock, like all members except the functions of `progress`.
 	Watcher(nanobind::object callback, const Cancel *cancel);
 
-	/// What a sampler tells, for as long as this object lives.
+	/// The functions that a sampler calls. This object must outlive them.
 	Progress progress();
 
-	/// Raises what ended the call: what the progress function raised, or Cancelled, or a status as ValueError or MemoryError, with the
-	/// core's `sentence`. Otherwise tells the progress function that all `points` are there; where that raises, so does this.
+	/// Raises the exception of the progress function, Cancelled, or for another status ValueError or MemoryError with the core's
+	/// `sentence`. Otherwise reports to the progress function that all `points` are done, and passes on its exception.
 	void finish(const Status &status, const std::string &sentence, std::uint64_t points);
 
 private:
@@ -57,8 +57,8 @@ private:
 	const Cancel *cancel_;
 	std::atomic<bool> ended_ = false;
 	std::exception_ptr raised_;
-	double fraction_ = 0.0; ///< The last one that was told.
-	Clock::time_point due_; ///< When it is time to take the lock again.
+	double fraction_ = 0.0; ///< The last reported fraction.
+	Clock::time_point due_; ///< When to take the lock again.
 };
 
 } // namespace thicket::python

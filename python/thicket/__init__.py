@@ -1,7 +1,7 @@
 """Exact Poisson-disk point sets, infinite and bounded, as NumPy arrays.
 
-sample() shows a window of an infinite set that seed and radius name; sample_domain() fills a rectangle with a set of its own. Lengths are
-meters. Every function may be called from any thread, and lets others run while it works.
+sample() returns a window of an infinite set, which seed and radius determine. sample_domain() fills a rectangle with a set of its own.
+Lengths are in meters. All functions are thread-safe, and release the GIL while they work.
 """
 
 from importlib.metadata import version as _version

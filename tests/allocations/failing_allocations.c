@@ -1,15 +1,15 @@
-// A library to be preloaded into the engine: it makes chosen allocations fail, and records what follows.
+// A library to preload into the engine. It makes chosen allocations fail, and records the consequences.
 //
-// Only allocations with a frame of the extension on their stack count: its own, and those that the engine makes while it
-// serves a call of the extension. A script gives commands by OS.set_environment("THICKET_ALLOCATIONS", COMMAND):
+// Only allocations with a frame of the extension on their stack count: its own, and those that the engine makes during
+// a call of the extension. A script sends commands with OS.set_environment("THICKET_ALLOCATIONS", COMMAND):
 //
-//   fail N BYTES  the N-th allocation from now on of at least so many bytes fails, counted from 1. With THICKET_TRACE set, standard
-//                 error gets the stacks of it and of a crash
-//   worker N BYTES  the same, of those on other threads than the main one
+//   fail N BYTES  fails the N-th allocation from now on of at least that many bytes, counted from 1. With THICKET_TRACE set,
+//                 prints its stack and that of a crash to standard error
+//   worker N BYTES  the same, but only counts allocations on threads other than the main one
 //   stop          no allocation fails any more
-//   sweep         goes on in a forked process for each number in THICKET_SWEEP ("FIRST LAST STEP JOBS"), in which that
-//                 allocation fails; 0 stands for none. The engine must run without worker threads. Files of THICKET_SWEEP_FOLDER
-//                 get what each process printed (N.log) and what became of it (N.txt)
+//   sweep         for each number in THICKET_SWEEP ("FIRST LAST STEP JOBS"), continues in a forked process in which that
+//                 allocation fails, or none for 0. The engine must run without worker threads. Each process writes its output
+//                 (N.log) and its result (N.txt) to THICKET_SWEEP_FOLDER
 //   end           ends such a process
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -42,7 +42,7 @@ static atomic_long fail_at;
 static atomic_size_t least_bytes;
 static atomic_bool workers_only;
 static atomic_long counted;
-static int report = -1; // A file of the sweep; -1 in a process that is no part of one.
+static int report = -1; // A file of the sweep; -1 in a process outside of a sweep.
 
 static __thread bool busy;
 static __thread const char *stack_end;
@@ -70,7 +70,8 @@ static _Unwind_Reason_Code find_library(struct _Unwind_Context *context, void *f
 	return *(bool *)found ? _URC_END_OF_STACK : _URC_NO_REASON;
 }
 
-// Whether any word on the stack could be a return address into the library: cheap, and false for nearly all allocations.
+// True if any word on the stack could be a return address into the library. Cheap, and false for nearly all
+// allocations.
 static bool may_be_below_library(void) {
 	if (stack_end == NULL) {
 		pthread_attr_t attributes;
@@ -150,7 +151,7 @@ void *calloc(size_t count, size_t size) {
 }
 
 void *realloc(void *block, size_t size) {
-	// A block shrinks in place in every C library, so Godot does not expect that to fail.
+	// A block shrinks in place in every C library, so Godot does not expect shrinking to fail.
 	if (size > malloc_usable_size(block) && fails(size)) {
 		errno = ENOMEM;
 		return NULL;
@@ -180,7 +181,7 @@ void *dlopen(const char *path, int mode) {
 	if (next == NULL) {
 		next = (void *(*)(const char *, int))dlsym(RTLD_NEXT, "dlopen");
 	}
-	// With that flag the library would find the C library's functions before those above.
+	// With that flag, the library would find the C library's functions before those above.
 	void *handle = next(path, mode & ~RTLD_DEEPBIND);
 	if (path != NULL && strstr(path, "libthicket") != NULL) {
 		int found = 0;

@@ -9,14 +9,15 @@
 
 namespace thicket::analysis {
 
-/// Throws std::logic_error, which fails a test and ends a program, where something was refused that should not be.
+/// Throws std::logic_error, which fails a test and ends a program, if a call was unexpectedly refused.
 inline void expect(const Status &status) {
 	if (!status.ok()) {
 		throw std::logic_error(describe(status));
 	}
 }
 
-/// A curve through samples (0 to 1, at least two) that stand evenly from `min` to `max`; throws where they are refused.
+/// A curve through samples (0 to 1, at least two) that are evenly spaced from `min` to `max`. Throws if they are
+/// refused.
 inline std::shared_ptr<const CurveTable> curve_table(double min, double max, const std::vector<float> &samples) {
 	auto table = std::make_shared<CurveTable>();
 	expect(table->set(min, max, samples));

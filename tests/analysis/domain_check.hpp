@@ -14,41 +14,43 @@
 
 namespace thicket::analysis {
 
-/// What `DomainCheck` is told of a domain.
+/// The domain that `DomainCheck` checks.
 struct DomainShape {
-	glm::dvec2 size;        ///< Of [0, size), meters.
+	glm::dvec2 size;        ///< The domain is [0, size), meters.
 	double radius;          ///< Meters.
 	bool toroidal;          ///< Opposite edges meet; the period is `size`.
-	double tolerance = 0.0; ///< Meters beyond the radius at which a place still counts as covered; at most radius / 8.
+	double tolerance = 0.0; ///< Meters beyond the radius that still count as covered; at most radius / 8.
 };
 
-/// How far a place may lie beyond the radius from all points of a set in this precision: four steps of `Real` at the wider side
-/// of the domain or, where that is small, at eight radii. A step is at most 2^-22 of that in single precision, and a square that
-/// is given up is one or two steps wide.
+/// The allowed distance of a position beyond the radius from all points of a set, in this precision: four steps of
+/// `Real` at the wider side of the domain or, if that is small, at eight radii. In single precision, a step is at most
+/// 2^-22 of that, and a square that is abandoned is one or two steps wide.
 template <typename Real>
 double domain_tolerance(glm::dvec2 size, double radius) {
 	const double extent = std::max({size.x, size.y, 8.0 * radius});
 	return 4.0 * std::ldexp(extent, 2 - std::numeric_limits<Real>::digits);
 }
 
-/// What `DomainCheck` found.
+/// The results of `DomainCheck`.
 struct DomainReport {
 	std::uint64_t points = 0;
 	std::uint64_t outside = 0;   ///< Points that are not in [0, size).
 	std::uint64_t too_close = 0; ///< Pairs closer than the radius, exactly.
-	std::uint64_t uncovered = 0; ///< Cells of the check that hold a place which is not covered.
-	glm::dvec2 uncovered_at{0};  ///< Such a place, about.
+	std::uint64_t uncovered = 0; ///< Cells of the check with an uncovered position.
+	glm::dvec2 uncovered_at{0};  ///< Approximately one of these positions.
 };
 
-/// Checks a point set of a whole domain: distances without any rounding, coverage by subdivision down to a fraction of the
-/// tolerance. It shares no code with the samplers; its grid has cells a little wider than the radius, at any ratio of the sides.
+/// Checks a point set of a whole domain: distances without any rounding, and coverage by subdivision down to a fraction
+/// of the tolerance. It shares no code with the samplers. Its grid has cells slightly wider than the radius, for any
+/// ratio of the sides.
 ///
-/// Coverage: a square within the disk (radius + tolerance) of one point is covered, any other is split. One whose diagonal is
-/// half of the tolerance and that is still not covered holds only places farther than radius + tolerance / 2 from all points:
-/// a gap. So a set passes if all gaps are smaller than tolerance / 2, and fails if one is larger than the tolerance.
+/// Coverage: a square within the disk (radius + tolerance) of one point is covered, any other is split. If a square's
+/// diagonal is half of the tolerance and it is still not covered, all its positions are farther than radius + tolerance
+/// / 2 from all points, so it is a gap. A set therefore passes if all gaps are smaller than tolerance / 2, and fails if
+/// one is larger than the tolerance.
 class DomainCheck {
 public:
-	/// Points of any type with x and y. `coverage` false leaves coverage alone.
+	/// Accepts points of any type with x and y. If `coverage` is false, coverage is not checked.
 	template <typename Point>
 	static DomainReport run(std::span<const Point> points, const DomainShape &shape, bool coverage) {
 		std::vector<glm::dvec2> places;
@@ -69,7 +71,7 @@ public:
 	}
 
 private:
-	/// Disks reach at most into the next cell, also with a tolerance.
+	/// Disks reach at most into the next cell, even with a tolerance.
 	static constexpr double cell_radii = 1.2;
 
 	DomainShape shape_;
@@ -77,11 +79,11 @@ private:
 	glm::ivec2 cells_;
 	glm::dvec2 cell_;
 	double reach_squared_;
-	double least_side_;                ///< A square of this side that is not covered is a gap.
-	std::vector<std::uint32_t> begin_; ///< Of each cell in `places_`.
+	double least_side_;                ///< An uncovered square of this side is a gap.
+	std::vector<std::uint32_t> begin_; ///< The first index in `places_` of each cell.
 	std::vector<glm::dvec2> places_;
 	std::vector<glm::dvec2>
-			disks_; ///< A stack: the disks that meet a square lie above those of the square it is a part of.
+			disks_; ///< A stack: the disks that meet a square are above those of the square that contains it.
 	DomainReport report_;
 
 	explicit DomainCheck(const DomainShape &shape) :
@@ -137,7 +139,7 @@ private:
 		}
 	}
 
-	/// On a torus a cell may stand beside another one twice; its pairs then count twice.
+	/// On a torus, a cell may be beside another one twice. Its pairs then count twice.
 	void compare_pairs() {
 		for (int y = 0; y < cells_.y; ++y) {
 			for (int x = 0; x < cells_.x; ++x) {
@@ -161,7 +163,7 @@ private:
 		}
 	}
 
-	/// Whether a square has no gap. The disks to look at are those from `first` on.
+	/// True if a square has no gap. Checks the disks from `first` on.
 	bool covers(glm::dvec2 corner, glm::dvec2 side, std::size_t first) {
 		const glm::dvec2 middle = corner + 0.5 * side;
 		const std::size_t end = disks_.size();

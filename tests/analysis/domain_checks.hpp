@@ -13,33 +13,33 @@
 
 namespace thicket::analysis {
 
-/// The rectangle [0, size.x) x [0, size.y) that a set fills, and the distance that its points keep. One unit of length
-/// for all, the points' own.
+/// The rectangle [0, size.x) x [0, size.y) that a set fills, and the distance that its points keep. All lengths are in
+/// the points' own unit.
 struct CheckedDomain {
 	glm::dvec2 size{1.0}; ///< Above 0; with `toroidal` at least 4 radii on each axis.
 	double radius = 1.0;  ///< Above 0.
 	bool toroidal = false;
-	double tolerance = 1e-9; ///< In radii, 1e-12 to 0.1: how much farther than a radius a place may be from all points.
+	double tolerance = 1e-9; ///< In radii, 1e-12 to 0.1: excess over a radius that still counts as covered.
 };
 
-/// What `DomainCheck` found.
+/// The results of `DomainCheck`.
 struct DomainReport {
-	std::uint64_t outside = 0;   ///< Points that are not in the domain; they take no part in the rest.
+	std::uint64_t outside = 0;   ///< Points outside of the domain. They are ignored otherwise.
 	std::uint64_t too_close = 0; ///< Pairs whose squared distance, computed in double precision, is below radius^2.
-	std::uint64_t gaps = 0; ///< Cells, about as large as a radius, that hold a place farther than it from all points.
+	std::uint64_t gaps = 0; ///< Cells, about as large as a radius, with a position farther than that from all points.
 	double least_squared =
 			std::numeric_limits<double>::infinity(); ///< Smallest squared distance of the pairs compared.
-	glm::dvec2 gap_at{0.0};                          ///< A place in one of the gaps.
+	glm::dvec2 gap_at{0.0};                          ///< A position in one of the gaps.
 
 	bool perfect() const { return outside == 0 && too_close == 0 && gaps == 0; }
 };
 
-/// Checks a Poisson-disk set on a whole rectangle or torus, in double precision: every pair, and every place.
+/// Checks a Poisson-disk set on a whole rectangle or torus, in double precision: every pair and every position.
 ///
-/// Places are decided by subdivision: a square within one disk of radius (1 + tolerance) radii is covered, one whose
-/// middle is more than a radius from every point is a gap, any other is split. A square narrower than the tolerance is
-/// one or the other. So there are two outcomes: no gap, and then every place has a point within 1 + tolerance radii;
-/// or a gap, and then a point is missing. Time grows with the points and with the logarithm of the tolerance.
+/// Coverage is decided by subdivision. A square within one disk of radius (1 + tolerance) radii is covered, one whose
+/// center is more than a radius from every point is a gap, and any other is split. A square narrower than the tolerance
+/// is one or the other. So there are two outcomes: without a gap, every position has a point within 1 + tolerance
+/// radii; with a gap, a point is missing. Time grows with the number of points and the logarithm of the tolerance.
 class DomainCheck {
 public:
 	static DomainReport run(std::span<const glm::dvec2> points, const CheckedDomain &domain) {
@@ -51,10 +51,10 @@ public:
 	}
 
 private:
-	/// Of a cell and its eight neighbors: a set that keeps its distance has no more there.
+	/// The points in a cell and its eight neighbors: a set that keeps its distance has no more.
 	static constexpr std::size_t most_nearby = 64;
 
-	/// Points near a rectangle, relative to the middle of its cell.
+	/// Points near a rectangle, relative to the center of its cell.
 	struct Nearby {
 		std::array<glm::dvec2, most_nearby> points;
 		std::size_t count = 0;
@@ -63,7 +63,7 @@ private:
 	CheckedDomain domain_;
 	double radius_squared_;
 	double reach_;     ///< The radius with its tolerance.
-	glm::ivec2 cells_; ///< At least `reach_` wide, except where the whole domain is narrower.
+	glm::ivec2 cells_; ///< At least `reach_` wide, unless the whole domain is narrower.
 	glm::dvec2 cell_size_;
 	std::vector<glm::dvec2> points_; ///< Sorted by cell.
 	std::vector<std::size_t> cell_begin_;
@@ -99,7 +99,7 @@ private:
 		}
 	}
 
-	/// From `from` to `to`, around the torus where that is shorter.
+	/// The vector from `from` to `to`, around the torus if that is shorter.
 	glm::dvec2 offset(glm::dvec2 from, glm::dvec2 to) const {
 		const glm::dvec2 straight = to - from;
 		return domain_.toroidal ? straight - domain_.size * glm::round(straight / domain_.size) : straight;
@@ -155,7 +155,8 @@ private:
 		}
 	}
 
-	/// Whether the disks cover the rectangle of the given half size around `r_middle`, which is left in a gap if not.
+	/// True if the disks cover the rectangle of half size `half` around `r_middle`. Otherwise `r_middle` is set to a
+	/// position in the gap.
 	bool covered(glm::dvec2 &r_middle, glm::dvec2 half, const Nearby &nearby) const {
 		Nearby meeting;
 		double nearest = std::numeric_limits<double>::infinity();

@@ -12,7 +12,7 @@
 namespace thicket::analysis {
 
 /// A sum of doubles and of products of two doubles without any rounding: Shewchuk's expansions ("Adaptive Precision
-/// Floating-Point Arithmetic", 1997, sections 2.4 and 2.5). Exact while no product is subnormal, and none is near overflow.
+/// Floating-Point Arithmetic", 1997, sections 2.4 and 2.5). Exact as long as no product is subnormal or near overflow.
 class ExactSum {
 public:
 	void add(double value) {
@@ -34,20 +34,21 @@ public:
 
 	void add_product(double a, double b) {
 		const double product = a * b;
-		// The product's rounding error, by halves that multiply exactly (Dekker): a std::fma for Windows gave 6e-294 for 0.
+		// The product's rounding error, by halves that multiply exactly (Dekker). A std::fma for Windows returned
+		// 6e-294 instead of 0.
 		const auto [a_high, a_low] = halves(a);
 		const auto [b_high, b_low] = halves(b);
 		add(a_low * b_low - (product - a_high * b_high - a_low * b_high - a_high * b_low));
 		add(product);
 	}
 
-	/// -1, 0 or 1. The parts do not overlap and ascend, so the last one decides.
+	/// -1, 0 or 1. The parts do not overlap and are ascending, so the last one decides.
 	int sign() const { return count_ == 0 ? 0 : parts_[count_ - 1] < 0.0 ? -1 : 1; }
 
 private:
 	static constexpr std::size_t most_parts = 40;
 
-	/// Two numbers of 26 bits that sum up to `value`.
+	/// Two numbers of 26 bits with the sum `value`.
 	static std::pair<double, double> halves(double value) {
 		const double scaled = (0x1p27 + 1.0) * value;
 		const double high = scaled - (scaled - value);
@@ -58,7 +59,7 @@ private:
 	std::size_t count_ = 0;
 };
 
-/// Which image of a torus of this period lies nearest: what to add to `difference`. A period of 0 is no torus.
+/// The amount to add to `difference` for the nearest image on a torus of this period. A period of 0 is no torus.
 inline double nearest_image(double difference, double period) {
 	return period > 0.0 ? -period * std::round(difference / period) : 0.0;
 }
@@ -74,7 +75,7 @@ inline void add_square(ExactSum &r_sum, double a, double b, double shift) {
 	}
 }
 
-/// The sign of |a - b|^2 - radius^2 with no rounding, on a torus of this period (0: along this axis there is none).
+/// The sign of |a - b|^2 - radius^2 without rounding, on a torus of this period (0: not periodic along this axis).
 inline int compare_distance_exactly(glm::dvec2 a, glm::dvec2 b, glm::dvec2 period, double radius) {
 	ExactSum sum;
 	add_square(sum, a.x, b.x, nearest_image(a.x - b.x, period.x));
@@ -83,12 +84,12 @@ inline int compare_distance_exactly(glm::dvec2 a, glm::dvec2 b, glm::dvec2 perio
 	return sum.sign();
 }
 
-/// The same; the exact sum is asked only where doubles cannot tell.
+/// The same result. Uses the exact sum only if doubles cannot decide.
 inline int compare_distance(glm::dvec2 a, glm::dvec2 b, glm::dvec2 period, double radius) {
 	glm::dvec2 d = a - b;
 	d += glm::dvec2(nearest_image(d.x, period.x), nearest_image(d.y, period.y));
 	const double excess = d.x * d.x + d.y * d.y - radius * radius;
-	// Differences err by two roundings of the largest number at most, squares by their own.
+	// The error of differences is at most two roundings of the largest number; squares have their own.
 	const glm::dvec2 largest = glm::max(glm::max(glm::abs(a), glm::abs(b)), period);
 	const double error = 0x1p-49 * (radius * radius + d.x * d.x + d.y * d.y) +
 			0x1p-49 * (largest.x * std::abs(d.x) + largest.y * std::abs(d.y)) +

@@ -1,7 +1,7 @@
-// Digests of what the core makes, one for each of a fixed list of point sets, domains, tiles, masks, states and queries, computed
-// on every instruction set that this processor has, which it names on stderr. Prints them as JSON; fails where two instruction sets
-// differ. tests/golden/core.json is this program's output, and tests/golden/matrix.py holds every platform, compiler and optimization
-// level against it.
+// Prints digests of the core's results as JSON, for a fixed list of point sets, domains, tiles, masks, states and
+// queries. Computes them on every instruction set of this processor, whose names it prints to stderr, and fails if two
+// of them differ. tests/golden/core.json is this program's output. tests/golden/matrix.py compares every platform,
+// compiler and optimization level with it.
 
 #include "tests/analysis/golden_fields.hpp"
 #include "tests/analysis/golden_layers.hpp"
@@ -80,7 +80,7 @@ void require(const Status &status) {
 	}
 }
 
-/// In any order, so that the order in which they come out may change; ranks apart, which better tables may change.
+/// Independent of the points' order, which may change, and with separate ranks, which better tables may change.
 void digest_points(TileSampler &sampler, const Case &one, Digests &r_digests) {
 	std::vector<SamplePoint> points;
 	require(sampler.sample(one.set, one.rect, points));

@@ -14,8 +14,8 @@
 
 namespace thicket::analysis {
 
-/// Digests of the densities that a layer's rules look up: a curve, an image, a mask after dabs of every kind, clumps.
-/// `require(status)` ends the program where one is refused.
+/// Digests of the densities that a layer's rules look up: a curve, an image, a mask after dabs of every kind, and
+/// clumps. `require(status)` ends the program if one is refused.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> field_digests(Require require) {
 	constexpr std::uint32_t steps = 4000;

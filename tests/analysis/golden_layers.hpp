@@ -20,7 +20,7 @@ inline LayerSettings forest() {
 	layer.rules.density = 0.8;
 	layer.rules.min_slope_degrees = 2.0;
 	layer.rules.max_slope_degrees = 40.0;
-	layer.rules.slope_falloff = 10.0;
+	layer.rules.slope_falloff_degrees = 10.0;
 	layer.rules.min_height = 150.0;
 	layer.rules.max_height = 700.0;
 	layer.rules.height_falloff = 100.0;
@@ -34,7 +34,7 @@ inline LayerSettings forest() {
 	return layer;
 }
 
-/// A layer with every rule and look there is, for a tile of 200 m at `corner`.
+/// A layer with every kind of rule and source, for a tile of 200 m at `corner`.
 inline LayerSettings undergrowth(glm::dvec2 corner) {
 	auto shrubs = std::make_shared<LayerSettings>();
 	shrubs->set = {.seed = 8, .radius = 4.0, .levels = 1, .layer = 5};

@@ -24,11 +24,11 @@
 
 namespace thicket::analysis {
 
-/// A forest, and bushes whose tiles are smaller than the squares of their set, on hills of their own; makes tiles when
-/// they are asked for.
+/// A forest, and bushes whose tiles are smaller than the squares of their set, on their own hills. Generates tiles on
+/// request.
 class GoldenWorld final : public TileSource {
 public:
-	/// Where there are trees around `place`.
+	/// With trees around `place`.
 	explicit GoldenWorld(glm::dvec2 place) : hills_(bench::Hills::at(place - glm::dvec2(4950.0, 3400.0))) {
 		LayerSettings bushes = forest();
 		bushes.set = {.seed = 9, .radius = 7.0, .levels = 1, .layer = 12};
@@ -37,7 +37,7 @@ public:
 		settings_ = {forest(), bushes};
 		for (const auto &[layer, tile_size] : {std::pair{0, 64.0}, std::pair{1, 5.5}}) {
 			const LayerSettings &settings = settings_[static_cast<std::size_t>(layer)];
-			asked.push_back({.set = settings.set,
+			query_layers.push_back({.set = settings.set,
 					.tile_size = tile_size,
 					.shape = {.radius = 0.6, .height = 7.0},
 					.max_scale = settings.placement.max_scale,
@@ -45,17 +45,17 @@ public:
 		}
 	}
 
-	std::vector<QueryLayer> asked;
+	std::vector<QueryLayer> query_layers;
 
-	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override {
-		std::shared_ptr<const KeptTile> &kept = tiles_[{layer, tile.x, tile.y}];
+	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override {
+		std::shared_ptr<const CompactTile> &kept = tiles_[{layer, tile.x, tile.y}];
 		if (kept == nullptr) {
 			TileInstances made;
-			const Rect square = tile_rect(asked[layer].tile_size, tile);
+			const Rect square = tile_rect(query_layers[layer].tile_size, tile);
 			if (const Status status = builder_.build(settings_[layer], hills_, square, made); !status.ok()) {
 				return status;
 			}
-			kept = std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(settings_[layer]));
+			kept = std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(settings_[layer]));
 		}
 		r_tile = kept;
 		return {};
@@ -67,7 +67,7 @@ private:
 	Heightfield hills_;
 	std::vector<LayerSettings> settings_;
 	TileBuilder builder_;
-	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const KeptTile>> tiles_;
+	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const CompactTile>> tiles_;
 };
 
 inline void add(WordHash &r_hash, const glm::mat3 &matrix) {
@@ -97,7 +97,7 @@ inline std::uint64_t digest_of(const std::vector<PlacedInstance> &instances) {
 	return hash.value();
 }
 
-/// Some removed, some placed by hand.
+/// Removes some instances and places some by hand.
 template <typename Require>
 InstanceState changed_world(const std::vector<PlacedInstance> &all, glm::dvec3 place, Require require) {
 	GoldenRandom random(23);
@@ -114,7 +114,7 @@ InstanceState changed_world(const std::vector<PlacedInstance> &all, glm::dvec3 p
 	return state;
 }
 
-/// What stands first along rays, and nearest to places, spread over the rectangle.
+/// The first hits of rays, and the nearest instances to positions, spread over the rectangle.
 template <typename Require>
 void add_first_ones(const InstanceQuery &query, glm::dvec3 place, WordHash &r_rays, WordHash &r_nearest,
 		std::uint64_t &r_met, Require require) {
@@ -142,7 +142,7 @@ void add_first_ones(const InstanceQuery &query, glm::dvec3 place, WordHash &r_ra
 	}
 }
 
-/// What comes near to somebody who walks, and goes again; and the bodies of it.
+/// The instances that enter and leave around a walking viewer, and their bodies.
 inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, glm::dvec3 place) {
 	WordHash hash;
 	NearSet near;
@@ -170,16 +170,17 @@ inline std::uint64_t digest_walk(const std::vector<PlacedInstance> &standing, gl
 	return hash.value();
 }
 
-/// What is drawn of a tile of which some is removed.
+/// The displayed meshes of a tile with removed instances.
 template <typename Require>
 std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm::dvec3 place, Require require) {
-	const glm::ivec2 tile = tile_at(world.asked[0].tile_size, {place.x, place.z});
-	std::shared_ptr<const KeptTile> found;
+	const glm::ivec2 tile = tile_at(world.query_layers[0].tile_size, {place.x, place.z});
+	std::shared_ptr<const CompactTile> found;
 	require(world.find_tile(0, tile, found));
 	OverlaidMeshes meshes;
-	require(overlaid(found, world.settings(0), tile_rect(world.asked[0].tile_size, tile), {&state, nullptr}, meshes));
+	require(overlaid(
+			found, world.settings(0), tile_rect(world.query_layers[0].tile_size, tile), {&state, nullptr}, meshes));
 	WordHash hash;
-	for (const std::shared_ptr<const KeptMesh> &kept : meshes) {
+	for (const std::shared_ptr<const CompactMesh> &kept : meshes) {
 		const MeshInstances mesh = expanded(*kept);
 		hash.add_all(std::span<const std::uint64_t>(mesh.ids));
 		hash.add_all(std::span<const std::uint32_t>(mesh.ranks));
@@ -188,18 +189,18 @@ std::uint64_t digest_overlay(GoldenWorld &world, const InstanceState &state, glm
 	return hash.value();
 }
 
-/// Digests of all answers that a changed world gives around `place`, and of what is done with them.
+/// Digests of all query results that a changed world returns around `place`, and of their uses.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> query_digests(
 		const std::string &where, glm::dvec2 place, Require require) {
 	GoldenWorld world(place);
 	const Rect rect{place - glm::dvec2(90.25, 80.5), place + glm::dvec2(80.75, 95.125)};
 	std::vector<PlacedInstance> all;
-	require(InstanceQuery{world.asked, world}.in_rect(rect, {}, all));
-	// A height in the midst of what stands there.
+	require(InstanceQuery{world.query_layers, world}.in_rect(rect, {}, all));
+	// A height in the middle of the instances.
 	const glm::dvec3 center(place.x, all.empty() ? 0.0 : all[all.size() / 2].position.y, place.y);
 	const InstanceState state = changed_world(all, center, require);
-	const InstanceQuery query{world.asked, world, &state};
+	const InstanceQuery query{world.query_layers, world, &state};
 
 	std::vector<PlacedInstance> in_rect;
 	std::vector<PlacedInstance> in_sphere;

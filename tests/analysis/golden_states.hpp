@@ -13,7 +13,7 @@
 
 namespace thicket::analysis {
 
-/// The same numbers everywhere; the standard library's distributions differ.
+/// A generator with the same numbers everywhere, because the standard library's distributions differ.
 class GoldenRandom {
 public:
 	explicit GoldenRandom(std::uint64_t seed) : state_(seed) {}
@@ -32,7 +32,7 @@ private:
 	std::uint64_t state_;
 };
 
-/// An instance placed by hand near a place, leaning and stretched.
+/// A hand-placed instance near a position, leaning and stretched.
 inline AddedInstance golden_instance(GoldenRandom &random, std::uint16_t layer, glm::dvec3 place) {
 	AddedInstance instance;
 	instance.layer = layer;
@@ -46,12 +46,12 @@ inline AddedInstance golden_instance(GoldenRandom &random, std::uint16_t layer, 
 	return instance;
 }
 
-/// Does something to a state, mostly about few ids, so that they meet again.
+/// Makes one random call that changes the state. Uses few ids, so that calls often touch the same one.
 template <typename Require>
 void change(InstanceState &r_state, GoldenRandom &random, Require require) {
 	std::vector<InstanceChange> changes;
 	const auto layer = static_cast<std::uint16_t>(random.below(3) * 16000);
-	// One number a statement: the order in which arguments are made is the compiler's choice.
+	// One random number per statement, because the compiler chooses the order in which arguments are evaluated.
 	const std::uint32_t where = random.below(1600);
 	const glm::ivec2 cell(static_cast<int>(where % 40) - 20, static_cast<int>(where / 40) - 20);
 	const std::uint64_t point = pack({layer, cell * (random.below(4) == 0 ? 400'000 : 1)});
@@ -75,7 +75,7 @@ void change(InstanceState &r_state, GoldenRandom &random, Require require) {
 	}
 }
 
-/// Digests of the bytes of a state, of what changed in it, and of two that met.
+/// Digests of a state's bytes, of its diff, and of two states after an exchange.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> state_digests(Require require) {
 	GoldenRandom random(19);
@@ -106,10 +106,10 @@ std::vector<std::pair<std::string, std::uint64_t>> state_digests(Require require
 	std::vector<std::uint8_t> both;
 	require(merged.save(both));
 	require(there.apply(diff, changes));
-	std::vector<std::uint8_t> told;
-	require(there.save(told));
+	std::vector<std::uint8_t> other_after;
+	require(there.save(other_after));
 	return {{"state", checksum(saved)}, {"state, another", checksum(other)}, {"state, a diff", checksum(diff)},
-			{"state, a merge", checksum(both)}, {"state, another after the diff", checksum(told)}};
+			{"state, a merge", checksum(both)}, {"state, another after the diff", checksum(other_after)}};
 }
 
 } // namespace thicket::analysis

@@ -22,26 +22,27 @@ struct CellRect {
 	}
 };
 
-/// What `check_lattice` found.
+/// The results of `LatticeCheck`.
 struct LatticeReport {
 	std::uint64_t points = 0;    ///< Points in the region itself, without its border.
 	std::uint64_t pairs = 0;     ///< Pairs whose distance was computed.
-	std::uint64_t too_close = 0; ///< Pairs closer than the radius, points of the border included.
-	std::uint64_t uncovered = 0; ///< Lattice points of the region that lie within the radius of no point.
+	std::uint64_t too_close = 0; ///< Pairs closer than the radius, including points of the border.
+	std::uint64_t uncovered = 0; ///< Lattice points of the region that are outside the radius of every point.
 	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max(); ///< Smallest squared distance of a pair.
 	glm::i64vec2 uncovered_at{0};                                          ///< One of the uncovered lattice points.
 
 	bool perfect() const { return too_close == 0 && uncovered == 0; }
 };
 
-/// Checks a Poisson-disk set on the integer lattice with no rounding anywhere: cells have side 2^bits, the radius is
-/// sqrt(2) * 2^bits, points closer than that conflict and lattice points closer than that to a point are covered.
+/// Checks a Poisson-disk set on the integer lattice without any rounding. Cells have side 2^bits, and the radius is
+/// sqrt(2) * 2^bits. Points closer than that conflict, and lattice points closer than that to a point are covered.
 ///
-/// Coverage is decided by subdivision: a square within the disk of one point is covered, a square that meets no disk
-/// is not, any other is split, down to single lattice points. So the answer is exact and needs no lists of gaps.
+/// Coverage is decided by subdivision: a square within the disk of one point is covered, a square that meets no disk is
+/// not, and any other is split, down to single lattice points. So the result is exact and needs no lists of gaps.
 class LatticeCheck {
 public:
-	/// `points` must hold every point of the set within three cells of `region`, in any order, and may hold others.
+	/// `points` must include every point of the set within three cells of `region`, in any order, and may include
+	/// others.
 	static LatticeReport run(std::span<const glm::i64vec2> points, int bits, const CellRect &region) {
 		LatticeCheck check(bits, region);
 		for (const glm::i64vec2 point : points) {
@@ -53,7 +54,7 @@ public:
 
 private:
 	static constexpr std::int64_t border = 3;
-	static constexpr std::int64_t reach = 2; ///< Cells further apart on an axis hold no conflicting points.
+	static constexpr std::int64_t reach = 2; ///< Cells farther apart on an axis have no conflicting points.
 	static constexpr int most_neighbors = 25;
 
 	struct Disks {
@@ -84,7 +85,7 @@ private:
 
 	static std::int64_t squared(glm::i64vec2 v) { return v.x * v.x + v.y * v.y; }
 
-	/// Compares a point with all that came before it, so that every pair is seen once.
+	/// Compares a point with all earlier ones, so that every pair is seen once.
 	void enter(glm::i64vec2 point) {
 		const glm::i64vec2 cell(point.x >> bits_, point.y >> bits_);
 		if (!bordered_.contains(cell)) {

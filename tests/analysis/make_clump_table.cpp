@@ -1,6 +1,6 @@
-// Measures what makes the clump noise uniform, and how far apart its maxima are: `make_clump_table [million places]` prints
-// extension/core/rules/clump_table.inc, and in its last line the mean distance in cells. The noise is the same everywhere
-// and for every seed, so what one seed shows holds for all.
+// Measures the table that makes the clump noise uniform, and the distance between its maxima. `make_clump_table
+// [million places]` prints extension/core/rules/clump_table.inc, with the mean distance in cells on its last line. The
+// noise has the same statistics everywhere and for every seed, so one seed is enough.
 
 #include "core/rules/clump_impulses.hpp"
 
@@ -23,13 +23,13 @@ void print_table(int million_places) {
 	std::array<std::uint64_t, clump_knots> nearer{};
 	std::mt19937_64 random(1);
 	const auto coordinate = [&random] {
-		return static_cast<double>(random() >> 11) * 0x1p-33; // To 2^20 cells.
+		return static_cast<double>(random() >> 11) * 0x1p-33; // Up to 2^20 cells.
 	};
 	const std::uint64_t places = std::uint64_t{1000000} * static_cast<std::uint64_t>(million_places);
 	for (std::uint64_t i = 0; i < places; ++i) {
 		const double x = coordinate();
 		const double noise = std::abs(clump_impulses({x, coordinate()}, seed));
-		// Counted at the first knot beyond it; sums make that the number below each knot.
+		// Counted at the first knot beyond it. Summing them later produces the number below each knot.
 		const auto knot = static_cast<std::size_t>(noise * clump_knots_per_unit) + 1;
 		++nearer[std::min(knot, nearer.size() - 1)];
 	}
@@ -47,7 +47,7 @@ void print_table(int million_places) {
 	std::printf("}\n");
 }
 
-/// The mean distance between the places of n maxima on an area A, as those of a square lattice: sqrt(A / n).
+/// The mean distance between n maxima on an area A, as for a square lattice: sqrt(A / n).
 double distance_of_maxima() {
 	constexpr int steps_per_cell = 32;
 	constexpr std::size_t side = 400 * steps_per_cell;

@@ -1,6 +1,6 @@
-// Measures the tables of extension/core/sampling/rank_tables.inc: `make_rank_tables [million points a stage]` prints them.
-// A stage is a level of the progressive order, counted from the coarsest. The process has no scale, so what one seed
-// and radius show holds for all; from the fourth stage on the coarser points are alike, and so is the table.
+// Measures the tables of extension/core/sampling/rank_tables.inc: `make_rank_tables [million points a stage]` prints
+// them. A stage is a level of the progressive order, counted from the coarsest. The process has no scale, so one seed
+// and radius are enough. From the fourth stage on, the coarser points are similar, and so is the table.
 
 #include "core/sampling/block_sampler.hpp"
 #include "core/sampling/rank.hpp"
@@ -75,7 +75,7 @@ int main(int argc, char **argv) {
 		measure(stage + 1, 1, side, side, halves[1]);
 		other.join();
 		const std::uint64_t finest = halves[0].finest + halves[1].finest;
-		// Two cells are as large as radius^2.
+		// Two cells have the area radius^2.
 		density[stage] = 2.0 * static_cast<double>(halves[0].points + halves[1].points) /
 				static_cast<double>(halves[0].cells + halves[1].cells);
 		std::printf("{");

@@ -1,4 +1,4 @@
-"""What the statistical tests compare sets by: one row of features for each set, and the levels at which they differ."""
+"""The features that the statistical tests compare, with one row for each set, and the levels of significance."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from .estimators import Spectrum, inside, near_pair_directions, pair_correlation
 
-ALPHA = 1e-3  # A hypothesis is refused where its p-value is below this;
-WRONG = 1e-6  # what is wrong on purpose has to fall below this.
+ALPHA = 1e-3  # A hypothesis is rejected if its p-value is below this.
+WRONG = 1e-6  # The p-value of deliberately wrong sets must be below this.
 
 # Random sequential adsorption of disks jams at this coverage.
 JAMMED_COVERAGE = 0.547070
-DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # points per square radius
+DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # Points per square radius.
 
 PAIR_EDGES = np.concatenate([np.arange(1.0, 2.0, 0.05), np.arange(2.0, 5.01, 0.25)])
 RING_EDGES = np.arange(0.0625, 2.5001, 0.0625)
@@ -24,8 +24,8 @@ FEATURES = ["density", "pairs", "rings", "anisotropy"]
 
 
 class Measured:
-    """One row of features a set, for each estimator. `windows` hold positions in radii, with the window at
-    [0, side) x [0, side) and a border of 5 radii or more around it."""
+    """One row of features for each set and estimator. `windows` have positions in radii, with the window at [0, side) x [0, side) and a
+    border of at least 5 radii around it."""
 
     def __init__(self, windows: list[np.ndarray], side: float):
         self.windows = windows
@@ -49,12 +49,12 @@ class Measured:
 
     @cached_property
     def directions(self) -> np.ndarray:
-        # The fractions add up to 1, so the last one says nothing new.
+        # The fractions add up to 1, so the last one is redundant.
         return np.array([near_pair_directions(p, self.side, 1.2, DIRECTIONS)[:-1] for p in self.windows])
 
     @cached_property
     def _spectral(self) -> tuple[np.ndarray, np.ndarray]:
-        """(rings, anisotropy); the spectra themselves are large."""
+        """(rings, anisotropy). The spectra themselves are large, so they are not kept."""
         rings, anisotropy = [], []
         for points in self.windows:
             spectrum = Spectrum(points, self.side, round(RING_EDGES[-1] * self.side))

@@ -13,21 +13,21 @@ namespace thicket::analysis {
 
 inline constexpr std::uint64_t max_progressive_levels = 16;
 
-/// Naive dart throwing run to its end on a square torus, in units of the radius: the reference that the sampler's
-/// statistics are held against. It shares no code, no random numbers and no lattice with the sampler.
+/// Naive dart throwing run to its end on a square torus, in units of the radius: the reference for the sampler's
+/// statistics. It shares no code, no random numbers and no lattice with the sampler.
 ///
-/// At first darts are thrown at the whole domain. Then a list of equal squares is kept that covers all that is not
-/// yet covered; darts are thrown uniformly at the squares of the list, and after each batch every square is split in
-/// four and the parts within the disk of one point are dropped. A dart outside of the list would be rejected anyway,
-/// so leaving it out changes no probability: the accepted darts are those of naive dart throwing. The end is reached
-/// when the list is empty, or when the squares are 2^-40 of a radius wide.
+/// It first throws darts at the whole domain. Then it keeps a list of equal squares that covers all uncovered
+/// positions, and throws darts uniformly at those squares. After each batch, every square is split in four, and the
+/// parts within the disk of one point are dropped. A dart outside of the list would be rejected anyway, so omitting it
+/// changes no probability: the accepted darts are those of naive dart throwing. It ends when the list is empty, or when
+/// the squares are 2^-40 of a radius wide.
 class NaiveDarts {
 public:
 	/// Splits the domain for `run_in_phases`: the squares of phase 0 are filled to their end, then those of phase 1,
-	/// and so on. Gets the middle of a square; every square of one grid cell must be in one phase.
+	/// and so on. It receives the center of a square. Every square of one grid cell must be in one phase.
 	using PhaseOf = int (*)(glm::dvec2 middle);
 
-	/// `side` in radii; at least 8, so that a disk does not meet itself. Any seed.
+	/// `side` is in radii, at least 8, so that a disk does not overlap itself. Any seed is valid.
 	NaiveDarts(double side, std::uint64_t seed) :
 			side_(side), columns_(static_cast<int>(std::floor(side * std::sqrt(2.0))) + 1), cell_(side / columns_),
 			random_(seed), points_of_cell_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_),
@@ -40,7 +40,7 @@ public:
 		return std::move(points_);
 	}
 
-	/// The jammed set that also holds `earlier`, points that keep their distance and lie on the torus: they come first.
+	/// The jammed set that also includes `earlier`, points on the torus that keep their distance. They come first.
 	std::vector<glm::dvec2> run_after(std::vector<glm::dvec2> earlier) {
 		for (const glm::dvec2 point : earlier) {
 			cell(cell_of(point.x), cell_of(point.y)) = point;
@@ -49,7 +49,7 @@ public:
 		return run();
 	}
 
-	/// Not dart throwing, but what tiles colored by phase do: a wrong set that a good test has to notice.
+	/// Not dart throwing, but the result of tiles colored by phase: a wrong set that a good test has to detect.
 	std::vector<glm::dvec2> run_in_phases(int phases, PhaseOf phase_of) {
 		for (int phase = 0; phase < phases; ++phase) {
 			std::vector<glm::dvec2> squares = all_cells();
@@ -67,7 +67,7 @@ private:
 
 	double side_;
 	int columns_;
-	double cell_; ///< A little less than 1 / sqrt(2): at most one point a cell.
+	double cell_; ///< Slightly less than 1 / sqrt(2): at most one point per cell.
 	std::mt19937_64 random_;
 	std::vector<glm::dvec2> points_of_cell_;
 	std::vector<glm::dvec2> points_;
@@ -120,7 +120,7 @@ private:
 		return corners;
 	}
 
-	/// The square [corner, corner + width) lies within the disk of one point.
+	/// True if the square [corner, corner + width) is within the disk of one point.
 	bool covered(glm::dvec2 corner, double width) {
 		const glm::dvec2 middle = corner + 0.5 * width;
 		const int column = cell_of(middle.x);
@@ -172,8 +172,8 @@ private:
 	}
 };
 
-/// The progressive process by naive darts: with radius 2^(levels - 1) to its end, then half of that, down to 1; all
-/// points stay. `side` / 2^(levels - 1) must be a side that NaiveDarts takes.
+/// The progressive process by naive darts: with radius 2^(levels - 1) to its end, then half of that, down to 1. All
+/// points stay. `side` / 2^(levels - 1) must be a valid side of NaiveDarts.
 inline std::vector<glm::dvec2> naive_progressive(double side, std::uint32_t levels, std::uint64_t seed) {
 	std::vector<glm::dvec2> points;
 	for (std::uint32_t level = levels; level-- > 0;) {

@@ -1,5 +1,5 @@
-"""Point sets as arrays: those of the sampler by the Python package, and those that they are compared with by the program
-`analysis/references` (tests/analysis/references.cpp)."""
+"""Point sets as arrays: sets of the sampler, from the Python package, and reference sets, from the program `analysis/references`
+(tests/analysis/references.cpp)."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ RADIUS = CELL * np.sqrt(2.0)
 
 
 def lattice_points(thicket: ModuleType, rect, seed: int, *, tile: float | None = None, **options) -> np.ndarray:
-    """Lattice coordinates (int64, n x 2) of the sampler's set with radius 1 in rect = (min_x, min_y, max_x, max_y), asked for at
-    once, or by tiles of that width; options are those of thicket.sample."""
+    """Lattice coordinates (int64, n x 2) of the sampler's set with radius 1 in rect = (min_x, min_y, max_x, max_y). The rectangle
+    is requested as a whole, or in tiles of width `tile`. The options are those of thicket.sample."""
     rects = [rect]
     if tile:
         min_x, min_y, max_x, max_y = rect
         corners = [(x, y) for y in np.arange(min_y, max_y, tile) for x in np.arange(min_x, max_x, tile)]
         rects = [(x, y, min(x + tile, max_x), min(y + tile, max_y)) for x, y in corners]
     positions = np.concatenate([thicket.sample(each, 1.0, seed, **options).positions for each in rects])
-    # As lattice_position in extension/core/sampling/point_set.cpp.
+    # The inverse of lattice_position in extension/core/sampling/point_set.cpp.
     return np.floor(positions / (1.0 / np.sqrt(2.0) / CELL) + 0.5).astype(np.int64)
 
 
 class References:
-    """Lists of sets, one for each seed from `first_seed` on: coordinates (float64, n x 2) with radius 1."""
+    """Lists of sets, one for each seed from `first_seed` on, as coordinates (float64, n x 2) with radius 1."""
 
     def __init__(self, program: Path):
         self.program = program
@@ -45,23 +45,23 @@ class References:
         return sets
 
     def darts(self, side, first_seed, seeds=1) -> list[np.ndarray]:
-        """Naive dart throwing run to its end on a torus of this side."""
+        """Naive dart throwing on a torus with this side, until the set is maximal."""
         return self._sets("darts", side, first_seed, seeds)
 
     def progressive(self, side, levels, first_seed, seeds=1) -> list[np.ndarray]:
-        """Naive dart throwing with radius 2^(levels - 1), then half of that, down to 1, on a torus of this side."""
+        """Naive dart throwing on a torus with this side: with radius 2^(levels - 1), then with half of that, and so on down to 1."""
         return self._sets("progressive", side, levels, first_seed, seeds)
 
     def colored(self, side, tile, first_seed, seeds=1) -> list[np.ndarray]:
-        """Tiles filled in four phases on a torus: a wrong set."""
+        """Tiles on a torus that are filled in four phases: a deliberately wrong set."""
         return self._sets("colored", side, tile, first_seed, seeds)
 
     def bridson(self, side, first_seed, seeds=1) -> list[np.ndarray]:
-        """Bridson's method on a square: a wrong set."""
+        """Bridson's method on a square: a deliberately wrong set."""
         return self._sets("bridson", side, first_seed, seeds)
 
 
 def in_radii(lattice: np.ndarray, corner) -> np.ndarray:
-    """Lattice coordinates in units of the radius, from a corner given in the same units. They are subtracted as integers
-    first, so that sets far from the origin lose nothing."""
+    """Lattice coordinates in radii, relative to a corner in radii. They are subtracted as integers, so that sets far from the
+    origin keep their precision."""
     return (lattice - np.round(np.asarray(corner) * RADIUS).astype(np.int64)) / RADIUS

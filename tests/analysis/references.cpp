@@ -1,4 +1,4 @@
-// Writes the sets that the sampler's are compared with as raw little-endian bytes for the Python analysis, each as its count
+// Writes the reference sets for the sampler's as raw little-endian bytes for the Python analysis, each as its count
 // (uint64) and its coordinates (float64 x, y), in radii.
 //   references darts SIDE FIRST_SEED SEEDS                naive dart throwing run to its end on a torus
 //   references progressive SIDE LEVELS FIRST_SEED SEEDS   the same for a progressive set
@@ -17,7 +17,7 @@
 namespace thicket::analysis {
 namespace {
 
-/// The words of the command line, taken one by one.
+/// The words of the command line, read one by one.
 class Arguments {
 public:
 	explicit Arguments(std::span<char *> words) : words_(words) {}

@@ -1,5 +1,5 @@
-"""Tests of hypotheses whose p-values are exact for normal data. All of them take one row of features for each
-independent set (a seed), so the correlation between features is estimated and no bound has to be tuned."""
+"""Hypothesis tests whose p-values are exact for normal data. All of them take one row of features for each independent set (a
+seed), so they estimate the correlation between features, and no bound needs tuning."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scipy import stats
 
 
 def _hotelling_p(squared: float, features: int, freedom: int) -> float:
-    """p-value of Hotelling's T^2 with that many degrees of freedom in the covariance."""
+    """The p-value of Hotelling's T^2 with `freedom` degrees of freedom in the covariance."""
     below = freedom - features + 1
     assert below > 0, "needs more independent sets than features"
     return float(stats.f.sf(squared * below / (features * freedom), features, below))
@@ -22,7 +22,7 @@ def _mahalanobis(difference: np.ndarray, covariance: np.ndarray) -> float:
 
 
 def mean_differs_from(rows: np.ndarray, expected) -> float:
-    """p-value of "the mean of the rows is `expected`" (Hotelling's one-sample test)."""
+    """The p-value of "the mean of the rows is `expected`" (Hotelling's one-sample test)."""
     count, features = rows.shape
     difference = rows.mean(axis=0) - expected
     covariance = np.atleast_2d(np.cov(rows, rowvar=False))
@@ -30,7 +30,7 @@ def mean_differs_from(rows: np.ndarray, expected) -> float:
 
 
 def means_differ(rows_a: np.ndarray, rows_b: np.ndarray) -> float:
-    """p-value of "both have the same mean" (Hotelling's two-sample test, pooled covariance)."""
+    """The p-value of "both have the same mean" (Hotelling's two-sample test, pooled covariance)."""
     count_a, features = rows_a.shape
     count_b = rows_b.shape[0]
     freedom = count_a + count_b - 2
@@ -44,6 +44,6 @@ def means_differ(rows_a: np.ndarray, rows_b: np.ndarray) -> float:
 
 
 def z_of_mean(values: np.ndarray, expected: float) -> float:
-    """How many standard errors, estimated from independent values, lie between their mean and `expected`."""
+    """The distance between the mean of independent values and `expected`, in standard errors estimated from the values."""
     values = np.asarray(values, dtype=float)
     return float((values.mean() - expected) / (values.std(ddof=1) / np.sqrt(len(values))))

@@ -1,13 +1,13 @@
-// Makes the tiles that an engine run lists, by the core alone, and compares digests: one thread, no engine.
+// Generates the tiles that an engine run lists with the core alone, and compares digests: one thread, no engine.
 //
-// Usage: tile_digests FILE. The file has a line of words for each thing, as tests/engine/tile_log.gd writes it:
+// Usage: tile_digests FILE. Each line of the file describes one item in words, as tests/engine/tile_log.gd writes it:
 //   flat HEIGHT
 //   heightmap PATH COLUMNS ROWS MIN_X MIN_Z SIZE_X SIZE_Z MIN_HEIGHT MAX_HEIGHT
 //   layer INDEX NUMBER... (LayerSettings in the order of `read_layer`)
 //   tile LAYER TILE_SIZE X Y DIGEST
-// Seeds, counts, coordinates and digests are whole numbers; all else is the bits of a double, as a whole number.
-// Ends with a line "tile_digests: N tiles, M instances, D differ" and 0 if D is 0, 1 if not, 2 if the file makes no
-// sense.
+// Seeds, counts, coordinates and digests are whole numbers. All other numbers are the bits of a double, as a whole
+// number. Ends with a line "tile_digests: N tiles, M instances, D differ". Exits with 0 if D is 0, 1 if not, 2 if the
+// file is invalid.
 
 #include "core/placement/tile_builder.hpp"
 #include "core/base/tile_grid.hpp"
@@ -49,7 +49,7 @@ struct Totals {
 
 class Comparison {
 public:
-	/// False for a line that makes no sense.
+	/// False for an invalid line.
 	bool take(std::istringstream &line) {
 		std::string word;
 		line >> word;
@@ -105,7 +105,7 @@ private:
 		Placement &placement = layer.placement;
 		line >> index >> seed >> layer.set.levels >> layer.set.layer;
 		for (double *number : {&layer.set.radius, &rules.density, &rules.min_slope_degrees, &rules.max_slope_degrees,
-					 &rules.slope_falloff, &rules.min_height, &rules.max_height, &rules.height_falloff,
+					 &rules.slope_falloff_degrees, &rules.min_height, &rules.max_height, &rules.height_falloff,
 					 &placement.min_yaw_degrees, &placement.max_yaw_degrees, &placement.min_scale, &placement.max_scale,
 					 &placement.align_to_normal, &placement.height_offset}) {
 			line >> Bits{*number};

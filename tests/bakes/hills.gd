@@ -1,5 +1,5 @@
 @tool
-extends ScatterTerrain
+extends ScatterGround
 ## Rolling ground 200 m around the origin. What the file user://ground says makes it worse: "bad", and it fails east of x = 48, as a
 ## terrain does that has a fault somewhere; "slow", and tiles take a while.
 

@@ -1,9 +1,10 @@
-"""Writes a small bake as the bake itself would, for the tests of its readers, and what is in it as arrays. Runs with the Python of tools/bake.
+"""Writes a small bake for the tests of its readers, in the same format as the baker, and its content as arrays. Runs with the
+Python of tools/bake.
 
     make_bake.py FOLDER
 
-The world is far from the origin, has a tile without rows, a layer that was not baked between two that were, all kinds of models, and instances that stand a
-little outside of their tile. FOLDER/expected.npz holds the columns of all tiles, one after the other, with each row's tile."""
+The world is far from the origin. It has a tile without rows, a layer that was not baked between two that were, all kinds of models, and
+instances slightly outside of their tile. FOLDER/expected.npz has the columns of all tiles, one after the other, with each row's tile."""
 
 from __future__ import annotations
 
@@ -22,7 +23,7 @@ from baking.columns import SCHEMA  # noqa: E402
 
 TILE_SIZE = 50.0
 OFFSET = (3_000_000.0, 16.0, -1_000_000.0)
-FIRST = (60_000, -20_002)  # Column and row of the first tile.
+FIRST = (60_000, -20_002)  # The column and row of the first tile.
 COLUMNS, ROWS = 4, 3
 EMPTY = (60_002, -20_001)
 RECT = [3_000_010.0, -1_000_100.0, 180.0, 130.0]
@@ -43,7 +44,7 @@ PER_TILE = {0: 40, 2: 200}
 
 
 def rows_of(x: int, z: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """The columns of a tile: instances anywhere in its part of the rectangle, one of them 3 cm outside."""
+    """The columns of a tile: instances at random positions in its part of the rectangle, and one 3 cm outside."""
     low = np.maximum([x * TILE_SIZE, z * TILE_SIZE], RECT[:2])
     high = np.minimum([(x + 1) * TILE_SIZE, (z + 1) * TILE_SIZE], [RECT[0] + RECT[2], RECT[1] + RECT[3]])
     counts = {layer: 0 if (x, z) == EMPTY else count for layer, count in PER_TILE.items()}
@@ -56,7 +57,7 @@ def rows_of(x: int, z: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
     scale = np.repeat(rng.uniform(0.5, 2.0, (count, 1)), 3, axis=1)
     if count > 1:
-        scale[1] = -1.5  # Mirrored by hand.
+        scale[1] = -1.5  # A hand-placed mirror image.
     oak = layer == 0
     return {
         "id": np.arange(count, dtype=np.uint64) + np.uint64((x - FIRST[0]) * 1000 + (z - FIRST[1]) * 10**6),
@@ -72,7 +73,7 @@ def rows_of(x: int, z: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
 
 
 def write_tile(folder: Path, x: int, z: int, columns: dict[str, np.ndarray]) -> dict:
-    """Writes a tile, and returns what the manifest says of it."""
+    """Writes a tile, and returns its entry for the manifest."""
     oak = columns["layer"] == 0
     nullable = ("color", "variation", "wind_phase")
     table = pa.table({name: pa.array(values, mask=~oak if name in nullable else None) for name, values in columns.items()})

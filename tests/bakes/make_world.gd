@@ -38,7 +38,7 @@ func _initialize() -> void:
 	var scatter := TerrainScatter3D.new()
 	scatter.name = "Scatter"
 	scatter.seed = 11
-	scatter.terrain = Hills.new()
+	scatter.ground = Hills.new()
 	scatter.layers = [trees, grass]
 	root.add_child(scatter)
 	await process_frame

@@ -1,4 +1,4 @@
-"""The small bake that all tests of readers take, and the project that has its models."""
+"""The small bake for all tests of readers, and the project with its models."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TOOLS = REPO / "tools/bake"
 
 
 def new_game(folder: Path) -> Path:
-    """A project that has no extension, only the scripts that stream a world, and the models of the small bake."""
+    """A project without the extension. It only has the scripts that stream a world, and the models of the small bake."""
     scripts = folder / "addons/thicket"
     scripts.mkdir(parents=True)
     (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Baked"\n')
@@ -37,10 +37,10 @@ def game(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def bake(tmp_path_factory, godot, game) -> Path:
-    """A small bake; see tests/bakes/make_bake.py for what is in it."""
+    """A small bake. See tests/bakes/make_bake.py for its content."""
     folder = tmp_path_factory.mktemp("bakes") / "small"
     done = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
-    assert done.returncode == 0, f"{done.stderr}\nthe Python packages come from tools/setup.sh, setup_bake"
+    assert done.returncode == 0, f"{done.stderr}\nsetup_bake in tools/setup.sh installs the Python packages"
     (folder / "models").mkdir()
     done = godot(["--path", game, "--script", BAKES / "make_models.gd", "--", folder / "models"], timeout=60)
     assert (folder / "models/2_0.res").is_file(), done.stdout + done.stderr
@@ -55,7 +55,7 @@ def expected(bake) -> dict[str, np.ndarray]:
 
 @pytest.fixture
 def copy(bake, tmp_path) -> Path:
-    """The small bake, to be damaged."""
+    """A copy of the small bake, for tests that damage it."""
     return Path(shutil.copytree(bake, tmp_path / "copy"))
 
 
@@ -64,7 +64,7 @@ def reader(name: str, bake: Path, *arguments: str | Path, timeout: float = 120) 
 
 
 def refused(name: str, bake: Path, *arguments: str | Path) -> str:
-    """What a reader says that refuses: a sentence, and no traceback."""
+    """The error message of a reader that refuses a bake. It must be a sentence without a traceback."""
     done = reader(name, bake, *arguments)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
     return done.stderr
@@ -83,14 +83,14 @@ def select(rows: dict[str, np.ndarray], which: np.ndarray) -> dict[str, np.ndarr
 
 
 def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int) -> dict[str, np.ndarray]:
-    """The rows of a model in a tile, by rank."""
+    """The rows of a model in a tile, sorted by rank."""
     here = (rows["tile_x"] == tile[0]) & (rows["tile_z"] == tile[1]) & (rows["layer"] == layer) & (rows["model"] == model)
     found = select(rows, here)
     return select(found, np.lexsort((found["id"], found["rank"])))
 
 
 def stops_of(engine, game: Path, *steps: str) -> tuple[list[dict], str]:
-    """What is shown after each step, and what was printed. See tests/bakes/stream_tiles.gd."""
+    """The visible nodes after each step, and the output. See tests/bakes/stream_tiles.gd."""
     done = engine(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "stream: done" in done.stdout and "never settled" not in done.stdout, printed[-4000:]

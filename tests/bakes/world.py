@@ -1,4 +1,4 @@
-"""The small world that the tests of the baker bake, and ways to bake it and to look at what came of it."""
+"""The small world for the tests of the baker, and functions to bake it and to inspect the results."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from conftest import REPO, new_project, run
 BAKES = REPO / "tests/bakes"
 TOOLS = REPO / "tools/bake"
 RECT = (-70.0, -50.0, 130.0, 100.0)
-# What a bake is asked for, unless a test says otherwise: 5 by 4 tiles that hold whole tiles of the trees.
+# The default area of a bake: 5 by 4 tiles that hold whole tiles of the trees.
 USUAL = ["--rect", ",".join(map(str, RECT)), "--tile-size", "32"]
 PLACED_BY_HAND = 2
 
 
 def make_world(folder: Path) -> Path:
-    """A project with the scene that tests/bakes/make_world.gd writes."""
+    """A project with the scene from tests/bakes/make_world.gd."""
     folder.mkdir()
     new_project(folder, f'config/use_custom_user_dir=true\nconfig/custom_user_dir_name="{user_folder_name(folder)}"\n')
     for script in ("hills.gd", "make_world.gd", "game.gd"):
@@ -40,13 +40,13 @@ def make_world(folder: Path) -> Path:
 
 
 def user_folder_name(project: Path) -> str:
-    """The name of the folder that is user:// of a test's project."""
+    """The name of the user:// folder of a test's project."""
     return "thicket_tests_" + re.sub(r"\W", "_", str(project))
 
 
 @contextlib.contextmanager
 def ground(project: Path, manner: str) -> Iterator[None]:
-    """Makes the ground "bad" or "slow"; see tests/bakes/hills.gd."""
+    """Makes the ground "bad" or "slow" within the block; see tests/bakes/hills.gd."""
     flag = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / user_folder_name(project) / "ground"
     flag.parent.mkdir(parents=True, exist_ok=True)
     flag.write_text(manner)
@@ -57,18 +57,18 @@ def ground(project: Path, manner: str) -> Iterator[None]:
 
 
 def command(project: Path, out: Path, *options: str) -> list[str]:
-    """The command that bakes the test's world."""
+    """The command that bakes the test world."""
     return [sys.executable, "-m", "baking", str(project / "world.tscn"), str(out), *USUAL, *options]
 
 
 def environment() -> dict[str, str]:
-    """What the command needs beside."""
+    """The environment that the command needs."""
     return {**os.environ, "PYTHONPATH": str(TOOLS)}
 
 
 @dataclass
 class Baked:
-    """What a bake said, and what it left."""
+    """The output and the files of a bake."""
 
     code: int
     said: str
@@ -79,11 +79,11 @@ class Baked:
         return json.loads((self.out / "manifest.json").read_text(encoding="utf-8"))
 
     def file(self, tile: str) -> Path:
-        """The file of a tile, named as in the manifest."""
+        """The file of a tile. The tile is named as in the manifest."""
         return self.out / self.manifest["tiles"][tile]["file"]
 
     def rows(self) -> dict[tuple, tuple]:
-        """All rows of all tiles: what they hold, by layer and id."""
+        """All rows of all tiles, by layer and id."""
         found: dict[tuple, tuple] = {}
         for entry in self.manifest["tiles"].values():
             table = pq.read_table(self.out / entry["file"])
@@ -94,13 +94,14 @@ class Baked:
 
 
 def bake(project: Path, out: Path, *options: str, timeout: float = 120, **further) -> Baked:
-    """Bakes the test's world to the end, as a person does."""
+    """Bakes the test world to its end, through the command line."""
     done = run(command(project, out, *options), timeout, env=environment(), **further)
     return Baked(done.returncode, done.stdout + done.stderr, out)
 
 
 def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
-    """Begins to bake, in a group of processes of its own that hears Ctrl-C, as from a terminal: who runs tests behind an `&` does not."""
+    """Starts a bake in a process group of its own. It receives Ctrl-C as in a terminal, even if the tests run in the background
+    with `&`."""
     return subprocess.Popen(
         command(project, out, *options), env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
@@ -108,12 +109,12 @@ def begin(project: Path, out: Path, *options: str) -> subprocess.Popen:
 
 
 def workers_of(driver: subprocess.Popen) -> list[psutil.Process]:
-    """The worker processes of a driver that runs."""
+    """The worker processes of a running driver."""
     return [each for each in processes_below(driver, recursive=False) if is_worker(each)]
 
 
 def processes_below(driver: subprocess.Popen, recursive: bool = True) -> list[psutil.Process]:
-    """What a driver has started; nothing for one that has ended."""
+    """The processes that a driver has started; empty if it has ended."""
     try:
         return psutil.Process(driver.pid).children(recursive)
     except psutil.NoSuchProcess:
@@ -146,7 +147,7 @@ def is_engine_of(process: psutil.Process, project: Path) -> bool:
 
 
 def has_ended(process: psutil.Process) -> bool:
-    """Whether a process is gone, though perhaps nobody has asked for its exit code yet."""
+    """Whether a process has ended, even if its exit code was not collected yet."""
     try:
         return process.status() == psutil.STATUS_ZOMBIE
     except psutil.Error:
@@ -154,16 +155,16 @@ def has_ended(process: psutil.Process) -> bool:
 
 
 def kill(pid: int) -> None:
-    """kill -9, of a process that may have ended."""
+    """Sends SIGKILL to a process that may already have ended."""
     with contextlib.suppress(ProcessLookupError):
         os.kill(pid, signal.SIGKILL)
 
 
 def wait_for(condition: Callable[[], object], what: str, timeout: float = 60.0) -> None:
-    """Waits until something holds."""
+    """Waits until the condition is true."""
     deadline = time.monotonic() + timeout
     while not condition():
-        assert time.monotonic() < deadline, f"not within {timeout} s: {what}"
+        assert time.monotonic() < deadline, f"not there within {timeout} s: {what}"
         time.sleep(0.02)
 
 

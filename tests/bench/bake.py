@@ -1,11 +1,11 @@
-"""Measures how much faster two workers bake than one, and what the forecast (baking.schedule) makes of it.
+"""Measures the speedup of a bake with two workers, and the accuracy of its forecast (baking.schedule).
 
     bash tests/bench/bake.sh [ROUNDS = 3] [FOLDER]
 
-Bakes 64 tiles of the demo, 12 million instances, into FOLDER (a temporary one unless told): with one worker that has one core, with two on
-two cores, and with one on two cores, in turns, the first last in the next round. A worker and its engine go on at the same time, so one that
-has two cores takes more than one of them: what workers gain is the first against the second, where each has a core. Times are those of
-tiles, without the start of Dask and the engines; cores are shared with the driver. All bakes have to have the same digest.
+Bakes 64 tiles of the demo, 12 million instances, into FOLDER (default: a temporary one): one worker on one core, two on two cores, and one
+on two cores. They take turns, in a different order each round. A worker and its engine run concurrently, so a worker with two cores uses
+more than one of them. The fair speedup is therefore that of the second over the first, where each worker has one core. Times are those of
+tiles, without the start of Dask and the engines. Cores are shared with the driver. All bakes must have the same digest.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 
 from baking import schedule
 from baking.command_line import REPO
-from baking.driver import Wish, bake
+from baking.driver import BakeRequest, bake
 from baking.tile_engine import Source
 
 SCENE = Source((str(REPO / "tools/godot"),), str(REPO / "demo_project"), "res://demo.tscn")
@@ -30,9 +30,9 @@ CONTENDERS = ((1, 1), (2, 2), (1, 2))
 
 
 def once(out: Path, workers: int, cores: int) -> None:
-    """Bakes, in a process that has so many cores, and prints what that took."""
+    """Bakes in a process with this many cores, and prints the cost."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
-    outcome = bake(Wish(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
+    outcome = bake(BakeRequest(SCENE, out, ASKED, workers=workers, fresh=True), lambda _: None)
     if outcome.failed or outcome.stopped:
         raise SystemExit(outcome.stopped or str(outcome.failed))
     print(json.dumps({
@@ -48,7 +48,7 @@ def measured(out: Path, workers: int, cores: int) -> dict:
         raise SystemExit(done.returncode)
     took = json.loads(done.stdout)
     costs = schedule.read_costs(out)
-    # What a bake of two workers on two cores takes, from this one: without the start of engines, as its own time is.
+    # Forecasts a bake of two workers on two cores from this one, without the start of engines, which the measured time excludes, too.
     took["foretold"] = schedule.simulate(schedule.Costs(costs.tiles, 0.0, costs.driver, costs.bytes), 2, cores=2)
     return took
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Measures how a bake's speed grows with its workers, and whether that is foretold; see bake.py. Arguments: [rounds = 3].
+# Measures how a bake's speed grows with its workers, and whether the forecast is accurate; see bake.py. Arguments:
+# [rounds = 3].
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh

@@ -1,8 +1,8 @@
-// Speed of the tile sampler against Bridson's method, in one run: points a second of processor time at several tile
-// sizes and levels, the margin's overhead, the workspace, each instruction set, and the slowest tiles. Prints rows of a
-// Markdown table.
+// Speed of the tile sampler compared with Bridson's method, in one run: points per second of processor time at several
+// tile sizes and levels, the margin's overhead, the workspace, each instruction set, and the slowest tiles. Prints rows
+// of a Markdown table.
 //   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
-//   bench_sampler ROUNDS SECONDS alone     only tiles of 64 r, for benches that measure beside it what is made of its points
+//   bench_sampler ROUNDS SECONDS alone     only tiles of 64 r, for benches that also measure uses of the points
 
 #include "tests/bench/common/bridson.hpp"
 #include "tests/bench/common/command_line.hpp"
@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::array<int, 4> tile_sizes = {16, 32, 64, 128};
 
-/// Walks over fresh tiles, so that no tile is measured twice, and keeps the workspace as a game would.
+/// Walks over new tiles, so that no tile is measured twice, and keeps the workspace as a game would.
 class TileWalk {
 public:
 	TileWalk(int tile_size, std::uint32_t levels) : size_(tile_size), set_{.seed = 1, .levels = levels} {}
@@ -73,7 +73,7 @@ double bridson_rate(Method &method, int tile_size, std::uint64_t &seed, double s
 	});
 }
 
-/// One tile size: all methods in turn within each round, so that a disturbance hits all of them alike.
+/// One tile size: all methods in turn within each round, so that disturbances affect all of them equally.
 void compare(int tile_size, const Effort &effort) {
 	TileWalk plain_order(tile_size, 1);
 	TileWalk four_levels(tile_size, 4);
@@ -96,14 +96,14 @@ void compare(int tile_size, const Effort &effort) {
 	print_row(tile + "sampler over tuned Bridson", sampler_rates / tuned_rates, 1.0, " times");
 	print_count(tile + "points computed per point kept, L = 1", plain_order.overhead(), "", 3);
 	print_count(tile + "points computed per point kept, L = 4", four_levels.overhead(), "", 3);
-	if (tile_size == 64) { // A tile that is one block: there the workspace and its cells are those of the tile.
+	if (tile_size == 64) { // A tile that is a single block, so the workspace and its cells are the tile's.
 		print_count(tile + "workspace a cell, L = 1", plain_order.bytes_per_cell(), " bytes", 1);
 		print_count(tile + "workspace a cell, L = 4", four_levels.bytes_per_cell(), " bytes", 1);
 		print_count(tile + "blocks run again with a wider margin, per tile", plain_order.retries_per_tile(), "", 4);
 	}
 }
 
-/// Small tiles, one beside the other, with blocks that are kept and without.
+/// Adjacent small tiles, with and without cached blocks.
 void compare_kept_blocks(int tile_size, std::uint32_t levels, const Effort &effort) {
 	TileWalk with(tile_size, levels, std::make_shared<BlockCache>());
 	TileWalk without(tile_size, levels, nullptr);
@@ -134,7 +134,8 @@ void compare_targets(const Effort &effort) {
 	}
 }
 
-/// How much longer than the median tile the slowest of a thousand takes: for a hundred thousand tiles in all with the usual effort.
+/// The time of the slowest of a thousand tiles, relative to the median tile. The default effort measures a hundred
+/// thousand tiles in total.
 void measure_slowest(int tile_size, const Effort &effort) {
 	TileWalk walk(tile_size, 1);
 	Series slowest;

@@ -1,5 +1,5 @@
-// What it costs to ask shapes for their density, and triangles for their ground, at one point of a layer, in the order in which
-// a tile has them; and to build what they are asked through. Prints rows of a Markdown table.
+// Cost of a shape's density and of a triangle mesh's ground at one point of a layer, in a tile's order, and of building
+// their search structures. Prints rows of a Markdown table.
 //   bench_shapes [rounds = 9] [seconds a measurement = 0.25]
 
 #include "tests/bench/common/command_line.hpp"
@@ -63,7 +63,7 @@ std::vector<Contender> contenders() {
 	};
 }
 
-/// Two triangles a square meter over 224 m: 100,352 of them.
+/// Two triangles per square meter over 224 m: 100,352 of them.
 std::vector<glm::dvec3> hills() {
 	constexpr int side = 224;
 	const auto post = [](int column, int row) {

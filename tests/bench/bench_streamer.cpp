@@ -1,5 +1,5 @@
-// What it costs to decide which tiles to make, show and drop: processor time of one frame's decisions, without making
-// anything. Prints rows of a Markdown table.
+// Cost of deciding which tiles to generate, show and drop: processor time of a frame's decisions, without generating
+// any tile. Prints rows of a Markdown table.
 //   bench_streamer [frames = 3000]
 
 #include "tests/bench/common/timing.hpp"
@@ -20,7 +20,7 @@ constexpr double frames_a_second = 60.0;
 constexpr std::size_t most_pending = 64;
 constexpr std::size_t made_a_frame = 40;
 
-/// Twelve layers as a large game may have them: from grass under one's feet to woods on the horizon.
+/// Twelve layers as in a large game, from the grass underfoot to woods on the horizon.
 std::vector<StreamLayer> many_layers() {
 	std::vector<StreamLayer> layers;
 	for (const double tile : {8.0, 16.0, 32.0, 64.0}) {
@@ -41,7 +41,8 @@ std::vector<Viewer> viewers_at(double seconds, double speed, std::size_t count) 
 	return viewers;
 }
 
-/// A flight in which tiles come back in order, a few in each frame. With `teleport` it jumps far away twice a second.
+/// A flight during which tiles are finished in order, a few per frame. With `teleport` it jumps far away twice a
+/// second.
 Series fly(double speed, std::size_t count, std::size_t frames, bool teleport) {
 	TileStreamer streamer;
 	(void)streamer.set_layers(many_layers()).ok();

@@ -1,5 +1,5 @@
-// What a whole tile costs over its points alone: sample, filter and place into buffers that are ready to upload, against
-// the sampler on the same rectangles, in one run. Prints rows of a Markdown table.
+// Cost of a whole tile over its points alone: sampling, filtering and placing into buffers that are ready for upload,
+// compared with the sampler on the same rectangles, in one run. Prints rows of a Markdown table.
 //   bench_tile [rounds = 9] [seconds a measurement = 0.25]
 
 #include "tests/bench/common/command_line.hpp"
@@ -15,14 +15,14 @@
 namespace thicket::bench {
 namespace {
 
-/// Trees as the demo has them: on all ground that is not too steep or too high, thinning out towards both limits,
-/// leaning a little with the slope, of two meshes.
+/// Trees as in the demo: on all ground that is not too steep or too high, thinning toward both limits, leaning slightly
+/// with the slope, with two meshes.
 LayerSettings forest(std::uint32_t levels) {
 	LayerSettings layer;
 	layer.set = {.seed = 1, .radius = 3.0, .levels = levels, .layer = 1};
 	layer.rules = {.density = 0.9,
 			.max_slope_degrees = 38.0,
-			.slope_falloff = 8.0,
+			.slope_falloff_degrees = 8.0,
 			.min_height = 40.0,
 			.max_height = 600.0,
 			.height_falloff = 80.0};
@@ -31,7 +31,7 @@ LayerSettings forest(std::uint32_t levels) {
 	return layer;
 }
 
-/// Nothing is refused: every point pays for its transform. The dearest case.
+/// No point is removed, so every point needs a transform. The most expensive case.
 LayerSettings meadow(std::uint32_t levels) {
 	LayerSettings layer;
 	layer.set = {.seed = 2, .radius = 3.0, .levels = levels, .layer = 2};
@@ -39,7 +39,7 @@ LayerSettings meadow(std::uint32_t levels) {
 	return layer;
 }
 
-/// Plants that keep a distance from the trees of the forest, which each tile has to find out anew.
+/// Plants that keep a distance from the forest's trees, which each tile has to sample again.
 LayerSettings spaced() {
 	LayerSettings layer = meadow(1);
 	layer.set.radius = 1.0;
@@ -47,7 +47,7 @@ LayerSettings spaced() {
 	return layer;
 }
 
-/// A meadow that thins towards its edge.
+/// A meadow that thins toward its edge.
 LayerSettings feathered() {
 	LayerSettings layer = meadow(1);
 	layer.rules.max_slope_degrees = 38.0;
@@ -55,7 +55,7 @@ LayerSettings feathered() {
 	return layer;
 }
 
-/// A meadow with colors, random or following what is found where its plants stand.
+/// A meadow with colors, either random or from a source at each plant.
 LayerSettings colored(SourceKind kind, double to = 1.0) {
 	LayerSettings layer = meadow(1);
 	layer.set.radius = 1.0;

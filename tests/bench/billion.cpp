@@ -1,33 +1,34 @@
-// Makes a billion points of a single Poisson-disk set with the exact tile sampler, in bounded memory, and verifies them
-// while it runs. Usage, all arguments optional and in any order:
+// Generates a billion points of a single Poisson-disk set with the exact tile sampler, in bounded memory, and verifies
+// them meanwhile. Usage, with all arguments optional and in any order:
 //
 //   billion [points=1e9] [seed=1] [tile=128] [order=rows|shuffled|hilbert] [threads=N] [verify=yes|no] [gaps=64]
 //
-// The region is a square of whole cells around the origin with at least `points` points (1e3 to 5e9), made in tiles of
-// `tile` cells (16 to 512; a cell is r / sqrt(2)), in an order, on 1 to 256 threads (as many as the processor has). One
-// tile in `gaps` (0: none) is searched for gaps. verify=no only makes and counts. Progress goes to the error stream.
+// The region is a square of whole cells around the origin with at least `points` points (1e3 to 5e9). It is generated
+// in tiles of `tile` cells (16 to 512; a cell is r / sqrt(2)), in the given order, on 1 to 256 threads (default: all of
+// the processor's). One tile in `gaps` (0: none) is checked for gaps. verify=no only generates and counts. Progress
+// goes to standard error.
 //
 // Prints one line of JSON:
-//   points_asked, seed, tile_cells, tile_radii, order, threads, verify, gaps       as asked
-//   points, tiles, side_cells, side_radii                                          what was made
+//   points_asked, seed, tile_cells, tile_radii, order, threads, verify, gaps       the request
+//   points, tiles, side_cells, side_radii                                          the result
 //   radius_squared, least_squared      in lattice units: the radius, and the smallest distance of all pairs of points
-//   pairs, too_close                   pairs of points from cells at most two apart: all that can be too close are
-//   misplaced, doubled                 points that are not in their own cell of their tile; in a cell that has one
+//   pairs, too_close                   pairs of points from cells at most two apart, which include all that can be too close
+//   misplaced, doubled                 points outside of their own cell of their tile; points in a cell that already has one
 //   tiles_missing, tiles_repeated      of the region
-//   gap_tiles, uncovered, changed      tiles searched for gaps, lattice points that no point covers, and tiles that had
-//                                      other points when they were asked for in a larger rectangle
+//   gap_tiles, uncovered, changed      tiles checked for gaps, lattice points that no point covers, and tiles whose
+//                                      points differed when they were sampled as part of a larger rectangle
 //   coverage, coverage_error, coverage_reference, coverage_z     of the plane by disks of diameter r; standard error
 //                                      from `blocks` blocks of equal area; distance to the reference in such errors
-//   coverage_lattice_loss              what the lattice keeps away from the reference, as measured on coarser lattices
-//   digest                             names the set of points, whatever order, tiles and threads it was made with
-//   seconds, points_per_second         on the clock, all included
-//   cpu_seconds, cpu_nanoseconds_per_point, sampling_seconds, checking_seconds, gap_seconds     of processor time
-//   checking_share                     checking over sampling, without the gap check, which grows with 1 / gaps
-//   rim_points                         the most points that waited for tiles beside them at a time
-//   resident_bytes, resident_limit     the most memory that the process ever held
+//   coverage_lattice_loss              reduction of coverage by the lattice, measured on coarser lattices
+//   digest                             identifies the set of points, regardless of the order, tiles and threads
+//   seconds, points_per_second         wall time, everything included
+//   cpu_seconds, cpu_nanoseconds_per_point, sampling_seconds, checking_seconds, gap_seconds     processor time
+//   checking_share                     checking relative to sampling, without the gap check, which grows with 1 / gaps
+//   rim_points                         the largest number of points that waited for neighboring tiles at once
+//   resident_bytes, resident_limit     the peak memory of the process
 //   compiler
 //   broken                             the promises that were broken
-// What was not looked at is null. Ends with 0 if no promise is broken, 1 if one is, 2 for bad arguments.
+// Unmeasured values are null. Exits with 0 if no promise is broken, 1 if one is, 2 for invalid arguments.
 
 #include "billion/run.hpp"
 #include "common/timing.hpp"
@@ -50,7 +51,7 @@ namespace {
 /// 64 MB.
 constexpr std::uint64_t resident_limit = 64'000'000;
 
-/// The farthest that coverage may lie from the reference, in standard errors.
+/// The largest distance of the coverage from the reference, in standard errors.
 constexpr double largest_z = 4.0;
 
 constexpr const char *usage =
@@ -88,7 +89,7 @@ bool read_order(std::string_view text, TileOrder &r_order) {
 	return false;
 }
 
-/// Understands one argument, or says why not.
+/// Parses one argument. Returns the error, or nothing.
 std::string read_argument(std::string_view argument, RunOptions &r_options) {
 	const std::size_t equals = std::min(argument.find('='), argument.size());
 	const std::string_view key = argument.substr(0, equals);
@@ -121,8 +122,8 @@ std::string read_argument(std::string_view argument, RunOptions &r_options) {
 	return "no such argument: " + std::string(argument);
 }
 
-/// The most memory that this process ever held, by /proc/self/status (other sources include what the process was
-/// before it became this program); 0 where the system has no such file.
+/// The peak memory of this process, from /proc/self/status, because other sources include the process before it became
+/// this program. 0 if the system has no such file.
 std::uint64_t peak_resident_bytes() {
 	std::ifstream status("/proc/self/status");
 	for (std::string line; std::getline(status, line);) {
@@ -139,14 +140,14 @@ class JsonLine {
 public:
 	void text(const char *key, const std::string &value) { add(key, '"' + value + '"'); }
 	void whole(const char *key, std::uint64_t value) { add(key, std::to_string(value)); }
-	/// Null for what is not finite.
+	/// Null if the value is not finite.
 	void real(const char *key, double value, int digits) {
 		char number[64];
 		std::snprintf(number, sizeof(number), "%.*g", digits, value);
 		add(key, std::isfinite(value) ? number : "null");
 	}
 	void truth(const char *key, bool value) { add(key, value ? "true" : "false"); }
-	/// `value` as it stands, or null.
+	/// `value` verbatim, or null.
 	void add(const char *key, const std::string &value, bool known = true) {
 		line_ += line_.empty() ? "{\"" : ", \"";
 		line_ += key;
@@ -161,7 +162,7 @@ private:
 
 double coverage_z(const Outcome &outcome) { return (outcome.coverage - jammed_coverage) / outcome.coverage_error; }
 
-/// The promises that do not hold, as a JSON array.
+/// The broken promises, as a JSON array.
 std::string broken_promises(const RunOptions &options, const Outcome &outcome, std::uint64_t resident) {
 	const Findings &found = outcome.found;
 	const struct {

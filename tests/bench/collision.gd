@@ -1,11 +1,10 @@
 extends "bench.gd"
-## What bodies cost: gives some thousand instances around a viewer a body each, for every shape, all at once; then lets the
-## viewer move among some hundred under the usual budget of a frame. Prints rows of a Markdown table.
+## Cost of bodies: creates a body for each of several thousand instances around a viewer, for every shape, all at once. Then the viewer
+## moves among several hundred with the default frame budget. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/collision.gd [-- ROUNDS]
 ##
-## The project's setting decides which physics server it is. Times are what the node spends on the main thread in its
-## frames, the search for what is near included, and not what the physics server's own steps take. A busy machine
-## lengthens them.
+## The project's setting selects the physics server. Times are those of the node on the main thread in its frames, including the search for
+## near instances, but without the physics server's own steps. A busy machine lengthens them.
 
 const SHAPES := {
 	"capsules": ScatterLayer.COLLISION_CAPSULE,
@@ -15,11 +14,11 @@ const SHAPES := {
 }
 const DISTANCE := 80.0 ## Meters.
 const DEFAULT_ROUNDS := 9
-const USUAL_BUDGET := 500    ## Microseconds a frame.
+const USUAL_BUDGET := 500    ## Microseconds per frame.
 const WHOLE_BUDGET := 100000 ## Enough for all at once.
-const WALK := 5.0            ## Meters a second,
+const WALK := 5.0            ## Meters per second,
 const DRIVE := 50.0          ## of a car,
-const FLIGHT := 1000.0       ## and of what no game has yet.
+const FLIGHT := 1000.0       ## and faster than in any game.
 const SECONDS := 4.0
 
 var _layer: ScatterLayer
@@ -36,7 +35,7 @@ func run() -> String:
 	for title: String in SHAPES:
 		var rates := await _measure_shape(SHAPES[title], rounds)
 		if rates.is_empty():
-			return "bodies did not come"
+			return "bodies did not appear"
 		row("collision %s created a millisecond, %s, 3 700 at once" % [title, physics], rates[0])
 		row("collision %s removed a millisecond, %s" % [title, physics], rates[1])
 	_layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
@@ -56,7 +55,7 @@ func _make_scene() -> void:
 	_layer.max_scale = 1.6
 	_layer.collision_distance = DISTANCE
 	_layer.meshes = [PrismMesh.new(), BoxMesh.new()]
-	make_scatter(ScatterTerrainFlat.new(), [_layer], _viewer)
+	make_scatter(ScatterGroundFlat.new(), [_layer], _viewer)
 	scatter.frame_budget_usec = WHOLE_BUDGET
 	Engine.max_fps = 60
 
@@ -66,7 +65,7 @@ func _physics_name() -> String:
 	return "GodotPhysics" if setting == "DEFAULT" else setting
 
 
-## How many bodies a millisecond came, and went, in each round: all at once. Empty if they do not.
+## Bodies created and removed per millisecond in each round, all at once. Empty if they do not appear or disappear.
 func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[PackedFloat64Array]:
 	var created: PackedFloat64Array = []
 	var removed: PackedFloat64Array = []
@@ -87,14 +86,14 @@ func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[Pa
 	return [created, removed]
 
 
-## Microseconds of each frame of a viewer that moves.
+## Microseconds of each frame while the viewer moves.
 func _measure_moving(speed: float) -> PackedFloat64Array:
 	_viewer.position = Vector3.ZERO
 	scatter.frame_budget_usec = WHOLE_BUDGET
 	await idle()
 	scatter.frame_budget_usec = USUAL_BUDGET
 	for frame in 3:
-		await process_frame # What is told is the frame before.
+		await process_frame # The stats are those of the previous frame.
 	var times: PackedFloat64Array = []
 	for frame in int(SECONDS * 60.0):
 		_viewer.position.x += speed / 60.0

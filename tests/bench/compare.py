@@ -1,10 +1,9 @@
-"""Says which rows of the bench moved between two commits, beyond what the machine's noise explains.
+"""Reports the rows of the bench that moved between two commits by more than the machine's noise.
 
     bash tests/bench/compare.sh BASE [NEW] [--turns 9] [--programs bench_sampler,bench_tile] [--engine gameplay,spikes]
 
-BASE and NEW are commits; without NEW, what lies in the folder as it is. Both are built for release in folders of their own below
-build/compare, then run in turns, the one first that was last, so that a slow minute of the machine meets both. Ends with 1 where a
-row became worse.
+BASE and NEW are commits. The default of NEW is the working folder. Both are built for release in separate folders below build/compare, then
+run in turns with alternating order, so that a slow minute of the machine affects both. Exits with 1 if a row became worse.
 """
 
 import argparse
@@ -19,27 +18,27 @@ from pathlib import Path
 REPO = Path(__file__).resolve().parents[2]
 PROGRAMS = ("bench_sampler", "bench_tile", "bench_fields", "bench_shapes")
 
-# A row counts as moved by mistake less often than this, if nothing but chance decides which commit is the faster one in a turn.
+# The probability that a row counts as moved by mistake is less than this, if chance alone decides which commit is faster in a turn.
 CHANCE = 0.01
-# Less than this is nobody's matter: code that merely lies elsewhere in memory does as much.
+# Smaller changes are ignored: code that merely moves in memory changes as much.
 LEAST = 0.02
 
 ROW = re.compile(r"\| (?P<what>.+?) \| (?P<number>-?[0-9][0-9,]*(?:\.[0-9]+)?)(?P<unit>[^|]*) \| [^|]* \| [0-9]+ \|")
 
 
 def read_rows(printed: str) -> dict[str, tuple[float, str]]:
-    """The rows of a bench: the median, and its unit ("" for none), by what was measured. What is no row is passed over."""
+    """The rows of a bench: the median, and its unit ("" for none), by name. Other lines are ignored."""
     rows = (ROW.fullmatch(line.strip()) for line in printed.splitlines())
     return {row["what"]: (float(row["number"].replace(",", "")), row["unit"].strip()) for row in rows if row}
 
 
 def more_is_better(unit: str) -> bool:
-    """Of rates and of what is so many times as fast; of times and sizes less is better."""
+    """True for rates and speedups. For times and sizes, less is better."""
     return bool(re.search(r"/s\b|\ba (?:second|ms)\b", unit)) or unit == "times"
 
 
 def outliers(turns: int) -> int:
-    """How many of so many turns may go the other way; -1 where there are too few turns to say anything."""
+    """The number of turns, of this many, that may contradict the rest; -1 if there are too few turns to decide anything."""
     return max(k for k in range(-1, turns // 2) if 2 * sum(math.comb(turns, i) for i in range(k + 1)) / 2**turns <= CHANCE)
 
 
@@ -62,7 +61,7 @@ class Change:
 
 
 def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change:
-    """What became of a row; both lists hold a median of each turn, in the same order."""
+    """Compares a row. Both lists hold the median of each turn, in the same order."""
     ratios = sorted(b / a if a > 0 and b > 0 else 1.0 for a, b in zip(base, new, strict=True))
     ratio = statistics.median(ratios)
     against = sum(each >= 1.0 for each in ratios) if ratio < 1.0 else sum(each <= 1.0 for each in ratios)
@@ -89,14 +88,14 @@ def report(changes: list[Change], others: list[str], turns: int) -> str:
     moved = [change for change in changes if change.moved]
     lines += ["", f"{turns} turns; {len(moved)} of {len(changes)} rows moved, {sum(change.worse for change in moved)} for the worse."]
     if outliers(turns) < 0:
-        lines.append("These are too few turns to tell anything from noise: 8 are the least.")
+        lines.append("These are too few turns to distinguish changes from noise: at least 8 are needed.")
     if others:
-        lines.append("In one of the two alone: " + "; ".join(others) + ".")
+        lines.append("Only in one of the two: " + "; ".join(others) + ".")
     return "\n".join(lines)
 
 
 class Side:
-    """A commit with its benches, built."""
+    """A commit with its built benches."""
 
     def __init__(self, commit: str | None, engine: bool):
         self.folder = self.check_out(commit) if commit else REPO

@@ -1,15 +1,15 @@
-// Times one method on one domain, for tests/bench/figures.sh. Prints a JSON object a line, one for each set.
+// Times one method on one domain, for tests/bench/figures.sh. Prints a JSON object per line, one for each set.
 //   domain_run METHOD PRECISION POINTS SEED [cell=RADII] [darts=DARTS] [sets=COUNT] [torus] [fill] [dump=FILE]
 // METHOD: naive, hierarchical, accumulator, wavefront (single and double); tile, reference, scalloped, boundary, jones
-// (double); plain_bridson, bridson (single). The radius is 1, and the domain a square in which a jammed set has POINTS
-// points; `reference` is naive dart throwing run to its end.
+// (double); plain_bridson, bridson (single). The radius is 1. The domain is a square in which a jammed set has POINTS
+// points. `reference` is naive dart throwing that runs to its end.
 //   cell=RADII   width of an accelerator cell, 0 for the method's own
 //   darts=DARTS  darts that `naive` throws for each base square
-//   sets=COUNT   that many sets, with seeds from SEED on
-//   torus        opposite edges meet, for the first four methods; reference, scalloped, boundary and jones always do so
-//   fill         the points stay in the accelerator cells, and no other copy is made; for the first four methods
+//   sets=COUNT   number of sets, with consecutive seeds from SEED
+//   torus        opposite edges meet, for the first four methods; reference, scalloped, boundary and jones always use a torus
+//   fill         the points stay in the accelerator cells and are not copied; for the first four methods
 //   dump=FILE    the sets, each as its count (uint64) and its coordinates (float64 x, y), little-endian
-// Seconds are processor time of the call that makes the points, from a cold object to a filled vector.
+// Seconds are the processor time of the call that generates the points, from a cold object to a filled vector.
 
 #include "tests/analysis/naive_darts.hpp"
 #include "tests/bench/baselines/boundary_sampling.hpp"
@@ -56,7 +56,7 @@ struct Request {
 	std::string dump;
 };
 
-/// What one set was: its points, unless they only were to be counted, and what making them took.
+/// The result of one set: its points, unless they were only counted, and the cost of generating them.
 struct Outcome {
 	double seconds = 0.0;
 	std::uint64_t points = 0;
@@ -76,8 +76,8 @@ void require(const Status &status) {
 	}
 }
 
-/// The most bytes that this program ever had in memory. Not what getrusage says, which counts the process that started
-/// it, too. 0 where the system does not say.
+/// The peak memory of this program in bytes. Not from getrusage, which includes the process that started it. 0 if the
+/// system does not report it.
 std::size_t peak_resident_bytes() {
 	std::ifstream status("/proc/self/status");
 	std::string word;
@@ -143,7 +143,7 @@ Outcome run_domain(const Request &request) {
 	return outcome;
 }
 
-/// A window onto the infinite set, put together from tiles of 64 radii, as a game does.
+/// A window onto the infinite set, assembled from tiles of 64 radii, as in a game.
 Outcome run_tiles(const Request &request) {
 	return timed<glm::dvec2>(request, [&](std::vector<glm::dvec2> &r_points) {
 		constexpr double tile = 64.0;
@@ -188,7 +188,7 @@ struct Method {
 	std::string_view name;
 	std::function<Outcome(const Request &)> single;
 	std::function<Outcome(const Request &)> as_double;
-	bool is_domain = false; ///< One of DomainMethod, which alone knows `torus`, `fill` and `cell`.
+	bool is_domain = false; ///< A DomainMethod. Only these support `torus`, `fill` and `cell`.
 };
 
 const Method &find_method(const std::string &name) {

@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
-# The seed paper's figures, measured again: builds for release, measures, writes tables, pictures and a page into
-# build/figures, and what page and pictures are made of into tests/bench/data/figures.json. Takes about an hour, half of it for the sets that fill the memory (--only large); nothing else
-# should run on the machine while times are taken. Options:
+# Reproduces the seed paper's figures. Builds for release, measures, writes tables, pictures and a page into build/figures, and the data of
+# page and pictures into tests/bench/data/figures.json. Takes about an hour, half of it for the sets that fill the memory (--only large).
+# Nothing else should run on the machine meanwhile. Options:
 #   --render        measure nothing: write page and pictures into build/figures from tests/bench/data, in seconds
-#   --quick         small sizes, to see that everything works; leaves tests/bench/data alone
+#   --quick         small sizes, to check that everything works; does not change tests/bench/data
 #   --out DIR       the folder of tables and pictures, instead of build/figures
-#   --only PART     measure one of speed, sets, memory, large, billion; the tables of the others stay. Can be repeated
-#   --minutes N     make no set that fills the memory (--only large) if that would take longer; by itself an hour
-#   --redraw        measure nothing, draw and write again from the tables that are there
+#   --only PART     measure only one of speed, sets, memory, large, billion; keep the other tables. Can be repeated
+#   --minutes N     skip sets that fill the memory (--only large) if one would take longer. Default: an hour
+#   --redraw        measure nothing: draw and write from the existing tables
 #   --programs DIR  measure the programs in this build folder, and build nothing
 set -euo pipefail
 from=$PWD
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tests/bench/peers/setup.sh
 
-# in_callers_folder OPTION FOLDER: prints the folder's path, as seen from where the command was called.
+# in_callers_folder OPTION FOLDER: prints the folder's path, relative to the folder from which the command was called.
 in_callers_folder() {
 	if [[ -z ${2:-} ]]; then
 		say "$1 needs a folder"

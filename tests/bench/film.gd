@@ -1,10 +1,10 @@
 extends "bench.gd"
-## A slow flight over the demo, picture by picture, for a film and to look for popping. Needs a renderer:
+## A slow flight over the demo, saved frame by frame, for films and to find popping. Needs a renderer:
 ##   tools/godot --xvfb --path demo_project --script tests/bench/film.gd -- FOLDER STOP FRAMES METERS
 ##
-## Goes METERS ahead from one picture to the next, as high above the ground as the stop is, without wind. Waits for nothing on the way:
-## what the scatter has not done by then is not in the picture. The demo's own camera decides what is drawn, so `lod_fade=0` as
-## a last argument shows what would pop.
+## Moves METERS ahead from one frame to the next, at the stop's height above the ground, without wind. It never waits for the scatter, so
+## unfinished tiles are missing. The demo's own camera decides what is drawn. `lod_fade=0` as a last argument disables cross-fades, which
+## makes popping visible.
 
 const SIZE := Vector2i(480, 270)
 
@@ -31,7 +31,7 @@ func run() -> String:
 		for layer: ScatterLayer in scatter.layers:
 			layer.lod_fade = 0.0
 	var failure := await _fly(arguments[0], arguments[1], arguments[2].to_int(), arguments[3].to_float())
-	scatter = null # It goes with the demo.
+	scatter = null # It is freed with the demo.
 	_demo.queue_free()
 	return failure
 
@@ -48,7 +48,7 @@ func _fly(folder: String, stop_name: String, count: int, meters: float) -> Strin
 		_demo.call(&"place", stop)
 		stop.eye += Vector3(sin(heading), 0.0, -cos(heading)) * meters
 		if index == 0:
-			root.disable_3d = true # Drawn in software, all that streams would take its turn.
+			root.disable_3d = true # With 3D drawn in software, streaming would get too little time.
 			var failure := await idle()
 			root.disable_3d = false
 			if failure != "":

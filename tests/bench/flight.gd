@@ -1,11 +1,11 @@
 extends "bench.gd"
-## What a wide view costs the main thread: 1.2 million instances on show in some 860 tiles of three layers that keep apart, while the
-## viewer flies over the demo's ground. Prints rows of a Markdown table.
+## Cost of a wide view on the main thread: 1.2 million visible instances in about 860 tiles of three layers with spacing, while the viewer
+## flies over the demo's ground. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/flight.gd [-- SECONDS]
 ##
-## The viewer keeps to the clock, so a frame that is late finds more to do.
+## The viewer follows the wall clock, so a late frame has more to do.
 
-const SPEEDS: Array[float] = [100.0, 1000.0] ## Meters a second.
+const SPEEDS: Array[float] = [100.0, 1000.0] ## Meters per second.
 const FRAMES_PER_SECOND := 60
 const EYE := 150.0
 const START := Vector2(-9000.0, 6000.0)
@@ -82,6 +82,6 @@ func _measure(speed: float, seconds: float) -> void:
 	var ends := [spent[0], spent[-1], count]
 	print("| %s, median | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[count / 2]] + ends))
 	print("| %s, p99 | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[ceili(0.99 * count) - 1]] + ends))
-	# Of the whole frame, the engine's part included: the system does not tell when.
-	var told := [parts_text(longest.get("frame_parts", {})), longest_waited]
-	print("| %s, the longest | %.0f µs | %s; waited %d for a processor | %d frames |" % ([flight, spent[-1]] + told + [count]))
+	# Waiting time of the whole frame, including the engine's part, because the system does not report when it occurred.
+	var details := [parts_text(longest.get("frame_parts", {})), longest_waited]
+	print("| %s, the longest | %.0f µs | %s; waited %d for a processor | %d frames |" % ([flight, spent[-1]] + details + [count]))

@@ -1,14 +1,13 @@
 extends "bench.gd"
-## What a game's questions and changes cost: queries on tiles that are known and on tiles that are not, removals, and
-## the size of a state. Prints rows of a Markdown table.
+## Cost of a game's queries and changes: queries on cached and on missing tiles, removals, and the size of a state. Prints rows of a
+## Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/gameplay.gd [-- ROUNDS]
 ##
-## Times are on the clock, of calls from GDScript, which a busy machine lengthens; the lowest round is the one that was
-## disturbed least.
+## Times are wall time of calls from GDScript, which a busy machine lengthens. The lowest round is the least disturbed one.
 
 const DEFAULT_ROUNDS := 9
-const RADIUS := 100.0 ## Meters, of the circle that is asked.
-const CALLS := 500    ## Rays and the like in a round.
+const RADIUS := 100.0 ## Meters, of the queried circle.
+const CALLS := 500    ## Rays and similar calls per round.
 const MILLION := 1000000
 
 var _random := RandomNumberGenerator.new()
@@ -89,14 +88,14 @@ func _measure_single(rounds: int) -> void:
 	row("get_instance by id, tiles known", by_id, "µs", 1)
 
 
-## A place a meter above the ground, near enough for rays to stay where tiles are known.
+## A position 1 m above the ground, near enough for rays to stay within cached tiles.
 func _somewhere() -> Vector3:
 	var off := 40.0 * Vector3(_random.randf_range(-1, 1), 0, _random.randf_range(-1, 1))
 	return _on_ground(_center + off) + Vector3.UP
 
 
 func _on_ground(at: Vector3) -> Vector3:
-	return Vector3(at.x, scatter.terrain.get_height(at), at.z)
+	return Vector3(at.x, scatter.ground.get_height(at), at.z)
 
 
 func _each(call: Callable) -> float:
@@ -105,7 +104,7 @@ func _each(call: Callable) -> float:
 			call.call()) / CALLS
 
 
-## One by one, and the ferns around a place at once; the picture drawn anew is part of it.
+## One by one, and the ferns around a position at once. Includes updating the displayed tiles.
 func _measure_removals(rounds: int) -> void:
 	var single := []
 	var many := []
@@ -126,7 +125,7 @@ func _measure_removals(rounds: int) -> void:
 	row("remove_in_sphere, %d at once, picture included" % count, many, "a second", 0)
 
 
-## Whoever looks at a tile sees what was changed.
+## Reading a tile applies all changes to it.
 func _draw() -> void:
 	for tile: Vector2i in scatter.get_shown_tiles(1):
 		scatter.get_tile(1, tile)

@@ -1,15 +1,15 @@
 extends SceneTree
-## What ground that is loaded, replaced or edited costs the main thread: the node's own time a frame (`frame_usec` of its stats), its
-## 99th percentile and its largest, and how long it takes until all is in place. Prints rows of a Markdown table.
+## Cost of loaded, replaced or edited ground on the main thread: the node's own time per frame (`frame_usec` of its stats), as 99th
+## percentile and maximum, and the time until all tiles are up to date. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/ground_changes.gd [-- ONLY]
 ##
-## ONLY is a part of a row's name. `--xvfb --rendering-driver opengl3` in the place of `--headless` measures a renderer that has to be
-## asked for the triangles of meshes. The budget is the node's default.
+## ONLY is a part of a row's name. `--xvfb --rendering-driver opengl3` in place of `--headless` measures a renderer from which the triangles
+## of meshes have to be read back. The budget is the node's default.
 
 const MILLION := 706 ## Subdivisions of a plane with a million triangles.
 const CHUNK := 64.0 ## Meters.
 const CHUNK_QUADS := 127 ## A chunk has 32,000 triangles.
-const SPEED := 50.0 ## Meters a second.
+const SPEED := 50.0 ## Meters per second.
 
 var _viewer := Node3D.new()
 var _only := ""
@@ -33,12 +33,12 @@ func _run() -> void:
 	for side: int in [1024, 4096, 8192]:
 		await _measure("a first heightmap of %d posts squared" % side, _heightmap.bind(side))
 		await _measure("16 x 16 of %d posts squared, image set again" % side, _posts.bind(side, false))
-		if ScatterTerrainHeightmap.new().has_method(&"update_region"):
+		if ScatterGroundHeightmap.new().has_method(&"update_region"):
 			await _measure("16 x 16 of %d posts squared, update_region" % side, _posts.bind(side, true))
 	quit()
 
 
-## Calls a case, which returns the scatter whose frames count and the frames themselves from where they count.
+## Calls a case, which returns its scatter, and the index of the first frame that counts.
 func _measure(named: String, of: Callable) -> void:
 	if _only and not _only in named:
 		return
@@ -53,14 +53,14 @@ func _measure(named: String, of: Callable) -> void:
 	await process_frame
 
 
-## What a case has measured.
+## The measurements of a case.
 class Frames:
 	var usec: PackedInt64Array
 	var seconds := 0.0
 	var tiles := 0
 
 
-func _scatter(terrain: ScatterTerrain) -> TerrainScatter3D:
+func _scatter(terrain: ScatterGround) -> TerrainScatter3D:
 	var layer := ScatterLayer.new()
 	layer.radius = 2.0
 	layer.tile_size = 32.0
@@ -68,20 +68,20 @@ func _scatter(terrain: ScatterTerrain) -> TerrainScatter3D:
 	layer.meshes = [BoxMesh.new()]
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [layer]
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(_viewer)]
 	_viewer.position = Vector3.ZERO
 	return scatter
 
 
-## Frames until the scatter has settled, and some that are always waited for.
+## Waits until the scatter has settled, and at least for some frames.
 func _follow(scatter: TerrainScatter3D, frames: Frames, at_least := 30) -> void:
 	var start := Time.get_ticks_usec()
 	var made: int = scatter.get_stats()["tiles_made"]
 	var waited := 0
 	while waited < at_least or not scatter.is_settled():
-		await process_frame # The node's work of a frame is done after this.
+		await process_frame # The node does its work for the frame after this signal.
 		frames.usec.push_back(scatter.get_stats()["frame_usec"])
 		waited += 1
 		if scatter.get_stats()["tiles_made"] > made:
@@ -110,7 +110,7 @@ func _put(mesh: Mesh, at := Vector3.ZERO) -> MeshInstance3D:
 
 
 func _on_meshes() -> TerrainScatter3D:
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	return _scatter(terrain)
 
@@ -139,7 +139,7 @@ func _chunk_replaced(frames: Frames) -> void:
 	await _follow(scatter, frames, 100)
 
 
-## Rows of chunks are made ahead and freed behind, as a streaming world does. Making them is no part of the node's time.
+## Creates rows of chunks ahead and frees them behind, as a streaming world does. Creating them is not part of the node's time.
 func _chunks(frames: Frames) -> void:
 	var rows: Dictionary[int, Array] = {}
 	var scatter: TerrainScatter3D
@@ -171,7 +171,7 @@ func _map(side: int) -> Image:
 
 
 func _on_map(image: Image) -> TerrainScatter3D:
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.heights_in_meters = true
 	terrain.rect = Rect2(-256.0, -256.0, 512.0, 512.0)
 	terrain.image = image
@@ -189,7 +189,7 @@ func _posts(frames: Frames, side: int, by_region: bool) -> void:
 	var region := Rect2i(side / 2 + 20, side / 2 + 20, 16, 16)
 	image.fill_rect(region, Color(3.0, 0.0, 0.0))
 	if by_region:
-		scatter.terrain.call(&"update_region", region)
+		scatter.ground.call(&"update_region", region)
 	else:
-		(scatter.terrain as ScatterTerrainHeightmap).image = image
+		(scatter.ground as ScatterGroundHeightmap).image = image
 	await _follow(scatter, frames, 100)

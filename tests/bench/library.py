@@ -1,4 +1,4 @@
-"""Prints rows of a Markdown table: the sizes of the libraries for release that `bash tools/package.sh` packed last. Run it after that."""
+"""Prints rows of a Markdown table: the sizes of the release libraries that `bash tools/package.sh` packed last. Run it after that."""
 
 import sys
 import zipfile

@@ -1,6 +1,6 @@
 extends "bench.gd"
-## What a project pays for the add-on before it sees anything: the time from the start of the engine until the first tile of the demo is
-## on show, beside that of the same scene without a scatter. Prints rows of a Markdown table.
+## Startup cost of the add-on: the time from the engine's start until the first tile of the demo is visible, compared with the same scene
+## without a scatter. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/load.gd [-- ROUNDS]
 
 const DEFAULT_ROUNDS := 5
@@ -14,12 +14,12 @@ func run() -> String:
 	var without := PackedFloat64Array()
 	for round in rounds_or(DEFAULT_ROUNDS):
 		for scattered: bool in [true, false]:
-			var arguments: Array[String] = [SCENE] # In an engine of its own, which nothing is loaded in yet.
+			var arguments: Array[String] = [SCENE] # In a separate engine, which has nothing loaded yet.
 			if not scattered:
 				arguments.push_back("bare")
 			var seconds := seconds_in_another_engine(arguments)
 			if seconds < 0.0:
-				return "an engine that was started did not tell its time"
+				return "a started engine printed no time"
 			(with if scattered else without).push_back(seconds)
 	row("from the engine's start to the first tile of the demo, headless", with, "s", 2)
 	row("the same without the scatter, to the scene's second frame", without, "s", 2)
@@ -41,8 +41,8 @@ func _start_scene() -> String:
 		if Time.get_ticks_msec() > limit:
 			return "no tile after %.0f s" % PATIENCE_SECONDS
 		await process_frame
-	tell_seconds(Time.get_ticks_usec() / 1e6)
-	scatter = null # It goes with its scene.
+	print_seconds(Time.get_ticks_usec() / 1e6)
+	scatter = null # It is freed with its scene.
 	demo.queue_free()
 	await process_frame
 	return ""

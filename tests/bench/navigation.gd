@@ -1,12 +1,12 @@
 extends "bench.gd"
-## What trees add to the bake of a navigation mesh: some 1,300 of them on 180 by 180 meters, of which nothing is loaded. Prints rows of a
-## Markdown table.
+## Cost of trees in the bake of a navigation mesh: about 1,300 of them on 180 by 180 meters, with no tiles loaded. Prints rows of a Markdown
+## table.
 ##   tools/godot --headless --path demo_project --script tests/bench/navigation.gd [-- ROUNDS]
 ##
-## Bakes are measured in time of the processor. Contenders take turns in each round, and what is added is that of the same round. The
-## scatter's own share is to find the trees, to hand them over, and to have the engine read them: that is what they add where they stand
-## above all ground, and leave no hole. The rest is what the engine takes to lay a mesh around so many holes, whoever makes them: as small
-## ones as there can be, of one cell, or the same trees as bodies in the scene.
+## Bakes are measured in processor time. Contenders take turns in each round, and differences are within the same round. The scatter's own
+## share is to find the trees, to pass them on, and to have the engine read them. It is measured as the added cost of trees above all
+## ground, which leave no hole. The rest is the engine's cost for a mesh around so many holes, whatever creates them. It is compared with
+## the smallest possible holes, of one cell, and with the same trees as bodies in the scene.
 
 enum { NONE, TREES, ABOVE, CELLS, BODIES }
 
@@ -30,7 +30,7 @@ func run() -> String:
 		whole.push_back([])
 	for round in rounds:
 		for kind in BODIES + 1:
-			_measure(NONE, [], []) # What is before may leave memory for the next one, or none: this does for all.
+			_measure(NONE, [], []) # Earlier work may leave memory to the first contender. This equalizes it for all.
 			_measure(kind, parse[kind], whole[kind])
 	row("navigation: parsing with %d trees" % trees, parse[TREES], "ms", 2)
 	row("navigation: what they add to the bake", _added(whole, TREES), "ms", 2)
@@ -53,7 +53,7 @@ func _make_scene() -> void:
 	box.size = Vector3(SIDE, 1.0, SIDE)
 	_region.add_child(_body(box, Vector3(0.0, -0.5, 0.0)))
 	root.add_child(_region)
-	make_scatter(ScatterTerrainFlat.new(), [_layer], Node3D.new())
+	make_scatter(ScatterGroundFlat.new(), [_layer], Node3D.new())
 	scatter.viewers = []
 	scatter.reparent(_region, false)
 
@@ -67,7 +67,7 @@ func _body(shape: Shape3D, at: Vector3) -> StaticBody3D:
 	return body
 
 
-## The same trees as nodes, and how many they are.
+## Creates the same trees as nodes, and returns their number.
 func _make_bodies() -> int:
 	var trees := scatter.query_rect(Rect2(-SIDE / 2, -SIDE / 2, SIDE, SIDE))
 	var shape := CylinderShape3D.new()
@@ -80,7 +80,7 @@ func _make_bodies() -> int:
 
 func _measure(kind: int, r_parse: Array, r_whole: Array) -> void:
 	_layer.affect_navigation_mesh = kind != NONE and kind != BODIES
-	scatter.regenerate() # Each round makes its tiles anew.
+	scatter.regenerate() # Each round regenerates its tiles.
 	if kind == BODIES:
 		_region.add_child(_bodies)
 	var data := NavigationMeshSourceGeometryData3D.new()
@@ -101,7 +101,7 @@ func _change(data: NavigationMeshSourceGeometryData3D, change: Callable) -> void
 	data.set_projected_obstructions(trees)
 
 
-## To one cell about the middle, or at times two, that the agent's radius is not kept from.
+## Shrinks an outline to one cell around its center, or sometimes two, independent of the agent's radius.
 func _shrink(tree: Dictionary) -> void:
 	var outline: PackedFloat32Array = tree.vertices
 	@warning_ignore("integer_division")

@@ -1,9 +1,8 @@
 extends "bench.gd"
-## What all cores make of one large rectangle, as against one core: its points alone, and what stands in it. Prints rows of a Markdown
-## table.
+## Speedup of all cores over one core for one large rectangle: its points alone, and its instances. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/rectangles.gd [-- ROUNDS]
 ##
-## Each time is that of an engine of its own, which the system keeps to its first core or does not. Linux only.
+## Each time is that of a separate engine, which is limited to one core or not. Linux only.
 
 const DEFAULT_ROUNDS := 5
 const RECT := Rect2(-500.0, -500.0, 1000.0, 1000.0)
@@ -23,7 +22,7 @@ func run() -> String:
 			for call: String in _calls:
 				var seconds := seconds_in_another_engine([MEASURE, call], cores == "one core")
 				if seconds <= 0.0:
-					return "%s on %s did not tell its time" % [call, cores]
+					return "%s on %s printed no time" % [call, cores]
 				(times.get_or_add([call, cores], []) as Array).push_back(1e3 * seconds)
 	for call: String in _calls:
 		var ratios := []
@@ -35,7 +34,7 @@ func run() -> String:
 	return ""
 
 
-## The middle one of three times, in an engine of its own.
+## Prints the median of three times, in a separate engine.
 func _measure() -> String:
 	var layer := ScatterLayer.new()
 	layer.radius = 1.0
@@ -45,11 +44,11 @@ func _measure() -> String:
 	await process_frame
 	var call: Callable = _calls[OS.get_cmdline_user_args()[-1]]
 	var times := []
-	for time in 4: # The first one makes what later ones find.
+	for time in 4: # The first one warms up.
 		times.push_back(time_of(call))
 	times = times.slice(1)
 	times.sort()
-	tell_seconds(times[1] / 1e6)
+	print_seconds(times[1] / 1e6)
 	return ""
 
 

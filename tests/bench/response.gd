@@ -1,30 +1,30 @@
 extends "bench.gd"
-## How soon a change is seen: moves the density of one layer with 10^5 instances on show, as a slider would, and takes the time
-## until the tiles nearest the viewer are made anew, until all are, and what the main thread spends in each frame. Then
-## drags the slider for two seconds, a change in every frame. Prints rows of a Markdown table.
+## Time until a change is visible: changes the density of one layer with 10^5 visible instances, as a slider would. Measures the time until
+## the tiles nearest to the viewer are regenerated, until all are, and the main thread's time in each frame. Then drags the slider for two
+## seconds, with a change in every frame. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/response.gd [-- ROUNDS]
 ##
-## Times are on the clock, at 60 frames a second, from the frame in which the property is set. A frame's work is what the
-## scatter spends on the main thread in it, the comparison of all settings included. A busy machine lengthens it by what the
-## thread waits for a core, and a virtual one by the pages of memory that its host has to find, so the processor time of the
-## whole frame, engine included, and what the longest frame waited for are told as well where the system knows it.
+## Times are wall time, at 60 frames a second, from the frame in which the property is set. A frame's work is the scatter's time on the main
+## thread, including the comparison of all settings. A busy machine lengthens it while the thread waits for a core, and a virtual one while
+## its host provides pages of memory. Therefore the processor time of the whole frame, engine included, and the waiting time of the longest
+## frame are printed as well, if the system reports them.
 
 const FRAMES_PER_SECOND := 60
-const NEAR := 64.0 ## Meters; what the viewer looks at while dragging.
+const NEAR := 64.0 ## Meters around the viewer that count as near while dragging.
 const INSTANCES := 100000
 const DRAG_SECONDS := 2.0
 const DEFAULT_ROUNDS := 15
-const TOUCHED_BYTES := 512 << 20 ## Given back before anything is measured: the first touch of memory may wait for a host.
+const TOUCHED_BYTES := 512 << 20 ## Freed before the measurement, because the first touch of memory may wait for a host.
 
 var _layer: ScatterLayer
 var _viewer := Node3D.new()
 var _near: Array[Vector2i] = []
-var _missing := {} ## Tiles that have not come anew since the last change.
-var _seen := {}    ## How often each tile came.
+var _missing := {} ## Tiles that have not been regenerated since the last change.
+var _seen := {}    ## How often each tile was shown.
 var _frames: PackedFloat64Array ## Microseconds of the main thread.
-var _processor_frames: PackedFloat64Array ## Microseconds of the main thread's processor time, all of the engine's work.
+var _processor_frames: PackedFloat64Array ## Microseconds of the main thread's processor time, including all of the engine's work.
 var _processor_usec := 0
-var _waits: PackedFloat64Array ## Microseconds in each frame that the main thread was ready to run and had no core.
+var _waits: PackedFloat64Array ## Microseconds in each frame that the main thread was ready to run but had no core.
 var _wait_usec := 0
 var _most_pending := 0
 
@@ -49,7 +49,7 @@ func run() -> String:
 	return ""
 
 
-## One layer on the demo's ground.
+## Creates one layer on the demo's ground.
 func _make_scene() -> void:
 	_layer = ScatterLayer.new()
 	_layer.radius = 1.2
@@ -88,8 +88,7 @@ func _on_tile_shown(_index: int, tile: Vector2i) -> void:
 	_seen[tile] = _seen.get(tile, 0) + 1
 
 
-## Sets the density and waits until everything is made anew. Milliseconds: [nearest tiles, all tiles]; empty if it takes
-## too long.
+## Sets the density and waits until all tiles are regenerated. Milliseconds: [nearest tiles, all tiles]; empty if it takes too long.
 func _change(density: float) -> PackedFloat64Array:
 	var result := PackedFloat64Array([-1.0, -1.0])
 	_missing.clear()
@@ -108,7 +107,7 @@ func _change(density: float) -> PackedFloat64Array:
 	return result
 
 
-## A dictionary of figures, a list of one for each round; empty if a change did not settle.
+## A dictionary of figures, each a list with one value per round; empty if a change did not settle.
 func _measure_changes(rounds: int) -> Dictionary:
 	var figures := _no_figures()
 	for round in rounds + 1:
@@ -182,7 +181,7 @@ func _report(changes: Dictionary, drags: Dictionary) -> void:
 	_row_frames(drag, drags)
 	row(drag + ": tiles under way, at most", drags.pending, "")
 	if stats.instances < 0.9 * INSTANCES or stats.instances > 1.2 * INSTANCES:
-		printerr("response: %d instances are on show, not about %d" % [stats.instances, INSTANCES])
+		printerr("response: %d instances are visible, expected about %d" % [stats.instances, INSTANCES])
 
 
 func _row_frames(what: String, figures: Dictionary) -> void:

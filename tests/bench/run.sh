@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds benches and extension for release, runs them, and prints one Markdown table. Takes a quarter of an hour once built, on two cores
-# on which nothing else should run. Arguments: [rounds = 9] [seconds = 0.25] of the programs in C++, and options before them:
-#   --write        also keeps the rows in tests/bench/data/speed.json, and writes README's tables from them (speed_table.py)
-#   --only A,B     measure these parts alone; with --write, the rows of the others stay as they are
-# Times are processor time and contenders take turns within each round, so that a busy machine disturbs all alike; only what the main
-# thread takes, what workers take, and the response to a change are time on the clock, which a busy machine lengthens. From streaming on
-# the parts run in the engine, in the editor's binary, which gets the library for release.
+# Builds benches and extension for release, runs them, and prints one Markdown table. After building, takes a quarter of an hour on two
+# otherwise idle cores. Arguments: [rounds = 9] [seconds = 0.25] of the programs in C++, preceded by options:
+#   --write        also stores the rows in tests/bench/data/speed.json, and writes README's tables from them (speed_table.py)
+#   --only A,B     measures only these parts; with --write, the rows of the others are kept
+# Times are processor time, and contenders take turns within each round, so that a busy machine disturbs all equally. Only the times of the
+# main thread, of workers and of the response to a change are wall time, which a busy machine lengthens. The parts from streaming on run in
+# the engine, using the editor's binary with the release library.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh
@@ -50,7 +50,7 @@ shopt -s nullglob
 programs=(build/*.template_release.*/bench)
 sampler=$root/${programs[0]}/bench_sampler
 
-# The demo, but with one library, for release, which its manifest names for everything.
+# The demo with a single library, for release, which its manifest uses for every feature.
 release_project() {
 	scons -Q -j"$(nproc)" target=template_release extension >&2
 	import_demo >&2
@@ -66,7 +66,7 @@ wanted() {
 	[[ -z $only || ,$only, == *",$1,"* ]]
 }
 
-# measure PART COMMAND...: prints the rows that a part prints, and keeps them.
+# measure PART COMMAND...: prints and stores the rows that a part prints.
 measure() {
 	local part=$1
 	shift
@@ -104,6 +104,6 @@ measure workers in_engine workers 5 "$sampler"
 for part in response terrains rectangles gameplay spikes collision navigation import load; do
 	measure "$part" in_engine "$part"
 done
-# Ends with 1, and so does this, where something grew. What is free is given back at once, as in test_soak.py.
+# Exits with 1, as the soak does, if anything grew. Free memory is returned immediately, as in test_soak.py.
 MALLOC_ARENA_MAX=1 MALLOC_MMAP_THRESHOLD_=131072 MALLOC_TRIM_THRESHOLD_=131072 measure soak in_engine soak 180
 [[ -z $write ]] || python3 tests/bench/speed_table.py --machine "$machine" "$rows"

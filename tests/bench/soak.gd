@@ -1,30 +1,29 @@
 extends SceneTree
-## Hours of play in minutes: flies at full speed, teleports, moves the origin, fells, plants, asks, saves and loads, with
-## bodies and scenes that come and go, and watches that nothing grows. Prints a line a minute and a verdict; the exit code
-## is 1 if anything grew or an answer was wrong.
+## Simulates hours of play in minutes: flies at full speed, teleports, moves the origin, fells, plants, queries, saves and loads, with
+## bodies and scenes that enter and leave, and checks that nothing grows. Prints a line per minute and a verdict. The exit code is 1 if
+## anything grew or a result was wrong.
 ##   export MALLOC_ARENA_MAX=1 MALLOC_MMAP_THRESHOLD_=131072 MALLOC_TRIM_THRESHOLD_=131072
 ##   tools/godot --headless --path demo_project --script "$PWD/tests/bench/soak.gd" [-- SECONDS [SECONDS A LINE]]
-## (else glibc keeps more of what is free at one time than at another: see test_soak.py)
+## (without these variables, the free memory that glibc keeps varies: see test_soak.py)
 ##
-## Play comes in rounds. At the end of each the state is cleared, the viewer stands at home and everything that was asked
-## for is done: there, figures can be compared. The first quarter of the time warms up. The resident set may then be 5 %
-## off its median; nodes, orphans, objects and bodies have to be as many as they were, and after all is freed as many as at
-## first.
+## Play consists of rounds. At the end of each round the state is cleared, the viewer is at home and all requests are finished, so that
+## figures are comparable. The first quarter of the time warms up. Afterwards, the resident set may deviate from its median by 5 %. The
+## numbers of nodes, orphans, objects and bodies must stay equal, and return to the initial ones after everything is freed.
 
 const DEFAULT_SECONDS := 1200.0
 const SECONDS_A_LINE := 60.0
 const WARM_UP := 0.25
 const FLAT := 0.05
-## Rounds that fill what is kept for later, at least: counted, because a busy machine plays fewer of them in a time.
+## Minimum number of rounds to fill all caches. Counted in rounds, because a busy machine plays fewer of them per second.
 const WARM_UP_ROUNDS := 16
 const LEAST_SAMPLES := 3
 const PATIENCE_SECONDS := 60.0
-## Frames of play in a round; as fast as they go, each a sixtieth of a second of the flight.
+## Frames of play in a round. They run as fast as possible, and each is a sixtieth of a second of flight.
 const FRAMES := 200
 const METERS_A_FRAME := 1000.0 / 60.0
-## Meters of the world in which teleports end.
+## Teleports end within this distance in meters.
 const FARTHEST := 1.0e6
-## Meters from the engine's origin beyond which it is moved.
+## The origin is moved beyond this distance in meters from the engine's origin.
 const RECENTER := 2048.0
 const SAVED := "user://soak.res"
 
@@ -35,7 +34,7 @@ var _rng := RandomNumberGenerator.new()
 var _heading := Vector3.FORWARD
 var _planted: Array[int] = []
 var _taken: Array[Node3D] = []
-var _asked := {} ## Requests under way.
+var _requests := {} ## Pending requests.
 var _done := {"rounds": 0, "frames": 0, "felled": 0, "planted": 0, "answers": 0, "loads": 0, "teleports": 0}
 var _samples: Array[Dictionary] = []
 var _lines := 0
@@ -72,12 +71,12 @@ func _run() -> void:
 	quit(0 if _failure == "" else 1)
 
 
-## Trees with bodies and scenes, stones with bodies of their meshes, grass, and stumps that only hands plant.
+## Trees with bodies and scenes, stones with bodies of their meshes, grass, and stumps that are only hand-placed.
 func _make_world() -> void:
 	_scatter = TerrainScatter3D.new()
 	_scatter.seed = 11
-	_scatter.terrain = ScatterTerrainNoise.new()
-	_scatter.terrain.noise = FastNoiseLite.new()
+	_scatter.ground = ScatterGroundNoise.new()
+	_scatter.ground.noise = FastNoiseLite.new()
 	_scatter.layers = [_layer("Tree", 6.0, 128.0), _layer("Stone", 4.0, 64.0), _layer("Grass", 1.2, 32.0),
 		_layer("Stump", 2.0, 64.0)]
 	_scatter.layers[0].collision_shape = ScatterLayer.COLLISION_CAPSULE
@@ -130,7 +129,7 @@ func _play_round() -> void:
 			return
 
 
-## Puts the origin and the viewer at a place of the world.
+## Moves the origin and the viewer to a position in the world.
 func _teleport(place: Vector3) -> void:
 	_done.teleports += 1
 	_scatter.world_offset = place.snapped(Vector3(1024.0, 1.0e9, 1024.0))
@@ -150,7 +149,7 @@ func _change(frame: int) -> void:
 		_done.felled += _scatter.remove_in_sphere(_viewer.position, 25.0, [0, 1, 2]).size()
 	if frame % 5 == 0:
 		var id := _scatter.add_instance(3, Transform3D(Basis.IDENTITY, _viewer.position))
-		_expect(id != 0 and _scatter.has_instance(id), "a planted stump stands")
+		_expect(id != 0 and _scatter.has_instance(id), "a planted stump exists")
 		_scatter.set_instance_data(id, {"frame": frame, "by": "soak"})
 		_planted.append(id)
 		_done.planted += 1
@@ -163,7 +162,7 @@ func _change(frame: int) -> void:
 		_save_and_load(_done.loads % 2 == 0)
 
 
-## By a file or by bytes: a new state takes the old one's place, and nothing changes.
+## Through a file or bytes. A new state replaces the old one, and nothing changes.
 func _save_and_load(by_file: bool) -> void:
 	var digest := _scatter.state.get_digest()
 	var loaded := ScatterState.new()
@@ -187,24 +186,24 @@ func _ask(frame: int) -> void:
 	if frame % 13 == 0:
 		var nearest := _scatter.query_nearest(here, 100.0, [0], func(_id: int, _layer: int, at: Transform3D) -> bool:
 			return at.origin.x > here.x)
-		_expect(nearest == null or _scatter.has_instance(nearest.id), "what is nearest stands")
+		_expect(nearest == null or _scatter.has_instance(nearest.id), "the nearest instance exists")
 		_scatter.query_ray(here + Vector3(0.0, 5.0, 0.0), here + _heading * 80.0)
 		_done.answers += 2
 	if frame % 37 == 0:
 		var request := _scatter.request_sphere(here + _heading * 3000.0, 100.0, [0, 1])
 		request.completed.connect(_on_completed.bind(request.get_instance_id()))
-		_asked[request.get_instance_id()] = true
+		_requests[request.get_instance_id()] = true
 	if frame % 111 == 0:
 		_scatter.request_rect(Rect2(here.x, here.z, 500.0, 500.0)).cancel()
 
 
 func _on_completed(result: ScatterInstances, request: int) -> void:
-	_expect(_asked.erase(request), "a request completes once")
+	_expect(_requests.erase(request), "a request completes once")
 	_expect(result.size() == result.ids.size(), "an answer has ids")
 	_done.answers += 1
 
 
-## A body every second, for half a second; a scene taken from the scatter now and then, as a felled tree is.
+## Adds a viewer every second, for half a second. Sometimes takes a scene from the scatter, as with a felled tree.
 func _come_and_go(frame: int) -> void:
 	if frame % 60 == 0:
 		var body := Node3D.new()
@@ -223,7 +222,7 @@ func _come_and_go(frame: int) -> void:
 		_taken.pop_front().queue_free()
 
 
-## Where the figures are taken.
+## Restores the situation in which the figures are taken.
 func _go_home() -> void:
 	for scene in _taken:
 		scene.queue_free()
@@ -233,10 +232,10 @@ func _go_home() -> void:
 	_teleport(Vector3.ZERO)
 	var limit := Time.get_ticks_msec() + int(PATIENCE_SECONDS * 1000.0)
 	await create_timer(0.1).timeout
-	while _failure == "" and not (_scatter.is_settled() and _asked.is_empty()):
+	while _failure == "" and not (_scatter.is_settled() and _requests.is_empty()):
 		_expect(Time.get_ticks_msec() < limit, "idle and answered within %.0f s" % PATIENCE_SECONDS)
 		await process_frame
-	# Bodies and scenes come a few in a frame.
+	# A few bodies and scenes appear per frame.
 	for frame in 60:
 		await process_frame
 
@@ -249,7 +248,7 @@ func _free_world() -> void:
 	DirAccess.remove_absolute(SAVED)
 
 
-## Scenes that wait in the pool are no leak: as many as were needed at once, and no more than it holds.
+## Pooled scenes are no leak: at most as many as were needed at once, up to the pool's limit.
 func _count() -> Dictionary:
 	var stats := _scatter.get_stats() if _scatter != null else {}
 	var pooled: int = stats.get("scenes_pooled", 0)
@@ -262,7 +261,7 @@ func _count() -> Dictionary:
 	}
 
 
-## Bytes of the process that lie in memory; what the engine has allocated where the system does not say.
+## Resident bytes of the process, or the engine's allocations if the system does not report them.
 static func _resident_bytes() -> int:
 	var status := FileAccess.open("/proc/self/status", FileAccess.READ)
 	while status != null and not status.eof_reached():

@@ -1,10 +1,10 @@
-"""Keeps the rows that tests/bench/run.sh measured in tests/bench/data/speed.json, and writes README's tables of speed from them.
+"""Stores the rows that tests/bench/run.sh measured in tests/bench/data/speed.json, and writes README's tables of speed from them.
 
-    python3 tests/bench/speed_table.py --machine TEXT ROWS   keeps the rows of ROWS, a folder with a file for each part that was
-                                                             measured, with the machine and today's date; then writes the tables
-    python3 tests/bench/speed_table.py                       writes the tables from the rows that are kept
+    python3 tests/bench/speed_table.py --machine TEXT ROWS   stores the rows of ROWS, a folder with a file for each measured part,
+                                                             with the machine and today's date; then writes the tables
+    python3 tests/bench/speed_table.py                       writes the tables from the stored rows
 
-The rows of a part that was not measured stay as they are. SECTIONS says which rows README shows.
+The rows of parts that were not measured are kept. SECTIONS lists the rows that README shows.
 """
 
 import argparse
@@ -23,7 +23,7 @@ BEGIN = "<!-- The tables from here on are written by tests/bench/run.sh with the
 END = "<!-- The tables end here. -->"
 HEAD = "| What | Median | Lowest to highest round | Rounds |\n|---|---|---|---|"
 
-# What README shows: headings, and below each the rows whose names fit these patterns of the shell. A star stands for what a run counts.
+# The headings of README, and for each the rows whose names match these shell patterns. A star matches the numbers of a run.
 SECTIONS = {
     "The sampler, on one core": [
         "tiles of 64 r: sampler, L = *",
@@ -85,12 +85,12 @@ def read(rows: Path) -> dict[str, list[list[str]]]:
 
 
 def keep(kept: dict, parts: dict[str, list[list[str]]], machine: str, date: str) -> dict:
-    """What is kept once these parts are measured anew."""
+    """The stored rows after these parts were measured again."""
     return kept | {part: {"machine": machine, "date": date, "rows": rows} for part, rows in parts.items()}
 
 
 def tables(kept: dict, sections: dict[str, list[str]]) -> str:
-    """The tables in Markdown. A pattern that fits no row is an error: README would go on without what it was to show."""
+    """The tables in Markdown. A pattern without a matching row is an error, because README would lack that row."""
     rows = [row for part in kept.values() for row in part["rows"]]
     written = [measured(kept)]
     for heading, patterns in sections.items():
@@ -112,7 +112,7 @@ def measured(kept: dict) -> str:
 
 
 def put(readme: str, text: str) -> str:
-    """README's text with other tables between the marks."""
+    """README's text with new tables between the marks."""
     if readme.count(BEGIN) != 1 or readme.count(END) != 1:
         raise SystemExit(f"speed_table: README.md must hold these two lines once each:\n{BEGIN}\n{END}")
     return re.sub(f"(?<={re.escape(BEGIN)}\n).*(?={re.escape(END)})", lambda _: f"\n{text}\n\n", readme, flags=re.DOTALL)
@@ -120,7 +120,7 @@ def put(readme: str, text: str) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--machine", help="what the rows were measured on")
+    parser.add_argument("--machine", help="the machine that measured the rows")
     parser.add_argument("rows", nargs="?", type=Path)
     arguments = parser.parse_args()
     kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}

@@ -1,9 +1,9 @@
 extends "bench.gd"
-## What single events cost the main thread at most in one frame, until all has followed: bodies that come near many instances, very many
-## changes at once, a jump, a changed layer. Prints rows of a Markdown table.
+## The longest main-thread frame of single events, until everything has followed: bodies that come near many instances, very many changes at
+## once, a jump, a changed layer. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/spikes.gd [-- ROUNDS]
 ##
-## Of some rounds the lowest counts: a busy machine lengthens single frames.
+## The lowest of several rounds counts, because a busy machine lengthens single frames.
 
 const DEFAULT_ROUNDS := 3
 const MILLION := 1000000
@@ -14,7 +14,7 @@ var _group: Array[Node3D] = []
 var _near: ScatterLayer
 var _call_usec := 0.0
 var _beyond_idle_usec := 0.0
-var _under_way := false ## A diff that a thread applies.
+var _under_way := false ## A diff that a thread is applying.
 
 
 func run() -> String:
@@ -68,7 +68,7 @@ func _layers() -> Array[ScatterLayer]:
 	return layers
 
 
-## The longest frame from an event until all has followed.
+## The longest frame from an event until everything has followed.
 func _watch(event: Callable) -> Dictionary:
 	await idle()
 	var idle_frames := []
@@ -88,8 +88,8 @@ func _watch(event: Callable) -> Dictionary:
 	return longest
 
 
-## Microseconds that the main thread computes until the next frame, the engine's own work included: what is done between the frames of the
-## node is in it. 0 where the system does not tell.
+## Microseconds that the main thread computes until the next frame, including the engine's own work and work between the node's frames. 0 if
+## the system does not report it.
 func _frame_processor_time() -> float:
 	var start := _processor_time()
 	await process_frame
@@ -112,7 +112,7 @@ func _remove_bodies() -> void:
 	_group.clear()
 
 
-## Removals all over a layer, of which few are near.
+## Removals all over a layer, only a few of which are near.
 func _far_state() -> ScatterState:
 	var state := ScatterState.new()
 	var some: int = scatter.query_rect(Rect2(300.0, -280.0, 20.0, 20.0), [1]).ids[0]

@@ -1,11 +1,11 @@
 extends SceneTree
-## What streaming costs the main thread: flies over the demo's forest in a straight line and takes, frame by frame, the time
-## that the scatter spent there. Prints rows of a Markdown table.
+## Cost of streaming on the main thread: flies over the demo's forest in a straight line and measures the scatter's time in each frame.
+## Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/streaming.gd [-- SECONDS]
-##   tools/godot --xvfb ...     the same with a renderer in software, whose uploads are copies by this processor
+##   tools/godot --xvfb ...     the same with a software renderer, whose uploads are copies by this processor
 ##
-## The viewer keeps to the clock, so a frame that is late finds more to do. The renderer draws nothing, or a machine that
-## draws in software would measure that; buffers are still handed to it, which is what an upload costs the main thread.
+## The viewer follows the wall clock, so a late frame has more to do. The renderer draws nothing, because drawing in software would dominate
+## the measurement. Buffers are still passed to it, which is the main thread's cost of an upload.
 
 const SPEED := 100.0
 const FRAMES_PER_SECOND := 60
@@ -45,7 +45,7 @@ func _run() -> void:
 	_end("")
 
 
-## The scatter of the demo's scene, with its layers and ground; the demo's own scripts stay out of it.
+## Takes the scatter of the demo's scene, with its layers and ground, but without the demo's own scripts.
 func _take_scatter() -> bool:
 	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
 	for node in demo.find_children("*", "TerrainScatter3D", true, false):
@@ -59,7 +59,7 @@ func _take_scatter() -> bool:
 	return _scatter != null
 
 
-## Puts the viewer where it is after so many seconds, at a fixed height above the lowest ground: height does not matter.
+## Moves the viewer to its position after this many seconds, at a fixed height above the lowest ground, because height has no effect.
 func _fly(seconds: float) -> void:
 	var place := START + DIRECTION * SPEED * seconds
 	_viewer.global_position = Vector3(place.x, EYE, place.y)

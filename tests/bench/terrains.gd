@@ -1,10 +1,10 @@
 extends SceneTree
-## How long a view takes to fill on the ground of terrain plug-ins, as against a ScatterTerrainHeightmap of the same heights.
-## Prints rows of a Markdown table.
+## Time to fill a view on the ground of terrain plug-ins, compared with a ScatterGroundHeightmap of the same heights. Prints rows of a
+## Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/terrains.gd [-- ROUNDS]
 ##
-## Contenders take turns in each round, and ratios are of the same round, so that a busy machine disturbs all alike. The plug-ins
-## are the doubles of the tests. Where they are asked place by place, that is in GDScript: Terrain3D's own methods are quicker.
+## Contenders take turns in each round, and ratios are within the same round, so that a busy machine disturbs all equally. The plug-ins are
+## the tests' doubles. Queries of single positions run in GDScript, so Terrain3D's own methods are faster.
 
 const Terrain3D := preload("../engine/terrain3d_harness.gd")
 const HTerrain := preload("../engine/hterrain_harness.gd")
@@ -32,12 +32,12 @@ func _run() -> void:
 			_heights.set_pixel(column, row, Color(20.0 * noise.get_noise_2d(column, row), 0.0, 0.0))
 	var arguments := OS.get_cmdline_user_args()
 	var rounds := maxi(1, arguments[0].to_int()) if arguments.size() > 0 else DEFAULT_ROUNDS
-	await _fill(_make_heightmap) # Once, so that what is made at the first time is there.
+	await _fill(_make_heightmap) # Once, to warm up.
 	var base: Array[float] = []
 	var contenders: Dictionary[String, Callable] = {
 		"Terrain3D": _make_terrain3d, "HTerrain": _make_hterrain, "HTerrain, with holes": _make_hterrain.bind(true),
 	}
-	var times: Dictionary[String, Array] = {"ScatterTerrainHeightmap": base}
+	var times: Dictionary[String, Array] = {"ScatterGroundHeightmap": base}
 	for round in rounds:
 		base.push_back(await _fill(_make_heightmap))
 		for named in contenders:
@@ -48,10 +48,10 @@ func _run() -> void:
 	quit()
 
 
-## Seconds until all tiles about the viewer are shown.
+## Seconds until all tiles around the viewer are visible.
 func _fill(make: Callable) -> float:
 	var nodes: Array[Node] = []
-	var terrain: ScatterTerrain = make.call(nodes)
+	var terrain: ScatterGround = make.call(nodes)
 	var layer := ScatterLayer.new()
 	layer.radius = RADIUS
 	layer.tile_size = 32.0
@@ -60,7 +60,7 @@ func _fill(make: Callable) -> float:
 	layer.meshes = [BoxMesh.new()]
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [layer]
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.frame_budget_usec = 1_000_000
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(_viewer)]
@@ -77,24 +77,24 @@ func _fill(make: Callable) -> float:
 	return seconds
 
 
-func _make_heightmap(_nodes: Array[Node]) -> ScatterTerrain:
-	var terrain := ScatterTerrainHeightmap.new()
+func _make_heightmap(_nodes: Array[Node]) -> ScatterGround:
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.heights_in_meters = true
 	terrain.image = _heights
 	terrain.rect = Rect2(-256.0, -256.0, 512.0, 512.0)
 	return terrain
 
 
-func _on(node: Node, nodes: Array[Node]) -> ScatterTerrainObject:
+func _on(node: Node, nodes: Array[Node]) -> ScatterGroundNode:
 	node.name = "Ground"
 	root.add_child(node)
 	nodes.push_back(node)
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.node = node.get_path()
 	return terrain
 
 
-func _make_terrain3d(nodes: Array[Node]) -> ScatterTerrain:
+func _make_terrain3d(nodes: Array[Node]) -> ScatterGround:
 	var node := Terrain3D.Terrain3DDouble.new()
 	var data := node.make_data()
 	data.region_size = 256
@@ -105,7 +105,7 @@ func _make_terrain3d(nodes: Array[Node]) -> ScatterTerrain:
 	return _on(node, nodes)
 
 
-func _make_hterrain(nodes: Array[Node], holes := false) -> ScatterTerrain:
+func _make_hterrain(nodes: Array[Node], holes := false) -> ScatterGround:
 	var data := HTerrain.HTerrainMasterData.new()
 	data.resolution = SIDE
 	data.maps[0] = [_heights.duplicate()]
@@ -116,15 +116,15 @@ func _make_hterrain(nodes: Array[Node], holes := false) -> ScatterTerrain:
 	return _on(node, nodes)
 
 
-## The older way: HTerrain's `get_interpolated_height_at` for each place, on the main thread.
-func _make_asked(nodes: Array[Node]) -> ScatterTerrain:
+## The older way: HTerrain's `get_interpolated_height_at` for each position, on the main thread.
+func _make_asked(nodes: Array[Node]) -> ScatterGround:
 	_make_hterrain(nodes)
 	var asked := Asked.new()
 	asked.name = "Asked"
 	asked.of = nodes[0]
 	root.add_child(asked)
 	nodes.push_back(asked)
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.node = asked.get_path()
 	return terrain
 

@@ -1,10 +1,10 @@
 extends "bench.gd"
-## What workers take for a tile, from its request to buffers that are ready to upload: points a second of one worker, on several grounds
+## Speed of workers for a tile, from its request to buffers that are ready for upload: points per second of one worker, on several grounds
 ## and with several rules. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/workers.gd [-- ROUNDS [SAMPLER]]
 ##
-## Points count as they are sampled, whether the rules let them stand or not. Times are on the clock, of the workers alone. SAMPLER is the
-## path of `bench_sampler`: it then measures the sampler alone just before each case, and rows tell the share of it that a worker reaches.
+## All sampled points count, even if the rules remove them. Times are wall time of the workers only. SAMPLER is the path of `bench_sampler`:
+## it measures the sampler alone just before each case, and additional rows print the share of that speed which a worker reaches.
 
 const DEFAULT_ROUNDS := 5
 const SECONDS_ALONE := "0.5"
@@ -15,14 +15,14 @@ var _viewer := Node3D.new()
 func run() -> String:
 	var rounds := rounds_or(DEFAULT_ROUNDS)
 	var heightmap := demo_terrain()
-	var noise := ScatterTerrainNoise.new()
+	var noise := ScatterGroundNoise.new()
 	noise.noise = FastNoiseLite.new()
 	var cases := {
-		"flat ground": [ScatterTerrainFlat.new(), {}],
+		"flat ground": [ScatterGroundFlat.new(), {}],
 		"a heightmap": [heightmap, {}],
-		"a heightmap, with a limit of the slope": [heightmap, {&"max_slope_degrees": 30.0, &"slope_falloff": 5.0}],
+		"a heightmap, with a limit of the slope": [heightmap, {&"max_slope_degrees": 30.0, &"slope_falloff_degrees": 5.0}],
 		"a heightmap, with an edge that thins out": [heightmap, {&"max_slope_degrees": 30.0, &"edge_feather": 8.0}],
-		"flat ground, with a noise": [ScatterTerrainFlat.new(), {&"noise": noise.noise}],
+		"flat ground, with a noise": [ScatterGroundFlat.new(), {&"noise": noise.noise}],
 		"the ground of a noise": [noise, {}],
 		"the ground of a noise, along its normals": [noise, {&"align_to_normal": 1.0}],
 	}
@@ -47,7 +47,7 @@ func run() -> String:
 	return ""
 
 
-## Million points a second of one core; 0 where its program was not named.
+## Million points per second of one core; 0 if no path was passed.
 func _sampler_alone() -> float:
 	var arguments := OS.get_cmdline_user_args()
 	if arguments.size() < 2:
@@ -57,8 +57,8 @@ func _sampler_alone() -> float:
 	return "".join(printed).get_slice("|", 2).to_float()
 
 
-## A view of tiles of 64 r, made from nothing: figures count from when the node enters the tree.
-func _fill(ground: ScatterTerrain, rules: Dictionary) -> String:
+## Fills a view of tiles of 64 r. Figures count from the moment when the node enters the tree.
+func _fill(ground: ScatterGround, rules: Dictionary) -> String:
 	var layer := ScatterLayer.new()
 	layer.radius = 1.0
 	layer.tile_size = 64.0
@@ -67,7 +67,7 @@ func _fill(ground: ScatterTerrain, rules: Dictionary) -> String:
 	for rule: StringName in rules:
 		layer.set(rule, rules[rule])
 	root.remove_child(scatter)
-	scatter.terrain = ground
+	scatter.ground = ground
 	scatter.layers = [layer]
 	root.add_child(scatter)
 	return await idle()

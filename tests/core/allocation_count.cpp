@@ -18,7 +18,7 @@ thread_local std::size_t most_allocations = unlimited;
 thread_local bool fails_once = false;
 thread_local bool failed = false;
 
-/// Counts a request; false for one that has to fail.
+/// Counts a request. Returns false if it has to fail.
 bool granted() {
 	if (allocations < most_allocations) {
 		++allocations;
@@ -31,18 +31,18 @@ bool granted() {
 
 void *plain_memory(std::size_t size) { return std::malloc(size == 0 ? 1 : size); }
 
-#ifdef _WIN32 // Its C library cannot free such memory as if it were any other.
+#ifdef _WIN32 // Windows' C library cannot free aligned memory with free().
 void *aligned_memory(std::size_t size, std::size_t alignment) { return _aligned_malloc(size, alignment); }
 void free_aligned(void *memory) { _aligned_free(memory); }
 #else
 void *aligned_memory(std::size_t size, std::size_t alignment) {
-	// aligned_alloc wants a multiple of the alignment.
+	// aligned_alloc requires a multiple of the alignment.
 	return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
 }
 void free_aligned(void *memory) { std::free(memory); }
 #endif
 
-/// What `take` gives, unless it must fail.
+/// Returns the memory from `take`, unless this request has to fail.
 template <typename Take>
 void *allocate(const Take &take) {
 	void *memory = granted() ? take() : nullptr;
@@ -66,7 +66,7 @@ AllocationLimit::~AllocationLimit() { most_allocations = unlimited; }
 
 bool AllocationLimit::reached() const { return failed; }
 
-// The array forms of the library come back to these. The nothrow ones do too, but a sanitizer has its own of them.
+// The library's array forms call these. Its nothrow forms do too, but sanitizers replace them.
 void *operator new(std::size_t size) {
 	return allocate([size] { return plain_memory(size); });
 }

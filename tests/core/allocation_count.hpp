@@ -3,11 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 
-/// How often this process has called operator new so far, on this thread: for tests of "nothing is allocated once
-/// warm".
+/// Number of calls of operator new on this thread so far. Tests compare it to prove that warm code allocates nothing.
 std::size_t allocation_count();
 
-/// While it lives, operator new fails on this thread after `allowed` calls: all later ones, or the next one alone.
+/// While it lives, operator new fails on this thread after `allowed` calls: every later call, or only the next one.
 class AllocationLimit {
 public:
 	enum class Fails : std::uint8_t {
@@ -20,6 +19,6 @@ public:
 	AllocationLimit(const AllocationLimit &) = delete;
 	AllocationLimit &operator=(const AllocationLimit &) = delete;
 
-	/// Whether a call has failed.
+	/// True if a call has failed.
 	bool reached() const;
 };

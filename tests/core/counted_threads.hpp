@@ -10,7 +10,7 @@
 
 namespace thicket::test {
 
-/// Threads of the test's own, which count how often they are asked.
+/// The test's own worker threads, which count how often they are requested.
 class CountedThreads final : public LentThreads {
 public:
 	explicit CountedThreads(std::size_t count) : count_(count) {}

@@ -26,7 +26,7 @@ inline const std::array<Method, 4> methods = {{
 		{DomainMethod::wavefront, "wavefront"},
 }};
 
-/// Those that end with a maximal set.
+/// The methods whose sets are maximal.
 inline const std::array<Method, 3> maximal_methods = {{methods[1], methods[2], methods[3]}};
 
 struct Shape {
@@ -36,8 +36,8 @@ struct Shape {
 	bool toroidal;
 };
 
-/// Base squares are sqrt(1/2) = 0.707 radii wide, groups of the wavefront three of them. The counts of base squares leave all
-/// rests when divided by three, along both axes.
+/// Base squares are sqrt(1/2) = 0.707 radii wide, and a group of the wavefront is three of them wide. Along both axes,
+/// the counts of base squares have every remainder modulo three.
 inline const std::vector<Shape> shapes = {
 		{"square", {30.0, 30.0}, 1.0, false},
 		{"wide", {61.3, 7.9}, 0.5, false},
@@ -89,7 +89,7 @@ analysis::DomainReport report_on(const DomainRequest &request, const std::vector
 			request.method != DomainMethod::naive);
 }
 
-/// Promises 1 to 3 on a set.
+/// Checks promises 1 to 3 of DomainSampler on a set.
 template <typename Real>
 void check_promises(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
 	const analysis::DomainReport report = report_on<Real>(request, points);
@@ -101,7 +101,7 @@ void check_promises(const DomainRequest &request, const std::vector<glm::vec<2, 
 	CHECK(report.uncovered == 0);
 }
 
-/// In an order that does not hang on how they were found.
+/// Sorts points by position, so that sets compare equal regardless of the order in which they were generated.
 template <typename Real>
 std::vector<glm::vec<2, Real>> sorted(std::vector<glm::vec<2, Real>> points) {
 	std::sort(points.begin(), points.end(),

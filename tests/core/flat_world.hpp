@@ -1,4 +1,4 @@
-// A flat world of one layer, for tests of what stands in it.
+// A flat world of one layer, for tests of instances near a position.
 
 #pragma once
 
@@ -40,14 +40,14 @@ struct FlatWorld {
 		world.set_layers({layer});
 	}
 
-	std::shared_ptr<const KeptTile> make(glm::ivec2 tile, double height = 0.0) const {
+	std::shared_ptr<const CompactTile> make(glm::ivec2 tile, double height = 0.0) const {
 		TileInstances made;
 		TileBuilder builder;
 		CHECK(builder.build(settings, FlatTerrain(static_cast<float>(height)), tile_rect(tile_size, tile), made).ok());
-		return std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(settings));
+		return std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(settings));
 	}
 
-	/// Makes the tiles from -reach to reach known.
+	/// Stores the tiles from -reach to reach in the world.
 	void load(int reach = 2, double height = 0.0) {
 		for (int y = -reach; y <= reach; ++y) {
 			for (int x = -reach; x <= reach; ++x) {
@@ -56,7 +56,7 @@ struct FlatWorld {
 		}
 	}
 
-	/// The ids of all that stand within some meters of a position.
+	/// The ids of all instances within `radius` meters of a position.
 	std::set<std::uint64_t> within(glm::dvec3 center, double radius) const {
 		std::vector<PlacedInstance> found;
 		CHECK(world.ask_known([&](const InstanceQuery &query) {

@@ -12,7 +12,7 @@
 
 namespace thicket::test {
 
-/// A triangle or more of one color, without normals. Clockwise seen from its front.
+/// A surface of triangles in one color, without normals. They are clockwise when seen from the front.
 inline ImpostorSurface triangles(
 		std::vector<glm::vec3> corners, glm::vec4 color, CulledSide culled = CulledSide::back) {
 	ImpostorSurface surface;
@@ -25,7 +25,7 @@ inline ImpostorSurface triangles(
 	return surface;
 }
 
-/// An upright square at a z that faces +z, with texture coordinates, v going down.
+/// An upright square at depth z that faces +z. Its texture coordinate v runs downward.
 inline ImpostorSurface square(float half, float z, glm::vec4 color) {
 	ImpostorSurface surface;
 	surface.positions = {{-half, half, z}, {half, half, z}, {half, -half, z}, {-half, -half, z}};
@@ -42,7 +42,7 @@ inline Impostor baked(const std::vector<ImpostorSurface> &surfaces, const Impost
 	return impostor;
 }
 
-/// A pixel of the finest level of one of the atlases, by the frame's column and row and the place in the frame.
+/// A pixel of an atlas's finest level: `frame` is the frame's column and row, `at` the position within the frame.
 inline std::array<int, 4> pixel_of(
 		const Impostor &impostor, const std::vector<std::uint8_t> &atlas, glm::ivec2 frame, glm::ivec2 at) {
 	const ImpostorSettings &settings = impostor.settings;

@@ -1,4 +1,4 @@
-// Follows a NearQueue as a ring of bodies does, and checks that each thing comes and goes once.
+// Drives a NearQueue as a ring of bodies does, and checks that each instance enters and leaves once.
 
 #pragma once
 
@@ -16,7 +16,7 @@ namespace thicket::test {
 
 inline constexpr double distance = 20.0;
 
-/// Keeps the ids of what is near.
+/// Holds the ids of all near instances, as the queue reports them.
 struct Follower {
 	NearQueue queue;
 	std::set<std::uint64_t> held;
@@ -25,7 +25,7 @@ struct Follower {
 
 	void look(glm::dvec3 center, const InstanceWorld &world) { queue.look_around(std::array{center}, world); }
 
-	/// How many have come and gone.
+	/// Takes out all pending changes. Returns their number.
 	int follow() {
 		int steps = 0;
 		for (Leaving leaving; queue.next_leaving(leaving); ++steps) {

@@ -16,7 +16,7 @@
 
 namespace thicket::oracle {
 
-/// A point as the lattice has it.
+/// A point in lattice coordinates.
 struct Point {
 	glm::i64vec2 lattice;
 	std::uint32_t rank;
@@ -25,11 +25,11 @@ struct Point {
 /// The points of a level, by cell.
 using Points = std::map<std::pair<std::int32_t, std::int32_t>, Point>;
 
-/// Cells at the edge of a finite domain feel that their neighbors are missing; no chain was ever seen to be this long.
+/// Points at the edge of a finite domain depend on missing neighbors. No chain of such dependencies was ever this long.
 inline constexpr std::int32_t margin = 34;
 
-/// Dart throwing by the book on a finite domain: all darts in one heap, the earliest first. Shares nothing with the sampler but
-/// the law of the darts (dart.hpp).
+/// Textbook dart throwing on a finite domain: one heap holds all darts, the earliest first. Shares only the law of the
+/// darts (dart.hpp) with the sampler.
 class StrictTimeHeap {
 public:
 	StrictTimeHeap(const PointSet &set, std::uint32_t level, const CellRect &cells, const Points &coarser) :
@@ -68,7 +68,7 @@ private:
 
 	void push(glm::ivec2 cell, DartKey dart) { events_.emplace(dart, cell.x, cell.y); }
 
-	/// True when `covers` holds for a point of the 7 x 7 cells around `cell`.
+	/// True if `covers` returns true for any point in the 7 x 7 cells around `cell`.
 	template <typename Test>
 	bool any_point_near(glm::ivec2 cell, Test covers) const {
 		for (std::int32_t y = cell.y - 3; y <= cell.y + 3; ++y) {
@@ -121,7 +121,7 @@ private:
 	std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
 };
 
-/// The set's points in and around `cells` (of the given level); right inside `cells`.
+/// The set's points of `level` in and around `cells`. They are correct only within `cells`.
 inline Points points(const PointSet &set, const CellRect &cells, std::uint32_t level = 0) {
 	const CellRect domain = cells.grown(margin);
 	Points coarser;

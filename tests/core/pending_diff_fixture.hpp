@@ -1,4 +1,4 @@
-// Calls that change states, and diffs that are queued for them.
+// Calls that change states, and diffs that wait to be applied to them.
 
 #pragma once
 
@@ -26,7 +26,7 @@ inline std::uint64_t near_point(StateRandom &random) {
 	return point_id(static_cast<std::uint16_t>(random() % layer_count * 16000), near(), near());
 }
 
-/// Calls that depend on nothing that a state says, about few ids, of which `placed` are hand-placed.
+/// Calls that are independent of the state's content. They use few ids, `placed` of which are hand-placed.
 inline Calls some_calls(StateRandom &random, const std::vector<std::uint64_t> &placed, int count) {
 	Calls calls;
 	for (int i = 0; i < count; ++i) {
@@ -56,7 +56,6 @@ inline Calls some_calls(StateRandom &random, const std::vector<std::uint64_t> &p
 	return calls;
 }
 
-/// Does calls.
 inline void make(const Calls &calls, InstanceState &r_state) {
 	for (const auto &call : calls) {
 		call(r_state);
@@ -76,7 +75,7 @@ inline InstanceState some_state(std::uint64_t seed, int changes) {
 	return state;
 }
 
-/// The bytes stay until it is finished.
+/// The bytes must outlive the queue, so temporaries are refused.
 inline void queue(InstanceState &r_state, const StateBytes &&diff) = delete;
 inline void queue(InstanceState &r_state, const StateBytes &diff) {
 	std::shared_ptr<PendingDiff> pending;

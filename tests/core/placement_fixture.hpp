@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of single instances share.
+// Helpers for the tests of single instances.
 
 #include "core/placement/placement.hpp"
 
@@ -11,13 +11,21 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <span>
 
 namespace thicket::test {
 
 inline constexpr std::uint64_t seed = 1234567;
 inline constexpr glm::vec3 up{0.0f, 1.0f, 0.0f};
 
-/// A transform read back: columns of the basis, and the position.
+/// Writes an instance's full transform. Returns the scale.
+inline float write_transform(const Placement &placement, std::uint64_t set_seed, std::uint64_t id, glm::vec3 normal,
+		glm::vec3 position, std::span<float, transform_floats> r_transform) {
+	write_position(standing_position(placement, normal, position), r_transform);
+	return write_basis(placement, set_seed, id, normal, r_transform);
+}
+
+/// A transform as read back from the buffer: the basis's columns and the position.
 struct Transform {
 	glm::dmat3 basis{1.0};
 	glm::dvec3 position{0.0};

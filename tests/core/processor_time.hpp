@@ -1,4 +1,4 @@
-// How much this process has worked: what a busy machine takes away from it does not count, as it would by the clock.
+// Measures this process's processor time, which other processes on a busy machine do not affect.
 
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace thicket::test {
 
-/// Seconds that all threads of this process have computed. On Windows seconds that have passed.
+/// Seconds of processor time of all threads of this process. On Windows, seconds of wall time.
 inline double processor_seconds() { return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC); }
 
 } // namespace thicket::test

@@ -1,10 +1,10 @@
 #pragma once
 
-// What the tests of queries share: a world of several layers, a source of its tiles, and everything in it by brute
-// force.
+// Helpers for the tests of queries: a world of several layers, a source of its tiles, and a brute-force list of all its
+// instances.
 
 #include "core/base/tile_grid.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/query/instance_query.hpp"
 
@@ -22,7 +22,7 @@
 
 namespace thicket::test {
 
-/// Hills without end, up to 30 degrees steep, with a pond here and there.
+/// Endless hills, up to 30 degrees steep, with a pond here and there.
 class EndlessHills final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -39,10 +39,10 @@ public:
 	}
 };
 
-/// A layer to make and to ask.
+/// A layer's settings, and how queries see it.
 struct WorldLayer {
 	LayerSettings settings;
-	QueryLayer asked;
+	QueryLayer query_layer;
 };
 
 inline WorldLayer world_layer(const LayerSettings &settings, double tile_size, const InstanceShape &shape) {
@@ -54,8 +54,8 @@ inline WorldLayer world_layer(const LayerSettings &settings, double tile_size, c
 					.max_offset = std::abs(settings.placement.offset_along_normal)}};
 }
 
-/// Leaning trees; ferns that stand off their points, with colors; stones whose tiles are smaller than the squares of
-/// their set; and a layer of which nothing stands. No tile size is a multiple of another.
+/// Leaning trees; ferns that are offset from their points and colored; stones whose tiles are smaller than the squares
+/// of their set; and a layer without instances. No tile size is a multiple of any other.
 inline std::vector<WorldLayer> world_layers() {
 	LayerSettings trees;
 	trees.set = {.seed = 12, .radius = 5.0, .levels = 2, .layer = 3};
@@ -79,73 +79,73 @@ inline std::vector<WorldLayer> world_layers() {
 	stones.placement.max_scale = 4.0;
 	std::vector<WorldLayer> layers{world_layer(trees, 64.0, {0.6, 12.0}), world_layer(ferns, 23.5, {0.8, 1.0}),
 			world_layer(stones, 5.0, {0.5, 0.4}), world_layer(trees, 64.0, {0.6, 12.0})};
-	layers.back().asked.wanted = false;
+	layers.back().query_layer.wanted = false;
 	return layers;
 }
 
-/// Makes tiles when they are asked for and keeps them.
+/// Generates tiles on request and keeps them.
 class World final : public TileSource {
 public:
 	explicit World(const SampleMargins &margins = {}) : builder_(margins) {}
 
 	std::vector<WorldLayer> layers = world_layers();
-	std::vector<std::tuple<std::uint32_t, int, int>> asked_for; ///< Layer, x and y of every tile, in order.
-	bool makes = true;                                          ///< False: what is not there stays away.
-	Status failure;                                             ///< What the next call gives, if it is one.
+	std::vector<std::tuple<std::uint32_t, int, int>> requests; ///< Layer, x and y of every tile, in order.
+	bool makes = true;                                         ///< False: missing tiles are not generated.
+	Status failure;                                            ///< The result of the next call, if it is an error.
 
-	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override {
-		asked_for.emplace_back(layer, tile.x, tile.y);
+	Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override {
+		requests.emplace_back(layer, tile.x, tile.y);
 		r_tile = nullptr;
 		if (!failure.ok()) {
 			return failure;
 		}
-		std::shared_ptr<const KeptTile> &kept = tiles_[{layer, tile.x, tile.y}];
+		std::shared_ptr<const CompactTile> &kept = tiles_[{layer, tile.x, tile.y}];
 		if (kept == nullptr && makes) {
 			TileInstances made;
 			if (const Status status = build(layer, tile, made); !status.ok()) {
 				return status;
 			}
-			kept = std::make_shared<const KeptTile>(made, std::make_shared<LayerSettings>(layers[layer].settings));
+			kept = std::make_shared<const CompactTile>(made, std::make_shared<LayerSettings>(layers[layer].settings));
 		}
 		r_tile = kept;
 		return {};
 	}
 
-	/// A tile as it comes from its builder, whatever is kept.
+	/// Generates a tile. Ignores and changes nothing that is kept.
 	Status build(std::uint32_t layer, glm::ivec2 tile, TileInstances &r_made) {
 		const WorldLayer &settings = layers[layer];
-		return builder_.build(settings.settings, terrain_, tile_rect(settings.asked.tile_size, tile), r_made);
+		return builder_.build(settings.settings, terrain_, tile_rect(settings.query_layer.tile_size, tile), r_made);
 	}
 
 	void forget() { tiles_.clear(); }
 
-	std::vector<QueryLayer> asked() const {
+	std::vector<QueryLayer> query_layers() const {
 		std::vector<QueryLayer> result;
 		std::transform(layers.begin(), layers.end(), std::back_inserter(result),
-				[](const WorldLayer &layer) { return layer.asked; });
+				[](const WorldLayer &layer) { return layer.query_layer; });
 		return result;
 	}
 
 private:
 	EndlessHills terrain_;
 	TileBuilder builder_;
-	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const KeptTile>> tiles_;
+	std::map<std::tuple<std::uint32_t, int, int>, std::shared_ptr<const CompactTile>> tiles_;
 };
 
-/// All that stands in the tiles that touch `area` by the rules of the wanted layers, and what was placed by hand there,
-/// without what was removed: by layer and id. Reads the buffers on its own, and what is kept of them not at all.
+/// All instances in the tiles that touch `area`: those that the layers' rules generate, plus the hand-placed ones,
+/// minus the removed ones. Sorted by layer and id. Reads the tiles' buffers directly, not their compact copies.
 inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area, const InstanceState *state = nullptr) {
 	std::vector<PlacedInstance> all;
 	for (std::uint32_t layer = 0; layer < world.layers.size(); ++layer) {
-		const QueryLayer &asked = world.layers[layer].asked;
-		if (!asked.wanted) {
+		const QueryLayer &query_layer = world.layers[layer].query_layer;
+		if (!query_layer.wanted) {
 			continue;
 		}
-		const glm::ivec2 first = tile_at(asked.tile_size, area.min);
-		const glm::ivec2 last = tile_at(asked.tile_size, area.max);
+		const glm::ivec2 first = tile_at(query_layer.tile_size, area.min);
+		const glm::ivec2 last = tile_at(query_layer.tile_size, area.max);
 		for (int i = 0; i < (last.x - first.x + 1) * (last.y - first.y + 1); ++i) {
 			TileInstances tile;
-			std::shared_ptr<const KeptTile> known; // As a query would leave it.
+			std::shared_ptr<const CompactTile> known; // As a query would leave it.
 			const int width = last.x - first.x + 1;
 			REQUIRE(world.find_tile(layer, first + glm::ivec2(i % width, i / width), known).ok());
 			REQUIRE(world.build(layer, first + glm::ivec2(i % width, i / width), tile).ok());
@@ -164,7 +164,7 @@ inline std::vector<PlacedInstance> everything_in(World &world, const Rect &area,
 			}
 		}
 		if (state != nullptr) {
-			for (const std::uint64_t id : state->added_ids(asked.set.layer)) {
+			for (const std::uint64_t id : state->added_ids(query_layer.set.layer)) {
 				const AddedInstance &added = *state->added(id);
 				all.push_back({id, layer, added.mesh, added.position, added.basis});
 			}
@@ -183,7 +183,7 @@ std::vector<PlacedInstance> those(const std::vector<PlacedInstance> &all, const 
 	return some;
 }
 
-/// The same to the bit.
+/// True if both are bit-identical.
 inline bool same(const PlacedInstance &a, const PlacedInstance &b) {
 	return std::tie(a.id, a.layer, a.mesh, a.position.x, a.position.y, a.position.z) ==
 			std::tie(b.id, b.layer, b.mesh, b.position.x, b.position.y, b.position.z) &&
@@ -199,10 +199,10 @@ inline double between(std::mt19937 &random, double low, double high) {
 	return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// Corners of places to ask in: around the origin, on its other side, and 1,000 km out.
+/// Corners of areas to query: around the origin, on its far side, and 1,000 km away.
 inline constexpr glm::dvec2 world_places[] = {{0.0, 0.0}, {-431.7, -905.2}, {1.0e6 + 0.37, -1.0e6 + 0.81}};
 
-/// A state in which a fifth of `all` is removed and some are placed by hand: tilted, flat, mirrored, very tall, and far
+/// A state that removes a fifth of `all` and adds hand-placed instances: tilted, flat, mirrored, very tall, and far
 /// away.
 inline InstanceState changed_state(const std::vector<PlacedInstance> &all, glm::dvec2 place, std::mt19937 &random) {
 	InstanceState state;

@@ -1,4 +1,4 @@
-// What was computed, by what the processor notes of it: for tests of "what need not be computed is not".
+// Reads the processor's floating-point flags, to prove that code skips computations it does not need.
 
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace thicket::test {
 
-/// Whether anything was rounded on this thread while `work` ran. Comparisons round nothing, nor does arithmetic with small whole
-/// numbers: where all that has to be computed is such, whatever is rounded was computed in vain.
+/// True if `work` rounded any result on this thread. Comparisons round nothing, nor does arithmetic on small whole
+/// numbers, so rounding reveals work that was not needed.
 template <class Work>
 bool rounds(const Work &work) {
 	std::feclearexcept(FE_INEXACT);
@@ -15,7 +15,7 @@ bool rounds(const Work &work) {
 	return std::fetestexcept(FE_INEXACT) != 0;
 }
 
-/// Whether anything went beyond the largest number meanwhile.
+/// True if any result of `work` overflowed.
 template <class Work>
 bool overflows(const Work &work) {
 	std::feclearexcept(FE_OVERFLOW);

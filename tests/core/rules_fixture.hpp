@@ -1,4 +1,4 @@
-// Rules that are ready to be asked.
+// Rules prepared for evaluation.
 
 #pragma once
 

@@ -10,14 +10,14 @@
 
 namespace thicket::test {
 
-/// Runs a job again and again, with memory that ends at its first request, its second, and so on, until it passes: once with
-/// all requests after that one failing, once with that one alone.
+/// Repeats a job while memory runs out at its first request, its second, and so on, until it succeeds. Each request
+/// fails once together with all later ones, and once alone.
 ///
-/// `prepare()` makes what a job works on, `run(prepared)` is the job and gives a Status, `check_unchanged(prepared)` is called
-/// after a failure and says that all is as it was, and then the same job has to succeed; `check_done(prepared)` is called
-/// after a success. A failure has to be out_of_memory and to name `asked_for`.
+/// `prepare()` creates the job's data, and `run(prepared)` executes the job and returns a Status. After each failure,
+/// `check_unchanged(prepared)` must find everything as it was, and the same job must then succeed.
+/// `check_done(prepared)` runs after a success. A failure must be out_of_memory and name `refused`.
 template <typename Prepare, typename Run, typename Unchanged, typename Done>
-void fail_every_request(const std::string &asked_for, const Prepare &prepare, const Run &run,
+void fail_every_request(const std::string &refused, const Prepare &prepare, const Run &run,
 		const Unchanged &check_unchanged, const Done &check_done) {
 	for (const auto fails : {AllocationLimit::Fails::all_later, AllocationLimit::Fails::one}) {
 		std::size_t failures = 0;
@@ -35,7 +35,7 @@ void fail_every_request(const std::string &asked_for, const Prepare &prepare, co
 				++failures;
 				REQUIRE(reached);
 				REQUIRE(status.code == ErrorCode::out_of_memory);
-				REQUIRE(status.property == asked_for);
+				REQUIRE(status.property == refused);
 				check_unchanged(prepared);
 				REQUIRE(run(prepared).ok());
 			}

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of sources of colors and variations share.
+// Helpers for the tests of color and variation sources.
 
 #include "core/placement/layer.hpp"
 #include "tile_fixture.hpp"
@@ -13,9 +13,9 @@
 namespace thicket::test {
 
 inline constexpr std::size_t colors = 1000;
-inline constexpr double farthest = 9.0; ///< Meters, of the sources that are distances.
+inline constexpr double farthest = 9.0; ///< In meters, for sources that are distances.
 
-/// Colors that tell where on the gradient they are, all of them halves.
+/// Colors that reveal their position on the gradient. All components are exact as half floats.
 inline std::shared_ptr<const ColorTable> palette() {
 	ColorTable table;
 	for (std::size_t i = 0; i < colors; ++i) {
@@ -24,7 +24,7 @@ inline std::shared_ptr<const ColorTable> palette() {
 	return std::make_shared<const ColorTable>(std::move(table));
 }
 
-/// A noise for which both ends of 0 to 1 are too near, and which has holes.
+/// A noise that exceeds the range from 0 to 1 at both ends, and has holes.
 class Waves final : public DensityField {
 public:
 	static float at(glm::dvec2 position) {
@@ -65,14 +65,14 @@ inline InstanceSource source_of(SourceKind kind) {
 inline const std::vector<SourceKind> kinds{
 		SourceKind::height, SourceKind::slope, SourceKind::noise, SourceKind::rank, SourceKind::distance};
 
-/// A layer whose colors and variations follow two sources.
+/// A layer whose colors and variations each follow a source.
 inline LayerSettings following(const InstanceSource &color, const InstanceSource &variation) {
 	LayerSettings layer = rich_layer();
 	layer.instance_data = {true, palette(), true, {color}, {variation}};
 	return layer;
 }
 
-/// What is expected of share_of, but for steps.
+/// The expected result of share_of, except for steps.
 inline double share(const InstanceSource &source, double value) {
 	return std::clamp((value - source.min) / (source.max - source.min), 0.0, 1.0);
 }

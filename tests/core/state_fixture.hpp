@@ -18,7 +18,7 @@ using StateRandom = std::mt19937_64;
 
 inline std::uint64_t point_id(std::uint16_t layer, int x, int y) { return pack({layer, {x, y}}); }
 
-/// Any place of the whole cell space of a layer.
+/// A random point in the whole cell space of a layer.
 inline std::uint64_t any_point(StateRandom &random, std::uint16_t layer) {
 	return std::uint64_t{layer} << 48 | random() >> 16;
 }
@@ -55,14 +55,14 @@ inline StateBytes diff_of(const InstanceState &state, std::uint64_t revision) {
 	return bytes;
 }
 
-/// Puts the right checksum at the end of bytes that were changed.
+/// Updates the checksum at the end of changed bytes.
 inline StateBytes sealed(StateBytes bytes) {
 	bytes.erase(bytes.end() - 8, bytes.end()); // With resize(), g++ warns under the sanitizers.
 	append(bytes, checksum(bytes));
 	return bytes;
 }
 
-/// Does something to a state: any call that changes it, mostly about few ids, so that they meet again.
+/// Makes one random call that changes the state. Uses few ids, so that calls often touch the same one.
 inline void disturb(InstanceState &r_state, StateRandom &random) {
 	const auto near = [&random] {
 		return static_cast<int>(random() % 12) - 6;

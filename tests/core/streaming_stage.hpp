@@ -1,6 +1,6 @@
 #pragma once
 
-// What the tests of the streamer share.
+// Helpers for the tests of the streamer.
 
 #include "core/base/tile_grid.hpp"
 #include "core/streaming/tile_streamer.hpp"
@@ -22,20 +22,20 @@ using Name = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
 inline Name name_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
 
-/// A caller that keeps to the protocol and checks that the streamer does too.
+/// A caller that follows the streamer's protocol, and checks that the streamer does too.
 class Stage {
 public:
 	TileStreamer streamer;
 	StreamChanges changes;
 	std::map<Name, TileRequest> pending;
 	std::map<Name, TileKey> shown;
-	std::set<std::uint64_t> ready; ///< Tickets of pending tiles that lie ready.
+	std::set<std::uint64_t> ready; ///< Tickets of pending tiles that are ready.
 	std::size_t requested = 0;
 	std::size_t dropped = 0;
 
 	explicit Stage(const std::vector<StreamLayer> &layers) { REQUIRE(streamer.set_layers(layers).ok()); }
 
-	/// One update, whose changes are carried out.
+	/// Updates the streamer once and carries out all changes.
 	void update(const std::vector<Viewer> &viewers, std::size_t max_pending = unlimited) {
 		REQUIRE(streamer.update(viewers, max_pending, changes).ok());
 		for (const TileRequest &request : changes.cancel) {
@@ -54,7 +54,7 @@ public:
 			CHECK(pending.emplace(name_of(request.key), request).second);
 			++requested;
 		}
-		// What was pending may have been more, under an older limit. What waits for its turn does not count.
+		// More tiles may be pending under an older, higher limit. Tiles that wait for their turn do not count.
 		CHECK((changes.request.empty() || pending.size() - ready.size() <= max_pending));
 		CHECK(streamer.counts().pending == pending.size());
 		CHECK(streamer.counts().shown == shown.size());
@@ -62,7 +62,7 @@ public:
 
 	void finish(const TileRequest &request) {
 		CHECK(streamer.finish(request));
-		// Not twice.
+		// A request can be finished only once.
 		CHECK_FALSE(streamer.finish(request));
 		shown[name_of(request.key)] = request.key;
 		pending.erase(name_of(request.key));
@@ -100,7 +100,7 @@ inline std::set<std::pair<int, int>> tiles_of(const Stage &stage, std::uint32_t 
 	return result;
 }
 
-/// Promise 1: all that touches the view of a viewer is there; promise 4: nothing beyond the hysteresis is.
+/// Promise 1: every tile that touches a viewer's view is visible. Promise 4: no tile beyond the hysteresis is.
 inline void check_view(const Stage &stage, const std::vector<StreamLayer> &layers, const std::vector<Viewer> &viewers) {
 	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
 		const double size = layers[layer].tile_size;
@@ -120,7 +120,7 @@ inline void check_view(const Stage &stage, const std::vector<StreamLayer> &layer
 		for (const auto &tile : tiles) {
 			const Rect rect = tile_rect(size, {tile.first, tile.second});
 			CHECK(std::ranges::any_of(viewers, [&](const Viewer &viewer) {
-				// A viewer may have moved an eighth of a tile since the streamer looked.
+				// A viewer may have moved an eighth of a tile since the streamer last checked.
 				const double reach = 1.1 * layers[layer].view_distance * viewer.radius_scale + 1.126 * size;
 				return distance_squared(rect, viewer.position) <= reach * reach;
 			}));

@@ -1,5 +1,5 @@
-// The baselines after Dunbar and Humphreys: least distance and maximality of whole sets on the torus, checked exactly;
-// the geometry of scalloped sectors against quadrature; the law of the sets against darts that share no code with them.
+// Baselines after Dunbar and Humphreys. Checks the least distance and maximality of whole sets on the torus exactly,
+// the geometry of scalloped sectors by quadrature, and the law of the sets against darts that share no code with them.
 
 #include "tests/analysis/domain_checks.hpp"
 #include "tests/analysis/naive_darts.hpp"
@@ -27,7 +27,7 @@ using bench::ScallopedSector;
 
 namespace {
 
-/// The smallest that they take, cells of the grid that are no wider than they must be, and sizes beyond.
+/// The smallest accepted side, grid cells of the smallest width, and larger sizes.
 constexpr double sides[] = {11.0, 12.0, 17.3, 38.0, 90.0};
 
 DomainReport check_torus(const std::vector<glm::dvec2> &points, double side, double tolerance) {
@@ -66,7 +66,7 @@ void check_determinism() {
 	CHECK(points == first);
 }
 
-/// Mean and standard error of the part of the torus that disks of half the radius cover.
+/// Mean and standard error of the share of the torus that is covered by disks of half the radius.
 struct Coverage {
 	double sum = 0.0;
 	double squares = 0.0;
@@ -95,9 +95,9 @@ Coverage coverage_of(double side, int sets) {
 	return coverage;
 }
 
-/// Darts at a whole torus of which only those are accepted that are at least 1 from all points and less than 2 from
-/// one: what scalloped sectors do, without any of their geometry. Once every place is less than 2 from a point, the
-/// second condition holds always, and naive dart throwing goes on to the end.
+/// Throws darts at a whole torus and accepts only those at least 1 from all points and less than 2 from one. This
+/// is the same as scalloped sectors, without their geometry. Once every position is less than 2 from a point, the second
+/// condition always holds, and naive dart throwing finishes the set.
 std::vector<glm::dvec2> darts_within_two(double side, std::uint64_t seed) {
 	std::mt19937_64 random(seed);
 	std::uniform_real_distribution<double> coordinate(0.0, side);
@@ -125,7 +125,7 @@ std::vector<glm::dvec2> darts_within_two(double side, std::uint64_t seed) {
 	return analysis::NaiveDarts(side, seed).run_after(std::move(points));
 }
 
-/// All between 1 and 2 from the origin.
+/// Sectors that cover everything between 1 and 2 from the origin.
 std::vector<ScallopedSector> annulus() {
 	std::vector<ScallopedSector> sectors(6);
 	for (int i = 0; i < 6; ++i) {
@@ -156,7 +156,7 @@ bool holds(const Disk &disk, glm::dvec2 place) {
 	return bench::dot(place - disk.center, place - disk.center) < disk.radius * disk.radius;
 }
 
-/// Disks as they meet a point's sectors: of radius 1 at 1 to 3, of radius 2 at 1 to 4.
+/// Disks at the distances at which they occur: radius 1 at 1 to 3, radius 2 at 1 to 4.
 std::vector<Disk> random_disks(std::mt19937_64 &random, int count) {
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	std::vector<Disk> disks;
@@ -169,10 +169,10 @@ std::vector<Disk> random_disks(std::mt19937_64 &random, int count) {
 	return disks;
 }
 
-/// Equal steps of the first number are equal steps of area, in order; equal steps of the second are equal steps of area
-/// along a ray, from arc to arc; and no place lies in a disk.
+/// Equal steps of the first number must be equal steps of area, in order. Equal steps of the second must be equal steps
+/// of area along a ray, from arc to arc. No position may be inside a disk.
 void check_places(const ScallopedSector &sector, const std::vector<Disk> &disks) {
-	const double loose = 2e-7; // Where a ray touches a circle, its distance is a root of what rounding leaves.
+	const double loose = 2e-7; // Where a ray touches a circle, its distance is the root of a rounding error.
 	for (const double turned : {0.0, 0.01, 0.3, 0.5, 0.77, 0.999}) {
 		const glm::dvec2 nearest = sector.place(turned, 0.0);
 		const glm::dvec2 middle = sector.place(turned, 0.5);
@@ -193,7 +193,7 @@ void check_places(const ScallopedSector &sector, const std::vector<Disk> &disks)
 	}
 }
 
-/// Area of the annulus from 1 to 2 outside of all disks, by counting the middles of small squares.
+/// Area of the annulus from 1 to 2 outside all disks, from the number of small squares whose center is free.
 double counted_area(const std::vector<Disk> &disks, int squares_a_side) {
 	const double width = 4.0 / squares_a_side;
 	int inside = 0;
@@ -220,7 +220,7 @@ TEST_CASE("baselines: boundary sampling keeps its distance and leaves no gap") {
 	check_sets<bench::BoundarySampling>(3e-9);
 }
 
-TEST_CASE("baselines: Dunbar and Humphreys' methods give the same set for the same seed") {
+TEST_CASE("baselines: Dunbar and Humphreys' methods return the same set for the same seed") {
 	check_determinism<bench::ScallopedSectors>();
 	check_determinism<bench::BoundarySampling>();
 }
@@ -236,7 +236,7 @@ TEST_CASE("baselines: scalloped sectors are distributed like darts within 2 of t
 	CAPTURE(sectors.mean());
 	CAPTURE(darts.mean());
 	CHECK(std::abs(sectors.mean() - darts.mean()) < 4.0 * std::sqrt(sectors.variance() + darts.variance()));
-	// Not quite what darts at the whole domain give, 0.547070; see the class.
+	// Slightly different from the 0.547070 of darts on the whole domain; see the class.
 	CHECK(std::abs(sectors.mean() - bench::ScallopedSectors::coverage) < 4.0 * std::sqrt(sectors.variance()));
 }
 
@@ -246,7 +246,7 @@ TEST_CASE("baselines: boundary sampling is far denser than dart throwing") {
 	CHECK(coverage.mean() < 0.69);
 }
 
-TEST_CASE("baselines: sectors have the area that is left when disks are cut out") {
+TEST_CASE("baselines: the area of sectors is the annulus minus the disks") {
 	std::mt19937_64 random(5);
 	for (int round = 0; round < 60; ++round) {
 		CAPTURE(round);
@@ -264,7 +264,7 @@ TEST_CASE("baselines: sectors have the area that is left when disks are cut out"
 	}
 }
 
-TEST_CASE("baselines: uniform numbers give uniform places of a sector") {
+TEST_CASE("baselines: uniform numbers produce uniform positions in a sector") {
 	std::mt19937_64 random(6);
 	for (int round = 0; round < 40; ++round) {
 		CAPTURE(round);
@@ -279,7 +279,7 @@ TEST_CASE("baselines: uniform numbers give uniform places of a sector") {
 	}
 }
 
-TEST_CASE("baselines: a tree of sums finds every weight by its share and ends at exactly 0") {
+TEST_CASE("baselines: a sum tree finds every weight by its share and ends at exactly 0") {
 	bench::SumTree tree;
 	const std::size_t count = 1000;
 	tree.reset(count);
@@ -307,7 +307,7 @@ TEST_CASE("baselines: a tree of sums finds every weight by its share and ends at
 	CHECK(tree.total() == 0.0);
 }
 
-TEST_CASE("baselines: the check of domains finds a missing point, a point too many and a point outside") {
+TEST_CASE("baselines: the domain check finds a missing point, an extra point and a point outside") {
 	const double side = 12.5;
 	const std::vector<glm::dvec2> points = analysis::NaiveDarts(side, 9).run();
 	REQUIRE(check_torus(points, side, 1e-9).perfect());
@@ -327,8 +327,8 @@ TEST_CASE("baselines: the check of domains finds a missing point, a point too ma
 	CHECK(check_torus({}, side, 1e-9).gaps > 0);
 }
 
-TEST_CASE("baselines: the check of domains counts in the points' own unit and on rectangles") {
-	// A square lattice of distance 3 has no place farther than 1.5 sqrt(2) from a point.
+TEST_CASE("baselines: the domain check works in the points' own unit and on rectangles") {
+	// In a square lattice of distance 3, no position is farther than 1.5 sqrt(2) from a point.
 	std::vector<glm::dvec2> points;
 	for (int y = 0; y < 5; ++y) {
 		for (int x = 0; x < 9; ++x) {

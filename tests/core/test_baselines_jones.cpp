@@ -1,5 +1,6 @@
-// The baseline after Jones (2006) keeps what it promises: the free area of a cell, exactly, and the sets of dart throwing. Where a
-// compiler for another platform has no CGAL, there is nothing to test; a build for this one would fail at the bench.
+// The baseline after Jones (2006): the free area of a cell must be exact, and the sets must match dart throwing.
+// Compilers for other platforms may have no CGAL, so nothing is tested there. On this platform the bench itself would
+// fail to build.
 #if __has_include(<CGAL/version.h>)
 
 #include "tests/analysis/domain_checks.hpp"
@@ -24,10 +25,10 @@ using bench::Xoroshiro;
 
 namespace {
 
-/// A cell whose edges meet the disk in every way: one misses it, one touches it, others leave it on one side or both.
+/// A cell whose edges meet the disk in every way: one misses it, one touches it, others pass it on one side or both.
 const std::vector<glm::dvec2> all_kinds = {{2.0, 0.0}, {0.9, 1.6}, {-0.5, 1.1}, {-2.4, 0.2}, {-0.4, -1.2}, {1.3, -1.9}};
 
-/// The cell's reach in a direction, by what a Voronoi cell is.
+/// The cell's extent in a direction, by the definition of a Voronoi cell.
 double reach(const std::vector<glm::dvec2> &neighbors, double angle) {
 	const glm::dvec2 direction(std::cos(angle), std::sin(angle));
 	double least = 1e9;
@@ -38,7 +39,7 @@ double reach(const std::vector<glm::dvec2> &neighbors, double angle) {
 	return least;
 }
 
-/// Free area between two directions, by summing up thin sectors.
+/// Free area between two directions, as the sum of thin sectors.
 double free_area(const std::vector<glm::dvec2> &neighbors, double from, double to) {
 	constexpr int sectors = 100000;
 	const double step = (to - from) / sectors;
@@ -58,7 +59,7 @@ std::vector<glm::dvec2> sample(double side, std::uint64_t seed) {
 
 } // namespace
 
-TEST_CASE("jones: free areas of cells are exact, however small") {
+TEST_CASE("jones: free areas of cells are exact, even the smallest") {
 	FreeCell cell;
 	cell.assign({{2.0, 0.0}, {0.0, 2.0}, {-2.0, 0.0}, {0.0, -2.0}});
 	CHECK(std::abs(cell.area() - (4.0 - std::numbers::pi)) < 1e-15);
@@ -69,7 +70,8 @@ TEST_CASE("jones: free areas of cells are exact, however small") {
 	cell.assign(all_kinds);
 	CHECK(std::abs(cell.area() - free_area(all_kinds, 0.0, 2.0 * std::numbers::pi)) < 1e-8);
 
-	// A square whose corners are barely outside: each free corner is all but a right triangle, its sides on the lines.
+	// A square whose corners are barely outside the disk. Each free corner is nearly a right triangle with its sides on
+	// the lines.
 	for (const double beyond : {1e-4, 1e-6, 1e-8}) {
 		const double distance = std::numbers::sqrt2 * (1.0 + beyond);
 		cell.assign({{distance, 0.0}, {0.0, distance}, {-distance, 0.0}, {0.0, -distance}});
@@ -78,13 +80,13 @@ TEST_CASE("jones: free areas of cells are exact, however small") {
 	}
 }
 
-TEST_CASE("jones: darts in a cell are uniform over what is free") {
+TEST_CASE("jones: darts in a cell are uniform over its free area") {
 	constexpr int darts = 40000;
 	constexpr std::size_t sectors = 24;
 	FreeCell cell;
 	cell.assign(all_kinds);
 	Xoroshiro random(1);
-	std::array<int, sectors> inner{}; // Nearer to the disk than to the edge, by area, and farther.
+	std::array<int, sectors> inner{}; // By area, nearer to the disk than to the edge.
 	std::array<int, sectors> outer{};
 	int outside = 0;
 	for (int i = 0; i < darts; ++i) {
@@ -119,7 +121,7 @@ TEST_CASE("jones: on tori of any side, points keep their distance and leave no g
 	}
 }
 
-TEST_CASE("jones: the seed decides all") {
+TEST_CASE("jones: the seed determines the set") {
 	VoronoiDarts darts;
 	std::vector<glm::dvec2> points;
 	darts.sample(20.0, 5, points);
@@ -146,7 +148,7 @@ TEST_CASE("jones: the second dart is uniform outside of the first disk") {
 	CHECK(std::abs(static_cast<double>(near) / sets - expected) < 4.0 * error);
 }
 
-TEST_CASE("jones: coverage is that of dart throwing") {
+TEST_CASE("jones: coverage equals that of dart throwing") {
 	constexpr double side = 60.0;
 	constexpr int sets = 24;
 	double sum = 0.0;

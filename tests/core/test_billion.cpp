@@ -1,4 +1,4 @@
-// What the program bench/billion would notice: its checks, on points made by hand and on spoilt points of the sampler.
+// The checks of the program bench/billion, on handmade points and on the sampler's points with errors added.
 
 #include "tests/bench/billion/run.hpp"
 
@@ -39,7 +39,7 @@ Outcome run_on(const RunOptions &options, const TileSource &source) {
 	return run.go([](std::uint64_t) {});
 }
 
-/// Whole sets that are given by hand have gaps; those are not looked for.
+/// Handmade sets have gaps, so gaps are not checked.
 Outcome check_by_hand(RunOptions options, const std::vector<glm::ivec2> &lattice) {
 	options.gaps = 0;
 	return run_on(options, [&lattice](const Rect &rect, std::vector<SamplePoint> &r_points) {
@@ -53,7 +53,7 @@ Outcome check_by_hand(RunOptions options, const std::vector<glm::ivec2> &lattice
 	});
 }
 
-/// Changes what the sampler handed out for a rectangle.
+/// Changes the sampler's points for a rectangle.
 using Spoil = std::function<void(const Rect &rect, std::vector<SamplePoint> &r_points)>;
 
 Outcome run_spoilt(const RunOptions &options, const Spoil &spoil) {
@@ -78,7 +78,7 @@ bool is_perfect(const Outcome &outcome) {
 			outcome.tiles_repeated == 0;
 }
 
-/// A small run of which one point, that of the cell `taken`, is tampered with.
+/// A small run in which one point, that of the cell `taken`, is tampered with.
 struct Marked {
 	static constexpr std::int32_t tile = 16;
 
@@ -87,7 +87,7 @@ struct Marked {
 
 	RunOptions options = small_run(tile);
 	Digest digest = run_sound(options).found.digest;
-	/// Cells in the middle row of a tile: one that holds a point and one that does not.
+	/// Cells in the middle row of a tile: one with a point and one without.
 	glm::ivec2 taken{0}, open{0};
 
 	Marked() {
@@ -104,7 +104,7 @@ struct Marked {
 				[cell](const SamplePoint &point) { return unpack(point.id).cell == cell; });
 	}
 
-	/// Tampers with every list that has the point in it.
+	/// Tampers with every list that contains the point.
 	Outcome run(const Tamper &tamper) const {
 		const Outcome outcome = run_spoilt(options, [&](const Rect &rect, Points &r_points) {
 			if (const auto found = find(r_points, taken); found != r_points.end()) {
@@ -140,8 +140,8 @@ TEST_CASE("billion: every order visits every tile once") {
 	}
 }
 
-TEST_CASE("billion: a pair that is too close is noticed inside a tile, across its borders and its corners") {
-	// The cell east and north of the corner that four tiles share is at 0, 0.
+TEST_CASE("billion: a pair that is too close is detected inside a tile, across its borders and its corners") {
+	// The cell northeast of the corner that four tiles share is at 0, 0.
 	const std::pair<glm::ivec2, glm::ivec2> pairs[] = {
 			{{5 * unit_cell, 5 * unit_cell}, {5 * unit_cell + 23170, 5 * unit_cell}},
 			{{-1, 5 * unit_cell}, {23169, 5 * unit_cell}},
@@ -164,7 +164,7 @@ TEST_CASE("billion: a pair that is too close is noticed inside a tile, across it
 			CHECK(close.found.too_close == 1);
 			CHECK(close.found.least_squared < std::int64_t{radius_squared});
 
-			const glm::ivec2 away = glm::sign(b - a) * 2; // Now at the radius or just beyond it.
+			const glm::ivec2 away = glm::sign(b - a) * 2; // At the radius or just beyond it.
 			const Outcome apart = check_by_hand(small_run(16, order), {a, b + away});
 			CHECK(apart.found.too_close == 0);
 			CHECK(apart.found.least_squared >= std::int64_t{radius_squared});
@@ -173,7 +173,7 @@ TEST_CASE("billion: a pair that is too close is noticed inside a tile, across it
 	CHECK(check_by_hand(small_run(16), {{-1, -1}, {unit_cell - 1, unit_cell - 1}}).found.too_close == 0);
 }
 
-TEST_CASE("billion: distances of all pairs are those of brute force, for any tiles, order and threads") {
+TEST_CASE("billion: all pair distances match brute force, for any tiles, order and threads") {
 	std::mt19937 random(3);
 	std::vector<glm::ivec2> points;
 	for (std::int32_t cell = 0; cell < 64 * 64; ++cell) {
@@ -228,7 +228,7 @@ TEST_CASE("billion: the sampler's set passes, with the same digest for any tiles
 	CHECK(run_sound(another).found.digest != first.found.digest);
 }
 
-TEST_CASE("billion: points that are missing or planted are noticed") {
+TEST_CASE("billion: missing and added points are detected") {
 	const Marked marked;
 	const Outcome missing = marked.run([](const Rect &, auto &r_points, auto found) { r_points.erase(found); });
 	CHECK(missing.gaps.uncovered > 0);
@@ -247,7 +247,7 @@ TEST_CASE("billion: points that are missing or planted are noticed") {
 	CHECK(planted.found.too_close > 0);
 }
 
-TEST_CASE("billion: points that are given twice, moved or renamed are noticed") {
+TEST_CASE("billion: repeated, moved and renamed points are detected") {
 	const Marked marked;
 	const Outcome twice = marked.run([](const Rect &, auto &r_points, auto found) { r_points.push_back(*found); });
 	CHECK(twice.found.doubled == 1);
@@ -260,10 +260,10 @@ TEST_CASE("billion: points that are given twice, moved or renamed are noticed") 
 	CHECK(renamed.found.misplaced == 1);
 
 	const Outcome ranked = marked.run([](const Rect &, auto &, auto found) { found->rank ^= 1; });
-	CHECK(is_perfect(ranked)); // But for its digest, at which `run` looks.
+	CHECK(is_perfect(ranked)); // Except for its digest, which `run` checks.
 }
 
-TEST_CASE("billion: tiles that are dropped, repeated or exchanged are noticed") {
+TEST_CASE("billion: dropped, repeated and swapped tiles are detected") {
 	const RunOptions options = small_run(16);
 	const Outcome sound = run_sound(options);
 	const Rect chosen{{0.0, 0.0}, {16.0, 16.0}};
@@ -294,7 +294,7 @@ TEST_CASE("billion: tiles that are dropped, repeated or exchanged are noticed") 
 	CHECK(seams.finished() == 3);
 }
 
-TEST_CASE("billion: rims are kept no longer than a neighbor is missing") {
+TEST_CASE("billion: rims are freed as soon as all neighbors are complete") {
 	const Region region{1600, 16};
 	for (const TileOrder order : all_orders) {
 		Seams seams(region);
@@ -306,11 +306,11 @@ TEST_CASE("billion: rims are kept no longer than a neighbor is missing") {
 			}
 		}
 		CHECK(pairs == 2 * 100 * 99 + 2 * 99 * 99);
-		CHECK(seams.most_kept() < 7 * 100); // Of 10000 tiles: at most some rows.
+		CHECK(seams.most_kept() < 7 * 100); // Of 10,000 tiles: a few rows at most.
 	}
 }
 
-TEST_CASE("billion: a refusal ends the run") {
+TEST_CASE("billion: an error of the sampler ends the run") {
 	const Outcome outcome = run_on(small_run(16, TileOrder::rows, 2),
 			[](const Rect &, std::vector<SamplePoint> &) { return Status{ErrorCode::out_of_range, "rect", 1.0}; });
 	CHECK(outcome.status.code == ErrorCode::out_of_range);

@@ -1,4 +1,4 @@
-// Which biome lies where: images of indices, their borders, and what an edit of them touches.
+// Biome maps: index images, their borders, and the area that an edit touches.
 
 #include "core/rules/biome_map.hpp"
 #include "refusal.hpp"
@@ -22,7 +22,7 @@ namespace {
 
 using Pixels = std::vector<std::uint8_t>;
 
-/// 100 by 60 pixels of 2 by 3 meters about the origin: biome 0 left, 1 right, a patch of 2, and a hole.
+/// 100 by 60 pixels of 2 by 3 meters around the origin: biome 0 on the left, 1 on the right, a patch of 2, and a hole.
 constexpr glm::ivec2 size{100, 60};
 const Rect area{{-100.0, -90.0}, {100.0, 90.0}};
 constexpr BiomeBorders bent{.width = 6.0, .noise = 8.0, .noise_size = 30.0, .seed = 7};
@@ -82,7 +82,7 @@ PerBiome<float> density_of(std::initializer_list<float> values) {
 
 } // namespace
 
-TEST_CASE("biome map: without borders each place has the biome of its pixel, outside by the edge") {
+TEST_CASE("biome map: without borders, positions have the biome of their pixel, or of the edge mode outside") {
 	for (const BiomeEdge edge : {BiomeEdge::nothing, BiomeEdge::clamp}) {
 		const Pixels pixels = image();
 		const BiomeMap map = map_of(pixels, {}, edge);
@@ -95,7 +95,7 @@ TEST_CASE("biome map: without borders each place has the biome of its pixel, out
 	}
 }
 
-TEST_CASE("biome map: a border of a width mixes two biomes evenly over just that width, in any direction") {
+TEST_CASE("biome map: a border mixes two biomes evenly over exactly its width, in any direction") {
 	const BiomeMap map = map_of(image(), {.width = 20.0});
 	for (double x = -15.0; x <= 15.0; x += 0.25) {
 		const double expected = std::clamp(0.5 + x / 20.0, 0.0, 1.0);
@@ -106,7 +106,7 @@ TEST_CASE("biome map: a border of a width mixes two biomes evenly over just that
 	CHECK(weight(map, {10.01, 0.0}, 0) == 0.0);
 }
 
-TEST_CASE("biome map: noise moves a border by no more than it says, to both sides, and by its seed") {
+TEST_CASE("biome map: noise moves a border by at most its strength, to both sides, depending on its seed") {
 	const Pixels pixels = image();
 	const BiomeMap straight = map_of(pixels);
 	const BiomeMap wavy = map_of(pixels, {.noise = 8.0, .noise_size = 30.0, .seed = 7});
@@ -127,7 +127,7 @@ TEST_CASE("biome map: noise moves a border by no more than it says, to both side
 	CHECK(other_by_seed > 20);
 }
 
-TEST_CASE("biome map: what a rectangle may hold is never too little, and single biomes away from borders") {
+TEST_CASE("biome map: the biomes of a rectangle are complete, and a single one away from borders") {
 	for (const BiomeEdge edge : {BiomeEdge::nothing, BiomeEdge::clamp}) {
 		const BiomeMap map = map_of(image(), bent, edge);
 		std::mt19937 random(3);
@@ -151,7 +151,7 @@ TEST_CASE("biome map: what a rectangle may hold is never too little, and single 
 	}
 }
 
-TEST_CASE("biome map: bits that stay the same on every machine") {
+TEST_CASE("biome map: bit-identical on every machine") {
 	const BiomeMap map = map_of(image(), bent, BiomeEdge::clamp);
 	std::uint64_t digest = 0;
 	for (int y = -90; y < 90; y += 3) {
@@ -164,7 +164,7 @@ TEST_CASE("biome map: bits that stay the same on every machine") {
 	CHECK(digest == 11745592883742851120U);
 }
 
-TEST_CASE("biome map: places that are nowhere have no biome") {
+TEST_CASE("biome map: positions that are not finite have no biome") {
 	const BiomeMap map = map_of(image(), bent, BiomeEdge::clamp);
 	for (const glm::dvec2 at :
 			{glm::dvec2(nan_value, 0.0), glm::dvec2(0.0, nan_value), glm::dvec2(infinite_value, 0.0)}) {
@@ -174,7 +174,7 @@ TEST_CASE("biome map: places that are nowhere have no biome") {
 	CHECK(BiomeMap().dominant_at({0.5, 0.5}) == no_biome);
 }
 
-TEST_CASE("biome map: refuses what it cannot use, and stays as it was") {
+TEST_CASE("biome map: refuses invalid images and borders, and stays unchanged") {
 	BiomeMap map = map_of(image());
 	const BiomeMap before = map;
 	const Pixels pixels = image();
@@ -196,7 +196,7 @@ TEST_CASE("biome map: refuses what it cannot use, and stays as it was") {
 	CHECK(map == map_of(pixels));
 }
 
-TEST_CASE("edits of a biome map: nothing differs beyond them, and little is in them") {
+TEST_CASE("edits of a biome map: nothing changes outside of the edited areas, which are small") {
 	const Pixels before_pixels = image();
 	Pixels after_pixels = before_pixels;
 	for (int y = 10; y < 14; ++y) {
@@ -213,7 +213,7 @@ TEST_CASE("edits of a biome map: nothing differs beyond them, and little is in t
 	for (const Rect &rect : areas) {
 		edited += rect.size().x * rect.size().y;
 	}
-	// 12 x 12 m of pixels, and 11 m around them for each piece.
+	// Pixels cover 12 x 12 m, and each piece adds 11 m around them.
 	CHECK(edited < 4.0 * 34.2 * 34.2);
 	for (const glm::dvec2 at : places(20000, 5)) {
 		const bool inside = std::ranges::any_of(areas, [at](const Rect &rect) { return rect.contains(at); });
@@ -221,7 +221,7 @@ TEST_CASE("edits of a biome map: nothing differs beyond them, and little is in t
 	}
 }
 
-TEST_CASE("edits of a biome map: of a value only where it counts, and none where values are the same") {
+TEST_CASE("edits of a biome map: a changed value edits only its biome, an equal value nothing") {
 	const BiomeMap map = map_of(image(), bent, BiomeEdge::clamp);
 	const auto before = density_of({0.5F, 1.0F, 0.25F});
 	std::vector<Rect> areas;
@@ -232,7 +232,7 @@ TEST_CASE("edits of a biome map: of a value only where it counts, and none where
 	for (const Rect &rect : areas) {
 		all = {glm::min(all.min, rect.min), glm::max(all.max, rect.max)};
 	}
-	// The patch, as far as 11 m around it; not beyond the map, though the edge is clamped.
+	// The patch and 11 m around it. Nothing beyond the map, although the edge is clamped.
 	CHECK(all.min.x == doctest::Approx(40.0 - 11.0).epsilon(0.01));
 	CHECK(all.max.x == doctest::Approx(60.0 + 11.0).epsilon(0.01));
 	CHECK(all.min.y == doctest::Approx(-30.0 - 11.0).epsilon(0.01));
@@ -246,7 +246,7 @@ TEST_CASE("edits of a biome map: of a value only where it counts, and none where
 	CHECK_FALSE(touched({500.0, 0.0}));
 }
 
-TEST_CASE("edits of a biome map: anything, if it is laid over the world in another way") {
+TEST_CASE("edits of a biome map: everything, if its area in the world changes") {
 	const BiomeMap map = map_of(image(), bent);
 	const auto values = density_of({1.0F});
 	std::vector<Rect> areas;
@@ -258,7 +258,7 @@ TEST_CASE("edits of a biome map: anything, if it is laid over the world in anoth
 }
 
 TEST_CASE("biome map: away from borders no noise is computed") {
-	// So far out that noise, which counts in small cells, would leave the numbers behind.
+	// So far out that the noise's small cells would overflow.
 	const BiomeMap map = map_of(image(), {.width = 6.0, .noise = 8.0, .noise_size = 1.0}, BiomeEdge::clamp);
 	for (const glm::dvec2 far : {glm::dvec2(1e308, 0.0), glm::dvec2(-1e308, 20.0)}) {
 		BiomeTaps taps{};

@@ -1,4 +1,4 @@
-// Biomes and water as rules of a layer, and what an edit of them touches.
+// Biomes and water as rules of a layer, and the area that an edit of them touches.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/tile_builder.hpp"
@@ -21,7 +21,7 @@ namespace {
 using Pixels = std::vector<std::uint8_t>;
 using SharedMap = std::shared_ptr<const BiomeMap>;
 
-/// 40 by 30 pixels of 8 meters about the origin: biome 0 to the left, 1 to the right, and what lies in `patch`.
+/// 40 by 30 pixels of 8 meters around the origin: biome 0 on the left, 1 on the right, and `patch` in the patch.
 SharedMap map_with(std::uint8_t patch, const BiomeBorders &borders = {.width = 8.0, .noise = 10.0}) {
 	Pixels pixels;
 	for (int y = 0; y < 30; ++y) {
@@ -56,7 +56,7 @@ LayerSettings grass() {
 
 const FlatTerrain ground(0.0);
 
-/// Ground that rises to the right by a meter in ten.
+/// Ground that rises to the right by 1 m in 10 m.
 class Slope final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -86,7 +86,7 @@ EditedArea edits(const LayerSettings &before, const LayerSettings &after) {
 	return search.find(before, after);
 }
 
-/// Every instance that is in one of two states only stands in the edited area.
+/// Checks that every instance which is in only one of the two states is in the edited area.
 void check_reach(const LayerSettings &before, const LayerSettings &after, const Terrain &terrain, double most_part) {
 	const EditedArea area = edits(before, after);
 	REQUIRE_FALSE(area.everywhere);
@@ -113,7 +113,7 @@ void check_reach(const LayerSettings &before, const LayerSettings &after, const 
 
 } // namespace
 
-TEST_CASE("a layer's biome: it stands there alone, thinned by the density, and every point keeps its id") {
+TEST_CASE("a layer's biome: instances only there, thinned by the density, and every point keeps its id") {
 	LayerSettings layer = grass();
 	const auto all = standing(layer, ground, everything);
 	layer.rules.biome = densities(map_with(2, {}), {1.0F, 0.0F, 0.25F});
@@ -157,7 +157,7 @@ TEST_CASE("a layer's biome: layers of two biomes that share a border fill it tog
 	CHECK(mixed > 80);
 }
 
-TEST_CASE("a layer's biome: one position alone, and one among many, get the same bits") {
+TEST_CASE("a layer's biome: a position alone and one among many are bit-identical") {
 	const auto field = densities(map_with(2), {1.0F, 0.3F, 0.7F});
 	std::vector<glm::dvec2> positions;
 	for (int i = 0; i < 4000; ++i) {
@@ -176,7 +176,7 @@ TEST_CASE("a layer's biome: one position alone, and one among many, get the same
 	CHECK(one == 0.0F);
 }
 
-TEST_CASE("a layer's biome: where it is not, no point is looked for") {
+TEST_CASE("a layer's biome: no points are sampled outside of it") {
 	LayerSettings layer = grass();
 	layer.rules.biome = densities(map_with(1), {1.0F, 0.0F, 0.0F});
 	const TileInstances there = built(layer, ground, {{-100.0, 0.0}, {-60.0, 40.0}});
@@ -185,7 +185,7 @@ TEST_CASE("a layer's biome: where it is not, no point is looked for") {
 	CHECK(elsewhere.counts.sampled == 0);
 }
 
-TEST_CASE("water: without any, layers stand as ever, and those of the water nowhere") {
+TEST_CASE("water: without water, layers are unchanged, and water layers are empty") {
 	LayerSettings layer = grass();
 	const std::size_t all = standing(layer, ground, everything).size();
 	layer.rules.max_water_depth = unlimited_height;
@@ -196,7 +196,7 @@ TEST_CASE("water: without any, layers stand as ever, and those of the water nowh
 	CHECK(standing(layer, ground, everything).empty());
 }
 
-TEST_CASE("water: layers stay dry, others stand at the shore or in the depth they ask for") {
+TEST_CASE("water: layers stay dry, or are at the shore or in the required depth") {
 	const Slope slope; // The shore of a level of 2 m is at x = 20.
 	LayerSettings layer = grass();
 	layer.rules.water = std::make_shared<WaterLevels>(2.0);
@@ -225,7 +225,7 @@ TEST_CASE("water: layers stay dry, others stand at the shore or in the depth the
 	CHECK(deep[1] <= -30.0 + 1e-4);
 }
 
-TEST_CASE("water: a falloff thins towards the limit of the depth") {
+TEST_CASE("water: a falloff thins toward the depth's limit") {
 	const Slope slope;
 	LayerSettings layer = grass();
 	layer.rules.water = std::make_shared<WaterLevels>(0.0);
@@ -241,7 +241,7 @@ TEST_CASE("water: a falloff thins towards the limit of the depth") {
 	CHECK(static_cast<double>(counts[0]) == doctest::Approx(0.5 * half).epsilon(0.15));
 }
 
-TEST_CASE("water: a biome's own level counts where the biome has the greatest weight, also at its border") {
+TEST_CASE("water: a biome's own level applies where the biome has the greatest weight, also at its border") {
 	const SharedMap map = map_with(2);
 	const auto water = levels(map, {1.0, no_water, 7.0}, -3.0);
 	for (int i = 0; i < 4000; ++i) {
@@ -263,7 +263,7 @@ TEST_CASE("water: limits are checked") {
 	CHECK(validate(rules).property == std::string("water_depth_falloff"));
 }
 
-TEST_CASE("edits of biomes: another pixel, density or biome changes nothing beyond where it lies") {
+TEST_CASE("edits of biomes: a changed pixel, density or biome changes nothing outside of its area") {
 	LayerSettings before = grass();
 	before.rules.edge_feather = 3.0;
 	LayerSettings after = before;
@@ -277,7 +277,7 @@ TEST_CASE("edits of biomes: another pixel, density or biome changes nothing beyo
 	CHECK(edits(after, after).empty());
 }
 
-TEST_CASE("edits of biomes: also through a layer that keeps away from those of a biome") {
+TEST_CASE("edits of biomes: also through a layer with spacing from a biome's layer") {
 	LayerSettings trees = grass();
 	trees.set.layer = 1;
 	trees.set.radius = 5.0;
@@ -290,7 +290,7 @@ TEST_CASE("edits of biomes: also through a layer that keeps away from those of a
 	check_reach(before, after, ground, 0.2);
 }
 
-TEST_CASE("edits of water: of a biome's in the biome alone, and of none for layers that it does not concern") {
+TEST_CASE("edits of water: only in the biome whose level changes, and only for layers with water rules") {
 	const Slope slope;
 	const SharedMap map = map_with(2);
 	LayerSettings before = grass();

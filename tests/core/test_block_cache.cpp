@@ -1,4 +1,5 @@
-// Windows that come out of kept blocks: the same points as without, less work, bounded memory, any number of threads.
+// Windows that are filled from cached blocks: the same points as without, less work, bounded memory, any number of
+// threads.
 
 #include "core/base/instance_id.hpp"
 #include "core/placement/tile_builder.hpp"
@@ -27,7 +28,7 @@ std::vector<SamplePoint> points_in(TileSampler &sampler, const PointSet &set, co
 	return points;
 }
 
-/// A tile of some tile size in radii.
+/// A tile whose size is a number of radii.
 Rect tile_of(const PointSet &set, double radii, int x, int y) {
 	const glm::dvec2 corner = radii * set.radius * glm::dvec2(x, y);
 	return {corner, corner + radii * set.radius};
@@ -45,7 +46,7 @@ void walk(TileSampler &sampler, const PointSet &set, double radii, glm::ivec2 ar
 
 } // namespace
 
-TEST_CASE("Windows from kept blocks hold the same points in the same order") {
+TEST_CASE("Windows from cached blocks hold the same points in the same order") {
 	std::mt19937 random(5); // NOLINT(cert-msc32-c,cert-msc51-cpp): the same windows in every run.
 	const auto cache = std::make_shared<BlockCache>(std::size_t{1} << 18);
 	TileSampler with({}, cache);
@@ -68,7 +69,7 @@ TEST_CASE("Windows from kept blocks hold the same points in the same order") {
 	CHECK(taken > 100);
 }
 
-TEST_CASE("Tiles that touch a kept block are not computed again") {
+TEST_CASE("Tiles that touch a cached block are not computed again") {
 	const PointSet set{.seed = 7, .radius = 2.0};
 	TileSampler with({}, std::make_shared<BlockCache>());
 	TileSampler without;
@@ -86,7 +87,7 @@ TEST_CASE("Tiles that touch a kept block are not computed again") {
 	});
 }
 
-TEST_CASE("A single window costs what it does without kept blocks") {
+TEST_CASE("A single window costs the same as without cached blocks") {
 	const PointSet set{.seed = 7, .radius = 2.0};
 	TileSampler with({}, std::make_shared<BlockCache>());
 	TileSampler without;
@@ -97,7 +98,7 @@ TEST_CASE("A single window costs what it does without kept blocks") {
 	}
 }
 
-TEST_CASE("A block beside a kept one is made for the first window that touches it") {
+TEST_CASE("A block beside a cached one is generated for the first window that touches it") {
 	const PointSet set{.seed = 7, .radius = 2.0};
 	TileSampler with({}, std::make_shared<BlockCache>());
 	TileSampler without;
@@ -111,16 +112,16 @@ TEST_CASE("A block beside a kept one is made for the first window that touches i
 		return with.stats().computed != without.stats().computed;
 	};
 	CHECK_FALSE(is_settled(window(0.5, 0.5)));
-	CHECK_FALSE(is_settled(window(1.5, 0.5))); // The block beside it was asked for once, and is not made.
+	CHECK_FALSE(is_settled(window(1.5, 0.5))); // The block beside it was requested once and is not generated.
 	CHECK(is_settled(window(0.5, 0.7)));
 	CHECK(is_settled(window(0.5, 1.5)));
 	CHECK(with.stats().computed > 0);
 	CHECK(is_settled(window(0.7, 1.7)));
 	CHECK(with.stats().computed == 0);
-	CHECK_FALSE(is_settled(window(2.5, 2.5))); // It touches others at a corner at most.
+	CHECK_FALSE(is_settled(window(2.5, 2.5))); // It only touches others at a corner.
 }
 
-TEST_CASE("Kept blocks stay within their memory, those used last") {
+TEST_CASE("Cached blocks stay within their memory; the last used ones remain") {
 	const std::size_t limit = std::size_t{1} << 18;
 	const auto cache = std::make_shared<BlockCache>(limit);
 	TileSampler sampler({}, cache);
@@ -136,7 +137,7 @@ TEST_CASE("Kept blocks stay within their memory, those used last") {
 	CHECK(sampler.stats().computed > 0);
 }
 
-TEST_CASE("Windows at the set's last cells come out of blocks as well") {
+TEST_CASE("Windows at the set's last cells are filled from blocks, too") {
 	const PointSet set{.seed = 11, .radius = 1.0};
 	TileSampler with({}, std::make_shared<BlockCache>());
 	TileSampler without;
@@ -150,7 +151,7 @@ TEST_CASE("Windows at the set's last cells come out of blocks as well") {
 	}
 }
 
-TEST_CASE("A window that is canceled leaves its blocks to the next") {
+TEST_CASE("A canceled window leaves its blocks for the next one to generate") {
 	const PointSet set{.seed = 4, .radius = 1.0};
 	TileSampler sampler({}, std::make_shared<BlockCache>());
 	const Rect rect{{10.0, 10.0}, {26.0, 26.0}};
@@ -189,7 +190,7 @@ TEST_CASE("Threads that share blocks get the same points") {
 	}
 }
 
-TEST_CASE("Without memory for a block a window fails or is sampled by itself, and the cache stays usable") {
+TEST_CASE("Without memory for a block, a window fails or is sampled directly, and the cache stays usable") {
 	const PointSet set{.seed = 6, .radius = 1.0};
 	const Rect rect{{60.0, 60.0}, {75.0, 75.0}};
 	struct Job {
@@ -202,14 +203,14 @@ TEST_CASE("Without memory for a block a window fails or is sampled by itself, an
 			"rect",
 			[&] {
 				Job job;
-				points_in(job.sampler, set, rect); // The second time makes the blocks.
+				points_in(job.sampler, set, rect); // The second time generates the blocks.
 				return job;
 			},
 			[&](Job &job) { return job.sampler.sample(set, rect, job.points); },
 			[](const Job &job) { CHECK(job.points.empty()); }, [&](const Job &job) { CHECK(job.points == expected); });
 }
 
-TEST_CASE("Whole tiles are the same with kept blocks, layers that look at each other too") {
+TEST_CASE("Whole tiles are the same with cached blocks, also if layers depend on each other") {
 	LayerSettings trees = rich_layer();
 	trees.set = {.seed = 3, .radius = 6.0, .layer = 1};
 	LayerSettings plants = rich_layer();
@@ -232,7 +233,7 @@ TEST_CASE("Whole tiles are the same with kept blocks, layers that look at each o
 	}
 }
 
-TEST_CASE("Whole tiles take their points, and those of the layers around, from kept blocks") {
+TEST_CASE("Whole tiles take their points, and those of the layers around, from cached blocks") {
 	LayerSettings trees = rich_layer();
 	trees.set = {.seed = 3, .radius = 6.0, .layer = 1};
 	LayerSettings plants = rich_layer();
@@ -255,7 +256,7 @@ TEST_CASE("Whole tiles take their points, and those of the layers around, from k
 	CHECK(cache->bytes() > plants_alone);
 }
 
-TEST_CASE("Pieces of a large rectangle take the points of the layers around from kept blocks") {
+TEST_CASE("Pieces of a large rectangle take the points of the layers around from cached blocks") {
 	LayerSettings trees = rich_layer();
 	trees.set = {.seed = 3, .radius = 12.0, .layer = 1};
 	LayerSettings plants = rich_layer();

@@ -32,7 +32,7 @@ void check_close(glm::vec3 a, glm::vec3 b, float tolerance) { CHECK(glm::length(
 
 } // namespace
 
-TEST_CASE("body fit: rotation and scale come apart, to 1 %") {
+TEST_CASE("body fit: rotation and scale are separated, to 1 %") {
 	std::mt19937_64 random(3);
 	std::uniform_real_distribution<float> powers(-3.0f, 3.0f);
 	for (int i = 0; i < 2000; ++i) {
@@ -55,7 +55,7 @@ TEST_CASE("body fit: rotation and scale come apart, to 1 %") {
 	CHECK(fit.rotation == glm::mat3(1.0f));
 }
 
-TEST_CASE("body fit: nearly the same scales share their steps, others do not") {
+TEST_CASE("body fit: nearly equal scales share a step, others do not") {
 	BodyFit a;
 	BodyFit b;
 	CHECK(fit_body(glm::mat3(1.600f), a));
@@ -65,7 +65,7 @@ TEST_CASE("body fit: nearly the same scales share their steps, others do not") {
 	CHECK(a.scale_steps != b.scale_steps);
 }
 
-TEST_CASE("body fit: a scale gets the nearest step, whatever the machine") {
+TEST_CASE("body fit: a scale gets the nearest step, on every machine") {
 	const double step = std::log(body_scale_step);
 	BodyFit fit;
 	std::uint64_t bits = 0xcbf29ce484222325;
@@ -103,7 +103,7 @@ TEST_CASE("body fit: a sheared instance keeps its up axis") {
 	}
 }
 
-TEST_CASE("body fit: what is flat, tiny, huge or not finite gets no body") {
+TEST_CASE("body fit: flat, tiny, huge and non-finite instances get no body") {
 	BodyFit fit;
 	const float infinity = std::numeric_limits<float>::infinity();
 	const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -141,7 +141,7 @@ TEST_CASE("body fit: the outermost points of a box are its corners") {
 	}
 }
 
-TEST_CASE("body fit: the outermost points of a ball reach nearly as far as it") {
+TEST_CASE("body fit: the outermost points of a ball reach nearly its radius") {
 	std::mt19937_64 random(6);
 	std::normal_distribution<float> along;
 	std::vector<glm::vec3> points;

@@ -1,4 +1,5 @@
-// The C library where memory ends: an error that says so, whichever request fails, and never an exception. tests/test_c_api.py has the rest.
+// The C library out of memory: whichever request fails, it returns an error and throws nothing. tests/test_c_api.py has
+// the rest.
 
 #include "allocation_count.hpp"
 #include "core/c_api/thicket.h"
@@ -17,7 +18,7 @@ using Sampler = std::unique_ptr<thicket_sampler, decltype(&thicket_sampler_free)
 constexpr thicket_set some_set{.seed = 1, .radius = 1.0, .levels = 2, .layer = 0};
 constexpr thicket_rect some_rect{0.0, 0.0, 40.0, 30.0};
 
-/// Runs `work(sampler)` with memory that ends at its first request, its second, and so on, until it passes.
+/// Runs `work(sampler)` while memory runs out at its first request, its second, and so on, until it succeeds.
 template <typename Work>
 void fail_every_request(bool sampled_before, const Work &work) {
 	std::size_t failures = 0;
@@ -41,7 +42,7 @@ void fail_every_request(bool sampled_before, const Work &work) {
 		++failures;
 		REQUIRE(code == THICKET_OUT_OF_MEMORY);
 		const std::string message = thicket_message(sampler.get());
-		REQUIRE(message == "there is not even memory to say what went wrong");
+		REQUIRE(message == "there is not enough memory for an error message");
 		CHECK(thicket_count(sampler.get()) == (sampled_before ? before : 0));
 		REQUIRE(work(sampler.get()) == THICKET_OK);
 	}
@@ -50,7 +51,7 @@ void fail_every_request(bool sampled_before, const Work &work) {
 
 } // namespace
 
-TEST_CASE("the C library where memory ends") {
+TEST_CASE("the C library out of memory") {
 	fail_every_request(false,
 			[](thicket_sampler *sampler) { return thicket_sample(sampler, &some_set, &some_rect, nullptr, nullptr); });
 	fail_every_request(false, [](thicket_sampler *sampler) {
@@ -71,7 +72,7 @@ TEST_CASE("the C library where memory ends") {
 	});
 }
 
-TEST_CASE("a sampler in C where memory ends") {
+TEST_CASE("creating a sampler in C out of memory") {
 	for (std::size_t allowed = 0; allowed < 100; ++allowed) {
 		const AllocationLimit limit(allowed, AllocationLimit::Fails::all_later);
 		const Sampler sampler(thicket_sampler_new(), thicket_sampler_free);
@@ -83,14 +84,14 @@ TEST_CASE("a sampler in C where memory ends") {
 	FAIL("there never is one");
 }
 
-TEST_CASE("the C library names what there was no memory for") {
+TEST_CASE("out of memory, the C library names the property") {
 	const Sampler sampler(thicket_sampler_new(), thicket_sampler_free);
 	REQUIRE(sampler);
 	{
-		// The first request alone fails: that of the points.
+		// Only the first request fails, which is for the points.
 		const AllocationLimit limit(0, AllocationLimit::Fails::one);
 		REQUIRE(thicket_sample(sampler.get(), &some_set, &some_rect, nullptr, nullptr) == THICKET_OUT_OF_MEMORY);
 	}
 	const std::string message = thicket_message(sampler.get());
-	CHECK(message.starts_with("rect needs more memory than there is, got "));
+	CHECK(message.starts_with("rect needs more memory than is available, got "));
 }

@@ -1,4 +1,5 @@
-// How finely tiles are divided for drawing: finer near by, only where that changes the picture, and without to and fro.
+// How finely tiles are divided for drawing: finer near the camera, only where that changes the picture, and with
+// hysteresis.
 
 #include "core/placement/cell_choice.hpp"
 
@@ -24,7 +25,7 @@ LodSettings lods(std::vector<double> distances) {
 
 } // namespace
 
-TEST_CASE("cell choice: a tile is divided evenly, into what comes nearest to the size asked for") {
+TEST_CASE("cell choice: a tile is divided evenly into cells nearest to the requested size") {
 	CHECK(cells_across(128.0, 32.0) == 4);
 	CHECK(cells_across(128.0, 40.0) == 3);
 	CHECK(cells_across(128.0, 100.0) == 1);
@@ -37,7 +38,7 @@ TEST_CASE("cell choice: a tile is divided evenly, into what comes nearest to the
 	}
 }
 
-TEST_CASE("cell choice: the usual size follows the model's size, and how few of it stand there") {
+TEST_CASE("cell choice: the default size follows the model's size and the instances' density") {
 	CHECK(usual_cell_size(12.0, 1.0) == 32.0);
 	CHECK(usual_cell_size(4.0, 1.0) == 32.0);
 	CHECK(usual_cell_size(16.0, 1.0) == 32.0);
@@ -49,7 +50,7 @@ TEST_CASE("cell choice: the usual size follows the model's size, and how few of 
 	CHECK(sparse * sparse * 0.002 == doctest::Approx(fewest_in_cell));
 }
 
-TEST_CASE("cell choice: near tiles are in cells, far ones whole") {
+TEST_CASE("cell choice: near tiles are divided into cells, far ones are whole") {
 	const LodSettings lod = lods({40.0, 150.0});
 	CHECK(division_at(settings, lod, 0.0, 0) == 4);
 	CHECK(division_at(settings, lod, 39.0, 0) == 4);
@@ -61,7 +62,7 @@ TEST_CASE("cell choice: near tiles are in cells, far ones whole") {
 	CHECK(division_at({}, lod, 0.0, 0) == 1);
 }
 
-TEST_CASE("cell choice: a tile within which nothing changes is drawn as a whole") {
+TEST_CASE("cell choice: a tile without changes inside it is drawn as a whole") {
 	CHECK(division_at(settings, {}, 0.0, 0) == 1);
 	CHECK(division_at(settings, lods({10.0}), 0.0, 0) == 4);
 	CHECK(division_at(settings, lods({10.0}), 11.0, 0) == 1);
@@ -71,14 +72,14 @@ TEST_CASE("cell choice: a tile within which nothing changes is drawn as a whole"
 	LodSettings thinning;
 	thinning.thin_begin = 50.0;
 	thinning.thin_end = 170.0;
-	CHECK(division_at(settings, thinning, 100.0, 0) == 1); // It thins nothing yet.
+	CHECK(division_at(settings, thinning, 100.0, 0) == 1); // No thinning at this distance.
 	thinning.thin_density = 0.5;
 	CHECK(division_at(settings, thinning, 100.0, 0) == 4);
 	CHECK(division_at(settings, thinning, 169.0, 0) == 2);
 	CHECK(division_at(settings, thinning, 171.0, 0) == 1);
 }
 
-TEST_CASE("cell choice: who walks to and fro within a tenth of a tile changes nothing twice") {
+TEST_CASE("cell choice: moving to and fro within a tenth of a tile changes nothing twice") {
 	for (const LodSettings &lod :
 			{LodSettings(), lods({40.0, 150.0}), lods({100.0}), lods({20.0, 21.0, 130.0}), lods({250.0})}) {
 		for (double middle = 0.0; middle < 300.0; middle += 1.0) {
@@ -90,12 +91,12 @@ TEST_CASE("cell choice: who walks to and fro within a tenth of a tile changes no
 				changes += across != shown ? 1 : 0;
 				shown = across;
 			}
-			CHECK(changes <= 2); // The first is that it is shown at all.
+			CHECK(changes <= 2); // The first change shows the tile.
 		}
 	}
 }
 
-TEST_CASE("cell choice: a tile need not be looked at again before its answer may be another") {
+TEST_CASE("cell choice: a tile needs no check before its result can change") {
 	const LodSettings lod = lods({40.0, 150.0});
 	CHECK(division_margin(settings, lod, 1000.0) > 700.0);
 	for (double distance = 0.0; distance < 1000.0; distance += 0.5) {

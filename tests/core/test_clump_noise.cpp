@@ -22,7 +22,7 @@ ClumpNoise noise_of(const Clumping &clumping, std::uint64_t seed = 1) {
 	return noise;
 }
 
-/// Places all over a square of 100,000 clumps of 10 m, away from the origin.
+/// Positions in a square of 100,000 clumps of 10 m, away from the origin.
 std::vector<glm::dvec2> places(std::size_t count, unsigned seed) {
 	std::mt19937_64 random(seed);
 	std::uniform_real_distribution<double> along(-4000.0, -4000.0 + 3162.0);
@@ -42,7 +42,7 @@ double mean_at(const ClumpNoise &noise, const std::vector<glm::dvec2> &at) {
 	return sum / static_cast<double>(at.size());
 }
 
-/// With a coverage of a half and no edge at all, the density is the part of the plane below it.
+/// With a coverage of a half and a hard edge, the density is 1 where the noise is below a half and 0 elsewhere.
 constexpr Clumping plain{.size = 10.0, .coverage = 0.5, .softness = 1.0};
 
 double correlation(const ClumpNoise &noise, const std::vector<glm::dvec2> &at, glm::dvec2 offset) {
@@ -55,7 +55,7 @@ double correlation(const ClumpNoise &noise, const std::vector<glm::dvec2> &at, g
 
 } // namespace
 
-TEST_CASE("clumps: they cover the part of the plane that is asked for, whatever the seed") {
+TEST_CASE("clumps: they cover the requested share of the plane, for every seed") {
 	const auto at = places(40000, 1);
 	for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{1}, ~std::uint64_t{0}}) {
 		for (const double coverage : {0.02, 0.1, 0.25, 0.5, 0.75, 0.9, 0.98}) {
@@ -95,8 +95,8 @@ TEST_CASE("clumps: the noise is uniform, to half a percent at every twentieth") 
 	CHECK(values.back() <= 1.0);
 }
 
-TEST_CASE("clumps: the table that makes the noise uniform is what the noise measures") {
-	// Of 200,000 places a share is known to 0.0011 (one standard deviation).
+TEST_CASE("clumps: the table that makes the noise uniform matches the measured noise") {
+	// With 200,000 positions, a share's standard deviation is 0.0011.
 	constexpr std::array nearer
 #include "core/rules/clump_table.inc"
 			;
@@ -116,7 +116,7 @@ TEST_CASE("clumps: the table that makes the noise uniform is what the noise meas
 	}
 }
 
-TEST_CASE("clumps: without softness there is all or nothing; nothing and all cover nothing and all") {
+TEST_CASE("clumps: without softness, densities are 0 or 1; coverages of 0 and 1 are exact") {
 	const auto at = places(5000, 5);
 	for (const double softness : {0.0, 0.3, 1.0}) {
 		const ClumpNoise none = noise_of({10.0, 0.0, softness});
@@ -130,15 +130,15 @@ TEST_CASE("clumps: without softness there is all or nothing; nothing and all cov
 			REQUIRE((density >= 0.0 && density <= 1.0));
 			between += density > 0.0 && density < 1.0;
 		}
-		// The edges have 2 * softness * coverage of the plane.
+		// The edges cover 2 * softness * coverage of the plane.
 		CHECK(std::abs(between / 5000.0 - 2.0 * softness * 0.4) < 0.03);
 	}
 }
 
-TEST_CASE("clumps: their middles are as far apart as asked for") {
+TEST_CASE("clumps: their centers are at the requested distance") {
 	for (const double size : {1.0, 40.0}) {
 		const ClumpNoise noise = noise_of({size, 0.5, 1.0}, 3);
-		constexpr int side = 600; // Of steps of a twelfth of a size: 50 by 50 clumps.
+		constexpr int side = 600; // In steps of a twelfth of the size: 50 by 50 clumps.
 		std::vector<double> values(side * side);
 		for (int y = 0; y < side; ++y) {
 			for (int x = 0; x < side; ++x) {
@@ -159,7 +159,7 @@ TEST_CASE("clumps: their middles are as far apart as asked for") {
 	}
 }
 
-TEST_CASE("clumps: no direction and no lattice stands out") {
+TEST_CASE("clumps: no direction is preferred and no lattice is visible") {
 	const auto at = places(60000, 6);
 	const ClumpNoise noise = noise_of(plain, 5);
 	for (const double distance : {1.5, 3.0, 4.6, 6.9}) { // 4.6 m is the side of a cell.
@@ -174,7 +174,7 @@ TEST_CASE("clumps: no direction and no lattice stands out") {
 		CHECK(std::abs(correlation(noise, at, {distance, 0.0})) < 0.02);
 		CHECK(std::abs(correlation(noise, at, {0.0, distance})) < 0.02);
 	}
-	// The mean over many cells, at each of 8 by 8 places in a cell.
+	// The mean over many cells, at each of 8 by 8 positions in a cell.
 	constexpr double cell = 10.0 / 2.1747;
 	for (int part = 0; part < 64; ++part) {
 		double sum = 0.0;
@@ -190,7 +190,7 @@ TEST_CASE("clumps: no direction and no lattice stands out") {
 	}
 }
 
-TEST_CASE("clumps: the noise is continuous, near the origin and 10^9 m out, and does not come again") {
+TEST_CASE("clumps: the noise is continuous, near the origin and 10^9 m out, and never repeats") {
 	for (const glm::dvec2 origin : {glm::dvec2(0.0), glm::dvec2(1e9, -1e9), glm::dvec2(-1e9, 5e8)}) {
 		const ClumpNoise noise = noise_of(plain, 9);
 		double low = 1.0;
@@ -205,14 +205,14 @@ TEST_CASE("clumps: the noise is continuous, near the origin and 10^9 m out, and 
 		CHECK(low < 0.1);
 		CHECK(high > 0.9);
 	}
-	// Whole powers of two of cells away, where truncated coordinates would repeat.
+	// Offsets of powers of two cells, at which truncated coordinates would repeat.
 	const auto at = places(10000, 7);
 	for (const double cells : {0x1p8, 0x1p16, 0x1p24, 0x1p32}) {
 		CHECK(std::abs(correlation(noise_of(plain, 9), at, {cells * 10.0 / 2.1747, 0.0})) < 0.05);
 	}
 }
 
-TEST_CASE("clumps: seeds have noise of their own, and sizes scale one") {
+TEST_CASE("clumps: each seed has its own noise, which the size scales") {
 	const auto at = places(20000, 8);
 	const ClumpNoise first = noise_of(plain, 1);
 	const ClumpNoise large = noise_of({20.0, 0.5, 1.0}, 1);
@@ -229,7 +229,7 @@ TEST_CASE("clumps: seeds have noise of their own, and sizes scale one") {
 	}
 }
 
-TEST_CASE("clumps: a size of 0 is no clumping, and no place has no density") {
+TEST_CASE("clumps: a size of 0 disables clumping, and a position that is not finite has no density") {
 	const ClumpNoise off = noise_of({});
 	CHECK_FALSE(off.active());
 	CHECK(off.at({3.0, 4.0}) == 1.0);
@@ -247,7 +247,7 @@ TEST_CASE("clumps: a size of 0 is no clumping, and no place has no density") {
 	CHECK(smallest.at({1e9, 1e9}) != smallest.at({1e9 + 0.05, 1e9}));
 }
 
-TEST_CASE("clumps: what is refused is named") {
+TEST_CASE("clumps: errors name the refused property") {
 	const auto refuse = [](auto change, ErrorCode code, const char *property, double value) {
 		Clumping bad{.size = 5.0};
 		change(bad);

@@ -23,7 +23,7 @@ constexpr double largest_number = std::numeric_limits<double>::max();
 
 } // namespace
 
-TEST_CASE("curve: samples stand where they are said to, with straight lines between") {
+TEST_CASE("curve: samples are evenly spaced, with straight lines between") {
 	const CurveTable table = table_of(-20.0, 60.0, {0.0f, 0.25f, 1.0f, 0.5f, 0.5f});
 	CHECK(table.at(-20.0) == 0.0);
 	CHECK(table.at(0.0) == 0.25);
@@ -37,7 +37,7 @@ TEST_CASE("curve: samples stand where they are said to, with straight lines betw
 	CHECK(table.largest() == 1.0);
 }
 
-TEST_CASE("curve: beyond its ends it keeps their values, and NAN has none") {
+TEST_CASE("curve: beyond its ends it keeps their values, and NAN has no value") {
 	const CurveTable table = table_of(100.0, 101.0, {0.25f, 0.5f, 0.75f});
 	for (const double below : {100.0, 99.999999, -1e300, -largest_number, -infinite_value}) {
 		CHECK(table.at(below) == 0.25);
@@ -49,7 +49,7 @@ TEST_CASE("curve: beyond its ends it keeps their values, and NAN has none") {
 	CHECK(CurveTable().at(nan_value) == 0.0);
 }
 
-TEST_CASE("curve: by default everything passes") {
+TEST_CASE("curve: the default is 1 everywhere") {
 	const CurveTable table;
 	for (const double x : {-infinite_value, -3.0, 0.0, 0.3, 1.0, 1e9}) {
 		CHECK(table.at(x) == 1.0);
@@ -58,14 +58,14 @@ TEST_CASE("curve: by default everything passes") {
 	CHECK(table_of(0.0, 1.0, {1.0f, 1.0f}) == table);
 }
 
-TEST_CASE("curve: only one that is 0 everywhere has nothing") {
+TEST_CASE("curve: only a curve that is 0 everywhere is empty") {
 	CHECK(table_of(0.0, 1.0, {0.0f, 0.0f, 0.0f}).largest() == 0.0);
 	CHECK(table_of(0.0, 1.0, {0.0f, 1e-30f, 0.0f}).largest() > 0.0);
 	CHECK(table_of(0.0, 1.0, {0.125f, 0.75f, 0.5f}).largest() == 0.75);
 	CHECK(table_of(0.0, 1.0, {0.125f, 0.5f, 0.75f}).largest() == 0.75);
 }
 
-TEST_CASE("curve: a value never leaves those of its neighbors, and is right to the last digits") {
+TEST_CASE("curve: a value is between the neighboring samples, and right to the last digits") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<float> unit(0.0f, 1.0f);
 	for (int round = 0; round < 200; ++round) {
@@ -89,7 +89,7 @@ TEST_CASE("curve: a value never leaves those of its neighbors, and is right to t
 	}
 }
 
-TEST_CASE("curve: it rises without a step back where its samples rise") {
+TEST_CASE("curve: it never falls where its samples rise") {
 	std::vector<float> samples(max_curve_samples);
 	for (std::size_t i = 0; i < samples.size(); ++i) {
 		samples[i] = std::sqrt(static_cast<float>(i) / static_cast<float>(samples.size() - 1));
@@ -114,7 +114,7 @@ TEST_CASE("curve: the widest and the narrowest range work") {
 	const CurveTable narrow = table_of(1000.0, next, {0.25f, 0.75f});
 	CHECK(narrow.at(1000.0) == 0.25);
 	CHECK(narrow.at(next) == 0.75);
-	// So near the end that no number tells the way there from the whole.
+	// So near the end that its share of the range rounds to 1.
 	const CurveTable steep = table_of(-1e10, 1.0, {1.0f, 1e-20f});
 	CHECK(steep.at(std::nextafter(1.0, 0.0)) == 1e-20f);
 	constexpr double smallest = std::numeric_limits<double>::denorm_min();
@@ -122,7 +122,7 @@ TEST_CASE("curve: the widest and the narrowest range work") {
 	CHECK(denormal.at(smallest) == 0.5);
 }
 
-TEST_CASE("curve: what is refused is named and leaves the curve as it was") {
+TEST_CASE("curve: errors name the refused property and leave the curve unchanged") {
 	CurveTable table = table_of(1.0, 3.0, {0.25f, 0.75f});
 	const CurveTable before = table;
 	const std::vector<float> good{0.0f, 1.0f};

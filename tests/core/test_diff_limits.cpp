@@ -1,4 +1,4 @@
-// A receiver bounds what a diff may do, and reads what it names before it is applied.
+// A receiver limits the changes that a diff may make, and reads a diff's summary before applying it.
 
 #include "allocation_count.hpp"
 #include "core/state/diff_summary.hpp"
@@ -13,7 +13,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// A diff of few bytes that removes many points of neighboring codes, at a clock; of layer 0 without a stamp.
+/// A small diff that removes many points with consecutive codes, at a clock. Those of layer 0 have no stamp.
 StateBytes bomb(std::uint32_t count, std::uint32_t format, double clock = 0.0) {
 	StateBytes bytes{'T', 'S', 'T', 'A'};
 	append(bytes, format);
@@ -36,7 +36,8 @@ StateBytes bomb(std::uint32_t count, std::uint32_t format, double clock = 0.0) {
 	return sealed(bytes);
 }
 
-/// Refused by limits, with these words, at once, joined and on another thread; and nothing has changed.
+/// Checks that limits refuse a diff with this message when it is applied, joined and queued, and that the state stays
+/// unchanged.
 void check_refused(
 		const InstanceState &state, const StateBytes &diff, const DiffLimits &limits, const std::string &words) {
 	InstanceState victim = copy_of(state);
@@ -54,9 +55,9 @@ void check_refused(
 	std::shared_ptr<PendingDiff> pending;
 	REQUIRE(victim.queue_diff(diff, pending, limits).ok());
 	pending->work();
-	StateChanges told;
-	CHECK(victim.finish_pending_diff(told).code == ErrorCode::not_allowed);
-	CHECK(told.size() == 0);
+	StateChanges reported;
+	CHECK(victim.finish_pending_diff(reported).code == ErrorCode::not_allowed);
+	CHECK(reported.size() == 0);
 	CHECK(bytes_of(victim) == before);
 	CHECK(victim.revision() == revision);
 }
@@ -99,7 +100,7 @@ TEST_CASE("diff limits: a bomb is refused by its counts, before any id is read")
 				"limit in diff_limits");
 		CHECK(state.merge_diff(diff, changes).code == ErrorCode::not_allowed);
 		CHECK(state.revision() == 0);
-		// It is what its name says: a smaller one is applied.
+		// The smaller bomb is a valid diff.
 		REQUIRE(state.apply(bomb(3000, format), changes).ok());
 		CHECK(state.removed_count() == 3000);
 		DiffLimits limits;
@@ -109,7 +110,7 @@ TEST_CASE("diff limits: a bomb is refused by its counts, before any id is read")
 	}
 }
 
-TEST_CASE("diff limits: every kind of id counts, and no list is longer than the limit") {
+TEST_CASE("diff limits: every kind of id counts, and no list may exceed the limit") {
 	InstanceState state;
 	for (int i = 0; i < 3; ++i) {
 		state.remove(point_id(1, i, 0));
@@ -130,7 +131,7 @@ TEST_CASE("diff limits: every kind of id counts, and no list is longer than the 
 	check_refused({}, former, limits, "changes must be at most 5");
 }
 
-TEST_CASE("diff limits: what is held afterwards") {
+TEST_CASE("diff limits: the state's total after the diff") {
 	InstanceState state;
 	for (int i = 0; i < 10; ++i) {
 		state.remove(point_id(1, 0, i));
@@ -140,7 +141,7 @@ TEST_CASE("diff limits: what is held afterwards") {
 	CHECK(is_applied(state, diff_of_removals(12), limits)); // Ten of them are removed already.
 	check_refused(state, diff_of_removals(13), limits,
 			"total changes must be at most 12 (max_total_changes of diff_limits), got 13");
-	// A state that holds more already takes what adds nothing.
+	// A state that already exceeds the limit accepts diffs that add nothing.
 	limits.max_total_changes = 5;
 	CHECK(is_applied(state, diff_of_removals(10), limits));
 	check_refused(state, diff_of_removals(11), limits, "total changes must be at most 5");
@@ -156,7 +157,7 @@ TEST_CASE("diff limits: what is held afterwards") {
 			"hand-placed instances must be at most 3 (max_added of diff_limits), got 4");
 }
 
-TEST_CASE("diff limits: bytes of data") {
+TEST_CASE("diff limits: the size of data") {
 	InstanceState writer;
 	REQUIRE(writer.set_data(point_id(1, 1, 1), StateBytes(100, 3)).ok());
 	DiffLimits limits;
@@ -175,7 +176,7 @@ TEST_CASE("diff limits: the area that a sender may change") {
 	InstanceState elsewhere;
 	elsewhere.remove(point_id(2, 1, 1));
 	check_refused({}, diff_of(elsewhere, 0), limits, "the position of points of a layer is missing. Assign");
-	// Hand-placed instances need no cells. One that stands outside may not be moved or taken away.
+	// Hand-placed instances need no cells. One that is outside may not be moved or removed.
 	InstanceState far;
 	const std::uint64_t id = added_to(far, instance_at(500.0, 10.0));
 	check_refused({}, diff_of(far, 0), limits, "x must be between 0 and 100 (area of diff_limits), got 500");
@@ -192,14 +193,14 @@ TEST_CASE("diff limits: the area that a sender may change") {
 	CHECK(holder.merge_diff(diff_of(near, known), changes, limits).ok() == false);
 }
 
-TEST_CASE("diff limits: a diff that replaces everything") {
+TEST_CASE("diff limits: replacement of the whole state") {
 	InstanceState state;
 	state.remove(point_id(1, 1, 1));
 	DiffLimits limits;
 	limits.allow_replacement = false;
 	check_refused(state, bytes_of(some_state(3, 20)), limits,
 			"replaces_everything must be 0 (allow_replacement of diff_limits), got 1");
-	// A join replaces nothing.
+	// Joining replaces nothing.
 	Changes changes;
 	REQUIRE(state.merge_diff(diff_of_removals(3), changes, limits).ok());
 	InstanceState other;
@@ -209,7 +210,7 @@ TEST_CASE("diff limits: a diff that replaces everything") {
 	CHECK(state.removed(point_id(1, 7, 7)));
 }
 
-TEST_CASE("diff limits: a foreign clock moves this one by what is allowed, and restores nothing before its time") {
+TEST_CASE("diff limits: a foreign clock moves this one within the limit, and restores nothing early") {
 	for (const std::uint32_t format : {former_state_format, state_format}) {
 		const StateBytes poisoned = bomb(0, format, 1e12);
 		InstanceState state;
@@ -238,9 +239,9 @@ TEST_CASE("diff limits: a foreign clock moves this one by what is allowed, and r
 		CHECK_FALSE(state.removed(point_id(1, 1, 1)));
 		state.remove(point_id(1, 1, 1), 300.0);
 		REQUIRE(state.advance(200.0, changes).ok());
-		CHECK_FALSE(state.removed(point_id(1, 1, 1))); // It grows again as it should.
+		CHECK_FALSE(state.removed(point_id(1, 1, 1))); // It regrows as it should.
 	}
-	// A diff that replaces everything brings the clock.
+	// A diff that replaces everything includes the clock.
 	InstanceState owner;
 	Changes changes;
 	REQUIRE(owner.advance(5.0, changes).ok());
@@ -250,7 +251,7 @@ TEST_CASE("diff limits: a foreign clock moves this one by what is allowed, and r
 	CHECK(follower.time() == 5.0);
 }
 
-TEST_CASE("diff summary: what a diff names, by layer, and where") {
+TEST_CASE("diff summary: a diff's ids, by layer and area") {
 	InstanceState sender;
 	sender.set_origin(99);
 	sender.remove(point_id(1, 3, 4));
@@ -287,7 +288,7 @@ TEST_CASE("diff summary: what a diff names, by layer, and where") {
 	CHECK_FALSE(summary.layers.at(3).has_bounds);
 	CHECK_FALSE(summary.layers.at(3).has_all_bounds);
 	CHECK(receiver.revision() == 0);
-	// A diff that is too large is not read; its front says how large it is.
+	// A diff that exceeds the limits is not read, but its header reports its size.
 	DiffLimits limits;
 	limits.max_changes = 5;
 	CHECK(receiver.inspect(diff_of(sender, 0), summary, limits).code == ErrorCode::not_allowed);

@@ -1,4 +1,4 @@
-// Diffs of a named state are applied in its order, however they arrive.
+// Diffs of a named state are applied in order, even if they arrive out of order.
 
 #include "core/state/diff_limits.hpp"
 #include "core/state/known_revisions.hpp"
@@ -30,7 +30,7 @@ struct Three {
 	}
 };
 
-/// Messages that arrive in any order, some twice, some never.
+/// Delivers messages out of order, some twice, some never.
 class Channel {
 public:
 	explicit Channel(StateRandom &random) : random_(random) {}
@@ -61,7 +61,7 @@ struct Receiver {
 	std::uint64_t sent = 0; ///< The revision up to which the owner has sent.
 };
 
-/// Applies a message; the revision to ask the owner for if something is missing before it.
+/// Applies a message. If an earlier one is missing, `r_since` is the revision to request from the owner.
 bool receive(InstanceState &r_state, const StateBytes &message, std::uint64_t &r_since) {
 	Changes changes;
 	const std::uint64_t before = r_state.revision();
@@ -80,7 +80,7 @@ bool receive(InstanceState &r_state, const StateBytes &message, std::uint64_t &r
 
 } // namespace
 
-TEST_CASE("diff order: a repeated and a late diff change nothing") {
+TEST_CASE("diff order: repeated and late diffs change nothing") {
 	const Three three;
 	InstanceState peer;
 	Changes changes;
@@ -103,7 +103,7 @@ TEST_CASE("diff order: a repeated and a late diff change nothing") {
 	CHECK(bytes_of(peer) == before);
 }
 
-TEST_CASE("diff order: a diff after a lost one is refused, and the answer says what to ask for") {
+TEST_CASE("diff order: a diff after a lost one is refused, and the error names the missing revision") {
 	Three three;
 	InstanceState peer;
 	Changes changes;
@@ -125,7 +125,7 @@ TEST_CASE("diff order: a diff after a lost one is refused, and the answer says w
 	CHECK(peer.known_revision(owner_name) == 3);
 }
 
-TEST_CASE("diff order: one that begins earlier than what is known is applied") {
+TEST_CASE("diff order: a diff that starts before the known revision is applied") {
 	const Three three;
 	InstanceState peer;
 	Changes changes;
@@ -134,7 +134,7 @@ TEST_CASE("diff order: one that begins earlier than what is known is applied") {
 	CHECK(peer.digest() == three.owner.digest());
 }
 
-TEST_CASE("diff order: steps of undo, saved changes and diffs of nameless states have none") {
+TEST_CASE("diff order: undo steps, saved changes and diffs of unnamed states have no order") {
 	Three three;
 	InstanceState peer;
 	Changes changes;
@@ -149,7 +149,7 @@ TEST_CASE("diff order: steps of undo, saved changes and diffs of nameless states
 	CHECK(peer.known_revision(owner_name) == 0);
 }
 
-TEST_CASE("diff order: a state that is loaded or cleared or replaced has to be told everything") {
+TEST_CASE("diff order: a loaded, cleared or replaced state needs a complete diff") {
 	const Three three;
 	const StateBytes saved = bytes_of(three.owner);
 	const auto is_forgotten = [&](auto forget) {
@@ -163,7 +163,7 @@ TEST_CASE("diff order: a state that is loaded or cleared or replaced has to be t
 	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.load(saved, r_changes).ok()); }));
 	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.apply(saved, r_changes).ok()); }));
 	CHECK(is_forgotten([&](InstanceState &r_peer, Changes &r_changes) { CHECK(r_peer.clear(r_changes).ok()); }));
-	// A diff of everything is as good as all before it.
+	// A complete diff is as good as all diffs before it.
 	InstanceState owner;
 	owner.set_origin(owner_name);
 	Changes changes;
@@ -173,7 +173,7 @@ TEST_CASE("diff order: a state that is loaded or cleared or replaced has to be t
 	CHECK(peer.known_revision(owner_name) == owner.revision());
 }
 
-TEST_CASE("diff order: diffs that another thread applies keep it, too") {
+TEST_CASE("diff order: also for diffs that another thread applies") {
 	const Three three;
 	InstanceState peer;
 	queue(peer, three.diffs[0]);
@@ -192,21 +192,21 @@ TEST_CASE("diff order: diffs that another thread applies keep it, too") {
 	CHECK(other.finish_pending_diff(changes).code == ErrorCode::out_of_order);
 }
 
-TEST_CASE("diff order: strangers fill no memory") {
+TEST_CASE("diff order: unknown senders take a bounded amount of memory") {
 	KnownRevisions known;
 	for (std::uint64_t name = 1; name <= 1000; ++name) {
 		known.make_room();
 		known.set(name, name + 5);
-		known.set(1, 6); // One that keeps sending is kept.
+		known.set(1, 6); // A sender that keeps sending is remembered.
 	}
 	CHECK(known.of(1000) == 1005);
 	CHECK(known.of(1) == 6);
 	CHECK(known.of(1000 - KnownRevisions::most) == 0);
 }
 
-TEST_CASE("diff order: receivers over a channel that reorders, loses and repeats end with what the owner has") {
+TEST_CASE("diff order: receivers converge over a channel that reorders, loses and repeats") {
 	StateRandom random(31);
-	int asked = 0;
+	int requests = 0;
 	for (int run = 0; run < 20; ++run) {
 		InstanceState owner;
 		owner.set_origin(owner_name);
@@ -227,7 +227,7 @@ TEST_CASE("diff order: receivers over a channel that reorders, loses and repeats
 				std::uint64_t since = 0;
 				if (random() % 3 != 0 && channels[i].take(message) && receive(receivers[i].state, message, since)) {
 					channels[i].send(diff_of(owner, since));
-					++asked;
+					++requests;
 				}
 			}
 		}
@@ -237,5 +237,5 @@ TEST_CASE("diff order: receivers over a channel that reorders, loses and repeats
 			REQUIRE(receiver.state.digest() == owner.digest());
 		}
 	}
-	CHECK(asked > 1000);
+	CHECK(requests > 1000);
 }

@@ -1,4 +1,4 @@
-// Files that are put in the place of others: whole, with links and permissions as they were, and nothing but files.
+// Atomic replacement of files: complete content, links and permissions preserved, and only for regular files.
 
 #include "core/base/disk_file.hpp"
 
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder of its own, gone with it.
+/// A temporary folder that the destructor removes.
 struct Folder {
 	fs::path path = fs::temp_directory_path() / "thicket_disk_file";
 
@@ -36,7 +36,7 @@ struct Folder {
 
 } // namespace
 
-TEST_CASE("a file takes the place of another one") {
+TEST_CASE("a file replaces an existing one") {
 	if (!has_disk) {
 		return;
 	}
@@ -52,7 +52,7 @@ TEST_CASE("a file takes the place of another one") {
 	CHECK_FALSE(fs::exists(folder.path / "new"));
 }
 
-TEST_CASE("what cannot be moved stays") {
+TEST_CASE("a file that cannot be moved stays") {
 	if (!has_disk) {
 		return;
 	}
@@ -64,7 +64,7 @@ TEST_CASE("what cannot be moved stays") {
 	CHECK(folder.read("old") == "old");
 }
 
-TEST_CASE("files alone can be replaced") {
+TEST_CASE("only files can be replaced") {
 	if (!has_disk) {
 		return;
 	}

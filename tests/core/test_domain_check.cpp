@@ -1,4 +1,4 @@
-// The checks that the tests of DomainSampler lean on: they decide exactly, and they notice what is wrong.
+// The checks that the tests of DomainSampler rely on: they decide exactly and detect every error.
 
 #include "domain_cases.hpp"
 
@@ -25,13 +25,13 @@ DomainReport report(const std::vector<glm::dvec2> &points, const DomainShape &sh
 	return DomainCheck::run(std::span<const glm::dvec2>(points), shape, true);
 }
 
-/// A maximal set on a torus that is not the sampler's.
+/// A maximal set on a torus that another sampler generated.
 constexpr double reference_side = 20.0;
 constexpr DomainShape reference_shape{{reference_side, reference_side}, 1.0, true, 1e-9};
 
 } // namespace
 
-TEST_CASE("domain check: exact sums have the right sign") {
+TEST_CASE("domain check: signs of exact sums") {
 	ExactSum sum;
 	CHECK(sum.sign() == 0);
 	sum.add(1e300);
@@ -52,19 +52,19 @@ TEST_CASE("domain check: exact sums have the right sign") {
 	CHECK(square.sign() == 0);
 }
 
-TEST_CASE("domain check: distances are compared to the last bit") {
-	// 3, 4, 5 at a place where the coordinates have few bits left, and the neighbors of each number.
+TEST_CASE("domain check: comparisons of distances are exact") {
+	// A triangle with sides 3, 4, 5 where coordinates have few bits left, and the neighbors of each number.
 	const double far_away = 0x1p50;
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, 4.0}, no_torus, 5.0) == 0);
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, std::nextafter(4.0, 0.0)}, no_torus, 5.0) == -1);
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, std::nextafter(4.0, 9.0)}, no_torus, 5.0) == 1);
 	CHECK(compare_distance({far_away, 0.0}, {far_away + 3.0, 4.0}, no_torus, std::nextafter(5.0, 9.0)) == -1);
-	// A difference that no double holds.
+	// A difference that does not fit into a double.
 	CHECK(compare_distance({1.0, 0.0}, {-0x1p-80, 0.0}, no_torus, 1.0) == 1);
 	CHECK(compare_distance({1.0, 0.0}, {0x1p-80, 0.0}, no_torus, 1.0) == -1);
 	CHECK(compare_distance({1.0, 0.0}, {0.0, 0x1p-80}, no_torus, 1.0) == 1);
 	CHECK(compare_distance({1.0, 0.0}, {0.0, 0.0}, no_torus, 1.0) == 0);
-	// Around a torus, along each axis. As a double, 9.9 is a little more than that.
+	// Around a torus, along each axis. The double 9.9 is slightly more than that.
 	CHECK(compare_distance({0.1, 0.0}, {9.9, 0.0}, {10.0, 10.0}, 0.2) == -1);
 	CHECK(compare_distance({0.25, 5.0}, {9.5, 5.0}, {10.0, 10.0}, 0.75) == 0);
 	CHECK(compare_distance({5.0, 9.5}, {5.0, 0.25}, {10.0, 10.0}, 0.75) == 0);
@@ -101,21 +101,22 @@ TEST_CASE("domain check: exact comparisons agree with integers") {
 	CHECK(ties > 1000);
 }
 
-TEST_CASE("domain check: a good set passes, on a torus and without its seams") {
+TEST_CASE("domain check: a valid set passes, on a torus and without its seams") {
 	const std::vector<glm::dvec2> points = analysis::NaiveDarts(reference_side, 1).run();
 	const DomainReport found = report(points, reference_shape);
 	CHECK(found.points == points.size());
 	CHECK(found.outside == 0);
 	CHECK(found.too_close == 0);
 	CHECK(found.uncovered == 0);
-	// Bounded, the same points keep their distance; places beside a border may have been covered from beyond it.
+	// On a bounded domain the same points keep their distance, but points beyond the border no longer cover positions
+	// beside it.
 	DomainShape bounded = reference_shape;
 	bounded.toroidal = false;
 	CHECK(report(points, bounded).too_close == 0);
 	CHECK(report(points, bounded).uncovered > 0);
 }
 
-TEST_CASE("domain check: what is wrong is noticed, one point at a time") {
+TEST_CASE("domain check: every single wrong point is detected") {
 	const std::vector<glm::dvec2> points = analysis::NaiveDarts(reference_side, 2).run();
 	for (std::size_t i = 0; i < points.size(); ++i) {
 		std::vector<glm::dvec2> wrong = points;
@@ -160,7 +161,7 @@ TEST_CASE("domain check: bounds are half-open") {
 }
 
 TEST_CASE("domain check: gaps are measured against the tolerance") {
-	// Points on a square lattice of this width leave gaps in the middle of each four: sqrt(1/2) widths from all.
+	// On a square lattice of this width, gaps are in the middle of each four points: sqrt(1/2) widths from all of them.
 	constexpr double width = 1.5;
 	const double excess = width * std::sqrt(0.5) - 1.0;
 	std::vector<glm::dvec2> points;
@@ -169,7 +170,7 @@ TEST_CASE("domain check: gaps are measured against the tolerance") {
 			points.emplace_back(width * (x + 0.25), width * (y + 0.75));
 		}
 	}
-	// The gap is wider than what the check may overlook; scaled, so that the tolerance stays small beside the radius.
+	// The gap is wider than the check may miss. Scaled, so that the tolerance stays small compared to the radius.
 	const auto gaps = [&](double radius, double tolerance) {
 		return report(points, {{4.0 * width, 6.0 * width}, radius, true, tolerance}).uncovered;
 	};

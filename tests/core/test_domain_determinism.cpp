@@ -1,5 +1,5 @@
-// Promise 4 of DomainSampler: equal requests give equal points, bit for bit, whatever the object did before; cells of any size,
-// the accumulator and `fill` change nothing.
+// Promise 4 of DomainSampler: equal requests produce bit-identical points, regardless of the sampler's earlier work,
+// the cell size, the accumulator, and `fill`.
 
 #include "domain_cases.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 template <typename Real>
 using Points = std::vector<glm::vec<2, Real>>;
 
-/// The points that `fill` leaves for `visit`.
+/// The points that `visit` returns after a `fill`.
 template <typename Real>
 Points<Real> visited(const DomainSampler<Real> &sampler) {
 	Points<Real> points;
@@ -38,7 +38,7 @@ Points<Real> filled(const DomainRequest &request) {
 	return points;
 }
 
-/// Not CHECK on the vectors themselves: nobody wants them in a log.
+/// CHECK on the vectors themselves would print all points.
 template <typename Real>
 void check_same(const Points<Real> &found, const Points<Real> &expected) {
 	CHECK(found.size() == expected.size());
@@ -48,7 +48,7 @@ void check_same(const Points<Real> &found, const Points<Real> &expected) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("domain: equal requests give equal points, whatever was before", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: equal requests produce equal points, whatever came before", Real, float, double) {
 	std::mt19937_64 random(3);
 	DomainSampler<Real> used;
 	Points<Real> points;
@@ -61,7 +61,7 @@ TEST_CASE_TEMPLATE("domain: equal requests give equal points, whatever was befor
 			const Points<Real> expected = sampled<Real>(request);
 			REQUIRE(used.sample(request, points).ok());
 			check_same<Real>(points, expected);
-			// Something else, by another method, then the same again.
+			// Sample a different request, then the same again.
 			DomainRequest other =
 					request_of(shapes[random() % shapes.size()], methods[random() % methods.size()].method, random());
 			other.darts_each = 10.0;
@@ -76,7 +76,7 @@ TEST_CASE_TEMPLATE("domain: equal requests give equal points, whatever was befor
 	check_same<Real>(points, sampled<Real>(request));
 }
 
-TEST_CASE_TEMPLATE("domain: seeds name sets that share nothing", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: sets of different seeds share no points", Real, float, double) {
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
 		std::set<std::pair<Real, Real>> seen;
@@ -88,13 +88,13 @@ TEST_CASE_TEMPLATE("domain: seeds name sets that share nothing", Real, float, do
 				seen.emplace(point.x, point.y);
 			}
 		}
-		// Single precision has some 2^46 places; 1 700 points meet by chance once in ten million runs.
+		// Single precision has about 2^46 positions, so 1,700 points coincide by chance once in ten million runs.
 		CHECK(seen.size() == count);
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: single and double precision are sets of their own, each as dense", Real, float, double) {
-	// Guards against one that falls back on the other: coordinates of a double sampler do not fit into floats.
+TEST_CASE_TEMPLATE("domain: single and double precision produce different sets of equal density", Real, float, double) {
+	// Guards against a fallback to single precision: coordinates of a double sampler do not fit into floats.
 	const Points<Real> points = sampled<Real>(request_of({"", {40.0, 40.0}, 1.0, true}, DomainMethod::hierarchical, 5));
 	const auto fits = [](const auto &point) {
 		return static_cast<double>(static_cast<float>(point.x)) == static_cast<double>(point.x);
@@ -103,7 +103,7 @@ TEST_CASE_TEMPLATE("domain: single and double precision are sets of their own, e
 	CHECK(fitting == (std::is_same_v<Real, float> ? points.size() : 0));
 }
 
-TEST_CASE_TEMPLATE("domain: the standard and the accumulator variant give the same points", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: the standard and the accumulator variant produce the same points", Real, float, double) {
 	for (const Shape &shape : shapes) {
 		CAPTURE(shape.name);
 		for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -113,8 +113,8 @@ TEST_CASE_TEMPLATE("domain: the standard and the accumulator variant give the sa
 	}
 }
 
-TEST_CASE("domain: a cell of the accumulator that gets more points than it has room for changes none") {
-	// It happens about once in a million points: these seeds were searched for.
+TEST_CASE("domain: an accumulator cell that overflows changes no point") {
+	// It happens about once in a million points, so these seeds were searched for.
 	for (const std::uint64_t seed : {26, 105, 730}) {
 		CAPTURE(seed);
 		const Shape shape{"", {60.0, 60.0}, 1.0, true};
@@ -131,7 +131,7 @@ TEST_CASE_TEMPLATE("domain: the width of accelerator cells changes no point", Re
 			DomainRequest request = request_of(shape, method.method, 6);
 			request.darts_each = 2.0;
 			const Points<Real> expected = sampled<Real>(request);
-			// A cell of the largest size holds any of these domains, and takes its time to be made.
+			// One cell of the largest size holds any of these domains, and takes long to build.
 			for (const double cell_size : {1e-9, 1.3, 6.0, &shape == &shapes[6] ? max_cell_size : 19.0}) {
 				CAPTURE(cell_size);
 				request.cell_size = cell_size;
@@ -141,7 +141,7 @@ TEST_CASE_TEMPLATE("domain: the width of accelerator cells changes no point", Re
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: fill and visit hand out the same points, each once", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: fill and visit return the same points, each once", Real, float, double) {
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
 		for (const Shape &shape : shapes) {
@@ -157,7 +157,7 @@ TEST_CASE_TEMPLATE("domain: fill and visit hand out the same points, each once",
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: visit can be called again, and before any fill it hands out nothing", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: visit can be called again, and before any fill it returns nothing", Real, float, double) {
 	DomainSampler<Real> sampler;
 	CHECK(visited(sampler).empty());
 	const DomainRequest request = request_of({"", {25.0, 15.0}, 1.0, true}, DomainMethod::wavefront, 8);
@@ -167,7 +167,7 @@ TEST_CASE_TEMPLATE("domain: visit can be called again, and before any fill it ha
 	check_same<Real>(visited(sampler), first);
 	DomainSampler<Real> moved = std::move(sampler);
 	check_same<Real>(visited(moved), first);
-	// Of two fills the last one counts.
+	// Of two fills, the last one counts.
 	const DomainRequest other = request_of({"", {5.0, 45.0}, 1.0, false}, DomainMethod::accumulator, 9);
 	REQUIRE(moved.fill(other).ok());
 	check_same<Real>(sorted<Real>(visited(moved)), sorted<Real>(sampled<Real>(other)));
@@ -185,7 +185,7 @@ TEST_CASE_TEMPLATE("domain: darts_each of naive dart throwing adds points and mo
 		CHECK(begins_alike);
 		before = points;
 	}
-	// For the others it means nothing.
+	// Other methods ignore it.
 	request.method = DomainMethod::hierarchical;
 	const Points<Real> points = sampled<Real>(request);
 	request.darts_each = 1.0;

@@ -1,4 +1,4 @@
-// What DomainSampler does with bad input, and when memory does not suffice: it names what is wrong, and changes nothing.
+// DomainSampler with bad input or too little memory: it names the error and changes nothing.
 
 #include "allocation_count.hpp"
 #include "domain_cases.hpp"
@@ -22,7 +22,7 @@ using namespace thicket::domain_cases;
 
 namespace {
 
-/// A sampler with a good result in its buffer and a fill to visit, both of which a refused call must leave as they are.
+/// A sampler with a valid result in its buffer and a fill to visit. A refused call must leave both unchanged.
 template <typename Real>
 struct Fixture {
 	DomainRequest good = request_of({"", {20.0, 12.0}, 1.0, false}, DomainMethod::wavefront, 1);
@@ -48,7 +48,7 @@ struct Fixture {
 		refuse_to_run(request, code, property, value);
 	}
 
-	/// As `refuse`, for what only this precision cannot do.
+	/// Like `refuse`, for requests that are invalid only for this precision.
 	void refuse_to_run(const DomainRequest &request, ErrorCode code, const std::string &property, double value) {
 		check_refused(sampler.sample(request, points), code, property, value);
 		CHECK(points == before);
@@ -105,7 +105,7 @@ TEST_CASE_TEMPLATE("domain errors: size", Real, float, double) {
 	CHECK(describe(validate({.size = {-2.5, 1.0}})) == "size must be positive, got -2.5");
 }
 
-TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would meet itself", Real, float, double) {
+TEST_CASE_TEMPLATE("domain errors: a torus on which a disk would overlap itself", Real, float, double) {
 	Fixture<Real> fixture;
 	fixture.good.toroidal = true;
 	fixture.good.radius = 0.5;
@@ -128,7 +128,7 @@ TEST_CASE("domain errors: a side that is too wide for single precision") {
 		CHECK(validate(request).ok());
 		fixture.refuse_to_run(request, ErrorCode::out_of_range, "size", wide);
 	}
-	// In double precision it is one domain of many.
+	// In double precision the domain is valid.
 	check_promises<double>(request, sampled<double>(request));
 }
 
@@ -163,7 +163,7 @@ TEST_CASE_TEMPLATE("domain errors: darts_each", Real, float, double) {
 }
 
 TEST_CASE_TEMPLATE(
-		"domain errors: whichever allocation fails, the call says so and changes nothing", Real, float, double) {
+		"domain errors: if any allocation fails, the call reports it and changes nothing", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -199,7 +199,7 @@ TEST_CASE_TEMPLATE(
 
 namespace {
 
-/// Bytes of address space that this process has now.
+/// Bytes of address space that this process uses.
 rlim_t address_space() {
 	std::ifstream statm("/proc/self/statm");
 	std::size_t pages = 0;
@@ -209,8 +209,8 @@ rlim_t address_space() {
 
 constexpr int limits_do_not_hold = 2;
 
-/// What a child process finds that may have 64 MB more than it has now: EXIT_SUCCESS, or what to exit with. Some emulators take
-/// a limit and do not keep it.
+/// The result of a child process that may use 64 MB more than now: EXIT_SUCCESS, or another exit code. Some emulators
+/// accept a limit but do not enforce it.
 template <typename Real>
 int refuses_in_little_memory(DomainMethod method) {
 	const rlim_t limit = address_space() + (rlim_t{64} << 20);
@@ -228,7 +228,7 @@ int refuses_in_little_memory(DomainMethod method) {
 	}
 	const bool refused = sampler.sample(huge, points).code == ErrorCode::out_of_memory && points == before &&
 			sampler.fill(huge).code == ErrorCode::out_of_memory;
-	// What it took on the way is given back: there is room for a small domain.
+	// Memory of the failed call is freed, so a small domain fits.
 	huge.size = {100.0, 100.0};
 	const bool goes_on = sampler.sample(huge, points).ok() && points.size() > 5000;
 	return refused && goes_on ? EXIT_SUCCESS : EXIT_FAILURE;

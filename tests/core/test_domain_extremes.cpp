@@ -1,4 +1,4 @@
-// Promises of DomainSampler where a domain is all but a line or a point, and where it would be far too large.
+// Promises of DomainSampler for domains that are nearly a line or a point, and for domains that are far too large.
 
 #include "domain_cases.hpp"
 
@@ -17,7 +17,7 @@ TEST_CASE_TEMPLATE("domain extremes: strips flatter than the precision, along ea
 				const DomainRequest request = request_of({"", radii, 0.7, false}, method.method, 3);
 				const std::vector<glm::vec<2, Real>> points = sampled<Real>(request);
 				check_promises<Real>(request, points);
-				// Cars of length 1 that park at random on a street jam at 0.7476 of it (Renyi 1958).
+				// Random parking of cars of length 1 fills 0.7476 of a street (Renyi 1958).
 				const double density = static_cast<double>(points.size()) / 300.0;
 				if (method.method != DomainMethod::naive) {
 					CHECK(density > 0.70);
@@ -28,7 +28,7 @@ TEST_CASE_TEMPLATE("domain extremes: strips flatter than the precision, along ea
 	}
 }
 
-TEST_CASE_TEMPLATE("domain extremes: the smallest domains that there are", Real, float, double) {
+TEST_CASE_TEMPLATE("domain extremes: the smallest possible domains", Real, float, double) {
 	constexpr double least = std::numeric_limits<double>::denorm_min();
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -43,11 +43,11 @@ TEST_CASE_TEMPLATE("domain extremes: the smallest domains that there are", Real,
 	}
 }
 
-TEST_CASE("domain extremes: more points than anybody can want") {
+TEST_CASE("domain extremes: domains with too many points") {
 	DomainSampler<double> sampler;
 	const std::vector<glm::dvec2> before(3, glm::dvec2(7.0));
 	std::vector<glm::dvec2> points = before;
-	// Squares, strips whose area is small but which are long, and numbers that overflow on the way.
+	// Squares, long strips with a small area, and sizes whose product overflows.
 	for (const glm::dvec2 size : {glm::dvec2(40'000.0, 40'000.0), glm::dvec2(1e12, 1e-6), glm::dvec2(1e-6, 1e12),
 				 glm::dvec2(1e300, 1e-300), glm::dvec2(1e200, 1e200), glm::dvec2(1e-300, 1e300)}) {
 		CAPTURE(size.x);

@@ -1,4 +1,4 @@
-// Watching a call of DomainSampler, and ending it: from the report, and from another thread.
+// Progress reports of a DomainSampler call, and its cancellation from a report and from another thread.
 
 #include "domain_cases.hpp"
 #include "processor_time.hpp"
@@ -12,7 +12,7 @@ using namespace thicket::domain_cases;
 
 namespace {
 
-/// What a report said so far, and whether it said it properly.
+/// The reports so far, and whether they were consistent.
 struct Watch {
 	std::uint64_t calls = 0;
 	std::uint64_t before_first_point = 0; ///< Calls without a point.
@@ -20,7 +20,7 @@ struct Watch {
 	double last = 0.0;
 	double widest_step = 0.0;
 	std::uint64_t points = 0;
-	bool in_order = true; ///< Fractions of [0, 1] that never fall, and points that never do.
+	bool in_order = true; ///< Fractions are in [0, 1], and neither they nor the points ever fall.
 
 	void operator()(double fraction, std::uint64_t found) {
 		++calls;
@@ -42,7 +42,7 @@ DomainRequest request_for(DomainMethod method, glm::dvec2 radii, bool toroidal =
 /// Ten million points and more: seconds of work for every method.
 DomainRequest huge(DomainMethod method) { return request_for(method, {4000.0, 4000.0}); }
 
-/// A sampler with a good result in its buffer, which a cancelled call must leave as it is.
+/// A sampler with a valid result in its buffer. A cancelled call must leave it unchanged.
 template <typename Real>
 struct Fixture {
 	DomainRequest good = request_for(DomainMethod::hierarchical, {20.0, 12.0});
@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("domain progress: it begins low, never falls, steps finely an
 }
 
 TEST_CASE_TEMPLATE(
-		"domain progress: a fraction also where area says little of the number of points", Real, float, double) {
+		"domain progress: a fraction, even where the area does not predict the number of points", Real, float, double) {
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
 		for (const Shape &shape : shapes) {
@@ -105,7 +105,7 @@ TEST_CASE_TEMPLATE(
 	}
 }
 
-TEST_CASE_TEMPLATE("domain progress: it is told also before the first point", Real, float, double) {
+TEST_CASE_TEMPLATE("domain progress: reports also arrive before the first point", Real, float, double) {
 	for (const DomainMethod method : {DomainMethod::hierarchical, DomainMethod::accumulator}) {
 		std::atomic<bool> cancel{false};
 		Watch watch;
@@ -139,17 +139,17 @@ TEST_CASE_TEMPLATE("domain cancel: a flag that is raised before or by a report",
 			const DomainRequest request = request_for(method.method, {200.0, 200.0});
 			fixture.check_cancelled(
 					fixture.sampler.sample(request, fixture.points, {.cancel = &cancel, .report = report}));
-			// It does not go on to the end.
+			// It stops before the end.
 			CHECK(watch.last < enough + 0.1);
 		}
 	}
-	// One that stays down changes nothing.
+	// A flag that stays down changes nothing.
 	const std::atomic<bool> down{false};
 	REQUIRE(fixture.sampler.sample(fixture.good, fixture.points, {.cancel = &down, .report = {}}).ok());
 	CHECK(fixture.points == fixture.before);
 }
 
-TEST_CASE_TEMPLATE("domain cancel: a flag that another thread raises in mid-work", Real, float, double) {
+TEST_CASE_TEMPLATE("domain cancel: a flag that another thread raises during the work", Real, float, double) {
 	Fixture<Real> fixture;
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -162,13 +162,13 @@ TEST_CASE_TEMPLATE("domain cancel: a flag that another thread raises in mid-work
 		const double start = test::processor_seconds();
 		cancel = true;
 		worker.join();
-		// Fifty milliseconds are promised; a checked build takes longer.
+		// The promise is 50 ms, but a checked build takes longer.
 		CHECK(test::processor_seconds() - start < 1.0);
 		fixture.check_cancelled(status);
 	}
 }
 
-TEST_CASE_TEMPLATE("domain cancel: a fill leaves all of the points before or none", Real, float, double) {
+TEST_CASE_TEMPLATE("domain cancel: a fill keeps all previous points or none", Real, float, double) {
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
 		DomainSampler<Real> sampler;

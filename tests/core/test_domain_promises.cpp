@@ -1,5 +1,5 @@
-// Promises 1 to 3 of DomainSampler on all kinds of domains: distances without any rounding, across the seams of a torus too; no
-// room left, down to the precision; all within the domain.
+// Promises 1 to 3 of DomainSampler on all kinds of domains: exact distances, also across the seams of a torus; no room
+// left, down to the precision; and all points within the domain.
 
 #include "domain_cases.hpp"
 
@@ -19,8 +19,8 @@ TEST_CASE_TEMPLATE("domain: distance, coverage and bounds on domains of all shap
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: all numbers of base squares and groups along each axis", Real, float, double) {
-	// Around each whole number of base squares, up to three groups and a half; and the smallest tori.
+TEST_CASE_TEMPLATE("domain: all counts of base squares and groups along each axis", Real, float, double) {
+	// Sizes just around each whole number of base squares, up to three and a half groups, and the smallest tori.
 	std::vector<double> bounded;
 	for (int squares = 0; squares <= 10; ++squares) {
 		for (const double more : {-0.01, 0.01, 0.5}) {
@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("domain: a domain that one disk always covers gets one point"
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: ten thousand radii wide", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: a width of ten thousand radii", Real, float, double) {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		for (const bool torus : {false, true}) {
@@ -70,7 +70,7 @@ TEST_CASE_TEMPLATE("domain: ten thousand radii wide", Real, float, double) {
 	}
 }
 
-TEST_CASE("domain: as wide as single precision allows") {
+TEST_CASE("domain: the largest width in single precision") {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		const DomainRequest request = request_of({"", {1.1, max_single_radii}, 1.0, false}, method.method, 8);
@@ -78,9 +78,9 @@ TEST_CASE("domain: as wide as single precision allows") {
 	}
 }
 
-TEST_CASE("domain: the distance is exact where single precision cannot tell it from the radius") {
-	// So wide, coordinates are whole multiples of 2^-7 meters, and 36 steps between them have a length of exactly 65 / 64. The
-	// radius is a little more, by less than its square can say in single precision.
+TEST_CASE("domain: the distance is exact where it rounds to the radius in single precision") {
+	// At this width, coordinates are multiples of 2^-7 meters, and 36 steps between them have a length of exactly 65 /
+	// 64. The radius is slightly larger, by less than single precision can represent in its square.
 	constexpr double radius = 65.0 / 64.0 * (1.0 + 1e-9);
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -93,9 +93,9 @@ TEST_CASE("domain: the distance is exact where single precision cannot tell it f
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: points do not end at a border, and the torus has none", Real, float, double) {
-	// What a border that was treated wrongly changes first: how many points stand near it. On a torus there are as many beside a
-	// seam as elsewhere; beside a border of a bounded domain there are more, because nothing beyond it takes their room.
+TEST_CASE_TEMPLATE("domain: points are dense up to a border, and a torus has no border", Real, float, double) {
+	// An error at a border changes the number of points beside it first. On a torus, a seam has as many points beside
+	// it as any other line. A border of a bounded domain has more, because no points beyond it take up room.
 	constexpr double side = 120.0;
 	constexpr double strip = 0.5;
 	for (const Method &method : methods) {
@@ -119,14 +119,15 @@ TEST_CASE_TEMPLATE("domain: points do not end at a border, and the torus has non
 			for (const double count : beside) {
 				CAPTURE(count);
 				CAPTURE(expected);
-				// About 170 points are expected, spread by less than 10; a border raises that by four fifths.
+				// About 170 points are expected, with a standard deviation below 10. A border increases that by four
+				// fifths.
 				CHECK(std::abs(count / expected - (torus ? 1.0 : 1.8)) < 0.3);
 			}
 		}
 	}
 }
 
-TEST_CASE("domain: no square is given up in double precision") {
+TEST_CASE("domain: no square is abandoned in double precision") {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		DomainSampler<double> sampler;

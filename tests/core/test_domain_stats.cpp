@@ -1,4 +1,4 @@
-// What DomainSampler says of its work: the figures of the paper hang on it.
+// The statistics that DomainSampler reports. The paper's figures depend on them.
 
 #include "domain_cases.hpp"
 
@@ -17,7 +17,7 @@ DomainStats stats_of(const DomainRequest &request) {
 	return sampler.stats();
 }
 
-DomainRequest large(DomainMethod method, bool toroidal) { // Some 15 000 points.
+DomainRequest large(DomainMethod method, bool toroidal) { // About 15,000 points.
 	return request_of({"", {150.0, 150.0}, 1.0, toroidal}, method, 21);
 }
 
@@ -27,7 +27,7 @@ double per_point(const DomainStats &stats, std::uint64_t count) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("domain: nine to ten squares are made for each accepted dart", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: nine to ten squares are created for each accepted dart", Real, float, double) {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		for (const bool torus : {false, true}) {
@@ -42,13 +42,13 @@ TEST_CASE_TEMPLATE("domain: nine to ten squares are made for each accepted dart"
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: counts of squares, choices and darts fit each other", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: counts of squares, choices and darts are consistent", Real, float, double) {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		for (const Shape &shape : shapes) {
 			CAPTURE(shape.name);
 			const DomainStats stats = stats_of<Real>(request_of(shape, method.method, 22));
-			// Every square that was made is chosen once, and no list is empty-handed.
+			// Every created square is chosen once, and no choice fails.
 			CHECK(stats.selections == stats.squares);
 			CHECK(stats.list_checks >= stats.selections);
 			CHECK(stats.darts <= stats.selections);
@@ -61,7 +61,7 @@ TEST_CASE_TEMPLATE("domain: counts of squares, choices and darts fit each other"
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: less than three lists are looked at for a choice", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: fewer than three lists are checked for a choice", Real, float, double) {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		const DomainStats stats = stats_of<Real>(large(method.method, true));
@@ -85,7 +85,7 @@ TEST_CASE_TEMPLATE("domain: naive dart throwing counts its darts", Real, float, 
 }
 
 TEST_CASE_TEMPLATE(
-		"domain: the workspace is stated, and as the paper says small for the wavefront", Real, float, double) {
+		"domain: the workspace is reported, and smallest for the wavefront, as the paper states", Real, float, double) {
 	const auto bytes = [](DomainMethod method) {
 		const DomainStats stats = stats_of<Real>(request_of({"", {200.0, 200.0}, 1.0, false}, method, 24));
 		CHECK(stats.grid_bytes > 0);
@@ -96,7 +96,7 @@ TEST_CASE_TEMPLATE(
 	const double standard = bytes(DomainMethod::hierarchical);
 	const double accumulator = bytes(DomainMethod::accumulator);
 	const double wavefront = bytes(DomainMethod::wavefront);
-	// A point's copy at least; at most about what the paper states for double precision, 416 bytes.
+	// At least a copy of each point; at most about the 416 bytes that the paper states for double precision.
 	const double point = 2.0 * sizeof(Real);
 	CHECK(wavefront > point);
 	CHECK(wavefront < standard);
@@ -104,7 +104,7 @@ TEST_CASE_TEMPLATE(
 	CHECK(accumulator < 450.0);
 }
 
-TEST_CASE_TEMPLATE("domain: the width of cells is what was asked for, in whole base squares", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: the width of cells is the requested one, in whole base squares", Real, float, double) {
 	for (const Method &method : maximal_methods) {
 		CAPTURE(method.name);
 		for (const double cell_size : {0.1, 0.7, 1.0, 5.0, 20.0}) {
@@ -118,7 +118,7 @@ TEST_CASE_TEMPLATE("domain: the width of cells is what was asked for, in whole b
 	}
 }
 
-TEST_CASE_TEMPLATE("domain: a refused call leaves the statistics of the last one", Real, float, double) {
+TEST_CASE_TEMPLATE("domain: a refused call keeps the statistics of the last one", Real, float, double) {
 	DomainSampler<Real> sampler;
 	std::vector<glm::vec<2, Real>> points;
 	REQUIRE(sampler.sample(large(DomainMethod::wavefront, true), points).ok());

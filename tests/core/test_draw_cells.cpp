@@ -1,4 +1,5 @@
-// A tile divided for drawing: its cells together are the tile, to the bit, and each prefix of a cell is its share of the tile's.
+// A tile divided for drawing: its cells together are bit-identical to the tile, and each prefix of a cell is its share
+// of the tile's.
 
 #include "core/placement/draw_cells.hpp"
 #include "tile_fixture.hpp"
@@ -15,13 +16,13 @@ using namespace thicket::test;
 
 namespace {
 
-DrawCells divided(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
+DrawCells divided(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
 	DrawCells cells;
 	REQUIRE(divide(mesh, origin, rect, across, cells).ok());
 	return cells;
 }
 
-/// Instances at these positions in x and z, relative to the tile's middle; their ids count up from 1.
+/// Instances at these positions in x and z, relative to the tile's center. Their ids count up from 1.
 MeshInstances floats_at(const std::vector<glm::vec2> &positions) {
 	MeshInstances mesh;
 	mesh.resize(positions.size());
@@ -34,7 +35,7 @@ MeshInstances floats_at(const std::vector<glm::vec2> &positions) {
 	return mesh;
 }
 
-KeptMesh standing_at(const std::vector<glm::vec2> &positions) { return {floats_at(positions), nullptr}; }
+CompactMesh standing_at(const std::vector<glm::vec2> &positions) { return {floats_at(positions), nullptr}; }
 
 std::vector<std::uint32_t> numbers_of(const DrawCells &cells, std::size_t size) {
 	std::vector<std::uint32_t> numbers(size);
@@ -48,20 +49,20 @@ std::vector<std::uint32_t> numbers_of(const DrawCells &cells, std::size_t size) 
 
 } // namespace
 
-TEST_CASE("draw cells: together they are the tile, to the bit, for every number of cells") {
+TEST_CASE("draw cells: together they are bit-identical to the tile, for every number of cells") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
-	const std::shared_ptr<const KeptTile> kept_tile = kept(rich_layer(), tile);
+	const std::shared_ptr<const CompactTile> kept_tile = kept(rich_layer(), tile);
 	for (std::size_t at = 0; at < tile.meshes.size(); ++at) {
 		const MeshInstances &mesh = tile.meshes[at];
 		REQUIRE(mesh.size() > 100);
 		for (const std::uint32_t across : {1U, 2U, 3U, 4U, 7U, 16U}) {
-			const KeptMesh &stands = kept_tile->meshes[at];
-			const DrawCells cells = divided(stands, tile.origin, tile_of_hills, across);
+			const CompactMesh &compact = kept_tile->meshes[at];
+			const DrawCells cells = divided(compact, tile.origin, tile_of_hills, across);
 			std::vector<float> joined(mesh.buffer.size());
 			std::size_t count = 0;
 			for (const DrawCell &cell : cells.cells) {
 				std::vector<float> buffer(cell.size() * mesh.stride);
-				gather(stands, cells.order_of(cell), buffer);
+				gather(compact, cells.order_of(cell), buffer);
 				spread(buffer, cells.order_of(cell), mesh.stride, joined);
 				count += cell.size();
 			}
@@ -74,8 +75,8 @@ TEST_CASE("draw cells: together they are the tile, to the bit, for every number 
 }
 
 TEST_CASE("draw cells: a cell keeps the tile's order, and its prefixes are its share of the tile's thinning") {
-	const std::shared_ptr<const KeptTile> tile = kept(rich_layer(), built(rich_layer(), hills(), tile_of_hills));
-	for (const KeptMesh &mesh : tile->meshes) {
+	const std::shared_ptr<const CompactTile> tile = kept(rich_layer(), built(rich_layer(), hills(), tile_of_hills));
+	for (const CompactMesh &mesh : tile->meshes) {
 		const DrawCells cells = divided(mesh, tile->origin, tile_of_hills, 4);
 		CHECK(cells.cells.size() > 4);
 		for (const double density : {0.0, 0.1, 0.25, 0.7, 1.0}) {
@@ -93,10 +94,10 @@ TEST_CASE("draw cells: a cell keeps the tile's order, and its prefixes are its s
 	}
 }
 
-TEST_CASE("draw cells: each has what stands in its square, and the box around it") {
+TEST_CASE("draw cells: each has the instances in its square, and the box around them") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
 	const MeshInstances &mesh = tile.meshes[0];
-	const DrawCells cells = divided(KeptMesh(mesh, nullptr), tile.origin, tile_of_hills, 4);
+	const DrawCells cells = divided(CompactMesh(mesh, nullptr), tile.origin, tile_of_hills, 4);
 	for (const DrawCell &cell : cells.cells) {
 		const glm::dvec2 corner = tile_of_hills.min + 32.0 * glm::dvec2(cell.number % 4, cell.number / 4);
 		glm::vec3 min(1e9f);
@@ -112,27 +113,27 @@ TEST_CASE("draw cells: each has what stands in its square, and the box around it
 	}
 }
 
-TEST_CASE("draw cells: squares are half-open, and what stands beside the tile is in the nearest") {
+TEST_CASE("draw cells: squares are half-open, and instances beside the tile are in the nearest one") {
 	const Rect rect{{-64.0, 0.0}, {64.0, 128.0}};
-	const KeptMesh mesh = standing_at({{-64.0f, -64.0f}, {-32.0f, -64.0f}, {std::nextafter(-32.0f, -64.0f), -64.0f},
+	const CompactMesh mesh = standing_at({{-64.0f, -64.0f}, {-32.0f, -64.0f}, {std::nextafter(-32.0f, -64.0f), -64.0f},
 			{0.0f, 0.0f}, {-1e-30f, -1e-30f}, {64.0f, 64.0f}, {-70.0f, 0.0f}, {500.0f, -500.0f}});
 	const DrawCells cells = divided(mesh, {0.0, 7.0, 64.0}, rect, 4);
 	CHECK(numbers_of(cells, mesh.size()) == std::vector<std::uint32_t>{0, 1, 0, 10, 5, 15, 8, 3});
 }
 
-TEST_CASE("draw cells: of nothing there are none, and odd numbers of cells are brought into range") {
-	CHECK(divided(KeptMesh(), {}, tile_of_hills, 4).empty());
-	const KeptMesh mesh = standing_at({{-63.0f, -63.0f}, {63.0f, 63.0f}});
+TEST_CASE("draw cells: an empty tile has none, and numbers of cells are clamped") {
+	CHECK(divided(CompactMesh(), {}, tile_of_hills, 4).empty());
+	const CompactMesh mesh = standing_at({{-63.0f, -63.0f}, {63.0f, 63.0f}});
 	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 0).cells.size() == 1);
 	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 1000).cells.back().number == 255);
 }
 
-TEST_CASE("draw cells: cells with the same instances are told from others") {
-	const KeptMesh all = standing_at({{-10.0f, -10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}, {11.0f, 11.0f}});
+TEST_CASE("draw cells: cells with the same instances compare equal") {
+	const CompactMesh all = standing_at({{-10.0f, -10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}, {11.0f, 11.0f}});
 	MeshInstances fewer = floats_at({{-10.0f, -10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}});
 	const glm::dvec3 origin{0.0, 0.0, 64.0};
 	const auto same = [&](std::size_t cell) {
-		const KeptMesh less(fewer, nullptr);
+		const CompactMesh less(fewer, nullptr);
 		const DrawCells before = divided(all, origin, tile_of_hills, 2);
 		const DrawCells after = divided(less, origin, tile_of_hills, 2);
 		return same_instances(all, before.order_of(before.cells[cell]), less, after.order_of(after.cells[cell]));

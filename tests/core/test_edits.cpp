@@ -1,4 +1,4 @@
-// What an edit may change: nothing beyond its reach. And the thinning of a layer towards its edge.
+// An edit changes nothing beyond its reach, and a layer thins toward its edge.
 
 #include "core/placement/edge_probes.hpp"
 #include "core/placement/layer_edits.hpp"
@@ -48,7 +48,7 @@ std::map<std::uint64_t, Standing> standing_in(const LayerSettings &layer, const 
 	return result;
 }
 
-/// The rectangle around all instances that stand in one of two states only, or in another way. NAN for none.
+/// The rectangle around all instances that differ between two states. NAN for none.
 Rect changed_area(const std::map<std::uint64_t, Standing> &before, const std::map<std::uint64_t, Standing> &after) {
 	Rect area{glm::dvec2(nothing), glm::dvec2(nothing)};
 	const auto add_missing = [&area](const auto &from, const auto &other) {
@@ -76,7 +76,7 @@ Shape cylinder(glm::dvec2 at, double radius, bool exclude) {
 	return shape;
 }
 
-/// A layer with a bit of everything, next to another one.
+/// A layer with many kinds of rules, beside another layer.
 struct World {
 	std::shared_ptr<PaintedMask> mask = std::make_shared<PaintedMask>();
 	std::vector<Shape> shapes{cylinder({-20.0, 40.0}, 15.0, true), cylinder({30.0, 90.0}, 9.0, true)};
@@ -101,7 +101,7 @@ struct World {
 };
 
 bool within(const Rect &area, const Rect &limits) {
-	constexpr double rounding = 1e-4; // Positions come back as floats.
+	constexpr double rounding = 1e-4; // Positions are stored as floats.
 	return area.min.x >= limits.min.x - rounding && area.min.y >= limits.min.y - rounding &&
 			area.max.x <= limits.max.x + rounding && area.max.y <= limits.max.y + rounding;
 }
@@ -112,7 +112,7 @@ Rect around(const std::vector<Rect> &areas) { return std::accumulate(areas.begin
 
 } // namespace
 
-TEST_CASE("edits: what changes lies within the reach of the edit, and something does") {
+TEST_CASE("edits: changes are within the reach of the edit, and there are some") {
 	const Heightfield terrain = hills();
 	std::mt19937_64 random(77);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -155,7 +155,7 @@ TEST_CASE("edits: what changes lies within the reach of the edit, and something 
 	CHECK(EditSearch().find(layer, sparser).everywhere);
 }
 
-TEST_CASE("edits: undone ones leave no trace") {
+TEST_CASE("edits: an undone edit restores everything") {
 	const Heightfield terrain = hills();
 	World world;
 	const auto before = standing_in(world.layer(), terrain, tile_of_hills);
@@ -172,7 +172,7 @@ TEST_CASE("edits: undone ones leave no trace") {
 	CHECK(standing_in(world.layer(), terrain, tile_of_hills) == before);
 }
 
-TEST_CASE("edits: shapes include and exclude what they hold") {
+TEST_CASE("edits: shapes include and exclude the instances inside them") {
 	LayerSettings layer;
 	layer.set = {.seed = 4, .radius = 1.0, .levels = 1, .layer = 0};
 	const FlatTerrain terrain(3.0f);
@@ -194,11 +194,11 @@ TEST_CASE("edits: shapes include and exclude what they hold") {
 	}
 }
 
-TEST_CASE("edge feather: a layer thins towards the edge of what it may stand on, and nowhere else") {
+TEST_CASE("edge feather: a layer thins toward the edge of its ground, and nowhere else") {
 	LayerSettings layer;
 	layer.set = {.seed = 4, .radius = 0.5, .levels = 1, .layer = 0};
 	layer.rules.max_height = 10.0;
-	// Ground that rises to the right: the limit of height is the line x = 10.
+	// Ground that rises to the right. The height limit is the line x = 10.
 	class Ramp final : public Terrain {
 	public:
 		Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {

@@ -1,4 +1,4 @@
-// What holds for every rule alike: it takes points away and changes nothing else, in tiles of whatever size and order.
+// Properties of every rule: it removes points and changes nothing else, in tiles of any size and order.
 
 #include "core/placement/place_explainer.hpp"
 #include "core/placement/tile_builder.hpp"
@@ -38,9 +38,9 @@ public:
 
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override {
-		const bool asked = std::find(textures.begin(), textures.end(), 1) != textures.end();
+		const bool requested = std::find(textures.begin(), textures.end(), 1) != textures.end();
 		for (std::size_t i = 0; i < positions.size(); ++i) {
-			r_ground[i].weight = asked ? static_cast<float>((positions[i].x + 64.0) / 128.0) : 0.0f;
+			r_ground[i].weight = requested ? static_cast<float>((positions[i].x + 64.0) / 128.0) : 0.0f;
 		}
 		return {};
 	}
@@ -69,7 +69,7 @@ std::shared_ptr<const LayerSettings> trees() {
 	return layer;
 }
 
-/// Two biomes and a gap, with wavering borders that are soft.
+/// Two biomes and a gap, with soft, wavering borders.
 std::shared_ptr<const BiomeMap> biome_map() {
 	const std::array<std::uint8_t, 6> pixels{0, 1, no_biome, 1, 1, 0};
 	auto map = std::make_shared<BiomeMap>();
@@ -95,7 +95,7 @@ const std::vector<NamedRule> every_rule{
 		{"slope falloff",
 				[](LayerSettings &layer) {
 					layer.rules.max_slope_degrees = 60.0;
-					layer.rules.slope_falloff = 30.0;
+					layer.rules.slope_falloff_degrees = 30.0;
 				}},
 		{"height range", [](LayerSettings &layer) { layer.rules.min_height = 35.0; }},
 		{"height falloff",
@@ -166,7 +166,7 @@ LayerSettings plain_layer() {
 	return layer;
 }
 
-/// Where each instance stands in the world, to 0.1 mm, and its thinning rank: the same from any tile.
+/// The position of each instance in the world, to 0.1 mm, and its thinning rank. Equal for any tile size.
 std::map<std::uint64_t, std::pair<glm::ivec3, std::uint32_t>> places(
 		const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const TileInstances tile = built(layer, terrain, rect);
@@ -185,7 +185,7 @@ bool near(const std::pair<glm::ivec3, std::uint32_t> &a, const std::pair<glm::iv
 	return std::max({apart.x, apart.y, apart.z}) <= 1 && a.second == b.second;
 }
 
-/// The ground for the positions of a probe or an explainer.
+/// The ground at the positions of a probe or an explainer.
 std::vector<Ground> ground_for(const auto &asker, const Terrain &terrain) {
 	std::vector<Ground> ground(asker.positions().size());
 	REQUIRE(ask_ground(terrain, asker.positions(), asker.queries(), ground).ok());
@@ -199,7 +199,7 @@ std::vector<SamplePoint> points_of(const PointSet &set, const Rect &rect) {
 	return points;
 }
 
-/// The thinning ranks of all that stands, by id.
+/// The thinning ranks of all instances, by id.
 std::map<std::uint64_t, std::uint32_t> ranks_of(const TileInstances &tile) {
 	std::map<std::uint64_t, std::uint32_t> ranks;
 	for (const MeshInstances &mesh : tile.meshes) {
@@ -210,7 +210,7 @@ std::map<std::uint64_t, std::uint32_t> ranks_of(const TileInstances &tile) {
 	return ranks;
 }
 
-/// A layer under all rules of the list with these names.
+/// A layer with all rules of these names.
 LayerSettings under(std::span<const char *const> names) {
 	LayerSettings layer = plain_layer();
 	for (const NamedRule &rule : every_rule) {
@@ -221,8 +221,9 @@ LayerSettings under(std::span<const char *const> names) {
 	return layer;
 }
 
-/// Checks of every point of the set in tile_of_hills that its factors give the density by which its tile was made, and that one of them
-/// says so where nothing stands. Returns how many points do not stand.
+/// For every point of the set in tile_of_hills, checks that the product of its factors is the density by which the tile
+/// was generated. Where there is no instance, one factor must be the reason. Returns the number of points without an
+/// instance.
 std::size_t check_factors(const LayerSettings &layer, const Terrain &terrain) {
 	const auto standing = ranks_of(built(layer, terrain, tile_of_hills));
 	const std::vector<SamplePoint> points = points_of(layer.set, tile_of_hills);
@@ -255,7 +256,7 @@ std::size_t check_factors(const LayerSettings &layer, const Terrain &terrain) {
 
 } // namespace
 
-TEST_CASE("every rule: takes points away, and what stays keeps every bit") {
+TEST_CASE("every rule: removes points, and the remaining ones are bit-identical") {
 	const TexturedHills terrain;
 	const LayerSettings open = plain_layer();
 	const Transforms all = transforms_of(built(open, terrain, tile_of_hills));
@@ -268,7 +269,7 @@ TEST_CASE("every rule: takes points away, and what stays keeps every bit") {
 	}
 }
 
-TEST_CASE("every rule: tiles of any size, strips and negative ones together hold what one tile holds") {
+TEST_CASE("every rule: tiles of any size, strips and negative tiles together equal one large tile") {
 	const TexturedHills terrain;
 	const std::array<glm::dvec2, 3> sizes{glm::dvec2(128.0, 11.0), glm::dvec2(23.5, 40.0), glm::dvec2(64.0, 64.0)};
 	for (const NamedRule &rule : every_rule) {
@@ -295,7 +296,7 @@ TEST_CASE("every rule: tiles of any size, strips and negative ones together hold
 	}
 }
 
-TEST_CASE("every rule: all of them at once, on several threads, give one digest") {
+TEST_CASE("every rule: all of them together have one digest on several threads") {
 	const TexturedHills terrain;
 	LayerSettings layer = plain_layer();
 	for (const char *name : {"density over height", "field", "mask", "clumps", "edge feather", "path", "proximity"}) {
@@ -319,7 +320,7 @@ TEST_CASE("every rule: all of them at once, on several threads, give one digest"
 	check_on_threads(wet, terrain, digest(shore));
 }
 
-TEST_CASE("every rule: its factors give the density by which tiles are made, to the bit") {
+TEST_CASE("every rule: the product of its factors is bit-identical to the density of the tile") {
 	const TexturedHills terrain;
 	for (const NamedRule &rule : every_rule) {
 		CAPTURE(rule.name);
@@ -333,7 +334,7 @@ TEST_CASE("every rule: its factors give the density by which tiles are made, to 
 	CHECK(check_factors(plain_layer(), terrain) == 0);
 }
 
-TEST_CASE("every rule: a place is explained by the nearest point of the set, as it stands in its tile") {
+TEST_CASE("every rule: a position is explained by the set's nearest point, as in its tile") {
 	const TexturedHills terrain;
 	constexpr std::array some{"slope falloff", "mask", "edge feather", "path", "spacing"};
 	const LayerSettings layer = under(some);
@@ -362,7 +363,7 @@ TEST_CASE("every rule: a place is explained by the nearest point of the set, as 
 	CHECK(here < 950);
 }
 
-TEST_CASE("every rule: a place that cannot be explained is refused by name") {
+TEST_CASE("every rule: a position that cannot be explained is refused by name") {
 	const TexturedHills terrain;
 	PlaceExplainer explainer;
 	const double nan = std::numeric_limits<double>::quiet_NaN();

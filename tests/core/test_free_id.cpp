@@ -1,4 +1,4 @@
-// The ids of hand-placed instances: which they are, and how many are looked at to find a free one.
+// The ids of hand-placed instances, and the number of ids that are checked to find a free one.
 
 #include "core/state/free_id.hpp"
 #include "state_fixture.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t prefix = std::uint64_t{0x8001} << 48;
 
-/// Ids that are taken, and how often that was asked.
+/// Ids in use, and the number of checks.
 struct Ids {
 	std::set<std::uint64_t> taken;
 	std::size_t looks = 0;
@@ -29,9 +29,9 @@ struct Ids {
 
 } // namespace
 
-TEST_CASE("free id: equal instances get ids one after the other, at a cost that hardly grows") {
+TEST_CASE("free id: equal instances get successive ids, at a nearly constant cost") {
 	Ids ids;
-	constexpr std::uint64_t first = 0xfffffffffff0; // The numbers go on at 0.
+	constexpr std::uint64_t first = 0xfffffffffff0; // The numbers wrap around to 0.
 	std::size_t before = 0;
 	for (std::uint64_t count = 0; count < 40000; ++count) {
 		ids.looks = 0;
@@ -39,10 +39,10 @@ TEST_CASE("free id: equal instances get ids one after the other, at a cost that 
 		REQUIRE(ids.looks <= 2 + 2 * 17);
 		before = std::max(before, ids.looks);
 	}
-	CHECK(before > 20); // It does look further than at the next one.
+	CHECK(before > 20); // It does check beyond the next one.
 }
 
-TEST_CASE("free id: gaps are used or passed, and no id is given twice") {
+TEST_CASE("free id: gaps are used or skipped, and no id is returned twice") {
 	StateRandom random(51);
 	Ids ids;
 	for (int i = 0; i < 20000; ++i) {
@@ -58,7 +58,7 @@ TEST_CASE("free id: gaps are used or passed, and no id is given twice") {
 	}
 }
 
-TEST_CASE("free id: taken ids at all doubled distances end in another place") {
+TEST_CASE("free id: ids in use at all doubled distances restart the search elsewhere") {
 	Ids ids;
 	ids.taken.insert(prefix | 5);
 	for (std::uint64_t step = 1; step < std::uint64_t{1} << 48; step *= 2) {
@@ -66,13 +66,13 @@ TEST_CASE("free id: taken ids at all doubled distances end in another place") {
 	}
 	ids.take(5);
 	CHECK(ids.looks < 100);
-	// No instance has the id of all ones.
+	// No instance has an id of only ones.
 	Ids last;
 	const std::uint64_t id = free_id(std::uint64_t{0xffff} << 48, 0xffffffffffff, [](std::uint64_t) { return false; });
 	CHECK(id == std::uint64_t{0xffff} << 48);
 }
 
-TEST_CASE("free id: many equal instances get the ids that they get one by one") {
+TEST_CASE("free id: many equal instances get the same ids together as one by one") {
 	InstanceState one_by_one;
 	InstanceState together;
 	std::vector<AddedInstance> equal(3000, instance_at(5.0, 7.0));
@@ -88,7 +88,7 @@ TEST_CASE("free id: many equal instances get the ids that they get one by one") 
 	REQUIRE(together.add_all(equal, ids, changes).ok());
 	CHECK(ids == expected);
 	CHECK(std::set<std::uint64_t>(ids.begin(), ids.end()).size() == ids.size());
-	// The first of them have the ids of release 0.2.0, and so have all that stand alone.
+	// The first id is that of release 0.2.0, as for every instance without equals.
 	AddedInstance oak = instance_at(1.5, -2.5, 4);
 	oak.mesh = 2;
 	oak.basis[0][1] = 0.25f;

@@ -1,4 +1,4 @@
-// What tiles ask of the ground: normals and textures only where somebody looks at them.
+// Ground queries of tiles: normals and textures are queried only where something uses them.
 
 #include "core/placement/density_probe.hpp"
 #include "counted_threads.hpp"
@@ -16,8 +16,8 @@ using namespace thicket::test;
 
 namespace {
 
-/// Counts the positions of each kind of question.
-class AskedHills final : public Terrain {
+/// Counts the positions of each kind of query.
+class CountingHills final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
 		with_normals += positions.size();
@@ -57,24 +57,24 @@ LayerSettings upright_layer() {
 	return layer;
 }
 
-/// A tile of hills that tell no normals where none are asked for stands as one of hills that always do.
-void check_stands_the_same(const LayerSettings &layer, const AskedHills &asked) {
-	const TileInstances tile = built(layer, asked, tile_of_hills);
+/// Checks that a tile is the same on hills which return normals only on request as on hills that always do.
+void check_same_transforms(const LayerSettings &layer, const CountingHills &ground) {
+	const TileInstances tile = built(layer, ground, tile_of_hills);
 	CHECK(size_of(tile) > 500);
-	CHECK(transforms_of(tile) ==
-			transforms_of(built(layer, hills(), tile_of_hills))); // A zero equals one of the other sign.
+	// Zeros of different signs are equal.
+	CHECK(transforms_of(tile) == transforms_of(built(layer, hills(), tile_of_hills)));
 }
 
 } // namespace
 
-TEST_CASE("ground: a layer that stands upright on any slope asks for no normal") {
-	const AskedHills ground;
-	check_stands_the_same(upright_layer(), ground);
+TEST_CASE("ground: a layer that is upright on any slope queries no normals") {
+	const CountingHills ground;
+	check_same_transforms(upright_layer(), ground);
 	CHECK(ground.with_normals == 0);
 	CHECK(ground.heights_alone > for_origin);
 }
 
-TEST_CASE("ground: normals are asked for where a placement, a look or a rule follows them") {
+TEST_CASE("ground: normals are queried if a placement, a source or a rule uses them") {
 	std::vector<LayerSettings> layers(5, upright_layer());
 	layers[0].placement.align_to_normal = 0.25;
 	layers[1].placement.offset_along_normal = -0.5;
@@ -87,39 +87,39 @@ TEST_CASE("ground: normals are asked for where a placement, a look or a rule fol
 	layers[4].rules.slope_curve = std::make_shared<const CurveTable>(curve);
 	for (std::size_t i = 0; i < layers.size(); ++i) {
 		CAPTURE(i);
-		const AskedHills ground;
-		check_stands_the_same(layers[i], ground);
+		const CountingHills ground;
+		check_same_transforms(layers[i], ground);
 		CHECK(ground.with_normals > 500);
 		CHECK(ground.heights_alone == for_origin);
 	}
 }
 
-TEST_CASE("ground: an edge is looked for without normals where no rule of the layer looks at a slope") {
+TEST_CASE("ground: edges are probed without normals if no rule of the layer uses the slope") {
 	LayerSettings layer = upright_layer();
 	layer.placement.align_to_normal = 1.0;
 	layer.rules.edge_feather = 4.0;
-	const AskedHills ground;
-	check_stands_the_same(layer, ground);
+	const CountingHills ground;
+	check_same_transforms(layer, ground);
 	CHECK(ground.with_normals > 500);
 	CHECK(ground.heights_alone == 16 * ground.with_normals + for_origin);
 }
 
-TEST_CASE("ground: of the layers around only those with a rule for the slope ask for normals") {
+TEST_CASE("ground: of the neighbor layers, only those with a slope rule query normals") {
 	LayerSettings layer = upright_layer();
 	auto around = std::make_shared<LayerSettings>(upright_layer());
 	around->set.layer = 4;
-	around->placement.align_to_normal = 1.0; // Nobody sees how it stands.
+	around->placement.align_to_normal = 1.0; // Its orientation affects nothing.
 	layer.neighbors = {{around, 1.0, nullptr}};
-	const AskedHills ground;
-	check_stands_the_same(layer, ground);
+	const CountingHills ground;
+	check_same_transforms(layer, ground);
 	CHECK(ground.with_normals == 0);
 	around->rules.max_slope_degrees = 40.0;
-	const AskedHills steep;
-	check_stands_the_same(layer, steep);
+	const CountingHills steep;
+	check_same_transforms(layer, steep);
 	CHECK(steep.with_normals > 500);
 }
 
-TEST_CASE("ground: an explanation knows the normal whatever the layer looks at") {
+TEST_CASE("ground: an explanation includes the normal, even if the layer does not use it") {
 	const std::vector<glm::dvec2> places{{10.0, 10.0}, {-20.0, 30.0}};
 	DensityProbe probe;
 	REQUIRE(probe.find(upright_layer(), places, true).ok());
@@ -128,18 +128,18 @@ TEST_CASE("ground: an explanation knows the normal whatever the layer looks at")
 	}
 }
 
-TEST_CASE("ground: textures are weighed only for layers with a rule for them") {
+TEST_CASE("ground: texture weights are queried only for layers with a texture rule") {
 	LayerSettings layer = upright_layer();
-	const AskedHills ground;
-	check_stands_the_same(layer, ground);
+	const CountingHills ground;
+	check_same_transforms(layer, ground);
 	CHECK(ground.weighed == 0);
 	layer.rules.ground_textures = {2};
-	check_stands_the_same(layer, ground); // They have none, which allows all.
+	check_same_transforms(layer, ground); // They have no textures, which permits all positions.
 	CHECK(ground.weighed > 500);
 }
 
-TEST_CASE("ground: once a rule has closed a place, no other is asked about it, and none about looks") {
-	// The shape's depth would be rounded; the rules before it are not.
+TEST_CASE("ground: once a rule excludes a position, no further rule or source is evaluated") {
+	// The shape's depth would be rounded; the rules before it round nothing.
 	LayerSettings layer;
 	layer.rules.min_height = 10.0;
 	Shape sphere;
@@ -171,7 +171,7 @@ TEST_CASE("ground: once a rule has closed a place, no other is asked about it, a
 	CHECK(computes_shape(10.0f));
 }
 
-TEST_CASE("ground: lent threads share the points of a large rectangle whose ground is asked elsewhere") {
+TEST_CASE("ground: lent threads share the points of a large rectangle whose ground the caller queries") {
 	CountedThreads threads(2);
 	TileBuilder builder;
 	REQUIRE(builder.find_points(upright_layer(), {{-200.0, -190.0}, {200.0, 190.0}}, nullptr, &threads).ok());

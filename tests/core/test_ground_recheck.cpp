@@ -1,4 +1,4 @@
-// How changes of the ground are found that nothing reports: which heights are read, when, and what follows from them.
+// Detection of ground changes that emit no signal: which heights are read, when, and which tiles are regenerated.
 
 #include "core/streaming/ground_recheck.hpp"
 #include "tile_fixture.hpp"
@@ -24,7 +24,7 @@ constexpr double tile_size = 10.0;
 
 using Height = std::function<std::optional<float>(glm::dvec2)>;
 
-/// Tiles in a row along x, made on flat ground of height 0, each with some probes in a row.
+/// Tiles in a row along x, generated on flat ground of height 0. Each has some probes in a row.
 class Row {
 public:
 	explicit Row(int tiles, int probes = 4, std::uint32_t layer = 0) { add(tiles, probes, layer); }
@@ -44,7 +44,7 @@ public:
 		recheck.show(key, {{left, 0.0}, {left + tile_size, tile_size}}, kept, outdated);
 	}
 
-	/// One frame in which up to 16 heights are read.
+	/// A frame that reads up to 16 heights.
 	void frame(const Height &height) {
 		now += 1.0 / 60.0;
 		std::vector<glm::dvec2> positions;
@@ -78,7 +78,7 @@ std::optional<float> flat(glm::dvec2) { return 0.0F; }
 
 } // namespace
 
-TEST_CASE("ground recheck: all heights of all tiles are read in turn, a few in a frame, as often as each other") {
+TEST_CASE("ground recheck: all heights of all tiles are read in turn, a few per frame, equally often") {
 	Row row(40);
 	row.frames(600, flat);
 	CHECK(row.most_at_once == 16);
@@ -89,7 +89,7 @@ TEST_CASE("ground recheck: all heights of all tiles are read in turn, a few in a
 	CHECK(row.changes.empty());
 }
 
-TEST_CASE("ground recheck: few tiles are not read more often for it") {
+TEST_CASE("ground recheck: a few tiles are not read more often than many") {
 	Row row(1);
 	row.frames(600, flat); // 10 s: 40 visits of two heights.
 	int reads = 0;
@@ -100,7 +100,7 @@ TEST_CASE("ground recheck: few tiles are not read more often for it") {
 	CHECK(reads >= 70);
 }
 
-TEST_CASE("ground recheck: a change is found in the tiles where it is, and once") {
+TEST_CASE("ground recheck: a change is found once, in its tiles only") {
 	Row row(20);
 	const Height raised = [](glm::dvec2 at) {
 		return at.x > 50.0 && at.x < 70.0 ? 3.0F : 0.0F;
@@ -115,15 +115,14 @@ TEST_CASE("ground recheck: a change is found in the tiles where it is, and once"
 	CHECK(row.changes.size() == 2);
 }
 
-TEST_CASE("ground recheck: a change under one probe of many is found in the end") {
+TEST_CASE("ground recheck: a change under one probe of many is found eventually") {
 	Row row(3, 64);
 	row.frames(1200, [](glm::dvec2 at) { return std::abs(at.x - 19.0) < 0.1 ? 1.0F : 0.0F; });
 	REQUIRE(row.changes.size() == 1);
 	CHECK(row.changes[0] == doctest::Approx(19.0).epsilon(0.01));
 }
 
-TEST_CASE(
-		"ground recheck: ground that comes or goes is a change; less than the tolerance and unknown heights are none") {
+TEST_CASE("ground recheck: ground that appears or disappears is a change; small and unknown changes are not") {
 	Row row(3);
 	row.show({0, 0, {1, 0}}, 4, none);
 	row.frames(200, [](glm::dvec2 at) { return at.x > 10.0 && at.x < 20.0 ? none : 0.009F; });
@@ -137,7 +136,7 @@ TEST_CASE(
 	CHECK(row.changes[1] < 20.0);
 }
 
-TEST_CASE("ground recheck: tiles that are to be regenerated are not read until they are") {
+TEST_CASE("ground recheck: tiles that will be regenerated are not read until then") {
 	Row row(3);
 	row.recheck.hold(0, {{12.0, 0.0}, {13.0, 1.0}});
 	row.show({0, 0, {2, 0}}, 4, 0.0F, true);
@@ -154,7 +153,7 @@ TEST_CASE("ground recheck: tiles that are to be regenerated are not read until t
 	CHECK(row.recheck.size() == 2);
 }
 
-TEST_CASE("ground recheck: what was read for a tile that has been regenerated meanwhile does not count") {
+TEST_CASE("ground recheck: heights read for a tile before it was regenerated are ignored") {
 	Row row(1);
 	std::vector<glm::dvec2> positions;
 	row.recheck.next(row.now, 16, positions);
@@ -166,7 +165,7 @@ TEST_CASE("ground recheck: what was read for a tile that has been regenerated me
 	CHECK(row.changes.empty());
 }
 
-TEST_CASE("ground recheck: changes wait for each other, but not for long, and many do not wait") {
+TEST_CASE("ground recheck: changes are collected for a short time, unless there are many") {
 	const Height raised = [](glm::dvec2) {
 		return 1.0F;
 	};
@@ -182,7 +181,7 @@ TEST_CASE("ground recheck: changes wait for each other, but not for long, and ma
 	CHECK(many.changes.size() >= 32);
 }
 
-TEST_CASE("ground recheck: a change that its layer's tiles are regenerated for anyway is dropped, and no other") {
+TEST_CASE("ground recheck: only changes of tiles that are regenerated anyway are dropped") {
 	for (const std::uint32_t held : {0U, 1U}) {
 		Row row(1);
 		row.frame([](glm::dvec2) { return 1.0F; });
@@ -192,8 +191,7 @@ TEST_CASE("ground recheck: a change that its layer's tiles are regenerated for a
 	}
 }
 
-TEST_CASE("ground recheck: ground that never rests regenerates a tile ever less often; once at rest it is followed "
-		  "soon") {
+TEST_CASE("ground recheck: ground that never rests regenerates a tile ever less often, but is followed once at rest") {
 	Row row(1);
 	float height = 0.0F;
 	const auto regenerated_in = [&](int seconds, bool moves) {
@@ -214,7 +212,7 @@ TEST_CASE("ground recheck: ground that never rests regenerates a tile ever less 
 	CHECK(regenerated_in(1, false) == 1);
 }
 
-TEST_CASE("ground recheck: a built tile knows heights that it was made with, spread over it") {
+TEST_CASE("ground recheck: a built tile stores some heights that it was built with, spread over it") {
 	const Rect rect{{-20.0, 10.0}, {44.0, 74.0}};
 	TileBuilder builder;
 	TileInstances tile;

@@ -15,7 +15,7 @@ namespace {
 
 using Pixels = std::vector<std::uint8_t>;
 
-/// 5 columns and 3 rows on 40 m by 12 m about the corner of four quadrants: pixels of 8 m by 4 m.
+/// 5 columns and 3 rows on 40 m by 12 m around the corner of four quadrants. Pixels are 8 m by 4 m.
 constexpr glm::ivec2 size{5, 3};
 const Rect area{{-24.0, -8.0}, {16.0, 4.0}};
 const Pixels pixels{0, 10, 20, 30, 255, 50, 60, 70, 80, 90, 200, 110, 120, 130, 140};
@@ -35,7 +35,7 @@ float density(const ImageMask &mask, glm::dvec2 position) {
 
 float byte(int value) { return static_cast<float>(value / 255.0); }
 
-/// What a mask should be at a place, by clamped or wrapped indices and weights of its four pixels.
+/// The expected value at a position, from the clamped or wrapped indices and the weights of its four pixels.
 double expected_at(glm::dvec2 position, bool repeat) {
 	const double x = (position.x + 24.0) / 8.0 - 0.5;
 	const double y = (position.y + 8.0) / 4.0 - 0.5;
@@ -68,7 +68,7 @@ TEST_CASE("image mask: a pixel's center has exactly its value") {
 	}
 }
 
-TEST_CASE("image mask: bilinear between the centers, held at the border or wrapped") {
+TEST_CASE("image mask: bilinear between the centers, clamped at the border or wrapped") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int i = 0; i < 2000; ++i) {
@@ -87,14 +87,14 @@ TEST_CASE("image mask: bilinear between the centers, held at the border or wrapp
 	}
 }
 
-TEST_CASE("image mask: what lies outside follows the edge, at all four borders") {
+TEST_CASE("image mask: positions outside follow the edge mode, at all four borders") {
 	struct Place {
 		glm::dvec2 position;
 		bool inside;
-		int nearest; ///< Value of the nearest place of the image.
+		int nearest; ///< Value of the image's nearest position.
 	};
 	const double hair = 1e-9;
-	// The center line of a column or row on each side: on the border, before it, behind it.
+	// The center line of a column or row on each side: on the border, before it and behind it.
 	const std::array places{Place{{-24.0, -2.0}, true, 50}, Place{{-24.0 - hair, -2.0}, false, 50},
 			Place{{-1000.0, -2.0}, false, 50}, Place{{16.0 - hair, -2.0}, true, 90}, Place{{16.0, -2.0}, false, 90},
 			Place{{1000.0, -2.0}, false, 90}, Place{{-4.0, -8.0}, true, 20}, Place{{-4.0, -8.0 - hair}, false, 20},
@@ -112,11 +112,11 @@ TEST_CASE("image mask: what lies outside follows the edge, at all four borders")
 	}
 }
 
-TEST_CASE("image mask: a repeated image is the same a whole number of images away, without a seam") {
+TEST_CASE("image mask: a repeated image is periodic, without a seam") {
 	const ImageMask mask = mask_of(size, pixels, area, MaskEdge::repeat);
 	std::mt19937 random(2);
 	for (int i = 0; i < 500; ++i) {
-		// Places in eighths of a meter are exact in all copies.
+		// Positions in eighths of a meter are exact in all copies.
 		const glm::dvec2 place(
 				static_cast<int>(random() % 320) / 8.0 - 24.0, static_cast<int>(random() % 96) / 8.0 - 8.0);
 		const double copies_x = static_cast<int>(random() % 2001) - 1000;
@@ -149,7 +149,7 @@ TEST_CASE("image mask: an image of one pixel has one value") {
 	CHECK(density(column, {0.9, 0.75}) == 0.25f);
 }
 
-TEST_CASE("image mask: no density where there is no place") {
+TEST_CASE("image mask: positions that are not finite have no density") {
 	for (const MaskEdge edge : edges) {
 		const ImageMask mask = mask_of(size, pixels, area, edge);
 		for (const double bad : {nan_value, infinite_value, -infinite_value}) {
@@ -161,23 +161,23 @@ TEST_CASE("image mask: no density where there is no place") {
 			CHECK(density(mask, {far, far}) <= 1.0f);
 		}
 	}
-	// So small that a place is not even a finite number of images away.
+	// An image so small that the number of images to a position overflows.
 	const ImageMask tiny = mask_of({1, 1}, {255}, {{0.0, 0.0}, {1e-300, 1e-300}}, MaskEdge::repeat);
 	CHECK(density(tiny, {1e10, 0.0}) == 0.0f);
 	CHECK(density(tiny, {5e-301, 0.0}) == 1.0f);
-	// As wide as numbers go.
+	// As wide as numbers allow.
 	const ImageMask vast = mask_of({2, 1}, {0, 255}, {{-8e307, -8e307}, {8e307, 8e307}}, MaskEdge::clamp);
 	CHECK(density(vast, {0.0, 0.0}) == 0.5f);
 	CHECK(density(vast, {1.7e308, 0.0}) == 1.0f);
 }
 
-TEST_CASE("image mask: by default everything passes") {
+TEST_CASE("image mask: the default is 1 everywhere") {
 	const ImageMask mask;
 	CHECK(density(mask, {0.5, 0.5}) == 1.0f);
 	CHECK(density(mask, {-1e6, 1e6}) == 1.0f);
 }
 
-TEST_CASE("image mask: the same place gives the same bits from any batch") {
+TEST_CASE("image mask: a position is bit-identical in any batch") {
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> along(-60.0, 60.0);
 	for (const MaskEdge edge : edges) {
@@ -192,7 +192,7 @@ TEST_CASE("image mask: the same place gives the same bits from any batch") {
 	}
 }
 
-TEST_CASE("image mask: what is refused is named and leaves the mask as it was") {
+TEST_CASE("image mask: errors name the refused property and leave the mask unchanged") {
 	ImageMask mask = mask_of(size, pixels, area, MaskEdge::clamp);
 	const ImageMask before = mask;
 	const auto refuse = [&](glm::ivec2 of_size, const Rect &of_area, ErrorCode code, const char *property,

@@ -13,7 +13,8 @@ using namespace thicket::test;
 
 namespace {
 
-/// Three frames on a side of the sphere's map: frame (1, 1) looks from above, (1, 2) from +z, (2, 1) from +x, (1, 0) from -z.
+/// Three frames per side of the sphere's map. Frame (1, 1) is seen from above, (1, 2) from +z, (2, 1) from +x, (1, 0)
+/// from -z.
 constexpr ImpostorSettings three{.frames = 3, .frame_size = 64, .samples = 2, .span = OctahedralSpan::sphere};
 constexpr glm::ivec2 from_above{1, 1};
 constexpr glm::ivec2 from_front{1, 2};
@@ -23,7 +24,7 @@ constexpr glm::ivec2 from_behind{1, 0};
 const glm::vec4 red{1.0F, 0.0F, 0.0F, 1.0F};
 const glm::vec4 green{0.0F, 1.0F, 0.0F, 1.0F};
 
-/// How much of a frame is covered, 0 to 1.
+/// The covered share of a frame, 0 to 1.
 double coverage(const Impostor &impostor, glm::ivec2 frame) {
 	const int side = impostor.settings.frame_size;
 	double sum = 0.0;
@@ -35,7 +36,7 @@ double coverage(const Impostor &impostor, glm::ivec2 frame) {
 	return sum / (255.0 * side * side);
 }
 
-/// All six sides of a cube, each facing out.
+/// All six sides of a cube, facing outward.
 ImpostorSurface cube(float half) {
 	ImpostorSurface surface;
 	const ImpostorSurface side = square(half, half, red);
@@ -59,14 +60,14 @@ ImpostorSurface cube(float half) {
 } // namespace
 
 TEST_CASE("impostor: a known triangle, seen from its front and not from behind") {
-	// A half of the square that reaches from -1 to 1: the left upper one, as its longest side goes from lower left to upper right.
+	// The upper left half of the square from -1 to 1, because the longest side goes from lower left to upper right.
 	const ImpostorSurface half = triangles({{-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}}, red);
 	const Impostor impostor = baked({half}, three);
 	CHECK(impostor.min == glm::vec3(-1, -1, 0));
 	CHECK(impostor.max == glm::vec3(1, 1, 0));
 	CHECK(impostor.center == glm::vec3(0));
 	CHECK(impostor.radius == doctest::Approx(std::sqrt(2.0)));
-	// Of the square with a side of two radii.
+	// Shares of the square whose side is two radii.
 	CHECK(coverage(impostor, from_front) == doctest::Approx(2.0 / 8.0).epsilon(0.01));
 	CHECK(coverage(impostor, from_behind) == 0.0);
 	CHECK(coverage(impostor, from_right) == 0.0);
@@ -75,12 +76,12 @@ TEST_CASE("impostor: a known triangle, seen from its front and not from behind")
 	CHECK(pixel_of(impostor, impostor.normal, from_front, {20, 28}) == std::array{128, 128, 255, 128});
 }
 
-TEST_CASE("impostor: both sides, and the other side alone") {
+TEST_CASE("impostor: both sides, and only the back side") {
 	const std::vector<glm::vec3> corners{{-1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
 	const Impostor both = baked({triangles(corners, red, CulledSide::none)}, three);
 	CHECK(coverage(both, from_front) == coverage(both, from_behind));
 	CHECK(coverage(both, from_front) > 0.24);
-	// From behind left is right, and the normal is turned to the viewer.
+	// Seen from behind, left is right, and the normal faces the viewer.
 	CHECK(pixel_of(both, both.albedo, from_behind, {43, 28})[3] == 255);
 	CHECK(pixel_of(both, both.normal, from_behind, {43, 28}) == std::array{128, 128, 0, 128});
 	const Impostor back = baked({triangles(corners, red, CulledSide::front)}, three);
@@ -102,11 +103,11 @@ TEST_CASE("impostor: a cube from its axes") {
 	for (const glm::ivec2 frame : {from_front, from_behind, from_right, from_above}) {
 		CHECK(coverage(impostor, frame) == doctest::Approx(4.0 / 12.0).epsilon(0.005));
 	}
-	// The corner (2, 2) of the sphere's map is straight below.
+	// The corner (2, 2) of the sphere's map is directly below.
 	CHECK(pixel_of(impostor, impostor.normal, {2, 2}, {32, 32}) == std::array{128, 0, 128, near});
 }
 
-TEST_CASE("impostor: what is nearer hides what is behind, in whatever order it is drawn") {
+TEST_CASE("impostor: nearer surfaces hide farther ones, in any drawing order") {
 	const ImpostorSurface near = square(1.0F, 0.5F, red);
 	const ImpostorSurface far = square(1.0F, -0.5F, green);
 	const Impostor one = baked({near, far}, three);
@@ -117,7 +118,7 @@ TEST_CASE("impostor: what is nearer hides what is behind, in whatever order it i
 	CHECK(pixel_of(one, one.normal, from_front, {32, 32})[3] == 170); // 0.5 m of a radius of 1.5 m
 }
 
-TEST_CASE("impostor: alpha takes away what is below the threshold, and coverage follows") {
+TEST_CASE("impostor: pixels with alpha below the threshold are discarded, and coverage follows") {
 	auto texture = std::make_shared<SurfaceTexture>();
 	// The left column is transparent.
 	const std::vector<std::uint8_t> pixels{0, 0, 255, 0, 0, 0, 255, 255, 0, 0, 255, 0, 0, 0, 255, 255};
@@ -128,17 +129,17 @@ TEST_CASE("impostor: alpha takes away what is below the threshold, and coverage 
 	CHECK(coverage(opaque, from_front) == doctest::Approx(0.5).epsilon(0.01));
 	surface.material.alpha_threshold = 0.5F;
 	const Impostor cut = baked({surface}, three);
-	// Texture repeats, so alpha reaches a half at a quarter and again at the right edge.
+	// The texture repeats, so alpha reaches a half at a quarter of the width and again at the right edge.
 	CHECK(coverage(cut, from_front) == doctest::Approx(0.25).epsilon(0.05));
 	CHECK(pixel_of(cut, cut.albedo, from_front, {20, 32})[3] == 0);
 	CHECK(pixel_of(cut, cut.albedo, from_front, {44, 32}) == std::array{0, 0, 255, 255});
-	// Where there is nothing the color is the neighbor's, in the frames without anything as well as here.
+	// Empty pixels have their neighbor's color, in empty frames as well as here.
 	CHECK(pixel_of(cut, cut.albedo, from_front, {20, 32})[2] == 255);
 	surface.material.albedo.a = 0.4F;
 	CHECK(coverage(baked({surface}, three), from_front) == 0.0);
 }
 
-TEST_CASE("impostor: colors of vertices, as they are or in sRGB") {
+TEST_CASE("impostor: vertex colors, linear or in sRGB") {
 	ImpostorSurface surface = square(1.0F, 0.0F, glm::vec4(1.0F));
 	surface.colors.assign(4, {128.0F / 255.0F, 64.0F / 255.0F, 1.0F, 1.0F});
 	const auto middle = [&](VertexColors colors) {
@@ -155,8 +156,8 @@ TEST_CASE("impostor: colors of vertices, as they are or in sRGB") {
 	CHECK(std::abs(mixed[2] - 188) <= 2);
 }
 
-TEST_CASE("impostor: mip maps keep the share that is covered, and frames apart") {
-	// Thin bars: every mip map of plain means would lose them.
+TEST_CASE("impostor: mip maps keep the covered share, and frames do not bleed") {
+	// Thin bars, which mip maps of plain means would lose.
 	std::vector<ImpostorSurface> bars;
 	for (int at = -8; at < 8; ++at) {
 		const float x = static_cast<float>(at) / 8.0F;
@@ -170,7 +171,7 @@ TEST_CASE("impostor: mip maps keep the share that is covered, and frames apart")
 		const auto count = static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
 		for (std::size_t pixel = 0; pixel < count; ++pixel) {
 			covered += impostor.albedo[first + 4 * pixel + 3] >= 128 ? 1 : 0;
-			// Nothing is there but red, so nothing else may come of any filter, wherever the frame shows anything.
+			// The only color is red, so no filter may produce any other where the frame is covered.
 			CHECK(impostor.albedo[first + 4 * pixel + 1] == 0);
 		}
 		const double share = static_cast<double>(covered) / static_cast<double>(count);
@@ -182,7 +183,7 @@ TEST_CASE("impostor: mip maps keep the share that is covered, and frames apart")
 	CHECK(impostor.albedo.size() == impostor.normal.size());
 }
 
-TEST_CASE("impostor: the same bits everywhere") {
+TEST_CASE("impostor: bit-identical on every machine") {
 	ImpostorSurface surface = cube(1.0F);
 	surface.transform(glm::mat3({0.6F, 0.8F, 0.0F}, {-0.8F, 0.6F, 0.0F}, {0.0F, 0.0F, 1.0F}), {3.0F, 1.0F, 0.25F});
 	surface.colors.assign(surface.positions.size(), {0.3F, 0.6F, 0.9F, 1.0F});
@@ -198,7 +199,7 @@ TEST_CASE("impostor: the same bits everywhere") {
 	CHECK(digest == 2901402152858105231U);
 }
 
-TEST_CASE("impostor: what is refused leaves what was there") {
+TEST_CASE("impostor: refused input leaves the impostor unchanged") {
 	Impostor impostor = baked({cube(1.0F)}, three);
 	const std::vector<std::uint8_t> before = impostor.albedo;
 	const std::vector<ImpostorSurface> good{cube(1.0F)};
@@ -231,26 +232,26 @@ TEST_CASE("impostor: what is refused leaves what was there") {
 	refused(bad, three, ErrorCode::out_of_range, "alpha_threshold", 1.5);
 }
 
-TEST_CASE("impostor: progress is told after each picture, and the flag ends the call") {
+TEST_CASE("impostor: progress is reported after each picture, and the cancel flag ends the call") {
 	const std::vector<ImpostorSurface> surfaces{cube(1.0F)};
 	std::atomic<bool> cancel = false;
 	double last = 0.0;
-	std::uint64_t told = 0;
+	std::uint64_t reported = 0;
 	const Progress progress{.cancel = &cancel, .report = [&](double fraction, std::uint64_t pictures) {
 								CHECK(fraction > last);
 								last = fraction;
-								told = pictures;
+								reported = pictures;
 								cancel = pictures == 7;
 							}};
 	Impostor impostor;
 	CHECK(bake_impostor(surfaces, {.frames = 4, .frame_size = 16}, progress, impostor).code == ErrorCode::cancelled);
-	CHECK(told == 7);
+	CHECK(reported == 7);
 	CHECK(impostor.albedo.empty());
 	cancel = false;
 	last = 0.0;
 	CHECK(bake_impostor(surfaces, {.frames = 2, .frame_size = 16}, progress, impostor).ok());
 	CHECK(last == 1.0);
-	CHECK(told == 4);
+	CHECK(reported == 4);
 }
 
 TEST_CASE("impostor: directions of the maps, and axes of pictures") {
@@ -275,7 +276,7 @@ TEST_CASE("impostor: directions of the maps, and axes of pictures") {
 	CHECK(octahedral_direction({0.0F, 1.0F}, OctahedralSpan::sphere) == glm::vec3(0, 0, 1));
 }
 
-TEST_CASE("impostor: a mirroring transform keeps fronts in front and normals outside") {
+TEST_CASE("impostor: a mirroring transform keeps front faces and outward normals") {
 	ImpostorSurface surface = cube(1.0F);
 	surface.transform(glm::mat3({-2.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}, {0.0F, 0.0F, 1.0F}), {10.0F, 0.0F, 0.0F});
 	const Impostor impostor = baked({surface}, three);
@@ -285,7 +286,7 @@ TEST_CASE("impostor: a mirroring transform keeps fronts in front and normals out
 	CHECK(pixel_of(impostor, impostor.normal, from_front, {32, 32})[2] == 255);
 }
 
-TEST_CASE("impostor: where memory ends nothing has changed") {
+TEST_CASE("impostor: running out of memory changes nothing") {
 	std::vector<ImpostorSurface> surfaces{cube(1.0F)};
 	surfaces[0].colors.assign(surfaces[0].positions.size(), red);
 	surfaces[0].material.vertex_colors = VertexColors::linear;

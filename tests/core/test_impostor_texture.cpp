@@ -7,7 +7,7 @@
 
 using namespace thicket;
 
-TEST_CASE("impostor texture: the curve of sRGB") {
+TEST_CASE("impostor texture: the sRGB curve") {
 	const SrgbCurve &curve = SrgbCurve::get();
 	for (int stored = 0; stored < 256; ++stored) {
 		const double unit = stored / 255.0;
@@ -24,7 +24,7 @@ TEST_CASE("impostor texture: the curve of sRGB") {
 	CHECK(unit_byte(0.5F) == 128);
 }
 
-TEST_CASE("impostor texture: repeats, and lies between the centers of pixels") {
+TEST_CASE("impostor texture: it repeats, and interpolates between pixel centers") {
 	SurfaceTexture texture;
 	REQUIRE(texture.set(2, 1, std::vector<std::uint8_t>{255, 0, 0, 255, 0, 0, 0, 0}).ok());
 	for (const float turn : {0.0F, 1.0F, -1.0F, 40.0F, -40.0F}) {
@@ -42,7 +42,7 @@ TEST_CASE("impostor texture: repeats, and lies between the centers of pixels") {
 	CHECK(texture.level_for(1e9) == 1);
 }
 
-TEST_CASE("impostor texture: what is refused leaves what was there") {
+TEST_CASE("impostor texture: refused input leaves the texture unchanged") {
 	SurfaceTexture texture;
 	const std::vector<std::uint8_t> pixels(16, 7);
 	check_refused(texture.set(0, 4, pixels), ErrorCode::out_of_range, "texture", 0);

@@ -1,4 +1,4 @@
-// Patches of a heightmap, many at once: the same bits as one after the other, on every instruction set.
+// Patches of a heightmap in batches: bit-identical to one at a time, on every instruction set.
 
 #include "core/terrain/inner_patches.hpp"
 #include "core/terrain/smooth_patch.hpp"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int side = 40;
 
-/// Height and normal, as Heightfield has them of one patch.
+/// Height and normal of a single patch, as Heightfield computes them.
 std::array<float, 4> alone(const std::uint16_t *first, glm::dvec2 part, const InnerPatches::Heights &of) {
 	const SmoothPatch patch = smooth_patch<false>(
 			inner_line, inner_line, part, [first](int i, int j) { return static_cast<double>(first[j * side + i]); });
@@ -41,7 +41,7 @@ std::vector<std::uint16_t> posts_of(std::mt19937 &random) {
 
 } // namespace
 
-TEST_CASE("inner patches: many at once are the same bits as one after the other, on every instruction set") {
+TEST_CASE("inner patches: batches are bit-identical to single patches, on every instruction set") {
 	for (const bench::SimdTarget &target : bench::simd_targets()) {
 		CAPTURE(target.name);
 		const bench::ForcedTarget forced(target);
@@ -74,12 +74,12 @@ TEST_CASE("inner patches: many at once are the same bits as one after the other,
 	}
 }
 
-TEST_CASE("inner patches: they are made by vectors, which write behind the last one") {
+TEST_CASE("inner patches: they are computed in vectors, which write beyond the last one") {
 	const std::vector<std::uint16_t> posts(16, 3);
 	InnerPatches patches;
 	patches.height.fill(-1.0f);
 	patches.add(posts.data() + 5, 4, {0.5, 0.5}, 0);
 	patches.compute({});
 	CHECK(patches.height[0] == 3.0f);
-	CHECK(patches.height[1] == 0.0f); // Nothing wider than one would leave it as it was.
+	CHECK(patches.height[1] == 0.0f); // Single-lane code would leave it unchanged.
 }

@@ -23,7 +23,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Colors that can be told apart, all of them halves.
+/// Distinct colors. All components are exact as half floats.
 std::shared_ptr<const ColorTable> palette(std::size_t count) {
 	ColorTable colors;
 	for (std::size_t i = 0; i < count; ++i) {
@@ -38,7 +38,7 @@ LayerSettings colored_layer() {
 	return layer;
 }
 
-/// Kolmogorov and Smirnov's distance to the uniform numbers.
+/// The Kolmogorov-Smirnov distance to the uniform distribution.
 double unevenness(std::vector<double> values) {
 	std::ranges::sort(values);
 	double worst = 0.0;
@@ -50,7 +50,7 @@ double unevenness(std::vector<double> values) {
 
 } // namespace
 
-TEST_CASE("placement: the tilt leans away from the own up axis, evenly over angles and directions") {
+TEST_CASE("placement: the tilt leans away from the instance's up axis, uniformly in angle and direction") {
 	std::mt19937 random(5);
 	Placement placement;
 	placement.min_tilt_degrees = 10.0;
@@ -86,7 +86,7 @@ TEST_CASE("placement: the tilt leans away from the own up axis, evenly over angl
 	}
 }
 
-TEST_CASE("placement: a tilt of 90 degrees lies down, and stays a rotation on any ground") {
+TEST_CASE("placement: a tilt of 90 degrees is horizontal, and stays a rotation on any ground") {
 	std::mt19937 random(6);
 	Placement placement;
 	placement.min_tilt_degrees = placement.max_tilt_degrees = 90.0;
@@ -102,12 +102,12 @@ TEST_CASE("placement: a tilt of 90 degrees lies down, and stays a rotation on an
 	}
 }
 
-TEST_CASE("placement: next to no tilt is no tilt") {
+TEST_CASE("placement: a tiny tilt equals no tilt") {
 	std::mt19937 random(7);
 	Placement placement;
 	placement.align_to_normal = 0.6;
 	Placement tiny = placement;
-	tiny.max_tilt_degrees = 1e-300; // Takes the other road.
+	tiny.max_tilt_degrees = 1e-300; // Takes the code path with a tilt.
 	for (std::uint64_t id = 0; id < 1000; ++id) {
 		const glm::vec3 normal = random_normal(random);
 		const Transform without = transform_of(placement, id, normal);
@@ -118,7 +118,7 @@ TEST_CASE("placement: next to no tilt is no tilt") {
 	}
 }
 
-TEST_CASE("placement: the offset along the normal leaves the ground at a right angle") {
+TEST_CASE("placement: the offset along the normal is perpendicular to the ground") {
 	std::mt19937 random(8);
 	Placement placement;
 	placement.offset_along_normal = -2.5;
@@ -130,7 +130,7 @@ TEST_CASE("placement: the offset along the normal leaves the ground at a right a
 			const Transform transform = transform_of(placement, id, normal, position);
 			const glm::dvec3 expected = glm::dvec3(position) - 2.5 * glm::dvec3(normal);
 			CHECK(glm::distance(transform.position, expected) < 1e-5);
-			// A normal that is not of unit length means the same.
+			// The normal's length has no effect.
 			CHECK(glm::distance(transform_of(placement, id, 3.0f * normal, position).position, expected) < 1e-5);
 		}
 	}
@@ -158,9 +158,9 @@ TEST_CASE("placement: the scale curve maps the random number, and nothing else c
 	}
 }
 
-TEST_CASE("instance data: a half is the nearest there is, and stays what it is") {
+TEST_CASE("instance data: a half is the nearest one, and converts back exactly") {
 	std::mt19937 random(9);
-	// All halves that are finite and positive, by the format's definition, ascending.
+	// All finite, positive halves, by the format's definition, ascending.
 	std::vector<double> halves;
 	for (int exponent = 0; exponent < 31; ++exponent) {
 		for (int mantissa = 0; mantissa < 1024; ++mantissa) {
@@ -181,14 +181,14 @@ TEST_CASE("instance data: a half is the nearest there is, and stays what it is")
 	}
 }
 
-TEST_CASE("instance data: floats an instance follow from what is used") {
+TEST_CASE("instance data: the floats per instance depend on the data in use") {
 	CHECK(floats_per_instance({}) == 12);
 	CHECK(floats_per_instance({.use_colors = true}) == 16);
 	CHECK(floats_per_instance({.use_custom_data = true}) == 16);
 	CHECK(floats_per_instance({.use_colors = true, .use_custom_data = true}) == 20);
 }
 
-TEST_CASE("instance data: transform, color and custom data stand in the engine's order") {
+TEST_CASE("instance data: transform, color and custom data are in the engine's order") {
 	const std::shared_ptr<const ColorTable> colors = palette(3);
 	std::array<float, 8> floats{};
 	write_instance_data({true, colors, true}, seed, 77, 0x40000000, 1.5f, floats);
@@ -204,13 +204,12 @@ TEST_CASE("instance data: transform, color and custom data stand in the engine's
 	write_instance_data({}, seed, 77, 0, 1.0f, {});
 }
 
-TEST_CASE("instance data: variation, wind phase and color are uniform and have nothing to do with each other or the "
-		  "mesh") {
+TEST_CASE("instance data: variation, wind phase and color are uniform, and independent of each other and the mesh") {
 	constexpr std::size_t tries = 20000;
 	const InstanceData data{true, palette(1000), true};
 	MeshChoice meshes;
 	meshes.set(std::vector<float>{1.0f, 1.0f});
-	std::array<std::vector<double>, 4> values; // Uniform in [0, 1) each.
+	std::array<std::vector<double>, 4> values; // Each uniform in [0, 1).
 	for (std::uint64_t id = 0; id < tries; ++id) {
 		std::array<float, 8> floats{};
 		write_instance_data(data, seed, id, 0, 1.0f, floats);
@@ -248,7 +247,7 @@ TEST_CASE("instance data: bad tables are refused by name and value") {
 	CHECK(validate(InstanceData{true, palette(max_colors), true}).ok());
 }
 
-TEST_CASE("instance data: colors and custom data change no transform of a tile, and follow its order") {
+TEST_CASE("instance data: colors and custom data change no transform of a tile, and keep its order") {
 	const Heightfield terrain = hills();
 	const TileInstances plain = built(rich_layer(), terrain, tile_of_hills);
 	const TileInstances rich = built(colored_layer(), terrain, tile_of_hills);
@@ -274,7 +273,7 @@ TEST_CASE("instance data: colors and custom data change no transform of a tile, 
 	}
 }
 
-TEST_CASE("instance data: leaning, colored instances are the same bits on every machine") {
+TEST_CASE("instance data: leaning, colored instances are bit-identical on every machine") {
 	Placement placement;
 	placement.min_scale = 0.6;
 	placement.align_to_normal = 0.4;

@@ -15,8 +15,8 @@ using namespace thicket::test;
 
 namespace {
 
-/// Two sources of the same world: one that has all tiles around a place, and one that has none until they are asked
-/// for.
+/// Two sources of the same world: one that has all tiles around a position, and one that generates each tile on
+/// request.
 struct Worlds {
 	World warm;
 	World cold;
@@ -30,17 +30,17 @@ struct Worlds {
 		REQUIRE(all.size() > 5000);
 	}
 
-	/// Calls `ask(query)` with both, and lets the cold one forget what it has learned.
+	/// Calls `ask(query)` with both sources, and clears the tiles that the cold one generated.
 	template <class Ask>
 	void each(const Ask &ask) {
-		const std::vector<QueryLayer> layers = warm.asked();
+		const std::vector<QueryLayer> layers = warm.query_layers();
 		ask(InstanceQuery{layers, warm, &state});
 		ask(InstanceQuery{layers, cold, &state});
 		cold.forget();
 	}
 };
 
-/// Some of the layers, or none for all of them.
+/// A filter for some of the layers. An empty one means all layers.
 QueryFilter random_filter(std::mt19937 &random) {
 	QueryFilter filter;
 	const auto choice = random() % 6;
@@ -60,7 +60,7 @@ bool names(const QueryFilter &filter, std::uint32_t layer) {
 
 } // namespace
 
-TEST_CASE("queries: a rectangle holds what a scan of all tiles finds in it, whatever the source has") {
+TEST_CASE("queries: a rectangle returns the same as a scan of all tiles, with a warm and a cold source") {
 	std::mt19937 random(1);
 	for (const glm::dvec2 place : world_places) {
 		Worlds worlds(place, random);
@@ -84,7 +84,7 @@ TEST_CASE("queries: a rectangle holds what a scan of all tiles finds in it, what
 	}
 }
 
-TEST_CASE("queries: a sphere holds what a scan finds in it, in space") {
+TEST_CASE("queries: a sphere returns the same as a scan, in three dimensions") {
 	std::mt19937 random(2);
 	for (const glm::dvec2 place : world_places) {
 		Worlds worlds(place, random);
@@ -106,7 +106,7 @@ TEST_CASE("queries: a sphere holds what a scan finds in it, in space") {
 			});
 		}
 		CHECK(total > 5000);
-		// An instance's own place, and nothing around it.
+		// Only an instance's exact position.
 		worlds.each([&](const InstanceQuery &query) {
 			std::vector<PlacedInstance> found;
 			REQUIRE(query.in_sphere(worlds.all[2000].position, 0.0, {}, found).ok());
@@ -116,7 +116,7 @@ TEST_CASE("queries: a sphere holds what a scan finds in it, in space") {
 	}
 }
 
-TEST_CASE("queries: the nearest is the nearest of a scan") {
+TEST_CASE("queries: the nearest instance is that of a scan") {
 	std::mt19937 random(3);
 	for (const glm::dvec2 place : world_places) {
 		Worlds worlds(place, random);
@@ -158,7 +158,7 @@ TEST_CASE("queries: the nearest is the nearest of a scan") {
 	}
 }
 
-TEST_CASE("queries: an id leads to its instance, and to nothing where nothing stands") {
+TEST_CASE("queries: an id finds its instance, or nothing if there is none") {
 	std::mt19937 random(4);
 	for (const glm::dvec2 place : world_places) {
 		Worlds worlds(place, random);
@@ -169,8 +169,8 @@ TEST_CASE("queries: an id leads to its instance, and to nothing where nothing st
 				REQUIRE(found.size() == 1);
 				CHECK(same(found[0], worlds.all[i]));
 			});
-			CHECK(worlds.cold.asked_for.size() <= 4);
-			worlds.cold.asked_for.clear();
+			CHECK(worlds.cold.requests.size() <= 4);
+			worlds.cold.requests.clear();
 		}
 		for (const std::uint64_t id : worlds.state.added_ids()) {
 			worlds.each([&](const InstanceQuery &query) {
@@ -184,12 +184,12 @@ TEST_CASE("queries: an id leads to its instance, and to nothing where nothing st
 		for (const PlacedInstance &each : worlds.all) {
 			standing.insert(each.id);
 		}
-		// The cell beside, of the same layer: mostly empty.
+		// The neighboring cell of the same layer is mostly empty.
 		int empty = 0;
 		for (std::size_t i = 0; i < worlds.all.size(); i += worlds.all.size() / 80) {
 			const glm::dvec2 off = glm::dvec2(worlds.all[i].position.x, worlds.all[i].position.z) - place;
 			if (glm::length(off) > 150.0) {
-				continue; // Its neighbor may stand where nothing was scanned.
+				continue; // Its neighbor may be outside the scanned area.
 			}
 			const std::uint64_t id = worlds.all[i].id + 1;
 			std::vector<PlacedInstance> found;
@@ -203,9 +203,9 @@ TEST_CASE("queries: an id leads to its instance, and to nothing where nothing st
 	}
 }
 
-TEST_CASE("queries: what is removed has still a place by its layer's rules, and comes back to it") {
+TEST_CASE("queries: a removed instance still has a position by its layer's rules, and returns to it") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	const auto all = everything_in(world, {{0.0, 0.0}, {50.0, 50.0}});
 	InstanceState state;
 	const InstanceQuery query{layers, world, &state};
@@ -230,9 +230,9 @@ TEST_CASE("queries: what is removed has still a place by its layer's rules, and 
 	CHECK(found.empty());
 }
 
-TEST_CASE("queries: ids of other layers, of none, and of one of which nothing stands lead nowhere") {
+TEST_CASE("queries: ids of other layers, of none, and of an empty one find nothing") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
 	for (const std::uint64_t id : {std::uint64_t{0}, std::uint64_t{1} << 48, ~std::uint64_t{0}, std::uint64_t{1} << 63,
 				 std::uint64_t{7} << 48, (std::uint64_t{8} << 48) - 1}) {
@@ -240,36 +240,36 @@ TEST_CASE("queries: ids of other layers, of none, and of one of which nothing st
 		REQUIRE(query.by_id(id, found).ok());
 		CHECK(found.empty());
 	}
-	world.layers[0].asked.wanted = false;
-	const std::vector<QueryLayer> unwanted = world.asked();
+	world.layers[0].query_layer.wanted = false;
+	const std::vector<QueryLayer> unwanted = world.query_layers();
 	const auto tree = everything_in(world, {{0.0, 0.0}, {9.0, 9.0}});
 	std::vector<PlacedInstance> found;
 	REQUIRE(InstanceQuery{unwanted, world, nullptr}.in_rect({{0.0, 0.0}, {9.0, 9.0}}, {{0, 3}, {}}, found).ok());
 	CHECK(found.empty());
 }
 
-TEST_CASE("queries: an id is looked for no further than until it is found, and not at all once it is removed") {
+TEST_CASE("queries: the search for an id ends when it is found, and never starts if it is removed") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	InstanceState state;
 	const InstanceQuery query{layers, world, &state};
-	std::size_t passed_over = 0; // Tiles that it might have stood in, looked at before.
+	std::size_t passed_over = 0; // Tiles checked before the right one.
 	for (const PlacedInstance &tree : everything_in(world, {{0.0, 0.0}, {200.0, 200.0}})) {
 		if (tree.layer != 0) {
 			continue;
 		}
 		std::vector<PlacedInstance> found;
-		world.asked_for.clear();
+		world.requests.clear();
 		REQUIRE(query.by_id(tree.id, found).ok());
 		REQUIRE(found.size() == 1);
-		const auto [layer, x, y] = world.asked_for.back();
+		const auto [layer, x, y] = world.requests.back();
 		CHECK(tile_rect(layers[0].tile_size, {x, y}).contains({tree.position.x, tree.position.z}));
-		passed_over += world.asked_for.size() - 1;
+		passed_over += world.requests.size() - 1;
 		state.remove(tree.id);
-		world.asked_for.clear();
+		world.requests.clear();
 		REQUIRE(query.by_id(tree.id, found).ok());
 		CHECK(found.empty());
-		CHECK(world.asked_for.empty());
+		CHECK(world.requests.empty());
 	}
 	CHECK(passed_over > 0);
 }

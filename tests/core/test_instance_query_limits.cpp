@@ -1,4 +1,4 @@
-// What queries refuse, where they end, and what they allocate.
+// Input that queries refuse, the limits of the world, and their allocations.
 
 #include "core/query/instance_query.hpp"
 
@@ -20,7 +20,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// A query of one layer with open rules.
+/// A query of one layer without restricting rules.
 struct OneLayer {
 	World world;
 	std::vector<QueryLayer> layers;
@@ -29,7 +29,7 @@ struct OneLayer {
 		LayerSettings settings;
 		settings.set = {.seed = 4, .radius = radius, .levels = 1, .layer = 0};
 		world.layers = {world_layer(settings, tile_size, {})};
-		layers = world.asked();
+		layers = world.query_layers();
 	}
 
 	InstanceQuery query() { return {layers, world, nullptr}; }
@@ -37,9 +37,9 @@ struct OneLayer {
 
 } // namespace
 
-TEST_CASE("queries: bad input is refused by its name, and leaves no result") {
+TEST_CASE("queries: bad input is refused by name, and leaves no result") {
 	World world;
-	std::vector<QueryLayer> layers = world.asked();
+	std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
 	const std::vector<PlacedInstance> old(3);
 	const auto refused = [&](const std::function<Status(std::vector<PlacedInstance> &)> &ask, ErrorCode code,
@@ -91,14 +91,14 @@ TEST_CASE("queries: bad input is refused by its name, and leaves no result") {
 	check_refused(query.tiles_in_rect({{1.0, 0.0}, {0.0, 0.0}}, {}, tiles), ErrorCode::inverted, "rect", -1.0);
 	CHECK(tiles.empty());
 	check_refused(query.tiles_in_sphere({}, -1.0, {}, tiles), ErrorCode::out_of_range, "radius", -1.0);
-	CHECK(world.asked_for.empty());
+	CHECK(world.requests.empty());
 }
 
-TEST_CASE("queries: a layer that cannot be is refused by the name of what is wrong, unless it is not asked") {
+TEST_CASE("queries: an invalid layer is refused by its property's name, unless the filter skips it") {
 	World world;
 	const auto refused = [&](const std::function<void(QueryLayer &)> &spoil, ErrorCode code,
 								 const std::string &property, double value) {
-		std::vector<QueryLayer> layers = world.asked();
+		std::vector<QueryLayer> layers = world.query_layers();
 		spoil(layers[1]);
 		const InstanceQuery query{layers, world, nullptr};
 		std::vector<PlacedInstance> found;
@@ -118,7 +118,7 @@ TEST_CASE("queries: a layer that cannot be is refused by the name of what is wro
 	refused([](QueryLayer &layer) { layer.max_offset = -0.5; }, ErrorCode::out_of_range, "max_offset", -0.5);
 }
 
-TEST_CASE("queries: more points than one query may look at are refused before any tile is made") {
+TEST_CASE("queries: a query of too many points is refused before any tile is generated") {
 	OneLayer dense(1.0, 50.0);
 	const InstanceQuery query = dense.query();
 	const double limit = InstanceQuery::max_points;
@@ -130,7 +130,7 @@ TEST_CASE("queries: more points than one query may look at are refused before an
 		CHECK((status.ok() || std::string(status.property) == property));
 		return status.code;
 	};
-	// Inside of the outermost tiles, so that no others are touched.
+	// Within the outermost tiles, so that no others are touched.
 	const auto code_in_square = [&](double width) {
 		return code_of(query.tiles_in_rect({{1.0, 1.0}, {width - 1.0, width - 1.0}}, {}, tiles), "rect");
 	};
@@ -146,19 +146,19 @@ TEST_CASE("queries: more points than one query may look at are refused before an
 	CHECK(code_of(query.on_ray({}, {1e7, 0.0, 1.0}, {}, hit), "to") == ErrorCode::too_many_points);
 	CHECK(code_of(query.on_ray({}, {1.0, 0.0, 1e7}, {}, hit), "to") == ErrorCode::too_many_points);
 	CHECK(code_of(query.on_ray({}, {1e15, 1.0, -1e15}, {}, hit), "to") == ErrorCode::too_many_points);
-	// Empty tiles have their price, too.
+	// Empty tiles count as well.
 	OneLayer sparse(1000.0, 0.1);
 	CHECK(code_of(sparse.query().tiles_in_rect({{0.0, 0.0}, {100.0, 100.0}}, {}, tiles), "rect") ==
 			ErrorCode::too_many_points);
-	CHECK(dense.world.asked_for.empty());
+	CHECK(dense.world.requests.empty());
 }
 
-TEST_CASE("queries: at the end of the cells, and far beyond, nothing overflows") {
+TEST_CASE("queries: nothing overflows at the last cells, and far beyond") {
 	OneLayer layer(1.0, 64.0);
 	const InstanceQuery query = layer.query();
 	const double edge = 8388608.0 / std::sqrt(2.0);
 	std::vector<PlacedInstance> found;
-	// The last whole tile, the piece of one after it, and places that no tile's number can name.
+	// The last whole tile, the partial one after it, and positions beyond all tile coordinates.
 	const double last = std::floor(edge / 64.0) * 64.0;
 	REQUIRE(query.in_rect({{last - 30.0, -edge - 99.0}, {edge + 99.0, -last + 30.0}}, {}, found).ok());
 	CHECK(found.size() > 400);
@@ -189,7 +189,7 @@ TEST_CASE("queries: at the end of the cells, and far beyond, nothing overflows")
 		REQUIRE(query.by_id(pack({0, cell}), found).ok());
 		CHECK(found.empty());
 	}
-	// A set whose cells reach farther than tiles of this size have numbers.
+	// A set whose cells reach beyond the tile coordinates of this tile size.
 	OneLayer wide(1e6, 0.1);
 	REQUIRE(wide.query().in_rect({{1e9, 1e9}, {1e9 + 5.0, 1e9 + 5.0}}, {}, found).ok());
 	CHECK(found.empty());
@@ -197,9 +197,9 @@ TEST_CASE("queries: at the end of the cells, and far beyond, nothing overflows")
 	CHECK(found.empty());
 }
 
-TEST_CASE("queries: an error of the source is handed on, and a tile that cannot be had is empty") {
+TEST_CASE("queries: an error of the source is returned, and an unavailable tile is empty") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
 	const auto all = found_in(query, glade);
 	world.failure = {ErrorCode::out_of_memory, "tile", 7.0};
@@ -226,7 +226,7 @@ TEST_CASE("queries: an error of the source is handed on, and a tile that cannot 
 	CHECK(hit.empty());
 }
 
-TEST_CASE("queries: nothing is allocated for each instance") {
+TEST_CASE("queries: no allocation per instance") {
 	OneLayer layer(0.5, 40.0);
 	const InstanceQuery query = layer.query();
 	std::vector<PlacedInstance> found;
@@ -244,7 +244,7 @@ TEST_CASE("queries: nothing is allocated for each instance") {
 	CHECK(allocated_by([&] { return query.on_ray({1.0, 1.0, 1.0}, {60.0, 0.5, 50.0}, {}, hit); }) < 80);
 }
 
-TEST_CASE("queries: a crowd is sorted by its cells, which takes memory, and few instances are not") {
+TEST_CASE("queries: many instances are sorted by cells, which takes memory, and few are not") {
 	const auto sorting_allocates = [](int side, int apart) {
 		FoundInstances found;
 		for (int i = 0; i < side * side; ++i) {
@@ -259,16 +259,16 @@ TEST_CASE("queries: a crowd is sorted by its cells, which takes memory, and few 
 		}
 		return after - before;
 	};
-	CHECK(sorting_allocates(50, 1) == 3); // One entry for each row and for each column, and one array of instances.
+	CHECK(sorting_allocates(50, 1) == 3); // One entry for each row and each column, and one array of instances.
 	CHECK(sorting_allocates(50, 1000) == 0);
 }
 
-TEST_CASE("queries: where something stands is told without putting it together") {
+TEST_CASE("queries: a position is returned without computing the whole instance") {
 	OneLayer layer(0.5, 40.0);
 	FoundInstances found;
 	REQUIRE(layer.query().in_rect({{0.0, 0.0}, {5.0, 5.0}}, {}, found).ok());
 	REQUIRE(found.size() > 10);
-	// Its basis would be rounded.
+	// Computing the basis would round.
 	CHECK_FALSE(rounds([&] { CHECK(found.position(7).x >= 0.0); }));
 	CHECK(rounds([&] { CHECK(found[7].position == found.position(7)); }));
 }

@@ -1,4 +1,4 @@
-// What lies on a border, whom a query asks and in which order, and what it looks at.
+// Instances on a border, the tiles that a query reads, and its order of filter calls.
 
 #include "core/query/instance_query.hpp"
 
@@ -17,14 +17,14 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("queries: rectangles are half-open, so pieces that touch hold what the whole holds, once") {
+TEST_CASE("queries: rectangles are half-open, so adjacent pieces return each instance of the whole once") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
 	const auto whole = found_in(query, glade);
 	REQUIRE(whole.size() > 500);
 	for (std::size_t i = 0; i < whole.size(); i += 41) {
-		// Cut where an instance stands.
+		// Cut at an instance's position.
 		const glm::dvec2 cut(whole[i].position.x, whole[i].position.z);
 		std::vector<PlacedInstance> pieces;
 		for (const Rect &piece :
@@ -46,7 +46,7 @@ TEST_CASE("queries: rectangles are half-open, so pieces that touch hold what the
 
 TEST_CASE("queries: a sphere is closed, and so is the distance to the nearest") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	InstanceState state;
 	std::uint64_t id = 0;
 	REQUIRE(state.add({.layer = 3, .position = {1000.0, 500.0, -2000.0}}, id).ok());
@@ -66,9 +66,9 @@ TEST_CASE("queries: a sphere is closed, and so is the distance to the nearest") 
 	}
 }
 
-TEST_CASE("queries: the filter is asked last, in order, and for no more than it takes") {
+TEST_CASE("queries: the filter is called last, in order, and no more often than needed") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	const auto all = everything_in(world, {{-64.0, -64.0}, {128.0, 128.0}});
 	InstanceState state;
 	for (std::size_t i = 0; i < all.size(); i += 3) {
@@ -77,23 +77,23 @@ TEST_CASE("queries: the filter is asked last, in order, and for no more than it 
 	std::uint64_t id = 0;
 	REQUIRE(state.add({.layer = 3, .position = {30.0, 0.0, 30.0}}, id).ok());
 	const InstanceQuery query{layers, world, &state};
-	std::vector<PlacedInstance> asked;
+	std::vector<PlacedInstance> tested;
 	QueryFilter filter;
 	filter.accepts = [&](const PlacedInstance &each) {
-		asked.push_back(each);
-		return asked.size() % 2 == 0;
+		tested.push_back(each);
+		return tested.size() % 2 == 0;
 	};
 	const auto standing = found_in(query, glade);
 	std::vector<PlacedInstance> found;
 	REQUIRE(query.in_rect(glade, filter, found).ok());
-	CHECK(same(asked, standing));
+	CHECK(same(tested, standing));
 	CHECK(found.size() == standing.size() / 2);
 
-	asked.clear();
+	tested.clear();
 	const glm::dvec3 place(31.0, 3.0, 33.0);
 	filter.accepts = [&](const PlacedInstance &each) {
-		asked.push_back(each);
-		return asked.size() == 25;
+		tested.push_back(each);
+		return tested.size() == 25;
 	};
 	std::vector<NearestInstance> nearest;
 	REQUIRE(query.nearest(place, 60.0, filter, nearest).ok());
@@ -104,11 +104,11 @@ TEST_CASE("queries: the filter is asked last, in order, and for no more than it 
 	std::sort(by_distance.begin(), by_distance.end(),
 			[&](const PlacedInstance &a, const PlacedInstance &b) { return distance(a) < distance(b); });
 	by_distance.resize(25);
-	CHECK(same(asked, by_distance));
+	CHECK(same(tested, by_distance));
 	REQUIRE(nearest.size() == 1);
 	CHECK(same(nearest[0].instance, by_distance.back()));
 
-	// What the filter removes on its way is gone for the next query, and no harm to this one.
+	// Instances that the filter itself removes are missing from the next query, and do not disturb this one.
 	filter.accepts = [&](const PlacedInstance &each) {
 		return state.remove(each.id);
 	};
@@ -117,9 +117,9 @@ TEST_CASE("queries: the filter is asked last, in order, and for no more than it 
 	CHECK(found_in(query, glade).empty());
 }
 
-TEST_CASE("queries: what two have the same distance, the smaller layer and id have") {
+TEST_CASE("queries: at equal distances, the smaller layer and id win") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	InstanceState state;
 	std::vector<std::uint64_t> ids(4);
 	for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -136,37 +136,37 @@ TEST_CASE("queries: what two have the same distance, the smaller layer and id ha
 	CHECK(nearest[0].instance.id == smallest);
 	CHECK(nearest[0].distance == 5.0);
 	std::vector<RayHit> hit;
-	// Straight down the middle of a tree and of a stone that stands in it.
+	// Straight down the center of a tree and of a stone at the same position.
 	REQUIRE(query.on_ray({-5.0, 901.0, 0.0}, {-5.0, 800.0, 0.0}, {}, hit).ok());
 	REQUIRE(hit.size() == 1);
 	CHECK(hit[0].instance.id == ids[2]);
 	CHECK(hit[0].distance == 0.0);
 }
 
-TEST_CASE("queries: the tiles that a query names are those that it looks at, the nearest first") {
+TEST_CASE("queries: the tiles that a query lists are those that it reads, the nearest first") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
 	for (const bool is_sphere : {false, true}) {
 		const glm::dvec3 center(glade.center().x, 0.0, glade.center().y);
 		std::vector<InstanceQuery::Tile> tiles;
 		std::vector<PlacedInstance> found;
-		world.asked_for.clear();
+		world.requests.clear();
 		REQUIRE((is_sphere ? query.tiles_in_sphere(center, 35.0, {}, tiles) : query.tiles_in_rect(glade, {}, tiles))
 						.ok());
-		CHECK(world.asked_for.empty());
+		CHECK(world.requests.empty());
 		REQUIRE((is_sphere ? query.in_sphere(center, 35.0, {}, found) : query.in_rect(glade, {}, found)).ok());
-		REQUIRE(tiles.size() == world.asked_for.size());
+		REQUIRE(tiles.size() == world.requests.size());
 		for (std::size_t i = 0; i < tiles.size(); ++i) {
-			CHECK(std::tuple(tiles[i].layer, tiles[i].tile.x, tiles[i].tile.y) == world.asked_for[i]);
+			CHECK(std::tuple(tiles[i].layer, tiles[i].tile.x, tiles[i].tile.y) == world.requests[i]);
 			const auto far = [&](const InstanceQuery::Tile &tile) {
 				return distance_squared(tile_rect(layers[tile.layer].tile_size, tile.tile), glade.center());
 			};
 			if (i > 0 && tiles[i - 1].layer == tiles[i].layer) {
-				// Grown tiles are nearer, by the same.
+				// Tiles are grown before they are sorted, so their order may differ by that much.
 				CHECK(std::sqrt(far(tiles[i - 1])) <= std::sqrt(far(tiles[i])) + 4.0);
 			}
 		}
-		CHECK(std::set(world.asked_for.begin(), world.asked_for.end()).size() == tiles.size());
+		CHECK(std::set(world.requests.begin(), world.requests.end()).size() == tiles.size());
 	}
 }

@@ -20,8 +20,8 @@ using namespace thicket::test;
 
 namespace {
 
-/// The share of the way at which a ray first touches a cylinder: of all places where it crosses the caps and the
-/// mantle, and its start, the first one that is inside to within rounding.
+/// The position along a ray, 0 to 1, where it first touches a cylinder. Considers the ray's start and all its crossings
+/// of the caps and the mantle, and returns the first one inside the cylinder, to within rounding.
 double first_touch(const PlacedInstance &instance, const InstanceShape &shape, glm::dvec3 from, glm::dvec3 to) {
 	const glm::dmat3 basis(instance.basis);
 	if (std::abs(glm::determinant(basis)) < 1e-12) {
@@ -49,12 +49,12 @@ double first_touch(const PlacedInstance &instance, const InstanceShape &shape, g
 
 } // namespace
 
-TEST_CASE("queries: a ray meets the first of all cylinders") {
+TEST_CASE("queries: a ray hits the first of all cylinders") {
 	std::mt19937 random(5);
 	for (const glm::dvec2 place : world_places) {
 		World warm;
 		World cold;
-		const std::vector<QueryLayer> layers = warm.asked();
+		const std::vector<QueryLayer> layers = warm.query_layers();
 		const Rect around{place - 160.0, place + 160.0};
 		const InstanceState state = changed_state(everything_in(warm, around), place, random);
 		const auto all = everything_in(warm, around, &state);
@@ -63,7 +63,7 @@ TEST_CASE("queries: a ray meets the first of all cylinders") {
 		});
 		int hits = 0;
 		for (int repeat = 0; repeat < 90; ++repeat) {
-			// Half of them past something that stands there; some along an axis.
+			// Half of the rays pass an instance closely; some run along an axis.
 			const glm::dvec3 mark = repeat % 2 == 0
 					? near[random() % near.size()].position + glm::dvec3(0.0, between(random, -0.5, 2.0), 0.0)
 					: glm::dvec3(place.x + between(random, -60.0, 60.0), between(random, -15.0, 20.0),
@@ -119,32 +119,32 @@ TEST_CASE("queries: a ray meets the first of all cylinders") {
 	}
 }
 
-TEST_CASE("queries: a ray looks only at tiles that it comes to before it meets something") {
+TEST_CASE("queries: a ray reads only the tiles before its first hit") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	std::vector<RayHit> hit;
 	const InstanceQuery query{layers, world, nullptr};
 	const glm::dvec3 eye(3.0, 1.0, 5.0);
 	REQUIRE(query.on_ray(eye, eye + glm::dvec3(3000.0, 0.0, 500.0), {{0, 1}, {}}, hit).ok());
 	REQUIRE(hit.size() == 1);
 	CHECK(hit[0].distance < 300.0);
-	const std::size_t looked_at = world.asked_for.size();
+	const std::size_t looked_at = world.requests.size();
 	CHECK(looked_at < 150);
-	// No farther than the tiles' own size and what may reach out of them.
-	for (const auto &[layer, x, y] : world.asked_for) {
+	// Within the tiles' own size and the reach of instances beyond them.
+	for (const auto &[layer, x, y] : world.requests) {
 		const Rect square = tile_rect(layers[layer].tile_size, {x, y});
 		CHECK(std::sqrt(distance_squared(square, {eye.x, eye.z})) < hit[0].distance + 30.0);
 	}
-	world.asked_for.clear();
-	// Beside the way nothing is looked at.
+	world.requests.clear();
+	// Tiles beside the ray are not read.
 	REQUIRE(query.on_ray({0.0, 500.0, 0.0}, {0.0, 400.0, 0.0}, {{0}, {}}, hit).ok());
 	CHECK(hit.empty());
-	CHECK(world.asked_for.size() == 4);
+	CHECK(world.requests.size() == 4);
 }
 
-TEST_CASE("queries: a ray of no length meets what it is in, at no distance, and one that starts inside too") {
+TEST_CASE("queries: a ray of length zero, or one that starts inside an instance, hits it at distance 0") {
 	World world;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	const InstanceQuery query{layers, world, nullptr};
 	const auto all = everything_in(world, {{0.0, 0.0}, {60.0, 60.0}});
 	const auto tree = std::find_if(all.begin(), all.end(), [](const PlacedInstance &each) { return each.layer == 0; });
@@ -163,7 +163,7 @@ TEST_CASE("queries: a ray of no length meets what it is in, at no distance, and 
 	CHECK(hit.empty());
 }
 
-TEST_CASE("queries: a cylinder is closed, and its part of a ray is exact") {
+TEST_CASE("queries: a cylinder is closed, and its intersection with a ray is exact") {
 	const InstanceShape shape{0.5, 2.0};
 	const glm::dvec3 origin(10.0, 20.0, 30.0);
 	const auto part = [&](glm::dvec3 from, glm::dvec3 to, const glm::mat3 &basis = glm::mat3(1.0f)) {
@@ -175,7 +175,7 @@ TEST_CASE("queries: a cylinder is closed, and its part of a ray is exact") {
 	const RayPart down = part({0.0, 4.0, 0.0}, {0.0, -4.0, 0.0});
 	CHECK(down.start == 0.25);
 	CHECK(down.end == 0.5);
-	// The mantle, the edges of the caps, and just beside.
+	// On the mantle, on the edges of the caps, and just beside.
 	CHECK(!part({-2.0, 1.0, 0.5}, {2.0, 1.0, 0.5}).empty());
 	CHECK(!part({-2.0, 2.0, 0.0}, {2.0, 2.0, 0.0}).empty());
 	CHECK(!part({0.5, 3.0, 0.0}, {0.5, -3.0, 0.0}).empty());
@@ -188,31 +188,31 @@ TEST_CASE("queries: a cylinder is closed, and its part of a ray is exact") {
 	CHECK(part({1.0, 4.0, 0.0}, {1.0, -4.0, 0.0}, lying).start == 0.4375);
 	CHECK(part({-20.0, 15.0, 0.0}, {20.0, 15.0, 0.0}, glm::mat3(10.0f)).start == 0.375);
 	CHECK(part({-2.0, 1.0, 0.0}, {2.0, 1.0, 0.0}, glm::mat3(0.0f)).empty());
-	// From 1,000 km away it is no less exact than its place is.
+	// From 1,000 km away the result is as exact as the coordinates are.
 	CHECK(part({-1e6, 1.0, 0.4999}, {1e6, 1.0, 0.4999}).start < 0.5);
 	CHECK(part({-1e6, 1.0, 0.5001}, {1e6, 1.0, 0.5001}).empty());
 }
 
-TEST_CASE("queries: of a wide world a ray looks at the tiles along its way alone") {
+TEST_CASE("queries: in a wide world, a ray reads only the tiles along its way") {
 	World world;
 	world.makes = false;
-	const std::vector<QueryLayer> layers = world.asked();
+	const std::vector<QueryLayer> layers = world.query_layers();
 	std::vector<RayHit> hit;
 	REQUIRE(InstanceQuery{layers, world, nullptr}.on_ray({5.0, 0.0, 5.0}, {6400.0, 0.0, 6390.0}, {{0}, {}}, hit).ok());
 	CHECK(hit.empty());
-	CHECK(world.asked_for.size() > 190); // One after the other, and those that it only just misses.
-	CHECK(world.asked_for.size() < 320);
+	CHECK(world.requests.size() > 190); // The tiles along the ray, and those that it barely misses.
+	CHECK(world.requests.size() < 320);
 }
 
-TEST_CASE("queries: a ray meets no cylinder but of instances near it") {
-	// To work out where a ray meets a cylinder without end cannot go well, which the processor notes.
+TEST_CASE("queries: a ray tests only the cylinders of instances near it") {
+	// An intersection with an infinite cylinder would set the processor's floating-point flags.
 	class OneTile final : public TileSource {
 	public:
-		Status find_tile(std::uint32_t, glm::ivec2, std::shared_ptr<const KeptTile> &r_tile) override {
+		Status find_tile(std::uint32_t, glm::ivec2, std::shared_ptr<const CompactTile> &r_tile) override {
 			r_tile = tile;
 			return {};
 		}
-		std::shared_ptr<const KeptTile> tile;
+		std::shared_ptr<const CompactTile> tile;
 	};
 	const auto tile_with = [](glm::vec3 place) {
 		MeshInstances mesh;
@@ -226,10 +226,10 @@ TEST_CASE("queries: a ray meets no cylinder but of instances near it") {
 		mesh.max = glm::vec3(60.0f);
 		TileInstances tile;
 		tile.meshes.push_back(mesh);
-		return std::make_shared<const KeptTile>(tile, std::shared_ptr<const LayerSettings>());
+		return std::make_shared<const CompactTile>(tile, std::shared_ptr<const LayerSettings>());
 	};
 	OneTile source;
-	const std::vector<QueryLayer> layers{world_layers().front().asked};
+	const std::vector<QueryLayer> layers{world_layers().front().query_layer};
 	std::vector<RayHit> hit;
 	const auto meets = [&](glm::vec3 place) {
 		source.tile = tile_with(place);

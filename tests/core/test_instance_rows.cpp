@@ -45,7 +45,7 @@ glm::mat3 put_together(const TurnAndScale &parts) {
 	return basis;
 }
 
-/// The largest difference of two numbers at the same place.
+/// The largest difference of two elements at the same index.
 float largest_difference(const glm::mat3 &a, const glm::mat3 &b) {
 	float largest = 0.0f;
 	for (int column = 0; column < 3; ++column) {
@@ -70,7 +70,7 @@ Number number_at(const std::vector<std::uint8_t> &bytes, std::size_t &r_at) {
 	return number;
 }
 
-/// Compares a column with what the instances of all meshes have there.
+/// Compares a column with the values of the instances of all meshes.
 template <class Number, class Expected>
 void check_column(const std::vector<std::uint8_t> &bytes, std::size_t &r_at, const TileInstances &tile,
 		const Expected &expected) {
@@ -86,7 +86,7 @@ void check_column(const std::vector<std::uint8_t> &bytes, std::size_t &r_at, con
 
 } // namespace
 
-TEST_CASE("a transform is its rotation and its scale, whichever way it is turned") {
+TEST_CASE("a transform is split into rotation and scale, for any rotation") {
 	std::mt19937 random(7);
 	std::uniform_real_distribution<float> size(0.1f, 4.0f);
 	for (int i = 0; i < 20000; ++i) {
@@ -104,7 +104,7 @@ TEST_CASE("a transform is its rotation and its scale, whichever way it is turned
 	}
 }
 
-TEST_CASE("half turns, where all but one of the quaternion's numbers are 0, are right") {
+TEST_CASE("half turns, where all but one component of the quaternion are 0, are correct") {
 	for (const glm::quat turn :
 			{glm::quat(1, 0, 0, 0), glm::quat(0, 1, 0, 0), glm::quat(0, 0, 1, 0), glm::quat(0, 0, 0, 1)}) {
 		const TurnAndScale parts = turn_and_scale(floats_of(glm::mat3_cast(turn) * 2.0f));
@@ -112,7 +112,7 @@ TEST_CASE("half turns, where all but one of the quaternion's numbers are 0, are 
 	}
 }
 
-TEST_CASE("placed instances have one scale on all axes, to the bit, and theirs") {
+TEST_CASE("generated instances have exactly their scale on all axes") {
 	Placement placement;
 	placement.min_scale = 0.3;
 	placement.max_scale = 2.5;
@@ -129,7 +129,7 @@ TEST_CASE("placed instances have one scale on all axes, to the bit, and theirs")
 	}
 }
 
-TEST_CASE("a shear is told, and the rest of the transform is kept") {
+TEST_CASE("a shear is reported, and the rest of the transform is kept") {
 	glm::mat3 basis(1.0f);
 	basis[1] = {0.5f, 1.0f, 0.0f};
 	const TurnAndScale parts = turn_and_scale(floats_of(basis));
@@ -139,7 +139,7 @@ TEST_CASE("a shear is told, and the rest of the transform is kept") {
 	CHECK(parts.scale.y == doctest::Approx(std::sqrt(1.25f)));
 }
 
-TEST_CASE("what is flat has finite numbers") {
+TEST_CASE("flat instances have finite numbers") {
 	for (const glm::mat3 &basis :
 			{glm::mat3(0.0f), glm::mat3(1, 0, 0, 0, 0, 0, 0, 0, 1), glm::mat3(1, 0, 0, 1, 0, 0, 0, 0, 1)}) {
 		const TurnAndScale parts = turn_and_scale(floats_of(basis));
@@ -192,7 +192,7 @@ TEST_CASE("rows hold every number of a tile, column by column") {
 	CHECK(at == bytes.size());
 }
 
-TEST_CASE("the list of columns says what rows hold, for each kind of instance data") {
+TEST_CASE("the list of columns matches the rows, for each kind of instance data") {
 	for (const auto &[colors, custom] : {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
 		LayerSettings layer = rich_layer();
 		layer.instance_data.use_colors = colors;
@@ -217,6 +217,6 @@ TEST_CASE("the list of columns says what rows hold, for each kind of instance da
 	}
 }
 
-TEST_CASE("nothing has a header and no rows") {
+TEST_CASE("an empty tile has a header and no rows") {
 	CHECK(instance_rows({}, {}) == std::vector<std::uint8_t>(row_header_bytes, 0));
 }

@@ -1,4 +1,4 @@
-// A world as it was: several threads ask it at once while the world goes on.
+// A snapshot of a world: several threads query it at once while the world changes.
 
 #include "core/query/instance_snapshot.hpp"
 #include "flat_world.hpp"
@@ -19,7 +19,7 @@ using namespace thicket::test;
 
 namespace {
 
-using Tiles = std::vector<std::shared_ptr<const KeptTile>>;
+using Tiles = std::vector<std::shared_ptr<const CompactTile>>;
 
 std::vector<std::uint64_t> ids_in(const InstanceSnapshot &snapshot, const Rect &rect) {
 	std::vector<PlacedInstance> found;
@@ -45,7 +45,7 @@ TileMaker counting_maker(FlatWorld &flat, std::atomic<std::size_t> &r_made) {
 
 } // namespace
 
-TEST_CASE("instance snapshot: threads get the answers of its moment, whatever the world does meanwhile") {
+TEST_CASE("instance snapshot: threads get the results of its moment, while the world changes") {
 	FlatWorld flat;
 	InstanceState state;
 	std::atomic<std::size_t> made = 0;
@@ -93,7 +93,7 @@ TEST_CASE("instance snapshot: threads get the answers of its moment, whatever th
 	CHECK(ids_in(snapshot, rect).size() == expected);
 }
 
-TEST_CASE("instance snapshot: known tiles are taken over, others are generated once") {
+TEST_CASE("instance snapshot: cached tiles are reused, others are generated once") {
 	FlatWorld flat;
 	std::atomic<std::size_t> made = 0;
 	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
@@ -110,7 +110,7 @@ TEST_CASE("instance snapshot: known tiles are taken over, others are generated o
 	CHECK(made == for_unknown);
 }
 
-TEST_CASE("instance snapshot: a tile that cannot be had refuses the query, and no other") {
+TEST_CASE("instance snapshot: an unavailable tile refuses its query, and no other") {
 	FlatWorld flat;
 	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
 	const InstanceSnapshot snapshot(flat.world, std::nullopt, [](std::span<const WorldTile> tiles, Tiles &r_tiles) {

@@ -1,4 +1,5 @@
-// What colors and variations may follow: ranges, how far a layer looks for them, what is refused, and what an edit touches.
+// Sources of colors and variations: their ranges, the distance at which a layer queries its neighbors, errors, and the
+// area of an edit.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/layer_graph.hpp"
@@ -14,7 +15,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("sources: a share is straight between the ends of its range, which may be a step") {
+TEST_CASE("sources: a share is linear between the ends of its range, which may be a step") {
 	const InstanceSource range{.kind = SourceKind::height, .min = -10.0, .max = 30.0};
 	CHECK(share_of(range, -1e9) == 0.0f);
 	CHECK(share_of(range, -10.0) == 0.0f);
@@ -27,7 +28,7 @@ TEST_CASE("sources: a share is straight between the ends of its range, which may
 	CHECK(share_of(step, 5.001) == 1.0f);
 }
 
-TEST_CASE("sources: randomness goes from the share to the random number, and leaves 0 to 1 nowhere") {
+TEST_CASE("sources: randomness blends from the share to the random number, within 0 to 1") {
 	InstanceSource source{.kind = SourceKind::height};
 	CHECK(mixed(source, 0.5f, 0.9) == 0.5);
 	CHECK(mixed(source, unknown_share, 0.9) == 0.9);
@@ -41,7 +42,7 @@ TEST_CASE("sources: randomness goes from the share to the random number, and lea
 	}
 }
 
-TEST_CASE("sources: a layer whose rules and look ask for the same neighbor samples it once, as far as both need") {
+TEST_CASE("sources: rules and sources that use the same neighbor sample it once, at the larger distance") {
 	LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::distance));
 	layer.instance_data.variation.layer = layer.instance_data.color.layer;
 	layer.instance_data.variation.max = 20.0;
@@ -56,7 +57,7 @@ TEST_CASE("sources: a layer whose rules and look ask for the same neighbor sampl
 	CHECK(points_to_sample(layer, 64.0) == doctest::Approx(own + others));
 }
 
-TEST_CASE("sources: those that are not used, and those of a neighbor, cost nothing") {
+TEST_CASE("sources: unused ones, and those of a neighbor, cost nothing") {
 	LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::height));
 	LayerSettings shrubs = rich_layer();
 	shrubs.neighbors = {{std::make_shared<const LayerSettings>(layer), 2.0, nullptr}};
@@ -71,7 +72,7 @@ TEST_CASE("sources: those that are not used, and those of a neighbor, cost nothi
 	CHECK(reach(layer) == 0.0);
 }
 
-TEST_CASE("sources: bad ranges are refused by name, where they are used") {
+TEST_CASE("sources: bad ranges are refused by name, if they are used") {
 	const auto refuse = [](const InstanceSource &source, ErrorCode code, const char *property, double value) {
 		LayerSettings layer = following(source, {});
 		check_refused(validate(layer), code, property, value);
@@ -98,7 +99,7 @@ TEST_CASE("sources: bad ranges are refused by name, where they are used") {
 	LayerSettings layer = following({}, source);
 	check_refused(validate(layer), ErrorCode::out_of_range, "variation_randomness", 1.5);
 	layer.instance_data.variation = {};
-	layer.instance_data.variation.min = 5.0; // Of no account for what is random.
+	layer.instance_data.variation.min = 5.0; // Ignored by a random source.
 	CHECK(validate(layer).ok());
 	auto bad = std::make_shared<LayerSettings>(*oaks());
 	bad->set.radius = -2.0;
@@ -107,7 +108,7 @@ TEST_CASE("sources: bad ranges are refused by name, where they are used") {
 	check_refused(validate(following(source, {})), ErrorCode::not_positive, "radius", -2.0);
 }
 
-TEST_CASE("sources: a noise that fails fails the tile") {
+TEST_CASE("sources: an error of the noise fails the tile") {
 	class Broken final : public DensityField {
 	public:
 		Status sample(std::span<const glm::dvec2>, std::span<float>) const override {
@@ -124,7 +125,7 @@ TEST_CASE("sources: a noise that fails fails the tile") {
 	CHECK(digest(tile) == before);
 }
 
-TEST_CASE("sources: an edit of the layer that a color follows touches as far as the color looks") {
+TEST_CASE("sources: an edit of the layer that a color follows reaches as far as the source's distance") {
 	auto before_oaks = std::make_shared<LayerSettings>(*oaks());
 	const auto shape_at = [](double x) {
 		Shape shape;
@@ -153,7 +154,7 @@ TEST_CASE("sources: an edit of the layer that a color follows touches as far as 
 	for (const Rect &edited : area.areas) {
 		CHECK(edited.size().x == doctest::Approx(2.0 * (2.0 + farthest)).epsilon(0.01));
 	}
-	// Who stands apart from this layer does not care.
+	// A layer that only keeps its distance from this one is not affected.
 	LayerSettings shrubs = rich_layer();
 	shrubs.neighbors = {{std::make_shared<const LayerSettings>(before), 2.0, nullptr}};
 	LayerSettings later = shrubs;
@@ -171,7 +172,7 @@ TEST_CASE("sources: an edit of the layer that a color follows touches as far as 
 	CHECK(EditSearch().find(before, layer_with(otherwise)).everywhere);
 }
 
-TEST_CASE("sources: what was placed by hand has what its position tells") {
+TEST_CASE("sources: hand-placed instances get the values of their position") {
 	const glm::dvec3 position{3.0, 45.0, -7.0};
 	const auto shares = [&](SourceKind kind) {
 		return shares_by_hand(following(source_of(kind), {}).instance_data, position).color;

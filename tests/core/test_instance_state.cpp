@@ -1,4 +1,4 @@
-// What a state remembers of the world's changes: what is removed, for how long, and data.
+// A state's record of the world's changes: removed instances, their regrowth times, and data.
 
 #include "state_fixture.hpp"
 
@@ -28,7 +28,7 @@ StateBytes data_of(const InstanceState &state, std::uint64_t id) {
 
 } // namespace
 
-TEST_CASE("state: what is removed is removed until it is restored") {
+TEST_CASE("state: a removed instance stays removed until it is restored") {
 	InstanceState state;
 	const std::uint64_t id = point_id(7, -3, 12);
 	CHECK_FALSE(state.removed(id));
@@ -50,12 +50,12 @@ TEST_CASE("state: what is removed is removed until it is restored") {
 	CHECK(state.removed_count() == 0);
 }
 
-TEST_CASE("state: the set of removed ids is what a plain set would be") {
+TEST_CASE("state: the set of removed ids equals a plain set") {
 	StateRandom random(1);
 	InstanceState state;
 	std::set<std::uint64_t> expected;
 	for (int round = 0; round < 60000; ++round) {
-		// Grows, then shrinks, then starts again.
+		// Grows, then shrinks, then repeats.
 		const bool grow = round / 20000 % 2 == 0 ? random() % 4 != 0 : random() % 4 == 0;
 		const std::uint64_t id = point_id(static_cast<std::uint16_t>(random() % 2), static_cast<int>(random() % 100),
 				static_cast<int>(random() % 100));
@@ -71,7 +71,7 @@ TEST_CASE("state: the set of removed ids is what a plain set would be") {
 	CHECK(state.removed_ids(2).empty());
 }
 
-TEST_CASE("state: data belong to an instance, removed or not, and go with a hand-placed one") {
+TEST_CASE("state: data belong to an instance, removed or not, and disappear with a hand-placed one") {
 	InstanceState state;
 	const std::uint64_t point = point_id(1, 5, 5);
 	const std::uint64_t placed = added_to(state, instance_at(1.0, 1.0));
@@ -83,7 +83,7 @@ TEST_CASE("state: data belong to an instance, removed or not, and go with a hand
 	Changes changes;
 	REQUIRE(InstanceState().load(bytes_of(state), changes).ok());
 	REQUIRE(changes.size() == 3);
-	for (const InstanceChange &change : changes) { // Where it stands is told of a hand-placed one.
+	for (const InstanceChange &change : changes) { // Hand-placed instances have their position in the change.
 		CHECK(change.added == (change.id == placed ? *state.added(placed) : AddedInstance()));
 	}
 	const std::uint64_t revision = state.revision();
@@ -102,7 +102,7 @@ TEST_CASE("state: data belong to an instance, removed or not, and go with a hand
 	CHECK(state.data_count() == 0);
 }
 
-TEST_CASE("state: what is removed for a time stands again when its time has come") {
+TEST_CASE("state: an instance removed for a time is restored when the time is over") {
 	InstanceState state;
 	const std::uint64_t oak = point_id(1, 0, 0);
 	const std::uint64_t fern = point_id(2, 0, 0);
@@ -116,7 +116,7 @@ TEST_CASE("state: what is removed for a time stands again when its time has come
 		CHECK(advanced(state, nothing).empty());
 	}
 	CHECK(state.time() == 4.5);
-	// What is cut again grows later.
+	// An instance that is removed a second time regrows later.
 	const std::uint64_t revision = state.revision();
 	CHECK_FALSE(state.remove(oak, 20.0));
 	CHECK(state.revision() > revision);
@@ -137,7 +137,7 @@ TEST_CASE("state: what is removed for a time stands again when its time has come
 	}
 }
 
-TEST_CASE("state: a wood that is cut again and again grows in the order of its times") {
+TEST_CASE("state: a forest that is cut repeatedly regrows in the order of its times") {
 	StateRandom random(4);
 	InstanceState state;
 	std::map<std::uint64_t, double> until;
@@ -169,7 +169,7 @@ TEST_CASE("state: a wood that is cut again and again grows in the order of its t
 	}
 }
 
-TEST_CASE("state: clearing tells of everything, and what it was is not remembered") {
+TEST_CASE("state: clearing reports every change, and forgets the previous content") {
 	InstanceState state;
 	REQUIRE(state.claim(1, 77).ok());
 	state.remove(point_id(1, 2, 3));
@@ -191,7 +191,7 @@ TEST_CASE("state: clearing tells of everything, and what it was is not remembere
 	CHECK(diff_of(state, revision) == bytes_of(state));
 }
 
-TEST_CASE("state: layers keep to their point sets") {
+TEST_CASE("state: layers keep their point sets") {
 	const PointSet oaks{.seed = 5, .radius = 4.0, .levels = 2, .layer = 1};
 	CHECK(stamp_of(oaks) == stamp_of({.seed = 5, .radius = 4.0, .levels = 2, .layer = 9}));
 	CHECK(stamp_of(oaks) != stamp_of({.seed = 6, .radius = 4.0, .levels = 2}));
@@ -200,12 +200,12 @@ TEST_CASE("state: layers keep to their point sets") {
 
 	InstanceState state;
 	REQUIRE(state.claim(1, 10).ok());
-	REQUIRE(state.claim(1, 20).ok()); // Nothing was held yet.
+	REQUIRE(state.claim(1, 20).ok()); // No ids are held yet.
 	state.remove(point_id(1, 0, 0));
 	CHECK(state.claim(1, 20).ok());
 	const Status status = state.claim(1, 30);
 	CHECK(status.code == ErrorCode::foreign);
-	CHECK(describe(status).starts_with("layer was made for another"));
+	CHECK(describe(status).starts_with("layer belongs to a different"));
 	CHECK(state.claim(32768, 1).code == ErrorCode::out_of_range);
 	CHECK(state.stamp(1) == 20);
 	CHECK(copy_of(state).stamp(1) == 20);
@@ -220,20 +220,20 @@ TEST_CASE("state: layers keep to their point sets") {
 	CHECK(state.merge(foreign, changes).code == ErrorCode::foreign);
 	CHECK(changes.empty());
 	CHECK(bytes_of(state) == before);
-	// Without a world, a state takes in any other, but mixes no two.
+	// Without a world, a state loads any other, but merges only states of the same sets.
 	state.release_claims();
 	CHECK(state.merge(foreign, changes).code == ErrorCode::foreign);
 	CHECK(state.load(bytes_of(foreign), changes).ok());
 	CHECK(state.stamp(1) == 30);
 	CHECK(state.removed_ids() == foreign.removed_ids());
-	// One that knows of no points leaves none.
+	// Loading a state without claims leaves none.
 	InstanceState unknown;
 	unknown.remove(point_id(1, 0, 0));
 	CHECK(state.load(bytes_of(unknown), changes).ok());
 	CHECK(bytes_of(state) == bytes_of(unknown));
 }
 
-TEST_CASE("state: a diff of ids takes back whatever was done to them, to the bit") {
+TEST_CASE("state: a diff of ids undoes every change to them, bit for bit") {
 	StateRandom random(11);
 	for (int trial = 0; trial < 300; ++trial) {
 		InstanceState state;

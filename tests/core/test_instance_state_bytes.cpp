@@ -1,4 +1,4 @@
-// The stored form of a state: what comes back, what is refused, how many bytes it takes.
+// The stored form of a state: valid bytes load, all others are refused, and the size is small.
 
 #include "core/state/id_codec.hpp"
 #include "core/state/id_table.hpp"
@@ -14,7 +14,7 @@ using namespace thicket;
 
 namespace {
 
-/// A state with something of every kind, in few bytes.
+/// A small state with every kind of content.
 InstanceState small_state() {
 	InstanceState state;
 	REQUIRE(state.claim(1, 0x1234567890abcdef).ok());
@@ -40,7 +40,7 @@ Status load_into_copy(const InstanceState &state, const StateBytes &bytes, State
 	return status;
 }
 
-/// Refused as corrupt, or of another version, and what was there stays.
+/// Checks that the bytes are refused as corrupt or as another version, and that the state stays unchanged.
 void check_refused_bytes(const StateBytes &bytes) {
 	static const InstanceState before = small_state();
 	StateBytes after;
@@ -49,7 +49,7 @@ void check_refused_bytes(const StateBytes &bytes) {
 	REQUIRE(after == bytes_of(before));
 }
 
-/// Taken, and then written to the byte, or refused without a change.
+/// Checks that the bytes are either loaded, and then written back identically, or refused without a change.
 void check_any_bytes(const StateBytes &bytes) {
 	static const InstanceState before = small_state();
 	StateBytes after;
@@ -69,7 +69,7 @@ std::size_t bytes_of_removals(const std::vector<std::uint64_t> &ids) {
 
 } // namespace
 
-TEST_CASE("state bytes: a state comes back as it was, and its bytes as well") {
+TEST_CASE("state bytes: a loaded state is equal, and so are its bytes") {
 	StateRandom random(11);
 	for (int round = 0; round < 300; ++round) {
 		InstanceState state;
@@ -98,7 +98,7 @@ TEST_CASE("state bytes: a state comes back as it was, and its bytes as well") {
 	}
 }
 
-TEST_CASE("state bytes: the same content has the same bytes, however it came to be") {
+TEST_CASE("state bytes: equal content has equal bytes, regardless of its history") {
 	InstanceState forth;
 	InstanceState back;
 	for (int i = 0; i < 1000; ++i) {
@@ -114,7 +114,7 @@ TEST_CASE("state bytes: the same content has the same bytes, however it came to 
 	CHECK(forth.digest() == back.digest());
 }
 
-TEST_CASE("state bytes: the format is as it was") {
+TEST_CASE("state bytes: the format is unchanged") {
 	InstanceState state;
 	REQUIRE(state.claim(1, 0x0807060504030201).ok());
 	CHECK(bytes_of(state).size() == 4 + 4 + 1 + 8 + 1 + 6 + 8);
@@ -130,7 +130,7 @@ TEST_CASE("state bytes: the format is as it was") {
 	CHECK(bytes_of(small_state()).size() < 260);
 }
 
-TEST_CASE("state bytes: every damaged byte, every truncation and every byte too many is refused") {
+TEST_CASE("state bytes: every damaged byte, every truncation and every extra byte is refused") {
 	const StateBytes whole = bytes_of(small_state());
 	for (std::size_t at = 0; at < whole.size(); ++at) {
 		for (int value = 0; value < 256; ++value) {
@@ -154,7 +154,7 @@ TEST_CASE("state bytes: every damaged byte, every truncation and every byte too 
 	CHECK(describe(other.load(bytes, changes)).starts_with("version must be between 1 and 2, got 3"));
 }
 
-TEST_CASE("state bytes: what is damaged and sealed again is refused or taken as it stands") {
+TEST_CASE("state bytes: damaged bytes with a valid checksum are refused, or loaded and written back") {
 	const StateBytes whole = bytes_of(small_state());
 	for (std::size_t at = 0; at < whole.size() - 8; ++at) {
 		for (int value = 0; value < 256; ++value) {
@@ -182,7 +182,7 @@ TEST_CASE("state bytes: what is damaged and sealed again is refused or taken as 
 	}
 }
 
-TEST_CASE("state bytes: what contradicts itself is refused") {
+TEST_CASE("state bytes: contradictory content is refused") {
 	constexpr std::uint64_t point = std::uint64_t{1} << 48;
 	constexpr std::uint64_t placed = point | std::uint64_t{1} << 63;
 	StateRecord good;
@@ -247,15 +247,15 @@ TEST_CASE("state bytes: what contradicts itself is refused") {
 	whole.with_data.erase(whole.with_data.begin() + 1);
 	whole.data.pop_back();
 	whole.data_at.pop_back();
-	CHECK_FALSE(taken(whole)); // Says of a point that it stands, and nothing more.
+	CHECK_FALSE(taken(whole)); // Only states that a point is not removed.
 }
 
-TEST_CASE("state bytes: a million removals take less than 4 MB wherever they are") {
+TEST_CASE("state bytes: a million removals take less than 4 MB, wherever they are") {
 	StateRandom random(13);
 	std::vector<std::uint64_t> ids(1000000);
 	std::ranges::generate(ids, [&random] { return any_point(random, 300); });
 	CHECK(bytes_of_removals(ids) < 3760000);
-	// The hardest: all as far from each other as they can be, and just not so.
+	// The worst case: ids as far apart as possible, with slightly irregular gaps.
 	for (std::size_t at = 0; at < ids.size(); ++at) {
 		ids[at] = at * 281474976 + at % 20;
 	}
@@ -264,10 +264,10 @@ TEST_CASE("state bytes: a million removals take less than 4 MB wherever they are
 	CHECK(bytes.size() < 3860000);
 }
 
-TEST_CASE("state bytes: removals that stand close take far less") {
+TEST_CASE("state bytes: removals close to each other take far less") {
 	StateRandom random(14);
 	std::vector<std::uint64_t> wood;
-	for (int i = 0; i < 200000; ++i) { // 200,000 of the 2 million cells of a wood.
+	for (int i = 0; i < 200000; ++i) { // 200,000 of the 2 million cells of a forest.
 		wood.push_back(point_id(1, static_cast<int>(random() % 1414) - 700, static_cast<int>(random() % 1414) + 90000));
 	}
 	const std::set<std::uint64_t> distinct(wood.begin(), wood.end());
@@ -283,7 +283,7 @@ TEST_CASE("state bytes: removals that stand close take far less") {
 	CHECK(8.0 * static_cast<double>(bytes_of_removals(clearing)) < 3.0 * static_cast<double>(clearing.size()));
 }
 
-TEST_CASE("id codec: any ascending list comes back") {
+TEST_CASE("id codec: any ascending list is restored") {
 	StateRandom random(15);
 	for (int round = 0; round < 400; ++round) {
 		std::set<std::uint64_t> numbers;

@@ -1,4 +1,4 @@
-// What states tell each other: diffs and merges.
+// Exchange between states: diffs and merges.
 
 #include "state_fixture.hpp"
 
@@ -11,12 +11,12 @@ namespace {
 
 using Changes = std::vector<InstanceChange>;
 
-/// What stands of a state, as its changes tell it.
-struct Told {
+/// The content of a state, as reconstructed from the changes that it reports.
+struct Reported {
 	std::map<std::uint64_t, bool> removed;
 	std::map<std::uint64_t, AddedInstance> added;
 
-	/// Follows changes, and checks that each is one.
+	/// Applies changes, and checks that each of them changes something.
 	void follow(const Changes &changes) {
 		for (const InstanceChange &change : changes) {
 			const bool placed = is_added(change.id);
@@ -71,13 +71,13 @@ InstanceState merged(const InstanceState &left, const InstanceState &right) {
 
 } // namespace
 
-TEST_CASE("state exchange: a peer that gets the diffs holds the same") {
+TEST_CASE("state exchange: a peer that receives the diffs has the same content") {
 	StateRandom random(21);
 	for (int round = 0; round < 100; ++round) {
 		InstanceState server;
 		std::vector<std::pair<std::uint64_t, InstanceState>> peers;
 		InstanceState follower;
-		Told told;
+		Reported reported;
 		std::uint64_t known = 0;
 		for (int step = 0; step < 12; ++step) {
 			peers.emplace_back(server.revision(), copy_of(server));
@@ -85,8 +85,8 @@ TEST_CASE("state exchange: a peer that gets the diffs holds the same") {
 			Changes changes;
 			REQUIRE(follower.apply(diff_of(server, known), changes).ok());
 			known = server.revision();
-			told.follow(changes);
-			told.check(follower);
+			reported.follow(changes);
+			reported.check(follower);
 			REQUIRE(follower.digest() == server.digest());
 			REQUIRE(follower.time() == server.time());
 		}
@@ -104,7 +104,7 @@ TEST_CASE("state exchange: a peer that gets the diffs holds the same") {
 	}
 }
 
-TEST_CASE("state exchange: a diff says nothing of other ids") {
+TEST_CASE("state exchange: a diff contains no other ids") {
 	InstanceState server;
 	server.remove(point_id(1, 0, 0));
 	const std::uint64_t known = server.revision();
@@ -123,7 +123,7 @@ TEST_CASE("state exchange: a diff says nothing of other ids") {
 	CHECK(changes.size() == 2);
 }
 
-TEST_CASE("state exchange: who asks for what is not remembered gets everything") {
+TEST_CASE("state exchange: a request for a forgotten revision returns everything") {
 	StateRandom random(22);
 	InstanceState server = state_of(random, 100);
 	const std::uint64_t old = server.revision();
@@ -132,20 +132,20 @@ TEST_CASE("state exchange: who asks for what is not remembered gets everything")
 	disturb(server, random, 20);
 	for (const std::uint64_t revision : {std::uint64_t{0}, old, server.revision() + 1}) {
 		InstanceState peer = state_of(random, 100);
-		Told told;
+		Reported reported;
 		InstanceState empty;
 		Changes from_nothing;
 		REQUIRE(empty.apply(bytes_of(peer), from_nothing).ok());
-		told.follow(from_nothing);
-		Changes told_now;
-		REQUIRE(peer.apply(diff_of(server, revision), told_now).ok());
-		told.follow(told_now);
-		told.check(peer);
+		reported.follow(from_nothing);
+		Changes reported_now;
+		REQUIRE(peer.apply(diff_of(server, revision), reported_now).ok());
+		reported.follow(reported_now);
+		reported.check(peer);
 		CHECK(peer.digest() == server.digest());
 	}
 }
 
-TEST_CASE("state exchange: what comes and goes for ever is forgotten in the end") {
+TEST_CASE("state exchange: the history of added and removed instances is bounded") {
 	InstanceState server;
 	for (int i = 0; i < 300000; ++i) {
 		server.remove(point_id(1, i, 0));
@@ -163,7 +163,7 @@ TEST_CASE("state exchange: what comes and goes for ever is forgotten in the end"
 	CHECK(peer.digest() == server.digest());
 }
 
-TEST_CASE("state exchange: a damaged diff is refused, and nothing has changed") {
+TEST_CASE("state exchange: a damaged diff is refused and changes nothing") {
 	StateRandom random(23);
 	InstanceState server = state_of(random, 60);
 	const StateBytes diff = diff_of(server, 10);
@@ -182,22 +182,22 @@ TEST_CASE("state exchange: a damaged diff is refused, and nothing has changed") 
 	CHECK(bytes_of(victim) == before);
 }
 
-TEST_CASE("state exchange: merging holds what either holds") {
+TEST_CASE("state exchange: a merged state has the content of both") {
 	StateRandom random(24);
 	for (int round = 0; round < 60; ++round) {
 		InstanceState a = state_of(random, 60);
 		InstanceState b = state_of(random, 60);
-		Changes until_then; // Of states with one clock nothing grows again when they meet.
+		Changes until_then; // In states with equal clocks, nothing regrows when they merge.
 		REQUIRE(a.advance(b.time() - a.time(), until_then).ok());
 		REQUIRE(b.advance(a.time() - b.time(), until_then).ok());
 		InstanceState both = copy_of(a);
-		Told told;
+		Reported reported;
 		Changes changes;
 		InstanceState empty;
 		REQUIRE(empty.apply(bytes_of(a), changes).ok());
 		REQUIRE(both.merge(b, changes).ok());
-		told.follow(changes);
-		told.check(both);
+		reported.follow(changes);
+		reported.check(both);
 		for (const std::uint64_t id : both.removed_ids()) {
 			REQUIRE((a.removed(id) || b.removed(id)));
 		}
@@ -218,7 +218,7 @@ TEST_CASE("state exchange: merging holds what either holds") {
 	}
 }
 
-TEST_CASE("state exchange: merging knows neither order nor repetition") {
+TEST_CASE("state exchange: merging is commutative, associative and idempotent") {
 	StateRandom random(25);
 	for (int round = 0; round < 40; ++round) {
 		const InstanceState a = state_of(random, 50);
@@ -235,7 +235,7 @@ TEST_CASE("state exchange: merging knows neither order nor repetition") {
 	}
 }
 
-TEST_CASE("state exchange: of two removals the longer counts") {
+TEST_CASE("state exchange: of two removals, the longer one counts") {
 	const std::uint64_t id = point_id(1, 2, 3);
 	const auto removed_until = [id](double until) {
 		InstanceState state;

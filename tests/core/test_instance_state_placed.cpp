@@ -1,4 +1,4 @@
-// What a state remembers of instances that are placed by hand, or moved.
+// A state's record of instances that are hand-placed or moved.
 
 #include "state_fixture.hpp"
 
@@ -40,7 +40,7 @@ TEST_CASE("state: the id of a hand-placed instance is a function of the instance
 	const std::uint64_t id = added_to(state, oak);
 	CHECK(added_to(peer, instance_at(4.5, 0.0)) == id);
 	CHECK(!std::signbit(peer.added(id)->position.z));
-	// The same again takes the next free id; once the first is gone, its id is free.
+	// An equal instance gets the next free id. Once the first one is removed, its id is free.
 	CHECK(added_to(peer, oak) == id + 1);
 	CHECK(peer.remove(id));
 	CHECK_FALSE(peer.remove(id));
@@ -52,11 +52,11 @@ TEST_CASE("state: the id of a hand-placed instance is a function of the instance
 	CHECK(id == 0x8001a05597e0f7bb);
 }
 
-TEST_CASE("state: many instances are placed as they would be one by one, or not at all") {
+TEST_CASE("state: many instances are placed as they would be one by one, or none of them") {
 	std::vector<AddedInstance> all;
 	for (int i = 0; i < 3000; ++i) {
 		all.push_back(instance_at(
-				i % 700, -0.0, static_cast<std::uint16_t>(i % 3))); // Many alike: their ids follow one another.
+				i % 700, -0.0, static_cast<std::uint16_t>(i % 3))); // Many equal ones, whose ids are successive.
 	}
 	InstanceState one_by_one;
 	std::vector<std::uint64_t> expected;
@@ -91,7 +91,7 @@ TEST_CASE("state: many instances are placed as they would be one by one, or not 
 	CHECK(ids.empty());
 }
 
-TEST_CASE("state: a hand-placed instance that cannot be is refused by its property") {
+TEST_CASE("state: an invalid hand-placed instance is refused by its property") {
 	InstanceState state;
 	const auto refused = [&state](const AddedInstance &instance, const char *property, ErrorCode code) {
 		std::uint64_t id = 5;
@@ -110,7 +110,7 @@ TEST_CASE("state: a hand-placed instance that cannot be is refused by its proper
 	CHECK(state.added_count() == 0);
 }
 
-TEST_CASE("state: hand-placed instances are found where they stand") {
+TEST_CASE("state: hand-placed instances are found at their positions") {
 	StateRandom random(3);
 	std::uniform_real_distribution<double> place(-500.0, 500.0);
 	InstanceState state;
@@ -150,7 +150,7 @@ TEST_CASE("state: hand-placed instances are found where they stand") {
 	}
 }
 
-TEST_CASE("state: the largest scale of what stands is known") {
+TEST_CASE("state: the largest scale of the hand-placed instances") {
 	InstanceState state;
 	CHECK(state.max_added_scale(1) == 0.0);
 	AddedInstance large = instance_at(0.0, 0.0);
@@ -164,7 +164,7 @@ TEST_CASE("state: the largest scale of what stands is known") {
 	CHECK(state.max_added_scale(1) == 0.0);
 }
 
-TEST_CASE("state: what is placed by hand stands in any set of points") {
+TEST_CASE("state: hand-placed instances belong to any set of points") {
 	InstanceState state;
 	REQUIRE(state.claim(1, 10).ok());
 	const std::uint64_t placed = added_to(state, instance_at(1.0, 2.0));
@@ -173,7 +173,7 @@ TEST_CASE("state: what is placed by hand stands in any set of points") {
 	CHECK(state.claim(1, 20).ok());
 	CHECK(state.stamp(1) == 20);
 
-	// Points of another set bring hand-placed ones of theirs along, and what is placed alone goes anywhere.
+	// A state of a different set can be merged while it has only hand-placed instances. Data of a point make it foreign.
 	InstanceState other;
 	REQUIRE(other.claim(1, 30).ok());
 	const std::uint64_t elsewhere = added_to(other, instance_at(5.0, 6.0));
@@ -214,7 +214,7 @@ TEST_CASE("state: a hand-placed instance that moves keeps its id and its data") 
 	CHECK(found.empty());
 	REQUIRE(state.added_in(1, {{690.0, -910.0}, {710.0, -890.0}}, found).ok());
 	CHECK(found == std::vector<std::uint64_t>{placed});
-	// One that is placed where it stood gets another id, and moving to where it stands changes nothing.
+	// An instance placed at the old position gets a new id, and moving an instance to its own position changes nothing.
 	CHECK(added_to(state, instance_at(1.0, 2.0)) != placed);
 	const std::uint64_t revision = state.revision();
 	changes.clear();
@@ -223,7 +223,7 @@ TEST_CASE("state: a hand-placed instance that moves keeps its id and its data") 
 	CHECK(state.revision() == revision);
 }
 
-TEST_CASE("state: a point that moves is removed, and a hand-placed one is there for it") {
+TEST_CASE("state: a moved point is removed and replaced by a hand-placed instance") {
 	InstanceState state;
 	const std::uint64_t point = point_id(1, 4, 5);
 	REQUIRE(state.set_data(point, StateBytes{7, 8}).ok());

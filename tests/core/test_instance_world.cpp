@@ -1,4 +1,4 @@
-// The tiles that a world knows: what a query misses is made once, and those that nobody needs are forgotten, a few at a time.
+// The tiles that a world caches: missing ones are generated once, and unused ones are evicted, a few at a time.
 
 #include "core/query/instance_world.hpp"
 #include "flat_world.hpp"
@@ -24,22 +24,22 @@ std::vector<QueryLayer> layers_of(std::uint64_t seed) {
 	return {layer};
 }
 
-std::shared_ptr<const KeptTile> tile_of(std::size_t instances) {
+std::shared_ptr<const CompactTile> tile_of(std::size_t instances) {
 	TileInstances tile;
 	tile.meshes.resize(1);
 	tile.meshes[0].resize(instances);
-	return std::make_shared<const KeptTile>(tile, nullptr);
+	return std::make_shared<const CompactTile>(tile, nullptr);
 }
 
 } // namespace
 
-TEST_CASE("instance world: the tiles that were not needed for longest are forgotten, few for each that comes") {
-	constexpr std::size_t instances = 1000; // Of a tile.
+TEST_CASE("instance world: the least recently used tiles are evicted, a few for each new one") {
+	constexpr std::size_t instances = 1000; // Per tile.
 	constexpr int tiles = 3000;
 	InstanceWorld world;
 	world.set_layers(layers_of(1));
-	std::vector<std::weak_ptr<const KeptTile>> made;
-	std::vector<std::shared_ptr<const KeptTile>> on_show;
+	std::vector<std::weak_ptr<const CompactTile>> made;
+	std::vector<std::shared_ptr<const CompactTile>> visible;
 	const auto forgotten = [&made] {
 		return std::ranges::count_if(made, [](const auto &tile) { return tile.expired(); });
 	};
@@ -52,18 +52,18 @@ TEST_CASE("instance world: the tiles that were not needed for longest are forgot
 		auto tile = tile_of(instances);
 		made.emplace_back(tile);
 		if (x < 50) {
-			on_show.push_back(tile);
+			visible.push_back(tile);
 		}
 		world.keep(0, {x, 0}, std::move(tile));
 		for (const auto &gone : world.take_forgotten()) {
 			CHECK(gone.use_count() == 1);
 		}
-		REQUIRE(known(60) == (x >= 60)); // Asked for all the time.
+		REQUIRE(known(60) == (x >= 60)); // Requested all the time.
 		most = std::max(most, forgotten() - before);
 		before = forgotten();
 	}
 	CHECK(most == 2);
-	const auto idle = static_cast<std::size_t>(tiles - before) - on_show.size();
+	const auto idle = static_cast<std::size_t>(tiles - before) - visible.size();
 	CHECK(idle * instances > InstanceWorld::max_idle_instances / 2);
 	CHECK(idle * instances < InstanceWorld::max_idle_instances * 3 / 2);
 	CHECK(known(0));
@@ -75,7 +75,7 @@ TEST_CASE("instance world: the tiles that were not needed for longest are forgot
 	}
 }
 
-TEST_CASE("instance world: what was cleared or is wanted no longer may be forgotten at any time") {
+TEST_CASE("instance world: cleared tiles and unwanted ones may be evicted at any time") {
 	InstanceWorld world;
 	for (int round = 0; round < 3; ++round) {
 		world.set_layers(layers_of(1));
@@ -93,11 +93,11 @@ TEST_CASE("instance world: what was cleared or is wanted no longer may be forgot
 	}
 }
 
-TEST_CASE("instance world: what a query misses is made in one go, and once") {
+TEST_CASE("instance world: the missing tiles of a query are generated together, and once") {
 	FlatWorld flat;
 	std::vector<std::size_t> calls;
 	flat.world.set_maker(
-			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 				calls.push_back(tiles.size());
 				r_tiles.clear();
 				for (const WorldTile &tile : tiles) {
@@ -120,12 +120,12 @@ TEST_CASE("instance world: what a query misses is made in one go, and once") {
 	CHECK(first.size() == second.size());
 }
 
-TEST_CASE("instance world: a tile that was made while the layers changed is not kept") {
+TEST_CASE("instance world: a tile that was generated while the layers changed is not kept") {
 	FlatWorld flat;
 	int made = 0;
 	bool meddle = true;
 	flat.world.set_maker(
-			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+			[&](std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 				++made;
 				r_tiles = {flat.make(tiles.front().tile)};
 				if (meddle) {
@@ -150,12 +150,12 @@ TEST_CASE("instance world: a tile that was made while the layers changed is not 
 	CHECK(made == 2);
 }
 
-TEST_CASE("instance world: an edit leaves the tiles known that it does not touch") {
+TEST_CASE("instance world: an edit keeps the tiles that it does not touch") {
 	FlatWorld flat;
 	flat.load(1);
 	const std::uint64_t version = flat.world.version();
 	flat.world.invalidate(0, {});
-	CHECK(flat.world.version() == version); // Who is near need not look again.
+	CHECK(flat.world.version() == version); // Nearby instances need no new check.
 	flat.world.invalidate(0, {.everywhere = false, .areas = {{{5.0, 5.0}, {9.0, 9.0}}}});
 	CHECK(flat.world.version() != version);
 	for (int y = -1; y <= 1; ++y) {

@@ -1,4 +1,5 @@
-// The same bits on every instruction set that this processor has, and on the emulated one that all processors have.
+// Results are bit-identical on every instruction set of this processor, and on the emulated one that all processors
+// have.
 
 #include "domain_cases.hpp"
 #include "tests/bench/common/simd_targets.hpp"
@@ -24,7 +25,7 @@ void check_all_targets(const PointSet &set, const Rect &rect) {
 		if (expected.empty()) {
 			expected = points;
 		}
-		// Order included: it is a function of the arguments alone.
+		// The order must be the same, too, because it is a function of the arguments alone.
 		const bool identical = points == expected;
 		CHECK(identical);
 	}
@@ -46,7 +47,7 @@ TEST_CASE_TEMPLATE("instruction sets: the same points in the same order, whole d
 	for (const domain_cases::Method &method : domain_cases::methods) {
 		CAPTURE(method.name);
 		for (const bool torus : {false, true}) {
-			// The method's own cells; some that hold one point; some that overflow.
+			// The method's own cells, cells that hold one point, and cells that overflow.
 			for (const double cell_size : {0.0, 0.1, 9.0}) {
 				CAPTURE(cell_size);
 				DomainRequest request = domain_cases::request_of({"", {60.0, 41.0}, 1.0, torus}, method.method, 43);
@@ -67,7 +68,7 @@ TEST_CASE_TEMPLATE("instruction sets: the same points in the same order, whole d
 }
 
 TEST_CASE("instruction sets: the emulated one is among them") {
-	// Else the tests above compare less than they say.
+	// Otherwise the tests above compare fewer targets than intended.
 	const std::vector<bench::SimdTarget> targets = bench::simd_targets();
 	CHECK(std::ranges::any_of(targets, [](const bench::SimdTarget &target) {
 		return target.name == "EMU128" || target.name == "SCALAR" || target.name.starts_with("NEON");

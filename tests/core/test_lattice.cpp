@@ -1,5 +1,5 @@
-// Promises 2 and 3 of TileSampler, exactly, in lattice integers: no two points closer than the radius, across tiles too,
-// and no lattice point left where one more would fit; for every level of the progressive order.
+// Promises 2 and 3 of TileSampler, checked exactly on lattice integers: no two points closer than the radius, across
+// tiles too, and no lattice point left with room for another. Holds for every level of the progressive order.
 
 #include "tests/analysis/lattice_checks.hpp"
 #include "tilings.hpp"
@@ -16,8 +16,8 @@ using analysis::LatticeReport;
 
 namespace {
 
-/// The points of this level and the coarser ones, on the level's own lattice: its units are 2^level of the finest, so
-/// that every level looks alike.
+/// The points of this level and the coarser ones, on the level's own lattice. Its unit is 2^level times the finest, so
+/// that the same check works for every level.
 std::vector<glm::i64vec2> lattice_points(
 		const PointSet &set, const std::vector<SamplePoint> &points, std::uint32_t level) {
 	const std::uint64_t end = level_rank_end(set.levels, level);
@@ -37,7 +37,7 @@ std::vector<glm::i64vec2> lattice_points(
 	return lattice;
 }
 
-/// The cells of a level that lie within `region` with their border.
+/// The cells of a level that lie within `region`, including their borders.
 analysis::CellRect inner_cells(const PointSet &set, const Rect &region, std::uint32_t level) {
 	const double cell = lattice_unit(set) * static_cast<double>(1u << (lattice_bits + level));
 	const glm::dvec2 first = glm::ceil(region.min / cell);
@@ -45,7 +45,7 @@ analysis::CellRect inner_cells(const PointSet &set, const Rect &region, std::uin
 	return {glm::i64vec2(first) + std::int64_t{3}, glm::i64vec2(last) - std::int64_t{3}};
 }
 
-/// Checks every level of the set in a region that is put together from tiles.
+/// Checks every level of the set in a region that is assembled from tiles.
 void check_region(const PointSet &set, const Rect &region, const Tiling &tiling, std::uint64_t least_points) {
 	const std::vector<SamplePoint> points = points_through(set, region, tiling);
 	for (std::uint32_t level = 0; level < set.levels; ++level) {
@@ -83,7 +83,7 @@ TEST_CASE("lattice: every level of a progressive set is maximal for its radius")
 	}
 }
 
-TEST_CASE("lattice: the check itself finds a missing point and a point too many") {
+TEST_CASE("lattice: the check itself finds a missing point and an extra point") {
 	const PointSet set{.seed = 23, .radius = 1.0, .levels = 1, .layer = 0};
 	const Rect region{{0.0, 0.0}, {40.0, 40.0}};
 	const std::vector<glm::i64vec2> points = lattice_points(set, points_at_once(set, region), 0);
@@ -97,7 +97,8 @@ TEST_CASE("lattice: the check itself finds a missing point and a point too many"
 		if (!inside(points[i])) {
 			continue;
 		}
-		// Without it, at least its own lattice point lies open: no other point may be within the radius of it.
+		// Without the point, at least its own lattice point is uncovered, because no other point may be within the
+		// radius of it.
 		std::vector<glm::i64vec2> fewer = points;
 		fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
 		const LatticeReport hole = LatticeCheck::run(fewer, lattice_bits, cells);
@@ -110,10 +111,10 @@ TEST_CASE("lattice: the check itself finds a missing point and a point too many"
 	}
 }
 
-TEST_CASE("lattice: the check decides by single lattice points") {
+TEST_CASE("lattice: the check is exact to single lattice points") {
 	constexpr int bits = 4;
 	const std::int64_t side = 1 << bits;
-	// A point in every cell's corner: distance of neighbors is a side, far too close, but all is covered.
+	// A point in every cell's corner: neighbors are one side apart, which is far too close, but everything is covered.
 	std::vector<glm::i64vec2> points;
 	for (std::int64_t y = -3; y < 6; ++y) {
 		for (std::int64_t x = -3; x < 6; ++x) {
@@ -125,7 +126,7 @@ TEST_CASE("lattice: the check decides by single lattice points") {
 	CHECK(crowded.too_close > 0);
 	CHECK(crowded.uncovered == 0);
 
-	// One point at the origin, radius^2 = 2 * 16^2 = 512: the cell (1, 0) spans x 16..31, y 0..15.
+	// One point at the origin, radius^2 = 2 * 16^2 = 512. The cell (1, 0) spans x 16..31, y 0..15.
 	const LatticeReport lone = LatticeCheck::run(std::vector{glm::i64vec2(0, 0)}, bits, {{1, 0}, {2, 1}});
 	std::uint64_t expected = 0;
 	for (std::int64_t y = 0; y < side; ++y) {

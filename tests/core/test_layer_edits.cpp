@@ -1,4 +1,4 @@
-// Which rectangles an edit touches: of shapes, masks and paths, through neighbors and edges.
+// The rectangles that an edit touches: of shapes, masks and paths, through neighbors and edges.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/rules/shape_edits.hpp"
@@ -51,7 +51,7 @@ bool holds(const std::vector<Rect> &areas, glm::dvec2 place) {
 
 } // namespace
 
-TEST_CASE("edits of shapes: a moved one touches where it was and where it is, whatever the order") {
+TEST_CASE("edits of shapes: a moved shape touches its old and its new area, in any order") {
 	const auto before = set_of({ball({0.0, 0.0}, 2.0), ball({50.0, 0.0}, 3.0), ball({90.0, 90.0}, 1.0)});
 	const auto after = set_of({ball({90.0, 90.0}, 1.0), ball({50.0, 10.0}, 3.0), ball({0.0, 0.0}, 2.0)});
 	std::vector<Rect> areas;
@@ -63,14 +63,14 @@ TEST_CASE("edits of shapes: a moved one touches where it was and where it is, wh
 	CHECK(find_shape_edits(before.get(), before.get(), areas));
 	CHECK(find_shape_edits(nullptr, nullptr, areas));
 	CHECK(areas.empty());
-	// Two equal shapes are two.
+	// Two equal shapes count as two.
 	const auto twice = set_of({ball({0.0, 0.0}, 2.0), ball({0.0, 0.0}, 2.0)});
 	const auto once = set_of({ball({0.0, 0.0}, 2.0)});
 	CHECK(find_shape_edits(twice.get(), once.get(), areas));
 	CHECK(areas.size() == 1);
 }
 
-TEST_CASE("edits of shapes: the first that includes, and the last, concern everything") {
+TEST_CASE("edits of shapes: adding the first including shape, or removing the last, touches everything") {
 	const auto outside = set_of({ball({0.0, 0.0}, 2.0)});
 	const auto one = set_of({ball({0.0, 0.0}, 2.0), ball({9.0, 0.0}, 2.0, false)});
 	const auto two = set_of({ball({0.0, 0.0}, 2.0), ball({9.0, 0.0}, 2.0, false), ball({30.0, 0.0}, 2.0, false)});
@@ -83,7 +83,7 @@ TEST_CASE("edits of shapes: the first that includes, and the last, concern every
 	CHECK(near(areas[0], {{28.0, -2.0}, {32.0, 2.0}}));
 }
 
-TEST_CASE("edits of shapes: a long path touches what lies along it") {
+TEST_CASE("edits of shapes: a long path touches only the area along it") {
 	Shape road;
 	road.kind = ShapeKind::path;
 	road.half_size.x = 2.0;
@@ -104,7 +104,7 @@ TEST_CASE("edits of shapes: a long path touches what lies along it") {
 	CHECK(near(areas[0], bounds(road)));
 }
 
-TEST_CASE("edits of a mask: the pixels that differ, and as far as they are blended") {
+TEST_CASE("edits of a mask: the pixels that differ, and the reach of their blending") {
 	PaintedMask before;
 	REQUIRE(before.reset(0.5, 1.0).ok());
 	PaintedMask after = before;
@@ -121,7 +121,7 @@ TEST_CASE("edits of a mask: the pixels that differ, and as far as they are blend
 	Rect back;
 	CHECK(after.differs(before, back));
 	CHECK(near(area, back, 0.0));
-	// Painted back, it is as if nothing had been.
+	// Painted back, nothing differs.
 	const std::vector<std::uint8_t> bright(6, 255);
 	REQUIRE(after.write({{63, -1}, {66, 1}}, bright, changed).ok());
 	CHECK_FALSE(before.differs(after, area));
@@ -132,7 +132,7 @@ TEST_CASE("edits of a mask: the pixels that differ, and as far as they are blend
 	CHECK_FALSE(area.finite());
 }
 
-TEST_CASE("edits of a layer: its own by its edge, its neighbors' by their distances, chained") {
+TEST_CASE("edits of a layer: grown by its edge, and by the distances along chains of neighbors") {
 	const auto oak_before = layer_with({ball({0.0, 0.0}, 2.0)});
 	const auto oak_after = layer_with({});
 	const auto between = [](const std::shared_ptr<LayerSettings> &oak) {
@@ -154,13 +154,13 @@ TEST_CASE("edits of a layer: its own by its edge, its neighbors' by their distan
 	CHECK(near(own.areas[0], {{-7.0, -7.0}, {7.0, 7.0}}, 0.02));
 	const EditedArea through = search.find(*before, *after);
 	CHECK_FALSE(through.everywhere);
-	REQUIRE(through.areas.size() == 1); // The shorter way lies within the longer one.
+	REQUIRE(through.areas.size() == 1); // The shorter path lies within the longer one.
 	CHECK(near(through.areas[0], {{-14.0, -14.0}, {14.0, 14.0}}, 0.05));
 	CHECK(through.areas[0].min.x < -14.0);
 	CHECK(search.find(*before, *before).empty());
 }
 
-TEST_CASE("edits of a layer: a setting is no edit, and a neighbor's look does not matter") {
+TEST_CASE("edits of a layer: a changed setting affects everything, a neighbor's placement nothing") {
 	const auto oak = layer_with({});
 	LayerSettings before;
 	before.set.layer = 1;
@@ -190,7 +190,7 @@ TEST_CASE("edits of a layer: a setting is no edit, and a neighbor's look does no
 	}));
 }
 
-TEST_CASE("edited areas: none lies within another, and growing is generous") {
+TEST_CASE("edited areas: no area is inside another, and growing rounds outward") {
 	EditedArea area;
 	area.add(Rect{{0.0, 0.0}, {1.0, 1.0}});
 	area.add(Rect{{5.0, 5.0}, {6.0, 6.0}});
@@ -204,14 +204,14 @@ TEST_CASE("edited areas: none lies within another, and growing is generous") {
 	CHECK(grown({{0.0, 0.0}, {1.0, 1.0}}, 0.0).max == glm::dvec2(1.0, 1.0));
 }
 
-TEST_CASE("edits of a layer: what was found is remembered, for the layer and for its neighbors") {
+TEST_CASE("edits of a layer: results are cached, for the layer and for its neighbors") {
 	const auto trees_before = layer_with({ball({0.0, 0.0}, 2.0)});
 	const auto trees_after = layer_with({ball({0.0, 0.0}, 3.0)});
 	LayerSettings before;
 	before.neighbors = {{trees_before, 5.0, nullptr}};
 	LayerSettings after;
 	after.neighbors = {{trees_after, 5.0, nullptr}};
-	for (LayerSettings *layer : {&before, &after}) { // Their looks follow the trees, too.
+	for (LayerSettings *layer : {&before, &after}) { // Their sources follow the trees, too.
 		layer->instance_data.use_custom_data = true;
 		layer->instance_data.variation.kind = SourceKind::distance;
 		layer->instance_data.variation.layer = layer->neighbors[0].layer;
@@ -220,11 +220,11 @@ TEST_CASE("edits of a layer: what was found is remembered, for the layer and for
 	LayerSettings others_before = before;
 	LayerSettings others_after = after;
 	EditSearch search;
-	// What grows an area is rounded.
+	// Growing an area rounds, so an answer without rounding comes from the cache.
 	CHECK(rounds([&] { REQUIRE(search.find(before, after).areas.size() == 1); }));
 	CHECK(near(search.find(before, after).areas[0], {glm::dvec2(-8.0), glm::dvec2(8.0)}, 0.1));
 	CHECK_FALSE(rounds([&] { REQUIRE(search.find(before, after).areas.size() == 1); }));
-	trees_after->rules.density = 0.5; // Whoever looks at them again finds that all of it differs.
+	trees_after->rules.density = 0.5; // A new search would find that everything differs.
 	CHECK_FALSE(search.find(others_before, others_after).everywhere);
 	CHECK(EditSearch().find(before, after).everywhere);
 }

@@ -1,4 +1,4 @@
-// What layers say of each other makes them neighbors: by the order of the list, the same pointers while nothing changes.
+// References between layers make them neighbors: in list order, with the same pointers while nothing changes.
 
 #include "core/placement/layer_links.hpp"
 
@@ -52,7 +52,7 @@ std::size_t problems(const std::vector<NamedLayer> &layers, std::size_t index, c
 
 } // namespace
 
-TEST_CASE("links: of a pair the later layer gives way, whichever names the other, by the larger distance") {
+TEST_CASE("links: of a pair, the later layer yields, whichever one names the other, by the larger distance") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("birch"), layer_named("fern")};
 	layers[0].spacing = {{"birch", 5.0}, {"fern", 1.0}};
 	layers[1].spacing = {{"oak", 3.0}};
@@ -73,7 +73,7 @@ TEST_CASE("links: of a pair the later layer gives way, whichever names the other
 	CHECK(turned[2]->neighbors[1] == Neighbor{turned[1], 5.0, nullptr});
 }
 
-TEST_CASE("links: proximity counts for earlier layers only") {
+TEST_CASE("links: proximity applies to earlier layers only") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern")};
 	const auto curve = std::make_shared<const CurveTable>();
 	for (NamedLayer &layer : layers) {
@@ -91,7 +91,7 @@ TEST_CASE("links: proximity counts for earlier layers only") {
 	CHECK(problems(layers, 1, "") == 0);
 }
 
-TEST_CASE("links: what is unchanged is the same pointer, for its neighbors too") {
+TEST_CASE("links: an unchanged layer is the same pointer, for its neighbors too") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("birch"), layer_named("fern")};
 	layers[1].spacing = {{"oak", 3.0}};
 	layers[2].spacing = {{"birch", 1.0}};
@@ -109,7 +109,7 @@ TEST_CASE("links: what is unchanged is the same pointer, for its neighbors too")
 	CHECK(linked(layers, second)[2]->neighbors.empty());
 }
 
-TEST_CASE("links: names of nobody, of two layers, of the layer itself") {
+TEST_CASE("links: names of no layer, of two layers, of the layer itself") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("oak"), layer_named("fern"), layer_named("")};
 	layers[1].spacing = {{"fern", 2.0}};
 	layers[2].spacing = {{"oak", 1.0}, {"elm", 4.0}, {"fern", 9.0}};
@@ -118,17 +118,17 @@ TEST_CASE("links: names of nobody, of two layers, of the layer itself") {
 	const std::vector<SharedLayer> result = linked(layers);
 	REQUIRE(result[2]->neighbors.size() == 2);
 	CHECK(result[2]->neighbors[0] == Neighbor{result[0], 1.0, nullptr});
-	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // It was the other oak that asked.
+	CHECK(result[2]->neighbors[1] == Neighbor{result[1], 2.0, nullptr}); // The other oak defined the spacing.
 	CHECK(result[3]->neighbors.size() == 1);
-	CHECK(problems(layers, 1, "\"oak\" means the first") == 1);
+	CHECK(problems(layers, 1, "\"oak\" refers to the earlier") == 1);
 	CHECK(problems(layers, 2, "") == 3);
-	layers[2].spacing.erase("fern"); // Itself.
+	layers[2].spacing.erase("fern"); // The layer's own name.
 	CHECK(problems(layers, 2, "\"elm\", and no layer") == 2);
 	CHECK(problems(layers, 0, "") == 0);
 	CHECK(problems(layers, 3, "") == 0);
 }
 
-TEST_CASE("links: by index and by identity, and the larger of what is said twice") {
+TEST_CASE("links: by index and by identity, and the larger of two distances") {
 	std::vector<NamedLayer> layers{layer_named(""), layer_named("oak"), layer_named("fern")};
 	layers[0].identity = 70;
 	layers[1].identity = 71;
@@ -150,7 +150,7 @@ TEST_CASE("links: by index and by identity, and the larger of what is said twice
 	first.identity = 72;
 	second.index = 3;
 	layers[2].spacing = {{first, 3.0}, {second, 1.0}};
-	CHECK(linked(layers)[2]->neighbors.size() == 1); // Proximity alone.
+	CHECK(linked(layers)[2]->neighbors.size() == 1); // Proximity only.
 	CHECK(problems(layers, 2, "which is not in the list") == 2);
 	CHECK(problems(layers, 2, "Layers of different TerrainScatter3D nodes cannot refer to each other") == 2);
 	second.index = 2;
@@ -158,7 +158,7 @@ TEST_CASE("links: by index and by identity, and the larger of what is said twice
 	CHECK(problems(layers, 2, "the layer itself") == 1);
 }
 
-TEST_CASE("links: the layers that colors and variations follow are earlier ones, and nobody's neighbors") {
+TEST_CASE("links: the layers that colors and variations follow are earlier ones, and no neighbors") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern"), layer_named("moss")};
 	layers[0].color_layer = "moss";
 	layers[1].color_layer = "oak";
@@ -171,8 +171,8 @@ TEST_CASE("links: the layers that colors and variations follow are earlier ones,
 	CHECK(result[2]->instance_data.variation.layer == result[1]);
 	CHECK(result[2]->neighbors.empty());
 	CHECK(linked(layers, result) == result);
-	CHECK(problems(layers, 0, "color_source_layer is \"moss\", which does not stand before") == 1);
-	CHECK(problems(layers, 1, "variation_source_layer is \"fern\", which does not stand before") == 1);
+	CHECK(problems(layers, 0, "color_source_layer is \"moss\", which is not before") == 1);
+	CHECK(problems(layers, 1, "variation_source_layer is \"fern\", which is not before") == 1);
 	CHECK(problems(layers, 2, "") == 0);
 	layers[2].color_layer = "elm";
 	CHECK(problems(layers, 2, "color_source_layer is \"elm\", and no layer has that name") == 1);
@@ -182,7 +182,7 @@ TEST_CASE("links: the layers that colors and variations follow are earlier ones,
 	CHECK(later[1]->instance_data.color.layer == later[0]);
 }
 
-TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused one keeps what it had") {
+TEST_CASE("links: a missing layer is no neighbor, and a refused one keeps its settings") {
 	std::vector<NamedLayer> layers{layer_named("oak"), layer_named("fern")};
 	NamedLayer &fern = layers[1];
 	fern.spacing = {{"oak", 2.0}};
@@ -209,7 +209,7 @@ TEST_CASE("links: a layer that is not there is nobody's neighbor, and a refused 
 	CHECK(checked[1].settings == good[1].settings);
 }
 
-TEST_CASE("layers: a free name is the one asked for, or has the lowest number that is left") {
+TEST_CASE("layers: a free name is the requested one, or has the lowest free number") {
 	const std::vector<std::string> taken{"Oak", "Oak 2", "Oak 4", "Fir 2", ""};
 	CHECK(free_layer_name("Fir", taken) == "Fir");
 	CHECK(free_layer_name("Oak", taken) == "Oak 3");

@@ -41,7 +41,7 @@ TEST_CASE("lod: meshes change at their distances, and back 5 % nearer") {
 	CHECK(lod_at({}, 1e5, 7) == 0);
 }
 
-TEST_CASE("lod: walking to and fro within 5 % changes a mesh once") {
+TEST_CASE("lod: moving to and fro within 5 % changes a mesh once") {
 	const LodSettings settings = thinning();
 	std::size_t shown = lod_at(settings, 10.0, 0);
 	int changes = 0;
@@ -54,7 +54,7 @@ TEST_CASE("lod: walking to and fro within 5 % changes a mesh once") {
 	CHECK(changes == 1);
 }
 
-TEST_CASE("lod: the density falls evenly from begin to end, never rises, and stays after") {
+TEST_CASE("lod: the density falls linearly from begin to end, never rises, and then stays constant") {
 	const LodSettings settings = thinning();
 	CHECK(thinned_density(settings, 0.0) == 1.0);
 	CHECK(thinned_density(settings, 30.0) == 1.0);
@@ -78,7 +78,7 @@ TEST_CASE("lod: the density falls evenly from begin to end, never rises, and sta
 	CHECK(thinned_density(sudden, 30.0) == doctest::Approx(0.2));
 }
 
-TEST_CASE("lod: what is left covers what all covered, up to a limit") {
+TEST_CASE("lod: the remaining instances cover as much as all did, up to a limit") {
 	LodSettings settings = thinning();
 	CHECK(compensating_scale(settings, 1.0) == 1.0);
 	CHECK(compensating_scale(settings, 0.25) == 2.0);
@@ -88,7 +88,7 @@ TEST_CASE("lod: what is left covers what all covered, up to a limit") {
 	CHECK(compensating_scale(settings, 0.25) == 1.0);
 }
 
-TEST_CASE("lod: a limited share follows what is wanted in few steps and never lets too much through") {
+TEST_CASE("lod: a limited share follows the wanted share in few steps and never exceeds the limit") {
 	double share = 1.0;
 	int changes = 0;
 	const auto follow = [&share, &changes](std::uint64_t wanted, std::uint64_t most) {
@@ -98,7 +98,7 @@ TEST_CASE("lod: a limited share follows what is wanted in few steps and never le
 		CHECK(share * static_cast<double>(wanted) <= static_cast<double>(most));
 		CHECK(share >= 0.0);
 		CHECK(share <= 1.0);
-		// Settled: the same answer once more.
+		// Settled: a second call returns the same.
 		CHECK(limited_share(share, wanted, most) == share);
 	};
 	for (std::uint64_t wanted = 0; wanted <= 1000000; wanted += 500) {
@@ -118,7 +118,7 @@ TEST_CASE("lod: a limited share follows what is wanted in few steps and never le
 	CHECK(share == 1.0);
 }
 
-TEST_CASE("lod: within the margin nothing changes, whatever is shown") {
+TEST_CASE("lod: within the margin nothing changes, for every displayed state") {
 	std::mt19937 random(11);
 	std::uniform_real_distribution<double> any(0.0, 160.0);
 	std::uniform_real_distribution<double> share(-0.9999, 0.9999);

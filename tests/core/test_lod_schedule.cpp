@@ -26,7 +26,7 @@ std::vector<int> due(LodSchedule &schedule) {
 
 } // namespace
 
-TEST_CASE("lod schedule: a tile is looked at once viewers have moved as far as it allows") {
+TEST_CASE("lod schedule: a tile is checked once viewers have moved as far as its margin") {
 	LodSchedule schedule;
 	CHECK(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}}));
 	schedule.add(key_of(1), 0.0);
@@ -38,7 +38,7 @@ TEST_CASE("lod schedule: a tile is looked at once viewers have moved as far as i
 	CHECK(schedule.settled());
 	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{3.0, 0.0}}}));
 	CHECK(due(schedule).empty());
-	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}})); // Back: 6 m in all.
+	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}})); // Back: 6 m in total.
 	CHECK(due(schedule) == std::vector{3});
 	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}, 1.0, 5.0}})); // Up.
 	CHECK(due(schedule) == std::vector{2});
@@ -50,7 +50,7 @@ TEST_CASE("lod schedule: a tile is looked at once viewers have moved as far as i
 	CHECK(due(schedule).empty());
 }
 
-TEST_CASE("lod schedule: a tile has one visit to come, however often it is scheduled") {
+TEST_CASE("lod schedule: a tile has one pending visit, no matter how often it is scheduled") {
 	LodSchedule schedule;
 	schedule.move(std::vector<Viewer>{{{0.0, 0.0}}});
 	for (int time = 0; time < 1000; ++time) {
@@ -83,13 +83,12 @@ TEST_CASE("lod schedule: distances count from the nearest viewer, in three dimen
 	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(5.0));
 	CHECK(near(glm::dvec3(99.0, 0.0, 99.0), glm::dvec3(101.0, 1.0, 101.0)) == 0.0);
 	sight = {5.0, 0.2};
-	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(4.0)); // Where the fade-out begins.
+	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(4.0)); // The fade-out begins here.
 	sight = {2.0, 0.2};
 	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(3.0)); // On the map.
 }
 
-TEST_CASE("lod schedule: no height hides what the view reaches on the map, and each viewer sees as far as its scale "
-		  "says") {
+TEST_CASE("lod schedule: tiles in range on the map are visible from any height, and scales apply per viewer") {
 	const Sight sight{100.0, 0.2};
 	for (const double scale : {0.1, 0.5, 1.0, 3.0}) {
 		for (const double height : {0.0, 60.0, 90.0, 300.0, 1e6}) {
@@ -109,7 +108,7 @@ TEST_CASE("lod schedule: no height hides what the view reaches on the map, and e
 	}
 }
 
-TEST_CASE("lod schedule: with the margins of LOD no change is ever missed, and few looks are taken") {
+TEST_CASE("lod schedule: with LOD margins, no change is ever missed, and checks are few") {
 	std::mt19937 random(12);
 	std::uniform_real_distribution<double> turn(-0.3, 0.3);
 	LodSettings settings;
@@ -158,7 +157,7 @@ TEST_CASE("lod schedule: with the margins of LOD no change is ever missed, and f
 	CHECK(looks < 4000 * 40 / 4);
 }
 
-TEST_CASE("lod schedule: a viewer who jumps is another one, and meters count as before") {
+TEST_CASE("lod schedule: a viewer that jumps is a new viewer, and moved meters count as before") {
 	LodSchedule schedule;
 	std::vector<Viewer> viewers{{{0.0, 0.0}, 0.0, 2.0}};
 	schedule.move(viewers);

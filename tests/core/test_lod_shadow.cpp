@@ -1,4 +1,4 @@
-// Which levels of detail cast a shadow by themselves.
+// Which levels of detail cast their own shadow.
 
 #include "core/model/lod_shadow.hpp"
 
@@ -17,14 +17,14 @@ constexpr double forest = 0.02;
 
 } // namespace
 
-TEST_CASE("lod shadows: dense and small, only what begins near casts one") {
+TEST_CASE("lod shadows: of dense and small instances, only near LODs cast one") {
 	CHECK(casts_shadow({grass, meadow, 0.0}));
 	CHECK(casts_shadow({grass, meadow, 4.9}));
 	CHECK_FALSE(casts_shadow({grass, meadow, 5.0}));
 	CHECK_FALSE(casts_shadow({grass, meadow, 60.0}));
 }
 
-TEST_CASE("lod shadows: what is not dense, or not small, casts that of each of its meshes") {
+TEST_CASE("lod shadows: of sparse or large instances, every LOD casts one") {
 	CHECK(casts_shadow({grass, 0.99, 60.0}));
 	CHECK_FALSE(casts_shadow({grass, 1.0, 60.0}));
 	CHECK(casts_shadow({{1.0, 2.0, 1.0}, meadow, 60.0}));
@@ -36,14 +36,14 @@ TEST_CASE("lod shadows: what is not dense, or not small, casts that of each of i
 TEST_CASE("lod shadows: none where a shadow is thinner than a pixel of its map") {
 	CHECK(casts_shadow({spruce, forest, 2048.0}));
 	CHECK_FALSE(casts_shadow({spruce, forest, 2049.0}));
-	CHECK_FALSE(casts_shadow({{0.1, 6.0, 0.1}, forest, 60.0})); // A pole, however tall,
+	CHECK_FALSE(casts_shadow({{0.1, 6.0, 0.1}, forest, 60.0})); // A pole casts none, regardless of its height,
 	CHECK(casts_shadow({{0.1, 0.1, 6.0}, forest, 50.0}));
-	CHECK(casts_shadow({{1.0, 0.0, 1.0}, forest, 500.0})); // but a leaf on a pond is as wide as it is.
+	CHECK(casts_shadow({{1.0, 0.0, 1.0}, forest, 500.0})); // but a leaf on a pond does, because it is wide.
 	CHECK_FALSE(casts_shadow({{1.0, 0.0, 1.0}, forest, 513.0}));
 	CHECK(casts_shadow({{0.0, 0.0, 0.0}, forest, 0.0}));
 }
 
-TEST_CASE("lod shadows: numbers that say nothing leave the shadow") {
+TEST_CASE("lod shadows: invalid numbers keep the shadow") {
 	constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 	CHECK(casts_shadow({{nan, nan, nan}, meadow, 60.0}));
 	CHECK(casts_shadow({grass, forest, nan}));

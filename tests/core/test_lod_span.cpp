@@ -24,7 +24,7 @@ LodSettings settings_of(std::vector<double> distances, double fade, double sight
 	return settings;
 }
 
-/// How much of an instance a mesh draws, as scatter_fade_shares has it: what has come, less what has gone.
+/// The share of an instance that a mesh draws, as scatter_fade_shares computes it: faded in, minus faded out.
 double share_of(const FadeRange &range, double away) {
 	if (range.z == 0.0F) {
 		return 1.0;
@@ -35,7 +35,7 @@ double share_of(const FadeRange &range, double away) {
 	return part(range.x) - part(std::abs(range.y));
 }
 
-/// All meshes together, of an instance in a box that is drawn so.
+/// The sum over all meshes of an instance in a box with this span.
 double drawn_share(const LodSettings &settings, const std::vector<LodStep> &steps, const LodSpan &span, double away) {
 	double sum = 0.0;
 	for (std::size_t from = span.first; from <= span.last;) {
@@ -52,7 +52,7 @@ double drawn_share(const LodSettings &settings, const std::vector<LodStep> &step
 
 } // namespace
 
-TEST_CASE("lod span: without a fade, and where a mesh cannot, all of a box changes as lod_at says") {
+TEST_CASE("lod span: without a fade, or with a mesh that cannot fade, a whole box changes as in lod_at") {
 	const LodSettings none = settings_of({20.0, 50.0, 51.0}, 0.0);
 	const LodSettings some = settings_of({20.0, 50.0, 51.0}, 0.2);
 	LodSpan shown[2];
@@ -71,7 +71,7 @@ TEST_CASE("lod span: without a fade, and where a mesh cannot, all of a box chang
 	CHECK(lod_span(some, {}, {5.0, 1e5}, {}) == LodSpan{});
 }
 
-TEST_CASE("lod span: wherever the viewer goes, each instance is drawn once, with sight's end and without") {
+TEST_CASE("lod span: for every viewer position, each instance is drawn once, with and without a view limit") {
 	const std::vector<std::vector<LodStep>> kinds{{soft, soft, soft, soft}, {soft, soft, again, soft},
 			{soft, again, sharp, soft}, {sharp, soft, soft, again}, {soft, sharp, soft, soft}};
 	std::mt19937 random(5);
@@ -97,7 +97,7 @@ TEST_CASE("lod span: wherever the viewer goes, each instance is drawn once, with
 	}
 }
 
-TEST_CASE("lod span: a mesh is there for every instance that is as far away as it is for") {
+TEST_CASE("lod span: a mesh is drawn for every instance within its distances") {
 	const LodSettings settings = settings_of({20.0, 40.0, 60.0}, 0.2);
 	const std::vector<LodStep> steps(4, soft);
 	for (double near = 0.0; near < 80.0; near += 0.5) {
@@ -112,7 +112,7 @@ TEST_CASE("lod span: a mesh is there for every instance that is as far away as i
 	}
 }
 
-TEST_CASE("lod span: within the margin nothing changes, and who walks to and fro sees no change") {
+TEST_CASE("lod span: within the margin nothing changes, and moving to and fro causes no change") {
 	const LodSettings settings = settings_of({20.0, 40.0}, 0.1, 80.0);
 	const std::vector<LodStep> steps(3, soft);
 	std::mt19937 random(7);

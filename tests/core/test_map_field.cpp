@@ -25,7 +25,7 @@ constexpr int posts = 33;
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// An image whose pixels `write` fills, a byte after the other.
+/// An image whose pixels `write` fills, one after the other.
 PixelGrid grid_of(int pixel_bytes, const std::function<void(glm::ivec2, std::uint8_t *)> &write, int side = posts) {
 	auto bytes = std::make_shared<Bytes>(static_cast<std::size_t>(side) * side * pixel_bytes);
 	std::uint8_t *pixel = bytes->data();
@@ -106,12 +106,12 @@ TEST_CASE("map field: the same surface as a heightfield of the same posts") {
 		}
 	}
 	for (const glm::dvec2 corner : {glm::dvec2(-32.0, 10.0), glm::dvec2(32.0, 138.0)}) {
-		CHECK_FALSE(std::isnan(field.at(corner).height)); // The border belongs to it.
+		CHECK_FALSE(std::isnan(field.at(corner).height)); // The border is part of it.
 	}
 	CHECK(std::isnan(field.at({std::nan(""), 20.0}).height));
 }
 
-TEST_CASE("map field: turned, stretched and moved") {
+TEST_CASE("map field: rotated, scaled and moved") {
 	MapPlace place;
 	const double turn = 0.6;
 	place.to_world =
@@ -175,9 +175,9 @@ TEST_CASE("map field: a hole is where the color map's alpha is below a half") {
 	CHECK_FALSE(std::isnan(field.at({10.51, 4.5}).height));
 }
 
-TEST_CASE("map field: textures of splat maps, four to a map") {
+TEST_CASE("map field: textures of splat maps, four per map") {
 	MapLayers layers = plain_layers();
-	CHECK(weight(field_of({}, layers), {3.0, 3.0}, {0}) == 1.0F); // Without any, all ground is of all.
+	CHECK(weight(field_of({}, layers), {3.0, 3.0}, {0}) == 1.0F); // Without any, every texture is everywhere.
 	layers.splats.push_back(bytes_grid([](glm::ivec2 post) { return std::array{post.x < 10 ? 255 : 0, 0, 0, 0}; }, 4));
 	layers.splats.push_back(bytes_grid([](glm::ivec2 post) { return std::array{0, 0, post.x < 10 ? 0 : 255, 0}; }, 4));
 	const MapField field = field_of({}, layers);
@@ -189,9 +189,9 @@ TEST_CASE("map field: textures of splat maps, four to a map") {
 	CHECK(weight(field, {-5.0, 5.0}, {0}) == 0.0F);
 }
 
-TEST_CASE("map field: textures by index, three to a pixel") {
+TEST_CASE("map field: textures by index, three per pixel") {
 	MapLayers layers = plain_layers();
-	layers.splats.push_back(bytes_grid([](glm::ivec2) { return std::array{255, 0, 0, 0}; }, 4)); // Of no account.
+	layers.splats.push_back(bytes_grid([](glm::ivec2) { return std::array{255, 0, 0, 0}; }, 4)); // Ignored.
 	layers.indices = bytes_grid([](glm::ivec2 post) { return std::array{post.x < 10 ? 20 : 5, 21, 200, 0}; }, 3);
 	layers.weights = bytes_grid([](glm::ivec2) { return std::array{102, 51, 0, 0}; }, 2);
 	const MapField field = field_of({}, layers);
@@ -200,12 +200,12 @@ TEST_CASE("map field: textures by index, three to a pixel") {
 	CHECK(weight(field, {5.0, 5.0}, {21}) == doctest::Approx(0.2));
 	CHECK(weight(field, {5.0, 5.0}, {200}) == doctest::Approx(0.4));
 	CHECK(weight(field, {5.0, 5.0}, {20, 21, 200}) == doctest::Approx(1.0));
-	CHECK(weight(field, {9.5, 5.0}, {5}) == doctest::Approx(0.2)); // Half way from where there is none.
+	CHECK(weight(field, {9.5, 5.0}, {5}) == doctest::Approx(0.2)); // Halfway from a pixel without it.
 	layers.indices = bytes_grid([](glm::ivec2) { return std::array{7, 7, 7, 0}; }, 3);
 	CHECK(weight(field_of({}, layers), {5.0, 5.0}, {7}) == 1.0F);
 }
 
-TEST_CASE("map field: refuses what is no map, and stays what it was") {
+TEST_CASE("map field: an invalid map is refused, and the field stays unchanged") {
 	MapField field = field_of({}, plain_layers());
 	const MapLayers good = plain_layers();
 	CHECK_FALSE(field.set({}, {}).ok());

@@ -51,7 +51,7 @@ Corners faces_of(const MeshSurface &surface) {
 
 } // namespace
 
-TEST_CASE("mesh surface: triangles in the order of the vertices, or of indices of two or four bytes") {
+TEST_CASE("mesh surface: triangles in the order of the vertices, or of 2- or 4-byte indices") {
 	using enum MeshSurface::Shape;
 	CHECK(faces_of(surface_of(triangles, four_vertices, 3)) == Corners{a, b, c});
 	const Bytes two = bytes_of<std::uint16_t>({3, 0, 1, 2, 2, 0});
@@ -60,7 +60,7 @@ TEST_CASE("mesh surface: triangles in the order of the vertices, or of indices o
 	CHECK(faces_of(indexed(triangles, four, 6)) == Corners{d, a, b, c, c, a});
 }
 
-TEST_CASE("mesh surface: each vertex of a strip but its first two closes a triangle") {
+TEST_CASE("mesh surface: each vertex of a strip after the first two completes a triangle") {
 	using enum MeshSurface::Shape;
 	CHECK(faces_of(surface_of(strip, four_vertices, 4)) == Corners{a, b, c, b, c, d});
 	const Bytes indices = bytes_of<std::uint16_t>({3, 2, 1, 0});
@@ -82,7 +82,7 @@ TEST_CASE("mesh surface: flat and quantized positions") {
 	flat.positions = MeshSurface::Positions::flat;
 	CHECK(faces_of(flat) == Corners{{0, 1, 0}, {10, 11, 0}, {20, 21, 0}});
 
-	// The fourth number of a vertex is an angle; normals follow all positions.
+	// The fourth number of a vertex is an angle. Normals follow after all positions.
 	const Bytes quantized_bytes =
 			bytes_of<std::uint16_t>({0, 0, 0, 7, 65535, 65535, 65535, 7, 13107, 26214, 39321, 7, 1, 2, 3, 4});
 	MeshSurface quantized = surface_of(triangles, quantized_bytes, 3);

@@ -1,4 +1,4 @@
-// How parts of a model are sorted into levels of detail.
+// How the parts of a model are sorted into LODs.
 
 #include "core/model/model_lods.hpp"
 
@@ -31,7 +31,7 @@ TEST_CASE("lod names: marks as artists write them") {
 	CHECK(read_lod_name("A_LOD1_LOD2") == LodName{"A_LOD1", 2});
 }
 
-TEST_CASE("lod names: what is no mark") {
+TEST_CASE("lod names: names without a mark") {
 	for (const char *name :
 			{"", "Tree", "LOD", "LOD_", "Melod1", "Plod1", "LOD100", "LOD1b", "Lodge2", "LODx1", "lod--1"}) {
 		CAPTURE(name);
@@ -45,21 +45,21 @@ TEST_CASE("model lods: a model without marks and ranges has one") {
 	CHECK(model_lods({}).empty());
 }
 
-TEST_CASE("model lods: numbers, with gaps, and distances where a range gives them") {
+TEST_CASE("model lods: numbers, with gaps, and distances from ranges") {
 	const std::vector<PartRange> parts{
 			{"Trunk", 0}, {"Leaves", 0}, {"Trunk", 2}, {"Leaves", 2, 40.0}, {"Card", 5, 90.0, 400.0}};
 	CHECK(model_lods(parts) == std::vector<ModelLod>{{0.0, Parts{0, 1}}, {40.0, Parts{2, 3}}, {90.0, Parts{4}}});
-	const std::vector<PartRange> unsaid{{"Trunk", 1}, {"Trunk", 2}};
-	CHECK(model_lods(unsaid) == std::vector<ModelLod>{{0.0, Parts{0}}, {std::nullopt, Parts{1}}});
+	const std::vector<PartRange> without_ranges{{"Trunk", 1}, {"Trunk", 2}};
+	CHECK(model_lods(without_ranges) == std::vector<ModelLod>{{0.0, Parts{0}}, {std::nullopt, Parts{1}}});
 }
 
-TEST_CASE("model lods: a part without a number is the finest of its name, or in all") {
+TEST_CASE("model lods: a part without a number is the finest of its name, or in all LODs") {
 	const std::vector<PartRange> parts{{"Trunk", {}}, {"Trunk", 1}, {"Stone", {}}, {"Trunk", 2}};
 	CHECK(model_lods(parts) ==
 			std::vector<ModelLod>{{0.0, Parts{0, 2}}, {std::nullopt, Parts{1, 2}}, {std::nullopt, Parts{2, 3}}});
 }
 
-TEST_CASE("model lods: ranges where no name has a mark") {
+TEST_CASE("model lods: ranges, if no name has a mark") {
 	const std::vector<PartRange> parts{
 			{"Near", {}, 0.0, 30.0}, {"Far", {}, 30.0, 90.0}, {"All", {}}, {"Sign", {}, 10.0, 20.0}};
 	CHECK(model_lods(parts) ==
@@ -69,7 +69,7 @@ TEST_CASE("model lods: ranges where no name has a mark") {
 	CHECK(model_lods(ending) == std::vector<ModelLod>{{0.0, Parts{0}}, {30.0, Parts{1}}});
 }
 
-TEST_CASE("model lods: usual distances grow with the size and from LOD to LOD") {
+TEST_CASE("model lods: default distances grow with the size and from LOD to LOD") {
 	CHECK(usual_lod_distance(10.0, 0) == 0.0);
 	CHECK(usual_lod_distance(10.0, 1) == 25.0);
 	CHECK(usual_lod_distance(10.0, 2) == 50.0);

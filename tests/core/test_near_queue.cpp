@@ -18,7 +18,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("near queue: all within the distance come, the nearest first, and leave an eighth farther away") {
+TEST_CASE("near queue: all within the distance enter, the nearest first, and leave an eighth farther away") {
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
@@ -54,7 +54,7 @@ TEST_CASE("near queue: all within the distance come, the nearest first, and leav
 	CHECK(follower.queue.settled());
 }
 
-TEST_CASE("near queue: a removed instance is gone, one that is placed differently has changed") {
+TEST_CASE("near queue: a removed instance leaves, and one that is placed differently changes") {
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
@@ -87,7 +87,7 @@ TEST_CASE("near queue: a removed instance is gone, one that is placed differentl
 	CHECK(follower.queue.settled());
 }
 
-TEST_CASE("near queue: where very many are gone, the nearest go first, across all cells and layers") {
+TEST_CASE("near queue: if very many are removed, the nearest leave first, across all cells and layers") {
 	FlatWorld flat;
 	flat.settings.set.radius = 0.9;
 	flat.set_layers();
@@ -104,8 +104,8 @@ TEST_CASE("near queue: where very many are gone, the nearest go first, across al
 			held[instance.id] = instance.position;
 		}
 	}
-	CHECK(held.size() > NearQueue::max_looked); // Or one look finds all that is gone.
-	// Within a frame the order is exact; the next frame looks at cells that are farther away.
+	CHECK(held.size() > NearQueue::max_looked); // Otherwise a single check finds all removed ones.
+	// Within a frame the order is exact. The next frame checks cells that are farther away.
 	const auto check_nearest_first = [&](std::size_t expected) {
 		std::size_t gone = 0;
 		double nearest_of_last = 0.0;
@@ -140,7 +140,7 @@ TEST_CASE("near queue: where very many are gone, the nearest go first, across al
 	CHECK(queue.settled());
 }
 
-TEST_CASE("near queue: what was entered in this look has not changed in it") {
+TEST_CASE("near queue: instances that entered after this check have not changed") {
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
@@ -154,7 +154,7 @@ TEST_CASE("near queue: what was entered in this look has not changed in it") {
 	CHECK_FALSE(follower.queue.next_changed(instance));
 }
 
-TEST_CASE("near queue: what is released comes again") {
+TEST_CASE("near queue: a released instance enters again") {
 	FlatWorld flat;
 	flat.load();
 	Follower follower;
@@ -178,7 +178,7 @@ TEST_CASE("near queue: what is released comes again") {
 	CHECK(follower.follow() > 100);
 }
 
-TEST_CASE("near queue: very many centers are looked at in turns, though the world changes in every frame") {
+TEST_CASE("near queue: very many centers are checked in turns, although the world changes in every frame") {
 	FlatWorld flat;
 	flat.load(12);
 	Follower follower;
@@ -212,7 +212,7 @@ TEST_CASE("near queue: very many centers are looked at in turns, though the worl
 	}
 	CHECK(frames < 200);
 
-	// One walks alone; the others' cells are not looked at, and it is followed at once.
+	// One center moves alone. The others' cells are not checked, and this one is followed immediately.
 	for (int step = 0; step < 20; ++step) {
 		centers[8].x += 1.0;
 		follow(false);
@@ -227,7 +227,7 @@ TEST_CASE("near queue: very many centers are looked at in turns, though the worl
 	CHECK(follower.queue.settled());
 }
 
-TEST_CASE("near queue: another distance keeps what is near") {
+TEST_CASE("near queue: a new distance keeps the near instances") {
 	FlatWorld flat;
 	flat.load(3);
 	Follower follower;
@@ -262,7 +262,7 @@ TEST_CASE("near queue: another distance keeps what is near") {
 	}
 }
 
-TEST_CASE("near queue: a distance that stays leaves its layer as it is, whatever others do") {
+TEST_CASE("near queue: an unchanged distance leaves its layer unchanged, even if others change") {
 	FlatWorld flat;
 	flat.load(3);
 	NearQueue queue;
@@ -276,7 +276,7 @@ TEST_CASE("near queue: a distance that stays leaves its layer as it is, whatever
 	CHECK(entered > 100);
 	CHECK(queue.settled());
 	queue.set_distances(std::array{distance, 0.0});
-	CHECK(queue.settled()); // Nobody has to look again.
+	CHECK(queue.settled()); // No further check is needed.
 	queue.set_distances(std::array{distance, 9.0});
 	CHECK_FALSE(queue.settled());
 	for (PlacedInstance instance; queue.next_entering(instance);) {
@@ -289,7 +289,7 @@ TEST_CASE("near queue: a distance that stays leaves its layer as it is, whatever
 	}
 }
 
-TEST_CASE("near queue: centers that are no positions have nothing near them") {
+TEST_CASE("near queue: nothing is near centers that are not finite") {
 	FlatWorld flat;
 	flat.load(1);
 	Follower follower;
@@ -302,7 +302,7 @@ TEST_CASE("near queue: centers that are no positions have nothing near them") {
 	CHECK(follower.follow() > 100);
 }
 
-TEST_CASE("near queue: tiles that are not known are missed") {
+TEST_CASE("near queue: unknown tiles are reported as missing") {
 	FlatWorld flat;
 	Follower follower;
 	follower.look({}, flat.world);
@@ -314,8 +314,8 @@ TEST_CASE("near queue: tiles that are not known are missed") {
 	CHECK(flat.world.take_missing().empty());
 }
 
-TEST_CASE("near queue: nobody looks again while nobody moves, nor for a small step") {
-	FlatWorld flat; // Of which nothing is known: whoever looks misses something.
+TEST_CASE("near queue: no check while the centers rest or move a small step") {
+	FlatWorld flat; // An empty world: every check reports missing tiles.
 	Follower follower;
 	std::vector<glm::dvec3> centers{{5.0, 0.0, 5.0}};
 	const auto looks = [&] {
@@ -332,18 +332,17 @@ TEST_CASE("near queue: nobody looks again while nobody moves, nor for a small st
 	CHECK_FALSE(looks());
 	flat.world.touch();
 	CHECK(looks());
-	flat.world.keep(
-			0, {40, 0}, flat.make({40, 0})); // While tiles stream in far away, what was found near by still holds.
+	flat.world.keep(0, {40, 0}, flat.make({40, 0})); // Tiles that stream in far away do not invalidate the near ones.
 	CHECK_FALSE(looks());
 	flat.world.keep(0, {0, 0}, flat.make({0, 0}));
 	CHECK(looks());
 }
 
-TEST_CASE("near queue: of a cell only the part within reach is looked at") {
+TEST_CASE("near queue: only the part of a cell within reach is checked") {
 	FlatWorld flat;
 	Follower follower;
 	const std::vector<glm::dvec3> centers{
-			{5.0, 0.0, 5.0}}; // 22.5 m around it lie 4 tiles of 32 m; in the cells that this touches, 9.
+			{5.0, 0.0, 5.0}}; // The square of 22.5 m around it touches 4 tiles of 32 m; the cells that it touches, 9.
 	follower.queue.look_around(centers, flat.world);
 	CHECK(flat.world.take_missing().size() == 4);
 }

@@ -13,7 +13,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("near queue: what is due comes once each, the nearest first, whatever moves meanwhile") {
+TEST_CASE("near queue: each due instance is returned once, the nearest first, while centers move") {
 	FlatWorld flat;
 	flat.load(3);
 	Follower follower;
@@ -45,7 +45,7 @@ TEST_CASE("near queue: what is due comes once each, the nearest first, whatever 
 	CHECK(due == follower.held);
 	CHECK(follower.queue.settled());
 
-	// A different distance divides the cells: all that is held comes, though some of it a second time.
+	// A different distance divides the cells. All held instances are returned, some of them twice.
 	follower.queue.renew(0);
 	last = 0.0;
 	due = take_due(60, last);
@@ -54,7 +54,7 @@ TEST_CASE("near queue: what is due comes once each, the nearest first, whatever 
 	const std::set<std::uint64_t> rest = take_due(10000, last);
 	CHECK(rest == follower.held);
 
-	// What has left by then is no longer due.
+	// Instances that have left by then are no longer due.
 	follower.look(center, flat.world);
 	follower.follow();
 	follower.queue.renew(0);
@@ -62,7 +62,7 @@ TEST_CASE("near queue: what is due comes once each, the nearest first, whatever 
 	CHECK(take_due(10000, last).empty());
 }
 
-TEST_CASE("near queue: finds the nearest of what is held around positions") {
+TEST_CASE("near queue: finds the nearest held instances around positions") {
 	FlatWorld flat;
 	flat.load(3);
 	Follower follower;

@@ -23,7 +23,7 @@ PlacedInstance instance_at(std::uint64_t id, glm::dvec3 position) {
 	return instance;
 }
 
-/// Instances 1 to `count`, so many meters apart along x: instance i stands at x = i * apart.
+/// Instances 1 to `count` in a row along x: instance i is at x = i * apart.
 std::vector<PlacedInstance> row(std::uint64_t count, double apart = 1.0) {
 	std::vector<PlacedInstance> result;
 	for (std::uint64_t id = 1; id <= count; ++id) {
@@ -48,7 +48,7 @@ std::vector<std::uint64_t> ids_of(const std::vector<NearLeaving> &leaving) {
 	return result;
 }
 
-/// Does at once all that a look asks for.
+/// Carries out all changes that a check returned.
 void follow(NearSet &set, const NearChanges &changes) {
 	for (const NearLeaving &leaving : changes.leave) {
 		CHECK(set.holds(leaving.id));
@@ -80,14 +80,14 @@ TEST_CASE("near set: the nearest enter first, the farthest leave first") {
 	follow(set, changes);
 	CHECK(set.size() == 5);
 
-	centers[0].x = 8.1; // 5 is within 4, 2 to 4 are not.
+	centers[0].x = 8.1; // Instance 5 is within 4 m, 2 to 4 are not.
 	set.look(centers, {2.5, 4.0}, standing, changes);
 	CHECK(ids_of(changes.enter) == Ids{8, 9, 7, 10});
 	CHECK(ids_of(changes.leave) == Ids{2, 3, 4});
 	CHECK(changes.gone == 0);
 }
 
-TEST_CASE("near set: both ends of the range count as near, in space") {
+TEST_CASE("near set: both ends of the range are inclusive, in three dimensions") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 3.0, 0.0}};
@@ -103,7 +103,7 @@ TEST_CASE("near set: both ends of the range count as near, in space") {
 	CHECK(ids_of(changes.leave) == Ids{1});
 }
 
-TEST_CASE("near set: a range of 0 holds nothing, and one that is inside out leaves where it enters") {
+TEST_CASE("near set: a range of 0 holds nothing, and an inverted range leaves where it enters") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{1.0, 0.0, 0.0}};
@@ -116,14 +116,14 @@ TEST_CASE("near set: a range of 0 holds nothing, and one that is inside out leav
 	CHECK(changes.leave.empty());
 	set.look(centers, {0.0, 10.0}, standing, changes);
 	CHECK(changes.enter.empty());
-	CHECK(ids_of(changes.leave) == Ids{1, 2, 3}); // None is there any more: the nearest goes first.
+	CHECK(ids_of(changes.leave) == Ids{1, 2, 3}); // None is near any more, so the nearest leaves first.
 	CHECK(changes.gone == 3);
 	set.look({}, {2.0, 3.0}, standing, changes); // No center: nothing is near.
 	CHECK(changes.enter.empty());
 	CHECK(ids_of(changes.leave) == Ids{1, 2, 3});
 }
 
-TEST_CASE("near set: removed instances leave first of all, the nearest of them first") {
+TEST_CASE("near set: removed instances leave before all others, the nearest first") {
 	NearSet set;
 	NearChanges changes;
 	std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
@@ -131,7 +131,7 @@ TEST_CASE("near set: removed instances leave first of all, the nearest of them f
 	set.look(centers, {6.0, 8.0}, standing, changes);
 	follow(set, changes);
 	std::erase_if(standing, [](const PlacedInstance &instance) { return instance.id == 2 || instance.id == 3; });
-	centers[0].x = -3.5; // 5 and 6 are beyond 8 now.
+	centers[0].x = -3.5; // Instances 5 and 6 are beyond 8 m.
 	set.look(centers, {6.0, 8.0}, standing, changes);
 	CHECK(changes.enter.empty());
 	CHECK(ids_of(changes.leave) == Ids{2, 3, 6, 5});
@@ -147,7 +147,7 @@ TEST_CASE("near set: an instance that is placed differently has changed, and nei
 	follow(set, changes);
 
 	std::vector<PlacedInstance> standing = before;
-	standing[0].position.y += 0.5 * NearSet::same_position; // Rounded otherwise.
+	standing[0].position.y += 0.5 * NearSet::same_position; // A difference within rounding.
 	standing[0].basis[1][1] += 0.5f * NearSet::same_basis;
 	standing[1].position.y += 0.25;
 	standing[2].basis[1][1] = 1.1f;
@@ -179,7 +179,7 @@ TEST_CASE("near set: an instance that is placed differently has changed, and nei
 	CHECK(changes.changed.empty());
 }
 
-TEST_CASE("near set: a walk to and fro inside of the hysteresis changes nothing") {
+TEST_CASE("near set: moving to and fro within the hysteresis changes nothing") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<PlacedInstance> standing = row(400, 0.05);
@@ -188,7 +188,7 @@ TEST_CASE("near set: a walk to and fro inside of the hysteresis changes nothing"
 	std::map<std::uint64_t, int> entered;
 	std::map<std::uint64_t, int> left;
 	std::mt19937_64 random(5);
-	std::uniform_real_distribution<double> along(-0.499, 0.499); // Less than leave - enter from end to end.
+	std::uniform_real_distribution<double> along(-0.499, 0.499); // The whole range is shorter than leave - enter.
 	for (int frame = 0; frame < 300; ++frame) {
 		centers[0].x = 10.0 + along(random);
 		set.look(centers, range, standing, changes);
@@ -205,7 +205,7 @@ TEST_CASE("near set: a walk to and fro inside of the hysteresis changes nothing"
 	CHECK(left.empty());
 }
 
-TEST_CASE("near set: several centers, and an instance that is handed in several times") {
+TEST_CASE("near set: several centers, and an instance that is passed several times") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}, {100.0, 0.0, 0.0}, {100.5, 0.0, 0.0}};
@@ -221,7 +221,7 @@ TEST_CASE("near set: several centers, and an instance that is handed in several 
 	CHECK(ids_of(changes.leave) == Ids{101, 100, 99, 98});
 }
 
-TEST_CASE("near set: forgets what it is told to forget") {
+TEST_CASE("near set: released instances are no longer held") {
 	NearSet set;
 	NearChanges changes;
 	const std::vector<glm::dvec3> centers{{0.0, 0.0, 0.0}};
@@ -253,7 +253,7 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 				instance_at(id * 0x9e3779b97f4a7c15ULL, {anywhere(random), 0.1 * step(random), anywhere(random)}));
 	}
 	std::vector<glm::dvec3> centers(3);
-	std::map<std::uint64_t, glm::dvec3> held; // Where they stood.
+	std::map<std::uint64_t, glm::dvec3> held; // With their positions.
 	const NearRange range{12.0, 15.0};
 	for (int frame = 0; frame < 400; ++frame) {
 		for (glm::dvec3 &center : centers) {
@@ -309,7 +309,7 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 		CHECK(std::is_sorted(changes.enter.begin(), changes.enter.end(),
 				[&away](const auto &a, const auto &b) { return away(a.position) < away(b.position); }));
 
-		// There is not always time for all of it.
+		// Sometimes there is no time for all of them.
 		for (const std::uint64_t id : leaving) {
 			set.release(id);
 			held.erase(id);
@@ -328,8 +328,8 @@ TEST_CASE("near set: random walks, removals and moves against brute force") {
 	}
 }
 
-TEST_CASE("near set: what stays near is asked for the center that it was near before, not for all of them") {
-	// To whole numbers the distance is a whole number; to the others it would be rounded.
+TEST_CASE("near set: an instance that stays near is tested against its previous center first") {
+	// The distance to the center at whole numbers is whole. The distances to the others would be rounded.
 	std::vector<glm::dvec3> centers(100, glm::dvec3(900.1, 0.3, 0.7));
 	centers.emplace_back(4.0, 0.0, 0.0);
 	const std::vector<PlacedInstance> standing = row(6);
@@ -339,7 +339,7 @@ TEST_CASE("near set: what stays near is asked for the center that it was near be
 	REQUIRE(set.look(centers, range, standing, changes));
 	follow(set, changes);
 	CHECK(set.size() == 6);
-	CHECK(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); })); // Looks which one it is.
+	CHECK(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); })); // Searches for its center.
 	centers.back().x += 1.0;
 	CHECK_FALSE(rounds([&] { REQUIRE(set.look(centers, range, standing, changes)); }));
 	CHECK(changes.enter.empty());

@@ -33,7 +33,7 @@ std::shared_ptr<LayerSettings> layer_of(std::uint16_t number, double radius) {
 	return layer;
 }
 
-/// Where the instances of a layer stand, by id, as exactly as the set says.
+/// The positions of a layer's instances by id, with the set's precision.
 std::map<std::uint64_t, glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const TileInstances tile = built(layer, terrain, rect);
 	TileSampler sampler;
@@ -64,7 +64,7 @@ const std::vector<Rect> windows{{{-20.0, -35.0}, {30.0, 5.0}}, {{1000.25, -7.5},
 
 } // namespace
 
-TEST_CASE("neighbors: spacing takes away just those that stand too near, also across the window's border") {
+TEST_CASE("neighbors: spacing removes only those that are too near, also across the window's border") {
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 6.0);
 	oaks->rules.density = 0.6;
@@ -77,16 +77,16 @@ TEST_CASE("neighbors: spacing takes away just those that stand too near, also ac
 		const auto some = places(spaced, terrain, window);
 		std::size_t expected = 0;
 		for (const auto &[id, position] : all) {
-			const bool stands = nearest(position, trees) >= 2.5;
-			CHECK(some.contains(id) == stands);
-			expected += stands ? 1 : 0;
+			const bool remains = nearest(position, trees) >= 2.5;
+			CHECK(some.contains(id) == remains);
+			expected += remains ? 1 : 0;
 		}
 		CHECK(some.size() == expected);
 		CHECK((all.size() < 20 || some.size() < all.size()));
 	}
 }
 
-TEST_CASE("neighbors: only instances count, not points that their own rules took away") {
+TEST_CASE("neighbors: only instances count, not points that their own rules removed") {
 	const Heightfield terrain = hills();
 	const auto oaks = layer_of(0, 6.0);
 	oaks->rules.max_slope_degrees = 20.0;
@@ -128,7 +128,7 @@ TEST_CASE("neighbors: proximity is a density over the distance to the nearest") 
 	CHECK(total[6] + total[7] > 100.0);
 }
 
-TEST_CASE("neighbors: beyond the distance the curve's density there counts") {
+TEST_CASE("neighbors: beyond the distance, the curve's last density applies") {
 	const FlatTerrain terrain(0.0f);
 	const auto oaks = layer_of(0, 12.0);
 	LayerSettings grass = *layer_of(1, 1.0);
@@ -142,12 +142,12 @@ TEST_CASE("neighbors: beyond the distance the curve's density there counts") {
 		}
 	}
 	CHECK(some.size() < all.size());
-	// With nobody to be near to, too.
+	// Also if the other layer is empty.
 	oaks->rules.density = 0.0;
 	CHECK(places(grass, terrain, tile_of_hills).size() == all.size());
 }
 
-TEST_CASE("neighbors: chains hold across tiles of any size, in any order") {
+TEST_CASE("neighbors: chains are consistent across tiles of any size, in any order") {
 	const Heightfield terrain = hills();
 	const auto oaks = layer_of(0, 7.0);
 	oaks->rules.max_slope_degrees = 35.0;
@@ -179,7 +179,7 @@ TEST_CASE("neighbors: chains hold across tiles of any size, in any order") {
 	}
 }
 
-TEST_CASE("neighbors: ground in two steps gives the tile that one step gives") {
+TEST_CASE("neighbors: building in two steps produces the same tile as in one") {
 	const Heightfield terrain = hills();
 	const auto oaks = layer_of(0, 7.0);
 	oaks->rules.max_slope_degrees = 30.0;
@@ -201,7 +201,7 @@ TEST_CASE("neighbors: ground in two steps gives the tile that one step gives") {
 	CHECK(digest(tile) == digest(built(ferns, terrain, tile_of_hills)));
 }
 
-TEST_CASE("neighbors: the graph of layers has each once, with the margin of the longest path") {
+TEST_CASE("neighbors: the layer graph has each layer once, with the margin of the longest path") {
 	const auto oaks = layer_of(0, 4.0);
 	const auto shrubs = layer_of(1, 2.0);
 	shrubs->neighbors = {{oaks, 20.0, nullptr}};
@@ -220,7 +220,7 @@ TEST_CASE("neighbors: the graph of layers has each once, with the margin of the 
 	CHECK(graph.index_of(shrubs.get()) == 1);
 }
 
-TEST_CASE("neighbors: what a tile samples is known beforehand") {
+TEST_CASE("neighbors: the areas that a tile samples are known beforehand") {
 	const auto oaks = layer_of(0, 4.0);
 	const auto shrubs = layer_of(1, 2.0);
 	shrubs->neighbors = {{oaks, 20.0, nullptr}};
@@ -234,7 +234,7 @@ TEST_CASE("neighbors: what a tile samples is known beforehand") {
 			doctest::Approx(expected(ferns, 64.0) + expected(*shrubs, 84.0) + expected(*oaks, 124.0)));
 }
 
-TEST_CASE("neighbors: layers that all look at all that stand before them count once each") {
+TEST_CASE("neighbors: in a graph where each layer depends on all earlier ones, each counts once") {
 	std::vector<std::shared_ptr<const LayerSettings>> layers;
 	double points = 0.0;
 	for (std::size_t i = 0; i <= max_neighbor_depth; ++i) {
@@ -255,7 +255,7 @@ TEST_CASE("neighbors: layers that all look at all that stand before them count o
 	check_refused(validate(deeper), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
 }
 
-TEST_CASE("neighbors: bad ones are refused by name") {
+TEST_CASE("neighbors: bad input is refused by name") {
 	LayerSettings layer = *layer_of(0, 1.0);
 	const auto refuse = [&layer](const Neighbor &neighbor, ErrorCode code, const char *property, double value) {
 		layer.neighbors = {neighbor};
@@ -277,7 +277,7 @@ TEST_CASE("neighbors: bad ones are refused by name") {
 		chain = next;
 	}
 	check_refused(validate(*chain), ErrorCode::out_of_range, "depth of neighbors", max_neighbor_depth + 1.0);
-	// Many layers, none of them deep: 5 that look at 16 others each.
+	// Many layers without depth: 5 neighbors with 16 neighbors each.
 	layer.neighbors.clear();
 	for (std::uint16_t i = 0; i < 5; ++i) {
 		const auto between = layer_of(i, 1.0);

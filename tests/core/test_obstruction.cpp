@@ -58,28 +58,28 @@ TEST_CASE("obstruction: covers every cell that an upright cylinder touches, and 
 	}
 }
 
-TEST_CASE("obstruction: heights are those at which an agent meets the cylinder") {
+TEST_CASE("obstruction: heights are those at which an agent collides with the cylinder") {
 	Obstruction obstruction;
 	REQUIRE(obstruct(glm::dmat3(1.0), {0.0, 10.0, 0.0}, {0.5, 6.0}, agent, obstruction));
 	CHECK(obstruction.bottom == doctest::Approx(10.0 - 1.5 - 0.2));
 	CHECK(obstruction.top == doctest::Approx(16.0 + 0.2));
-	// A wide one, on ground that falls off to one side by as much as its radius, and rises on the other.
+	// A wide cylinder, on ground that falls off to one side by as much as its radius, and rises on the other.
 	REQUIRE(obstruct(glm::dmat3(1.0), {0.0, 10.0, 0.0}, {4.0, 1.0}, agent, obstruction));
 	CHECK(obstruction.bottom == doctest::Approx(10.0 - 4.0 - 0.2));
 	CHECK(obstruction.top == doctest::Approx(14.0 + 0.2));
-	// One that hangs upside down.
+	// An instance that hangs upside down.
 	glm::dmat3 hanging(1.0);
 	hanging[1] = -hanging[1];
 	REQUIRE(obstruct(hanging, {0.0, 10.0, 0.0}, {0.5, 6.0}, agent, obstruction));
 	CHECK(obstruction.bottom == doctest::Approx(4.0 - 1.5 - 0.2));
-	// As steep as ground may be.
+	// The steepest allowed ground.
 	NavigationAgent climber = agent;
 	climber.max_slope = 90.0;
 	REQUIRE(obstruct(glm::dmat3(1.0), {0.0, 0.0, 0.0}, {1.0, 1.0}, climber, obstruction));
 	CHECK(obstruction.bottom > -4.0);
 }
 
-TEST_CASE("obstruction: a leaning cylinder is left out as far up as an agent reaches") {
+TEST_CASE("obstruction: a leaning cylinder obstructs only up to the height of an agent") {
 	std::mt19937_64 random(5);
 	std::uniform_real_distribution<double> any(0.0, 1.0);
 	Obstruction obstruction;
@@ -99,14 +99,14 @@ TEST_CASE("obstruction: a leaning cylinder is left out as far up as an agent rea
 		for (const glm::dvec2 corner : obstruction.outline) {
 			CHECK(glm::length(corner - glm::dvec2(1.0, 2.0)) <= obstruction_reach(shape, glm::length(basis[1]), agent));
 		}
-		// As high up as no agent reaches, the crown may hang over a path.
+		// Above any agent, the crown may hang over a path.
 		if (axis.y > 2.0 * (agent.height + radius) && glm::length(glm::dvec2(axis.x, axis.z)) > 8.0 * (radius + 0.25)) {
 			CHECK(depth(obstruction, {1.0 + axis.x, 2.0 + axis.z}) < 0.0);
 		}
 	}
 }
 
-TEST_CASE("obstruction: nothing for what is flat or not finite") {
+TEST_CASE("obstruction: none for flat or non-finite instances") {
 	Obstruction obstruction;
 	CHECK_FALSE(obstruct(glm::dmat3(0.0), glm::dvec3(0.0), {0.5, 2.0}, agent, obstruction));
 	glm::dmat3 broken(1.0);

@@ -1,4 +1,5 @@
-// Whichever request for memory fails: an error that says what was asked for, and the state before. Sampling, rules, tiles.
+// If any request for memory fails, sampling, rules and tiles return an error that names the request, and keep their
+// previous state.
 
 #include "core/rules/image_mask.hpp"
 #include "core/rules/shape_edits.hpp"
@@ -21,7 +22,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Something to call, and what it writes its answer to.
+/// A tool to call, and its result.
 template <typename Tool, typename Answer>
 struct Job {
 	Tool tool;
@@ -31,7 +32,7 @@ struct Job {
 constexpr auto anything = [](const auto &) {
 };
 
-/// A shape of each way to be asked.
+/// One shape for each way of evaluation.
 std::vector<Shape> some_shapes() {
 	Shape ball;
 	ball.kind = ShapeKind::sphere;
@@ -56,8 +57,8 @@ std::shared_ptr<const ShapeSet> some_shape_set() {
 	return set;
 }
 
-/// A layer that uses every kind of rule: curves, textures, mask, shapes, feather and neighbors that have neighbors; and looks that
-/// follow a noise and another layer.
+/// A layer with every kind of rule: curves, textures, mask, shapes, feather, and neighbors that have neighbors. Its
+/// sources follow a noise and another layer.
 LayerSettings demanding_layer() {
 	auto curve = std::make_shared<CurveTable>();
 	REQUIRE(curve->set(0.0, 90.0, std::vector<float>{1.0f, 0.5f, 0.9f}).ok());
@@ -92,7 +93,7 @@ constexpr Rect small_tile{{-20.0, 0.0}, {20.0, 40.0}};
 
 } // namespace
 
-TEST_CASE("out of memory: sampling a window leaves no points, and a sampler that is as good as new") {
+TEST_CASE("out of memory: sampling a window leaves no points and a usable sampler") {
 	for (const std::uint32_t levels : {1u, 3u}) {
 		const PointSet set{.seed = 5, .radius = 1.0, .levels = levels};
 		const Rect window{{-30.0, 10.0}, {10.0, 30.0}};
@@ -104,7 +105,7 @@ TEST_CASE("out of memory: sampling a window leaves no points, and a sampler that
 					"rect",
 					[&] {
 						Sampling job;
-						if (used) { // For smaller windows: all has to grow.
+						if (used) { // It was used for smaller windows, so all buffers have to grow.
 							REQUIRE(job.tool.sample(PointSet{.seed = 9}, {{0.0, 0.0}, {3.0, 1.0}}, job.answer).ok());
 						}
 						return job;
@@ -116,7 +117,7 @@ TEST_CASE("out of memory: sampling a window leaves no points, and a sampler that
 	}
 }
 
-TEST_CASE("out of memory: a sampler takes any window after a failure, larger or smaller") {
+TEST_CASE("out of memory: after a failure, a sampler accepts any window, larger or smaller") {
 	const PointSet set{.seed = 5, .radius = 1.0, .levels = 2};
 	std::mt19937 random(7);
 	TileSampler used;
@@ -137,7 +138,7 @@ TEST_CASE("out of memory: a sampler takes any window after a failure, larger or 
 	}
 }
 
-TEST_CASE("out of memory: rules that cannot be taken over leave those before") {
+TEST_CASE("out of memory: rules that cannot be set leave the previous ones") {
 	Rules before;
 	before.density = 0.5;
 	before.ground_textures = {7};
@@ -167,7 +168,7 @@ TEST_CASE("out of memory: rules that cannot be taken over leave those before") {
 			[&](const Taking &) { REQUIRE(densities == std::vector<double>(50, densities[0])); });
 }
 
-TEST_CASE("out of memory: tables, masks and shapes stay as they were") {
+TEST_CASE("out of memory: tables, masks and shapes stay unchanged") {
 	const std::vector<float> samples{0.25f, 0.5f, 0.75f};
 	fail_every_request(
 			"samples", [] { return CurveTable(); }, [&](CurveTable &table) { return table.set(0.0, 1.0, samples); },
@@ -192,7 +193,7 @@ TEST_CASE("out of memory: tables, masks and shapes stay as they were") {
 	fail_every_request(
 			"shapes",
 			[&] {
-				return Shaping{{}, shapes}; // A call takes its shapes by value: the copy is the caller's.
+				return Shaping{{}, shapes}; // The caller's copy: a call takes its shapes by value.
 			},
 			[](Shaping &job) { return job.tool.set(std::move(job.answer)); },
 			[&](Shaping &job) {
@@ -210,7 +211,7 @@ TEST_CASE("out of memory: tables, masks and shapes stay as they were") {
 			[](const Near &job) { REQUIRE(job.answer.size() == 3); });
 }
 
-TEST_CASE("out of memory: what shapes touch is told wholly or not at all") {
+TEST_CASE("out of memory: shapes near an area are returned completely or not at all") {
 	const std::vector<Shape> shapes = some_shapes();
 	const std::vector<Rect> known{small_tile};
 	using Areas = std::vector<Rect>;
@@ -225,13 +226,13 @@ TEST_CASE("out of memory: what shapes touch is told wholly or not at all") {
 	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
 		Areas areas(known);
 		const AllocationLimit limit(allowed);
-		const bool told = find_shape_edits(before.get(), &after, areas);
+		const bool reported = find_shape_edits(before.get(), &after, areas);
 		done = limit.reached() ? 0 : 1;
-		REQUIRE(areas.size() == (told ? 1 + 50 : 1));
+		REQUIRE(areas.size() == (reported ? 1 + 50 : 1));
 	}
 }
 
-TEST_CASE("out of memory: terrains stay as they were") {
+TEST_CASE("out of memory: terrains stay unchanged") {
 	const HeightfieldFrame frame{{2, 2}, {{0.0, 0.0}, {1.0, 1.0}}, 0.0, 65535.0};
 	const std::vector<std::uint16_t> posts{10, 10, 10, 10};
 	const std::vector<float> meters(4, 20.0f);
@@ -263,7 +264,7 @@ TEST_CASE("out of memory: terrains stay as they were") {
 			[](const TriangleTerrain &terrain) { REQUIRE(terrain.area().empty()); }, height_is(5.0f));
 }
 
-TEST_CASE("out of memory: painting changes a mask wholly or not at all") {
+TEST_CASE("out of memory: painting changes a mask completely or not at all") {
 	const PaintedMask before = noisy_mask(1.0, 11);
 	Brush brush;
 	brush.radius = 80.0; // Several blocks.
@@ -299,7 +300,7 @@ TEST_CASE("out of memory: painting changes a mask wholly or not at all") {
 			[&](const Painting &job) { REQUIRE(job.tool.to_bytes() == bytes); });
 }
 
-TEST_CASE("out of memory: a tile stays the one before") {
+TEST_CASE("out of memory: the previous tile stays") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = demanding_layer();
 	const TileInstances expected = built(layer, terrain, small_tile);
@@ -309,7 +310,7 @@ TEST_CASE("out of memory: a tile stays the one before") {
 	REQUIRE(size_of(expected) > 5);
 	REQUIRE(size_of(before) > 2);
 	using Building = Job<TileBuilder, TileInstances>;
-	std::string asked_for;
+	std::string refused;
 	std::size_t failures = 0;
 	for (const auto fails : {AllocationLimit::Fails::all_later, AllocationLimit::Fails::one}) {
 		bool reached = true;
@@ -325,9 +326,8 @@ TEST_CASE("out of memory: a tile stays the one before") {
 			if (!status.ok()) {
 				++failures;
 				REQUIRE(status.code == ErrorCode::out_of_memory);
-				asked_for = status.property;
-				REQUIRE((asked_for == "rect" || asked_for == "positions" || asked_for == "tile" ||
-						asked_for == "ground"));
+				refused = status.property;
+				REQUIRE((refused == "rect" || refused == "positions" || refused == "tile" || refused == "ground"));
 				REQUIRE(digest(job.answer) == digest(before));
 				REQUIRE(job.answer.counts.placed == before.counts.placed);
 				REQUIRE(job.tool.build(layer, terrain, small_tile, job.answer).ok());
@@ -338,7 +338,7 @@ TEST_CASE("out of memory: a tile stays the one before") {
 	CHECK(failures > 50);
 }
 
-TEST_CASE("out of memory: a tile in two steps goes on from the points that were found") {
+TEST_CASE("out of memory: a tile in two steps continues from the points that were found") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = demanding_layer();
 	const TileInstances expected = built(layer, terrain, small_tile);

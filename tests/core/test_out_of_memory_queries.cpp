@@ -1,4 +1,4 @@
-// Whichever request for memory fails: an error that says what was asked for, and no half answer. Queries.
+// If any request for memory fails, queries return an error that names the request, and no partial result.
 
 #include "query_fixture.hpp"
 #include "short_of_memory.hpp"
@@ -13,18 +13,18 @@ using namespace thicket::test;
 
 namespace {
 
-/// A world whose tiles are all made, and what a game changed in it.
-struct Asked {
+/// A world whose tiles are all generated, and a game's changes to it.
+struct QueriedWorld {
 	World world;
-	std::vector<QueryLayer> layers = world.asked();
+	std::vector<QueryLayer> layers = world.query_layers();
 	InstanceState state;
 	std::vector<PlacedInstance> all;
 
-	Asked() {
+	QueriedWorld() {
 		std::mt19937 random(3);
 		all = everything_in(world, {{-40.0, -40.0}, {110.0, 110.0}});
 		state = changed_state(all, {30.0, 30.0}, random);
-		world.asked_for.reserve(1 << 16); // A test's own list asks for no memory while a query runs.
+		world.requests.reserve(1 << 16); // The fixture's own list must allocate nothing during a query.
 	}
 
 	InstanceQuery query() { return {layers, world, &state}; }
@@ -49,27 +49,27 @@ bool equal(const std::vector<InstanceQuery::Tile> &a, const std::vector<Instance
 	});
 }
 
-/// Asks in little memory; `ask(answer)` gives a Status.
-template <typename Answer, typename Ask>
-void fail_question(Asked &r_asked, const char *asked_for, const Ask &ask) {
+/// Runs a query with too little memory. `query(answer)` returns a Status.
+template <typename Answer, typename Query>
+void fail_query(QueriedWorld &r_queried, const char *refused, const Query &query) {
 	Answer expected;
-	REQUIRE(ask(expected).ok());
+	REQUIRE(query(expected).ok());
 	REQUIRE(!expected.empty());
 	fail_every_request(
-			asked_for,
+			refused,
 			[&] {
-				r_asked.world.asked_for.clear();
+				r_queried.world.requests.clear();
 				return Answer(3);
 			},
-			[&](Answer &answer) { return ask(answer); }, [](const Answer &answer) { REQUIRE(answer.empty()); },
+			[&](Answer &answer) { return query(answer); }, [](const Answer &answer) { REQUIRE(answer.empty()); },
 			[&](const Answer &answer) { REQUIRE(equal(answer, expected)); });
 }
 
 } // namespace
 
-TEST_CASE("out of memory: a query of any kind gives nothing, says so, and answers the next time") {
-	Asked asked;
-	const InstanceQuery query = asked.query();
+TEST_CASE("out of memory: a query of any kind returns an error and no result, and works the next time") {
+	QueriedWorld queried;
+	const InstanceQuery query = queried.query();
 	QueryFilter all;
 	QueryFilter some;
 	some.layers = {0, 2};
@@ -77,41 +77,41 @@ TEST_CASE("out of memory: a query of any kind gives nothing, says so, and answer
 		return instance.id % 3 != 0;
 	};
 	for (const QueryFilter &filter : {all, some}) {
-		fail_question<std::vector<PlacedInstance>>(
-				asked, "rect", [&](auto &found) { return query.in_rect(glade, filter, found); });
-		fail_question<std::vector<PlacedInstance>>(
-				asked, "radius", [&](auto &found) { return query.in_sphere({30.0, 0.0, 30.0}, 30.0, filter, found); });
-		fail_question<std::vector<NearestInstance>>(asked, "max_distance",
+		fail_query<std::vector<PlacedInstance>>(
+				queried, "rect", [&](auto &found) { return query.in_rect(glade, filter, found); });
+		fail_query<std::vector<PlacedInstance>>(queried, "radius",
+				[&](auto &found) { return query.in_sphere({30.0, 0.0, 30.0}, 30.0, filter, found); });
+		fail_query<std::vector<NearestInstance>>(queried, "max_distance",
 				[&](auto &found) { return query.nearest({30.0, 0.0, 30.0}, 30.0, filter, found); });
 		std::vector<NearestInstance> nearest;
 		REQUIRE(query.nearest({30.0, 0.0, 30.0}, 30.0, filter, nearest).ok());
 		const glm::dvec3 aim = nearest.at(0).instance.position;
-		fail_question<std::vector<RayHit>>(asked, "to",
+		fail_query<std::vector<RayHit>>(queried, "to",
 				[&](auto &hit) { return query.on_ray(aim + glm::dvec3(30.0, 9.0, 40.0), aim, filter, hit); });
-		fail_question<std::vector<InstanceQuery::Tile>>(
-				asked, "rect", [&](auto &tiles) { return query.tiles_in_rect(glade, filter, tiles); });
-		fail_question<std::vector<InstanceQuery::Tile>>(asked, "radius",
+		fail_query<std::vector<InstanceQuery::Tile>>(
+				queried, "rect", [&](auto &tiles) { return query.tiles_in_rect(glade, filter, tiles); });
+		fail_query<std::vector<InstanceQuery::Tile>>(queried, "radius",
 				[&](auto &tiles) { return query.tiles_in_sphere({30.0, 0.0, 30.0}, 30.0, filter, tiles); });
 	}
 }
 
 TEST_CASE("out of memory: an instance by its id") {
-	Asked asked;
-	const InstanceQuery query = asked.query();
-	for (const std::uint32_t layer : {0u, 1u, 2u}) { // The last one has to sample its set to find the tile.
+	QueriedWorld queried;
+	const InstanceQuery query = queried.query();
+	for (const std::uint32_t layer : {0u, 1u, 2u}) { // The last one samples its set to find the tile.
 		CAPTURE(layer);
-		const auto found = std::ranges::find_if(asked.all, [&](const PlacedInstance &each) {
+		const auto found = std::ranges::find_if(queried.all, [&](const PlacedInstance &each) {
 			return each.layer == layer && glade.contains({each.position.x, each.position.z}) &&
-					!asked.state.removed(each.id);
+					!queried.state.removed(each.id);
 		});
-		REQUIRE(found != asked.all.end());
+		REQUIRE(found != queried.all.end());
 		Status sampled;
 		std::vector<PlacedInstance> expected;
 		REQUIRE(query.by_id(found->id, expected).ok());
 		for (std::size_t allowed = 0;; ++allowed) {
 			std::vector<PlacedInstance> answer;
 			Status status;
-			asked.world.asked_for.clear();
+			queried.world.requests.clear();
 			bool reached = false;
 			{
 				const AllocationLimit limit(allowed);
@@ -131,14 +131,14 @@ TEST_CASE("out of memory: an instance by its id") {
 	}
 }
 
-TEST_CASE("out of memory: tiles that a query makes fail alike") {
-	Asked asked;
-	const InstanceQuery query = asked.query();
+TEST_CASE("out of memory: tiles that a query generates fail in the same way") {
+	QueriedWorld queried;
+	const InstanceQuery query = queried.query();
 	std::vector<PlacedInstance> expected;
 	REQUIRE(query.in_rect({{0.0, 0.0}, {20.0, 20.0}}, {.layers = {0}, .accepts = {}}, expected).ok());
 	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
-		asked.world.forget();
-		asked.world.asked_for.clear();
+		queried.world.forget();
+		queried.world.requests.clear();
 		std::vector<PlacedInstance> found(3);
 		Status status;
 		const QueryFilter trees{.layers = {0}, .accepts = {}};

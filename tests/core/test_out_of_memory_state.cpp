@@ -1,4 +1,4 @@
-// Whichever request for memory fails: a state, the patch of a shown tile and a near set are what they were.
+// If any request for memory fails, a state, the overlay of a visible tile and a near set stay unchanged.
 
 #include "core/near/near_set.hpp"
 #include "core/near/tile_overlay.hpp"
@@ -17,7 +17,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// A state that is changed, and what that is told by.
+/// A state, and the changes that it reports.
 struct Game {
 	InstanceState state;
 	std::vector<InstanceChange> changes;
@@ -26,10 +26,10 @@ struct Game {
 
 const StateBytes some_bytes(99, 7);
 
-/// Equal in all that `save` writes, the clock and stamps included.
+/// Equal in everything that `save` writes, including the clock and stamps.
 bool equal(const InstanceState &a, const InstanceState &b) { return bytes_of(a) == bytes_of(b); }
 
-/// Every state that these give is the same, revision and all.
+/// Every state from the same arguments is the same, including its revision.
 InstanceState some_state(std::uint64_t seed, int changes) {
 	InstanceState state;
 	StateRandom random(seed);
@@ -40,14 +40,14 @@ InstanceState some_state(std::uint64_t seed, int changes) {
 	return state;
 }
 
-/// Runs a change in little memory. It changes nothing then, tells nothing, and does as it would have done the next time.
+/// Makes a change with too little memory. It must change and report nothing, and work the next time.
 template <typename Change>
-void fail_change(const std::string &asked_for, std::uint64_t seed, int disturbances, const Change &change) {
+void fail_change(const std::string &refused, std::uint64_t seed, int disturbances, const Change &change) {
 	const InstanceState before = some_state(seed, disturbances);
 	Game after{some_state(seed, disturbances), {}, 0};
 	REQUIRE(change(after).ok());
 	fail_every_request(
-			asked_for, [&] { return Game{some_state(seed, disturbances), {}, 0}; }, change,
+			refused, [&] { return Game{some_state(seed, disturbances), {}, 0}; }, change,
 			[&](Game &game) {
 				REQUIRE(equal(game.state, before));
 				REQUIRE(game.state.revision() == before.revision());
@@ -67,7 +67,7 @@ void fail_change(const std::string &asked_for, std::uint64_t seed, int disturban
 			});
 }
 
-/// Ids of points of which some are removed.
+/// Ids of points, some of which are removed.
 std::vector<std::uint64_t> near_points() {
 	std::vector<std::uint64_t> ids;
 	for (int i = -6; i < 6; ++i) {
@@ -78,7 +78,7 @@ std::vector<std::uint64_t> near_points() {
 
 } // namespace
 
-TEST_CASE("out of memory: a single change of a state happens or does not") {
+TEST_CASE("out of memory: a single change of a state is complete or has no effect") {
 	for (const std::uint64_t seed : {1u, 2u, 3u}) {
 		for (const int disturbances : {0, 40, 300}) {
 			const InstanceState state = some_state(seed, disturbances);
@@ -111,7 +111,7 @@ TEST_CASE("out of memory: a single change of a state happens or does not") {
 	}
 }
 
-TEST_CASE("out of memory: a state loads, follows and merges wholly or not at all") {
+TEST_CASE("out of memory: a state loads, follows and merges completely or not at all") {
 	for (const std::uint64_t seed : {4u, 5u}) {
 		for (const int disturbances : {0, 60, 400}) {
 			InstanceState other = some_state(seed + 100, 200);
@@ -133,7 +133,7 @@ TEST_CASE("out of memory: a state loads, follows and merges wholly or not at all
 	}
 }
 
-TEST_CASE("out of memory: a clock moves and a state is cleared wholly or not at all") {
+TEST_CASE("out of memory: a clock advances and a state is cleared completely or not at all") {
 	for (const std::uint64_t seed : {6u, 7u}) {
 		for (const int disturbances : {60, 400}) {
 			fail_change("changes", seed, disturbances, [](Game &game) { return game.state.clear(game.changes); });
@@ -145,7 +145,7 @@ TEST_CASE("out of memory: a clock moves and a state is cleared wholly or not at 
 	}
 }
 
-TEST_CASE("out of memory: what a state tells is whole or nothing") {
+TEST_CASE("out of memory: a state returns complete bytes and lists, or none") {
 	InstanceState state = some_state(8, 300);
 	for (int i = 0; i < 9; ++i) {
 		std::uint64_t id = 0;
@@ -172,7 +172,7 @@ TEST_CASE("out of memory: what a state tells is whole or nothing") {
 			[](const Ids &ids) { REQUIRE(ids == Ids{42}); }, [&](const Ids &ids) { REQUIRE(ids == expected); });
 }
 
-TEST_CASE("out of memory: a peer that asks for changes that were forgotten gets all there is") {
+TEST_CASE("out of memory: a peer that requests forgotten changes gets the whole state") {
 	for (std::size_t allowed = 0; allowed < 30; ++allowed) {
 		InstanceState game = some_state(9, 100);
 		InstanceState peer = copy_of(game);
@@ -189,7 +189,7 @@ TEST_CASE("out of memory: a peer that asks for changes that were forgotten gets 
 	}
 }
 
-TEST_CASE("out of memory: a state goes on as one that was never short of memory") {
+TEST_CASE("out of memory: a state continues like one that never ran out of memory") {
 	InstanceState state;
 	InstanceState twin;
 	StateRandom random(10);
@@ -220,11 +220,11 @@ TEST_CASE("out of memory: a state goes on as one that was never short of memory"
 	CHECK(equal(state, twin));
 }
 
-TEST_CASE("out of memory: the patch of a shown tile is whole, or the tile stays on show as it is") {
+TEST_CASE("out of memory: a visible tile gets its complete overlay or stays unchanged") {
 	const auto tile = kept(rich_layer(), built(rich_layer(), hills(), {{-20.0, 0.0}, {20.0, 40.0}}));
 	InstanceState state;
 	std::unordered_set<std::uint64_t> hidden;
-	for (const KeptMesh &mesh : tile->meshes) {
+	for (const CompactMesh &mesh : tile->meshes) {
 		for (std::size_t i = 0; i < mesh.size(); i += 5) {
 			state.remove(mesh.id(i));
 			hidden.insert(mesh.id(i + 1 < mesh.size() ? i + 1 : i));
@@ -253,7 +253,7 @@ TEST_CASE("out of memory: the patch of a shown tile is whole, or the tile stays 
 			});
 }
 
-TEST_CASE("out of memory: a near set says all or nothing, and holds what it held") {
+TEST_CASE("out of memory: a near set returns all changes or none, and keeps its instances") {
 	std::vector<PlacedInstance> standing;
 	for (int i = 0; i < 40; ++i) {
 		standing.push_back({.id = static_cast<std::uint64_t>(i), .position = {i, 0.0, 0.0}});

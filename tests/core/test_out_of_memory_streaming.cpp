@@ -1,4 +1,4 @@
-// Whichever request for memory fails: the streamer loses no tile, shows none twice and gets to the same end.
+// If any request for memory fails, the streamer loses no tile, shows none twice and reaches the same end.
 
 #include "short_of_memory.hpp"
 #include "streaming_stage.hpp"
@@ -14,14 +14,14 @@ using namespace thicket::test;
 
 namespace {
 
-/// A caller that keeps to the protocol while memory ends here and there.
-class PoorStage {
+/// A caller that follows the protocol while memory runs out occasionally.
+class LowMemoryStage {
 public:
 	TileStreamer streamer;
 	std::map<Name, TileRequest> pending;
 	std::map<Name, TileKey> shown;
 
-	/// Ends after `allowed` requests for memory.
+	/// Memory runs out after `allowed` requests.
 	Status update(const std::vector<Viewer> &viewers, std::size_t allowed) {
 		StreamChanges changes;
 		Status status;
@@ -37,7 +37,7 @@ public:
 			REQUIRE(shown.erase(name_of(key)) == 1);
 		}
 		for (const TileRequest &request : changes.request) {
-			pending.insert_or_assign(name_of(request.key), request); // In place of one whose cancelling was not told.
+			pending.insert_or_assign(name_of(request.key), request); // Replaces one that was not reported as cancelled.
 		}
 		REQUIRE((status.ok() || status.code == ErrorCode::out_of_memory));
 		return status;
@@ -89,7 +89,7 @@ std::vector<Name> names_of(const std::map<Name, TileKey> &shown) {
 }
 
 /// Promise 1 of the streamer.
-void check_all_in_view(const PoorStage &stage, std::uint32_t layer, const std::vector<Viewer> &viewers) {
+void check_all_in_view(const LowMemoryStage &stage, std::uint32_t layer, const std::vector<Viewer> &viewers) {
 	std::set<std::pair<int, int>> tiles;
 	for (const auto &[name, key] : stage.shown) {
 		if (key.layer == layer) {
@@ -112,17 +112,17 @@ void check_all_in_view(const PoorStage &stage, std::uint32_t layer, const std::v
 
 } // namespace
 
-TEST_CASE("out of memory: an update that is left half done is done by the next") {
+TEST_CASE("out of memory: the next update completes an incomplete one") {
 	const std::vector<Viewer> near{{.position = {3.0, 4.0}}};
 	const std::vector<Viewer> far{{.position = {240.0, -90.0}}, {.position = {-500.0, 80.0}}};
-	PoorStage twin;
+	LowMemoryStage twin;
 	REQUIRE(twin.streamer.set_layers(two_layers).ok());
 	twin.settle(near);
 	twin.settle(far);
 	std::size_t failures = 0;
 	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
 		CAPTURE(allowed);
-		PoorStage stage;
+		LowMemoryStage stage;
 		REQUIRE(stage.streamer.set_layers(two_layers).ok());
 		bool whole = stage.update(near, allowed).ok();
 		stage.settle(near);
@@ -135,10 +135,10 @@ TEST_CASE("out of memory: an update that is left half done is done by the next")
 	CHECK(failures > 20);
 }
 
-TEST_CASE("out of memory: a streamer that is short of memory at all times gets to the same end") {
+TEST_CASE("out of memory: a streamer that is always short of memory reaches the same end") {
 	std::mt19937 random(5);
 	for (int repeat = 0; repeat < 20; ++repeat) {
-		PoorStage stage;
+		LowMemoryStage stage;
 		REQUIRE(stage.streamer.set_layers(two_layers).ok());
 		std::vector<Viewer> viewers{{.position = {0.0, 0.0}}, {.position = {900.0, 0.0}}};
 		for (int step = 0; step < 60; ++step) {
@@ -164,13 +164,13 @@ TEST_CASE("out of memory: a streamer that is short of memory at all times gets t
 	}
 }
 
-TEST_CASE("out of memory: settings of layers are taken over wholly or not at all") {
+TEST_CASE("out of memory: settings of layers are applied completely or not at all") {
 	const std::vector<Viewer> viewers{{.position = {3.0, 4.0}}};
 	const std::vector<StreamLayer> others{{20.0, 100.0}, {50.0, 220.0}, {64.0, 100.0}};
 	std::size_t failures = 0;
 	for (std::size_t allowed = 0, done = 0; done == 0; ++allowed) {
 		CAPTURE(allowed);
-		PoorStage stage;
+		LowMemoryStage stage;
 		REQUIRE(stage.streamer.set_layers(two_layers).ok());
 		stage.settle(viewers);
 		const auto before = names_of(stage.shown);

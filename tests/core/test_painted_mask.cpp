@@ -27,7 +27,7 @@ Pixels random_pixels(std::size_t count, unsigned seed) {
 
 } // namespace
 
-TEST_CASE("painted mask: nothing painted is background everywhere") {
+TEST_CASE("painted mask: an unpainted mask is background everywhere") {
 	for (const double background : {0.0, 0.25, 1.0}) {
 		const PaintedMask mask = mask_of(0.5, background);
 		CHECK(std::abs(mask.background() - background) <= 0.5 / 255.0);
@@ -41,10 +41,10 @@ TEST_CASE("painted mask: nothing painted is background everywhere") {
 	CHECK(PaintedMask().pixel_size() == 1.0);
 }
 
-TEST_CASE("painted mask: a pixel covers its square and has its value at the center, on either side of the origin") {
+TEST_CASE("painted mask: a pixel covers its square and has its value at the center, on both sides of the origin") {
 	constexpr double size = 0.75;
 	PaintedMask mask = mask_of(size, 0.0);
-	const PixelRect region{{-66, -3}, {3, 67}}; // Of nine blocks.
+	const PixelRect region{{-66, -3}, {3, 67}}; // Covers parts of nine blocks.
 	const Pixels pixels = random_pixels(69 * 70, 1);
 	write(mask, region, pixels);
 	for (int y = region.min.y; y < region.max.y; ++y) {
@@ -88,7 +88,7 @@ TEST_CASE("painted mask: bilinear between centers, across the borders of blocks 
 	}
 }
 
-TEST_CASE("painted mask: no density where there is no place") {
+TEST_CASE("painted mask: positions that are not finite have no density") {
 	const PaintedMask mask = noisy_mask(1.0, 4);
 	for (const double bad : {nan_value, infinite_value, -infinite_value}) {
 		CHECK(density(mask, {bad, 0.0}) == 0.0f);
@@ -96,7 +96,7 @@ TEST_CASE("painted mask: no density where there is no place") {
 	}
 }
 
-TEST_CASE("painted mask: the same place gives the same bits from any batch") {
+TEST_CASE("painted mask: a position is bit-identical in any batch") {
 	const PaintedMask mask = noisy_mask(0.7, 5);
 	std::mt19937 random(6);
 	std::uniform_real_distribution<double> along(-60.0, 60.0);
@@ -109,7 +109,7 @@ TEST_CASE("painted mask: the same place gives the same bits from any batch") {
 	}
 }
 
-TEST_CASE("painted mask: a copy keeps its state while the brush goes on, read by another thread meanwhile") {
+TEST_CASE("painted mask: a copy keeps its state while painting continues and another thread reads it") {
 	PaintedMask mask = noisy_mask(1.0, 7);
 	const PaintedMask copy = mask;
 	const PixelRect all{{-80, -80}, {80, 80}};
@@ -134,7 +134,7 @@ TEST_CASE("painted mask: a copy keeps its state while the brush goes on, read by
 	CHECK(read(copy, all) == before);
 }
 
-TEST_CASE("painted mask: what was read and is written back gives the mask that was") {
+TEST_CASE("painted mask: pixels that are read and written back restore the mask") {
 	PaintedMask mask = noisy_mask(0.5, 8);
 	const PaintedMask before = mask;
 	std::mt19937 random(9);
@@ -158,13 +158,13 @@ TEST_CASE("painted mask: what was read and is written back gives the mask that w
 	CHECK_FALSE(mask == before);
 }
 
-TEST_CASE("painted mask: writing says what has changed, and the same again changes nothing") {
+TEST_CASE("painted mask: writing returns the changed rectangle, and repeating it changes nothing") {
 	PaintedMask mask = mask_of(2.0, 0.0);
 	const PixelRect region{{-3, 5}, {4, 9}};
 	Pixels pixels(7 * 4, 0);
 	CHECK(write(mask, region, pixels).empty());
 	CHECK(mask.block_count() == 0);
-	pixels[2 * 7 + 5] = 9; // Pixel (2, 7), seen from the center of (1, 6) to that of (3, 8).
+	pixels[2 * 7 + 5] = 9; // Pixel (2, 7) has an effect from the center of (1, 6) to that of (3, 8).
 	pixels[1 * 7 + 4] = 9; // Pixel (1, 6).
 	const Rect changed = write(mask, region, pixels);
 	CHECK(changed.min == glm::dvec2(1.0, 11.0));
@@ -174,7 +174,7 @@ TEST_CASE("painted mask: writing says what has changed, and the same again chang
 	CHECK(read(mask, {{7, 7}, {7, 99}}).empty());
 }
 
-TEST_CASE("painted mask: a pixel has no share in any density outside the rectangle that says what it has changed") {
+TEST_CASE("painted mask: a pixel contributes to no density outside the changed rectangle") {
 	std::mt19937 random(14);
 	std::uniform_real_distribution<double> unit(0.05, 9.0);
 	for (int round = 0; round < 1000; ++round) {
@@ -187,13 +187,13 @@ TEST_CASE("painted mask: a pixel has no share in any density outside the rectang
 		REQUIRE(density(mask, {middle.x, changed.max.y}) == 0.0f);
 		REQUIRE(density(mask, {std::nextafter(changed.min.x, -1e9), middle.y}) == 0.0f);
 		REQUIRE(density(mask, {middle.x, std::nextafter(changed.min.y, -1e9)}) == 0.0f);
-		// And the rectangle is as small as the pixel's reach.
+		// The rectangle is as small as the pixel's reach.
 		REQUIRE(density(mask, {changed.max.x - 1e-6 * size, middle.y}) > 0.0f);
 		REQUIRE(density(mask, {changed.min.x + 1e-6 * size, middle.y}) > 0.0f);
 	}
 }
 
-TEST_CASE("painted mask: a block that is painted back to the background equals none") {
+TEST_CASE("painted mask: a block that is painted back to the background equals a missing one") {
 	PaintedMask mask = mask_of(1.0, 1.0);
 	const PaintedMask before = mask;
 	paint(mask, {.mode = Brush::Mode::erase, .center = {10.0, -10.0}, .radius = 100.0, .hardness = 1.0});
@@ -221,7 +221,7 @@ TEST_CASE("painted mask: masks differ by pixel size, background and any one pixe
 	}
 }
 
-TEST_CASE("painted mask: the pixels of an area are those that its densities come from") {
+TEST_CASE("painted mask: the pixels of an area are those that determine its densities") {
 	const PaintedMask mask = noisy_mask(0.6, 11);
 	std::mt19937 random(12);
 	std::uniform_real_distribution<double> along(-40.0, 40.0);
@@ -229,7 +229,7 @@ TEST_CASE("painted mask: the pixels of an area are those that its densities come
 		const glm::dvec2 corner(along(random), along(random));
 		const Rect area{corner, corner + glm::dvec2(0.01 + std::abs(along(random)) / 20.0, 0.5)};
 		const PixelRect region = mask.pixels_of(area);
-		// All that is known is the region: the same densities. All else: nothing of them.
+		// A mask with only these pixels has the same densities. A mask with all others has none of them.
 		PaintedMask alone = mask_of(0.6, 0.0);
 		write(alone, region, read(mask, region));
 		for (const glm::dvec2 place : {area.min, area.max, area.center(), glm::dvec2(area.min.x, area.max.y)}) {
@@ -247,7 +247,7 @@ TEST_CASE("painted mask: the pixels of an area are those that its densities come
 	CHECK(everything.max == glm::ivec2(PaintedMask::pixel_limit));
 }
 
-TEST_CASE("painted mask: the last pixels of the plane are like all others, and the background lies behind them") {
+TEST_CASE("painted mask: the last pixels of the plane are like all others, with background beyond them") {
 	constexpr int limit = PaintedMask::pixel_limit;
 	PaintedMask mask = mask_of(1.0, 0.0);
 	const PixelRect last{{limit - 2, limit - 2}, {limit, limit}};
@@ -264,7 +264,7 @@ TEST_CASE("painted mask: the last pixels of the plane are like all others, and t
 	CHECK(density(mask, glm::dvec2(-limit - 7.0)) == 0.0f);
 }
 
-TEST_CASE("painted mask: what is refused is named and leaves the mask as it was") {
+TEST_CASE("painted mask: errors name the refused property and leave the mask unchanged") {
 	constexpr int limit = PaintedMask::pixel_limit;
 	PaintedMask mask = noisy_mask(1.0, 13);
 	const PaintedMask before = mask;
@@ -298,7 +298,7 @@ TEST_CASE("painted mask: what is refused is named and leaves the mask as it was"
 	CHECK(mask == before);
 }
 
-TEST_CASE("painted mask: a copy shares all blocks, and what is painted then is apart, whatever it was before") {
+TEST_CASE("painted mask: a copy shares all blocks until they are painted, even with equal pixels") {
 	PaintedMask mask;
 	REQUIRE(mask.reset(1.0, 0.0).ok());
 	std::vector<std::uint8_t> pixels(std::size_t{256} * 256, 7);
@@ -308,7 +308,7 @@ TEST_CASE("painted mask: a copy shares all blocks, and what is painted then is a
 	PaintedMask copy = mask;
 	CHECK(copy.blocks_apart(mask) == 0);
 	REQUIRE(copy.write({{10, 10}, {200, 200}}, std::span(pixels).first(190 * 190), changed).ok());
-	CHECK(copy.blocks_apart(mask) == 0); // What it was before.
+	CHECK(copy.blocks_apart(mask) == 0); // The original block is shared again.
 	pixels.assign(1, 9);
 	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
 	REQUIRE(copy.write({{-5, 0}, {-4, 1}}, pixels, changed).ok());
@@ -317,5 +317,5 @@ TEST_CASE("painted mask: a copy shares all blocks, and what is painted then is a
 	CHECK(copy.differs(mask, changed));
 	pixels.assign(1, 7);
 	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
-	CHECK(copy.blocks_apart(mask) == 2); // The same pixels, in memory of its own.
+	CHECK(copy.blocks_apart(mask) == 2); // Equal pixels in separate memory.
 }

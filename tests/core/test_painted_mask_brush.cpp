@@ -19,7 +19,7 @@ namespace {
 
 using Mode = Brush::Mode;
 
-/// A dab of any mode near the origin; every fourth is smaller than a few pixels.
+/// A dab of any mode near the origin. Every fourth is smaller than a few pixels.
 Brush random_brush(std::mt19937 &r_random, double pixel_size) {
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	const auto along = [&] {
@@ -34,7 +34,7 @@ Brush random_brush(std::mt19937 &r_random, double pixel_size) {
 	return brush;
 }
 
-/// Before and behind an end of a rectangle, and on it.
+/// Values just before, on and just behind the end of a rectangle.
 std::vector<double> about(double end) {
 	constexpr double far = std::numeric_limits<double>::infinity();
 	return {std::nextafter(std::nextafter(end, -far), -far), std::nextafter(end, -far), end, std::nextafter(end, far)};
@@ -52,7 +52,7 @@ double deviation(const std::vector<std::uint8_t> &pixels) {
 
 } // namespace
 
-TEST_CASE("brush: no density outside the rectangle that a dab returns has changed, to the last place on its border") {
+TEST_CASE("brush: no density outside the rectangle that a dab returns has changed, up to its exact border") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (const double size : {1.0, 0.3, 1.0 / 64.0, 7.7}) {
@@ -82,7 +82,7 @@ TEST_CASE("brush: no density outside the rectangle that a dab returns has change
 	}
 }
 
-TEST_CASE("brush: the rectangle that a dab returns is no larger than it must be") {
+TEST_CASE("brush: the rectangle that a dab returns is as small as possible") {
 	std::mt19937 random(3);
 	for (const double size : {1.0, 0.3}) {
 		PaintedMask mask = noisy_mask(size, 4);
@@ -92,7 +92,7 @@ TEST_CASE("brush: the rectangle that a dab returns is no larger than it must be"
 			if (changed.empty()) {
 				continue;
 			}
-			// The lines of pixels half a pixel inside each side: one of each has another value.
+			// The lines of pixels half a pixel inside each side: at least one pixel of each has changed.
 			const PixelRect region = {
 					glm::ivec2(glm::round(changed.min / size + 0.5)), glm::ivec2(glm::round(changed.max / size - 0.5))};
 			const auto differs = [&](const PixelRect &line) {
@@ -127,7 +127,7 @@ TEST_CASE("brush: a hard dab fills the pixels whose centers lie in its circle, a
 	}
 }
 
-TEST_CASE("brush: strength is full within the hard part, and falls smoothly to nothing at the rim") {
+TEST_CASE("brush: strength is full within the hard part, and falls smoothly to 0 at the rim") {
 	for (const double strength : {1.0, 0.6}) {
 		for (const double hardness : {0.0, 0.25, 0.75}) {
 			PaintedMask mask = mask_of(1.0 / 16.0, 0.0);
@@ -151,7 +151,7 @@ TEST_CASE("brush: strength is full within the hard part, and falls smoothly to n
 	}
 }
 
-TEST_CASE("brush: a dab goes the same part of the way from wherever it starts, up and down") {
+TEST_CASE("brush: a dab moves any value by the same share of the way, up and down") {
 	for (const int start : {0, 60, 128, 255}) {
 		PaintedMask mask = mask_of(1.0, start / 255.0);
 		PaintedMask erased = mask;
@@ -166,7 +166,7 @@ TEST_CASE("brush: a dab goes the same part of the way from wherever it starts, u
 	CHECK(mask == before);
 }
 
-TEST_CASE("brush: weak dabs reach their aim in the end, but not where they weigh less than half a step") {
+TEST_CASE("brush: weak dabs reach their target eventually, except where they weigh less than half a step") {
 	PaintedMask mask = mask_of(1.0, 0.0);
 	const Brush weak{.center = {0.5, 0.5}, .radius = 40.0, .strength = 0.01, .hardness = 0.5};
 	for (int dab = 0; dab < 300; ++dab) {
@@ -185,7 +185,7 @@ TEST_CASE("brush: weak dabs reach their aim in the end, but not where they weigh
 	CHECK(pixel(mask, 0, 0) == 0);
 }
 
-TEST_CASE("brush: smoothing goes to the means of the windows about the pixels") {
+TEST_CASE("brush: smoothing moves pixels to the mean of the window around them") {
 	const PaintedMask before = noisy_mask(1.0, 6);
 	PaintedMask mask = before;
 	// A window of 2 * (20 / 4) + 1 pixels on a side, before any of them is changed.
@@ -203,7 +203,7 @@ TEST_CASE("brush: smoothing goes to the means of the windows about the pixels") 
 	}
 }
 
-TEST_CASE("brush: smoothing takes noise away, leaves flat ground alone and never leaves the range there is") {
+TEST_CASE("brush: smoothing removes noise, keeps flat areas and never leaves the existing range") {
 	PaintedMask mask = noisy_mask(1.0, 7);
 	const PixelRect middle{{-20, -20}, {20, 20}};
 	double before = deviation(read(mask, middle));
@@ -229,7 +229,7 @@ TEST_CASE("brush: smoothing takes noise away, leaves flat ground alone and never
 	CHECK(pixel(step, 31, 0) == 200);
 }
 
-TEST_CASE("brush: a dab is the same wherever it falls on the blocks") {
+TEST_CASE("brush: a dab is the same at any position relative to the blocks") {
 	for (const Mode mode : {Mode::paint, Mode::erase, Mode::smooth}) {
 		PaintedMask first = noisy_mask(0.5, 8);
 		const std::vector<std::uint8_t> all = read(first, {{-70, -70}, {70, 70}});
@@ -244,7 +244,7 @@ TEST_CASE("brush: a dab is the same wherever it falls on the blocks") {
 	}
 }
 
-TEST_CASE("brush: what is refused is named and leaves the mask as it was") {
+TEST_CASE("brush: errors name the refused property and leave the mask unchanged") {
 	PaintedMask mask = noisy_mask(0.5, 9);
 	const PaintedMask before = mask;
 	const auto refuse = [&](auto change, ErrorCode code, const char *property, double value) {
@@ -273,7 +273,7 @@ TEST_CASE("brush: what is refused is named and leaves the mask as it was") {
 	refuse([](auto &bad) { bad.hardness = infinite_value; }, ErrorCode::not_finite, "hardness", infinite_value);
 }
 
-TEST_CASE("brush: the largest dab works in every mode, at the end of the plane too") {
+TEST_CASE("brush: the largest dab works in every mode, also at the end of the plane") {
 	for (const Mode mode : {Mode::paint, Mode::erase, Mode::smooth}) {
 		PaintedMask mask = mask_of(1.0, 0.5);
 		const glm::dvec2 corner(PaintedMask::pixel_limit - 1025.0);

@@ -18,7 +18,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Puts the right checksum at the end of bytes that were changed.
+/// Updates the checksum at the end of changed bytes.
 Bytes sealed(Bytes bytes) {
 	bytes.erase(bytes.end() - 8, bytes.end());
 	WordHash hash;
@@ -31,7 +31,7 @@ Bytes sealed(Bytes bytes) {
 	return bytes;
 }
 
-/// A small mask with a block of one value and one of many.
+/// A small mask with a block of one value and a block of many.
 PaintedMask small_mask() {
 	PaintedMask mask = mask_of(0.5, 0.0);
 	write(mask, {{64, -128}, {128, -64}}, std::vector<std::uint8_t>(64 * 64, 9));
@@ -48,7 +48,7 @@ Bytes with_block(const Bytes &block) {
 	return sealed(bytes);
 }
 
-/// Refused as corrupt, and the mask that was there stays.
+/// Checks that the bytes are refused as corrupt, and that the mask stays unchanged.
 void check_corrupt(const Bytes &bytes) {
 	PaintedMask mask = small_mask();
 	const Status status = mask.from_bytes(bytes);
@@ -59,7 +59,7 @@ void check_corrupt(const Bytes &bytes) {
 
 } // namespace
 
-TEST_CASE("mask bytes: a mask comes back as it was, and its bytes as well") {
+TEST_CASE("mask bytes: a loaded mask is equal, and so are its bytes") {
 	for (const PaintedMask &mask :
 			{PaintedMask(), mask_of(1.0 / 64.0, 0.0), mask_of(1024.0, 0.4), small_mask(), noisy_mask(0.3, 1)}) {
 		PaintedMask other = noisy_mask(1.0, 2);
@@ -71,8 +71,7 @@ TEST_CASE("mask bytes: a mask comes back as it was, and its bytes as well") {
 	}
 }
 
-TEST_CASE(
-		"mask bytes: a mask that was loaded can be painted, and blocks that shared a value do not follow each other") {
+TEST_CASE("mask bytes: a loaded mask can be painted, and blocks of one value stay independent") {
 	PaintedMask mask = mask_of(1.0, 0.0);
 	paint(mask, {.center = {0.0, 0.0}, .radius = 300.0, .hardness = 1.0});
 	PaintedMask loaded;
@@ -85,7 +84,7 @@ TEST_CASE(
 	CHECK(pixel(loaded, 96, 32) == 255);
 }
 
-TEST_CASE("mask bytes: equal masks have equal bytes, however they were painted") {
+TEST_CASE("mask bytes: equal masks have equal bytes, regardless of the painting") {
 	PaintedMask forth = mask_of(1.0, 0.0);
 	PaintedMask back = mask_of(1.0, 0.0);
 	paint(back, {.center = {500.0, 0.0}, .radius = 90.0});
@@ -108,7 +107,7 @@ TEST_CASE("mask bytes: blocks of one value take few bytes") {
 	CHECK(mask.to_bytes().size() == empty + 400 * 10);
 }
 
-TEST_CASE("mask bytes: the format is as it was") {
+TEST_CASE("mask bytes: the format is unchanged") {
 	PaintedMask mask = mask_of(0.5, 0.2);
 	write(mask, {{-64, 128}, {0, 192}}, std::vector<std::uint8_t>(64 * 64, 7));
 	const Bytes expected{'T', 'M', 'S', 'K', 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xe0, 0x3f, 51, // Header.
@@ -155,7 +154,7 @@ TEST_CASE("mask bytes: every change of a single byte is refused") {
 	CHECK(mask.to_bytes() == bytes);
 }
 
-TEST_CASE("mask bytes: a later version is named") {
+TEST_CASE("mask bytes: the error names a later version") {
 	Bytes bytes = small_mask().to_bytes();
 	bytes[4] = 2;
 	PaintedMask mask = small_mask();
@@ -163,7 +162,7 @@ TEST_CASE("mask bytes: a later version is named") {
 	CHECK(mask == small_mask());
 }
 
-TEST_CASE("mask bytes: what the checksum covers but no mask writes is refused") {
+TEST_CASE("mask bytes: invalid content with a valid checksum is refused") {
 	const Bytes bytes = small_mask().to_bytes(); // Blocks at (-2, 1), of one value, and at (1, -1).
 	constexpr std::size_t uniform_size = 10;
 	REQUIRE(bytes.size() == header + uniform_size + 9 + 64 * 64 + 8);
@@ -172,16 +171,16 @@ TEST_CASE("mask bytes: what the checksum covers but no mask writes is refused") 
 		bad[place] = value;
 		return sealed(bad);
 	};
-	check_corrupt(changed(15, 0x41));         // Pixels of 2 ^ 17 meters.
-	check_corrupt(changed(15, 0xbf));         // Of -0.5 meters.
-	check_corrupt(changed(header + 3, 0x7f)); // A row far out.
-	check_corrupt(changed(header + 7, 0x7f)); // A column far out.
-	check_corrupt(changed(header + 8, 2));    // Neither kind.
-	check_corrupt(changed(header + 8, 1));    // All pixels, but they are no more than half of the next block.
-	check_corrupt(changed(header + 9, 0));    // A block that is all background.
-	check_corrupt(changed(header + uniform_size + 8, 0)); // One value, and bytes behind it that are no block.
+	check_corrupt(changed(15, 0x41));                     // Pixels of 2 ^ 17 meters.
+	check_corrupt(changed(15, 0xbf));                     // Pixels of -0.5 meters.
+	check_corrupt(changed(header + 3, 0x7f));             // A row out of range.
+	check_corrupt(changed(header + 7, 0x7f));             // A column out of range.
+	check_corrupt(changed(header + 8, 2));                // An unknown kind of block.
+	check_corrupt(changed(header + 8, 1));                // All pixels, but the next block has only half of them.
+	check_corrupt(changed(header + 9, 0));                // A block that is all background.
+	check_corrupt(changed(header + uniform_size + 8, 0)); // One value, followed by bytes that are no block.
 
-	// Blocks out of order, and one twice.
+	// Blocks out of order, and a repeated one.
 	Bytes swapped(bytes.begin(), bytes.begin() + header);
 	swapped.insert(swapped.end(), bytes.begin() + header + uniform_size, bytes.end() - 8);
 	swapped.insert(swapped.end(), bytes.begin() + header, bytes.begin() + header + uniform_size);
@@ -191,14 +190,14 @@ TEST_CASE("mask bytes: what the checksum covers but no mask writes is refused") 
 	twice.insert(twice.end(), bytes.begin() + header, bytes.end());
 	check_corrupt(sealed(twice));
 
-	// All pixels of a block that has one value.
+	// A block of one value with all its pixels.
 	Bytes spelled_out = with_block({0, 0, 0, 0, 0, 0, 0, 0, 1});
 	spelled_out.insert(spelled_out.end() - 8, 64 * 64, 5);
 	check_corrupt(sealed(spelled_out));
 }
 
-TEST_CASE("mask bytes: blocks reach to the end of the plane and no further") {
-	// The last block of 2 ^ 30 pixels is number 2 ^ 24 - 1, the first one -2 ^ 24.
+TEST_CASE("mask bytes: blocks reach the end of the plane and no farther") {
+	// The last block of 2 ^ 30 pixels has the number 2 ^ 24 - 1, the first one -2 ^ 24.
 	for (const int flip : {0x00, 0xff}) {
 		const auto byte = [flip](int value) {
 			return static_cast<std::uint8_t>(value ^ flip);
@@ -219,7 +218,7 @@ TEST_CASE("mask bytes: blocks reach to the end of the plane and no further") {
 	}
 }
 
-TEST_CASE("mask bytes: what is cut short is refused, with the right checksum too, unless whole blocks are left") {
+TEST_CASE("mask bytes: truncated bytes are refused, even with a valid checksum, unless whole blocks remain") {
 	const Bytes bytes = small_mask().to_bytes();
 	const std::size_t content = bytes.size() - 8;
 	for (std::size_t size = 8; size < content; ++size) {

@@ -1,4 +1,4 @@
-// Diffs that are applied beside the state that they are for: the same comes of them as if they had been applied at once.
+// Diffs that are applied while the state stays in use: the result is the same as with an immediate application.
 
 #include "pending_diff_fixture.hpp"
 
@@ -12,7 +12,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// What is seen of a state, kept up to date by nothing but what it tells.
+/// The visible content of a state, kept up to date only by its reported changes.
 class Mirror {
 public:
 	explicit Mirror(const InstanceState &state) {
@@ -68,13 +68,13 @@ private:
 
 } // namespace
 
-TEST_CASE("pending diffs: the same comes of them as if they had been applied when they were queued") {
+TEST_CASE("pending diffs: the result is the same as applying them when they are queued") {
 	for (std::uint64_t seed = 1; seed <= 60; ++seed) {
 		CAPTURE(seed);
 		StateRandom random(seed);
 		InstanceState at_once = some_state(seed, static_cast<int>(random() % 200));
 		InstanceState later = copy_of(at_once);
-		at_once = copy_of(at_once); // The same numbers of changes.
+		at_once = copy_of(at_once); // Its revision numbers must match.
 		const std::vector<std::uint64_t> placed = later.added_ids();
 		InstanceState other = copy_of(later);
 		std::vector<StateBytes> diffs;
@@ -101,7 +101,7 @@ TEST_CASE("pending diffs: the same comes of them as if they had been applied whe
 		}
 		CHECK(later.pending_diff() == nullptr);
 		CHECK(bytes_of(later) == bytes_of(at_once));
-		// What makes no part of the bytes is right, too.
+		// Content that is not stored in the bytes is right, too.
 		for (const int layer : {0, 16000, 32000}) {
 			std::vector<std::uint64_t> near;
 			REQUIRE(later.added_in(static_cast<std::uint16_t>(layer), {{-1e9, -1e9}, {1e9, 1e9}}, near).ok());
@@ -116,7 +116,7 @@ TEST_CASE("pending diffs: the same comes of them as if they had been applied whe
 	}
 }
 
-TEST_CASE("pending diffs: nothing of one is seen before it is finished") {
+TEST_CASE("pending diffs: nothing is visible before a diff is finished") {
 	InstanceState state = some_state(3, 100);
 	const StateBytes before = bytes_of(state);
 	InstanceState other = copy_of(state);
@@ -131,7 +131,7 @@ TEST_CASE("pending diffs: nothing of one is seen before it is finished") {
 	CHECK(diff_of(state, revision) == diff_of(copy_of(state), copy_of(state).revision()));
 }
 
-TEST_CASE("pending diffs: moved instances keep the ids that they were given, also where a diff has taken them") {
+TEST_CASE("pending diffs: moved instances keep their ids, even if a diff uses the same ones") {
 	InstanceState state;
 	const std::uint64_t oak = added_to(state, instance_at(1.0, 2.0));
 	const std::uint64_t point = point_id(1, 3, 3);
@@ -148,19 +148,19 @@ TEST_CASE("pending diffs: moved instances keep the ids that they were given, als
 	REQUIRE(state.move(oak, instance_at(5.0, 6.0), moved, changes).ok());
 	REQUIRE(state.move(point, instance_at(9.0, 9.0), moved_point, changes).ok());
 	Mirror mirror(state);
-	StateChanges told;
-	finish(state, told);
-	mirror.follow(told);
+	StateChanges reported;
+	finish(state, reported);
+	mirror.follow(reported);
 	mirror.check(state);
 	CHECK(moved == oak);
 	REQUIRE(state.added(oak) != nullptr);
 	CHECK(*state.added(oak) == instance_at(5.0, 6.0));
 	REQUIRE(state.added(moved_point) != nullptr);
 	CHECK(state.removed(point));
-	CHECK(state.data(moved_point).size() == 1); // As the diff has it.
+	CHECK(state.data(moved_point).size() == 1); // The diff's data.
 }
 
-TEST_CASE("pending diffs: peers that ask for what is new get all of it, whenever they asked last") {
+TEST_CASE("pending diffs: peers that request changes get all of them, for any last known revision") {
 	InstanceState state = some_state(5, 150);
 	InstanceState other = copy_of(state);
 	StateRandom random(6);
@@ -189,7 +189,7 @@ TEST_CASE("pending diffs: peers that ask for what is new get all of it, whenever
 	}
 }
 
-TEST_CASE("pending diffs: very many changes are remembered, and no more than are held") {
+TEST_CASE("pending diffs: very many changes are recorded, but no more than the limit") {
 	constexpr int many = 70000;
 	const auto removals = [](int first) {
 		InstanceState state;
@@ -216,7 +216,7 @@ TEST_CASE("pending diffs: very many changes are remembered, and no more than are
 	InstanceState peer = copy_of(early_peer);
 	Changes changes;
 	const StateBytes diff = diff_of(state, early);
-	CHECK(diff[8] == 1); // Not a whole state.
+	CHECK(diff[8] == 1); // Not a complete state.
 	REQUIRE(peer.apply(diff, changes).ok());
 	CHECK(changes.size() == many + 1000 + 6);
 	CHECK(peer.digest() == state.digest());

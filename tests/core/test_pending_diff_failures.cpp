@@ -1,4 +1,4 @@
-// Diffs that are refused, cancelled or short of memory while they are applied beside their state, and what other threads do meanwhile.
+// Pending diffs that are refused, cancelled or short of memory, and the state's other changes meanwhile.
 
 #include "pending_diff_fixture.hpp"
 #include "short_of_memory.hpp"
@@ -11,7 +11,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("pending diffs: a bad one changes nothing, and those behind it go on") {
+TEST_CASE("pending diffs: a bad diff changes nothing, and later ones proceed") {
 	InstanceState state = some_state(7, 120);
 	InstanceState at_once = copy_of(state);
 	InstanceState other = copy_of(state);
@@ -49,7 +49,7 @@ TEST_CASE("pending diffs: a bad one changes nothing, and those behind it go on")
 	CHECK(bytes_of(state) == bytes_of(at_once));
 }
 
-TEST_CASE("pending diffs: one of other points is refused, also if a node has claimed the layer since") {
+TEST_CASE("pending diffs: a diff of a different point set is refused, even if the layer was claimed later") {
 	InstanceState other;
 	REQUIRE(other.claim(1, 77).ok());
 	other.remove(point_id(1, 0, 0));
@@ -78,7 +78,7 @@ TEST_CASE("pending diffs: one of other points is refused, also if a node has cla
 	CHECK(state.removed_count() == 1);
 }
 
-TEST_CASE("pending diffs: the state changes while another thread is at work") {
+TEST_CASE("pending diffs: the state changes while another thread works") {
 	InstanceState other;
 	StateRandom random(10);
 	disturb(other, random, 3000);
@@ -98,13 +98,13 @@ TEST_CASE("pending diffs: the state changes while another thread is at work") {
 		make(calls, state);
 		thread.join();
 		make(calls, at_once);
-		StateChanges told;
-		REQUIRE(state.finish_pending_diff(told).ok());
+		StateChanges reported;
+		REQUIRE(state.finish_pending_diff(reported).ok());
 		CHECK(bytes_of(state) == bytes_of(at_once));
 	}
 }
 
-TEST_CASE("pending diffs: one that is cancelled ends soon and does nothing") {
+TEST_CASE("pending diffs: a cancelled diff ends soon and changes nothing") {
 	InstanceState state = some_state(12, 100);
 	const StateBytes before = bytes_of(state);
 	const StateBytes diff = bytes_of(some_state(13, 400));
@@ -114,7 +114,7 @@ TEST_CASE("pending diffs: one that is cancelled ends soon and does nothing") {
 	StateChanges changes;
 	CHECK(state.finish_pending_diff(changes).code == ErrorCode::cancelled);
 	CHECK(bytes_of(state) == before);
-	// A state may go while a thread is at work.
+	// A state may be destroyed while a thread works on its diff.
 	auto gone = std::make_unique<InstanceState>(copy_of(state));
 	queue(*gone, diff);
 	const std::shared_ptr<PendingDiff> pending = gone->pending_diff();
@@ -123,7 +123,7 @@ TEST_CASE("pending diffs: one that is cancelled ends soon and does nothing") {
 	gone.reset();
 }
 
-TEST_CASE("out of memory: a pending diff is taken over wholly or not at all") {
+TEST_CASE("out of memory: a pending diff is applied completely or not at all") {
 	for (const std::uint64_t seed : {14u, 15u}) {
 		StateRandom random(seed);
 		const InstanceState before = some_state(seed, 120);
@@ -137,8 +137,8 @@ TEST_CASE("out of memory: a pending diff is taken over wholly or not at all") {
 		InstanceState unchanged = copy_of(before);
 		make(calls, unchanged);
 		const auto run = [](InstanceState &r_state) {
-			StateChanges told;
-			return r_state.finish_pending_diff(told);
+			StateChanges reported;
+			return r_state.finish_pending_diff(reported);
 		};
 		const auto prepare = [&] {
 			InstanceState state = copy_of(before);
@@ -152,10 +152,10 @@ TEST_CASE("out of memory: a pending diff is taken over wholly or not at all") {
 				[&](InstanceState &r_state) {
 					REQUIRE(r_state.pending_diff() == nullptr);
 					REQUIRE(bytes_of(r_state) == bytes_of(unchanged));
-					r_state = prepare(); // It is asked again.
+					r_state = prepare(); // The state is used a second time.
 				},
 				[&](const InstanceState &state) { REQUIRE(bytes_of(state) == bytes_of(at_once)); });
-		// So is one that cannot be queued, or worked on.
+		// The same if queuing or working fails.
 		test::fail_every_request(
 				"data", [&] { return copy_of(before); },
 				[&](InstanceState &r_state) {
@@ -174,7 +174,7 @@ TEST_CASE("out of memory: a pending diff is taken over wholly or not at all") {
 	}
 }
 
-TEST_CASE("out of memory: a call while a diff is pending happens or does not") {
+TEST_CASE("out of memory: a call while a diff is pending is complete or has no effect") {
 	const InstanceState before = some_state(16, 60);
 	const StateBytes diff = bytes_of(some_state(17, 60));
 	StateRandom random(18);
@@ -200,7 +200,7 @@ TEST_CASE("out of memory: a call while a diff is pending happens or does not") {
 						return r_state.advance(1000.0, changes);
 					}},
 	};
-	for (const auto &[asked_for, call] : calls) {
+	for (const auto &[property, call] : calls) {
 		InstanceState called = copy_of(before);
 		REQUIRE(call(called).ok());
 		InstanceState at_once = copy_of(before);
@@ -208,7 +208,7 @@ TEST_CASE("out of memory: a call while a diff is pending happens or does not") {
 		REQUIRE(at_once.apply(diff, changes).ok());
 		REQUIRE(call(at_once).ok());
 		test::fail_every_request(
-				asked_for,
+				property,
 				[&] {
 					InstanceState state = copy_of(before);
 					queue(state, diff);
@@ -217,8 +217,8 @@ TEST_CASE("out of memory: a call while a diff is pending happens or does not") {
 				call, [&](const InstanceState &state) { REQUIRE(bytes_of(state) == bytes_of(before)); },
 				[&](InstanceState &r_state) {
 					REQUIRE(bytes_of(r_state) == bytes_of(called));
-					StateChanges told;
-					finish(r_state, told);
+					StateChanges reported;
+					finish(r_state, reported);
 					REQUIRE(bytes_of(r_state) == bytes_of(at_once));
 				});
 	}

@@ -54,7 +54,7 @@ bool same_pixels(const PixelGrid &grid, const Bytes &bytes) {
 	return true;
 }
 
-/// The same pixels in the plain image.
+/// Writes the same pixels into the plain image.
 void paint(Bytes &bytes, const PixelRect &rect, const Bytes &image) {
 	for (int row = rect.min.y; row < rect.max.y; ++row) {
 		const std::ptrdiff_t at = (static_cast<std::ptrdiff_t>(row) * size.x + rect.min.x) * pixel_bytes;
@@ -81,10 +81,10 @@ TEST_CASE("pixel grid: shares bytes until it is patched, and patches like an ima
 		paint(painted, rect, *other);
 		CHECK(same_pixels(patched, painted));
 	}
-	CHECK(same_pixels(first, *bytes)); // Another value.
+	CHECK(same_pixels(first, *bytes)); // A changed value.
 }
 
-TEST_CASE("pixel grid: keeps alive what it shares") {
+TEST_CASE("pixel grid: keeps shared bytes alive") {
 	auto bytes = random_bytes(3);
 	const std::weak_ptr<Bytes> watched = bytes;
 	PixelGrid grid = grid_of(bytes);
@@ -94,11 +94,11 @@ TEST_CASE("pixel grid: keeps alive what it shares") {
 	CHECK(watched.expired());
 }
 
-TEST_CASE("pixel grid: finds the rectangle of what differs") {
+TEST_CASE("pixel grid: finds the rectangle of different pixels") {
 	const auto bytes = random_bytes(4);
 	const PixelGrid before = grid_of(bytes);
 	CHECK(before.difference(before).empty());
-	CHECK(before.difference(grid_of(std::make_shared<Bytes>(*bytes))).empty()); // Other memory, the same pixels.
+	CHECK(before.difference(grid_of(std::make_shared<Bytes>(*bytes))).empty()); // Different memory, the same pixels.
 	std::mt19937 random(5);
 	for (int i = 0; i < 60; ++i) {
 		auto changed = std::make_shared<Bytes>(*bytes);
@@ -115,7 +115,7 @@ TEST_CASE("pixel grid: finds the rectangle of what differs") {
 		CHECK(before.difference(patched) == expected);
 		CHECK(patched.difference(grid_of(changed)).empty());
 	}
-	// The last one lies in a block within the rectangle about the first two, and is not looked for.
+	// The last one is in a block within the rectangle around the first two, so it is not searched.
 	const auto corners = std::make_shared<Bytes>(*bytes);
 	for (const glm::ivec2 at : {glm::ivec2(299, 0), glm::ivec2(0, 199), glm::ivec2(200, 150)}) {
 		(*corners)[(static_cast<std::size_t>(at.y) * size.x + at.x) * pixel_bytes] ^= 1;
@@ -126,7 +126,7 @@ TEST_CASE("pixel grid: finds the rectangle of what differs") {
 	CHECK(other.difference(before) == PixelRect{glm::ivec2(0), glm::ivec2(300)});
 }
 
-TEST_CASE("pixel grid: refuses what does not fit, and stays what it was") {
+TEST_CASE("pixel grid: bytes that do not fit are refused, and the grid stays unchanged") {
 	const auto bytes = random_bytes(6);
 	PixelGrid grid = grid_of(bytes);
 	CHECK_FALSE(grid.set({0, 5}, 1, shared(bytes)).ok());
@@ -144,7 +144,7 @@ TEST_CASE("pixel grid: refuses what does not fit, and stays what it was") {
 }
 
 #if __has_include(<sys/mman.h>)
-TEST_CASE("pixel grid: what two of them have in the same memory is not read to compare them") {
+TEST_CASE("pixel grid: comparing two grids reads none of the memory that they share") {
 	const std::size_t count = static_cast<std::size_t>(size.x) * size.y * pixel_bytes;
 	void *const memory = mmap(nullptr, count, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
 	REQUIRE(memory != MAP_FAILED);
@@ -153,7 +153,7 @@ TEST_CASE("pixel grid: what two of them have in the same memory is not read to c
 	PixelGrid patched = grid;
 	REQUIRE(patched.patch({{5, 5}, {9, 9}}, *random_bytes(1)).ok());
 	const PixelGrid copy = patched;
-	REQUIRE(mprotect(memory, count, PROT_NONE) == 0); // Whoever reads it now is stopped.
+	REQUIRE(mprotect(memory, count, PROT_NONE) == 0); // Reading it now crashes.
 	CHECK(copy.difference(patched).empty());
 	CHECK(PixelGrid(grid).difference(grid).empty());
 	CHECK(munmap(memory, count) == 0);

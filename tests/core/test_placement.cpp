@@ -25,7 +25,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// Of an upright instance, in degrees from 0 to 360: the rotation about y as Godot's Basis(Vector3.UP, angle) has it.
+/// The yaw of an upright instance, 0 to 360 degrees: a rotation around y as in Godot's Basis(Vector3.UP, angle).
 double yaw_of(const Transform &transform) {
 	const double yaw = std::atan2(transform.basis[2][0], transform.basis[0][0]) * 180.0 / std::numbers::pi;
 	return yaw < 0.0 ? yaw + 360.0 : yaw;
@@ -33,7 +33,7 @@ double yaw_of(const Transform &transform) {
 
 } // namespace
 
-TEST_CASE("placement: the rotation is that of the library, and exact at quarter turns") {
+TEST_CASE("placement: the rotation equals that of the library, and is exact at quarter turns") {
 	for (int i = -20000; i <= 20000; ++i) {
 		const double turns = i / 10000.0;
 		const Rotation rotation = rotation_by(turns);
@@ -70,7 +70,7 @@ TEST_CASE("placement: a basis is a rotation times the scale, to a float's roundi
 	}
 }
 
-TEST_CASE("placement: the up axis stands upright, along the normal, or in between") {
+TEST_CASE("placement: the up axis is upright, along the normal, or in between") {
 	std::mt19937 random(2);
 	for (int i = 0; i < 1000; ++i) {
 		const glm::vec3 normal = random_normal(random);
@@ -84,8 +84,8 @@ TEST_CASE("placement: the up axis stands upright, along the normal, or in betwee
 	}
 }
 
-TEST_CASE("placement: the tilt goes the shortest way and turns nothing") {
-	// With no yaw the axis of the tilt, across the normal's own direction, stays where it is.
+TEST_CASE("placement: the tilt takes the shortest arc and adds no yaw") {
+	// Without yaw, the tilt's axis is perpendicular to the normal and stays unchanged.
 	std::mt19937 random(3);
 	Placement placement;
 	placement.max_yaw_degrees = 0.0;
@@ -97,7 +97,7 @@ TEST_CASE("placement: the tilt goes the shortest way and turns nothing") {
 	}
 }
 
-TEST_CASE("placement: yaw is uniform over its range and positive the engine's way round") {
+TEST_CASE("placement: yaw is uniform over its range and positive in the engine's direction") {
 	constexpr int tries = 64000;
 	constexpr int bins = 32;
 	std::array<int, bins> counts{};
@@ -139,7 +139,7 @@ TEST_CASE("placement: scale is uniform over its range") {
 		scales.push_back((double{transform.scale} - 0.5) / 2.0);
 	}
 	std::ranges::sort(scales);
-	// Kolmogorov and Smirnov: above 2.2 / sqrt(n) with a chance below 1 in 10,000.
+	// Kolmogorov-Smirnov: above 2.2 / sqrt(n) with a chance below 1 in 10,000.
 	double worst = 0.0;
 	for (std::size_t i = 0; i < scales.size(); ++i) {
 		worst = std::max(worst, std::abs(scales[i] - static_cast<double>(i) / 20000.0));
@@ -149,7 +149,7 @@ TEST_CASE("placement: scale is uniform over its range") {
 	CHECK(scales.back() <= 1.0);
 }
 
-TEST_CASE("placement: yaw, scale and mesh have nothing to do with each other") {
+TEST_CASE("placement: yaw, scale and mesh are independent of each other") {
 	Placement placement;
 	placement.max_scale = 2.0;
 	MeshChoice choice;
@@ -160,7 +160,7 @@ TEST_CASE("placement: yaw, scale and mesh have nothing to do with each other") {
 	double scale_mesh = 0.0;
 	for (std::uint64_t id = 0; id < tries; ++id) {
 		const Transform transform = transform_of(placement, id);
-		// Each uniform in [-1, 1], so the products have a variance of 1/9 or 1/3.
+		// Each is uniform in [-1, 1], so the products have a variance of 1/9 or 1/3.
 		const double yaw = yaw_of(transform) / 180.0 - 1.0;
 		const double scale = double{transform.scale} * 2.0 - 3.0;
 		const double mesh = choice.mesh_for(seed, id) == 0 ? -1.0 : 1.0;
@@ -173,7 +173,7 @@ TEST_CASE("placement: yaw, scale and mesh have nothing to do with each other") {
 	CHECK(std::abs(scale_mesh) < 4.0 * std::sqrt(tries / 3.0));
 }
 
-TEST_CASE("placement: one setting leaves all others as they were") {
+TEST_CASE("placement: changing one setting leaves all others unchanged") {
 	Placement plain;
 	Placement scaled = plain;
 	scaled.max_scale = 3.0;
@@ -220,7 +220,7 @@ TEST_CASE("placement: bad settings are refused by name and value") {
 	CHECK(validate(Placement{}).ok());
 }
 
-TEST_CASE("placement: meshes are chosen by weight, one of weight 0 never") {
+TEST_CASE("placement: meshes are chosen by weight; one of weight 0 never is") {
 	const std::vector<float> weights{0.0f, 3.0f, 0.0f, 1.0f, 0.0f};
 	MeshChoice choice;
 	CHECK(choice.size() == 1);
@@ -253,7 +253,7 @@ TEST_CASE("placement: bad mesh weights are refused by value") {
 	CHECK(validate_mesh_weights(huge).ok());
 }
 
-TEST_CASE("placement: points are sorted by rank, then id, whatever order they come in") {
+TEST_CASE("placement: points are sorted by rank, then id, for any input order") {
 	std::mt19937_64 random(4);
 	std::vector<std::uint64_t> scratch;
 	for (const std::size_t count : {0u, 1u, 2u, 3u, 127u, 128u, 129u, 1000u, 50000u}) {
@@ -287,7 +287,7 @@ TEST_CASE("placement: a visible prefix holds the ranks below the density") {
 	CHECK(visible_prefix({}, 1.0) == 0);
 }
 
-TEST_CASE("placement: the buffer digest is the one that its docstring spells out") {
+TEST_CASE("placement: the buffer digest matches its docstring") {
 	const std::vector<float> buffer{1.0f, -0.0f, 3.5f};
 	std::uint64_t expected = 0xcbf29ce484222325;
 	for (const float value : buffer) {
@@ -297,7 +297,7 @@ TEST_CASE("placement: the buffer digest is the one that its docstring spells out
 	CHECK(digest(std::span<const float>()) == 0xcbf29ce484222325);
 }
 
-TEST_CASE("placement: many ranks are sorted digit by digit, which takes memory, and few are not") {
+TEST_CASE("placement: many ranks are radix sorted, which takes memory, and few are not") {
 	for (const std::size_t count : {std::size_t{100}, std::size_t{1000}}) {
 		std::vector<std::uint64_t> keys;
 		const std::vector<std::uint64_t> ids(count);

@@ -21,7 +21,7 @@ HeightfieldFrame frame_of(glm::ivec2 posts) {
 	return {posts, {{-100.0, 50.0}, {-100.0 + posts.x - 1, 50.0 + 2.0 * (posts.y - 1)}}, 10.0, 300.0};
 }
 
-/// Whole posts of any height.
+/// Random 16-bit posts.
 std::vector<std::uint16_t> random_steps(std::size_t count, unsigned seed) {
 	std::mt19937 random(seed);
 	std::vector<std::uint16_t> steps(count);
@@ -52,7 +52,7 @@ HeightPosts shared(glm::ivec2 count, const std::vector<Post> &posts, FloatPosts 
 	}
 }
 
-/// A field of `posts`, and the same field that was first one of other posts and was then patched with them, in two parts.
+/// Checks that a field of other posts, patched in two parts, equals a field of `posts`.
 template <typename Post>
 void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vector<Post> after, const PixelRect &rect,
 		FloatPosts meaning) {
@@ -106,7 +106,7 @@ void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vecto
 
 } // namespace
 
-TEST_CASE("post grid: a patched field is the field of the patched posts, bit for bit") {
+TEST_CASE("post grid: a patched field equals the field of the patched posts, bit for bit") {
 	for (const glm::ivec2 count :
 			{glm::ivec2(2, 2), glm::ivec2(5, 131), glm::ivec2(129, 130), glm::ivec2(300, 260), glm::ivec2(257, 257)}) {
 		const auto posts = static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y);
@@ -122,7 +122,7 @@ TEST_CASE("post grid: a patched field is the field of the patched posts, bit for
 	}
 }
 
-TEST_CASE("post grid: patches add up, and each copy has its own") {
+TEST_CASE("post grid: patches accumulate, and each copy has its own") {
 	const glm::ivec2 count(400, 300);
 	const auto posts = static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y);
 	std::vector<std::uint16_t> steps = random_steps(posts, 5);
@@ -170,7 +170,7 @@ TEST_CASE("post grid: changes are found block by block") {
 	CHECK(changed[1] == PixelRect{{999, 999}, {1000, 1000}});
 }
 
-TEST_CASE("heightfield: a patch that is refused changes nothing") {
+TEST_CASE("heightfield: a refused patch changes nothing") {
 	const glm::ivec2 count(10, 10);
 	Heightfield field;
 	REQUIRE(field.set_posts(frame_of(count), shared(count, std::vector<float>(100, 0.5F), FloatPosts::units)).ok());
@@ -190,7 +190,7 @@ TEST_CASE("heightfield: a patch that is refused changes nothing") {
 	CHECK(field.at({-95.0, 60.0}).height != height);
 }
 
-TEST_CASE("heightfield: the first post that is refused is found by column and row") {
+TEST_CASE("heightfield: an error names the column and row of the first refused post") {
 	std::vector<float> posts(60, 0.5F);
 	CHECK(find_refused_post(posts, 12, FloatPosts::units).status.ok());
 	posts[31] = -0.01F;
@@ -204,7 +204,7 @@ TEST_CASE("heightfield: the first post that is refused is found by column and ro
 	CHECK(meters.post == glm::ivec2(4, 3));
 }
 
-TEST_CASE("heightfield: changed weights are changes of the ground") {
+TEST_CASE("heightfield: changed weights count as changes of the ground") {
 	const glm::ivec2 count(10, 10);
 	const auto posts = shared(count, std::vector<std::uint16_t>(100, 5), FloatPosts::meters);
 	const HeightfieldFrame frame = frame_of(count);

@@ -51,7 +51,7 @@ struct World {
 		return std::ranges::find(locations, at) != locations.end();
 	}
 
-	/// As RegionField says, the slow way.
+	/// The height as RegionField defines it, computed the slow way.
 	float height_at(glm::dvec2 position, double spacing) const {
 		const glm::dvec2 posts = position / spacing;
 		const glm::ivec2 first{static_cast<int>(std::floor(posts.x)), static_cast<int>(std::floor(posts.y))};
@@ -93,7 +93,7 @@ float weight(const RegionField &field, glm::dvec2 position, std::vector<std::int
 
 } // namespace
 
-TEST_CASE("region field: bilinear between posts, without a seam between regions, and none where a post is missing") {
+TEST_CASE("region field: bilinear between posts, seamless across regions, and a hole where a post is missing") {
 	World world;
 	world.control = [](glm::ivec2 post) {
 		return post == glm::ivec2(-3, 4) || post == glm::ivec2(0, 0) ? 4u : 0u;
@@ -123,7 +123,7 @@ TEST_CASE("region field: bilinear between posts, without a seam between regions,
 	}
 }
 
-TEST_CASE("region field: normals are Terrain3D's, from the heights one post further on") {
+TEST_CASE("region field: normals equal Terrain3D's, from the heights of the next posts") {
 	const World world;
 	const double spacing = 2.0;
 	const RegionField field = world.field(spacing);
@@ -146,11 +146,11 @@ TEST_CASE("region field: normals are Terrain3D's, from the heights one post furt
 	};
 	const glm::vec3 slope = glm::normalize(glm::vec3(-0.5F, 1.0F, 0.25F));
 	for (const glm::dvec2 at : {glm::dvec2(14.5, 14.5), glm::dvec2(6.5, 3.0), glm::dvec2(-16.0, -16.0)}) {
-		CHECK(glm::distance(plane.field().at(at).normal, slope) < 1e-6F); // Beside the end, and beside holes, too.
+		CHECK(glm::distance(plane.field().at(at).normal, slope) < 1e-6F); // Also beside the end, and beside holes.
 	}
 }
 
-TEST_CASE("region field: textures of the post before, painted by hand or by slope and height") {
+TEST_CASE("region field: textures of the previous post, painted by hand or by slope and height") {
 	World world;
 	world.height = [](glm::ivec2 post) {
 		return static_cast<float>(post.x);
@@ -165,7 +165,7 @@ TEST_CASE("region field: textures of the post before, painted by hand or by slop
 	CHECK(weight(field, {-2.5, 4.0}, {4, -3}) == 0.0F);
 	CHECK(weight(field, {-0.01, 4.0}, {31}) == doctest::Approx(0.2));
 	CHECK(weight(field, {2.0, -5.0}, {5}) == doctest::Approx(1.0));
-	CHECK(weight(field, {2.0, 5.0}, {8}) == 1.0F); // Auto, but that is off.
+	CHECK(weight(field, {2.0, 5.0}, {8}) == 1.0F); // Auto, but the auto shader is off.
 	const AutoPaint paint{true, 1, 2, 0.5, 4.0};
 	const RegionField painted = world.field(1.0, paint);
 	const double overlay = 0.5 * 2.0 * (1.0 / std::sqrt(2.0) - 1.0) + 1.0 - 4.0 * 0.01 * 6.25;
@@ -176,7 +176,7 @@ TEST_CASE("region field: textures of the post before, painted by hand or by slop
 	CHECK(weight(painted, {-2.5, 4.0}, {31}) == doctest::Approx(0.2)); // Painted by hand.
 }
 
-TEST_CASE("region field: stands elsewhere in the world, and may have no region") {
+TEST_CASE("region field: it may be moved in the world, and have no regions") {
 	const World world;
 	const RegionField field = world.field();
 	const glm::dvec3 offset{1e6, 250.0, -3e5};
@@ -191,7 +191,7 @@ TEST_CASE("region field: stands elsewhere in the world, and may have no region")
 	CHECK(empty.regions().empty());
 }
 
-TEST_CASE("region field: refuses what is no terrain, and stays what it was") {
+TEST_CASE("region field: invalid regions are refused, and the field stays unchanged") {
 	const World world;
 	RegionField field = world.field();
 	const auto zero = [](glm::ivec2) {

@@ -1,4 +1,4 @@
-// What a designer reads about a rule: the value, what is asked for, and which rule says no.
+// The sentences that explain a rule to a designer: the value, the required range, and which rule excludes a position.
 
 #include "core/placement/rule_sentences.hpp"
 
@@ -23,7 +23,7 @@ std::string said(const RuleFactor &factor, const LayerSettings &layer, const Rul
 	return describe(factor, layer, names).sentence;
 }
 
-/// A place and a point 1.5 m from it, with a density each that the mask gives.
+/// A position and a point 1.5 m from it, each with a density from the mask.
 PlaceExplanation explained(double at_place, double at_point, double rank) {
 	PlaceExplanation explanation;
 	explanation.place = {{}, at_place, {{RuleKind::mask, at_place, at_place, no_index}}};
@@ -35,23 +35,23 @@ PlaceExplanation explained(double at_place, double at_point, double rank) {
 
 } // namespace
 
-TEST_CASE("rule sentences: a range says the value, what is asked for, and how much it leaves") {
+TEST_CASE("rule sentences: a range names the value, the required range, and the remaining share") {
 	LayerSettings layer = sloped();
 	const RuleSentence steep = describe({RuleKind::slope, 42.0, 0.0, no_index}, layer, {});
 	CHECK(steep.rule == "slope");
 	CHECK(steep.max == 30.0);
-	CHECK(steep.sentence == "Slope is 42°, the layer asks for 0° to 30°.");
+	CHECK(steep.sentence == "Slope is 42°; the layer requires 0° to 30°.");
 	CHECK(said({RuleKind::slope, 25.5, 0.45, no_index}, layer) ==
-			"Slope is 25.5°, the layer asks for 0° to 30°. Leaves 45 %.");
+			"Slope is 25.5°; the layer requires 0° to 30°. Leaves 45 %.");
 	layer.rules.min_height = -2.0;
 	const RuleSentence low = describe({RuleKind::height, -12.3456, 0.0, no_index}, layer, {});
-	CHECK(low.sentence == "Height is -12.35 m, the layer asks for at least -2 m.");
+	CHECK(low.sentence == "Height is -12.35 m; the layer requires at least -2 m.");
 	CHECK(std::isinf(low.max));
 }
 
-TEST_CASE("rule sentences: a value just beyond a limit does not look like the limit") {
+TEST_CASE("rule sentences: a value just beyond a limit is not printed as the limit") {
 	CHECK(said({RuleKind::slope, 30.0004, 0.0, no_index}, sloped()) ==
-			"Slope is 30.0004°, the layer asks for 0° to 30°.");
+			"Slope is 30.0004°; the layer requires 0° to 30°.");
 	CHECK(number_text(1234.5) == "1234");
 	CHECK(number_text(-0.001) == "0");
 	CHECK(number_text(0.5) == "0.5");
@@ -59,12 +59,13 @@ TEST_CASE("rule sentences: a value just beyond a limit does not look like the li
 	CHECK(number_text(2.004, 2.0) == "2.004");
 }
 
-TEST_CASE("rule sentences: other layers, regions and fields are called by their names") {
+TEST_CASE("rule sentences: other layers, regions and fields have their names") {
 	LayerSettings layer;
 	const auto other = std::make_shared<LayerSettings>();
 	layer.neighbors = {{other, 3.0, nullptr}};
 	const RuleNames names{{"noise"}, {"Oaks"}, {"Pond"}};
-	CHECK(said({RuleKind::neighbor, 1.2, 0.0, 0}, layer, names) == "Oaks stands 1.2 m away, the layer keeps 3 m.");
+	CHECK(said({RuleKind::neighbor, 1.2, 0.0, 0}, layer, names) ==
+			"The nearest Oaks is 1.2 m away; the spacing requires 3 m.");
 	CHECK(said({RuleKind::neighbor, 3.0, 1.0, 0}, layer, names) == "No Oaks is nearer than the spacing of 3 m.");
 	CHECK(describe({RuleKind::field, 0.0, 0.0, 0}, layer, names).rule == "noise");
 	CHECK(describe({RuleKind::field, 0.0, 0.0, 7}, layer, names).rule == "field");
@@ -76,10 +77,10 @@ TEST_CASE("rule sentences: other layers, regions and fields are called by their 
 	REQUIRE(shapes->set({pond}).ok());
 	layer.rules.shapes = shapes;
 	CHECK(said({RuleKind::shapes, 0.0, 0.0, 0}, layer, names) == "Region Pond excludes the layer here.");
-	CHECK(said({RuleKind::shapes, 1.0, 1.0, no_index}, layer, names) == "No region takes anything away here.");
+	CHECK(said({RuleKind::shapes, 1.0, 1.0, no_index}, layer, names) == "No region excludes anything here.");
 }
 
-TEST_CASE("rule sentences: one rule says no, or the rank, or none") {
+TEST_CASE("rule sentences: the reason is one rule, or the rank, or none") {
 	const LayerSettings layer;
 	const RuleVerdict refused = judge(explained(0.0, 1.0, 0.0), layer, {});
 	CHECK(!refused.yes);
@@ -87,15 +88,17 @@ TEST_CASE("rule sentences: one rule says no, or the rank, or none") {
 	CHECK(refused.reason == "The painted mask leaves nothing here.");
 	const RuleVerdict beside = judge(explained(1.0, 0.0, 0.0), layer, {});
 	CHECK(beside.rule == "mask");
-	CHECK(beside.reason.starts_with("May stand here, but the point of the set 1.5 m away may not: The painted mask"));
+	CHECK(beside.reason.starts_with(
+			"Allowed here, but not at the nearest point of the set, 1.5 m away: The painted mask"));
 	const RuleVerdict late = judge(explained(0.5, 0.25, 0.75), layer, {});
 	CHECK(late.rule == "rank");
 	CHECK(late.reason ==
-			"Left out by the density: the point of the set 1.5 m away has the rank 0.75, the density there is 0.25. "
+			"Left out by the density: the nearest point of the set, 1.5 m away, has rank 0.75, and the density there "
+			"is 0.25. "
 			"The painted "
 			"mask leaves 25 % here.");
-	const RuleVerdict stands = judge(explained(0.5, 0.5, 0.25), layer, {});
-	CHECK(stands.yes);
-	CHECK(stands.rule.empty());
-	CHECK(stands.reason == "Stands 1.5 m away.");
+	const RuleVerdict accepted = judge(explained(0.5, 0.5, 0.25), layer, {});
+	CHECK(accepted.yes);
+	CHECK(accepted.rule.empty());
+	CHECK(accepted.reason == "Placed 1.5 m away.");
 }

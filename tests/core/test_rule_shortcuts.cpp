@@ -1,4 +1,4 @@
-// What rules need not compute, they do not.
+// Rules skip computations that cannot change the result.
 
 #include "core/rules/rules.hpp"
 #include "rounding.hpp"
@@ -13,10 +13,10 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("rules: what cannot change a density any more, or is told by less, is not computed") {
-	// A slope of 37 degrees, whose angle would be rounded; the squares of its sides are not.
+TEST_CASE("rules: values that cannot change a density any more are not computed") {
+	// A slope of 37 degrees. Its angle would be rounded; the squares of its sides are not.
 	const Ground ground{8.0f, {0.75f, 1.0f, 0.0f}};
-	const auto asked = [](const PreparedRules &rules, const Ground &of) {
+	const auto density_and_work = [](const PreparedRules &rules, const Ground &of) {
 		double density = 0.0;
 		const bool computed = rounds([&] { density = rules.ground_density(of, {3.0, 5.0}); });
 		return std::pair(density, computed);
@@ -24,16 +24,16 @@ TEST_CASE("rules: what cannot change a density any more, or is told by less, is 
 	Rules slopes;
 	slopes.min_slope_degrees = 30.0;
 	const PreparedRules steep = prepared(slopes);
-	CHECK(asked(steep, ground) == std::pair(1.0, false));
-	CHECK(asked(steep, {8.0f, {0.25f, 1.0f, 0.0f}}) == std::pair(0.0, false));
+	CHECK(density_and_work(steep, ground) == std::pair(1.0, false));
+	CHECK(density_and_work(steep, {8.0f, {0.25f, 1.0f, 0.0f}}) == std::pair(0.0, false));
 	bool allowed = false;
 	CHECK_FALSE(rounds([&] { allowed = steep.allow(ground, {}); }));
 	CHECK(allowed);
-	slopes.slope_falloff = 20.0; // Now the angle is needed.
-	CHECK(asked(prepared(slopes), ground).second);
+	slopes.slope_falloff_degrees = 20.0; // The falloff requires the angle.
+	CHECK(density_and_work(prepared(slopes), ground).second);
 	slopes.min_height = 9.0;
-	CHECK(asked(prepared(slopes), ground) == std::pair(0.0, false));
-	// Biomes, and with them the water's level, are looked for with noise.
+	CHECK(density_and_work(prepared(slopes), ground) == std::pair(0.0, false));
+	// Finding a position's biome, and with it the water level, evaluates noise.
 	BiomeMap map;
 	REQUIRE(map.set({2, 1}, std::vector<std::uint8_t>{0, 1}, {{-99.0, -99.0}, {99.0, 99.0}}, BiomeEdge::clamp,
 					   {.width = 5.0, .noise = 9.0, .noise_size = 30.0})
@@ -44,16 +44,16 @@ TEST_CASE("rules: what cannot change a density any more, or is told by less, is 
 	levels.fill(5.0);
 	levels[1] = 6.0;
 	wet.water = std::make_shared<WaterLevels>(std::make_shared<const BiomeMap>(map), levels);
-	CHECK(asked(prepared(wet), ground).second);
+	CHECK(density_and_work(prepared(wet), ground).second);
 	wet.min_height = 9.0;
-	CHECK(asked(prepared(wet), ground) == std::pair(0.0, false));
+	CHECK(density_and_work(prepared(wet), ground) == std::pair(0.0, false));
 	wet.min_height = 7.0;
-	CHECK(asked(prepared(wet), ground).second);
-	wet.max_water_depth = unlimited_height; // Any depth will do.
-	CHECK(asked(prepared(wet), ground) == std::pair(1.0, false));
+	CHECK(density_and_work(prepared(wet), ground).second);
+	wet.max_water_depth = unlimited_height; // Any depth is allowed.
+	CHECK(density_and_work(prepared(wet), ground) == std::pair(1.0, false));
 }
 
-TEST_CASE("rules: clumps are looked for only where another rule lets something stand") {
+TEST_CASE("rules: clumps are evaluated only where the other rules permit instances") {
 	Rules rules;
 	rules.clumping = {.size = 10.0};
 	std::vector<float> scratch(1);

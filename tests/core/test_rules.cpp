@@ -27,7 +27,7 @@ namespace {
 
 constexpr double radian = std::numbers::pi / 180.0;
 
-/// Ground that is inclined by so many degrees, towards any side.
+/// Ground with a slope of this many degrees, in any direction.
 Ground inclined(double degrees, float height = 0.0f, double heading = 30.0) {
 	const double across = std::sin(degrees * radian);
 	return {height,
@@ -39,7 +39,7 @@ double density_on(const Rules &rules, const Ground &ground) { return prepared(ru
 
 bool allowed(const PreparedRules &rules, const Ground &ground) { return rules.ground_density(ground, {}) > 0.0; }
 
-/// The density on level ground of no height, at one place.
+/// The density on level ground at height 0, at one position.
 double density_at(const Rules &rules, glm::dvec2 position) {
 	std::vector<float> scratch;
 	double density = -1.0;
@@ -47,7 +47,7 @@ double density_at(const Rules &rules, glm::dvec2 position) {
 	return density;
 }
 
-/// A field of a function.
+/// A field that calls a function.
 class FunctionField final : public DensityField {
 public:
 	explicit FunctionField(std::function<float(glm::dvec2)> function) : function_(std::move(function)) {}
@@ -67,7 +67,7 @@ std::shared_ptr<const DensityField> constant_field(float value) {
 
 } // namespace
 
-TEST_CASE("rules: a slope limit cuts at its own angle, on both sides") {
+TEST_CASE("rules: a slope limit cuts at exactly its angle, on both sides") {
 	for (const double limit : {30.0, 45.0, 60.0}) {
 		CAPTURE(limit);
 		Rules up_to;
@@ -86,7 +86,7 @@ TEST_CASE("rules: a slope limit cuts at its own angle, on both sides") {
 	CHECK_FALSE(allowed(prepared(flat_only), inclined(0.01)));
 }
 
-TEST_CASE("rules: what is no ground, a wall or a ceiling never passes") {
+TEST_CASE("rules: missing ground, walls and ceilings never pass") {
 	Rules anything;
 	anything.max_slope_degrees = 90.0;
 	Rules flat;
@@ -107,7 +107,7 @@ TEST_CASE("rules: what is no ground, a wall or a ceiling never passes") {
 	}
 }
 
-TEST_CASE("rules: defaults let all ground pass") {
+TEST_CASE("rules: defaults permit all ground") {
 	const PreparedRules ready = prepared({});
 	for (const float height : {0.0f, -1e-30f, 8848.0f, -11000.0f, 3e38f, -3e38f}) {
 		for (const double degrees : {0.0, 45.0, 89.9}) {
@@ -117,7 +117,7 @@ TEST_CASE("rules: defaults let all ground pass") {
 	CHECK(density_at({}, {5.0, -7.0}) == 1.0);
 }
 
-TEST_CASE("rules: height limits are hard and include themselves, negative ones too") {
+TEST_CASE("rules: height limits are hard and inclusive, also negative ones") {
 	Rules rules;
 	rules.min_height = -20.5;
 	rules.max_height = -3.25;
@@ -138,7 +138,7 @@ TEST_CASE("rules: a falloff thins linearly inside its limit, and falloffs multip
 	rules.min_height = 100.0;
 	rules.height_falloff = 40.0;
 	rules.max_slope_degrees = 30.0;
-	rules.slope_falloff = 10.0;
+	rules.slope_falloff_degrees = 10.0;
 	for (const double share : {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0}) {
 		CAPTURE(share);
 		const auto height = static_cast<float>(100.0 + 40.0 * share);
@@ -150,7 +150,7 @@ TEST_CASE("rules: a falloff thins linearly inside its limit, and falloffs multip
 	CHECK(density_on(rules, inclined(0.0, 1e6f)) == 1.0);
 }
 
-TEST_CASE("rules: where both bands meet the smaller density counts, and an open limit has no band") {
+TEST_CASE("rules: where both bands overlap, the smaller density counts, and an open limit has no band") {
 	Rules tent;
 	tent.min_height = 0.0;
 	tent.max_height = 10.0;
@@ -159,20 +159,20 @@ TEST_CASE("rules: where both bands meet the smaller density counts, and an open 
 	CHECK(density_on(tent, inclined(0.0, 8.0f)) == 0.1);
 
 	Rules open;
-	open.slope_falloff = 90.0;
+	open.slope_falloff_degrees = 90.0;
 	open.height_falloff = 1e9;
 	CHECK(density_on(open, inclined(1.0, -5000.0f)) == 1.0);
 	CHECK(density_on(open, inclined(89.0, 5000.0f)) == 1.0);
 }
 
-TEST_CASE("rules: narrowing any limit only takes instances away") {
+TEST_CASE("rules: narrowing any limit only removes instances") {
 	std::mt19937_64 random(11);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int round = 0; round < 50; ++round) {
 		Rules wide;
 		wide.min_slope_degrees = 30.0 * unit(random);
 		wide.max_slope_degrees = 50.0 + 40.0 * unit(random);
-		wide.slope_falloff = 15.0 * unit(random);
+		wide.slope_falloff_degrees = 15.0 * unit(random);
 		wide.min_height = -100.0 * unit(random);
 		wide.max_height = 50.0 + 50.0 * unit(random);
 		wide.height_falloff = 30.0 * unit(random);
@@ -181,7 +181,7 @@ TEST_CASE("rules: narrowing any limit only takes instances away") {
 		switch (round % 7) {
 			case 0: narrow.min_slope_degrees += 10.0; break;
 			case 1: narrow.max_slope_degrees -= 10.0; break;
-			case 2: narrow.slope_falloff += 10.0; break;
+			case 2: narrow.slope_falloff_degrees += 10.0; break;
 			case 3: narrow.min_height += 20.0; break;
 			case 4: narrow.max_height -= 20.0; break;
 			case 5: narrow.height_falloff += 10.0; break;
@@ -210,7 +210,7 @@ TEST_CASE("rules: the product of all densities is a threshold on the rank") {
 	CHECK(stands(0xffffffff, 1.0));
 }
 
-TEST_CASE("rules: below a share of the thinning rank lie those who would stand at that share of the density") {
+TEST_CASE("rules: thinning by a share removes the same instances as a density of that share") {
 	std::mt19937_64 random(3);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int i = 0; i < 100000; ++i) {
@@ -220,7 +220,7 @@ TEST_CASE("rules: below a share of the thinning rank lie those who would stand a
 		if (stands(rank, density)) {
 			const std::uint32_t thinned = thinning_rank(rank, density);
 			CHECK(thinned >= rank);
-			if (std::abs(thinned - share * 0x1p32) > 2.0) { // Nearer than that, rounding decides.
+			if (std::abs(thinned - share * 0x1p32) > 2.0) { // Rounding decides closer ones.
 				CHECK((thinned < share * 0x1p32) == stands(rank, density * share));
 			}
 		}
@@ -230,7 +230,7 @@ TEST_CASE("rules: below a share of the thinning rank lie those who would stand a
 	CHECK(thinning_rank(5, 1e-9) == 0xffffffff);
 }
 
-TEST_CASE("rules: the densities of the place multiply, and a field's are held to 0 and 1") {
+TEST_CASE("rules: the densities of a position multiply, and those of a field are clamped to 0 and 1") {
 	Rules rules;
 	rules.density = 0.5;
 	CHECK(density_at(rules, {1.0, 2.0}) == 0.5);
@@ -249,7 +249,7 @@ TEST_CASE("rules: the densities of the place multiply, and a field's are held to
 	}
 }
 
-TEST_CASE("rules: a painted mask and clumps count like any density of the place") {
+TEST_CASE("rules: a painted mask and clumps count like any density of the position") {
 	auto mask = std::make_shared<PaintedMask>();
 	REQUIRE(mask->reset(1.0, 1.0).ok());
 	Rect changed;
@@ -280,7 +280,7 @@ TEST_CASE("rules: curves over height and slope, and the weight of the ground's t
 	CHECK(density_on(rules, Ground{25.0f, {1.0f, 1.0f, 0.0f}}) == 0.125); // 45 degrees
 	Ground half = inclined(0.0, 25.0f);
 	half.weight = 0.5f;
-	CHECK(density_on(rules, half) == 0.25); // No textures are asked for.
+	CHECK(density_on(rules, half) == 0.25); // No textures are required.
 	rules.ground_textures = {1, 4};
 	CHECK(density_on(rules, half) == 0.125);
 	half.weight = std::numeric_limits<float>::quiet_NaN();
@@ -289,7 +289,7 @@ TEST_CASE("rules: curves over height and slope, and the weight of the ground's t
 	CHECK(density_on(rules, half) == 0.25);
 }
 
-TEST_CASE("rules: a field that fails is told") {
+TEST_CASE("rules: the error of a field is returned") {
 	class Failing final : public DensityField {
 	public:
 		Status sample(std::span<const glm::dvec2>, std::span<float>) const override {
@@ -305,7 +305,7 @@ TEST_CASE("rules: a field that fails is told") {
 			prepared(rules).place_densities({&position, 1}, {&density, 1}, scratch), ErrorCode::missing, "noise", 0.0);
 }
 
-TEST_CASE("rules: bad settings are refused by name and value, and the last good ones stay") {
+TEST_CASE("rules: bad settings are refused by name and value, and the last valid ones stay") {
 	Rules good;
 	good.max_height = 50.0;
 	PreparedRules ready = prepared(good);
@@ -321,9 +321,10 @@ TEST_CASE("rules: bad settings are refused by name and value, and the last good 
 		const char *property;
 		double above;
 	};
-	for (const Limits &each : {Limits{&Rules::density, "density", 1.001},
-				 {&Rules::slope_falloff, "slope_falloff", 90.5}, {&Rules::min_slope_degrees, "min_slope_degrees", 91.0},
-				 {&Rules::max_slope_degrees, "max_slope_degrees", 180.0}}) {
+	for (const Limits &each :
+			{Limits{&Rules::density, "density", 1.001}, {&Rules::slope_falloff_degrees, "slope_falloff_degrees", 90.5},
+					{&Rules::min_slope_degrees, "min_slope_degrees", 91.0},
+					{&Rules::max_slope_degrees, "max_slope_degrees", 180.0}}) {
 		refuse(each.member, each.property, nan_value, ErrorCode::not_finite);
 		refuse(each.member, each.property, infinite_value, ErrorCode::not_finite);
 		refuse(each.member, each.property, -0.1, ErrorCode::out_of_range);

@@ -1,4 +1,4 @@
-// The margin of a block: it grows where a chain of darts asks for it, up to a limit, and never changes what comes out.
+// The margin of a block grows up to a limit where a chain of darts requires it, and never changes the result.
 
 #include "query_fixture.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 constexpr SampleMargins none{.first = 0, .widest = 0};
 constexpr SampleMargins growing{.first = 0, .widest = 64};
 
-/// Checks that the error tells which set could not be sampled, and a position in or near `rect`.
+/// Checks that the error names the set that could not be sampled, and a position in or near `rect`.
 void check_too_wide(const Status &status, const PointSet &set, const Rect &rect) {
 	CHECK(status.code == ErrorCode::margin_too_wide);
 	CHECK(status.property == std::string("rect"));
@@ -27,7 +27,7 @@ void check_too_wide(const Status &status, const PointSet &set, const Rect &rect)
 
 } // namespace
 
-TEST_CASE("sample margins: a margin that has to grow gives the same points") {
+TEST_CASE("sample margins: a margin that has to grow produces the same points") {
 	for (const std::uint32_t levels : {1u, 3u}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = 5, .radius = 0.5, .levels = levels, .layer = 2};
@@ -41,7 +41,7 @@ TEST_CASE("sample margins: a margin that has to grow gives the same points") {
 	}
 }
 
-TEST_CASE("sample margins: the sampler refuses what the widest one does not decide, by seed, radius and position") {
+TEST_CASE("sample margins: an area that the widest margin cannot decide is refused by set and position") {
 	for (const std::uint32_t levels : {1u, 3u}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = ~std::uint64_t{0}, .radius = 2.5, .levels = levels};
@@ -59,14 +59,14 @@ TEST_CASE("sample margins: the sampler refuses what the widest one does not deci
 				"2.5, position ("));
 		CHECK(text.find(")). Choose a different seed") != std::string::npos);
 	}
-	// Only part of a large block may be undecided; what can be decided without a margin is not refused.
+	// Parts of a large block may be undecided. Blocks that need no margin are not refused.
 	TileSampler sampler({.first = 1, .widest = 2});
 	std::vector<SamplePoint> points;
 	CHECK(sampler.sample({.seed = 1}, {{0.0, 0.0}, {300.0, 300.0}}, points).value == 2.0);
 	CHECK(sampler.sample({.seed = 1}, {}, points).ok());
 }
 
-TEST_CASE("sample margins: a tile that cannot be sampled stays as it was") {
+TEST_CASE("sample margins: a tile that cannot be sampled stays unchanged") {
 	const std::vector<WorldLayer> layers = world_layers();
 	const EndlessHills terrain;
 	TileBuilder usual, narrow(none);
@@ -76,18 +76,18 @@ TEST_CASE("sample margins: a tile that cannot be sampled stays as it was") {
 	const std::uint64_t before = digest(tile);
 	check_too_wide(narrow.build(layers[0].settings, terrain, rect, tile), layers[0].settings.set, rect);
 	CHECK(digest(tile) == before);
-	// Of a layer that looks at others, those are sampled first.
+	// A layer's neighbors are sampled first.
 	check_too_wide(narrow.build(layers[1].settings, terrain, rect, tile), layers[0].settings.set, rect);
 	TileBuilder patient(growing);
 	REQUIRE(patient.build(layers[0].settings, terrain, rect, tile).ok());
 	CHECK(digest(tile) == before);
 }
 
-TEST_CASE("sample margins: queries hand on that a tile could not be sampled") {
+TEST_CASE("sample margins: queries return the error of a tile that could not be sampled") {
 	World world(none);
-	const std::vector<QueryLayer> asked = world.asked();
-	const InstanceQuery query{asked, world, nullptr, none};
-	const PointSet &trees = asked[0].set;
+	const std::vector<QueryLayer> query_layers = world.query_layers();
+	const InstanceQuery query{query_layers, world, nullptr, none};
+	const PointSet &trees = query_layers[0].set;
 	std::vector<PlacedInstance> found(3);
 	check_too_wide(query.in_rect(glade, {}, found), trees, glade);
 	CHECK(found.empty());
@@ -101,14 +101,15 @@ TEST_CASE("sample margins: queries hand on that a tile could not be sampled") {
 	check_too_wide(
 			query.on_ray({30.0, 50.0, 30.0}, {31.0, -50.0, 31.0}, {.layers = {0}, .accepts = {}}, hit), trees, glade);
 	CHECK(hit.empty());
-	// The tiles of the stones are smaller than the cells of their set: the set itself is asked, and not the source.
-	const PointSet &stones = asked[2].set;
+	// The tiles of the stones are smaller than the cells of their set, so the query reads the set instead of the
+	// source.
+	const PointSet &stones = query_layers[2].set;
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	REQUIRE(sampler.sample(stones, glade, points).ok());
-	world.asked_for.clear();
+	world.requests.clear();
 	found.resize(3);
 	check_too_wide(query.by_id(points.front().id, found), stones, glade);
 	CHECK(found.empty());
-	CHECK(world.asked_for.empty());
+	CHECK(world.requests.empty());
 }

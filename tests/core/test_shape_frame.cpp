@@ -1,4 +1,4 @@
-// From the nodes of a scene to shapes: rotations with scales, and lines with fewer points.
+// Converts nodes of a scene to shapes: rotations with scales, and lines with fewer points.
 
 #include "core/rules/polyline.hpp"
 #include "core/rules/shape_frame.hpp"
@@ -17,7 +17,7 @@ using namespace thicket;
 
 namespace {
 
-/// A turn about y, then about x.
+/// A rotation around y, then around x.
 glm::dmat3 turned(double yaw, double pitch) {
 	const glm::dmat3 about_y{
 			{std::cos(yaw), 0.0, -std::sin(yaw)}, {0.0, 1.0, 0.0}, {std::sin(yaw), 0.0, std::cos(yaw)}};
@@ -46,7 +46,7 @@ double distance_to(const std::vector<glm::dvec2> &line, glm::dvec2 point) {
 
 } // namespace
 
-TEST_CASE("shape frame: scales and axes come apart, to double precision from single") {
+TEST_CASE("shape frame: scales and axes are separated, to double precision from single") {
 	const glm::dvec3 scale{2.0, 0.25, 30.0};
 	for (const glm::dvec3 sign : {glm::dvec3(1.0), glm::dvec3(1.0, 1.0, -1.0), glm::dvec3(-1.0, 1.0, -1.0)}) {
 		const glm::dmat3 axes = scaled(turned(0.7, -2.1), sign);
@@ -62,7 +62,7 @@ TEST_CASE("shape frame: scales and axes come apart, to double precision from sin
 	}
 }
 
-TEST_CASE("shape frame: refuses what is no rotation with scales") {
+TEST_CASE("shape frame: a transform other than a rotation with scales is refused") {
 	ShapeFrame frame;
 	frame.scale = glm::dvec3(7.0);
 	const auto refuse = [&frame](const glm::dmat3 &basis) {
@@ -79,12 +79,12 @@ TEST_CASE("shape frame: refuses what is no rotation with scales") {
 	const Status status = refuse(sheared);
 	CHECK(status.code == ErrorCode::out_of_range);
 	CHECK(std::abs(status.value - 0.6) < 1e-12);
-	// A hair of shear, as rounding leaves it, is made up for.
+	// A tiny shear, as rounding produces it, is corrected.
 	sheared[2] = glm::normalize(glm::dvec3(1e-5, 0.0, 1.0));
 	CHECK(take_apart(sheared, frame).ok());
 }
 
-TEST_CASE("polyline: fewer points, none of the old ones farther away than allowed") {
+TEST_CASE("polyline: fewer points, with no old one farther away than allowed") {
 	std::mt19937_64 random(5);
 	std::uniform_real_distribution<double> turn(-0.2, 0.2);
 	std::vector<glm::dvec2> line{{-40.0, 3.0}};
@@ -103,7 +103,7 @@ TEST_CASE("polyline: fewer points, none of the old ones farther away than allowe
 			CHECK(distance_to(less, point) <= tolerance + 1e-9);
 		}
 	}
-	// What is changed at the end leaves the beginning alone.
+	// A change at the end does not affect the beginning.
 	std::vector<glm::dvec2> other = line;
 	other.back() += glm::dvec2(5.0, 5.0);
 	const std::vector<glm::dvec2> first = simplified(line, 0.05);
@@ -120,7 +120,7 @@ TEST_CASE("polyline: straight lines, single points, repeated ones and broken one
 	CHECK(simplified({}, 1.0).empty());
 	CHECK(simplified(std::vector<glm::dvec2>{{1.0, 2.0}}, 1.0).size() == 1);
 	CHECK(simplified(std::vector<glm::dvec2>(5, {1.0, 2.0}), 0.0).size() == 2);
-	// There and back again.
+	// To the end and back.
 	const std::vector<glm::dvec2> back{{0.0, 0.0}, {5.0, 0.0}, {10.0, 0.0}, {5.0, 0.0}, {0.0, 0.0}};
 	CHECK(simplified(back, 0.1).size() == 3);
 	const std::vector<glm::dvec2> broken{{0.0, 0.0}, {5.0, 1.0}, {nan_value, 0.0}, {9.0, 9.0}};

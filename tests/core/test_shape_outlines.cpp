@@ -62,7 +62,7 @@ double plain_distance(const Points &points, bool closed, glm::dvec2 place) {
 	return nearest;
 }
 
-/// Even-odd along +y, where the core goes along +x.
+/// Even-odd rule along +y, while the core uses +x.
 bool plain_contains(const Points &points, glm::dvec2 place) {
 	bool within = false;
 	for (std::size_t i = 0; i < points.size(); ++i) {
@@ -105,7 +105,7 @@ TEST_CASE("outlines: a polygon's border is outside, depth is the distance to it"
 	CHECK(density_at(soft, 1.0, -1.5) == 0.25);
 }
 
-TEST_CASE("outlines: a border of many short edges is outside all along") {
+TEST_CASE("outlines: a border of many short edges is outside everywhere") {
 	constexpr int side = 12;
 	Points square;
 	const std::array<glm::dvec2, 4> along{glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(-1, 0), glm::dvec2(0, -1)};
@@ -133,7 +133,7 @@ TEST_CASE("outlines: a border of many short edges is outside all along") {
 	}
 }
 
-TEST_CASE("outlines: rays through corners count right, at every half place of polygons with whole corners") {
+TEST_CASE("outlines: rays through corners count correctly, at all half-integer positions of integer polygons") {
 	const std::vector<Points> polygons{
 			{{0, 0}, {6, 0}, {6, 6}, {4, 6}, {4, 2}, {2, 2}, {2, 6}, {0, 6}},                 // A U.
 			{{0, 3}, {3, 0}, {6, 3}, {3, 6}},                                                 // A diamond.
@@ -142,7 +142,7 @@ TEST_CASE("outlines: rays through corners count right, at every half place of po
 			{{0, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0}, {2, 2}, {2, 4}, {4, 4}, {4, 2}, {2, 2}}, // A hole, by a slit.
 			{{0, 0}, {3, 0}, {3, 3}, {6, 3}, {6, 6}, {3, 6}, {3, 3}, {0, 3}},                 // Touches itself.
 			{{0, 0}, {6, 0}, {6, 0}, {6, 6}, {6, 6}, {6, 6}, {0, 6}, {0, 0}},                 // Repeated corners.
-			{{3, 0}, {5, 6}, {0, 2}, {6, 2}, {1, 6}},                                         // A star, empty within.
+			{{3, 0}, {5, 6}, {0, 2}, {6, 2}, {1, 6}},                                         // A star, empty inside.
 			{{0, 0}, {6, 0}, {3, 0}},                                                         // No area.
 			{{2, 2}, {2, 2}, {2, 2}},                                                         // A point.
 	};
@@ -153,7 +153,7 @@ TEST_CASE("outlines: rays through corners count right, at every half place of po
 				CAPTURE(index);
 				CAPTURE(x);
 				CAPTURE(z);
-				// A hair beside the line that the oracle's ray takes, so that it meets no corner.
+				// Slightly beside the line of the oracle's ray, so that it hits no corner.
 				const bool on_border = plain_distance(polygons[index], true, {x, z}) < 1e-12;
 				const bool within = !on_border && plain_contains(polygons[index], {x + 1e-9, z + 1.7e-9});
 				CHECK(density_at(set, x, z) == (within ? 1.0 : 0.0));
@@ -162,7 +162,7 @@ TEST_CASE("outlines: rays through corners count right, at every half place of po
 	}
 }
 
-TEST_CASE("outlines: of two polygons with an edge in common no place is in both, nor missed beside the edge") {
+TEST_CASE("outlines: beside the common edge of two polygons, every position is in exactly one of them") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (int round = 0; round < 200; ++round) {
@@ -188,7 +188,7 @@ TEST_CASE("outlines: a path has round ends and round bends, and its border is ou
 	CHECK(density_at(sharp, -1.999, 0.0) == 1.0);
 	CHECK(density_at(sharp, -2.0, 0.0) == 0.0);
 	CHECK(density_at(sharp, -1.5, 1.5) == 0.0);  // The corner of a flat end.
-	CHECK(density_at(sharp, 11.5, -1.5) == 0.0); // Of a sharp bend.
+	CHECK(density_at(sharp, 11.5, -1.5) == 0.0); // The corner of a sharp bend.
 	CHECK(density_at(sharp, 11.4, -1.4) == 1.0);
 	CHECK(density_at(sharp, 10.0, 11.999) == 1.0);
 	CHECK(density_at(sharp, 5.0, 5.0) == 0.0); // It is not closed.
@@ -199,7 +199,7 @@ TEST_CASE("outlines: a path has round ends and round bends, and its border is ou
 	CHECK(density_at(soft, 5.0, 2.5) == 0.0);
 }
 
-TEST_CASE("outlines: a path whose points repeat is that of the others; one of a single place is a disc") {
+TEST_CASE("outlines: repeated points of a path have no effect; a path with a single position is a disc") {
 	const ShapeSet plain = set_of({path({{0.0, 0.0}, {10.0, 5.0}, {12.0, -3.0}}, 2.0, 2.0)});
 	const ShapeSet repeated = set_of({path(
 			{{0.0, 0.0}, {0.0, 0.0}, {10.0, 5.0}, {10.0, 5.0}, {10.0, 5.0}, {12.0, -3.0}, {12.0, -3.0}}, 2.0, 2.0)});
@@ -214,7 +214,7 @@ TEST_CASE("outlines: a path whose points repeat is that of the others; one of a 
 	CHECK(density_at(disc, 3.0, 2.0) == 0.0);
 }
 
-TEST_CASE("outlines: random lines of any length are as one edge after the other says") {
+TEST_CASE("outlines: random lines of any length match a scan of all edges") {
 	std::mt19937 random(2);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (const double far : {0.0, 1e7}) {
@@ -244,7 +244,7 @@ TEST_CASE("outlines: random lines of any length are as one edge after the other 
 	}
 }
 
-TEST_CASE("outlines: 65,536 points, in and about every bay") {
+TEST_CASE("outlines: 65,536 points, inside and around every bay") {
 	const Points points = coast(max_outline_points);
 	const ShapeSet set = set_of({polygon(points, 50.0)});
 	const ShapeSet shore = set_of({path(points, 12.0, 12.0)});
@@ -262,8 +262,9 @@ TEST_CASE("outlines: 65,536 points, in and about every bay") {
 	}
 }
 
-TEST_CASE("outlines: of many edges only those that may be the nearest are measured") {
-	// Four edges with lengths whose squares are powers of two, and far away many with others: these would be rounded.
+TEST_CASE("outlines: only edges that may be the nearest are measured") {
+	// Four edges whose squared lengths are powers of two, and many other edges far away, whose distances would be
+	// rounded.
 	Points points{{0.0, 0.0}, {4.0, 0.0}, {4.0, 4.0}, {0.0, 4.0}, {0.0, 8.0}};
 	for (int i = 0; i < 100; ++i) {
 		points.emplace_back(100.0 + 3 * i, i % 2 == 0 ? 100.0 : 107.0);

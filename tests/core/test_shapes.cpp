@@ -20,7 +20,7 @@ using namespace thicket;
 using namespace thicket::shape_cases;
 using test::rounds;
 
-TEST_CASE("shapes: a box reaches as far as its half sizes and no further, its border is outside") {
+TEST_CASE("shapes: a box reaches exactly as far as its half sizes, and its border is outside") {
 	const ShapeSet set = set_of({box({10.0, 5.0, -20.0}, {4.0, 2.0, 1.0})});
 	CHECK(density_of(set, {10.0, 5.0, -20.0}) == 1.0);
 	for (const glm::dvec3 inside : {glm::dvec3(13.999, 5.0, -20.0), glm::dvec3(6.001, 5.0, -20.0),
@@ -46,12 +46,12 @@ TEST_CASE("shapes: influence grows linearly with depth, from 0 at the border to 
 		CHECK(density_of(set, {0.0, 0.0, 20.0 - depth}) == expected);
 		CHECK(density_of(set, {0.0, 1000.0 - depth, 0.0}) == expected);
 	}
-	// Never deep enough for the whole effect.
+	// Not deep enough for full influence anywhere.
 	soft.falloff = 40.0;
 	CHECK(density_of(set_of({soft}), {0.0, 0.0, 0.0}) == 0.25);
 }
 
-TEST_CASE("shapes: a box turned by 45 degrees is a diamond, one that leans is cut by the ground at its own slope") {
+TEST_CASE("shapes: a box rotated by 45 degrees is a diamond, and a leaning one is cut at its own slope") {
 	const double half = std::sqrt(0.5);
 	Shape turned = box({0.0, 0.0, 0.0}, {half, 1.0, half});
 	turned.axes = glm::dmat3({half, 0.0, half}, {0.0, 1.0, 0.0}, {-half, 0.0, half});
@@ -63,7 +63,7 @@ TEST_CASE("shapes: a box turned by 45 degrees is a diamond, one that leans is cu
 			}
 		}
 	}
-	// Its up axis leans 30 degrees towards +x: at a height of 1, the middle of the slab has moved by tan 30 degrees.
+	// Its up axis leans 30 degrees toward +x, so at a height of 1 the center of the slab is offset by tan 30 degrees.
 	Shape leaning = box({0.0, 0.0, 0.0}, {0.1, 10.0, 10.0});
 	const double sine = 0.5;
 	const double cosine = std::sqrt(0.75);
@@ -77,13 +77,13 @@ TEST_CASE("shapes: a box turned by 45 degrees is a diamond, one that leans is cu
 	CHECK(density_of(slab, {middle - width - 1e-6, 1.0, 0.0}) == 0.0);
 }
 
-TEST_CASE("shapes: boxes, spheres and cylinders at any turn are as deep as a search says, and as their shadows are") {
+TEST_CASE("shapes: depths of rotated boxes, spheres and cylinders match a search, and their shadows") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (int round = 0; round < 60; ++round) {
 		for (const ShapeKind kind : {ShapeKind::box, ShapeKind::sphere, ShapeKind::cylinder}) {
 			Shape shape = random_volume(kind, random);
-			shape.falloff = 100.0; // More than any depth here, so that the influence tells the depth.
+			shape.falloff = 100.0; // Larger than any depth here, so that the influence reveals the depth.
 			for (const bool ignore_height : {false, true}) {
 				shape.ignore_height = ignore_height;
 				const ShapeSet set = set_of({shape});
@@ -100,7 +100,7 @@ TEST_CASE("shapes: boxes, spheres and cylinders at any turn are as deep as a sea
 	}
 }
 
-TEST_CASE("shapes: without height, a flat box is as deep as it is wide and counts at any height") {
+TEST_CASE("shapes: a box without height is as deep as it is wide and applies at any height") {
 	Shape flat_box = box({0.0, 50.0, 0.0}, {30.0, 0.01, 20.0});
 	flat_box.falloff = 10.0;
 	flat_box.ignore_height = true;
@@ -115,7 +115,7 @@ TEST_CASE("shapes: without height, a flat box is as deep as it is wide and count
 	CHECK(density_of(set_of({flat_box}), {0.0, 0.0, 0.0}) == 0.0);
 }
 
-TEST_CASE("shapes: a cylinder that lies on its side casts a rectangle, one upright a circle") {
+TEST_CASE("shapes: a cylinder on its side casts a rectangle, an upright one a circle") {
 	Shape lying = cylinder(2.0, 10.0);
 	lying.ignore_height = true;
 	lying.falloff = 100.0;
@@ -132,7 +132,7 @@ TEST_CASE("shapes: a cylinder that lies on its side casts a rectangle, one uprig
 	CHECK(density_of(upright, {0.6, 77.0, 0.8}) == 0.01);
 }
 
-TEST_CASE("shapes: a leaning cylinder's shadow is as deep as a search says, at every lean") {
+TEST_CASE("shapes: the depth of a leaning cylinder's shadow matches a search, at every angle") {
 	for (int degrees = 1; degrees < 90; degrees += 8) {
 		const double angle = degrees * std::numbers::pi / 180.0;
 		Shape leaning = cylinder(6.0, 3.0);
@@ -150,7 +150,7 @@ TEST_CASE("shapes: a leaning cylinder's shadow is as deep as a search says, at e
 	}
 }
 
-TEST_CASE("shapes: axes as inexact as an engine's floats move no border") {
+TEST_CASE("shapes: axes with single-precision errors move no border") {
 	Shape large = box({0.0, 0.0, 0.0}, {1e6, 1e6, 1e6});
 	large.axes = glm::dmat3({1.0 + 4e-7, 0.0, 0.0}, {4e-7, 1.0 - 4e-7, 0.0}, {0.0, 0.0, 1.0 - 4e-7});
 	for (const bool ignore_height : {false, true}) {
@@ -162,7 +162,7 @@ TEST_CASE("shapes: axes as inexact as an engine's floats move no border") {
 	}
 }
 
-TEST_CASE("shapes: bounds hold the border and no more than a hair beside it") {
+TEST_CASE("shapes: bounds contain the border with a minimal margin") {
 	const Shape shape = box({10.0, 0.0, -200.0}, {4.0, 1.0, 8.0});
 	const Shape ring = [] {
 		Shape path;
@@ -180,10 +180,10 @@ TEST_CASE("shapes: bounds hold the border and no more than a hair beside it") {
 			CHECK(!reach.contains(beside));
 		}
 	}
-	CHECK(bounds(box({-3.0, 0.0, -4.0}, {3.0, 1.0, 4.0})).contains({0.0, 0.0})); // A border at 0 has its hair too.
+	CHECK(bounds(box({-3.0, 0.0, -4.0}, {3.0, 1.0, 4.0})).contains({0.0, 0.0})); // A border at 0 has the margin, too.
 }
 
-TEST_CASE("shapes: the strongest including shape times what the strongest excluding one leaves") {
+TEST_CASE("shapes: the strongest including shape times the remainder of the strongest excluding one") {
 	Shape wide = box({0.0, 0.0, 0.0}, {100.0, 100.0, 100.0});
 	wide.falloff = 100.0;
 	Shape narrow = box({0.0, 0.0, 0.0}, {10.0, 100.0, 10.0});
@@ -197,15 +197,15 @@ TEST_CASE("shapes: the strongest including shape times what the strongest exclud
 	CHECK(density_of(set_of({}), {3.0, 0.0, 0.0}) == 1.0);
 	CHECK(density_of(set_of({wide, narrow}), {0.0, 0.0, 0.0}) == 1.0); // 1 and 0.5: no sum, no product.
 	CHECK(density_of(set_of({narrow, wide}), {50.0, 0.0, 0.0}) == 0.5);
-	CHECK(density_of(set_of({hole}), {20.0, 0.0, 0.0}) == 1.0); // Nothing includes, so all is included.
+	CHECK(density_of(set_of({hole}), {20.0, 0.0, 0.0}) == 1.0); // Without an including shape, everything is included.
 	CHECK(density_of(set_of({hole}), {6.0, 0.0, 0.0}) == 0.75);
-	CHECK(density_of(set_of({hole, smaller_hole}), {2.0, 0.0, 0.0}) == 0.25); // 0.75 and 0.25 taken away.
+	CHECK(density_of(set_of({hole, smaller_hole}), {2.0, 0.0, 0.0}) == 0.25); // 0.75 and 0.25 are excluded.
 	CHECK(density_of(set_of({smaller_hole, hole}), {2.0, 0.0, 0.0}) == 0.25);
 	CHECK(density_of(set_of({hole, narrow}), {6.0, 0.0, 0.0}) == 0.75 * 0.2);
 	CHECK(density_of(set_of({wide, hole}), {0.0, 0.0, 0.0}) == 0.0);
 }
 
-TEST_CASE("shapes: where only a far shape includes, nothing is included; where only a far one excludes, all is") {
+TEST_CASE("shapes: if the only including shape is far, nothing is included; an excluding one alone has no effect") {
 	Shape far = box({1e6, 0.0, 0.0}, {10.0, 10.0, 10.0});
 	const Rect here{{-50.0, -50.0}, {50.0, 50.0}};
 	std::vector<std::uint32_t> near{7};
@@ -224,7 +224,7 @@ TEST_CASE("shapes: where only a far shape includes, nothing is included; where o
 	CHECK(set_of({}).empty());
 }
 
-TEST_CASE("shapes: near gives the shapes that touch an area, in order, and bounds hold all that a shape changes") {
+TEST_CASE("shapes: near returns the shapes that touch an area, in order, and bounds contain all changes") {
 	std::mt19937 random(5);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (int round = 0; round < 20; ++round) {
@@ -248,7 +248,7 @@ TEST_CASE("shapes: near gives the shapes that touch an area, in order, and bound
 				CHECK((density_of(lonely, place) == 0.0 || reach.contains({place.x, place.z})));
 			}
 		}
-		// The area that `near` was asked for changes no bit.
+		// The area passed to `near` changes no bit of the density.
 		for (int k = 0; k < 50; ++k) {
 			const glm::dvec3 place(area.center().x + unit(random) * 0.5 * area.size().x, 10.0 * unit(random),
 					area.center().y + unit(random) * 0.5 * area.size().y);
@@ -263,7 +263,7 @@ TEST_CASE("shapes: moving, adding or removing one changes nothing outside its ol
 	int changed = 0;
 	for (int round = 0; round < 40; ++round) {
 		std::vector<Shape> shapes = random_shapes(8, random);
-		shapes[0].exclude = false; // The first and the last including shape switch all the rest of the world.
+		shapes[0].exclude = false; // The first and the last including shape change the rest of the world.
 		const ShapeSet before = set_of(shapes);
 		const std::size_t moved = 1 + random() % 7;
 		const Rect old_bounds = bounds(shapes[moved]);
@@ -291,7 +291,7 @@ TEST_CASE("shapes: moving, adding or removing one changes nothing outside its ol
 	CHECK(changed > 300);
 }
 
-TEST_CASE("shapes: far from the origin a shape is the same to the grain of the coordinates") {
+TEST_CASE("shapes: far from the origin, a shape is the same within the precision of the coordinates") {
 	std::mt19937 random(7);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	const glm::dvec2 far(1e7, -1e7);
@@ -303,7 +303,7 @@ TEST_CASE("shapes: far from the origin a shape is the same to the grain of the c
 		}
 		const ShapeSet near_set = set_of({shape});
 		const ShapeSet far_set = set_of({moved});
-		const double grain = 1e-8; // Of a double at 1e7 m, several roundings.
+		const double grain = 1e-8; // Several roundings of a double at 1e7 m.
 		for (int k = 0; k < 100; ++k) {
 			const glm::dvec3 place(60.0 * unit(random), 5.0 * unit(random), 60.0 * unit(random));
 			const double here = density_of(near_set, place);
@@ -322,7 +322,7 @@ TEST_CASE("shapes: a position that is not finite has a density of 0") {
 	CHECK(set.density({}, {9.0, 0.0, 0.0}) == 1.0);
 }
 
-TEST_CASE("shapes: a refused shape names what is wrong, and the set stays as it was") {
+TEST_CASE("shapes: errors name the refused property, and the set stays unchanged") {
 	ShapeSet set = set_of({box({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});
 	const ShapeSet before = set;
 	const Shape good_box = box({0.0, 0.0, 0.0}, {2.0, 2.0, 2.0});
@@ -360,7 +360,7 @@ TEST_CASE("shapes: a refused shape names what is wrong, and the set stays as it 
 	refuse(good_polygon, [](Shape &s) { s.outline[2].x = -2e9; }, ErrorCode::out_of_range, "outline", -2e9);
 	refuse(good_box, [](Shape &s) { s.kind = static_cast<ShapeKind>(9); }, ErrorCode::out_of_range, "kind", 9.0);
 
-	// What a kind does not use is not looked at; axes from floats are near enough.
+	// Properties that a kind does not use are not checked. Axes from floats are accurate enough.
 	Shape sphere = good_box;
 	sphere.kind = ShapeKind::sphere;
 	sphere.axes = glm::dmat3(0.0);
@@ -372,8 +372,8 @@ TEST_CASE("shapes: a refused shape names what is wrong, and the set stays as it 
 	CHECK(validate(rounded).ok());
 }
 
-TEST_CASE("shapes: those that a place lies outside of, and those that can add nothing, are not computed") {
-	// Of the box, all is computed in whole numbers; of the spheres, nothing is.
+TEST_CASE("shapes: shapes that miss the position or cannot change the result are not computed") {
+	// The box is computed in whole numbers; the spheres would be rounded.
 	const Shape box{.kind = ShapeKind::box, .half_size = {4.0, 4.0, 4.0}, .outline = {}};
 	const auto sphere = [](double x, bool exclude) {
 		return Shape{.kind = ShapeKind::sphere,
@@ -393,7 +393,7 @@ TEST_CASE("shapes: those that a place lies outside of, and those that can add no
 		return computed;
 	};
 	CHECK(computes_sphere({box, sphere(0.3, true)}));
-	CHECK_FALSE(computes_sphere({box, sphere(30.3, true)})); // Elsewhere.
-	CHECK_FALSE(computes_sphere({box, sphere(0.3, false)})); // Includes what is included.
+	CHECK_FALSE(computes_sphere({box, sphere(30.3, true)})); // Too far away.
+	CHECK_FALSE(computes_sphere({box, sphere(0.3, false)})); // Includes an area that is already included.
 	CHECK(computes_sphere({sphere(0.3, false), box}));
 }

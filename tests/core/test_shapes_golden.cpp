@@ -34,7 +34,7 @@ private:
 	std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-/// From -1 to 1, the same with every library.
+/// A random number from -1 to 1, the same with every library.
 double symmetric(std::mt19937 &random) { return std::ldexp(static_cast<double>(random()), -31) - 1.0; }
 
 glm::dvec3 vector(std::mt19937 &random) {
@@ -43,7 +43,7 @@ glm::dvec3 vector(std::mt19937 &random) {
 	return {x, y, symmetric(random)};
 }
 
-/// The turn of a random quaternion: no sine.
+/// The rotation of a random quaternion, computed without a sine.
 glm::dmat3 turn(std::mt19937 &random) {
 	const glm::dvec3 v = vector(random);
 	const double w = symmetric(random);
@@ -54,7 +54,7 @@ glm::dmat3 turn(std::mt19937 &random) {
 }
 
 void add(Digest &r_digest, const Ground &ground) {
-	const bool none = std::isnan(ground.height); // A NAN has many bit patterns.
+	const bool none = std::isnan(ground.height); // NAN has many bit patterns.
 	r_digest.add(none ? -1e9f : ground.height);
 	r_digest.add(ground.normal.x);
 	r_digest.add(ground.normal.y);
@@ -64,7 +64,7 @@ void add(Digest &r_digest, const Ground &ground) {
 
 } // namespace
 
-TEST_CASE("golden: shapes of all kinds have the same bits with every compiler and on every machine") {
+TEST_CASE("golden: shapes of all kinds are bit-identical with every compiler and on every machine") {
 	std::mt19937 random(1);
 	Digest digest;
 	for (int i = 0; i < 200; ++i) {
@@ -87,7 +87,7 @@ TEST_CASE("golden: shapes of all kinds have the same bits with every compiler an
 	CHECK(digest.value() == 14724566284880518624u);
 }
 
-TEST_CASE("golden: ground from triangles and from posts in meters has the same bits everywhere") {
+TEST_CASE("golden: ground from triangles and from posts in meters is bit-identical everywhere") {
 	std::mt19937 random(2);
 	std::vector<glm::dvec3> corners;
 	for (int i = 0; i < 900; ++i) {

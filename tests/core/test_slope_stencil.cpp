@@ -14,7 +14,7 @@ namespace {
 
 constexpr float missing = std::numeric_limits<float>::quiet_NaN();
 
-/// Heights of a plane at the stencil's places.
+/// Heights of a plane at the stencil's positions.
 std::array<float, 4> plane(const SlopeStencil &stencil, double x, double z) {
 	std::array<float, 4> heights{};
 	for (std::size_t i = 0; i < heights.size(); ++i) {
@@ -26,7 +26,7 @@ std::array<float, 4> plane(const SlopeStencil &stencil, double x, double z) {
 
 } // namespace
 
-TEST_CASE("slope stencil: a plane has its normal anywhere") {
+TEST_CASE("slope stencil: a plane has its normal everywhere") {
 	for (const double far : {0.0, -3.7, 1e3, -1e6, 3.3e6, 9.9e6, -1e9}) {
 		const SlopeStencil stencil({far, -far + 0.3});
 		const glm::vec3 normal = stencil.normal(0.0F, plane(stencil, 2.0, -0.5));
@@ -36,7 +36,7 @@ TEST_CASE("slope stencil: a plane has its normal anywhere") {
 	}
 }
 
-TEST_CASE("slope stencil: places are floats, half a meter away where floats allow") {
+TEST_CASE("slope stencil: positions are floats, half a meter away where precision permits") {
 	for (const double x : {0.0, 12.345678901234, -1e6, 1e7, -3e8}) {
 		const SlopeStencil stencil({x, 7.0});
 		for (const glm::dvec2 &place : stencil.positions()) {
@@ -51,7 +51,7 @@ TEST_CASE("slope stencil: places are floats, half a meter away where floats allo
 	}
 }
 
-TEST_CASE("slope stencil: beside a hole the slope is that of the ground that is left") {
+TEST_CASE("slope stencil: beside a hole, the slope is that of the remaining ground") {
 	const SlopeStencil stencil({100.0, -50.0});
 	std::array<float, 4> heights = plane(stencil, 1.0, -1.0);
 	const glm::vec3 whole = stencil.normal(0.0F, heights);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double radian = std::numbers::pi / 180.0;
 
-/// A normal that is inclined by so many degrees, towards any side.
+/// A normal with a slope of this many degrees, in any direction.
 glm::vec3 inclined(double degrees, double heading, double length = 1.0) {
 	const double across = length * std::sin(degrees * radian);
 	return {across * std::cos(heading * radian), length * std::cos(degrees * radian),
@@ -28,7 +28,7 @@ glm::vec3 inclined(double degrees, double heading, double length = 1.0) {
 
 } // namespace
 
-TEST_CASE("slopes are true degrees") {
+TEST_CASE("slopes are accurate in degrees") {
 	for (double degrees = 0.0; degrees <= 180.0; degrees += 0.25) {
 		for (const double heading : {0.0, 77.0, 200.0}) {
 			const glm::vec3 normal = inclined(degrees, heading);
@@ -45,11 +45,11 @@ TEST_CASE("slopes are true degrees") {
 	CHECK(std::isnan(slope_degrees({std::nanf(""), 1.0f, 0.0f})));
 }
 
-TEST_CASE("slopes whose angle is not asked for have the same density") {
+TEST_CASE("slopes that need no angle have the same density") {
 	std::mt19937 random(7); // NOLINT(cert-msc32-c,cert-msc51-cpp): the same slopes in every run.
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	std::size_t known = 0;
-	std::size_t asked = 0;
+	std::size_t queried = 0;
 	for (int i = 0; i < 400; ++i) {
 		const double one = i % 7 == 0 ? 0.0 : 90.0 * unit(random);
 		const double other = i % 5 == 0 ? 90.0 : i % 11 == 0 ? 90.0 - 1e-4 * unit(random) : 90.0 * unit(random);
@@ -62,7 +62,7 @@ TEST_CASE("slopes whose angle is not asked for have the same density") {
 		CAPTURE(falloff);
 		for (int j = 0; j < 250; ++j) {
 			const std::array<double, 5> edges{low, low + falloff, high - falloff, high, 90.0 * unit(random)};
-			// At the edges, where one ends and the other begins, and anywhere.
+			// At the edges, where one range ends and the next begins, and anywhere else.
 			const double degrees = std::clamp(
 					edges[static_cast<std::size_t>(j % 5)] + (unit(random) - 0.5) * (j % 2 == 0 ? 1e-5 : 1e-2), 0.0,
 					89.9999);
@@ -72,8 +72,8 @@ TEST_CASE("slopes whose angle is not asked for have the same density") {
 			const std::optional<double> without = range.density_without_angle(normal);
 			CHECK((!without.has_value() || *without == exact));
 			known += j % 5 == 4 && without.has_value() ? 1 : 0;
-			asked += j % 5 == 4 ? 1 : 0;
+			queried += j % 5 == 4 ? 1 : 0;
 		}
 	}
-	CHECK(static_cast<double>(known) > 0.7 * static_cast<double>(asked));
+	CHECK(static_cast<double>(known) > 0.7 * static_cast<double>(queried));
 }

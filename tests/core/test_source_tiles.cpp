@@ -1,4 +1,4 @@
-// Colors and variations that follow height, slope, noise, rank or the distance to another layer, in whole tiles.
+// Colors and variations in whole tiles, following height, slope, noise, rank or the distance to another layer.
 
 #include "core/base/trigonometry.hpp"
 #include "core/base/word_hash.hpp"
@@ -45,7 +45,7 @@ Look look_of(const TileInstances &tile) {
 	return result;
 }
 
-/// The points of a set by id, as exactly as the set says.
+/// The points of a set by id, with the set's precision.
 std::map<std::uint64_t, glm::dvec2> points_of(const PointSet &set, const Rect &rect) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -57,7 +57,7 @@ std::map<std::uint64_t, glm::dvec2> points_of(const PointSet &set, const Rect &r
 	return result;
 }
 
-/// Where the instances of a layer stand.
+/// The positions of a layer's instances.
 std::vector<glm::dvec2> places(const LayerSettings &layer, const Terrain &terrain, const Rect &rect) {
 	const auto points = points_of(layer.set, rect);
 	std::vector<glm::dvec2> result;
@@ -67,7 +67,7 @@ std::vector<glm::dvec2> places(const LayerSettings &layer, const Terrain &terrai
 	return result;
 }
 
-/// What a source finds at an instance, without anything of what is tested.
+/// Evaluates a source at an instance, sharing no code with the tested implementation.
 class Finder {
 public:
 	explicit Finder(const Terrain &terrain, const Rect &rect) :
@@ -101,7 +101,7 @@ private:
 
 } // namespace
 
-TEST_CASE("sources: colors and variations are what each source says at the instance") {
+TEST_CASE("sources: colors and variations match each source's value at the instance") {
 	const Heightfield terrain = hills();
 	const Finder finder(terrain, tile_of_hills);
 	const auto points = points_of(rich_layer().set, tile_of_hills);
@@ -122,12 +122,12 @@ TEST_CASE("sources: colors and variations are what each source says at the insta
 			const double other = share(variation, finder.at(variation.kind, points.at(id), seen.rank));
 			CHECK(std::abs(double{seen.variation} - other) < 1e-3);
 		}
-		CHECK(between > 100); // The range is met, and its lower end, too.
+		CHECK(between > 100); // The range is reached, including its lower end.
 		CHECK((first > 10 || kinds[i] == SourceKind::rank));
 	}
 }
 
-TEST_CASE("sources: nothing else of a tile follows them") {
+TEST_CASE("sources: they affect no other data of a tile") {
 	const Heightfield terrain = hills();
 	const TileInstances before = built(following({}, {}), terrain, tile_of_hills);
 	for (const SourceKind kind : kinds) {
@@ -145,7 +145,7 @@ TEST_CASE("sources: nothing else of a tile follows them") {
 	}
 }
 
-TEST_CASE("sources: what is random alone has the bits of a layer without sources") {
+TEST_CASE("sources: purely random values are bit-identical to a layer without sources") {
 	const Heightfield terrain = hills();
 	const std::uint64_t plain = digest(built(following({}, {}), terrain, tile_of_hills));
 	for (const SourceKind kind : kinds) {
@@ -154,12 +154,12 @@ TEST_CASE("sources: what is random alone has the bits of a layer without sources
 		CHECK(digest(built(following(source, source), terrain, tile_of_hills)) == plain);
 	}
 	for (const SourceKind kind : {SourceKind::noise, SourceKind::distance}) {
-		InstanceSource source{.kind = kind}; // Of a noise and of a layer that are not there.
+		InstanceSource source{.kind = kind}; // A noise and a layer that are not set.
 		CHECK(digest(built(following(source, source), terrain, tile_of_hills)) == plain);
 	}
 }
 
-TEST_CASE("sources: some randomness spreads over its part of the gradient, evenly") {
+TEST_CASE("sources: randomness spreads values evenly over its share of the gradient") {
 	const Heightfield terrain = hills();
 	InstanceSource source = source_of(SourceKind::height);
 	const Look sharp = look_of(built(following(source, {}), terrain, tile_of_hills));
@@ -176,7 +176,7 @@ TEST_CASE("sources: some randomness spreads over its part of the gradient, evenl
 	CHECK(sum / static_cast<double>(spread.size()) == doctest::Approx(0.1).epsilon(0.1));
 }
 
-TEST_CASE("sources: tiles of any size and order, and threads, give the same looks") {
+TEST_CASE("sources: tiles of any size and order, and threads, produce the same values") {
 	const Heightfield terrain = hills();
 	for (std::size_t i = 0; i < kinds.size(); ++i) {
 		CAPTURE(i);
@@ -200,7 +200,7 @@ TEST_CASE("sources: tiles of any size and order, and threads, give the same look
 	}
 }
 
-TEST_CASE("sources: the other layer gives way to its own neighbors first, which changes what is near") {
+TEST_CASE("sources: the other layer yields to its own neighbors first, which changes the nearest instance") {
 	const Heightfield terrain = hills();
 	auto stones = std::make_shared<LayerSettings>();
 	stones->set = {.seed = 5, .radius = 6.0, .levels = 1, .layer = 9};
@@ -232,7 +232,7 @@ TEST_CASE("sources: the other layer gives way to its own neighbors first, which 
 	}
 }
 
-TEST_CASE("sources: looks are the same bits on every machine") {
+TEST_CASE("sources: values are bit-identical on every machine") {
 	const Heightfield terrain = hills();
 	WordHash hash;
 	for (std::size_t i = 0; i < kinds.size(); ++i) {
@@ -244,7 +244,7 @@ TEST_CASE("sources: looks are the same bits on every machine") {
 	CHECK(hash.value() == 7585625650852969798u);
 }
 
-TEST_CASE("sources: nothing is allocated once warm") {
+TEST_CASE("sources: no allocations once warm") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = following(source_of(SourceKind::noise), source_of(SourceKind::distance));
 	TileBuilder builder;
@@ -259,14 +259,14 @@ TEST_CASE("sources: nothing is allocated once warm") {
 	CHECK(after == before);
 }
 
-TEST_CASE("sources: cancelling ends the look at them") {
+TEST_CASE("sources: cancelling ends their evaluation") {
 	class Cancelling final : public DensityField {
 	public:
 		explicit Cancelling(std::atomic<bool> &cancel) : cancel_(cancel) {}
 
 		Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override {
 			CHECK(positions.size() == r_density.size());
-			CHECK_FALSE(cancel_.exchange(true)); // Nobody asks again.
+			CHECK_FALSE(cancel_.exchange(true)); // There is no second call.
 			return {};
 		}
 
@@ -283,7 +283,7 @@ TEST_CASE("sources: cancelling ends the look at them") {
 	CHECK(TileBuilder().build(layer, terrain, tile_of_hills, tile, &cancel).code == ErrorCode::cancelled);
 }
 
-TEST_CASE("sources: ground in two steps gives the tile that one step gives") {
+TEST_CASE("sources: building in two steps produces the same tile as in one") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = following(source_of(SourceKind::distance), source_of(SourceKind::slope));
 	TileBuilder builder;

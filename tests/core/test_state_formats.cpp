@@ -1,4 +1,4 @@
-// States and diffs that release 0.2.0 wrote are read, and what is written now is small and in order.
+// States and diffs of release 0.2.0 load, and the current format is small and ordered.
 
 #include "core/state/diff_summary.hpp"
 #include "core/state/state_format.hpp"
@@ -10,7 +10,7 @@ using namespace thicket;
 
 namespace {
 
-/// Release 0.2.0 wrote both: a state with something of every kind, and what had changed five changes later.
+/// Release 0.2.0 wrote both: a state with every kind of content, and its diff after five more changes.
 constexpr std::string_view former_state = "545354410100000000000000000000044003000100efcdab9078563412020000000000000000"
 										  "00030000000000000000000400000000000000"
 										  "000006000000ee87abaaaaaaaa0a0000000000aaaaaaaaaaaa0400000000000a00000000803b"
@@ -45,7 +45,7 @@ StateBytes bytes_from(std::string_view hex) {
 
 } // namespace
 
-TEST_CASE("state formats: a state of release 0.2.0 and a diff of it are read, and give what they gave there") {
+TEST_CASE("state formats: a state and a diff of release 0.2.0 load with the same content") {
 	InstanceState state;
 	std::vector<InstanceChange> changes;
 	REQUIRE(state.load(bytes_from(former_state), changes).ok());
@@ -61,7 +61,7 @@ TEST_CASE("state formats: a state of release 0.2.0 and a diff of it are read, an
 	CHECK(state.added(first_oak) == nullptr);
 	CHECK(state.added(second_oak)->position.x == 7.0);
 	CHECK(state.time() == 3.5);
-	// Again, and as what is written now.
+	// A second time, and in the current format.
 	changes.clear();
 	REQUIRE(state.apply(bytes_from(former_diff), changes).ok());
 	CHECK(changes.empty());
@@ -69,7 +69,7 @@ TEST_CASE("state formats: a state of release 0.2.0 and a diff of it are read, an
 	CHECK(copy_of(state).digest() == digest_after);
 }
 
-TEST_CASE("state formats: damaged bytes of release 0.2.0 are refused, and what is read is written again") {
+TEST_CASE("state formats: damaged bytes of release 0.2.0 are refused, and loaded ones can be saved") {
 	for (const std::string_view hex : {former_state, former_diff}) {
 		const StateBytes whole = bytes_from(hex);
 		StateRecord record;
@@ -92,7 +92,7 @@ TEST_CASE("state formats: damaged bytes of release 0.2.0 are refused, and what i
 	}
 }
 
-TEST_CASE("state formats: a felling takes few bytes in the diff of a named state") {
+TEST_CASE("state formats: the diff of a single removal is small for a named state") {
 	InstanceState server;
 	server.set_origin(0x0123456789abcdef);
 	REQUIRE(server.claim(1, 0x1234567890abcdef).ok());
@@ -101,13 +101,13 @@ TEST_CASE("state formats: a felling takes few bytes in the diff of a named state
 	}
 	const std::uint64_t known = server.revision();
 	server.remove(point_id(1, 55, 555));
-	CHECK(diff_of(server, known).size() <= 60); // 68 in release 0.2.0, which names no sender and no order.
+	CHECK(diff_of(server, known).size() <= 60); // 68 in release 0.2.0, which stores neither sender nor order.
 	const std::size_t many = diff_of(server, 0).size();
 	CHECK(many < 3 * server.removed_count());
 	CHECK(many <= 315); // 318 in release 0.2.0.
 }
 
-TEST_CASE("state formats: the front of a diff says who wrote it and which changes it holds") {
+TEST_CASE("state formats: the header of a diff names its sender and its range of changes") {
 	InstanceState server;
 	server.set_origin(77);
 	server.remove(point_id(1, 1, 1));

@@ -1,4 +1,4 @@
-// States without an authority are joined: in any order, with losses and repetitions, they end with the same.
+// States without an authority are joined. With any order, losses and repetitions, they end with the same content.
 
 #include "pending_diff_fixture.hpp"
 
@@ -28,7 +28,7 @@ InstanceState joined(const InstanceState &left, const InstanceState &right) {
 	return result;
 }
 
-/// A state with its clock at a time.
+/// A state whose clock is at `time`.
 InstanceState state_at(double time) {
 	InstanceState state;
 	Changes changes;
@@ -40,7 +40,7 @@ void set(InstanceState &r_state, std::uint64_t id, StateBytes data) { REQUIRE(r_
 
 } // namespace
 
-TEST_CASE("state join: both directions hold the same, to the byte") {
+TEST_CASE("state join: both directions have equal bytes") {
 	StateRandom random(41);
 	for (int round = 0; round < 200; ++round) {
 		const InstanceState a = some_state(random(), 60);
@@ -53,7 +53,7 @@ TEST_CASE("state join: both directions hold the same, to the byte") {
 	}
 }
 
-TEST_CASE("state join: of two data the later count, of the same time the greater bytes") {
+TEST_CASE("state join: of two data, the later ones win, or the greater bytes at equal times") {
 	const std::uint64_t id = point_id(1, 2, 3);
 	InstanceState early = state_at(10.0);
 	InstanceState late = state_at(20.0);
@@ -65,18 +65,18 @@ TEST_CASE("state join: of two data the later count, of the same time the greater
 	set(same, id, {1, 0});
 	CHECK(joined(same, late).data(id).size() == 2);
 	CHECK(joined(late, same).data(id).size() == 2);
-	// A write that replaces another one counts as later, also where the clock is behind that.
+	// A write that replaces data counts as later, even if the clock is behind.
 	InstanceState behind = joined(state_at(5.0), early);
 	set(behind, id, {3});
 	CHECK(joined(early, behind).data(id)[0] == 3);
-	// The same data again are no new write.
+	// Writing the same data is no new write.
 	Changes changes;
 	REQUIRE(early.advance(90.0, changes).ok());
 	set(early, id, {9, 9});
 	CHECK(joined(early, late).data(id).size() == 1);
 }
 
-TEST_CASE("state join: of two places of one instance the later counts") {
+TEST_CASE("state join: of two positions of an instance, the later one wins") {
 	InstanceState a = state_at(1.0);
 	const std::uint64_t id = added_to(a, instance_at(1.0, 2.0));
 	InstanceState b = copy_of(a);
@@ -88,7 +88,7 @@ TEST_CASE("state join: of two places of one instance the later counts") {
 	REQUIRE(a.move(id, instance_at(7.0, 2.0), moved, changes).ok());
 	CHECK(joined(a, b).added(id)->position.x == 7.0);
 	CHECK(joined(b, a).added(id)->position.x == 7.0);
-	// At the same time the one that stands further along x counts.
+	// At equal times, the larger x wins.
 	InstanceState c = copy_of(b);
 	REQUIRE(c.move(id, instance_at(60.0, 2.0), moved, changes).ok());
 	InstanceState d = copy_of(b);
@@ -97,7 +97,7 @@ TEST_CASE("state join: of two places of one instance the later counts") {
 	CHECK(joined(d, c).added(id)->position.x == 60.0);
 }
 
-TEST_CASE("state join: what is restored, taken away or erased comes back from who still has it") {
+TEST_CASE("state join: restoring, removing and erasing is undone by a peer without that change") {
 	InstanceState a;
 	const std::uint64_t point = point_id(1, 4, 4);
 	a.remove(point);
@@ -116,7 +116,7 @@ TEST_CASE("state join: what is restored, taken away or erased comes back from wh
 	CHECK(bytes_of(a) == bytes_of(b));
 }
 
-TEST_CASE("state join: what is due by the later clock stands") {
+TEST_CASE("state join: instances that are due by the later clock are restored") {
 	const std::uint64_t id = point_id(1, 4, 4);
 	InstanceState a = state_at(10.0);
 	a.remove(id, 20.0);
@@ -128,7 +128,7 @@ TEST_CASE("state join: what is due by the later clock stands") {
 	REQUIRE(later.merge(b, changes).ok());
 	REQUIRE(changes.size() == 1);
 	CHECK(changes[0].kind == InstanceChangeKind::restored);
-	// The clock of a diff counts as far as the limits allow.
+	// The clock of a diff counts up to the limits.
 	InstanceState bounded = copy_of(a);
 	DiffLimits limits;
 	limits.max_clock_advance = 5.0;
@@ -137,7 +137,7 @@ TEST_CASE("state join: what is due by the later clock stands") {
 	CHECK(bounded.removed(id));
 }
 
-TEST_CASE("state join: four peers who all edit, over a channel that reorders, loses and repeats, end with the same") {
+TEST_CASE("state join: four editing peers converge over a channel that reorders, loses and repeats") {
 	StateRandom random(42);
 	for (int run = 0; run < 20; ++run) {
 		std::array<InstanceState, 4> peers;

@@ -19,7 +19,7 @@ TEST_CASE("statuses: a sentence names property, allowed range, value and remedy"
 	CHECK(describe(Status::wrong_size("pixels", 3, exactly(4))) == "pixels has the wrong size, must be 4, got 3");
 	CHECK(describe(Status::missing("terrain", "Set one")) == "terrain is missing. Set one");
 	CHECK(describe(Status::too_many_points("rect", 6.5e9, 1e8, "Ask for less")) ==
-			"rect asks for too many points, got 6500000000; at most 100000000 are made at once. Ask for less");
+			"rect requires too many points, got 6500000000; at most 100000000 are allowed in one call. Ask for less");
 }
 
 TEST_CASE("statuses: the range that is checked is the range that is printed") {
@@ -34,7 +34,7 @@ TEST_CASE("statuses: the range that is checked is the range that is printed") {
 	CHECK(check_order("max_height", 5.0, inverted.allowed.min).ok());
 }
 
-TEST_CASE("statuses: a view distance beyond the tiles names the limit and what to change") {
+TEST_CASE("statuses: a view distance beyond the tiles names the limit and the remedy") {
 	const Status status = validate(StreamLayer{.tile_size = 16.0, .view_distance = 1500.0});
 	CHECK(describe(status) ==
 			"view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Raise tile_size or lower "

@@ -14,7 +14,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("streaming: one viewer gets exactly the tiles about it, nearest first, over all layers") {
+TEST_CASE("streaming: one viewer gets exactly the tiles around it, nearest first, over all layers") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{10.0, -20.0}}};
 	CHECK_FALSE(stage.streamer.idle());
@@ -39,14 +39,14 @@ TEST_CASE("streaming: one viewer gets exactly the tiles about it, nearest first,
 	stage.finish_all();
 	check_view(stage, two_layers, viewers);
 
-	// Nothing is asked for twice.
+	// Nothing is requested twice.
 	stage.update(viewers);
 	CHECK(stage.changes.empty());
 	CHECK(stage.streamer.idle());
 	CHECK(stage.streamer.counts().waiting == 0);
 }
 
-TEST_CASE("streaming: few at a time come nearest first, from where the viewer is by then") {
+TEST_CASE("streaming: a few at a time are nearest first, from the viewer's current position") {
 	Stage stage({{32.0, 320.0}});
 	stage.update({{{0.0, 0.0}}}, 4);
 	CHECK(stage.changes.request.size() == 4);
@@ -54,7 +54,7 @@ TEST_CASE("streaming: few at a time come nearest first, from where the viewer is
 	stage.update({{{0.0, 0.0}}}, 4);
 	CHECK(stage.changes.empty());
 	stage.finish_all();
-	// 200 m on, what lies there comes before what is nearer to the old place.
+	// After 200 m, tiles there come before tiles that are nearer to the old position.
 	stage.update({{{200.0, 0.0}}}, 4);
 	REQUIRE(stage.changes.request.size() == 4);
 	for (const TileRequest &request : stage.changes.request) {
@@ -83,7 +83,7 @@ TEST_CASE("streaming: going back and forth loads nothing twice") {
 	check_view(stage, layers, {{{500.0, 0.0}}});
 }
 
-TEST_CASE("streaming: a small step costs no look, and still all in view is there") {
+TEST_CASE("streaming: a small step needs no check, and everything in view is still loaded") {
 	const std::vector<StreamLayer> layers{{40.0, 200.0}};
 	Stage stage(layers);
 	stage.settle({{{1.0, 1.0}}});
@@ -118,7 +118,7 @@ TEST_CASE("streaming: several viewers, near each other and apart, each with its 
 	check_view(stage, two_layers, viewers);
 	stage.settle({viewers[2]});
 	check_view(stage, two_layers, {viewers[2]});
-	// It stays where it is and sees farther, then less.
+	// It stays in place, but sees farther, then less far.
 	for (const double scale : {2.0, 0.5}) {
 		stage.settle({{viewers[2].position, scale}});
 		check_view(stage, two_layers, {{viewers[2].position, scale}});
@@ -128,13 +128,13 @@ TEST_CASE("streaming: several viewers, near each other and apart, each with its 
 	CHECK(stage.pending.empty());
 }
 
-TEST_CASE("streaming: a server with 300 players serves each of them") {
+TEST_CASE("streaming: a server with 300 players") {
 	Stage stage(two_layers);
 	std::vector<Viewer> viewers;
 	for (int player = 0; player < 300; ++player) {
 		viewers.push_back({{1000.0 * (player % 20), 1000.0 * (player / 20)}});
 	}
-	for (int round = 0; round < 200 && !stage.streamer.idle(); ++round) { // So many tiles take many updates.
+	for (int round = 0; round < 200 && !stage.streamer.idle(); ++round) { // This many tiles take many updates.
 		stage.update(viewers);
 		stage.finish_all();
 	}
@@ -142,7 +142,7 @@ TEST_CASE("streaming: a server with 300 players serves each of them") {
 	check_view(stage, two_layers, viewers);
 }
 
-TEST_CASE("streaming: viewers are followed until one has moved so far that other tiles may be wanted") {
+TEST_CASE("streaming: no update is needed until a viewer has moved far enough for other tiles") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}, {{500.0, 0.0}}};
 	CHECK_FALSE(stage.streamer.follows(viewers));
@@ -161,7 +161,7 @@ TEST_CASE("streaming: viewers are followed until one has moved so far that other
 	CHECK_FALSE(stage.streamer.follows(viewers));
 }
 
-TEST_CASE("streaming: the farthest view that is allowed is served") {
+TEST_CASE("streaming: the largest allowed view distance") {
 	Stage stage({{1.0, 64.0}});
 	stage.settle({{{0.5, 0.5}}});
 	CHECK(stage.shown.size() > 12000);
@@ -171,7 +171,7 @@ TEST_CASE("streaming: the farthest view that is allowed is served") {
 	CHECK(stage.shown.size() < 14000);
 }
 
-TEST_CASE("streaming: a thousand random steps keep every promise, the same way twice") {
+TEST_CASE("streaming: a thousand random steps keep every promise, and are reproducible") {
 	std::vector<Name> history[2];
 	for (std::vector<Name> &log : history) {
 		std::mt19937_64 random(77);
@@ -198,7 +198,7 @@ TEST_CASE("streaming: a thousand random steps keep every promise, the same way t
 			for (const TileRequest &request : stage.changes.request) {
 				log.push_back(name_of(request.key));
 			}
-			// Some are made, in any order.
+			// Some are finished, in any order.
 			while (!stage.pending.empty() && random() % 3 != 0) {
 				auto any = stage.pending.begin();
 				std::advance(any, random() % stage.pending.size());
@@ -214,7 +214,7 @@ TEST_CASE("streaming: a thousand random steps keep every promise, the same way t
 	CHECK(history[0] == history[1]);
 }
 
-TEST_CASE("streaming: who has made a small step since the last look sees what was seen then") {
+TEST_CASE("streaming: after a small step since the last check, the result is the same") {
 	const double slack = slack_tiles * 40.0;
 	TileStreamer streamer;
 	REQUIRE(streamer.set_layers(std::vector<StreamLayer>{{40.0, 200.0}}).ok());
@@ -223,17 +223,17 @@ TEST_CASE("streaming: who has made a small step since the last look sees what wa
 		REQUIRE(streamer.update(std::vector<Viewer>{{{x, 1.0}}}, unlimited, changes).ok());
 		return changes.request.size();
 	};
-	// One meter more would bring in tiles.
+	// Just before a step that requests tiles.
 	double x = 1.0;
 	CHECK(requests_at(x) > 50);
 	while (requests_at(x + 1.01 * slack) == 0) {
 		x += 1.01 * slack;
 	}
-	const double looked_at = x + 1.01 * slack;
+	const double checked_at = x + 1.01 * slack;
 	for (double step = 0.0; step < slack; step += 0.05 * slack) {
-		CHECK(requests_at(looked_at + step) == 0);
+		CHECK(requests_at(checked_at + step) == 0);
 	}
-	double next = looked_at;
+	double next = checked_at;
 	while (requests_at(next += 1.01 * slack) == 0) {}
-	CHECK(next < looked_at + 80.0);
+	CHECK(next < checked_at + 80.0);
 }

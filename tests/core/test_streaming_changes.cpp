@@ -14,7 +14,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("streaming: an outdated tile stays on show until its successor is there") {
+TEST_CASE("streaming: an outdated tile stays visible until its successor is ready") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
@@ -29,7 +29,7 @@ TEST_CASE("streaming: an outdated tile stays on show until its successor is ther
 	CHECK(std::ranges::all_of(
 			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
 
-	// Outdated again before it is done: the first answer is shown too, then the tile is requested once more.
+	// Outdated again before it is finished: the first result is shown too, then the tile is requested once more.
 	const TileRequest early = stage.changes.request[0];
 	stage.streamer.invalidate(1);
 	stage.update(viewers);
@@ -51,7 +51,7 @@ TEST_CASE("streaming: an outdated tile stays on show until its successor is ther
 	CHECK(stage.changes.empty());
 }
 
-TEST_CASE("streaming: what is of no use any more is cancelled, and requested anew") {
+TEST_CASE("streaming: requests that are no longer needed are cancelled, and repeated later") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.update(viewers);
@@ -70,7 +70,7 @@ TEST_CASE("streaming: what is of no use any more is cancelled, and requested ane
 	CHECK(stage.streamer.idle());
 }
 
-TEST_CASE("streaming: changes that come with every update keep the nearest tiles following") {
+TEST_CASE("streaming: with changes in every update, the nearest tiles still follow") {
 	Stage stage({{10.0, 100.0}});
 	const std::vector<Viewer> viewers{{{5.0, 5.0}}};
 	stage.settle(viewers);
@@ -81,7 +81,7 @@ TEST_CASE("streaming: changes that come with every update keep the nearest tiles
 		stage.update(viewers, most);
 		CHECK(stage.pending.size() <= most);
 		CHECK(stage.changes.cancel.empty());
-		// Some of them are done until the next change, in the order of their requests.
+		// Some of them finish before the next change, in the order of their requests.
 		for (int done = 0; done < 5 && !stage.pending.empty(); ++done) {
 			const auto first = std::ranges::min_element(
 					stage.pending, {}, [](const auto &pending) { return pending.second.ticket; });
@@ -95,14 +95,14 @@ TEST_CASE("streaming: changes that come with every update keep the nearest tiles
 			CHECK(renewed[{x, y}] > 10);
 		}
 	}
-	// The last change counts as soon as what was under way is done.
+	// The last change applies as soon as pending work is finished.
 	stage.update(viewers, most);
 	stage.finish_all();
 	stage.settle(viewers);
 	CHECK(stage.dropped == 0);
 }
 
-TEST_CASE("streaming: an edit outdates what it touches and no more") {
+TEST_CASE("streaming: an edit outdates only the tiles that it touches") {
 	Stage stage({{10.0, 100.0}});
 	const std::vector<Viewer> viewers{{{5.0, 5.0}}};
 	stage.settle(viewers);
@@ -117,7 +117,7 @@ TEST_CASE("streaming: an edit outdates what it touches and no more") {
 	CHECK(stage.changes.empty());
 }
 
-TEST_CASE("streaming: a new view distance keeps what is there") {
+TEST_CASE("streaming: a new view distance keeps the loaded tiles") {
 	std::vector<StreamLayer> layers = two_layers;
 	Stage stage(layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
@@ -130,7 +130,7 @@ TEST_CASE("streaming: a new view distance keeps what is there") {
 	CHECK(std::ranges::includes(
 			stage.shown, before, {}, &std::pair<const Name, TileKey>::first, &std::pair<const Name, TileKey>::first));
 	check_view(stage, layers, viewers);
-	// The same settings again change nothing.
+	// Setting the same values changes nothing.
 	REQUIRE(stage.streamer.set_layers(layers).ok());
 	stage.update(viewers);
 	CHECK(stage.changes.empty());
@@ -153,7 +153,7 @@ TEST_CASE("streaming: with a new tile size the old tiles stay until the new ones
 	CHECK(std::ranges::all_of(
 			stage.changes.request, [](const TileRequest &request) { return request.key.layer == 1; }));
 
-	// One by one: at no time may a place in view be bare that was not.
+	// Finished one by one, a visible position must never become empty.
 	while (!stage.pending.empty()) {
 		stage.finish(TileRequest(stage.pending.begin()->second));
 		stage.update(viewers);
@@ -173,7 +173,7 @@ TEST_CASE("streaming: with a new tile size the old tiles stay until the new ones
 	check_view(stage, layers, viewers);
 }
 
-TEST_CASE("streaming: an old tile with room for very many new ones goes once the few in view are there") {
+TEST_CASE("streaming: a large old tile is dropped once the few new ones in view are loaded") {
 	Stage stage({{1000.0, 10.0}});
 	const std::vector<Viewer> viewers{{{500.0, 500.0}}};
 	stage.settle(viewers);
@@ -191,7 +191,7 @@ TEST_CASE("streaming: an old tile with room for very many new ones goes once the
 	check_view(stage, {{2.0, 10.0}}, viewers);
 }
 
-TEST_CASE("streaming: a layer that goes takes its tiles along, one that comes brings its own") {
+TEST_CASE("streaming: a removed layer drops its tiles, and an added one requests its own") {
 	std::vector<StreamLayer> layers = two_layers;
 	Stage stage(layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
@@ -204,7 +204,7 @@ TEST_CASE("streaming: a layer that goes takes its tiles along, one that comes br
 	layers.push_back({25.0, 60.0});
 	REQUIRE(stage.streamer.set_layers(layers).ok());
 	stage.update(viewers, 10);
-	// Gone again while its tiles are being made.
+	// Removed again while its tiles are being built.
 	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{}).ok());
 	stage.settle(viewers);
 	CHECK(stage.shown.empty());
@@ -213,7 +213,7 @@ TEST_CASE("streaming: a layer that goes takes its tiles along, one that comes br
 	check_view(stage, layers, viewers);
 }
 
-TEST_CASE("streaming: clear forgets all tiles and keeps the layers") {
+TEST_CASE("streaming: clear drops all tiles and keeps the layers") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
@@ -227,13 +227,13 @@ TEST_CASE("streaming: clear forgets all tiles and keeps the layers") {
 	check_view(stage, two_layers, viewers);
 }
 
-TEST_CASE("streaming: an old tile goes when the new one in its place is given up out of sight") {
+TEST_CASE("streaming: an old tile is dropped if its replacement is cancelled out of sight") {
 	Stage stage({{32.0, 100.0}});
 	std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
 	REQUIRE(stage.streamer.set_layers(std::vector<StreamLayer>{{40.0, 100.0}}).ok());
 	stage.update(viewers);
-	// What was requested comes out of sight, and all that is in sight is made.
+	// The requested tiles move out of sight, and all tiles in sight are finished.
 	viewers[0].position.x += 30.0;
 	stage.update(viewers);
 	const auto in_sight = [&](const auto &each) {
@@ -252,7 +252,7 @@ TEST_CASE("streaming: an old tile goes when the new one in its place is given up
 	check_view(stage, {{40.0, 100.0}}, viewers);
 }
 
-TEST_CASE("streaming: bad input is refused by name and value, and the last good state stays") {
+TEST_CASE("streaming: bad input is refused by name and value, and the last valid state stays") {
 	Stage stage(two_layers);
 	const std::vector<Viewer> viewers{{{0.0, 0.0}}};
 	stage.settle(viewers);
@@ -294,7 +294,7 @@ TEST_CASE("streaming: bad input is refused by name and value, and the last good 
 	CHECK_FALSE(stage.streamer.finish({}));
 }
 
-TEST_CASE("streaming: a layer that is edited in every frame, by a slider say, fills no queue") {
+TEST_CASE("streaming: a layer that is edited in every frame, for example by a slider, fills no queue") {
 	TileStreamer streamer;
 	REQUIRE(streamer.set_layers(std::vector<StreamLayer>{{8.0, 100.0}}).ok());
 	StreamChanges changes;

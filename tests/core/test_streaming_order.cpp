@@ -1,4 +1,4 @@
-// No far tile comes on show before a near one, whatever viewers and workers do.
+// No far tile becomes visible before a near one, for any movement of viewers and any delay of workers.
 
 #include "core/streaming/layer_tiles.hpp"
 #include "core/streaming/work_order.hpp"
@@ -20,12 +20,12 @@ using namespace thicket::test;
 
 namespace {
 
-/// Follows a streamer by its answers alone and measures how far out of turn a tile comes on show.
+/// Follows a streamer only by its results, and measures how far out of order a tile becomes visible.
 class OrderlyStage : public Stage {
 public:
 	using Stage::Stage;
 
-	std::map<Name, std::vector<double>> flown_then; ///< Of pending tiles: `flown` of each viewer when it was requested.
+	std::map<Name, std::vector<double>> flown_then; ///< For each pending tile: `flown` of each viewer at its request.
 	std::vector<double> flown;
 	std::vector<Viewer> now;
 	std::size_t shown_in_turn = 0;
@@ -36,7 +36,7 @@ public:
 			const glm::dvec2 step = viewers[i].position - now[i].position;
 			flown[i] += std::hypot(step.x, step.y);
 			if (std::hypot(step.x, step.y) > max_flight_step) {
-				// A jump: how far it flies does not count for what was requested before.
+				// A jump does not count as flight for earlier requests.
 				for (auto &[name, then] : flown_then) {
 					then.resize(std::max(then.size(), i + 1));
 					then[i] = std::numeric_limits<double>::infinity();
@@ -50,7 +50,7 @@ public:
 		}
 	}
 
-	/// Shows all that may be shown, most of it in one go, as a renderer with time to spare would.
+	/// Shows every tile that may be shown, at most `most`, like a renderer with spare time.
 	void show(const std::vector<StreamLayer> &layers, std::size_t most = unlimited) {
 		for (std::size_t count = 0; count < most; ++count) {
 			const auto next = streamer.next_ready();
@@ -65,7 +65,8 @@ public:
 	}
 
 private:
-	/// By brute force: for one of the viewers nothing that is nearer by more than a tile, and what it has flown, is missing.
+	/// Checks by brute force that, for one viewer, no tile is missing that is nearer by more than a tile plus the
+	/// distance flown.
 	void check_turn(const StreamLayer &layer, const TileRequest &next) {
 		if (shown.contains(name_of(next.key))) {
 			return;
@@ -97,8 +98,8 @@ private:
 	}
 };
 
-/// Hands in some of what is pending, in any order, and in doing so prefers what was asked for last.
-void make_some(OrderlyStage &stage, std::mt19937_64 &random, std::size_t most) {
+/// Finishes some pending tiles, in any order, but prefers the latest requests.
+void finish_some(OrderlyStage &stage, std::mt19937_64 &random, std::size_t most) {
 	for (std::size_t made = 0; made < most && !stage.pending.empty(); ++made) {
 		auto any = stage.pending.begin();
 		std::advance(any, random() % stage.pending.size());
@@ -111,7 +112,7 @@ void make_some(OrderlyStage &stage, std::mt19937_64 &random, std::size_t most) {
 
 } // namespace
 
-TEST_CASE("streaming order: answers in any order are shown in the order of distance, to within a tile") {
+TEST_CASE("streaming order: tiles finished in any order are shown by distance, to within a tile") {
 	std::mt19937_64 random(5);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (int world = 0; world < 12; ++world) {
@@ -133,20 +134,20 @@ TEST_CASE("streaming order: answers in any order are shown in the order of dista
 				stage.streamer.invalidate(static_cast<std::uint32_t>(random() % 2));
 			}
 			stage.look(viewers, 1 + random() % 24);
-			make_some(stage, random, random() % 12);
+			finish_some(stage, random, random() % 12);
 			stage.show(layers, random() % 4 == 0 ? 2 : unlimited);
 		}
 		CHECK(stage.shown_in_turn > 200);
 	}
 }
 
-TEST_CASE("streaming order: what has to wait holds up nothing") {
+TEST_CASE("streaming order: a waiting tile does not delay workers") {
 	const std::vector<StreamLayer> layers{{16.0, 160.0}};
 	OrderlyStage stage(layers);
 	const std::vector<Viewer> viewers{{{8.0, 8.0}}};
 	stage.look(viewers, 6);
 	const TileRequest nearest = stage.changes.request[0];
-	// All but the nearest are made, again and again: workers have more to do, however much lies ready.
+	// All but the nearest are finished, repeatedly. Workers get more requests, regardless of the number of ready tiles.
 	for (int round = 0; round < 200; ++round) {
 		for (const auto &[name, request] : stage.pending) {
 			if (request.ticket != nearest.ticket) {
@@ -160,16 +161,16 @@ TEST_CASE("streaming order: what has to wait holds up nothing") {
 	for (const auto &[name, key] : stage.shown) {
 		CHECK(distance_squared(tile_rect(16.0, key.tile), viewers[0].position) <= 16.0 * 16.0);
 	}
-	// The nearest cannot be made: that is an answer, too, and then all the others follow.
+	// If the nearest one fails, that also finishes it, and all the others follow.
 	stage.finish(nearest);
 	stage.show(layers);
 	CHECK(stage.streamer.idle());
 }
 
-TEST_CASE("streaming order: several viewers get tiles in turn, however many one of them asks for") {
+TEST_CASE("streaming order: several viewers get tiles in turn, even if one requests very many") {
 	const std::vector<StreamLayer> layers{{16.0, 100.0}};
 	OrderlyStage stage(layers);
-	// One stands, the other is somewhere else in every frame: what is near to it is missing all the time.
+	// One viewer rests. The other is far away in every frame, so its near tiles are always missing.
 	std::vector<Viewer> viewers{{{0.0, 0.0}}, {{1e4, 0.0}}};
 	for (int frame = 0; frame < 60; ++frame) {
 		viewers[1].position.x += 1000.0;
@@ -186,7 +187,7 @@ TEST_CASE("streaming order: several viewers get tiles in turn, however many one 
 	CHECK(around_the_first > 120);
 }
 
-TEST_CASE("streaming order: at 1000 m/s, with workers that are late, near tiles keep coming") {
+TEST_CASE("streaming order: at 1000 m/s with slow workers, near tiles keep coming") {
 	const std::vector<StreamLayer> layers{{16.0, 128.0}, {64.0, 512.0}};
 	OrderlyStage stage(layers);
 	std::vector<std::vector<TileRequest>> made_later(4); // A tile takes three frames.
@@ -220,7 +221,7 @@ TEST_CASE("streaming order: at 1000 m/s, with workers that are late, near tiles 
 	CHECK(longest[1] == 0);
 }
 
-TEST_CASE("streaming order: a ready tile that nobody waits for any more is refused") {
+TEST_CASE("streaming order: a ready tile that is no longer requested is refused") {
 	Stage stage({{16.0, 100.0}});
 	stage.update({{{0.0, 0.0}}}, 4);
 	const std::vector<TileRequest> requests = stage.changes.request;
@@ -235,7 +236,7 @@ TEST_CASE("streaming order: a ready tile that nobody waits for any more is refus
 	CHECK_FALSE(stage.streamer.next_ready().has_value());
 }
 
-TEST_CASE("streaming order: a teleport of many is spread over updates and ends where it should") {
+TEST_CASE("streaming order: a teleport of many viewers is spread over updates and ends correctly") {
 	std::vector<StreamLayer> layers;
 	for (int i = 0; i < 6; ++i) {
 		layers.push_back({10.0 + i, 200.0});
@@ -257,7 +258,7 @@ TEST_CASE("streaming order: a teleport of many is spread over updates and ends w
 	} while (!stage.streamer.idle());
 	CHECK(updates > 10);
 	check_view(stage, layers, viewers);
-	// One goes, and nothing is made anew for the others, who are now counted otherwise.
+	// Removing a viewer renumbers the others, but regenerates none of their tiles.
 	const std::size_t requested = stage.requested;
 	viewers.erase(viewers.begin() + 3);
 	stage.settle(viewers);
@@ -265,7 +266,7 @@ TEST_CASE("streaming order: a teleport of many is spread over updates and ends w
 	check_view(stage, layers, viewers);
 }
 
-TEST_CASE("work order: by distance to the nearest viewer, and nobody's tiles fall back") {
+TEST_CASE("work order: by distance to the nearest viewer, for all viewers equally") {
 	const auto square = [](double x) {
 		return Rect{{x, 0.0}, {x + 1.0, 1.0}};
 	};

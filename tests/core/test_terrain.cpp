@@ -17,7 +17,7 @@ using namespace thicket;
 
 namespace {
 
-/// A field of 7 columns and 4 rows, neither square nor at the origin, with another spacing on each axis.
+/// A field of 7 columns and 4 rows, neither square nor at the origin, with a different spacing on each axis.
 const HeightfieldFrame frame{{7, 4}, {{-30.0, 10.0}, {30.0, 70.0}}, -100.0, 1210.7};
 constexpr double step = (1210.7 + 100.0) / 65535.0;
 
@@ -38,7 +38,7 @@ bool same_bits(const Ground &a, const Ground &b) { return std::memcmp(&a, &b, si
 
 } // namespace
 
-TEST_CASE("terrain: flat ground is the same everywhere, and nowhere at infinity") {
+TEST_CASE("terrain: flat ground is the same everywhere, and missing at infinity") {
 	const FlatTerrain flat(12.5f);
 	for (const glm::dvec2 position : {glm::dvec2(0.0), glm::dvec2(-1e7, 5e6)}) {
 		CHECK(flat.at(position).height == 12.5f);
@@ -52,7 +52,7 @@ TEST_CASE("terrain: flat ground is the same everywhere, and nowhere at infinity"
 	check_refused(flat.sample(positions, ground), ErrorCode::wrong_size, "ground", 2.0);
 }
 
-TEST_CASE("terrain: a heightfield gives each post where it stands, borders included") {
+TEST_CASE("terrain: a heightfield returns each post at its position, including borders") {
 	const auto posts = random_posts(frame.posts, 1);
 	const Heightfield field = field_of(frame, posts);
 	for (int row = 0; row < frame.posts.y; ++row) {
@@ -84,8 +84,8 @@ TEST_CASE("terrain: heights are bilinear between posts") {
 	}
 }
 
-TEST_CASE("terrain: an inclined plane has its true height and normal everywhere, borders included") {
-	// 37 steps a column of 10 m and 120 a row of 20 m.
+TEST_CASE("terrain: an inclined plane has its true height and normal everywhere, including borders") {
+	// 37 steps per column of 10 m and 120 per row of 20 m.
 	std::vector<std::uint16_t> posts;
 	for (int row = 0; row < frame.posts.y; ++row) {
 		for (int column = 0; column < frame.posts.x; ++column) {
@@ -105,7 +105,7 @@ TEST_CASE("terrain: an inclined plane has its true height and normal everywhere,
 	}
 }
 
-TEST_CASE("terrain: normals are of unit length, point up and have no seam along the posts") {
+TEST_CASE("terrain: normals have unit length, point up and have no seam along the posts") {
 	const Heightfield field = field_of(frame, random_posts(frame.posts, 4));
 	constexpr double hair = 1e-7;
 	for (double along = 10.5; along < 70.0; along += 0.5) {
@@ -122,7 +122,7 @@ TEST_CASE("terrain: normals are of unit length, point up and have no seam along 
 	}
 }
 
-TEST_CASE("terrain: the steepest field that is allowed still has normals") {
+TEST_CASE("terrain: the steepest allowed field still has normals") {
 	const Heightfield field = field_of({{2, 2}, {{0.0, 0.0}, {0.001, 0.001}}, -1e6, 1e6}, {0, 65535, 65535, 0});
 	for (const glm::dvec2 position :
 			{glm::dvec2(0.0), glm::dvec2(0.0005), glm::dvec2(0.001), glm::dvec2(0.0003, 0.0008)}) {
@@ -133,7 +133,7 @@ TEST_CASE("terrain: the steepest field that is allowed still has normals") {
 	}
 }
 
-TEST_CASE("terrain: at a post the normal is that of the central differences") {
+TEST_CASE("terrain: the normal at a post is that of the central differences") {
 	const auto posts = random_posts(frame.posts, 5);
 	const Heightfield field = field_of(frame, posts);
 	const auto height = [&](int column, int row) {
@@ -157,7 +157,7 @@ TEST_CASE("terrain: outside a heightfield there is no ground") {
 	CHECK(std::isnan(Heightfield().at({0.0, 0.0}).height));
 }
 
-TEST_CASE("terrain: the same place gives the same bits from any batch") {
+TEST_CASE("terrain: a position is bit-identical in any batch") {
 	const Heightfield field = field_of(frame, random_posts(frame.posts, 7));
 	std::mt19937 random(8);
 	std::uniform_real_distribution<double> along(-35.0, 75.0);
@@ -190,7 +190,7 @@ TEST_CASE("terrain: a field 5,000 km out is as exact as one at the origin") {
 	}
 }
 
-TEST_CASE("terrain: a refused heightfield names what is wrong and leaves the field as it was") {
+TEST_CASE("terrain: errors name the refused property and leave the heightfield unchanged") {
 	const auto posts = random_posts(frame.posts, 10);
 	Heightfield field = field_of(frame, posts);
 	const Ground before = field.at({3.0, 33.0});
@@ -223,9 +223,9 @@ TEST_CASE("terrain: a refused heightfield names what is wrong and leaves the fie
 	check_refused(field.sample(std::vector<glm::dvec2>(3), ground), ErrorCode::wrong_size, "ground", 2.0);
 }
 
-TEST_CASE("terrain: patches that are computed together have the bits of those computed alone") {
-	// With heights of 0 to 65535 m a post is its height, so the same field in meters, whose patches are computed one by one, has to
-	// give the same.
+TEST_CASE("terrain: patches computed together are bit-identical to those computed alone") {
+	// With heights from 0 to 65535 m, a post is its height. The same field in meters, whose patches are computed one by
+	// one, must therefore be identical.
 	const HeightfieldFrame frame{{23, 19}, {{-31.0, 7.0}, {100.0, 90.0}}, 0.0, 65535.0};
 	std::mt19937 random(11);
 	std::vector<std::uint16_t> steps;
@@ -257,7 +257,7 @@ TEST_CASE("terrain: patches that are computed together have the bits of those co
 	}
 }
 
-TEST_CASE("terrain: patches away from the border are computed by vectors, however few") {
+TEST_CASE("terrain: patches away from the border are computed in vectors, even a few") {
 	const HeightfieldFrame frame{{6, 5}, {{0.0, 0.0}, {5.0, 4.0}}, 0.0, 100.0};
 	Heightfield field;
 	REQUIRE(field.set(frame, std::vector<std::uint16_t>(30, 7)).ok());
@@ -268,6 +268,6 @@ TEST_CASE("terrain: patches away from the border are computed by vectors, howeve
 	CHECK(by_vectors({{2.5, 1.5}}));
 	CHECK(by_vectors({{0.5, 0.5}, {-9.0, 0.0}, {1.0, 2.9}}));
 	CHECK(by_vectors(std::vector<glm::dvec2>(100, {3.25, 2.0})));
-	CHECK_FALSE(
-			by_vectors({{0.5, 1.5}, {4.5, 1.5}, {2.5, 3.5}, {-9.0, 0.0}})); // Without any there is nothing to compute.
+	// Only positions at the border.
+	CHECK_FALSE(by_vectors({{0.5, 1.5}, {4.5, 1.5}, {2.5, 3.5}, {-9.0, 0.0}}));
 }

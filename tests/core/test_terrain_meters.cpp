@@ -16,7 +16,7 @@ using namespace thicket;
 
 namespace {
 
-/// Neither square nor at the origin, with another spacing on each axis: 10 m along x, 20 m along z.
+/// Neither square nor at the origin, with a different spacing on each axis: 10 m along x, 20 m along z.
 const HeightfieldFrame frame{{7, 4}, {{-30.0, 10.0}, {30.0, 70.0}}, -100.0, 1210.7};
 
 constexpr float missing = std::numeric_limits<float>::quiet_NaN();
@@ -43,7 +43,7 @@ bool same_bits(const Ground &a, const Ground &b) { return std::memcmp(&a, &b, si
 
 } // namespace
 
-TEST_CASE("terrain: posts in meters stand where they are, whatever the frame's heights") {
+TEST_CASE("terrain: posts in meters keep their height, regardless of the frame's heights") {
 	const auto posts = random_meters(1);
 	HeightfieldFrame other = frame;
 	other.min_height = other.max_height = 5.0;
@@ -54,13 +54,13 @@ TEST_CASE("terrain: posts in meters stand where they are, whatever the frame's h
 			CHECK(field.at(place_of(column, row)).height == posts[index_of(column, row)]);
 		}
 	}
-	// Finer than 16 bits of any range can tell.
+	// Finer than 16 bits can represent in any range.
 	const Heightfield fine = field_of(std::vector<float>(28, 1000.0001f));
 	CHECK(fine.at({0.0, 40.0}).height == 1000.0001f);
 }
 
-TEST_CASE("terrain: of the same heights, posts of 16 bits and of meters are the same ground") {
-	HeightfieldFrame whole = frame; // A meter a step, so that both are the same numbers.
+TEST_CASE("terrain: 16-bit posts and posts in meters with equal heights are the same ground") {
+	HeightfieldFrame whole = frame; // 1 m per step, so that both have the same numbers.
 	whole.min_height = 0.0;
 	whole.max_height = 65535.0;
 	std::mt19937 random(2);
@@ -74,7 +74,7 @@ TEST_CASE("terrain: of the same heights, posts of 16 bits and of meters are the 
 			CHECK(same_bits(coarse.at({x, z}), fine.at({x, z})));
 		}
 	}
-	// Each takes the other's place.
+	// Each kind replaces the other.
 	Heightfield both = field_of(random_meters(4));
 	REQUIRE(both.set(frame, steps).ok());
 	CHECK(both.at(place_of(2, 1)).height == doctest::Approx(-100.0 + steps[index_of(2, 1)] * 1310.7 / 65535.0));
@@ -82,7 +82,7 @@ TEST_CASE("terrain: of the same heights, posts of 16 bits and of meters are the 
 	CHECK(both.at(place_of(2, 1)).height == random_meters(3)[index_of(2, 1)]);
 }
 
-TEST_CASE("terrain: there is no ground between four posts if one of them is missing, and all of it elsewhere") {
+TEST_CASE("terrain: there is no ground between four posts only if one of them is missing") {
 	for (int row = 0; row < frame.posts.y; ++row) {
 		for (int column = 0; column < frame.posts.x; ++column) {
 			auto posts = random_meters(4);
@@ -104,7 +104,7 @@ TEST_CASE("terrain: there is no ground between four posts if one of them is miss
 
 TEST_CASE("terrain: ground on the line between a patch and a hole belongs to the patch with the larger x and z") {
 	auto posts = random_meters(5);
-	posts[index_of(3, 1)] = missing; // Takes patches 2 and 3 of rows 0 and 1.
+	posts[index_of(3, 1)] = missing; // Removes patches 2 and 3 of rows 0 and 1.
 	const Heightfield field = field_of(posts);
 	CHECK(std::isnan(field.at(place_of(2.0, 0.5)).height));
 	CHECK(!std::isnan(field.at(place_of(4.0, 0.5)).height));
@@ -136,7 +136,7 @@ TEST_CASE("terrain: an inclined plane with holes keeps its height and its normal
 	CHECK(places > 400);
 }
 
-TEST_CASE("terrain: normals beside a hole have no seam between the patches that are left") {
+TEST_CASE("terrain: normals beside a hole have no seam between the remaining patches") {
 	auto posts = random_meters(6);
 	posts[index_of(3, 1)] = missing;
 	const Heightfield field = field_of(posts);
@@ -152,7 +152,7 @@ TEST_CASE("terrain: normals beside a hole have no seam between the patches that 
 	}
 }
 
-TEST_CASE("terrain: refused posts in meters name what is wrong and leave the field as it was") {
+TEST_CASE("terrain: errors name the refused posts in meters and leave the field unchanged") {
 	const auto posts = random_meters(7);
 	Heightfield field = field_of(posts);
 	const Ground before = field.at({3.0, 33.0});

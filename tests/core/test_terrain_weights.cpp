@@ -49,7 +49,7 @@ float weight_at(const Terrain &terrain, glm::dvec2 place, const Textures &textur
 
 } // namespace
 
-TEST_CASE("terrain weights: a terrain without weights allows all ground") {
+TEST_CASE("terrain weights: a terrain without weights permits all ground") {
 	CHECK(weight_at(FlatTerrain(3.0f), {1.0, 2.0}, {0, 5}) == 1.0f);
 	CHECK(weight_at(field_with({}), {0.0, 40.0}, {0}) == 1.0f);
 	CHECK(weight_at(field_with({}), {0.0, 40.0}, {77}) == 1.0f);
@@ -74,7 +74,7 @@ TEST_CASE("terrain weights: each channel is a texture, at its own pixels, from t
 	}
 }
 
-TEST_CASE("terrain weights: bilinear between pixels, the sum of the textures that are asked for, held to 1") {
+TEST_CASE("terrain weights: bilinear between pixels, the sum of the requested textures, clamped to 1") {
 	const Bytes bytes = random_bytes(4 * 3 * 3, 2);
 	const Heightfield field = field_with(map_of({4, 3}, 3, bytes));
 	const auto byte = [&](int column, int row, int channel) {
@@ -97,7 +97,7 @@ TEST_CASE("terrain weights: bilinear between pixels, the sum of the textures tha
 		}
 		const glm::dvec2 place(-30.0 + 20.0 * (column + x), 10.0 + 30.0 * (row + y));
 		CHECK(std::abs(weight_at(field, place, {1}) - weight[1]) < 1e-6);
-		CHECK(std::abs(weight_at(field, place, {2, 2, 2, 9}) - weight[2]) < 1e-6); // Named thrice, it weighs once.
+		CHECK(std::abs(weight_at(field, place, {2, 2, 2, 9}) - weight[2]) < 1e-6); // Repeats count once.
 		CHECK(std::abs(weight_at(field, place, {2, 0}) - std::min(1.0, weight[0] + weight[2])) < 1e-6);
 		CHECK(std::abs(weight_at(field, place, {0, 1, 2}) - std::min(1.0, weight[0] + weight[1] + weight[2])) < 1e-6);
 		held += weight[0] + weight[1] + weight[2] > 1.0 ? 1 : 0;
@@ -106,7 +106,7 @@ TEST_CASE("terrain weights: bilinear between pixels, the sum of the textures tha
 	CHECK(held > 100);
 }
 
-TEST_CASE("terrain weights: right on the borders, 0 outside; a single pixel or row of them counts everywhere") {
+TEST_CASE("terrain weights: exact on the borders, 0 outside; a single pixel or row applies everywhere") {
 	const Heightfield two = field_with(map_of({2, 1}, 1, {51, 255}));
 	CHECK(weight_at(two, {-30.0, 10.0}, {0}) == 0.2f);
 	CHECK(weight_at(two, {30.0, 70.0}, {0}) == 1.0f);
@@ -118,7 +118,7 @@ TEST_CASE("terrain weights: right on the borders, 0 outside; a single pixel or r
 	}
 }
 
-TEST_CASE("terrain weights: they change neither height nor normal, and stay when posts are set anew") {
+TEST_CASE("terrain weights: they change neither height nor normal, and stay when posts are replaced") {
 	Heightfield field = field_with(map_of({2, 2}, 1, {51, 51, 51, 51}));
 	REQUIRE(field.set_meters(frame, std::vector<float>(15, 42.0f)).ok());
 	Ground ground = field.at({0.0, 40.0});
@@ -131,7 +131,7 @@ TEST_CASE("terrain weights: they change neither height nor normal, and stay when
 	CHECK(weight_at(field, place, {0}) == 1.0f);
 }
 
-TEST_CASE("terrain weights: refused ones name what is wrong and leave the map as it was") {
+TEST_CASE("terrain weights: errors name the refused property and leave the map unchanged") {
 	WeightMap map = map_of({1, 1}, 1, {51});
 	const auto refuse = [&](glm::ivec2 size, int channels, std::size_t bytes, ErrorCode code, const char *property,
 								double value) {

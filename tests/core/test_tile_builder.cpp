@@ -15,7 +15,7 @@
 using namespace thicket;
 using namespace thicket::test;
 
-TEST_CASE("tile: with open rules every point of the set stands on its place, on the ground") {
+TEST_CASE("tile: without rules, every point of the set is at its position, on the ground") {
 	const Heightfield terrain = hills();
 	LayerSettings layer;
 	layer.set = {.seed = 5, .radius = 2.0, .levels = 1, .layer = 0};
@@ -46,7 +46,7 @@ TEST_CASE("tile: with open rules every point of the set stands on its place, on 
 	}
 }
 
-TEST_CASE("tile: instances are sorted by rank and id, and the box holds them") {
+TEST_CASE("tile: instances are sorted by rank and id, and the box contains them") {
 	const TileInstances tile = built(rich_layer(), hills(), tile_of_hills);
 	CHECK(tile.meshes.size() == 3);
 	CHECK(tile.counts.placed == size_of(tile));
@@ -75,7 +75,7 @@ TEST_CASE("tile: instances are sorted by rank and id, and the box holds them") {
 	CHECK(tile.origin.y < 90.0);
 }
 
-TEST_CASE("tile: rules are pure filters, no instance that stays changes a bit") {
+TEST_CASE("tile: rules are pure filters; the remaining instances are bit-identical") {
 	const Heightfield terrain = hills();
 	LayerSettings open = rich_layer();
 	open.rules = {};
@@ -83,7 +83,7 @@ TEST_CASE("tile: rules are pure filters, no instance that stays changes a bit") 
 	std::vector<Rules> tries(6, Rules{});
 	tries[0].max_slope_degrees = 30.0;
 	tries[1].min_slope_degrees = 30.0;
-	tries[1].slope_falloff = 20.0;
+	tries[1].slope_falloff_degrees = 20.0;
 	tries[2].density = 0.3;
 	tries[3].min_height = 40.0;
 	tries[4].max_height = 40.0;
@@ -96,7 +96,7 @@ TEST_CASE("tile: rules are pure filters, no instance that stays changes a bit") 
 	}
 }
 
-TEST_CASE("tile: what stands obeys its rules") {
+TEST_CASE("tile: all instances satisfy their rules") {
 	const Heightfield terrain = hills();
 	LayerSettings layer = rich_layer();
 	layer.placement.height_offset = 0.0;
@@ -104,9 +104,9 @@ TEST_CASE("tile: what stands obeys its rules") {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	REQUIRE(sampler.sample(layer.set, tile_of_hills, points).ok());
-	const Transforms stands = transforms_of(tile);
+	const Transforms transforms = transforms_of(tile);
 	for (const SamplePoint &point : points) {
-		if (stands.contains(point.id)) {
+		if (transforms.contains(point.id)) {
 			const Ground ground = terrain.at(point.position);
 			CHECK(ground.height >= 10.0f);
 			CHECK(std::acos(double{ground.normal.y}) * 57.29577951308232 <= 50.0 + 1e-4);
@@ -114,7 +114,7 @@ TEST_CASE("tile: what stands obeys its rules") {
 	}
 }
 
-TEST_CASE("tile: new meshes or another scale leave everything where it stands") {
+TEST_CASE("tile: new meshes or a new scale move no instance") {
 	const Heightfield terrain = hills();
 	LayerSettings layer = rich_layer();
 	const Transforms before = transforms_of(built(layer, terrain, tile_of_hills));
@@ -129,7 +129,7 @@ TEST_CASE("tile: new meshes or another scale leave everything where it stands") 
 	}
 }
 
-TEST_CASE("tile: the same tile twice, in pieces, after other work or on another thread is the same to the bit") {
+TEST_CASE("tile: a tile is bit-identical when repeated, in pieces, after other work or on another thread") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = rich_layer();
 	const TileInstances first = built(layer, terrain, tile_of_hills);
@@ -157,7 +157,7 @@ TEST_CASE("tile: the same tile twice, in pieces, after other work or on another 
 	CHECK(digest(built(reseeded, terrain, tile_of_hills)) != digest(first));
 }
 
-TEST_CASE("tile: halves hold what the whole holds") {
+TEST_CASE("tile: its halves together have the same instances") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = rich_layer();
 	const TileInstances whole = built(layer, terrain, tile_of_hills);

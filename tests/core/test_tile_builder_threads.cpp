@@ -1,4 +1,4 @@
-// A large rectangle of instances is shared by threads that the caller lends: the same tile, and the same errors, as alone.
+// Threads that the caller lends share a large rectangle: the tile and the errors are the same as without them.
 
 #include "core/terrain/flat_terrain.hpp"
 #include "counted_threads.hpp"
@@ -23,7 +23,7 @@ namespace {
 
 constexpr Rect wide{{-200.0, -190.0}, {200.0, 190.0}};
 
-/// Hills that wait, once, until two threads ask for their ground.
+/// Hills that wait once until two threads sample their ground.
 class Meeting final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -44,24 +44,25 @@ private:
 	mutable std::set<std::thread::id> threads_;
 };
 
-/// No ground from some call on.
+/// Ground that fails after some calls.
 class Broken final : public Terrain {
 public:
 	explicit Broken(int calls) : calls_(calls) {}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
-		return asked_++ < calls_ ? flat_.sample(positions, r_ground) : Status{ErrorCode::missing, "heights", 3.0};
+		return calls_so_far_++ < calls_ ? flat_.sample(positions, r_ground)
+										: Status{ErrorCode::missing, "heights", 3.0};
 	}
 
 private:
 	FlatTerrain flat_{1.0f};
-	mutable std::atomic<int> asked_ = 0;
+	mutable std::atomic<int> calls_so_far_ = 0;
 	int calls_;
 };
 
 } // namespace
 
-TEST_CASE("tile: lent threads share points and ground, and change no bit") {
+TEST_CASE("tile: lent threads share points and ground, and the result is bit-identical") {
 	const Heightfield terrain = hills();
 	const LayerSettings layer = rich_layer();
 	const TileInstances alone = built(layer, terrain, wide);
@@ -73,7 +74,7 @@ TEST_CASE("tile: lent threads share points and ground, and change no bit") {
 		TileInstances tile;
 		REQUIRE(builder.build(layer, terrain, wide, tile, nullptr, &threads).ok());
 		CHECK(digest(tile) == digest(alone));
-		CHECK(threads.runs == (count > 0 ? 4 : 0)); // To find what stands, to gather it, to sort it, to write it.
+		CHECK(threads.runs == (count > 0 ? 4 : 0)); // To filter, gather, sort and write instances.
 		CHECK(tile.counts.sampled == alone.counts.sampled);
 		CHECK(tile.counts.dense == alone.counts.dense);
 		CHECK(tile.counts.placed == alone.counts.placed);
@@ -84,7 +85,7 @@ TEST_CASE("tile: lent threads share points and ground, and change no bit") {
 			CHECK(tile.meshes[mesh].normals == alone.meshes[mesh].normals);
 		}
 	}
-	// What is small wakes nobody.
+	// A small tile wakes no thread.
 	CountedThreads threads(3);
 	TileBuilder builder;
 	TileInstances tile;
@@ -92,7 +93,7 @@ TEST_CASE("tile: lent threads share points and ground, and change no bit") {
 	CHECK(threads.runs == 0);
 }
 
-TEST_CASE("tile: lent threads share layers that keep a distance, feather, and have looks that follow a source") {
+TEST_CASE("tile: lent threads share layers with spacing, feathered edges and sources") {
 	LayerSettings layer = rich_layer();
 	auto trees = std::make_shared<LayerSettings>(rich_layer());
 	trees->set = {.seed = 5, .radius = 4.0, .levels = 1, .layer = 9};
@@ -123,10 +124,10 @@ TEST_CASE("tile: lent threads share layers that keep a distance, feather, and ha
 	}
 }
 
-TEST_CASE("tile: where all points share a rank class, or none stands, lent threads make the same tile") {
+TEST_CASE("tile: with few or no instances, lent threads build the same tile") {
 	LayerSettings layer = rich_layer();
 	const Heightfield terrain = hills();
-	layer.rules.density = 1e-4; // Few stand.
+	layer.rules.density = 1e-4; // A few instances remain.
 	LayerSettings none = rich_layer();
 	none.rules.min_height = 500.0;
 	for (const LayerSettings &each : {layer, none}) {
@@ -140,7 +141,7 @@ TEST_CASE("tile: where all points share a rank class, or none stands, lent threa
 	}
 }
 
-TEST_CASE("tile: a large rectangle that is refused is refused with the same words when threads are lent") {
+TEST_CASE("tile: the error for a large rectangle is the same with lent threads") {
 	LayerSettings dense = rich_layer();
 	auto dust = std::make_shared<LayerSettings>(rich_layer());
 	dust->set = {.seed = 5, .radius = 0.001, .levels = 1, .layer = 9};
@@ -163,7 +164,7 @@ TEST_CASE("tile: a large rectangle that is refused is refused with the same word
 	}
 }
 
-TEST_CASE("tile: lent threads ask for the ground at the same time") {
+TEST_CASE("tile: lent threads sample the ground concurrently") {
 	const LayerSettings layer = rich_layer();
 	const Meeting terrain;
 	CountedThreads threads(1);
@@ -173,7 +174,7 @@ TEST_CASE("tile: lent threads ask for the ground at the same time") {
 	CHECK(terrain.threads() == 2);
 }
 
-TEST_CASE("tile: with lent threads a ground that fails, or a cancel, ends the tile as alone") {
+TEST_CASE("tile: failing ground and cancellation end the tile in the same way with lent threads") {
 	const LayerSettings layer = rich_layer();
 	for (const int calls : {0, 3}) {
 		CAPTURE(calls);

@@ -22,7 +22,7 @@ TEST_CASE("streaming: tiles round down and share their edges") {
 			glm::ivec2 tile = tile_at(size, position);
 			CHECK(tile_rect(size, tile).contains(position));
 			CHECK(tile_rect(size, tile).max.x == tile_rect(size, tile + 1).min.x);
-			// Places that lie on an edge belong to the tile that starts there.
+			// Positions on an edge belong to the tile that starts there.
 			position = tile_rect(size, tile).min;
 			CHECK(tile_at(size, position) == tile);
 			position.x = std::nextafter(position.x, -1e9);
@@ -39,7 +39,7 @@ TEST_CASE("streaming: the distance to a rectangle is that to its nearest point")
 	CHECK(distance_squared(rect, {6.0, 8.0}) == 25.0);
 }
 
-TEST_CASE("base: the tiles in a rectangle are those that have points of it") {
+TEST_CASE("base: the tiles in a rectangle are those that contain points of it") {
 	CHECK(tiles_in(10.0, {{0.0, 0.0}, {10.0, 10.0}}) == TileRange{{0, 0}, {0, 0}});
 	CHECK(tiles_in(10.0, {{-0.1, 9.9}, {10.1, 30.0}}) == TileRange{{-1, 0}, {1, 2}});
 	CHECK(tiles_in(10.0, {{0.0, 0.0}, {0.0, 10.0}}).empty());
@@ -51,7 +51,7 @@ TEST_CASE("base: the tiles in a rectangle are those that have points of it") {
 		for (int i = 0; i < 2000; ++i) {
 			const glm::dvec2 corner(along(random), along(random));
 			Rect rect{corner, corner + 4.0 * size};
-			if (i % 2 == 0) { // The end of the rectangle lies on an edge of tiles.
+			if (i % 2 == 0) { // The end of the rectangle is on an edge of tiles.
 				rect.max = tile_rect(size, tile_at(size, rect.max)).min;
 			}
 			const TileRange range = tiles_in(size, rect);

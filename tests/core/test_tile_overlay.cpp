@@ -1,4 +1,4 @@
-// What a game changes, laid over a tile: nothing but what was changed differs, to the bit.
+// A game's changes, applied over a tile: all unchanged instances stay bit-identical.
 
 #include "core/base/instance_id.hpp"
 #include "core/near/tile_overlay.hpp"
@@ -14,14 +14,14 @@ using namespace thicket::test;
 
 namespace {
 
-OverlaidMeshes shown_of(const std::shared_ptr<const KeptTile> &tile, const LayerSettings &layer, const Rect &rect,
+OverlaidMeshes shown_of(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay) {
 	OverlaidMeshes meshes;
 	REQUIRE(overlaid(tile, layer, rect, overlay, meshes).ok());
 	return meshes;
 }
 
-std::shared_ptr<const KeptTile> shared_tile(const LayerSettings &layer) {
+std::shared_ptr<const CompactTile> shared_tile(const LayerSettings &layer) {
 	return kept(layer, built(layer, hills(), tile_of_hills));
 }
 
@@ -60,7 +60,7 @@ TEST_CASE("overlay: without changes, and with changes elsewhere, no tile is copi
 	}
 }
 
-TEST_CASE("overlay: what is removed or hidden is gone, and the rest keeps its order and every bit") {
+TEST_CASE("overlay: removed and hidden instances are gone; the rest is bit-identical, in the same order") {
 	const LayerSettings layer = rich_layer();
 	const auto tile = shared_tile(layer);
 	InstanceState state;
@@ -101,7 +101,7 @@ TEST_CASE("overlay: what is removed or hidden is gone, and the rest keeps its or
 	}
 }
 
-TEST_CASE("overlay: hand-placed instances stand first, in the tile of their place alone, as they were placed") {
+TEST_CASE("overlay: hand-placed instances come first, only in their own tile, as they were placed") {
 	LayerSettings layer = rich_layer();
 	layer.instance_data.use_custom_data = true;
 	layer.instance_data.variation.kind = SourceKind::height;
@@ -124,7 +124,7 @@ TEST_CASE("overlay: hand-placed instances stand first, in the tile of their plac
 	CHECK(tile->origin + glm::dvec3(shown[1]->positions()[0]) == glm::dvec3(10.5, 20.0, 30.25));
 	const UnfilledVector<float> floats = expanded(*shown[1]).buffer;
 	CHECK(std::vector<float>(floats.begin(), floats.begin() + 3) == std::vector<float>{0.0f, 0.0f, 2.0f});
-	CHECK(floats[transform_floats] == 0.5f); // Of its height.
+	CHECK(floats[transform_floats] == 0.5f); // The color at its height.
 	CHECK(floats[transform_floats + 3] == 2.0f);
 	CHECK(shown[1]->max_scale() >= 2.0f);
 	CHECK(visible_prefix(shown[1]->ranks(), 1e-9) >= 1);
@@ -134,14 +134,14 @@ TEST_CASE("overlay: hand-placed instances stand first, in the tile of their plac
 	CHECK(shown_of(neighbor, layer, next, {&state, nullptr})[1]->find(on_edge) == 0);
 }
 
-TEST_CASE("overlay: the box holds what stands") {
+TEST_CASE("overlay: the box contains all instances") {
 	const LayerSettings layer = rich_layer();
 	const auto tile = shared_tile(layer);
 	InstanceState state;
 	std::uint64_t id = 0;
 	REQUIRE(state.add(placed(layer, {0.0, 900.0, 64.0}, 0), id).ok());
 	const auto shown = shown_of(tile, layer, tile_of_hills, {&state, nullptr});
-	const KeptMesh &mesh = *shown[0];
+	const CompactMesh &mesh = *shown[0];
 	CHECK(mesh.max().y == static_cast<float>(900.0 - tile->origin.y));
 	CHECK(mesh.min() == tile->meshes[0].min());
 }

@@ -47,7 +47,7 @@ TEST_CASE("oracle: the sampler's points are those of a strict-time heap") {
 			set.radius = 0.25 + static_cast<double>(random() % 1000) / 100.0;
 			set.levels = levels;
 			set.layer = static_cast<std::uint16_t>(random());
-			// Some near the origin and negative, some at the end of the world.
+			// Some near the origin with negative coordinates, some at the end of the world.
 			const std::int32_t reach = domain % 2 == 0 ? 40 : cell_limit - 400;
 			const auto within = [&](std::int32_t bound) {
 				return static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(2 * bound)) - bound;
@@ -62,7 +62,7 @@ TEST_CASE("oracle: the sampler's points are those of a strict-time heap") {
 
 namespace {
 
-/// Points computed for one that is kept, in tiles of 64 r of a dozen sets.
+/// Points computed per returned point, in tiles of 64 r of a dozen sets.
 double computed_for_one(std::uint32_t levels) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -79,16 +79,16 @@ double computed_for_one(std::uint32_t levels) {
 
 } // namespace
 
-TEST_CASE("sampler: early darts around a window, and coarser levels, are decided for cells that nobody may ask for") {
+TEST_CASE("sampler: early darts around a window, and coarser levels, are decided for cells before any request") {
 	for (const bench::SimdTarget &target : bench::simd_targets()) {
 		CAPTURE(target.name);
 		const bench::ForcedTarget forced(target);
-		CHECK(computed_for_one(1) > 1.14); // 1.16; decided only where they are asked for, 1.12.
+		CHECK(computed_for_one(1) > 1.14); // 1.16; decided only on request, 1.12.
 		CHECK(computed_for_one(4) > 1.35); // 1.39; without the early darts 1.32, without either 1.28.
 	}
 }
 
-TEST_CASE("sampler: the first darts of a wide margin are thrown where a chain asks for one") {
+TEST_CASE("sampler: the first darts of a wide margin are thrown only where a chain needs one") {
 	for (const bench::SimdTarget &target : bench::simd_targets()) {
 		CAPTURE(target.name);
 		const bench::ForcedTarget forced(target);
@@ -105,12 +105,12 @@ TEST_CASE("sampler: the first darts of a wide margin are thrown where a chain as
 	}
 }
 
-TEST_CASE("sampler: darts are decided by vectors, and early ones first, which spares most of the later ones") {
+TEST_CASE("sampler: darts are decided in vectors, and early ones first, which saves most of the later ones") {
 	const PointSet set{.seed = 7, .radius = 1.0};
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	CHECK(bench::runs_vectors([&] { REQUIRE(sampler.sample(set, {{0.0, 0.0}, {64.0, 64.0}}, points).ok()); }));
-	// 5.1 and 11.8; all darts in one pass would be 9.2 of 18.7 squares.
+	// 5.1 darts and 11.8 squares. All darts in one pass would be 9.2 of 18.7.
 	const auto kept = static_cast<double>(sampler.stats().kept);
 	CHECK(static_cast<double>(sampler.stats().darts) < 7.0 * kept);
 	CHECK(static_cast<double>(sampler.stats().squares) < 15.0 * kept);

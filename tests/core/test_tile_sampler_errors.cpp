@@ -1,4 +1,4 @@
-// What TileSampler::sample does with bad input, with its cancel flag, and with memory.
+// TileSampler::sample with bad input, with its cancel flag, and its use of memory.
 
 #include "allocation_count.hpp"
 #include "core/base/instance_id.hpp"
@@ -19,7 +19,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double inf = std::numeric_limits<double>::infinity();
 constexpr Rect small_rect{{0.0, 0.0}, {20.0, 20.0}};
 
-/// A sampler with a good result in its buffer, which a refused call must leave as it is.
+/// A sampler with a valid result in its buffer. A refused call must leave it unchanged.
 struct Fixture {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -31,7 +31,7 @@ struct Fixture {
 		before = points;
 	}
 
-	/// Checks that a call is refused with this code and property, changes nothing, and breaks nothing.
+	/// Checks that a call is refused with this code and property, changes nothing, and leaves the sampler usable.
 	void refuse(const PointSet &set, const Rect &rect, ErrorCode code, const std::string &property) {
 		const Status status = sampler.sample(set, rect, points);
 		CHECK(status.code == code);
@@ -86,7 +86,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler errors: levels") {
 	refuse(PointSet{.levels = 0xffffffff}, small_rect, ErrorCode::out_of_range, "levels");
 }
 
-TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles that are none") {
+TEST_CASE_FIXTURE(Fixture, "sampler errors: invalid rectangles") {
 	for (const double bad : {nan, inf, -inf}) {
 		refuse_rect({bad, 0.0}, {1.0, 1.0}, ErrorCode::not_finite);
 		refuse_rect({0.0, bad}, {1.0, 1.0}, ErrorCode::not_finite);
@@ -98,7 +98,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles that are none") {
 	refuse_rect({1.0, 1.0}, {0.0, 0.0}, ErrorCode::inverted);
 }
 
-TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles out of the world") {
+TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles outside of the world") {
 	const double limit = lattice_unit(PointSet{}) * 16384.0 * cell_limit;
 	refuse_rect({limit - 1.0, 0.0}, {limit + 1.0, 1.0}, ErrorCode::out_of_range);
 	refuse_rect({-limit - 1.0, 0.0}, {1.0 - limit, 1.0}, ErrorCode::out_of_range);
@@ -109,17 +109,17 @@ TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles out of the world") {
 	refuse_rect({-most, -most}, {most, most}, ErrorCode::out_of_range);
 }
 
-TEST_CASE_FIXTURE(Fixture, "sampler errors: more points than anybody can want") {
+TEST_CASE_FIXTURE(Fixture, "sampler errors: rectangles with too many points") {
 	const double start = test::processor_seconds();
 	refuse_rect({0.0, 0.0}, {12'100.0, 12'100.0}, ErrorCode::too_many_points);
 	refuse_rect({0.0, 0.0}, {5.0e6, 5.0e6}, ErrorCode::too_many_points);
 	refuse(PointSet{.radius = 1e-3}, {{0.0, 0.0}, {20.0, 20.0}}, ErrorCode::too_many_points, "rect");
 	refuse(PointSet{.radius = 1e-3, .levels = 8}, {{0.0, 0.0}, {20.0, 20.0}}, ErrorCode::too_many_points, "rect");
-	// Refused before any work is done: ten such calls, and as many good ones of the fixture, take next to none.
+	// Refused before any work: ten such calls, and as many valid ones of the fixture, take almost no time.
 	CHECK(test::processor_seconds() - start < 5.0);
 }
 
-TEST_CASE_FIXTURE(Fixture, "sampler: an empty rectangle gives no points and no error") {
+TEST_CASE_FIXTURE(Fixture, "sampler: an empty rectangle returns no points and no error") {
 	for (const Rect &rect :
 			{Rect{}, Rect{{3.0, 3.0}, {3.0, 9.0}}, Rect{{3.0, 3.0}, {9.0, 3.0}}, Rect{{-7.0, 3.0}, {-7.0, 3.0}}}) {
 		points = before;
@@ -128,8 +128,8 @@ TEST_CASE_FIXTURE(Fixture, "sampler: an empty rectangle gives no points and no e
 	}
 }
 
-TEST_CASE("sampler: extreme radii give sets that are alike") {
-	// The process has no scale: the same seed gives the same lattice points for every radius.
+TEST_CASE("sampler: sets of extreme radii are similar") {
+	// The process has no scale: one seed produces the same lattice points for every radius.
 	TileSampler sampler;
 	std::vector<SamplePoint> unit, other;
 	const PointSet one{.seed = 5, .radius = 1.0};
@@ -149,7 +149,7 @@ TEST_CASE("sampler: extreme radii give sets that are alike") {
 	}
 }
 
-TEST_CASE("sampler: seed and layer name other sets") {
+TEST_CASE("sampler: different seeds and layers are different sets") {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	std::vector<std::vector<glm::dvec2>> sets;
@@ -171,7 +171,7 @@ TEST_CASE("sampler: seed and layer name other sets") {
 	}
 }
 
-TEST_CASE_FIXTURE(Fixture, "sampler: a raised flag cancels, and the sampler works on") {
+TEST_CASE_FIXTURE(Fixture, "sampler: a raised flag cancels, and the sampler stays usable") {
 	std::atomic<bool> cancel{true};
 	const double start = test::processor_seconds();
 	const Status status = sampler.sample(
@@ -185,12 +185,12 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a raised flag cancels, and the sampler work
 	CHECK(points == before);
 }
 
-TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised in mid-work cancels soon") {
+TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised during the work cancels soon") {
 	for (const std::uint32_t levels : {1u, 8u}) {
 		std::atomic<bool> cancel{false};
 		Status status;
 		std::thread worker([&] {
-			// Half a minute of work or more.
+			// At least half a minute of work.
 			status = sampler.sample(PointSet{.seed = 3, .levels = levels}, {{0.0, 0.0}, {10'000.0, 10'000.0}}, points,
 					{.cancel = &cancel, .report = {}});
 		});
@@ -198,7 +198,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised in mid-work cancels soon") {
 		const double start = test::processor_seconds();
 		cancel = true;
 		worker.join();
-		// About a millisecond is promised; a checked build takes longer.
+		// The promise is about a millisecond, but a checked build takes longer.
 		CHECK(test::processor_seconds() - start < 1.0);
 		CHECK(status.code == ErrorCode::cancelled);
 		REQUIRE(sampler.sample(PointSet{.seed = 1}, small_rect, points).ok());
@@ -206,7 +206,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: a flag raised in mid-work cancels soon") {
 	}
 }
 
-TEST_CASE_FIXTURE(Fixture, "sampler: says how far it is, and may be cancelled there") {
+TEST_CASE_FIXTURE(Fixture, "sampler: reports its progress, and can be cancelled from a report") {
 	const Rect wide{{-300.0, 0.0}, {500.0, 400.0}};
 	double last = 0.0;
 	std::uint64_t found = 0;
@@ -228,7 +228,7 @@ TEST_CASE_FIXTURE(Fixture, "sampler: says how far it is, and may be cancelled th
 			ErrorCode::cancelled);
 }
 
-TEST_CASE("sampler: once warm it allocates nothing") {
+TEST_CASE("sampler: no allocations once warm") {
 	for (const std::uint32_t levels : {1u, 4u}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = 6, .radius = 1.0, .levels = levels};
@@ -251,14 +251,14 @@ TEST_CASE("sampler: once warm it allocates nothing") {
 		CHECK(walked);
 		CHECK(after == before);
 	}
-	// The counter counts. A compiler may leave out a vector that nobody reads, this call it may not.
+	// Checks that the counter counts. A compiler may remove an unused vector, but not this call.
 	const std::size_t before = allocation_count();
 	void *const memory = ::operator new(1000);
 	CHECK(allocation_count() > before);
 	::operator delete(memory);
 }
 
-TEST_CASE("sampler: what it did before does not matter") {
+TEST_CASE("sampler: earlier work has no effect on the result") {
 	const PointSet set{.seed = 7, .radius = 0.5, .levels = 3, .layer = 2};
 	const Rect rect{{100.0, -50.0}, {130.0, -35.0}};
 	TileSampler fresh;
@@ -283,7 +283,7 @@ TEST_CASE("sampler: what it did before does not matter") {
 	CHECK(points == expected);
 }
 
-TEST_CASE("sampler: statistics of a call add up") {
+TEST_CASE("sampler: the statistics of a call are consistent") {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	REQUIRE(sampler.sample(PointSet{.seed = 9}, {{0.0, 0.0}, {64.0, 64.0}}, points).ok());

@@ -1,4 +1,5 @@
-// A large rectangle is shared by threads that the caller lends: the same points in the same order, errors and progress as alone.
+// Threads that the caller lends share a large rectangle: points, order, errors and progress are the same as without
+// them.
 
 #include "allocation_count.hpp"
 #include "core/sampling/tile_sampler.hpp"
@@ -20,7 +21,7 @@ namespace {
 
 using Threads = test::CountedThreads;
 
-/// Runs what is meant for other threads before or after the caller's part, or never.
+/// Runs the other threads' work before or after the caller's part, or never.
 class OneByOne final : public LentThreads {
 public:
 	enum class Others { first, last, never };
@@ -80,7 +81,7 @@ TEST_CASE("sampler: lent threads change no point and no order") {
 	}
 }
 
-TEST_CASE("sampler: threads are not asked for a single block") {
+TEST_CASE("sampler: a single block requests no threads") {
 	Threads threads(2);
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
@@ -88,7 +89,7 @@ TEST_CASE("sampler: threads are not asked for a single block") {
 	CHECK(threads.runs == 0);
 }
 
-TEST_CASE("sampler: with threads, the calling one hears how far all are, and may cancel") {
+TEST_CASE("sampler: with threads, the calling one receives the progress of all, and can cancel") {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	Threads threads(3);
@@ -115,7 +116,7 @@ TEST_CASE("sampler: with threads, the calling one hears how far all are, and may
 	CHECK(points == Alone({.seed = 12}).points);
 }
 
-TEST_CASE("sampler: with threads, the first block that cannot be decided is told") {
+TEST_CASE("sampler: with threads, the error names the first block that cannot be decided") {
 	constexpr SampleMargins none{.first = 0, .widest = 0};
 	TileSampler alone(none), together(none);
 	std::vector<SamplePoint> points(7);
@@ -128,8 +129,8 @@ TEST_CASE("sampler: with threads, the first block that cannot be decided is told
 	CHECK(points.empty());
 }
 
-TEST_CASE("sampler: with threads, memory may end anywhere") {
-	// On one thread, so that each request is counted.
+TEST_CASE("sampler: with threads, memory may run out anywhere") {
+	// On one thread, so that every request is counted.
 	const Rect rect{{0.0, 0.0}, {200.0, 100.0}};
 	const PointSet set{.seed = 4};
 	std::vector<SamplePoint> expected;
@@ -150,7 +151,7 @@ TEST_CASE("sampler: with threads, memory may end anywhere") {
 	}
 }
 
-TEST_CASE("sampler: lent threads take blocks, and what they work in is kept for the next call") {
+TEST_CASE("sampler: lent threads take blocks, and their workspaces are kept for the next call") {
 	const PointSet set{.seed = 12, .radius = 1.0};
 	OneByOne threads(OneByOne::Others::first);
 	TileSampler sampler;
@@ -165,7 +166,7 @@ TEST_CASE("sampler: lent threads take blocks, and what they work in is kept for 
 		return allocation_count() - before;
 	};
 	const std::size_t first = allocations();
-	CHECK(reports == 3); // Of three rounds; those of the caller's own blocks would be told one by one.
+	CHECK(reports == 3); // One for each of three rounds; those of the caller's own blocks would be reported one by one.
 	const std::size_t second = allocations();
 	CHECK(second + 50 < first); // Grids of two more samplers.
 }

@@ -25,7 +25,7 @@ std::set<std::pair<int, int>> tiles_without(const TileDisc &disc, const TileDisc
 
 } // namespace
 
-TEST_CASE("tile disc: holds what touches it, and tells what another one lacks") {
+TEST_CASE("tile disc: it contains the tiles that touch it, and lists those that another disc lacks") {
 	std::mt19937_64 random(3);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (int round = 0; round < 60; ++round) {
@@ -53,7 +53,7 @@ TEST_CASE("tile disc: holds what touches it, and tells what another one lacks") 
 	}
 }
 
-TEST_CASE("tile table: does as a map does, and slots stay") {
+TEST_CASE("tile table: it behaves like a map, and slots are stable") {
 	std::mt19937_64 random(4);
 	TileTable table;
 	std::map<std::pair<int, int>, std::uint32_t> expected;
@@ -79,11 +79,11 @@ TEST_CASE("tile table: does as a map does, and slots stay") {
 	CHECK(table.find({1, 1}) == TileTable::none);
 }
 
-TEST_CASE("tile queue: the nearest that fits, wherever the viewer goes") {
+TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer") {
 	std::mt19937_64 random(9);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	TileQueue queue;
-	std::vector<glm::ivec2> tiles; // By slot; some are taken out.
+	std::vector<glm::ivec2> tiles; // By slot. Some are removed.
 	std::vector<bool> in;
 	glm::dvec2 place{0.0};
 	const auto squared = [&](std::uint32_t slot) {
@@ -99,8 +99,8 @@ TEST_CASE("tile queue: the nearest that fits, wherever the viewer goes") {
 			tiles.emplace_back(static_cast<int>(200.0 * unit(random)), static_cast<int>(200.0 * unit(random)));
 			in.push_back(true);
 			queue.add(static_cast<std::uint32_t>(tiles.size() - 1), tiles.back());
-			queue.add(
-					static_cast<std::uint32_t>(random() % tiles.size()), tiles.back()); // Twice, or under a wrong name.
+			// The same entry once more, or an existing slot with a wrong tile.
+			queue.add(static_cast<std::uint32_t>(random() % tiles.size()), tiles.back());
 		}
 		if (random() % 3 == 0) {
 			const glm::dvec2 way = glm::dvec2(unit(random), unit(random)) * 4.0;
@@ -124,11 +124,11 @@ TEST_CASE("tile queue: the nearest that fits, wherever the viewer goes") {
 	}
 }
 
-TEST_CASE("tile queue: of many tiles few are measured, and none twice while nothing moves") {
+TEST_CASE("tile queue: of many tiles, few are measured, and none twice while nothing moves") {
 	TileQueue queue;
 	double place = 0.0;
 	int measured = 0;
-	int asked = 0;
+	int tested = 0;
 	const auto measure = [&](TileQueue::Entry &entry) {
 		++measured;
 		entry.distance_squared = (entry.at.x - place) * (entry.at.x - place);
@@ -139,11 +139,11 @@ TEST_CASE("tile queue: of many tiles few are measured, and none twice while noth
 		queue.add(static_cast<std::uint32_t>(x), {x, 0});
 	}
 	const auto first_from = [&](int least) {
-		measured = asked = 0;
+		measured = tested = 0;
 		return queue
 				.first(0, measure,
 						[&](const TileQueue::Entry &entry) {
-							++asked;
+							++tested;
 							return entry.at.x >= least;
 						})
 				->at.x;
@@ -152,9 +152,9 @@ TEST_CASE("tile queue: of many tiles few are measured, and none twice while noth
 	CHECK(measured == tiles);
 	CHECK(first_from(20) == 20);
 	CHECK(measured == 0);
-	CHECK(asked == 1); // Those before it did not fit.
+	CHECK(tested == 1); // Those before it were unsuitable.
 	CHECK(first_from(25) == 25);
-	CHECK(asked == 6);
+	CHECK(tested == 6);
 	place = 2.0;
 	queue.move(2.0);
 	CHECK(first_from(20) == 20);
@@ -162,6 +162,6 @@ TEST_CASE("tile queue: of many tiles few are measured, and none twice while noth
 	queue.add(tiles, {-1, 0});
 	CHECK(first_from(-1) == 2);
 	CHECK(measured < 300);
-	CHECK(first_from(tiles - 1) == tiles - 1); // Has all of them looked at.
+	CHECK(first_from(tiles - 1) == tiles - 1); // Checks all of them.
 	CHECK(measured >= tiles);
 }

@@ -1,4 +1,4 @@
-// Transforms of many instances at once: the same bits as one after the other, on every instruction set.
+// Transforms of many instances at once: bit-identical to one at a time, on every instruction set.
 
 #include "core/placement/transform_batch.hpp"
 #include "placement_fixture.hpp"
@@ -43,7 +43,7 @@ std::vector<Placement> placements() {
 
 } // namespace
 
-TEST_CASE("transform batch: many at once are the same bits as one after the other, on every instruction set") {
+TEST_CASE("transform batch: batches are bit-identical to single transforms, on every instruction set") {
 	for (const bench::SimdTarget &target : bench::simd_targets()) {
 		CAPTURE(target.name);
 		const bench::ForcedTarget forced(target);
@@ -54,21 +54,21 @@ TEST_CASE("transform batch: many at once are the same bits as one after the othe
 			for (int round = 0; round < 60; ++round) {
 				std::vector<std::uint64_t> ids;
 				std::vector<glm::vec3> up;
-				std::vector<glm::vec3> stands;
+				std::vector<glm::vec3> positions;
 				batch.count = 0;
 				const std::size_t count = 1 + random() % TransformBatch::most;
 				while (ids.size() < count) {
 					ids.push_back(random());
 					up.push_back(random() % 8 == 0 ? glm::vec3(-0.0f, 1.0f, 0.0f) : random_normal(normals));
-					stands.emplace_back(static_cast<float>(random() % 1000), -0.0f, static_cast<float>(count));
-					batch.add(ids.back(), up.back(), stands.back());
+					positions.emplace_back(static_cast<float>(random() % 1000), -0.0f, static_cast<float>(count));
+					batch.add(ids.back(), up.back(), positions.back());
 				}
 				batch.make(placement, seed + static_cast<std::uint64_t>(round));
 				for (std::size_t i = 0; i < count; ++i) {
 					std::array<float, transform_floats> expected{};
-					expected[3] = stands[i].x;
-					expected[7] = stands[i].y;
-					expected[11] = stands[i].z;
+					expected[3] = positions[i].x;
+					expected[7] = positions[i].y;
+					expected[11] = positions[i].z;
 					std::array<float, transform_floats> got{};
 					const float scale =
 							write_basis(placement, seed + static_cast<std::uint64_t>(round), ids[i], up[i], expected);
@@ -81,16 +81,16 @@ TEST_CASE("transform batch: many at once are the same bits as one after the othe
 	}
 }
 
-TEST_CASE("transform batch: they are made by vectors, which write behind the last one") {
+TEST_CASE("transform batch: they are computed in vectors, which write beyond the last one") {
 	TransformBatch batch;
 	batch.scale.fill(-1.0f);
 	batch.add(5, up, {});
 	batch.make({}, seed);
 	CHECK(batch.scale[0] == 1.0f);
-	CHECK(batch.scale[1] == 1.0f); // Nothing wider than one would leave it as it was.
+	CHECK(batch.scale[1] == 1.0f); // Single-lane code would leave it unchanged.
 }
 
-TEST_CASE("transform batch: tiles are placed, and read back from what is kept of them, by vectors") {
+TEST_CASE("transform batch: tiles are placed, and restored from compact tiles, in vectors") {
 	TileBuilder builder;
 	TileInstances tile;
 	LayerSettings layer = rich_layer();
@@ -101,13 +101,13 @@ TEST_CASE("transform batch: tiles are placed, and read back from what is kept of
 	};
 	CHECK(places_by_vectors());
 	REQUIRE(tile.meshes[0].size() > 10);
-	const std::shared_ptr<const KeptTile> known = kept(layer, tile);
-	const KeptMesh &mesh = known->meshes[0];
+	const std::shared_ptr<const CompactTile> known = kept(layer, tile);
+	const CompactMesh &mesh = known->meshes[0];
 	std::vector<float> floats(mesh.size() * mesh.stride());
 	CHECK(bench::runs_vectors([&] { mesh.read_all(floats); }));
 	CHECK(bench::runs_vectors(
 			[&] { mesh.read(std::vector<std::uint32_t>{3, 1}, std::span(floats).first(2 * mesh.stride())); }));
 	CHECK_FALSE(bench::runs_vectors([&] { mesh.read(std::vector<std::uint32_t>{}, {}); }));
-	layer.placement.scale_curve = placements().back().scale_curve; // Has to be asked instance by instance.
+	layer.placement.scale_curve = placements().back().scale_curve; // It must be evaluated instance by instance.
 	CHECK_FALSE(places_by_vectors());
 }

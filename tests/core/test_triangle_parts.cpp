@@ -34,7 +34,7 @@ bool same(const Ground &a, const Ground &b) {
 
 } // namespace
 
-TEST_CASE("triangle parts: many meshes are as one of all their triangles, in any order") {
+TEST_CASE("triangle parts: many meshes equal one mesh of all their triangles, in any order") {
 	std::mt19937 random(11);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (const std::size_t count : std::vector<std::size_t>{1, 2, 4, 5, 9, 33, 300}) {
@@ -67,10 +67,10 @@ TEST_CASE("triangle parts: many meshes are as one of all their triangles, in any
 	}
 }
 
-TEST_CASE("triangle parts: of equally high ones the most level gives the normal, whatever the order") {
+TEST_CASE("triangle parts: of equally high ones, the most level one determines the normal, in any order") {
 	const auto level = part_of({{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {2.0, 1.0, 4.0}});
 	const auto rising = part_of({{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {2.0, 5.0, -4.0}});
-	// As steep as each other: a ridge along z.
+	// Equally steep: a ridge along z.
 	const auto west = part_of({{-10.0, 0.0, -5.0}, {-10.0, 0.0, 5.0}, {-8.0, 2.0, 0.0}});
 	const auto east = part_of({{-6.0, 0.0, -5.0}, {-6.0, 0.0, 5.0}, {-8.0, 2.0, 0.0}});
 	for (const auto &parts : {std::vector{level, rising, west, east}, std::vector{east, west, rising, level}}) {
@@ -82,7 +82,7 @@ TEST_CASE("triangle parts: of equally high ones the most level gives the normal,
 	}
 }
 
-TEST_CASE("triangle parts: none, empty ones and upright ones are no ground; spans of other sizes are refused") {
+TEST_CASE("triangle parts: no, empty and upright parts are no ground; spans of other sizes are refused") {
 	CHECK(std::isnan(TriangleParts().at({0.0, 0.0}).height));
 	const auto wall = part_of({{0.0, 0.0, 0.0}, {0.0, 9.0, 0.0}, {0.0, 0.0, 4.0}});
 	const auto floor = part_of({{-5.0, 1.0, -5.0}, {5.0, 1.0, -5.0}, {0.0, 1.0, 5.0}});

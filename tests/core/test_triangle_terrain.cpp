@@ -44,8 +44,8 @@ Corners operator+(Corners a, const Corners &b) {
 	return a;
 }
 
-/// A surface without a gap: a grid of posts that are pushed about so little that all cells stay convex, turned, with random diagonals,
-/// windings and heights.
+/// A surface without gaps: a grid of posts that are displaced so little that all cells stay convex. It is rotated, with
+/// random diagonals, windings and heights.
 struct Surface {
 	glm::ivec2 cells{0};
 	std::vector<glm::dvec3> posts;
@@ -100,8 +100,8 @@ std::span<const glm::dvec3, 3> triangle_at(const Corners &corners, std::size_t i
 
 } // namespace
 
-TEST_CASE("triangles: one triangle, its edges and corners have ground, all else has none") {
-	// Rises by 1 m a meter of x: 45 degrees.
+TEST_CASE("triangles: only a triangle, its edges and its corners have ground") {
+	// Rises by 1 m per meter of x: 45 degrees.
 	const Corners one{{0.0, 10.0, 0.0}, {4.0, 14.0, 0.0}, {0.0, 10.0, 4.0}};
 	const double half = std::sqrt(0.5);
 	for (const std::array<std::size_t, 3> order : {std::array<std::size_t, 3>{0, 1, 2}, {2, 1, 0}, {1, 2, 0}}) {
@@ -123,26 +123,26 @@ TEST_CASE("triangles: one triangle, its edges and corners have ground, all else 
 	}
 }
 
-TEST_CASE("triangles: none, or none but those on edge, are no ground") {
+TEST_CASE("triangles: no triangles, or only upright ones, are no ground") {
 	CHECK(hole(TriangleTerrain(), {0.0, 0.0}));
 	const TriangleTerrain none = terrain_of({});
 	CHECK(hole(none, {0.0, 0.0}));
 	CHECK(none.area().empty());
-	// A wall, a line, a point; the wall's corners are no sum of round numbers.
+	// A wall, a line and a point. The wall's corners are not exact in binary.
 	const TriangleTerrain walls = terrain_of({{0.1, 0.0, 0.7}, {0.1, 9.0, 0.7}, {0.3, 3.0, 2.1}, {0.0, 0.0, 0.0},
 			{1.0, 1.0, 1.0}, {2.0, 2.0, 2.0}, {5.0, 5.0, 5.0}, {5.0, 5.0, 5.0}, {5.0, 5.0, 5.0}});
 	CHECK(hole(walls, {0.1, 0.7}));
 	CHECK(hole(walls, {1.0, 1.0}));
 	CHECK(hole(walls, {5.0, 5.0}));
 	CHECK(walls.area().empty());
-	// On a floor they change nothing, high as they are.
+	// On a floor they change nothing, despite their height.
 	const TriangleTerrain room =
 			terrain_of(square(1.0, 8.0) + Corners{{2.0, 0.0, -3.0}, {2.0, 9.0, 0.0}, {2.0, 0.0, 3.0}});
 	CHECK(room.at({2.0, 0.0}).height == 1.0f);
 	CHECK(room.at({2.0, 0.0}).normal == glm::vec3(0.0f, 1.0f, 0.0f));
 }
 
-TEST_CASE("triangles: the topmost is the ground, a bridge over a valley and the underside of a rock alike") {
+TEST_CASE("triangles: the topmost one is the ground, also for bridges and undersides of rocks") {
 	const Corners valley = square(-3.0, 20.0);
 	const Corners bridge = square(5.0, 4.0, {2.0, -1.0});
 	Corners underside = square(2.0, 5.0, {-10.0, 0.0});
@@ -158,14 +158,14 @@ TEST_CASE("triangles: the topmost is the ground, a bridge over a valley and the 
 	}
 }
 
-TEST_CASE("triangles: of equally high ones the first gives the normal") {
+TEST_CASE("triangles: of equally high ones, the first determines the normal") {
 	const Corners level{{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {2.0, 1.0, 4.0}};
 	const Corners rising{{0.0, 1.0, 0.0}, {4.0, 1.0, 0.0}, {2.0, 5.0, -4.0}};
 	for (const double x : {0.0, 1.0, 2.0, 4.0}) {
 		CHECK(terrain_of(level + rising).at({x, 0.0}).normal == glm::vec3(0.0f, 1.0f, 0.0f));
 		CHECK(terrain_of(rising + level).at({x, 0.0}).normal.y < 0.8f);
 	}
-	// A level triangle is level to the last bit, so that no rounding puts it below what falls away from its edge.
+	// A level triangle is exactly level, so that no rounding puts it below a triangle that falls away from its edge.
 	const Corners floor{{0.0, 0.1, 0.0}, {3.7, 0.1, 0.0}, {2.0, 0.1, 4.1}};
 	const Corners slope{{0.0, 0.1, 0.0}, {3.7, 0.1, 0.0}, {1.3, -5.0, -2.9}};
 	const TriangleTerrain edge = terrain_of(floor + slope);
@@ -174,20 +174,20 @@ TEST_CASE("triangles: of equally high ones the first gives the normal") {
 	}
 }
 
-TEST_CASE("triangles: a mesh has no cracks, and holes where it has holes") {
+TEST_CASE("triangles: a mesh has no cracks, and only its own holes") {
 	std::mt19937 random(1);
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	for (const double size : {1e-3, 1.0, 300.0}) {
 		for (const glm::dvec2 origin : {glm::dvec2(0.0), glm::dvec2(-1234.5, 9876.5), glm::dvec2(9e6, -9e6)}) {
 			const Surface surface = random_surface({9, 6}, size, origin, random);
 			const TriangleTerrain terrain = terrain_of(surface.corners);
-			const double grain = glm::length(origin) * 1e-15 + size * 1e-7; // Rounded places on slopes of 5 and more.
+			const double grain = glm::length(origin) * 1e-15 + size * 1e-7; // Rounding on slopes of 5 and more.
 			for (const glm::dvec3 post : surface.posts) {
 				CHECK(std::abs(terrain.at({post.x, post.z}).height - post.y) <= 50.0 * grain);
 			}
 			for (int z = 1; z < surface.cells.y; ++z) {
 				for (int x = 1; x < surface.cells.x; ++x) {
-					// Along inner edges, and from post to post over whatever lies between.
+					// Along inner edges, and from post to post across any triangle in between.
 					const glm::dvec3 from = surface.post(x, z);
 					for (const glm::dvec3 to : {surface.post(x - 1, z), surface.post(x, z - 1)}) {
 						for (int i = 0; i < 40; ++i) {
@@ -205,7 +205,7 @@ TEST_CASE("triangles: a mesh has no cracks, and holes where it has holes") {
 				const double v = 0.05 + 0.4 * unit(random);
 				const glm::dvec3 at = corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]);
 				CHECK(std::abs(terrain.at({at.x, at.z}).height - at.y) <= 500.0 * grain);
-				// Without this triangle there is a hole.
+				// Removing this triangle leaves a hole.
 				Corners holed = surface.corners;
 				holed.erase(holed.begin() + static_cast<std::ptrdiff_t>(3 * i),
 						holed.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
@@ -215,8 +215,8 @@ TEST_CASE("triangles: a mesh has no cracks, and holes where it has holes") {
 	}
 }
 
-TEST_CASE("triangles: slivers that meet in a fan have no crack, nor a height beyond their corners'") {
-	// 2,000 triangles about one corner, thinner than a double's grain at their tips.
+TEST_CASE("triangles: slivers that meet in a fan have no crack, and no height beyond their corners'") {
+	// 2,000 triangles around one corner, thinner at their tips than the precision of a double.
 	constexpr int blades = 2000;
 	const glm::dvec3 tip(1e5 / 3.0, 7.0, -1e5 / 7.0);
 	std::mt19937 random(2);
@@ -237,10 +237,10 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, nor a height bey
 		const glm::dvec3 at = glm::mix(tip, on_rim, part * part * part * 0.999999);
 		const glm::dvec2 place(at.x, at.z);
 		if (place.y <= tip.z || place == glm::dvec2(tip.x, tip.z)) {
-			continue; // So near the tip that rounding has put it beside the fan.
+			continue; // So near the tip that rounding moved it beside the fan.
 		}
 		const float height = terrain.at(place).height;
-		// Off the fan only where its width at the place is no more than a grain or two of the coordinates.
+		// A position may miss the fan only where the fan is no wider than one or two rounding steps of the coordinates.
 		CHECK((!std::isnan(height) || part * part * part * 50.0 * 1e-5 < 2e-11));
 		CHECK((std::isnan(height) || std::abs(height - at.y) < 1e-4));
 		const glm::dvec3 normal(terrain.at(place).normal);
@@ -248,7 +248,7 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, nor a height bey
 	}
 }
 
-TEST_CASE("triangles: random ones of all sizes are as one after the other says, in any order") {
+TEST_CASE("triangles: random ones of all sizes match a scan of all of them, in any order") {
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	for (const std::size_t count : std::vector<std::size_t>{1, 2, 4, 5, 8, 9, 17, 33, 100, 500}) {
@@ -289,7 +289,7 @@ TEST_CASE("triangles: random ones of all sizes are as one after the other says, 
 	}
 }
 
-TEST_CASE("triangles: normals are true from gentle to nearly upright ones") {
+TEST_CASE("triangles: normals are accurate from gentle to nearly upright ones") {
 	for (const double degrees : {0.0, 1.0, 30.0, 45.0, 60.0, 89.0, 89.999}) {
 		const double angle = degrees * 3.14159265358979323846 / 180.0;
 		const glm::dvec3 along(std::cos(angle), std::sin(angle), 0.0);
@@ -301,7 +301,7 @@ TEST_CASE("triangles: normals are true from gentle to nearly upright ones") {
 	}
 }
 
-TEST_CASE("triangles: one layer of a hundred thousand, and all of them above one place") {
+TEST_CASE("triangles: a hundred thousand side by side, and all of them above one position") {
 	std::mt19937 random(4);
 	const Surface surface = random_surface({250, 200}, 2.0, {-250.0, 100.0}, random);
 	const TriangleTerrain terrain = terrain_of(surface.corners);
@@ -315,7 +315,7 @@ TEST_CASE("triangles: one layer of a hundred thousand, and all of them above one
 	CHECK(terrain_of(tower).at({1.0, 2.0}).height == 49999.0f);
 }
 
-TEST_CASE("triangles: refused ones name what is wrong and leave the terrain as it was") {
+TEST_CASE("triangles: errors name the refused property and leave the terrain unchanged") {
 	TriangleTerrain terrain = terrain_of(square(3.0, 1.0));
 	const auto refuse = [&](const Corners &bad, ErrorCode code, const char *property, double value) {
 		check_refused(terrain.set(bad), code, property, value);
@@ -338,7 +338,7 @@ TEST_CASE("triangles: refused ones name what is wrong and leave the terrain as i
 	check_refused(terrain.sample(std::vector<glm::dvec2>(3), ground), ErrorCode::wrong_size, "ground", 2.0);
 }
 
-TEST_CASE("triangles: the first corner that is refused is found") {
+TEST_CASE("triangles: the error names the first refused corner") {
 	std::vector<glm::dvec3> corners(9, glm::dvec3(1.0));
 	CHECK(TriangleTerrain::find_refused_corner(corners) == 9);
 	corners[7].x = -2.0 * TriangleTerrain::max_extent;
@@ -365,13 +365,13 @@ TEST_CASE("triangles: a cancelled build changes nothing") {
 	CHECK(terrain.at({1.0, 1.0}).height == 5.0F);
 }
 
-TEST_CASE("triangles: those that lie elsewhere, or below, are not computed") {
-	// Of these, all is computed in whole numbers. Four are a leaf of the tree.
+TEST_CASE("triangles: those beside or below are not computed") {
+	// These are computed in whole numbers. Four triangles are a leaf of the tree.
 	Corners even;
 	for (const double height : {8.0, 9.0, 10.0, 11.0}) {
 		even = even + Corners{{0.0, height, 0.0}, {4.0, height, 0.0}, {0.0, height, 4.0}};
 	}
-	// Of these, nothing is.
+	// These would be rounded.
 	const auto uneven = [](glm::dvec2 center, double height) {
 		Corners corners;
 		for (int i = 0; i < 4; ++i) {
@@ -393,6 +393,6 @@ TEST_CASE("triangles: those that lie elsewhere, or below, are not computed") {
 	for (const double side : {-1.0, 1.0}) { // Before the others in the tree, and behind them.
 		CHECK_FALSE(computes_uneven(uneven({70.3 * side, 0.0}, 50.7)));
 		CHECK_FALSE(computes_uneven(uneven({9.3 * side, 3.7 * side}, 0.7)));
-		CHECK(computes_uneven(uneven({9.3 * side, 3.7 * side}, 50.7))); // These lie above.
+		CHECK(computes_uneven(uneven({9.3 * side, 3.7 * side}, 50.7))); // These are above.
 	}
 }

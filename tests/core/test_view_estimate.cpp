@@ -1,4 +1,4 @@
-// The estimate of how many instances a layer has around a viewer.
+// The estimated number of a layer's instances around a viewer.
 
 #include "core/base/tile_grid.hpp"
 #include "core/streaming/view_estimate.hpp"
@@ -11,7 +11,7 @@ using namespace thicket;
 
 namespace {
 
-/// Tiles that a viewer within tile (0, 0) is near enough to.
+/// The number of tiles in view of a viewer within tile (0, 0).
 int tiles_in_view(const StreamLayer &layer, glm::dvec2 viewer) {
 	int count = 0;
 	for (int y = -10; y <= 10; ++y) {
@@ -38,7 +38,7 @@ TEST_CASE("the area in view is that of the tiles around a viewer, over all its p
 	}
 }
 
-TEST_CASE("expected instances follow the point density, the share that is kept and the area") {
+TEST_CASE("expected instances follow the point density, the kept share and the area") {
 	const StreamLayer layer{32.0, 64.0};
 	const double all = expected_instances(0.2, 1.0, layer);
 	CHECK(all == doctest::Approx(0.2 * view_area(layer)));

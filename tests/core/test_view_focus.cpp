@@ -48,7 +48,7 @@ TEST_CASE("view focus: an axis ends where it meets the ground") {
 	CHECK(hit->y == doctest::Approx(300.0 - 0.5 * hit->x));
 }
 
-TEST_CASE("view focus: without ground to sample, and beside it, a plane stands for it") {
+TEST_CASE("view focus: a plane replaces missing ground") {
 	const Hills hills;
 	for (const Terrain *terrain : {static_cast<const Terrain *>(nullptr), static_cast<const Terrain *>(&hills)}) {
 		check_near(view_focus({{5000.0, 800.0, 7.0}, {0.0, -1.0, 0.0}, 4000.0, 2000.0}, terrain, 30.0),
@@ -58,7 +58,7 @@ TEST_CASE("view focus: without ground to sample, and beside it, a plane stands f
 	CHECK_FALSE(ground_on_ray(hills, {0.0, -800.0, 0.0}, {0.0, -1.0, 0.0}, 4000.0).has_value()); // From below.
 }
 
-TEST_CASE("view focus: an axis along the ground, or one that meets nothing, ends at the usual depth") {
+TEST_CASE("view focus: an axis along the ground, or one without a hit, ends at the default depth") {
 	const FlatTerrain flat;
 	for (const glm::dvec3 direction : {glm::dvec3(0.0, 0.0, -1.0), unit({0.0, -0.1, -1.0}), unit({0.0, 1.0, -1.0})}) {
 		check_near(view_focus({{0.0, 5.0, 2000.0}, direction, 4000.0, 2000.0}, &flat, 0.0),

@@ -9,7 +9,7 @@ using namespace thicket;
 
 namespace {
 
-/// Seen from the origin along -z, 90 degrees both ways, from 1 to 100 m.
+/// From the origin along -z, 90 degrees in both directions, from 1 to 100 m.
 ViewVolume straight_ahead() {
 	return ViewVolume({{{-1, 1, -1}, {1, 1, -1}, {1, -1, -1}, {-1, -1, -1}, {-100, 100, -100}, {100, 100, -100},
 			{100, -100, -100}, {-100, -100, -100}}});
@@ -17,7 +17,7 @@ ViewVolume straight_ahead() {
 
 } // namespace
 
-TEST_CASE("view volume: a point is seen exactly if it lies within") {
+TEST_CASE("view volume: a point is visible exactly if it is inside") {
 	const ViewVolume view = straight_ahead();
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> along(-120.0, 120.0);
@@ -32,7 +32,7 @@ TEST_CASE("view volume: a point is seen exactly if it lies within") {
 	CHECK(seen > 1000);
 }
 
-TEST_CASE("view volume: a box is seen if some of it is") {
+TEST_CASE("view volume: a box is visible if a part of it is") {
 	const ViewVolume view = straight_ahead();
 	CHECK(view.touches({-500, -500, -500}, {500, 500, 500}));
 	CHECK(view.touches({40, -1, -50}, {60, 1, -45}));
@@ -41,7 +41,7 @@ TEST_CASE("view volume: a box is seen if some of it is") {
 	CHECK_FALSE(view.touches({-5, -5, -200}, {5, 5, -101}));
 }
 
-TEST_CASE("view volume: of an orthogonal camera, and with its corners in the other turn") {
+TEST_CASE("view volume: of an orthogonal camera, and with corners in reverse order") {
 	const ViewVolume view(
 			{{{0, 0, 0}, {0, 10, 0}, {20, 10, 0}, {20, 0, 0}, {0, 0, 50}, {0, 10, 50}, {20, 10, 50}, {20, 0, 50}}});
 	CHECK(view.touches({5, 5, 5}, {6, 6, 6}));

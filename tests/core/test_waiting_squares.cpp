@@ -1,4 +1,4 @@
-// Few cells have many squares that wait: every way to keep them is taken, and by each instruction set.
+// A few cells have many waiting squares. These tests cover every way to store them, on each instruction set.
 
 #include "core/sampling/block_sampler.hpp"
 #include "tests/bench/common/simd_targets.hpp"

@@ -1,4 +1,4 @@
-// Promise 1 of TileSampler: a point of the set comes out, bit for bit the same, for every rectangle that contains it.
+// Promise 1 of TileSampler: a point of the set is returned, bit for bit the same, for every rectangle that contains it.
 
 #include "core/base/instance_id.hpp"
 #include "tilings.hpp"
@@ -18,7 +18,7 @@ using namespace thicket::tilings;
 
 namespace {
 
-/// Requires that every tiling gives the points that one call for the whole region gives.
+/// Requires that every tiling returns the points that a single call for the whole region returns.
 void check_tilings(const PointSet &set, const Rect &region, std::span<const Tiling> tilings, std::size_t least_points) {
 	const std::vector<SamplePoint> whole = points_at_once(set, region);
 	CHECK(whole.size() >= least_points);
@@ -26,13 +26,13 @@ void check_tilings(const PointSet &set, const Rect &region, std::span<const Tili
 		CAPTURE(tiling.name);
 		const std::vector<SamplePoint> tiled = points_through(set, region, tiling);
 		CHECK(tiled.size() == whole.size());
-		// Not CHECK on the vectors themselves: nobody wants a million points in a log.
+		// CHECK on the vectors themselves would print a million points.
 		const bool identical = tiled == whole;
 		CHECK(identical);
 	}
 }
 
-/// A rectangle that holds this position and no other double.
+/// A rectangle that contains this position and no other double.
 Rect only(glm::dvec2 position) {
 	return {position, {std::nextafter(position.x, HUGE_VAL), std::nextafter(position.y, HUGE_VAL)}};
 }
@@ -107,8 +107,8 @@ TEST_CASE("windows: all levels, a small region through small tiles") {
 }
 
 TEST_CASE("windows: where the margin was too small at first") {
-	// About one cell in a million hangs on a chain that leaves the first margin. Strips one cell wide have many cells at
-	// their border, so they find such chains quickly; a wide window has them well inside.
+	// About one cell in a million depends on a chain that leaves the first margin. Strips one cell wide have many cells
+	// at their border, so they find such chains quickly. In a wide window, the chains are well inside.
 	for (const std::uint32_t levels : {1u, max_levels}) {
 		CAPTURE(levels);
 		const PointSet set{.seed = 17, .radius = 1.0, .levels = levels, .layer = 2};
@@ -133,7 +133,7 @@ TEST_CASE("windows: where the margin was too small at first") {
 	}
 }
 
-TEST_CASE("windows: half-open to the last bit") {
+TEST_CASE("windows: half-open, exactly") {
 	for (const std::uint32_t levels : {1u, 3u}) {
 		const PointSet set{.seed = 14, .radius = 1.7, .levels = levels, .layer = 1};
 		TileSampler sampler;

@@ -4,6 +4,7 @@
 #include "core/rules/instance_random.hpp"
 #include "core/rules/rules.hpp"
 #include "core/terrain/heightfield.hpp"
+#include "placement_fixture.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,7 +14,7 @@
 
 using namespace thicket;
 
-TEST_CASE("golden: ground, rules and transforms have the same bits with every compiler and on every machine") {
+TEST_CASE("golden: ground, rules and transforms are bit-identical with every compiler and on every machine") {
 	constexpr int posts = 33;
 	std::vector<std::uint16_t> heights;
 	for (int i = 0; i < posts * posts; ++i) {
@@ -24,7 +25,7 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 	PreparedRules rules;
 	Rules settings;
 	settings.max_slope_degrees = 40.0;
-	settings.slope_falloff = 25.0;
+	settings.slope_falloff_degrees = 25.0;
 	settings.min_height = 250.0;
 	settings.height_falloff = 100.0;
 	REQUIRE(rules.set(settings, 20070901).ok());
@@ -44,7 +45,7 @@ TEST_CASE("golden: ground, rules and transforms have the same bits with every co
 				const glm::vec3 local(
 						static_cast<float>(position.x + 600.0), ground.height, static_cast<float>(position.y - 2475.0));
 				std::array<float, transform_floats> transform{};
-				write_transform(placement, 20070901, id, ground.normal, local, transform);
+				test::write_transform(placement, 20070901, id, ground.normal, local, transform);
 				buffer.insert(buffer.end(), transform.begin(), transform.end());
 			}
 		}

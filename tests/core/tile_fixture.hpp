@@ -1,8 +1,8 @@
 #pragma once
 
-// What the tests of whole tiles share.
+// Helpers for the tests of whole tiles.
 
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/terrain/heightfield.hpp"
 
@@ -36,7 +36,7 @@ inline LayerSettings rich_layer() {
 	LayerSettings layer;
 	layer.set = {.seed = 99, .radius = 1.5, .levels = 2, .layer = 3};
 	layer.rules.max_slope_degrees = 50.0;
-	layer.rules.slope_falloff = 15.0;
+	layer.rules.slope_falloff_degrees = 15.0;
 	layer.rules.min_height = 10.0;
 	layer.rules.height_falloff = 20.0;
 	layer.placement.align_to_normal = 0.7;
@@ -55,12 +55,12 @@ inline TileInstances built(const LayerSettings &layer, const Terrain &terrain, c
 	return tile;
 }
 
-inline std::shared_ptr<const KeptTile> kept(const LayerSettings &layer, const TileInstances &tile) {
-	return std::make_shared<const KeptTile>(tile, std::make_shared<LayerSettings>(layer));
+inline std::shared_ptr<const CompactTile> kept(const LayerSettings &layer, const TileInstances &tile) {
+	return std::make_shared<const CompactTile>(tile, std::make_shared<LayerSettings>(layer));
 }
 
-/// Of every bit of it.
-inline std::uint64_t digest(const KeptMesh &mesh) {
+/// A digest of all its bits.
+inline std::uint64_t digest(const CompactMesh &mesh) {
 	TileInstances tile;
 	tile.meshes.push_back(expanded(mesh));
 	return digest(tile);
@@ -81,7 +81,7 @@ inline glm::dvec3 world_position(const TileInstances &tile, const MeshInstances 
 
 using Transforms = std::map<std::uint64_t, std::vector<float>>;
 
-/// The transforms of all meshes by id.
+/// The transforms of all meshes, by id.
 inline Transforms transforms_of(const TileInstances &tile) {
 	Transforms result;
 	for (const MeshInstances &mesh : tile.meshes) {
@@ -93,7 +93,7 @@ inline Transforms transforms_of(const TileInstances &tile) {
 	return result;
 }
 
-/// Checks that `some` is what a filter left of `all`: some 50 at the least, not all of them, and not a bit is another.
+/// Checks that a filter reduced `all` to `some`: more than 50 instances, but not all, and each bit-identical.
 inline void check_filtered(const Transforms &all, const Transforms &some) {
 	CHECK(some.size() > 50);
 	CHECK(some.size() < all.size());
@@ -104,7 +104,7 @@ inline void check_filtered(const Transforms &all, const Transforms &some) {
 	}
 }
 
-/// Checks that tile_of_hills has this digest on several threads at once, built first and after another tile.
+/// Checks that tile_of_hills has this digest on several concurrent threads, built first and after a different tile.
 inline void check_on_threads(const LayerSettings &layer, const Terrain &terrain, std::uint64_t expected) {
 	std::array<std::array<std::uint64_t, 2>, 3> digests{};
 	std::vector<std::thread> threads;

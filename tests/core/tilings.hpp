@@ -15,18 +15,18 @@
 
 namespace thicket::tilings {
 
-/// A way to cut the plane into rectangles, and to walk over them.
+/// A way to cut the plane into rectangles, and an order to visit them.
 struct Tiling {
 	const char *name;
 	glm::dvec2 size;           ///< Meters.
-	glm::dvec2 offset{0.0};    ///< A corner of some tile, meters.
-	unsigned threads = 1;      ///< Each with a sampler of its own, taking tiles as they come.
-	std::uint64_t shuffle = 0; ///< Seed of the order of the tiles; 0 goes row by row.
+	glm::dvec2 offset{0.0};    ///< A corner of any tile, meters.
+	unsigned threads = 1;      ///< Each has its own sampler and takes the next free tile.
+	std::uint64_t shuffle = 0; ///< Seed of the tiles' order; 0 is row by row.
 };
 
-/// All tiles of the tiling that meet `region`, whole.
+/// All tiles of the tiling that touch `region`, uncropped.
 inline std::vector<Rect> tiles_of(const Tiling &tiling, const Rect &region) {
-	// One expression for every edge, so that neighbors share it to the bit.
+	// A single expression computes every edge, so that neighbors share it bit for bit.
 	const auto edge_x = [&](std::int64_t i) {
 		return tiling.offset.x + static_cast<double>(i) * tiling.size.x;
 	};
@@ -54,49 +54,49 @@ inline std::vector<Rect> tiles_of(const Tiling &tiling, const Rect &region) {
 	return tiles;
 }
 
-/// The points that one worker found in `region`, and whether all went as promised.
-struct Harvest {
+/// The points that one worker found in `region`. `failure` is empty if all checks passed.
+struct WorkerResult {
 	std::vector<SamplePoint> points;
 	std::string failure;
 };
 
 inline void harvest(const PointSet &set, const Rect &region, const std::vector<Rect> &tiles,
-		std::atomic<std::size_t> &next, Harvest &r_harvest) {
+		std::atomic<std::size_t> &next, WorkerResult &r_result) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;
 	for (std::size_t i = next++; i < tiles.size(); i = next++) {
 		const Status status = sampler.sample(set, tiles[i], points);
 		if (!status.ok()) {
-			r_harvest.failure = describe(status);
+			r_result.failure = describe(status);
 			return;
 		}
 		for (const SamplePoint &point : points) {
 			if (!tiles[i].contains(point.position)) {
-				r_harvest.failure = "a point outside of its tile";
+				r_result.failure = "a point outside of its tile";
 				return;
 			}
 			if (region.contains(point.position)) {
-				r_harvest.points.push_back(point);
+				r_result.points.push_back(point);
 			}
 		}
 	}
 }
 
-/// The points of `region`, put together from the tiles of a tiling and sorted by id. A point that two tiles hand out
-/// stands there twice.
+/// The points of `region`, collected from the tiles of a tiling and sorted by id. A point that two tiles return is
+/// listed twice.
 inline std::vector<SamplePoint> points_through(const PointSet &set, const Rect &region, const Tiling &tiling) {
 	const std::vector<Rect> tiles = tiles_of(tiling, region);
 	std::atomic<std::size_t> next{0};
-	std::vector<Harvest> harvests(tiling.threads);
+	std::vector<WorkerResult> results(tiling.threads);
 	std::vector<std::thread> workers;
-	for (Harvest &own : harvests) {
+	for (WorkerResult &own : results) {
 		workers.emplace_back([&] { harvest(set, region, tiles, next, own); });
 	}
 	for (std::thread &worker : workers) {
 		worker.join();
 	}
 	std::vector<SamplePoint> points;
-	for (const Harvest &own : harvests) {
+	for (const WorkerResult &own : results) {
 		REQUIRE_MESSAGE(own.failure.empty(), own.failure);
 		points.insert(points.end(), own.points.begin(), own.points.end());
 	}
@@ -104,7 +104,7 @@ inline std::vector<SamplePoint> points_through(const PointSet &set, const Rect &
 	return points;
 }
 
-/// The points of `region` by one call, sorted by id.
+/// The points of `region` from a single call, sorted by id.
 inline std::vector<SamplePoint> points_at_once(const PointSet &set, const Rect &region) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;

@@ -1,7 +1,7 @@
-// Growth of cost: random kinds of input, each at two sizes, in steps and not by a clock. What takes four times the input must not take
-// more than six times the steps; n log n stays below five, and a quadratic cost comes to sixteen.
-//   growth [ROUNDS = 3] [SEED = 1]      rounds of all cases, each with another seed
-//   growth - SEED [CASE]                the one seed that a failure has named, with figures; of all cases or of one
+// Growth of cost: random kinds of input, each at two sizes, measured in steps instead of time. Four times the input
+// must not take more than six times the steps. n log n stays below five, and a quadratic cost reaches sixteen.
+//   growth [ROUNDS = 3] [SEED = 1]      rounds of all cases, each with a new seed
+//   growth - SEED [CASE]                the seed of a failure, with figures; all cases or one of them
 
 #include "tests/cost/growth.hpp"
 
@@ -17,7 +17,7 @@ constexpr std::size_t small_size = 1024;
 constexpr std::size_t growth = 4;
 constexpr double most_growth = 6.0;
 
-/// What counts as much at any size, so that it does not hide how the rest grows.
+/// Constant cost, which is added to both sizes so that it does not hide the growth of the rest.
 constexpr std::uint64_t free_steps = 20000;
 
 std::vector<Case> all_cases() {
@@ -29,10 +29,10 @@ std::vector<Case> all_cases() {
 	return all;
 }
 
-/// False, with a line about it, for a case that grows too fast.
+/// False if a case grows too fast; prints a line about it.
 bool check(const Case &which, std::uint64_t seed, bool verbose) {
 	const Recipe recipe(seed);
-	static_cast<void>(which.run(recipe, small_size)); // What is made once, tables of the library for instance.
+	static_cast<void>(which.run(recipe, small_size)); // Warms up what is built once, such as the library's tables.
 	const std::uint64_t few = which.run(recipe, small_size) + free_steps;
 	const std::uint64_t many = which.run(recipe, growth * small_size) + free_steps;
 	const double ratio = static_cast<double>(many) / static_cast<double>(few);

@@ -19,10 +19,11 @@ class Recipe {
 public:
 	explicit Recipe(std::uint64_t seed);
 
-	/// Points in an order that is as hard as any: all at one place, in turns at two, along lines, at random, on a spiral or a grid.
+	/// Points in a difficult order: all at one position, alternating between two, along lines, at random, on a spiral
+	/// or on a grid.
 	Points points(std::size_t count) const;
 
-	/// Ids of points of sets, all different.
+	/// Distinct ids of points.
 	std::vector<std::uint64_t> ids(std::size_t count) const;
 
 	const char *name() const;
@@ -38,16 +39,16 @@ private:
 	std::uint64_t stride_ = 1;
 };
 
-/// Positions that stay the same at every size of an input.
+/// Positions that are the same for every input size.
 Points fixed_places();
 
-/// Ends the program where an input is refused.
+/// Ends the program if an input is refused.
 void need(const Status &status);
 
-/// The steps that `work` takes.
+/// The number of steps that `work` takes.
 std::uint64_t steps_of(const std::function<void()> &work);
 
-/// A case: the steps of what it is about, for an input of a size.
+/// A named case. `run` returns the steps for an input of this size.
 struct Case {
 	const char *name;
 	std::uint64_t (*run)(const Recipe &recipe, std::size_t count);

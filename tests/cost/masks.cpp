@@ -8,7 +8,7 @@ namespace thicket::cost {
 
 namespace {
 
-/// Dabs of one size. Pixels are meters.
+/// A mask with `count` dabs of equal size. Pixels are 1 m.
 PaintedMask painted(const Recipe &recipe, std::size_t count) {
 	PaintedMask mask;
 	need(mask.reset(1.0, 0.0));
@@ -22,7 +22,7 @@ PaintedMask painted(const Recipe &recipe, std::size_t count) {
 	return mask;
 }
 
-constexpr std::size_t dabs_divisor = 8; // A dab is many steps.
+constexpr std::size_t dabs_divisor = 8; // One dab takes many steps.
 
 std::uint64_t paint(const Recipe &recipe, std::size_t count) {
 	return steps_of([&] { painted(recipe, count / dabs_divisor); });

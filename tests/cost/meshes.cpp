@@ -8,7 +8,7 @@ namespace thicket::cost {
 
 namespace {
 
-/// Triangles at the points of a recipe, or through three of them, which makes them long.
+/// Triangles at the points of a recipe, or through three of them, which makes the triangles long.
 std::uint64_t mesh(const Recipe &recipe, std::size_t count, bool longish) {
 	const Points points = recipe.points(3 * count);
 	std::vector<glm::dvec3> corners;

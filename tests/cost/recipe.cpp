@@ -13,7 +13,7 @@ namespace thicket::cost {
 
 namespace {
 
-/// A number from 0 up to 1, which is excluded.
+/// A number in [0, 1).
 double unit(std::mt19937_64 &r_random) { return static_cast<double>(r_random() >> 11) * 0x1p-53; }
 
 } // namespace

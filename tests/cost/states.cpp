@@ -230,7 +230,7 @@ std::uint64_t work_beside_a_diff(const Recipe &recipe, std::size_t count) {
 }
 
 std::uint64_t queue_many_diffs(const Recipe &recipe, std::size_t count) {
-	constexpr std::size_t divisor = 8; // A diff is many steps.
+	constexpr std::size_t divisor = 8; // One diff takes many steps.
 	std::vector<Stored> diffs;
 	InstanceState other;
 	for (const std::uint64_t id : recipe.ids(count / divisor)) {

@@ -19,8 +19,8 @@ __attribute__((no_sanitize_coverage)) std::uint64_t steps() { return made; }
 
 } // namespace thicket::cost
 
-// The compiler calls the first in every basic block (-fsanitize-coverage=trace-pc). The linker puts the others before those of the
-// C library (--wrap), which no compiler counts.
+// The compiler calls the first function in every basic block (-fsanitize-coverage=trace-pc). The linker places the
+// others before the C library's (--wrap), which the compiler does not instrument.
 extern "C" {
 
 __attribute__((no_sanitize_coverage)) void __sanitizer_cov_trace_pc() { ++made; }

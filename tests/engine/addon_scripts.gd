@@ -1,21 +1,22 @@
 extends SceneTree
 ## Checks the add-on's scripts against the library's classes: `godot --headless --path PROJECT --script addon_scripts.gd -- PART`. PART is
-## `compile`, `names` or `renamed`. Prints a line that begins with "WRONG" for each find, and at last "addon scripts: N looked at, M wrong".
+## `compile`, `names` or `renamed`. Prints a line that begins with "WRONG" for each fault. The last line is "addon scripts: N looked at, M wrong".
 
 const ADDON := "res://addons/thicket/"
 const GATE := ADDON + "library_gate.gd"
-## What variables of other scripts hold: these must compile without the library, so they reach its objects by names, and only through these.
+## Variables of scripts that must compile without the library, and the classes of their values. These scripts reach the library's objects by
+## member names, and only through these variables.
 const UNTYPED: Dictionary[String, StringName] = {
 	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
 	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
 	"model": &"ScatterModel", "built": &"ScatterTile", "grid": &"ScatterTileGrid", "lod": &"ScatterLod",
-	"_baker": &"ImpostorBaker",
+	"_baker": &"ScatterImpostorBaker",
 }
-## Variables of scripts that hold objects of Terrain3D, or none, though their members have such names.
+## Variables of scripts that hold objects of Terrain3D or no objects at all, although their members have names of the library's.
 const FOREIGN: Dictionary[String, PackedStringArray] = {
 	"import_instances.gd": ["node", "terrain", "data", "region", "asset", "Object", "look"],
 }
-## Names by which scripts behind the gate reach what not every object has: where a terrain of any class lies, the curve of a path.
+## Members that scripts behind the gate reach by name because not every object has them: the rect of a terrain of any class, the curve of a path.
 const DYNAMIC: Dictionary[String, PackedStringArray] = {"scene_description.gd": ["rect"], "scene_digest.gd": ["curve"]}
 ## Calls that take the name of a member.
 const BY_NAME := "(\\w+|\\])\\)?\\.(?:[gs]et(?:_deferred|_indexed)?|callv?(?:_deferred)?|has_(?:method|signal)|(?:dis)?connect|emit_signal)" \
@@ -26,7 +27,7 @@ const CONSTANT := "&\"([A-Z][A-Z0-9_]+)\""
 const CLASS_NAME := "\"((?:TerrainScatter3D|Scatter|Poisson|Impostor)[A-Z]\\w*|TerrainScatter3D)\""
 const MEMBER := "\\.([a-z_]\\w*)\\b"
 const NO_CLASSES: PackedStringArray = ["ScatterOutput"] ## A node of ProtonScatter.
-## Names that are no members of a class: of metadata, of the theme, of marks on layers, and of a script.
+## Names that are no members of a class: metadata, theme items, marks on layers, and a script.
 const WORDS: PackedStringArray = ["icon", "index", "hidden", "locked", "color", "source", "mono_font", "prop_subsection", "font_color",
 	"h_separation", "script"]
 
@@ -68,9 +69,9 @@ func _scripts(folder: String) -> PackedStringArray:
 	return result
 
 
-## Whether a script is behind the gate, and so names the library's classes as types.
+## Returns whether a script is behind the gate, so that it may name the library's classes as types.
 static func _is_typed(path: String) -> bool:
-	return _typed_folders().has(path.trim_prefix(ADDON).get_base_dir())
+	return path.trim_prefix(ADDON).get_slice("/", 0) in _typed_folders()
 
 
 static func _typed_folders() -> PackedStringArray:
@@ -85,7 +86,7 @@ func _compile(path: String) -> void:
 
 func _check_names(path: String, code: String) -> void:
 	_looked += 1
-	var seen: Dictionary[int, bool] = {} # Where names begin that a rule has been applied to.
+	var seen: Dictionary[int, bool] = {} # Start positions of names that a rule has checked.
 	for found in RegEx.create_from_string(BY_NAME).search_all(code):
 		seen[found.get_start(2)] = true
 		if found.get_string(1) == "EditorInterface": # Its methods differ between versions of the engine.
@@ -93,10 +94,10 @@ func _check_names(path: String, code: String) -> void:
 		elif _is_typed(path):
 			var name := found.get_string(2)
 			_check(_is_dictionary(code, found.get_string(1)) or name in DYNAMIC.get(path.get_file(), []) or not _own.has(name)
-					and code[found.get_start(2) - 2] != "&", path, "%s is reached by its name: use its type" % name)
+					and code[found.get_start(2) - 2] != "&", path, "%s is reached by name: use its type" % name)
 		elif not found.get_string(1) in UNTYPED:
 			_check(not _own.has(found.get_string(2)) or found.get_string(1) in FOREIGN.get(path.get_file(), []), path,
-					"what does %s hold, whose %s is reached by its name?" % [found.get_string(1), found.get_string(2)])
+					"which class has %s, whose member %s is reached by name? Add it to UNTYPED" % [found.get_string(1), found.get_string(2)])
 	for found in RegEx.create_from_string(UNDO).search_all(code):
 		seen[found.get_start(3)] = true
 		_check(_has_member(code, found.get_string(2), found.get_string(3)), path, "%s has no %s" % [found.get_string(2), found.get_string(3)])
@@ -114,7 +115,7 @@ func _check_names(path: String, code: String) -> void:
 		_check(ClassDB.class_exists(found.get_string(1)) or found.get_string(1) in NO_CLASSES, path, "there is no class " + found.get_string(1))
 
 
-## Whether the members are there that a script reaches without types, by their names and otherwise.
+## Checks that the members exist that an untyped script reaches, by name and otherwise.
 func _check_untyped(path: String, code: String) -> void:
 	for variable in UNTYPED:
 		var by_name := "\\b%s\\)?\\.(?:get|set|call)\\(&?\"(\\w+)\"" % variable
@@ -123,12 +124,12 @@ func _check_untyped(path: String, code: String) -> void:
 			_check(_class_has(UNTYPED[variable], found.get_string(1)), path, "%s has no %s" % [UNTYPED[variable], found.get_string(1)])
 
 
-## Whether a variable of a script holds a dictionary, or the name is that of a cast to one.
+## Returns whether a variable of a script is a dictionary, or whether this is the name in a cast to one.
 static func _is_dictionary(code: String, variable: String) -> bool:
 	return variable == "Dictionary" or RegEx.create_from_string("\\b%s: Dictionary\\b" % variable).search(code) != null
 
 
-## Whether what a variable of a script is declared to be has a member.
+## Returns whether the declared type of a script's variable has a member.
 func _has_member(code: String, variable: String, member: String) -> bool:
 	if variable == "self":
 		return _has_function(code, member)
@@ -153,7 +154,7 @@ static func _has_function(code: String, name: String) -> bool:
 	return RegEx.create_from_string("(?m)^(?:static )?func %s\\(" % name).search(code) != null
 
 
-## Gives each use of a member of the library another name, one at a time, and compiles: what compiles still would fail only when it runs.
+## Renames each use of a member of the library, one at a time, and compiles. If that compiles, a renamed member would fail only at run time.
 func _rename_members(path: String) -> void:
 	if not _is_typed(path):
 		return
@@ -163,9 +164,9 @@ func _rename_members(path: String) -> void:
 			_looked += 1
 			var script := GDScript.new()
 			script.source_code = source.insert(found.get_end(), "_renamed")
-			script.take_over_path(path.get_base_dir() + "/renamed_%d.gd" % _looked) # Rules for warnings go by the path.
+			script.take_over_path(path.get_base_dir() + "/renamed_%d.gd" % _looked) # Warning settings depend on the path.
 			var line := source.count("\n", 0, found.get_start()) + 1
-			_check(script.reload() != OK, path, "line %d compiles though %s has another name" % [line, found.get_string(1)])
+			_check(script.reload() != OK, path, "line %d compiles although %s has a different name" % [line, found.get_string(1)])
 
 
 func _check(condition: bool, path: String, message: String) -> void:
@@ -182,7 +183,7 @@ static func _without_strings(code: String) -> String:
 	return _blanked(code, "()\"(?:[^\"\\\\]|\\\\.)*\"")
 
 
-## A text with blanks for what a pattern matches, except for matches of its first group.
+## Returns a text with blanks in place of all matches of a pattern, except for matches of its first group.
 static func _blanked(text: String, pattern: String) -> String:
 	var result := ""
 	var end := 0

@@ -14,7 +14,7 @@ func make_scene() -> void:
 	ground.mesh = plane
 	ground.add_to_group(&"ground")
 	root.add_child(ground)
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	var pines := make_layer("pines", 4.0, [pine()])
 	pines.layer_id = 5
@@ -32,7 +32,7 @@ func make_scene() -> void:
 	scatter.add_child(wood)
 
 
-## Parts that are merged, a coarser one, and a body.
+## Merged parts, a coarser LOD, and a body.
 func pine() -> PackedScene:
 	var scene := Node3D.new()
 	for index in 3:
@@ -66,11 +66,11 @@ func read_models() -> void:
 func use_heightmap() -> void:
 	var image := Image.create_empty(33, 33, false, Image.FORMAT_RF)
 	image.fill(Color(0.25, 0, 0))
-	var heights := ScatterTerrainHeightmap.new()
+	var heights := ScatterGroundHeightmap.new()
 	heights.rect = Rect2(-40, -40, 80, 80)
 	heights.max_height = 20.0
 	heights.image = image
-	scatter.terrain = heights
+	scatter.ground = heights
 	answers.push_back(scatter.query_rect(Rect2(-10, -10, 20, 20)).positions)
 	image.fill_rect(Rect2i(4, 4, 8, 8), Color(0.75, 0, 0))
 	heights.update_region(Rect2i(4, 4, 8, 8))
@@ -93,7 +93,7 @@ func use_image_biomes() -> void:
 
 
 func bake_impostor() -> void:
-	var baker := ImpostorBaker.new()
+	var baker := ScatterImpostorBaker.new()
 	baker.frames = 2
 	baker.frame_size = 16
 	baker.samples = 1
@@ -106,9 +106,9 @@ func bake_navigation() -> void:
 	var mesh := NavigationMesh.new()
 	mesh.filter_baking_aabb = AABB(Vector3(-10, -2, -10), Vector3(20, 12, 20))
 	var data := NavigationMeshSourceGeometryData3D.new()
-	NavigationServer3D.parse_source_geometry_data(mesh, data, scatter) # A region would end an engine without worker threads.
+	NavigationServer3D.parse_source_geometry_data(mesh, data, scatter) # Baking a region would crash an engine without worker threads.
 	answers.push_back(data.get_projected_obstructions())
 
 
 func use_flat_ground() -> void:
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()

@@ -1,9 +1,9 @@
 extends SceneTree
-## A small scene that uses much of the library, for tests/test_allocations.py: there one allocation after another fails in it.
+## A small scene that uses much of the library, for tests/test_allocations.py, which lets one allocation after another fail in it.
 ##
-## No step waits, so a step that fails returns to `_run` and the next one runs. The last line is "result: " and a hash of all answers.
+## No step waits, so a step that fails returns to `_run` and the next one runs. The last line is "result: " and a hash of all results.
 
-const MOST_FRAMES := 60 ## In which the scatter should settle.
+const MOST_FRAMES := 60 ## The scatter should settle within these.
 
 var scatter: TerrainScatter3D
 var answers: Array = []
@@ -28,7 +28,7 @@ func _run() -> void:
 	quit()
 
 
-## Makes `scatter`, in the tree.
+## Creates `scatter` in the tree.
 func make_scene() -> void:
 	pass
 
@@ -58,12 +58,12 @@ func make_layer(layer_name: String, radius: float, meshes: Array) -> ScatterLaye
 	return layer
 
 
-func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain) -> void:
+func make_scatter(layers: Array[ScatterLayer], terrain: ScatterGround) -> void:
 	var viewer := Node3D.new()
 	root.add_child(viewer)
 	scatter = TerrainScatter3D.new()
 	scatter.layers = layers
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.state = ScatterState.new()
 	scatter.frame_budget_usec = 50000
 	root.add_child(scatter)

@@ -21,7 +21,7 @@ func make_scene() -> void:
 	ferns.use_custom_data = true
 	ferns.mask = ScatterMask.new()
 	ferns.mask.background = 1.0
-	var ground := ScatterTerrainNoise.new()
+	var ground := ScatterGroundNoise.new()
 	ground.noise = FastNoiseLite.new()
 	ground.amplitude = 5.0
 	make_scatter([trees, ferns], ground)
@@ -43,7 +43,7 @@ func explain() -> void:
 	for explanation: ScatterExplanation in scatter.explain_position(Vector3(6, 0, 6)):
 		answers.push_back([explanation.get_density(), explanation.get_reason()])
 		if explanation.get_refused_by() == &"layer":
-			push_error(explanation.get_reason()) # The explanation tells what failed.
+			push_error(explanation.get_reason()) # The explanation names the failure.
 	answers.push_back(scatter.get_density_map(1, Rect2(0, 0, 8, 8), Vector2i(4, 4)))
 
 

@@ -1,16 +1,16 @@
 extends "models_harness.gd"
-## Loading in the background: no setter of a resource may wait for the main thread, which may itself wait for the loader. Each test hangs where
-## one does, so the runner ends this script after a minute.
+## Loading in the background: no setter of a resource may wait for the main thread, which may itself wait for the loader. A test hangs if a
+## setter waits, so the runner ends this script after a minute.
 
 const LAYERS := 12
-const PARTS_TO_READ := 4 ## Of each scene: its nodes, and the meshes of three LODs.
+const PARTS_TO_READ := 4 ## In each scene: its nodes, and the meshes of three LODs.
 
 
-## A scene whose layers scatter scenes of their own. Nothing of it is in the engine's cache.
+## Saves a scene whose layers scatter scenes. The engine's cache contains no part of it.
 func save_level() -> String:
 	var level := Node3D.new()
 	var scatter := put(TerrainScatter3D.new(), "Scatter", level, level) as TerrainScatter3D
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	for number in LAYERS:
 		ResourceSaver.save(pack(make_tree()), "user://tree_%d.scn" % number)
 		var layer := make_layer(12.0)
@@ -30,8 +30,8 @@ func check_level(scene: Resource) -> void:
 		return
 	var level := (scene as PackedScene).instantiate()
 	var layer: ScatterLayer = (level.get_child(0) as TerrainScatter3D).layers[0]
-	check_equal(layer.meshes[0] is PackedScene, true, "its scenes are there")
-	check_equal(layer.get_materials().size(), 2, "and can be read")
+	check_equal(layer.meshes[0] is PackedScene, true, "the scene's layers keep their scenes")
+	check_equal(layer.get_materials().size(), 2, "their materials can be read")
 	level.free()
 
 
@@ -54,7 +54,7 @@ func test_a_threaded_request_is_served_without_a_frame() -> void:
 	var frame := Engine.get_process_frames()
 	ResourceLoader.load_threaded_request(path, "", false, ResourceLoader.CACHE_MODE_IGNORE_DEEP)
 	check_level(ResourceLoader.load_threaded_get(path))
-	check_equal(Engine.get_process_frames(), frame, "no frame passed meanwhile")
+	check_equal(Engine.get_process_frames(), frame, "no frame passed")
 
 
 func test_a_saved_model_loads_on_a_thread() -> void:
@@ -65,11 +65,11 @@ func test_a_saved_model_loads_on_a_thread() -> void:
 	var thread := Thread.new()
 	thread.start(load_deep.bind("user://oak_model.tres"))
 	var model := thread.wait_to_finish() as ScatterModel
-	check_equal(model.lods.size(), 3, "it is read when the main thread asks")
-	check_equal(model.shapes.size(), 2, "with its shapes")
+	check_equal(model.lods.size(), 3, "the main thread reads the model on demand")
+	check_equal(model.shapes.size(), 2, "including its shapes")
 
 
-## Whatever a resource of the add-on is given, setting it waits for nothing.
+## Setting any property of any resource of the library waits for nothing.
 func test_every_property_can_be_set_on_a_thread() -> void:
 	var values := {
 		"Mesh": BoxMesh.new(),
@@ -87,7 +87,7 @@ func test_every_property_can_be_set_on_a_thread() -> void:
 	for type in ClassDB.get_inheriters_from_class("Resource"):
 		if type.begins_with("Scatter") and ClassDB.can_instantiate(type):
 			made.append(ClassDB.instantiate(type))
-	check(made.size() > 8, "%d kinds of resources" % made.size())
+	check(made.size() > 8, "%d resource classes" % made.size())
 	var thread := Thread.new()
 	thread.start(func() -> int:
 		var count := 0
@@ -101,24 +101,24 @@ func test_every_property_can_be_set_on_a_thread() -> void:
 					count += 1
 		return count)
 	var count: int = thread.wait_to_finish()
-	check(count > 15, "%d properties" % count)
+	check(count > 15, "%d properties were set" % count)
 
 
-func test_getters_on_other_threads_have_what_is_read_so_far() -> void:
+func test_getters_on_other_threads_return_the_part_read_so_far() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())
 	var thread := Thread.new()
 	thread.start(func() -> Array: return [model.lods.size(), model.get_mesh() == null, model.get_aabb(), model.shapes.size()])
-	check_equal(thread.wait_to_finish(), [0, true, AABB(), 0], "nothing yet")
+	check_equal(thread.wait_to_finish(), [0, true, AABB(), 0], "before the main thread reads the model, it is empty")
 	check_equal(model.lods.size(), 3, "the main thread reads it")
 	thread.start(func() -> Array: return [model.lods.size(), model.shapes.size()])
-	check_equal(thread.wait_to_finish(), [3, 2], "from then on, all have it")
+	check_equal(thread.wait_to_finish(), [3, 2], "afterwards all threads see the result")
 
 
-## A frame reads as many parts as its budget allows, and one at least.
+## A frame reads as many parts as its budget allows, but at least one.
 func test_models_are_read_under_the_budget_of_a_frame() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([], ScatterGroundFlat.new(), viewer)
 	scatter.frame_budget_usec = 1
 	for number in LAYERS:
 		var layer := make_layer(12.0)
@@ -126,13 +126,13 @@ func test_models_are_read_under_the_budget_of_a_frame() -> void:
 		scatter.layers.append(layer)
 	var frames_read := 0
 	while scatter.get_stats()["tiles"] == 0 and frames_read < 1000:
-		check(not scatter.is_settled(), "it is not settled before")
+		check(not scatter.is_settled(), "the scatter is not settled before its models are read")
 		await process_frame
 		frames_read += 1
 	check(frames_read >= LAYERS * PARTS_TO_READ, "%d frames for %d parts" % [frames_read, LAYERS * PARTS_TO_READ])
-	check(frames_read < 1000, "then tiles are shown")
-	# Who cannot wait gets an answer at once.
+	check(frames_read < 1000, "tiles are shown afterwards")
+	# build_rect cannot wait, so it reads the model at once.
 	var late := make_layer(12.0)
 	late.meshes = [pack(make_tree())]
 	scatter.layers = [late]
-	check(scatter.build_rect(0, Rect2(0, 0, 64, 64)).get_mesh(0) != null, "what is built at once has its mesh")
+	check(scatter.build_rect(0, Rect2(0, 0, 64, 64)).get_mesh(0) != null, "build_rect has the mesh at once")

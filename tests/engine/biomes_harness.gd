@@ -1,5 +1,5 @@
 extends "harness.gd"
-## What the tests of biomes and of water share: a map of 256 by 256 meters around the origin.
+## Base class of the tests of biomes and of water: a map of 256 by 256 meters around the origin.
 
 const MEADOW := Color.LIME
 const FOREST := Color.BLUE
@@ -21,7 +21,7 @@ func make_biome(color: Color, layers: Array[ScatterLayer]) -> ScatterBiome:
 	return biome
 
 
-## Pixels of 4 m: meadow to the left, forest to the right, and a swamp from (-128, 64) on in front of both.
+## Pixels of 4 m: meadow on the left, forest on the right, and a swamp across both, from (-128, 64) on.
 func make_image() -> Image:
 	var image := Image.create_empty(PIXELS, PIXELS, false, Image.FORMAT_RGB8)
 	image.fill(MEADOW)
@@ -30,7 +30,7 @@ func make_image() -> Image:
 	return image
 
 
-## With sharp and straight borders.
+## The biomes have sharp and straight borders.
 func make_map(biomes: Array[ScatterBiome]) -> ScatterBiomeMap:
 	var map := ScatterBiomeMap.new()
 	map.biomes = biomes
@@ -47,7 +47,7 @@ func three_biomes() -> ScatterBiomeMap:
 
 
 func make_world(map: ScatterBiomeMap, layers: Array[ScatterLayer] = []) -> TerrainScatter3D:
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer(Vector3(0, 0, 40)))
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer(Vector3(0, 0, 40)))
 	scatter.biomes = map
 	return scatter
 
@@ -59,7 +59,7 @@ func index_of(scatter: TerrainScatter3D, layer_name: String) -> int:
 	return -1
 
 
-## Where the instances of a layer stand on the map, by their ids.
+## Returns the positions of a layer's instances on the map, by id.
 func places(scatter: TerrainScatter3D, layer: String) -> Dictionary[int, Vector2]:
 	var result: Dictionary[int, Vector2] = {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
@@ -86,7 +86,7 @@ func all_within(found: Dictionary[int, Vector2], test: Callable) -> bool:
 	return found.values().all(test)
 
 
-## What is shown of each layer by its name: {tile: digest}.
+## Returns the visible tiles of each layer by its name: {tile: digest}.
 func digests_by_name(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for index in scatter.get_layer_count():
@@ -98,7 +98,7 @@ func digests_by_name(scatter: TerrainScatter3D) -> Dictionary:
 	return result
 
 
-## The names of the layers of which a tile was shown while `edit` and what follows from it lasted, each with its tiles.
+## Returns the names of the layers that showed a tile during `edit` and until the scatter settled, each with its tiles.
 func shown_by(scatter: TerrainScatter3D, edit: Callable) -> Dictionary:
 	var shown := {}
 	var count := func(layer: int, tile: Vector2i) -> void:

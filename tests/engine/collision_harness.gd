@@ -1,12 +1,12 @@
 extends "harness.gd"
-## What the tests of bodies share: a scatter whose instances have bodies, and ways to find them.
+## Base class of the tests of collision: a scatter whose instances have bodies, and ways to find these bodies.
 
 const DISTANCE := 20.0
 
-## Beyond this share of the distance no body stands, whatever was near before.
+## No body exists beyond this multiple of the distance, even if the instance was near before.
 const LEAVE := 1.16
 
-## Bodies are up to 1 % larger or smaller than their instance.
+## A body's size differs by at most 1 % from that of its instance.
 const SIZE_ERROR := 0.011
 
 var viewer: Node3D
@@ -23,19 +23,19 @@ func make_solid_layer(shape := ScatterLayer.COLLISION_CYLINDER) -> ScatterLayer:
 
 func make_solid(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScatter3D:
 	viewer = make_viewer(at)
-	return make_scatter(layers, ScatterTerrainFlat.new(), viewer)
+	return make_scatter(layers, ScatterGroundFlat.new(), viewer)
 
 
 func space() -> PhysicsDirectSpaceState3D:
 	return root.world_3d.direct_space_state
 
 
-## The hit of a ray, empty for none.
+## Returns the hit of a ray, or an empty dictionary.
 func cast(from: Vector3, to: Vector3, mask := 0xffffffff) -> Dictionary:
 	return space().intersect_ray(PhysicsRayQueryParameters3D.create(from, to, mask))
 
 
-## The RIDs of all bodies around a place, by the ids of their instances.
+## Returns the RIDs of all bodies around a position, by the ids of their instances.
 func bodies(scatter: TerrainScatter3D, at := Vector3.ZERO, reach := 200.0) -> Dictionary[int, RID]:
 	var sphere := SphereShape3D.new()
 	sphere.radius = reach
@@ -45,16 +45,16 @@ func bodies(scatter: TerrainScatter3D, at := Vector3.ZERO, reach := 200.0) -> Di
 	var result: Dictionary[int, RID] = {}
 	for hit in space().intersect_shape(query, 100000):
 		var id := scatter.get_body_instance(hit["rid"])
-		check(hit["collider"] == scatter, "bodies belong to the scatter")
-		check(id != 0 and not result.has(id), "a body for each instance")
+		check(hit["collider"] == scatter, "the collider of a body is the scatter")
+		check(id != 0 and not result.has(id), "one body for each instance")
 		result[id] = hit["rid"]
 	return result
 
 
-## Checks that exactly those have bodies that are near one of `centers`, among instances by their ids; what is between coming and going
-## may have one. Bodies beyond `reach` of the origin are not looked at.
+## Checks that exactly the instances of `standing` near one of `centers` have bodies. Between the distances for adding and for
+## removing, a body is optional. Bodies beyond `reach` of the origin are ignored.
 func check_bodies(scatter: TerrainScatter3D, standing: Dictionary[int, Transform3D], centers: PackedVector3Array,
-		what: String, distance := DISTANCE) -> void:
+		context: String, distance := DISTANCE) -> void:
 	var found := bodies(scatter)
 	var near := 0
 	for id in standing:
@@ -64,17 +64,17 @@ func check_bodies(scatter: TerrainScatter3D, standing: Dictionary[int, Transform
 		if away <= distance:
 			near += 1
 			if not found.has(id):
-				check(false, "%s: no body %.2f m away" % [what, away])
+				check(false, "%s: no body for an instance %.2f m away" % [context, away])
 		elif away > LEAVE * distance and found.has(id):
-			check(false, "%s: a body %.2f m away" % [what, away])
+			check(false, "%s: a body for an instance %.2f m away" % [context, away])
 	for id in found:
 		if not standing.has(id):
-			check(false, "%s: a body where nothing stands" % what)
-	check(near > 5, "%s: %d instances near" % [what, near])
-	check(scatter.get_stats()["bodies"] >= found.size(), "%s: bodies in the stats" % what)
+			check(false, "%s: a body without an instance" % context)
+	check(near > 5, "%s: %d instances are near" % [context, near])
+	check(scatter.get_stats()["bodies"] >= found.size(), "%s: bodies in the stats" % context)
 
 
-## An instance near a place, and whose body it is.
+## Returns the instance nearest to a position.
 func nearest(scatter: TerrainScatter3D, at := Vector3.ZERO) -> ScatterInstance:
 	return scatter.query_nearest(at, 100.0)
 
@@ -83,7 +83,7 @@ func middle(instance: ScatterInstance, height := 1.5) -> Vector3:
 	return instance.transform * Vector3(0, height, 0)
 
 
-## A ray through the middle of an instance: the id of what it hits, 0 for nothing.
+## Casts a ray through the middle of an instance and returns the id of the instance that it hits, or 0.
 func hit_id(scatter: TerrainScatter3D, at: Transform3D) -> int:
 	var across := at.basis.x.normalized() * 1.5 * at.basis.get_scale().x
 	var middle_of := at * Vector3(0, 1.5, 0)

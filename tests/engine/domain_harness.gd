@@ -1,39 +1,39 @@
 extends "harness.gd"
-## Base of the tests of PoissonSampler.sample_domain.
+## Base class of the tests of PoissonSampler.sample_domain.
 
 const METHODS: PackedInt32Array = [
 	PoissonSampler.METHOD_TILES, PoissonSampler.METHOD_NAIVE, PoissonSampler.METHOD_HIERARCHICAL,
 	PoissonSampler.METHOD_ACCUMULATOR, PoissonSampler.METHOD_WAVEFRONT,
 ]
-## Those that the seed paper has.
+## The methods of the paper.
 const SINGLE: PackedInt32Array = [
 	PoissonSampler.METHOD_NAIVE, PoissonSampler.METHOD_HIERARCHICAL, PoissonSampler.METHOD_ACCUMULATOR,
 	PoissonSampler.METHOD_WAVEFRONT,
 ]
-## A moment of work.
+## An area that takes a moment to sample.
 const SMALL := Rect2(0, 0, 30, 20)
 
 
-## Notes what it is told.
+## Records the progress that is reported.
 class Listener:
 	var fractions: PackedFloat64Array
 	var points: PackedInt64Array
 	var threads: PackedInt64Array
 	var times: PackedInt64Array
 	var mutex := Mutex.new()
-	var deed := Callable() ## Called with each fraction.
+	var on_report := Callable() ## Called with each fraction.
 
-	func hear(fraction: float, count: int) -> void:
+	func record(fraction: float, count: int) -> void:
 		mutex.lock()
 		fractions.push_back(fraction)
 		points.push_back(count)
 		threads.push_back(OS.get_thread_caller_id())
 		times.push_back(Time.get_ticks_usec())
 		mutex.unlock()
-		if deed.is_valid():
-			deed.call(fraction)
+		if on_report.is_valid():
+			on_report.call(fraction)
 
-	func heard() -> int:
+	func get_report_count() -> int:
 		mutex.lock()
 		var count := fractions.size()
 		mutex.unlock()
@@ -52,7 +52,7 @@ func label(method: int) -> String:
 	return ClassDB.class_get_enum_constants("PoissonSampler", "Method")[method]
 
 
-## Some tens of milliseconds of work.
+## Returns an area that takes some tens of milliseconds to sample.
 func area_for(method: PoissonSampler.Method) -> Rect2:
 	match method:
 		PoissonSampler.METHOD_TILES: return Rect2(0, 0, 800, 400)

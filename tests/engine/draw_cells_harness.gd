@@ -1,14 +1,14 @@
 extends "picture_harness.gd"
-## A forest on an island, drawn in cells, and what is drawn of it.
+## Base class of the tests of draw cells: a forest on an island, and the multimeshes that draw it.
 
 const TILE := 128.0
 const CELL := 32.0
-const REACH := 0.8660254 ## Of a cube of 1 m, from its middle to a corner.
-const WHOLE := 32        ## Multimeshes of the island's 16 tiles of two meshes.
+const REACH := 0.8660254 ## From the middle of a cube of 1 m to a corner.
+const WHOLE := 32        ## Multimeshes of the island's 16 tiles with two meshes each.
 
 
-## Ground of one square alone, so that all instances stay on show wherever the viewer goes.
-class Island extends ScatterTerrain:
+## Ground that exists in one square only, so that all instances stay visible wherever the viewer moves.
+class Island extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -19,7 +19,7 @@ class Island extends ScatterTerrain:
 		return true
 
 
-## Two meshes, and from 60 m on others.
+## Two meshes, with two LOD meshes from 60 m on.
 func make_forest() -> ScatterLayer:
 	var layer := make_layer(4.0)
 	layer.tile_size = TILE
@@ -66,7 +66,7 @@ func drawn_of_all(scatter: TerrainScatter3D) -> int:
 	return sum
 
 
-## Around the island, empty tiles come and go.
+## Covers the island only: around it, empty tiles come and go.
 func island_digests(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for tile in island_tiles():
@@ -82,7 +82,7 @@ func island_tiles() -> Array[Vector2i]:
 	return tiles
 
 
-## The island's tiles, made at once and never drawn.
+## Returns the digests of the island's tiles, built directly and never drawn.
 func built_digests(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for tile in island_tiles():
@@ -90,7 +90,7 @@ func built_digests(scatter: TerrainScatter3D) -> Dictionary:
 	return result
 
 
-## The box around the instances of a buffer, as far as their meshes reach.
+## Returns a box around the instances of a buffer, enlarged by the reach of their meshes.
 func box_of(buffer: PackedFloat32Array, stride: int, origin: Vector3) -> AABB:
 	var box := AABB(Vector3(buffer[3], buffer[7], buffer[11]), Vector3.ZERO)
 	for at in range(0, buffer.size(), stride):

@@ -1,15 +1,15 @@
 extends "harness.gd"
-## What the tests of edits and of layers that know each other share: ferns that keep away from oaks, on a mound that
-## changes.
+## Base class of the tests of edits and of layers that keep away from each other: ferns that keep away from oaks, on a
+## mound that changes.
 
-const FLOATS := 0.001 # Meters; how far a float may be off at these distances.
+const FLOATS := 0.001 # Tolerance in meters: the rounding error of a float at these distances.
 const OAK := 0
 const FERN := 1
 const SPACING := 3.0
 const FEATHER := 2.0
 
-## Hills with a mound that may change; asked on worker threads.
-class Mound extends ScatterTerrain:
+## Hills with a mound that may change, queried on worker threads.
+class Mound extends ScatterGround:
 	var area := Rect2(0, 0, 1, 1)
 	var height := 0.0
 
@@ -23,13 +23,13 @@ class Mound extends ScatterTerrain:
 		return true
 
 
-## Hills on the main thread.
+## The same hills, queried on the main thread.
 class MainMound extends Mound:
 	func _is_thread_safe() -> bool:
 		return false
 
 
-## Which tiles of which layers were shown since the last look.
+## Records which tiles of which layers were shown since the last call of `take`.
 class Shown:
 	var tiles: Array[Dictionary] = [{}, {}, {}]
 

@@ -1,16 +1,16 @@
 extends "harness.gd"
-## Not a test of the extension but of the harness: each of these must fail, or the others prove nothing.
+## A test of the harness, not of the extension: each of these must fail, else the other tests prove nothing.
 
 func test_a_wrong_check() -> void:
 	check_equal(1 + 1, 3, "sum")
 
 
-func test_an_error_nobody_expects() -> void:
+func test_an_unexpected_error() -> void:
 	check(true, "fine")
 	PoissonSampler.new().radius = -1.0
 
 
-func test_an_expected_error_that_does_not_come() -> void:
+func test_an_expected_error_that_is_missing() -> void:
 	check_error(["radius"], "nothing")
 
 

@@ -1,6 +1,6 @@
 @tool
 extends Node
-## Rides along in a scene that is opened in the editor: a FoliageWorld shows its wind there, and leaves the materials as they are.
+## Part of a scene that is opened in the editor: a ScatterFoliageWorld shows its wind there and does not change the materials.
 
 func _ready() -> void:
 	if not Engine.is_editor_hint():

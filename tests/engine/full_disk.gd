@@ -1,6 +1,6 @@
 extends "harness.gd"
-## Writers of files on a disk that has no room left: what was there stays, to the bit. tests/test_saves.py gives the folder of a small disk, or limits how
-## large a file may become.
+## Writing files to a full disk leaves the old files unchanged, byte for byte. tests/test_saves.py passes a folder on a small disk, or limits
+## the file size.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const BakeImpostors := preload("res://addons/thicket/bake_impostors.gd")
@@ -20,7 +20,7 @@ func make_state(count: int) -> ScatterState:
 	return state
 
 
-## Of `count` blocks of pixels that nothing compresses.
+## `count` blocks of incompressible pixels.
 func make_mask(count: int) -> ScatterMask:
 	var mask := ScatterMask.new()
 	var pixels := PackedByteArray()
@@ -39,7 +39,7 @@ func make_mesh(detail: int) -> Mesh:
 	return mesh
 
 
-## Until not another byte finds room. With no filler the size of files is limited.
+## Fills the disk to the last byte. Without a filler, the file size is limited instead.
 func fill() -> void:
 	if filler.is_empty():
 		return
@@ -70,7 +70,7 @@ func names() -> Array:
 	return files
 
 
-## Each way of writing: [file, a first content, another and far larger one, what it prints].
+## The ways to write a file: [file, function that writes a small or a far larger content, start of the error message].
 func ways() -> Array[Array]:
 	var files := SceneFiles.new()
 	var marked := func(resource: Resource, path: String) -> bool:
@@ -109,16 +109,16 @@ func test_a_full_disk_leaves_the_old_files() -> void:
 		check(write.call(path, false), way[0] + " is written")
 		var before := FileAccess.get_file_as_bytes(path)
 		var there := names()
-		check(before.size() > 0, way[0] + " is there")
+		check(before.size() > 0, way[0] + " exists")
 		fill()
-		check(not write.call(path, true), way[0] + " finds no room")
+		check(not write.call(path, true), way[0] + " does not fit")
 		var messages := errors.take()
 		if not (way[2] as String).is_empty() and check(messages.size() == 1, str(messages)):
-			for word: String in [way[2], path, "full", "The old file is as it was"]:
+			for word: String in [way[2], path, "full", "The old file is unchanged"]:
 				check(word in messages[0], "'%s' in '%s'" % [word, messages[0]])
-		check(FileAccess.get_file_as_bytes(path) == before, way[0] + " is as it was")
-		check_equal(names(), there, "no half of a file is left")
+		check(FileAccess.get_file_as_bytes(path) == before, way[0] + " is unchanged")
+		check_equal(names(), there, "no partial file is left")
 		make_room()
-		check(write.call(path, false), way[0] + " is written again")
+		check(write.call(path, false), way[0] + " can be written again")
 		errors.take()
 		DirAccess.remove_absolute(path)

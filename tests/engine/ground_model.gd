@@ -1,6 +1,5 @@
 extends RefCounted
-## Heights and slopes of a raw 16-bit heightmap, worked out again in GDScript: the second opinion on
-## ScatterTerrainHeightmap.
+## Heights and slopes of a raw 16-bit heightmap, computed independently in GDScript to check ScatterGroundHeightmap.
 
 var _heights: PackedFloat64Array
 var _columns: int
@@ -10,7 +9,7 @@ var _step_x: float
 var _step_z: float
 
 
-func _init(terrain: ScatterTerrainHeightmap) -> void:
+func _init(terrain: ScatterGroundHeightmap) -> void:
 	_columns = terrain.post_count.x
 	_rows = terrain.post_count.y
 	_first = terrain.rect.position
@@ -32,7 +31,7 @@ func height(x: float, z: float) -> float:
 			lerpf(_heights[at + _columns], _heights[at + _columns + 1], along_x), along_z)
 
 
-## Degrees from level ground, by the gradients of the four posts around.
+## Returns the slope in degrees, from the gradients of the four surrounding posts.
 func slope(x: float, z: float) -> float:
 	var column := clampi(floori((x - _first.x) / _step_x), 0, _columns - 2)
 	var row := clampi(floori((z - _first.y) / _step_z), 0, _rows - 2)

@@ -1,11 +1,11 @@
 extends SceneTree
-## Base of the engine tests: `godot --headless --path PROJECT --script tests/engine/test_X.gd`.
+## Base class of the engine tests: `godot --headless --path PROJECT --script tests/engine/test_X.gd`.
 ##
-## Runs every method whose name starts with "test_", each in a tree of its own making. A failed check prints a line that
-## starts with "FAILED"; an error of the engine that no test expects is a failure too. The last line is
-## "thicket engine tests: N checks, 0 failed" and the exit code 0 only where nothing failed.
+## Runs every method whose name starts with "test_", each in an empty tree. A failed check prints a line that starts with
+## "FAILED". An engine error that the test does not expect is a failure, too. The last line is
+## "thicket engine tests: N checks, 0 failed". The exit code is 0 only if no check failed.
 
-## Collects what the engine prints as errors and warnings, on any thread.
+## Collects the errors and warnings that the engine prints, on any thread.
 class ErrorLog extends Logger:
 	var _mutex := Mutex.new()
 	var _messages: PackedStringArray
@@ -16,7 +16,7 @@ class ErrorLog extends Logger:
 		_messages.push_back(rationale if rationale else code)
 		_mutex.unlock()
 
-	## What was printed since the last call.
+	## Returns the messages that were printed since the last call.
 	func take() -> PackedStringArray:
 		_mutex.lock()
 		var taken := _messages
@@ -52,15 +52,15 @@ func _run() -> void:
 		for message in errors.take():
 			check(false, "the engine printed: " + message)
 		if checks == checks_before:
-			check(false, "made no check")
+			check(false, "the test made no check")
 		await clean()
 	print("thicket engine tests: %d checks, %d failed" % [checks, failures])
 	OS.remove_logger(errors)
 	quit(0 if failures == 0 else 1)
 
 
-## Whether the engine has refused to free a node in the middle of a call, for which it has two sentences. Nothing else has
-## been printed.
+## Returns whether the engine refused to free a node in the middle of a call. The engine has two messages for this; any other
+## message is a failure.
 func was_kept_from_being_freed() -> bool:
 	var messages := errors.take()
 	for message in messages:
@@ -68,7 +68,7 @@ func was_kept_from_being_freed() -> bool:
 	return not messages.is_empty()
 
 
-## Frees what a test left in the tree.
+## Frees the nodes that a test left in the tree.
 func clean() -> void:
 	for child in root.get_children():
 		child.queue_free()
@@ -88,18 +88,18 @@ func check_equal(got: Variant, expected: Variant, message: String) -> bool:
 	return check(equal, "%s: got %s, expected %s" % [message, got, expected])
 
 
-## Exactly one error was printed since the last look, and it has all these words in it.
-func check_error(words: Array, what: String) -> void:
+## Checks that exactly one error was printed since the last check, and that it contains all of these words.
+func check_error(words: Array, context: String) -> void:
 	var messages := errors.take()
-	if not check(messages.size() == 1, "%s: expected one error, got %s" % [what, messages]):
+	if not check(messages.size() == 1, "%s: expected one error, got %s" % [context, messages]):
 		return
 	for word: Variant in words:
-		check(str(word) in messages[0], "%s: expected '%s' in '%s'" % [what, word, messages[0]])
+		check(str(word) in messages[0], "%s: expected '%s' in '%s'" % [context, word, messages[0]])
 
 
-func check_no_error(what: String) -> void:
+func check_no_error(context: String) -> void:
 	var messages := errors.take()
-	check(messages.is_empty(), "%s: expected no error, got %s" % [what, messages])
+	check(messages.is_empty(), "%s: expected no error, got %s" % [context, messages])
 
 
 func frames(count: int) -> void:
@@ -107,7 +107,7 @@ func frames(count: int) -> void:
 		await process_frame
 
 
-## Waits until `condition` holds. False, and a failure, if that takes too long.
+## Waits until `condition` holds. Fails and returns false if that takes too long.
 func until(condition: Callable, message: String) -> bool:
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 	while not condition.call():
@@ -117,18 +117,18 @@ func until(condition: Callable, message: String) -> bool:
 	return check(true, message)
 
 
-## Waits until a scatter shows all that it should. False, and a failure, if that takes too long.
+## Waits until a scatter shows everything that it should. Fails and returns false if that takes too long.
 func settle(scatter: TerrainScatter3D) -> bool:
 	var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 	await frames(2)
 	while not scatter.is_settled():
 		if Time.get_ticks_msec() > deadline:
-			return check(false, "still not idle after %d ms: %s" % [IDLE_TIMEOUT_MSEC, scatter.get_stats()])
+			return check(false, "still not settled after %d ms: %s" % [IDLE_TIMEOUT_MSEC, scatter.get_stats()])
 		await process_frame
 	return true
 
 
-## A viewer in the tree, for scatters made by `make_scatter`.
+## Adds a viewer to the tree, for scatters made by `make_scatter`.
 func make_viewer(at := Vector3.ZERO) -> Node3D:
 	var viewer := Node3D.new()
 	root.add_child(viewer)
@@ -145,7 +145,7 @@ func make_layer(radius := 2.0) -> ScatterLayer:
 	return layer
 
 
-## A scene with one of its nodes given an instance shader parameter, as the editor saves it: an engine without a renderer does not.
+## Returns a scene in which one node has an instance shader parameter, as the editor saves it. An engine without a renderer does not.
 func with_shader_parameter(scene: PackedScene, node: String, value: String) -> PackedScene:
 	ResourceSaver.save(scene, "user://with_parameter.tscn")
 	var text := FileAccess.get_file_as_string("user://with_parameter.tscn")
@@ -156,7 +156,7 @@ func with_shader_parameter(scene: PackedScene, node: String, value: String) -> P
 	return ResourceLoader.load("user://with_parameter.tscn", "", ResourceLoader.CACHE_MODE_IGNORE)
 
 
-## A curve that is one straight line between two points, whose x are its domain.
+## Returns a curve that is one straight line between two points. Their x coordinates are its domain.
 func make_line(from: Vector2, to: Vector2) -> Curve:
 	var curve := Curve.new()
 	curve.min_domain = from.x
@@ -166,24 +166,24 @@ func make_line(from: Vector2, to: Vector2) -> Curve:
 	return curve
 
 
-## A scatter in the tree, not settled yet.
-func make_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain, viewer: Node3D) -> TerrainScatter3D:
+## Adds a scatter to the tree. It has not settled yet.
+func make_scatter(layers: Array[ScatterLayer], terrain: ScatterGround, viewer: Node3D) -> TerrainScatter3D:
 	var scatter := TerrainScatter3D.new()
 	scatter.seed = 7
 	scatter.layers = layers
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.frame_budget_usec = 20000
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	return scatter
 
 
-## The buffers of a tile, by mesh.
+## Returns the buffers of a tile, by mesh.
 func buffers_of(tile: ScatterTile) -> Array:
 	return range(tile.get_mesh_count()).map(tile.get_buffer)
 
 
-## The ids of a tile, by mesh.
+## Returns the ids of a tile, by mesh.
 func ids_of(tile: ScatterTile) -> Array:
 	return range(tile.get_mesh_count()).map(tile.get_ids)
 
@@ -201,17 +201,17 @@ func tile_multimeshes(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i)
 	return range(shown.get_mesh_count()).map(shown.get_multimesh)
 
 
-## What makes an answer what it is: equal for equal answers.
+## Returns the contents of a query's result, which compare by value.
 func content_of(found: ScatterInstances) -> Array:
 	return [found.ids, found.layers, found.meshes, found.positions, found.transforms]
 
 
-## The tiles of a layer on show; none for one that is not in the list.
+## Returns the visible tiles of a layer; an empty array if the list has no such layer.
 func shown_tiles(scatter: TerrainScatter3D, layer: int) -> Array[Vector2i]:
 	return scatter.get_shown_tiles(layer) if layer < scatter.layers.size() else ([] as Array[Vector2i])
 
 
-## The digests of all shown tiles of a layer, by tile.
+## Returns the digests of all visible tiles of a layer, by tile.
 func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile in shown_tiles(scatter, layer):
@@ -219,12 +219,12 @@ func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 	return result
 
 
-## How many floats an instance of a layer has in a buffer.
+## Returns the number of floats per instance in a buffer of this layer.
 func floats_of(layer: ScatterLayer) -> int:
 	return 12 + 4 * int(layer.use_colors) + 4 * int(layer.use_custom_data)
 
 
-## What stands in a tile according to the RenderingServer: world transforms, all meshes in a row.
+## Returns the world transforms of a tile's instances according to the RenderingServer, all meshes in a row.
 func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
 	var origin := scatter.get_tile(layer, tile).get_origin()
@@ -239,7 +239,7 @@ func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[
 	return result
 
 
-## The instances of all shown tiles of a layer by their ids, as the RenderingServer has them.
+## Returns the instances of all visible tiles of a layer by id, as the RenderingServer has them.
 func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transform3D]:
 	var result: Dictionary[int, Transform3D] = {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
@@ -247,10 +247,10 @@ func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transfo
 		for part: PackedInt64Array in tile_ids(scatter, layer, tile):
 			ids.append_array(part)
 		var standing := transforms(scatter, layer, tile)
-		check(ids.size() == standing.size(), "an id for each transform")
+		check(ids.size() == standing.size(), "one id for each transform")
 		for index in ids.size():
 			result[ids[index]] = standing[index]
-	check(result.size() == _sum_of_ids(scatter, layer), "no id comes twice")
+	check(result.size() == _sum_of_ids(scatter, layer), "no id occurs twice")
 	return result
 
 
@@ -262,12 +262,13 @@ func _sum_of_ids(scatter: TerrainScatter3D, layer: int) -> int:
 	return sum
 
 
-## Where an instance stands on the map.
+## Returns an instance's position on the map.
 func on_map(at: Transform3D) -> Vector2:
 	return Vector2(at.origin.x, at.origin.z)
 
 
-## What stands in one of two states only, or in another way. Tiles whose origins differ in height round differently.
+## Returns the positions of instances that exist in one state only, or differ. Positions are compared with a tolerance because
+## tiles whose origins differ in height round differently.
 func changed_places(before: Dictionary[int, Transform3D], after: Dictionary[int, Transform3D]) -> PackedVector2Array:
 	var places: PackedVector2Array
 	for id in before:

@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## A double of HTerrain: its maps, where they lie, and what it tells of edits, as its sources have it (1.8 and later,
+## A double of HTerrain: its maps, their position, and its signals for edits, according to its sources (1.8 and later,
 ## hterrain.gd and hterrain_data.gd).
 
 const CHANNEL_HEIGHT := 0
@@ -9,7 +9,7 @@ const CHANNEL_SPLAT_INDEX := 6
 const CHANNEL_SPLAT_WEIGHT := 7
 
 
-## Has no signal for edits by itself: they differ.
+## Has no signal for edits: the versions differ.
 class HTerrainDataDouble extends Resource:
 	signal resolution_changed
 	signal map_added(type: int, index: int)
@@ -17,9 +17,9 @@ class HTerrainDataDouble extends Resource:
 	signal map_changed(type: int, index: int)
 
 	var maps: Dictionary[int, Array] = {}
-	var textures: Dictionary[int, Array] = {} ## Of maps that were loaded in a game, which have no image then.
+	var textures: Dictionary[int, Array] = {} ## Maps that were loaded in a game. These have no image.
 	var resolution := 65
-	var asked := 0 ## Calls for single places.
+	var point_calls := 0 ## Calls for single positions.
 	var read: Dictionary[int, int] = {} ## How often each map was read.
 
 	func _init(format := Image.FORMAT_RF) -> void:
@@ -39,21 +39,21 @@ class HTerrainDataDouble extends Resource:
 		var image := get_image(map_type, index)
 		return ImageTexture.create_from_image(image) if image != null else textures[map_type][index]
 
-	## As what a game loads from PNG files: images of heights, textures of all else.
+	## Turns the maps into those that a game loads from PNG files: an image of the heights, textures of all others.
 	func become_loaded() -> void:
 		for map_type in maps:
 			if map_type != CHANNEL_HEIGHT:
 				textures[map_type] = maps[map_type].map(imported)
 				maps[map_type] = maps[map_type].map(func(_image: Image) -> Image: return null)
 
-	## The texture that the editor's importer makes of an image: a file of it, without mipmaps and not compressed.
+	## Returns the texture that the editor's importer makes of an image: from a file, without mipmaps and not compressed.
 	static func imported(image: Image) -> CompressedTexture2D:
 		const SPOT := "user://thicket_map.ctex"
 		var file := FileAccess.open(SPOT, FileAccess.WRITE)
 		file.store_buffer("GST2".to_ascii_buffer())
 		for number: int in [1, image.get_width(), image.get_height(), 0, 0, 0, 0, 0]: # Version, size, flags and so on.
 			file.store_32(number)
-		file.store_32(0) # Pixels as they are.
+		file.store_32(0) # Uncompressed pixels.
 		file.store_16(image.get_width())
 		file.store_16(image.get_height())
 		file.store_32(0) # Mipmaps.
@@ -90,7 +90,7 @@ class HTerrainDataDouble extends Resource:
 		image.set_pixel(column, row, color)
 
 	func get_interpolated_height_at(at: Vector3) -> float:
-		asked += 1
+		point_calls += 1
 		return height_at(at)
 
 	func height_at(at: Vector3) -> float:
@@ -111,7 +111,7 @@ class HTerrainDataDouble extends Resource:
 		assert(false)
 
 
-## Tells of edits as HTerrain 1.8 does.
+## Reports edits as HTerrain 1.8 does.
 class HTerrain18Data extends HTerrainDataDouble:
 	signal region_changed(x: int, y: int, w: int, h: int, channel: int)
 
@@ -120,7 +120,7 @@ class HTerrain18Data extends HTerrainDataDouble:
 		changed.emit()
 
 
-## And as it does since July 2026.
+## Reports edits as HTerrain does since July 2026.
 class HTerrainMasterData extends HTerrainDataDouble:
 	signal region_changed(rect: Rect2i, channel: int, index: int)
 
@@ -135,11 +135,11 @@ class HTerrainDouble extends Node3D:
 	var map_scale := Vector3.ONE:
 		set(value):
 			map_scale = value
-			tell_transform()
+			emit_transform()
 	var centered := true:
 		set(value):
 			centered = value
-			tell_transform()
+			emit_transform()
 	var shader_type := "Classic4"
 	var _data: HTerrainDataDouble
 
@@ -148,16 +148,16 @@ class HTerrainDouble extends Node3D:
 
 	func _notification(what: int) -> void:
 		if what == NOTIFICATION_TRANSFORM_CHANGED:
-			tell_transform()
+			emit_transform()
 
-	func tell_transform() -> void:
+	func emit_transform() -> void:
 		if is_inside_tree():
 			transform_changed.emit(get_internal_transform())
 
 	func get_data() -> HTerrainDataDouble:
 		return _data
 
-	## Tells nobody.
+	## Emits no signal.
 	func set_data(data: HTerrainDataDouble) -> void:
 		_data = data
 
@@ -174,7 +174,7 @@ class HTerrainDouble extends Node3D:
 			made.origin += made.basis * Vector3(-half, 0.0, -half)
 		return made
 
-	## Its ground at a world position; NAN beside the map.
+	## Returns the height of its ground at a world position; NAN outside the map.
 	func ground_at(at: Vector3) -> float:
 		var to_world := get_internal_transform()
 		var on_map := to_world.affine_inverse() * at
@@ -194,7 +194,8 @@ static func make_hterrain(data: HTerrainDataDouble = null) -> HTerrainDouble:
 	return node
 
 
-## Instances that do not stand on the ground that the double has now. Away from the very border, where rounding decides.
+## Returns the number of instances that are not on the double's current ground. At the border, rounding decides, so positions there
+## move inward a little.
 func off_the_ground(scatter: TerrainScatter3D, node: HTerrainDouble) -> int:
 	var wrong := 0
 	for one in all_transforms(scatter):
@@ -205,6 +206,6 @@ func off_the_ground(scatter: TerrainScatter3D, node: HTerrainDouble) -> int:
 	return wrong
 
 
-func check_ground(scatter: TerrainScatter3D, node: HTerrainDouble, what: String) -> void:
-	check(scatter.get_stats()["instances"] > 500, "%s: %d instances" % [what, scatter.get_stats()["instances"]])
-	check_equal(off_the_ground(scatter, node), 0, what + ": instances off the ground")
+func check_ground(scatter: TerrainScatter3D, node: HTerrainDouble, context: String) -> void:
+	check(scatter.get_stats()["instances"] > 500, "%s: %d instances" % [context, scatter.get_stats()["instances"]])
+	check_equal(off_the_ground(scatter, node), 0, context + ": instances off the ground")

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## For tests of imports: random transforms, multimeshes of them, and what stands in a layer.
+## Base class of the tests of imports: random transforms, multimeshes, and the instances of a layer.
 
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 
@@ -42,11 +42,11 @@ func make_multimesh(mesh: Mesh, all: Array[Transform3D], data := false) -> Multi
 
 
 func make_bare(layers: Array[ScatterLayer] = []) -> TerrainScatter3D:
-	return make_scatter(layers, ScatterTerrainFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
+	return make_scatter(layers, ScatterGroundFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
 
 
-## Exactly these transforms stand by hand in a layer, in any order.
-func check_placed(scatter: TerrainScatter3D, layer: Variant, expected: Array[Transform3D], what: String) -> void:
+## Checks that exactly these transforms were added to a layer by hand, in any order.
+func check_placed(scatter: TerrainScatter3D, layer: Variant, expected: Array[Transform3D], context: String) -> void:
 	var found := scatter.query_rect(Rect2(-250, -250, 500, 500), [layer])
 	var wanted := {}
 	for each in expected:
@@ -56,4 +56,4 @@ func check_placed(scatter: TerrainScatter3D, layer: Variant, expected: Array[Tra
 		var at := found.get_transform(index)
 		wrong += int(found.get_id(index) >= 0 or int(wanted.get(at, 0)) == 0)
 		wanted[at] = int(wanted.get(at, 0)) - 1
-	check(wrong == 0 and found.size() == expected.size(), "%s: %d of %d, %d wrong" % [what, found.size(), expected.size(), wrong])
+	check(wrong == 0 and found.size() == expected.size(), "%s: %d of %d, %d wrong" % [context, found.size(), expected.size(), wrong])

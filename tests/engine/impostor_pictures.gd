@@ -1,8 +1,8 @@
 extends SceneTree
-## Pictures of models and of their impostors, for tests/test_impostors.py:
-## `godot --path PROJECT --script tests/engine/impostor_pictures.gd -- FOLDER`. Each is taken where the
-## impostor takes over on a screen of 1080 lines, from 16 directions, with the sun from two: FOLDER/tree_s0_d05_model.png and so on.
-## Each pixel is drawn four times, so that what is compared is the model and not the steps of its edges.
+## Takes pictures of models and of their impostors, for tests/test_impostors.py:
+## `godot --path PROJECT --script tests/engine/impostor_pictures.gd -- FOLDER`. Each picture is taken from the distance at which the
+## impostor replaces the model on a screen of 1080 lines, from 16 directions, with the sun in two: FOLDER/tree_s0_d05_model.png and so on.
+## Four samples per pixel keep aliased edges out of the comparison.
 
 const Impostor := preload("res://addons/thicket/impostor.gd")
 const Models := preload("impostor_models.gd")
@@ -10,10 +10,10 @@ const Models := preload("impostor_models.gd")
 const SIDE := 192
 const LINES := 1080.0
 const FOV := 75.0
-## Degrees: those from which an impostor is seen, down to the ground.
+## Elevations in degrees from which an impostor is seen, down to the ground.
 const HEIGHTS: Array[float] = [3.0, 12.0, 25.0, 50.0]
 const SUNS: Array[Vector3] = [Vector3(-40.0, -60.0, 0.0), Vector3(-30.0, 130.0, 0.0)]
-## An instance is turned and scaled.
+## The instance is rotated and scaled.
 const SCALE := 1.2
 
 var _camera := Camera3D.new()
@@ -38,7 +38,7 @@ func _run() -> void:
 			printerr(baker.problem)
 			quit(1)
 			return
-		# In Compatibility a crown does not shade itself once it is an impostor.
+		# In the Compatibility renderer, an impostor of a crown casts no shadow on itself.
 		_sun.shadow_enabled = name == "stone" or RenderingServer.get_current_rendering_method() != "gl_compatibility"
 		print("%s: baked in %d ms" % [name, Time.get_ticks_msec() - started])
 		await _take_all(name, model, impostor)
@@ -82,14 +82,14 @@ func _take_all(name: String, model: Mesh, impostor: Mesh) -> void:
 			var height := deg_to_rad(HEIGHTS[direction % HEIGHTS.size()])
 			var toward := Vector3(cos(azimuth) * cos(height), sin(height), sin(azimuth) * cos(height))
 			_camera.look_at_from_position(middle + toward * distance, middle)
-			for what: Array in [["model", model], ["impostor", impostor]]:
-				_instances.multimesh.mesh = what[1]
-				var file := "%s_s%d_d%02d_%s.png" % [name, sun, direction, what[0]]
+			for drawn: Array in [["model", model], ["impostor", impostor]]:
+				_instances.multimesh.mesh = drawn[1]
+				var file := "%s_s%d_d%02d_%s.png" % [name, sun, direction, drawn[0]]
 				await _take(OS.get_cmdline_user_args()[0].path_join(file))
 
 
 func _take(path: String) -> void:
-	for frame in 3: # What is new may take some to be drawn as it should.
+	for frame in 3: # New objects may need some frames until they are drawn correctly.
 		await process_frame
 	await RenderingServer.frame_post_draw
 	root.get_texture().get_image().save_png(path)

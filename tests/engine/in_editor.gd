@@ -1,7 +1,7 @@
 @tool
 extends Node
-## Rides along in a scene that is opened in the editor: says what the scatter beside it shows there, loads the extension
-## anew, and says it again.
+## Part of a scene that is opened in the editor: prints how much the scatter beside it shows, reloads the extension, and prints
+## it again.
 
 func _ready() -> void:
 	if not Engine.is_editor_hint():

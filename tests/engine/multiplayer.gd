@@ -1,14 +1,14 @@
 extends SceneTree
-## One of several processes that share a world: the server, a client that fells together with the others, or one that
-## comes late. Started by tests/test_multiplayer.py; `-- server`, `-- client PORT NUMBER` and `-- late PORT`.
+## One of several processes that share a world: the server, a client that fells trees at the same time as the others, or a
+## client that joins late. Started by tests/test_multiplayer.py with `-- server`, `-- client PORT NUMBER` or `-- late PORT`.
 ##
-## Each fells its share of the trees of an area, one a frame, and a share that all of them want. When everything that was
-## to fall has fallen, it prints a line "result {...}" with what the area is now; the server waits until all have left.
+## Each process fells its share of an area's trees, one per frame, and one share that all of them fell. When all of these trees
+## are removed, it prints a line "result {...}" that describes the area. The server then waits until all clients have left.
 
 const AREA := Rect2(-170.0, 40.0, 220.0, 220.0)
 const CLIENTS := 3
 const PATIENCE := 90.0
-## Of each five trees, the server and two clients fell one, all three another one, and one stays.
+## Of every five trees, the server and two clients fell one each, all three fell the fourth, and the fifth stays.
 const CIRCLE := 5
 const OWN: Array[int] = [0, 1, 2]
 const SHARED := 3
@@ -18,7 +18,7 @@ var world: TerrainScatter3D
 var session: Node
 var mine: Array[int] = []
 var to_fall: Array[int] = []
-var come := 0
+var joined := 0
 
 
 func _initialize() -> void:
@@ -34,28 +34,28 @@ func _run() -> void:
 	world = game.get_node(^"World")
 	session = game.get_node(^"Session")
 	root.add_child(game)
-	# Counted before anything has fallen: everybody has the same list, for everybody has the same world.
+	# Counted before any tree is felled: every process has the same world and so the same list.
 	var before: String = world.call(&"fingerprint", AREA)
 	_share_out(int(arguments[2]) if role == "client" else 0)
 	if role == "server":
 		_host()
-		await _until(func() -> bool: return come >= CLIENTS - 1)
+		await _until(func() -> bool: return joined >= CLIENTS - 1)
 	else:
 		session.call(&"join", "127.0.0.1", int(arguments[1]))
 		await session.synced
 	if role == "client":
-		# The server begins when both have come.
+		# The server begins when both clients have joined.
 		await _until(func() -> bool: return world.state.get_removed_count() > 0)
 	if role != "late":
 		for id in mine:
 			world.call(&"fell", id) if role == "server" else session.call(&"fell", id)
 			await process_frame
 	await _until(func() -> bool: return not to_fall.any(world.has_instance))
-	# To look at everything takes a while, in which nothing is sent: the others are to know before that.
+	# Describing the area blocks this process for a while. Its last packets must be sent before that.
 	await create_timer(0.5).timeout
 	_report(before)
 	if role == "server":
-		await _until(func() -> bool: return come == CLIENTS and root.multiplayer.get_peers().is_empty())
+		await _until(func() -> bool: return joined == CLIENTS and root.multiplayer.get_peers().is_empty())
 	_end("")
 
 
@@ -73,7 +73,7 @@ func _share_out(number: int) -> void:
 func _host() -> void:
 	if session.call(&"host", 0) != OK:
 		return _end("cannot listen")
-	root.multiplayer.peer_connected.connect(func(_client: int) -> void: come += 1)
+	root.multiplayer.peer_connected.connect(func(_client: int) -> void: joined += 1)
 	print("port %d" % session.call(&"port"))
 
 

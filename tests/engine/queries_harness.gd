@@ -1,17 +1,17 @@
 extends "harness.gd"
-## For tests of queries: a wood, a scan of all its generated tiles, and checks of answers against that scan.
+## Base class of the tests of queries: a wood, a scan of all its generated tiles, and checks of results against that scan.
 
-const FLOATS := 2e-3 ## Meters by which a float may be off at these positions.
+const FLOATS := 2e-3 ## Tolerance in meters: the rounding error of a float at these positions.
 const AREA := Rect2(-96, -96, 192, 192) ## Whole tiles of all layers.
 
-## All that stands by a scan, an entry of each array for each instance.
+## All instances found by a scan, one entry in each array per instance.
 class Scan:
 	var ids: PackedInt64Array
 	var layers: PackedInt32Array
 	var meshes: PackedInt32Array
 	var transforms: Array[Transform3D]
 
-	## Adds all tiles of a layer that lie in `area`, made one by one.
+	## Adds all tiles of a layer that lie in `area`, generated one by one.
 	func add(scatter: TerrainScatter3D, layer: int, area: Rect2) -> void:
 		var size := scatter.layers[layer].tile_size
 		for x in range(roundi(area.position.x / size), roundi(area.end.x / size)):
@@ -41,7 +41,7 @@ class Scan:
 
 
 class TileBuffer:
-	## The transform whose 12 floats start at an index of a buffer.
+	## Returns the transform whose 12 floats start at this index of a buffer.
 	static func read(floats: PackedFloat32Array, at: int, origin := Vector3.ZERO) -> Transform3D:
 		return Transform3D(
 				Vector3(floats[at], floats[at + 4], floats[at + 8]),
@@ -50,7 +50,7 @@ class TileBuffer:
 				origin + Vector3(floats[at + 3], floats[at + 7], floats[at + 11]))
 
 
-## Leaning trees, and ferns that stand off their points and keep away from trees. Tiles of 32 and 24 meters.
+## Leaning trees, and ferns that are offset from their points and keep away from trees. Tiles of 32 and 24 meters.
 func make_wood(viewer: Node3D) -> TerrainScatter3D:
 	var trees := make_layer(4.0)
 	trees.resource_name = "trees"
@@ -72,7 +72,7 @@ func make_wood(viewer: Node3D) -> TerrainScatter3D:
 	ferns.use_custom_data = true
 	var noise := FastNoiseLite.new()
 	noise.frequency = 0.02
-	var ground := ScatterTerrainNoise.new()
+	var ground := ScatterGroundNoise.new()
 	ground.noise = noise
 	ground.amplitude = 9.0
 	return make_scatter([trees, ferns], ground, viewer)
@@ -85,9 +85,9 @@ func scan(scatter: TerrainScatter3D) -> Scan:
 	return result
 
 
-## Compares an answer with all of a scan for which `depth` (meters inside, negative outside) is above 0, to within
-## floats. Returns how many there are.
-func check_answer(answer: ScatterInstances, all: Scan, layers: PackedInt32Array, depth: Callable, what: String) -> int:
+## Compares a result with those instances of a scan for which `depth` (meters inside, negative outside) is above 0, within
+## the tolerance. Returns the size of the result.
+func check_answer(answer: ScatterInstances, all: Scan, layers: PackedInt32Array, depth: Callable, context: String) -> int:
 	var ids := answer.ids
 	var place := {}
 	for index in ids.size():
@@ -107,15 +107,15 @@ func check_answer(answer: ScatterInstances, all: Scan, layers: PackedInt32Array,
 				answer.positions[at] != stands.origin or answer.get_position(at) != stands.origin or
 				answer.get_transform(at) != stands or answer.get_id(at) != all.ids[index])
 		place.erase(all.ids[index])
-	check(wrong == 0 and place.is_empty(), "%s: %d wrong, %d too many of %d" % [what, wrong, place.size(), ids.size()])
+	check(wrong == 0 and place.is_empty(), "%s: %d wrong, %d too many of %d" % [context, wrong, place.size(), ids.size()])
 	var of_layers := answer.layers
 	for index in range(1, ids.size()):
 		if of_layers[index - 1] == of_layers[index] and ids[index - 1] >= ids[index]:
-			check(false, what + ": sorted by id")
+			check(false, context + ": sorted by id")
 	return ids.size()
 
 
-## Where a ray first touches an instance's cylinder, as a share of its way; 2 for nowhere.
+## Returns where a ray first touches an instance's cylinder, as a fraction of the ray's length; 2 if it misses.
 func first_touch(layer: ScatterLayer, at: Transform3D, from: Vector3, to: Vector3) -> float:
 	var inverse := at.affine_inverse()
 	var start := inverse * from
@@ -145,10 +145,10 @@ func check_ray(scatter: TerrainScatter3D, all: Scan, from: Vector3, to: Vector3,
 				first = touch
 				id = all.ids[index]
 	var hit := scatter.query_ray(from, to, layers)
-	var same: bool = hit.is_empty() if first > 1.0 else \
-			not hit.is_empty() and absf(hit["distance"] - first * from.distance_to(to)) < 0.01 and \
-			(hit["position"] as Vector3).distance_to(from.lerp(to, first)) < 0.01
-	check(same, "a ray from %s to %s meets %d at %f: %s" % [from, to, id, first, hit])
+	var same: bool = hit == null if first > 1.0 else \
+			hit != null and absf(hit.distance - first * from.distance_to(to)) < 0.01 and \
+			hit.hit_position.distance_to(from.lerp(to, first)) < 0.01
+	check(same, "a ray from %s to %s hits %d at %f: %s" % [from, to, id, first, hit.id if hit != null else 0])
 	return first <= 1.0
 
 
@@ -170,8 +170,8 @@ func check_nearest(scatter: TerrainScatter3D, all: Scan, at: Vector3, distance: 
 	return best < distance
 
 
-## Asks random questions of all kinds; within the middle of AREA, so that the scan holds all that may be an answer.
-func check_all(scatter: TerrainScatter3D, all: Scan, random: RandomNumberGenerator, what: String) -> void:
+## Runs random queries of all kinds, in the middle of AREA, so that the scan contains every possible result.
+func check_all(scatter: TerrainScatter3D, all: Scan, random: RandomNumberGenerator, context: String) -> void:
 	var counts := {"rect": 0, "sphere": 0, "hits": 0, "near": 0}
 	for round in 14:
 		var layers: PackedInt32Array = [[], [], [0], [1], [1, 0]][random.randi() % 5]
@@ -179,10 +179,10 @@ func check_all(scatter: TerrainScatter3D, all: Scan, random: RandomNumberGenerat
 		var rect := Rect2(at.x, at.z, random.randf_range(0, 30), random.randf_range(0, 30))
 		counts["rect"] += check_answer(scatter.query_rect(rect, layers), all, layers, func(place: Vector3) -> float:
 			return minf(minf(place.x - rect.position.x, rect.end.x - place.x),
-					minf(place.z - rect.position.y, rect.end.y - place.z)), "%s: %s" % [what, rect])
+					minf(place.z - rect.position.y, rect.end.y - place.z)), "%s: %s" % [context, rect])
 		var radius := random.randf_range(0.5, 30)
 		counts["sphere"] += check_answer(scatter.query_sphere(at, radius, layers), all, layers,
-				func(place: Vector3) -> float: return radius - place.distance_to(at), "%s: sphere" % what)
+				func(place: Vector3) -> float: return radius - place.distance_to(at), "%s: sphere" % context)
 		var mark := all.transforms[random.randi() % all.ids.size()].origin.clamp(-50 * Vector3.ONE, 50 * Vector3.ONE)
 		var away := Vector3(random.randf_range(-1, 1), random.randf_range(0, 0.5), random.randf_range(-1, 1))
 		var from := mark + away * random.randf_range(0, 30)
@@ -192,6 +192,6 @@ func check_all(scatter: TerrainScatter3D, all: Scan, random: RandomNumberGenerat
 		var found := scatter.get_instance(all.ids[any])
 		check(found != null and found.id == all.ids[any] and found.layer == all.layers[any] and
 				found.mesh == all.meshes[any] and not found.added and scatter.has_instance(all.ids[any]) and
-				found.position.distance_to(all.transforms[any].origin) < FLOATS, "by id")
+				found.position.distance_to(all.transforms[any].origin) < FLOATS, "get_instance")
 	check(counts["rect"] > 200 and counts["sphere"] > 500 and counts["hits"] > 2 and counts["near"] > 2,
-			"%s: answers %s" % [what, counts])
+			"%s: results %s" % [context, counts])

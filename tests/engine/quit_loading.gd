@@ -1,6 +1,6 @@
 extends SceneTree
-## Quits while a scene with layers that scatter scenes is loaded in the background. The runner looks at the exit code and at what is printed.
-## `-- frames` says after how many frames.
+## Quits while a scene whose layers scatter scenes is loading in the background. The runner checks the exit code and the output.
+## The argument is the number of frames before it quits.
 
 func _initialize() -> void:
 	_run.call_deferred()
@@ -26,7 +26,7 @@ func make_tree() -> PackedScene:
 func _run() -> void:
 	var level := Node3D.new()
 	var scatter := TerrainScatter3D.new()
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	level.add_child(scatter)
 	scatter.owner = level
 	for number in 12:

@@ -1,8 +1,8 @@
 extends SceneTree
-## Quits while tiles are being made and uploaded, and while a thread applies a diff. The runner looks at the exit code and at what is said to have leaked.
-## `-- frames leak` says after how many frames, and whether to leave a MultiMesh behind on purpose.
+## Quits while tiles are generated and uploaded and while a thread applies a diff. The runner checks the exit code and reported leaks.
+## `-- FRAMES leak` sets the number of frames before it quits, and whether it leaks a MultiMesh on purpose.
 
-class ThreadedGround extends ScatterTerrain:
+class ThreadedGround extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -28,7 +28,7 @@ func _initialize() -> void:
 	var camera := Camera3D.new()
 	root.add_child(camera)
 	camera.make_current()
-	for terrain: ScatterTerrain in [ScatterTerrainFlat.new(), ThreadedGround.new(), Ground.new()]:
+	for terrain: ScatterGround in [ScatterGroundFlat.new(), ThreadedGround.new(), Ground.new()]:
 		var layer := ScatterLayer.new()
 		layer.radius = 0.25
 		layer.tile_size = 64.0
@@ -36,13 +36,13 @@ func _initialize() -> void:
 		layer.meshes = [BoxMesh.new(), SphereMesh.new()]
 		var scatter := TerrainScatter3D.new()
 		scatter.layers = [layer]
-		scatter.terrain = terrain
+		scatter.ground = terrain
 		scatter.state = state
 		root.add_child(scatter)
 	for frame in int(arguments[0]):
 		await process_frame
 	if arguments[1] == "leak":
 		RenderingServer.multimesh_create()
-	state.apply_diff_async(diff, func(_error: Error) -> void: print("nobody waits for this"))
+	state.apply_diff_async(diff, func(_error: Error) -> void: print("the callback ran after quitting"))
 	print("thicket quits in mid-generation")
 	quit()

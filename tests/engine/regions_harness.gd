@@ -1,7 +1,7 @@
 extends "harness.gd"
-## For tests of ScatterRegion3D: regions, a field to put them in, and what they leave of it.
+## Base class of the tests of ScatterRegion3D: regions, a field to put them in, and checks of the remaining instances.
 
-const BEYOND := 0.001 # Meters; how far a float may be off at these distances.
+const BEYOND := 0.001 # Tolerance in meters: the rounding error of a float at these distances.
 
 
 func make_region(shape: ScatterRegion3D.Shape, exclude := true) -> ScatterRegion3D:
@@ -17,11 +17,11 @@ func make_field(layers := 1) -> TerrainScatter3D:
 		var layer := make_layer(1.5)
 		layer.resource_name = "layer %d" % index
 		list.push_back(layer)
-	return make_scatter(list, ScatterTerrainFlat.new(), make_viewer())
+	return make_scatter(list, ScatterGroundFlat.new(), make_viewer())
 
 
-## Exactly those of `before` stand for which `stays` holds, as they stood. Some stand, some do not.
-func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], stays: Callable, what: String) -> void:
+## Checks that exactly those instances of `before` remain, unmoved, for which `stays` returns true. Some must remain, some must not.
+func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], stays: Callable, context: String) -> void:
 	var after := instances(scatter, 0)
 	var wrong := 0
 	var kept := 0
@@ -29,9 +29,9 @@ func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D],
 		var stands := after.has(id)
 		kept += int(stands)
 		wrong += int(stands != stays.call(before[id].origin) or (stands and after[id] != before[id]))
-	check_equal(wrong, 0, what + ": wrong instances")
-	check_equal(kept, after.size(), what + ": nothing new")
-	check(kept > 50 and before.size() - kept > 20, "%s: %d of %d stand" % [what, kept, before.size()])
+	check_equal(wrong, 0, context + ": wrong instances")
+	check_equal(kept, after.size(), context + ": nothing new")
+	check(kept > 50 and before.size() - kept > 20, "%s: %d of %d remain" % [context, kept, before.size()])
 
 
 func distance_to_line(at: Vector2, line: PackedVector2Array) -> float:
@@ -67,8 +67,8 @@ func make_path(points: PackedVector3Array) -> Path3D:
 	return path
 
 
-## The instances near a path, which are those that have gone, and no others.
-func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], path: Path3D, what: String) -> void:
+## Checks that the instances near a path are removed, and no others.
+func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], path: Path3D, context: String) -> void:
 	await settle(scatter)
 	var line: PackedVector2Array
 	for point in path.curve.get_baked_points():
@@ -80,10 +80,10 @@ func check_path(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D],
 	for id in before:
 		var distance := distance_to_line(on_map(before[id]), line)
 		gone += int(not after.has(id))
-		# The outline may lie a centimeter beside the curve.
+		# The outline may deviate from the curve by a centimeter.
 		wrong += int(not after.has(id) and distance > 2.5 + 0.011) + int(after.has(id) and distance < 2.5 - 0.011)
-	check_equal(wrong, 0, what + ": wrong instances")
-	check(gone > 20, "%s: %d are gone" % [what, gone])
+	check_equal(wrong, 0, context + ": wrong instances")
+	check(gone > 20, "%s: %d were removed" % [context, gone])
 
 
-## What does not count for the chosen shape is hidden in the inspector, and stored all the same.
+## Properties without effect on the chosen shape are hidden in the inspector, but stored.

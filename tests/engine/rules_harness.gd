@@ -1,29 +1,29 @@
 extends "harness.gd"
-## Base of the tests of a layer's rules: a ground with all heights and slopes, and what stands on it by its ids.
+## Base class of the tests of a layer's rules: a ground with many heights and slopes, and the instances on it by id.
 
 const SIDE := 65
 
 
-## Heights 0 to 400 meters and slopes 0 to 63 degrees, rising with x.
-func hillside() -> ScatterTerrainHeightmap:
+## Heights from 0 to 400 meters and slopes from 0 to 63 degrees, rising with x.
+func hillside() -> ScatterGroundHeightmap:
 	var image := Image.create_empty(SIDE, SIDE, false, Image.FORMAT_RF)
 	for x in SIDE:
 		for z in SIDE:
 			image.set_pixel(x, z, Color(pow(x / (SIDE - 1.0), 2.0), 0.0, 0.0))
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.image = image
 	terrain.rect = Rect2(-200, -200, 400, 400)
 	terrain.max_height = 400.0
 	return terrain
 
 
-## A layer whose densities below 1 are well spread, on that hillside.
+## Places a layer on that hillside. Progressive levels spread its points well at densities below 1.
 func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
 	layer.progressive_levels = 3
 	return make_scatter([layer], hillside(), make_viewer(Vector3(0, 0, 20)))
 
 
-## {id: [world transform, the floats that follow it in the buffer]} of all that a layer shows.
+## Returns {id: [world transform, the floats that follow it in the buffer]} for all visible instances of a layer.
 func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
@@ -45,9 +45,9 @@ func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	return result
 
 
-## Checks that `after` is what a filter of these densities leaves of `before`: nothing new, nothing moved, nothing where the
-## density is 0, all where it is 1, and as many as the densities add up to.
-func check_filtered(before: Dictionary, after: Dictionary, density: Callable, what: String) -> void:
+## Checks that `after` is `before`, filtered by these densities: nothing new, nothing moved, nothing where the density is 0,
+## everything where it is 1, and a count that matches the sum of the densities.
+func check_filtered(before: Dictionary, after: Dictionary, density: Callable, context: String) -> void:
 	var expected := 0.0
 	var variance := 0.0
 	var wrong := 0
@@ -59,13 +59,13 @@ func check_filtered(before: Dictionary, after: Dictionary, density: Callable, wh
 		var stands := after.has(id)
 		if (stands and after[id][0] != place) or (stands and share <= 0.0) or (not stands and share >= 1.0):
 			wrong += 1
-	check_equal(wrong, 0, "%s: moved, or on the wrong side, of %d" % [what, before.size()])
-	check(before.has_all(after.keys()), what + ": nothing new")
-	check(absf(after.size() - expected) <= 5.0 * sqrt(variance) + 1.0, "%s: %d stand, %.1f expected" % [what, after.size(), expected])
-	check(after.size() > 100 and after.size() < before.size(), "%s: %d of %d" % [what, after.size(), before.size()])
+	check_equal(wrong, 0, "%s: moved, or wrongly kept or removed, of %d" % [context, before.size()])
+	check(before.has_all(after.keys()), context + ": nothing new")
+	check(absf(after.size() - expected) <= 5.0 * sqrt(variance) + 1.0, "%s: %d remain, %.1f expected" % [context, after.size(), expected])
+	check(after.size() > 100 and after.size() < before.size(), "%s: %d of %d" % [context, after.size(), before.size()])
 
 
-## Sets one property, sees what it leaves, and takes it back: then all is as it was.
+## Sets one property, checks the result, and resets the property, which restores the initial state.
 func check_rule(scatter: TerrainScatter3D, property: String, value: Variant, density: Callable) -> void:
 	var layer := scatter.layers[0]
 	var before := instances(scatter)
@@ -75,10 +75,10 @@ func check_rule(scatter: TerrainScatter3D, property: String, value: Variant, den
 	check_filtered(before, instances(scatter), density, property)
 	layer.set(property, old)
 	await settle(scatter)
-	check(instances(scatter) == before, property + " taken back: as before")
+	check(instances(scatter) == before, property + " reset: as before")
 
 
-## How often each tile was shown while `edit` and what it brings about lasted.
+## Returns how often each tile was shown during `edit` and until the scatter settled.
 func shown_by(scatter: TerrainScatter3D, edit: Callable) -> Dictionary:
 	var shown := {}
 	var count := func(layer: int, tile: Vector2i) -> void: shown[[layer, tile]] = shown.get([layer, tile], 0) + 1

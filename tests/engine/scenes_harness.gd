@@ -1,14 +1,15 @@
 extends "harness.gd"
-## For tests of scenes in place of meshes: a garden, who came and went, and what stands twice or not at all.
+## Base class of the tests of scenes that replace meshes: a garden, a log of shown and hidden scenes, and checks that each
+## instance is visible exactly once.
 
 const DISTANCE := 20.0
-const ENTER := 1.025 * DISTANCE ## What comes may be this far away: a viewer may move a little before anybody looks again.
+const ENTER := 1.025 * DISTANCE ## Scenes may appear up to this distance: a viewer may move a little before distances are checked again.
 const LEAVE := 1.125 * DISTANCE
 
-## The root of the scenes.
+## The root node of the scenes.
 class Plant extends Node3D:
 	static var made := 0
-	static var hooks: Dictionary[StringName, Callable] = {}  # What to do in _init, _ready, _scatter_shown, _scatter_hidden.
+	static var hooks: Dictionary[StringName, Callable] = {}  # Run in _init, _ready, _scatter_shown and _scatter_hidden.
 
 	var id := 0
 	var layer := -1
@@ -19,30 +20,30 @@ class Plant extends Node3D:
 
 	func _init() -> void:
 		made += 1
-		_meddle(&"_init")
+		_run_hook(&"_init")
 
 	func _ready() -> void:
 		ready_at = global_transform
-		_meddle(&"_ready")
+		_run_hook(&"_ready")
 
 	func _scatter_shown(p_id: int, p_layer: int, p_data: Variant) -> void:
 		id = p_id
 		layer = p_layer
 		data = p_data
 		times_shown += 1
-		_meddle(&"_scatter_shown")
+		_run_hook(&"_scatter_shown")
 
 	func _scatter_hidden() -> void:
 		times_hidden += 1
-		_meddle(&"_scatter_hidden")
+		_run_hook(&"_scatter_hidden")
 
-	func _meddle(place: StringName) -> void:
+	func _run_hook(place: StringName) -> void:
 		if hooks.has(place):
 			hooks[place].call(self)
 
 
-var shown: Dictionary[int, int] = {}  # How often a scene came for an id,
-var hidden: Dictionary[int, int] = {}  # and went.
+var shown: Dictionary[int, int] = {}  # How often a scene was shown for an id,
+var hidden: Dictionary[int, int] = {}  # and how often one was hidden.
 var standing_scenes: Dictionary[int, Node3D] = {}
 var viewer: Node3D
 
@@ -75,19 +76,19 @@ func make_garden(layers: Array[ScatterLayer], at := Vector3.ZERO) -> TerrainScat
 	hidden.clear()
 	standing_scenes.clear()
 	viewer = make_viewer(at)
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), viewer)
 	scatter.scene_shown.connect(func(id: int, scene: Node3D) -> void:
 		shown[id] = shown.get(id, 0) + 1
-		check(not standing_scenes.has(id), "no second scene of %d" % id)
+		check(not standing_scenes.has(id), "no second scene for %d" % id)
 		standing_scenes[id] = scene)
 	scatter.scene_hidden.connect(func(id: int, scene: Node3D) -> void:
 		hidden[id] = hidden.get(id, 0) + 1
-		check(standing_scenes.get(id) == scene, "the scene that came goes")
+		check(standing_scenes.get(id) == scene, "the scene that was shown is hidden")
 		standing_scenes.erase(id))
 	return scatter
 
 
-## The instances that the picture has in the tiles on show, by id.
+## Returns the ids of the instances that are drawn in the visible tiles.
 func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
 	var ids: Dictionary[int, bool] = {}
 	for tile in shown_tiles(scatter, layer):
@@ -95,14 +96,14 @@ func drawn(scatter: TerrainScatter3D, layer := 0) -> Dictionary[int, bool]:
 		var parts: Array = tile_ids(scatter, layer, tile)
 		for part in parts.size():
 			check_equal((buffers[part] as PackedFloat32Array).size(), 12 * (parts[part] as PackedInt64Array).size(),
-					"floats of the picture")
+					"floats in the buffer")
 			for id in parts[part] as PackedInt64Array:
 				check(not ids.has(id), "%d is drawn once" % id)
 				ids[id] = true
 	return ids
 
 
-## The scenes in the tree, by id.
+## Returns the scenes in the tree, by id.
 func scenes_of(scatter: TerrainScatter3D) -> Dictionary[int, Node3D]:
 	var found: Dictionary[int, Node3D] = {}
 	for child in scatter.get_children(true):
@@ -111,7 +112,7 @@ func scenes_of(scatter: TerrainScatter3D) -> Dictionary[int, Node3D]:
 	return found
 
 
-## What the picture or a scene shows.
+## Returns the ids of all instances that are drawn or have a scene.
 func everything_of(scatter: TerrainScatter3D) -> Dictionary[int, bool]:
 	var ids := drawn(scatter)
 	for id in scenes_of(scatter):
@@ -119,16 +120,16 @@ func everything_of(scatter: TerrainScatter3D) -> Dictionary[int, bool]:
 	return ids
 
 
-## Every instance is in the picture or has a scene, and none is both; of those that are given or, without any, of all that one of both has.
-func check_once(scatter: TerrainScatter3D, ids: Dictionary, what: String) -> void:
+## Checks that each instance of `ids` is either drawn or has a scene, and that no instance is both.
+func check_once(scatter: TerrainScatter3D, ids: Dictionary, context: String) -> void:
 	var picture := drawn(scatter)
 	var scenes := scenes_of(scatter)
 	for id in ids:
 		if picture.has(id) == scenes.has(id):
-			check(false, "%s: %d is %s" % [what, id, "there twice" if scenes.has(id) else "not there"])
+			check(false, "%s: %d is %s" % [context, id, "visible twice" if scenes.has(id) else "missing"])
 			return
 	for id in scenes:
 		if picture.has(id) or scatter.get_scene(id) != scenes[id]:
-			check(false, "%s: %d is drawn beside its scene" % [what, id])
+			check(false, "%s: %d is drawn although it has a scene" % [context, id])
 			return
-	check(true, what)
+	check(true, context)

@@ -1,19 +1,19 @@
 extends "harness.gd"
-## One engine fells trees and saves; the next one loads, and they are still felled:
+## One engine fells trees and saves the state. The next engine loads it, and the trees are still felled:
 ## `-- test_save DIR`, then `-- test_load DIR`.
 
 var folder := arguments[1] if arguments.size() > 1 else "user://"
 
 
 func make_wood() -> TerrainScatter3D:
-	return make_scatter([make_layer(3.0)], ScatterTerrainFlat.new(), make_viewer())
+	return make_scatter([make_layer(3.0)], ScatterGroundFlat.new(), make_viewer())
 
 
 func test_save() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
 	var felled := scatter.remove_in_sphere(Vector3(10, 0, 10), 15.0)
-	check(felled.size() > 20, "%d are felled" % felled.size())
+	check(felled.size() > 20, "%d trees are felled" % felled.size())
 	var placed := scatter.add_instance(0, Transform3D(Basis(), Vector3(11.5, 2.0, 9.25)))
 	scatter.set_instance_data(placed, {"planted": "spring"})
 	for ending: String in [".tres", ".res"]:
@@ -38,6 +38,6 @@ func test_load() -> void:
 		for id: int in noted[0]:
 			check(not scatter.has_instance(id), "%d is felled" % id)
 		check_equal(scatter.get_instance_data(noted[1]), {"planted": "spring"}, "data")
-		check_equal((scatter.get_instance(noted[1]).transform as Transform3D).origin, Vector3(11.5, 2.0, 9.25), "the planted one")
-		check_equal(digests(scatter, 0), noted[3], "the picture from " + ending)
+		check_equal((scatter.get_instance(noted[1]).transform as Transform3D).origin, Vector3(11.5, 2.0, 9.25), "the planted instance")
+		check_equal(digests(scatter, 0), noted[3], "the tiles from " + ending)
 		scatter.free()

@@ -1,8 +1,8 @@
 extends "harness.gd"
-## For tests of streaming: grounds by script, and all that is shown.
+## Base class of the tests of streaming: grounds by script, and a list of all visible instances.
 
-## Rolling hills, asked for on the main thread.
-class Hills extends ScatterTerrain:
+## Rolling hills, queried on the main thread.
+class Hills extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -13,13 +13,13 @@ class Hills extends ScatterTerrain:
 		return 10.0 * sin(at.x * 0.05) + 5.0 * cos(at.y * 0.08)
 
 
-## The same, asked for on worker threads.
+## The same hills, queried on worker threads.
 class ThreadedHills extends Hills:
 	func _is_thread_safe() -> bool:
 		return true
 
 
-## The same with a hole, and normals of its own that lean by 45 degrees everywhere.
+## The same hills with a hole, and with constant normals that lean by 45 degrees.
 class LeaningHills extends Hills:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := super(positions)
@@ -36,7 +36,7 @@ class LeaningHills extends Hills:
 
 
 ## A slope of 45 degrees that ends at x = 0.
-class Cliff extends ScatterTerrain:
+class Cliff extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:

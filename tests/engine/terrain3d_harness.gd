@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## A double of Terrain3D: what its regions and its data tell, and when, as its sources have it (versions 1.0 and 1.1,
+## A double of Terrain3D: its regions, its data and the signals of both, according to its sources (versions 1.0 and 1.1,
 ## src/terrain_3d_data.cpp and src/terrain_3d_region.cpp).
 
 enum { HEIGHT, CONTROL, COLOR, ALL_MAPS }
@@ -12,7 +12,7 @@ static func control_of(base: int, overlay: int, blend: int, flags := 0) -> int:
 	return base << 27 | overlay << 22 | blend << 14 | flags
 
 
-## A float of these 32 bits.
+## Returns the float with these 32 bits.
 static func as_float(bits: int) -> float:
 	var bytes := PackedByteArray()
 	bytes.resize(4)
@@ -63,7 +63,7 @@ class Terrain3DDataDouble extends Object:
 	var regions: Dictionary[Vector2i, Terrain3DRegionDouble] = {}
 	var region_size := 64
 	var vertex_spacing := 1.0
-	var asked := 0 ## Calls for single places.
+	var point_calls := 0 ## Calls for single positions.
 
 	func get_regions_active(_copy := false, _deep := false) -> Array[Terrain3DRegionDouble]:
 		var active: Array[Terrain3DRegionDouble] = []
@@ -136,7 +136,7 @@ class Terrain3DDataDouble extends Object:
 		return region.maps[CONTROL].get_data().decode_u32(4 * (pixel.y * region_size + pixel.x))
 
 	func get_height(at: Vector3) -> float:
-		asked += 1
+		point_calls += 1
 		return height_at(at)
 
 	func height_at(at: Vector3) -> float:
@@ -145,20 +145,20 @@ class Terrain3DDataDouble extends Object:
 		var first := (Vector2(at.x, at.z) / vertex_spacing).floor()
 		var part := Vector2(at.x, at.z) / vertex_spacing - first
 		var posts: Array[float] = []
-		for corner in 4: # A hair further, so that no rounding finds the post before.
+		for corner in 4: # Slightly further, so that rounding does not find the previous post.
 			var post := (first + Vector2(corner % 2, floori(corner / 2.0)) + Vector2.ONE * 1e-3) * vertex_spacing
 			posts.push_back(get_pixel(HEIGHT, Vector3(post.x, 0.0, post.y)))
 		return lerpf(lerpf(posts[0], posts[1], part.x), lerpf(posts[2], posts[3], part.x), part.y)
 
 	func get_normal(at: Vector3) -> Vector3:
-		asked += 1
+		point_calls += 1
 		var here := height_at(at)
 		var x := here - height_at(at + Vector3(vertex_spacing, 0.0, 0.0))
 		var z := here - height_at(at + Vector3(0.0, 0.0, vertex_spacing))
 		return Vector3(x, vertex_spacing, z).normalized()
 
 	func get_texture_id(at: Vector3) -> Vector3:
-		asked += 1
+		point_calls += 1
 		var control := get_control(at)
 		if control & HOLE:
 			return Vector3(NAN, NAN, NAN)
@@ -169,7 +169,7 @@ class Terrain3DDataDouble extends Object:
 			return Vector3(material.parameters["auto_base_texture"], material.parameters["auto_overlay_texture"], blend)
 		return Vector3(control >> 27 & 31, control >> 22 & 31, (control >> 14 & 255) / 255.0)
 
-	## Whether one of the four posts about a position is a hole: there the drawn mesh and the collider have none.
+	## Returns whether one of the four posts around a position is a hole: the drawn mesh and the collider have none there.
 	func is_open(at: Vector3) -> bool:
 		for corner in 4:
 			if get_control(at + Vector3(corner % 2, 0.0, floori(corner / 2.0)) * vertex_spacing) & HOLE:
@@ -183,9 +183,9 @@ class Terrain3DMaterialDouble extends Resource:
 		"auto_slope": 1.0, "auto_height_reduction": 0.1, "auto_base_texture": 0, "auto_overlay_texture": 1,
 	}
 
-	var with_renderer := true ## Otherwise it has no shader to ask for its numbers.
+	var with_renderer := true ## Without a renderer it has no shader parameters to query.
 
-	## What is saved of them.
+	## The saved part of the parameters.
 	var _shader_parameters: Dictionary:
 		get:
 			var saved := {}
@@ -211,9 +211,9 @@ class Terrain3DDouble extends Node3D:
 			if data != null:
 				data.vertex_spacing = value
 	var region_size := 64
-	var late := false ## Makes its data when told to.
+	var late := false ## Makes its data only when `make_data` is called.
 
-	## As Terrain3D, it makes its data when it enters the tree.
+	## Makes its data when it enters the tree, as Terrain3D does.
 	func _enter_tree() -> void:
 		if not late:
 			make_data()
@@ -233,8 +233,8 @@ class Terrain3DDouble extends Node3D:
 			data.free()
 
 
-## The same ground, as a node of no known plug-in: it is asked place by place.
-class Asked extends Node3D:
+## The same ground as a node of an unknown plug-in, which is queried point by point.
+class QueriedNode extends Node3D:
 	var of: Terrain3DDouble
 
 	func get_height(at: Vector3) -> float:
@@ -258,7 +258,7 @@ static func fill_region(region: Terrain3DRegionDouble, height := hill) -> void:
 			region.maps[HEIGHT].set_pixel(column, row, Color(height.call(region.location * side + Vector2i(column, row)), 0, 0))
 
 
-## Four regions about the origin, not in the tree yet.
+## Returns four regions around the origin, not in the tree yet.
 static func make_terrain3d(spacing := 1.0) -> Terrain3DDouble:
 	var node := Terrain3DDouble.new()
 	node.vertex_spacing = spacing
@@ -270,7 +270,7 @@ static func make_terrain3d(spacing := 1.0) -> Terrain3DDouble:
 	return node
 
 
-## Instances that do not stand on the ground that the double has now.
+## Returns the number of instances that are not on the double's current ground.
 func off_the_ground(scatter: TerrainScatter3D, node: Terrain3DDouble) -> int:
 	var wrong := 0
 	for one in all_transforms(scatter):
@@ -279,6 +279,6 @@ func off_the_ground(scatter: TerrainScatter3D, node: Terrain3DDouble) -> int:
 	return wrong
 
 
-func check_ground(scatter: TerrainScatter3D, node: Terrain3DDouble, what: String) -> void:
-	check(scatter.get_stats()["instances"] > 500, "%s: %d instances" % [what, scatter.get_stats()["instances"]])
-	check_equal(off_the_ground(scatter, node), 0, what + ": instances off the ground")
+func check_ground(scatter: TerrainScatter3D, node: Terrain3DDouble, context: String) -> void:
+	check(scatter.get_stats()["instances"] > 500, "%s: %d instances" % [context, scatter.get_stats()["instances"]])
+	check_equal(off_the_ground(scatter, node), 0, context + ": instances off the ground")

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## What the tests of the kinds of ground share.
+## Base class of the tests of the kinds of ground.
 
 func all_transforms(scatter: TerrainScatter3D, layer := 0) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
@@ -8,8 +8,8 @@ func all_transforms(scatter: TerrainScatter3D, layer := 0) -> Array[Transform3D]
 	return result
 
 
-## All instances of a layer by their ids, for comparing scatters of other tile sizes. Positions to the millimeter: a
-## tile's own floats count from its center.
+## Returns all instances of a layer by id, to compare scatters with different tile sizes. Positions are rounded to 2 mm:
+## the floats of a tile count from its center.
 func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
@@ -22,8 +22,8 @@ func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	return result
 
 
-## The same instances stand on a ground whether tiles are large or small, as far as both show them.
-func check_tiling(terrain: ScatterTerrain, what: String) -> void:
+## Checks that a ground carries the same instances with large and with small tiles, within the area that both show.
+func check_tiling(terrain: ScatterGround, context: String) -> void:
 	var found: Array[Dictionary] = []
 	for tile_size: float in [32.0, 13.0]:
 		var layer := make_layer()
@@ -42,11 +42,11 @@ func check_tiling(terrain: ScatterTerrain, what: String) -> void:
 			var at: Vector3 = found[one][id]
 			if Vector2(at.x, at.z).length() < 60.0:
 				compared += 1
-				check(others.has(id) and at.distance_to(others[id]) < 0.005, "%s: instance %d at %s" % [what, id, at])
-	check(compared > 300, "%s: %d instances compared" % [what, compared])
+				check(others.has(id) and at.distance_to(others[id]) < 0.005, "%s: instance %d at %s" % [context, id, at])
+	check(compared > 300, "%s: %d instances compared" % [context, compared])
 
 
-## The entries of `all` whose keys are in `some`.
+## Returns the entries of `all` whose keys are in `some`.
 func shared(all: Dictionary, some: Dictionary) -> Dictionary:
 	var result := {}
 	for key: Variant in some:
@@ -55,8 +55,8 @@ func shared(all: Dictionary, some: Dictionary) -> Dictionary:
 	return result
 
 
-## Tiles that were made since the scatter was settled, once it is again.
-func made_again(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
+## Returns the tiles that were shown during `edit` and until the scatter settled.
+func regenerated_by(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
 	var note := func(_layer: int, tile: Vector2i) -> void: made.push_back(tile)
 	scatter.tile_shown.connect(note)
@@ -67,23 +67,23 @@ func made_again(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
 	return made
 
 
-## A scatter on the ground that a node gives, both in the tree.
+## Makes a scatter on the ground that a node provides. Both are in the tree.
 func make_on(node: Node, thread_safe := false, layer := make_layer()) -> TerrainScatter3D:
 	if not node.is_inside_tree():
 		root.add_child(node)
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.thread_safe = thread_safe
 	var scatter := make_scatter([layer], terrain, make_viewer())
 	terrain.node = scatter.get_path_to(node)
 	return scatter
 
 
-## Makes an edit, and checks that the tiles `under` it were made again, as far as they are visible, and no others. `any`: at least one was.
-func check_made_under(scatter: TerrainScatter3D, under: Array[Vector2i], any: bool, what: String, edit: Callable) -> void:
-	var made := await made_again(scatter, edit)
+## Makes an edit. Checks that the visible tiles of `under` were regenerated, and no others. With `any`, at least one must have been.
+func check_regenerated_under(scatter: TerrainScatter3D, under: Array[Vector2i], any: bool, context: String, edit: Callable) -> void:
+	var made := await regenerated_by(scatter, edit)
 	var shown := scatter.get_shown_tiles(0)
 	for tile in under:
-		check(made.has(tile) or not shown.has(tile), "%s: tile %s was made again" % [what, tile])
+		check(made.has(tile) or not shown.has(tile), "%s: tile %s was regenerated" % [context, tile])
 	for tile in made:
-		check(under.has(tile), "%s: tile %s was made for nothing" % [what, tile])
-	check(not made.is_empty() or not any, "%s: %d tiles were made" % [what, made.size()])
+		check(under.has(tile), "%s: tile %s was regenerated for nothing" % [context, tile])
+	check(not made.is_empty() or not any, "%s: %d tiles were regenerated" % [context, made.size()])

@@ -1,8 +1,8 @@
 extends "terrain_harness.gd"
-## Nodes that have the methods of Terrain3D or of HTerrain but not their images, as versions might that are not known: they
-## are asked place by place. And a node that has heights only.
+## Nodes that have the methods of Terrain3D or of HTerrain but not their images, as unknown versions might. They are queried
+## point by point. Also a node that has heights only.
 
-## Behaves like Terrain3D's data: heights and normals with a round hole, textures by halves, told edits.
+## Behaves like Terrain3D's data: heights and normals with a round hole, a different texture in each half, signals for edits.
 class Terrain3DLikeData extends Object:
 	signal maps_edited(area: AABB)
 	signal maps_changed
@@ -29,12 +29,12 @@ class Terrain3DLike extends Node3D:
 			data.free()
 
 
-## The same with posts that are farther apart.
+## The same with posts that are further apart.
 class SparseTerrain3DLike extends Terrain3DLike:
 	var vertex_spacing := 4.0
 
 
-## Behaves like HTerrain's data: an image of heights, asked in its own pixels, clamped at its border.
+## Behaves like HTerrain's data: an image of heights, queried in its own pixels, clamped at its border.
 class HTerrainLikeData extends Resource:
 	signal region_changed(x: int, y: int, w: int, h: int, channel: int)
 	const SIZE := 65
@@ -56,7 +56,7 @@ class HTerrainLikeData extends Resource:
 		return lift + 0.5 * clampf(at.x, 0.0, SIZE - 1.0)
 
 
-## Tells of edits as HTerrain does since July 2026.
+## Reports edits as HTerrain does since July 2026.
 class LaterHTerrainLikeData extends Resource:
 	signal region_changed(rect: Rect2i, channel: int, index: int)
 	var lift := 7.0
@@ -86,12 +86,12 @@ class HTerrainLike extends Node3D:
 		return made
 
 
-## Any node with heights only, that counts how it is asked.
+## Any node that has heights only. It records whether it was called on a different thread.
 class Slope extends Node3D:
 	var rise := 1.0
-	var asked_elsewhere := false
+	var called_on_worker := false
 
 	func get_height(at: Vector3) -> float:
 		if OS.get_thread_caller_id() != OS.get_main_thread_id():
-			asked_elsewhere = true
+			called_on_worker = true
 		return rise * at.x

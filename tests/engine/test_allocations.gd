@@ -1,31 +1,31 @@
 extends "queries_harness.gd"
-## Large allocations fail, one after another; tests/test_allocations.py preloads what makes them fail. Each call returns its usual answer
-## or prints an error, and the next one is as good as ever. Small ones are left out here: without them the engine ends.
+## Large allocations fail, one after another; tests/test_allocations.py preloads the library that makes them fail. Each call returns its usual
+## result or prints an error, and the next call works as before. Small allocations are excluded: the engine ends when one fails.
 
 const LARGE := 1000 ## Bytes.
-const MOST := 400   ## Allocations of a call that fail in turn.
+const MOST := 400   ## At most this many allocations of a call fail in turn.
 
 
-## Calls `work` until no more of its allocations fails. `work` returns what should be the same each time.
-func sweep(what: String, work: Callable, bytes := LARGE) -> void:
+## Calls `work` until none of its allocations fails any more. `work` returns the same value each time.
+func sweep(context: String, work: Callable, bytes := LARGE) -> void:
 	var expected: Variant = work.call()
-	check_no_error(what)
+	check_no_error(context)
 	var failed := 0
 	for number in range(1, MOST + 1):
 		OS.set_environment("THICKET_ALLOCATIONS", "fail %d %d" % [number, bytes])
 		var got: Variant = work.call()
 		OS.set_environment("THICKET_ALLOCATIONS", "stop")
-		var told := errors.take()
-		if told.is_empty():
-			check(got == expected, "%s: allocation %d fails silently" % [what, number])
+		var messages := errors.take()
+		if messages.is_empty():
+			check(got == expected, "%s: allocation %d fails silently" % [context, number])
 			if number > failed + 8:
 				break # No allocation is left.
 		else:
 			failed = number
-	check(failed > 0, what + ": no allocation fails")
-	check(OS.get_environment("THICKET_ALLOCATIONS") == "", "the library that makes them fail is preloaded")
-	check(work.call() == expected, what + ": as good as ever")
-	check_no_error(what + ", afterwards")
+	check(failed > 0, context + ": no allocation failed")
+	check(OS.get_environment("THICKET_ALLOCATIONS") == "", "the library that makes allocations fail is preloaded")
+	check(work.call() == expected, context + ": works as before")
+	check_no_error(context + ", afterwards")
 
 
 func test_answers_of_queries() -> void:
@@ -38,10 +38,10 @@ func test_answers_of_queries() -> void:
 	sweep("transforms", func() -> PackedFloat32Array: return scatter.query_rect(all).transforms)
 	var found := scatter.query_rect(all)
 	OS.set_environment("THICKET_ALLOCATIONS", "fail 1 %d" % LARGE)
-	check(found.transforms.is_empty(), "nothing comes without memory")
+	check(found.transforms.is_empty(), "no transforms without memory")
 	OS.set_environment("THICKET_ALLOCATIONS", "stop")
 	check_memory_error("ScatterInstances.get_transforms")
-	check(found.transforms.size() == 12 * found.size(), "the same answer has them later")
+	check(found.transforms.size() == 12 * found.size(), "the same result returns them later")
 
 
 func test_tiles() -> void:
@@ -63,7 +63,7 @@ func test_masks() -> void:
 func test_states() -> void:
 	var scatter := make_wood(make_viewer())
 	scatter.state = ScatterState.new()
-	scatter.state.designed = true
+	scatter.state.copy_at_runtime = true
 	await settle(scatter)
 	var ids := scatter.query_rect(Rect2(-40, -40, 80, 80)).ids
 	scatter.remove_instances(ids)
@@ -75,7 +75,7 @@ func test_states() -> void:
 		return scatter.remove_instances(ids).size())
 	var data := PackedByteArray()
 	data.resize(3000)
-	# To read it the engine allocates, and ends where it cannot.
+	# Only the write is tested: the engine ends if an allocation fails while it reads.
 	sweep("data of an instance", func() -> bool: return scatter.state.set_instance_data(ids[0], data))
 
 
@@ -93,24 +93,60 @@ func test_samplers() -> void:
 	sweep("an exact domain", func() -> PackedFloat64Array: return sampler.sample_domain_exact(0, 0, 30, 30).y)
 
 
-## On worker threads. A tile that could not be made is reported; those that were uploaded are whole.
+## A change that runs out of memory is repeated by the next frame. So many layers make the lists of layers large. Single tiles that could
+## not be generated are reported, and stay as they were.
+func test_changes_of_layers() -> void:
+	var layers: Array[ScatterLayer] = []
+	for index in 100:
+		layers.push_back(make_layer(12.0))
+		layers.back().layer_id = index + 1
+		layers.back().view_distance = 20.0
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
+	var expected := []
+	for density: float in [0.3, 0.8]:
+		layers[7].density = density
+		await settle(scatter)
+		expected.push_back(ids_of_shown(scatter, 7))
+	check(expected[0] != expected[1] and not expected[0].is_empty(), "the two densities differ")
+	check_no_error("without failures")
+	var hits := 0
+	for number in range(1, 60):
+		layers[7].density = [0.3, 0.8][number % 2]
+		OS.set_environment("THICKET_ALLOCATIONS", "fail %d %d" % [number, LARGE])
+		await frames(2)
+		OS.set_environment("THICKET_ALLOCATIONS", "stop")
+		await settle(scatter)
+		var reported := "".join(errors.take())
+		hits += int(reported != "")
+		check("tile (" in reported or ids_of_shown(scatter, 7) == expected[number % 2], "allocation %d: the change is applied" % number)
+	check(hits > 5, "%d allocations failed" % hits)
+
+
+func ids_of_shown(scatter: TerrainScatter3D, layer: int) -> Array:
+	var ids := []
+	for tile in scatter.get_shown_tiles(layer):
+		ids.append_array(ids_of(scatter.get_tile(layer, tile)))
+	return ids
+
+
+## On worker threads: a tile that could not be generated is reported, and uploaded tiles are complete.
 func test_streaming() -> void:
 	var expected := await stream(0)
 	check_no_error("a stream")
 	var hits := 0
 	for number in range(1, 200, 3):
 		var got := await stream(number)
-		var told := errors.take()
-		hits += int(not told.is_empty())
+		var messages := errors.take()
+		hits += int(not messages.is_empty())
 		for layer in expected.size():
 			for tile: Vector2i in got[layer]:
 				var whole: bool = got[layer][tile] == expected[layer][tile]
-				check(whole or (got[layer][tile] == [] and not told.is_empty()), "allocation %d: tile %s is whole" % [number, tile])
-			check(got[layer].size() == expected[layer].size() or not told.is_empty(), "allocation %d fails silently" % number)
+				check(whole or (got[layer][tile] == [] and not messages.is_empty()), "allocation %d: tile %s is complete" % [number, tile])
+			check(got[layer].size() == expected[layer].size() or not messages.is_empty(), "allocation %d fails silently" % number)
 	check(hits > 20, "%d allocations failed" % hits)
 
 
-## All shown tiles by layer, with what the renderer has of them.
+## Returns all visible tiles by layer, with the data that the renderer has of them.
 func stream(number: int) -> Array:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer)
@@ -139,6 +175,6 @@ func noise(count: int) -> PackedByteArray:
 	return bytes
 
 
-func check_memory_error(asked_for: String) -> void:
-	var told := Array(errors.take()).filter(func(message: String) -> bool: return "more memory than there is" in message)
-	check(told.size() == 1 and asked_for in told[0], "%s: one error, got %s" % [asked_for, told])
+func check_memory_error(source: String) -> void:
+	var messages := Array(errors.take()).filter(func(message: String) -> bool: return "more memory than is available" in message)
+	check(messages.size() == 1 and source in messages[0], "%s: one error, got %s" % [source, messages])

@@ -1,8 +1,8 @@
 extends "harness.gd"
-## What a property refuses: one error that names property and value, the last good value stays, nothing crashes.
+## Bad input causes one error that names property and value. The last valid value stays, and nothing crashes.
 
-## Heights or normals of a wrong number, or no numbers at all.
-class BrokenGround extends ScatterTerrain:
+## Returns a wrong number of heights or normals, or values that are not finite.
+class BrokenGround extends ScatterGround:
 	var extra := 0
 	var threaded := false
 	var fill := 0.0
@@ -29,15 +29,15 @@ const SPOT := "user://thicket_test.r16"
 
 func refuse(object: Object, property: StringName, value: Variant, word := "got") -> void:
 	var good: Variant = object.get(property)
-	var what := "%s = %s" % [property, value]
+	var assignment := "%s = %s" % [property, value]
 	object.set(property, value)
 	var messages := errors.take()
-	if check(messages.size() == 1, "%s: expected one error, got %s" % [what, messages]):
+	if check(messages.size() == 1, "%s: expected one error, got %s" % [assignment, messages]):
 		for expected: String in [object.get_class() + "." + property, word]:
-			check(expected in messages[0], "%s: expected '%s' in '%s'" % [what, expected, messages[0]])
+			check(expected in messages[0], "%s: expected '%s' in '%s'" % [assignment, expected, messages[0]])
 		var named := messages[0].get_slice("got ", 1).get_slice(". ", 0)
-		check(is_equal_approx(number(named), value) or named == str(value), "%s: names %s" % [what, named])
-	check_equal(object.get(property), good, what + " is ignored")
+		check(is_equal_approx(number(named), value) or named == str(value), "%s: the error names %s" % [assignment, named])
+	check_equal(object.get(property), good, assignment + " is ignored")
 
 
 func number(text: String) -> float:
@@ -53,7 +53,7 @@ func accept(object: Object, property: StringName, value: Variant) -> void:
 func test_layer_numbers() -> void:
 	var layer := ScatterLayer.new()
 	var numbers := 0
-	for property in ClassDB.class_get_property_list("ScatterLayer"): # Some are hidden in a layer as it is made.
+	for property in ClassDB.class_get_property_list("ScatterLayer"): # Some are hidden in a new layer.
 		if property["type"] != TYPE_FLOAT or not property["usage"] & PROPERTY_USAGE_EDITOR:
 			continue
 		numbers += 1
@@ -66,7 +66,7 @@ func test_layer_numbers() -> void:
 		refuse(layer, property, 0.0, "must be between 0.")
 		refuse(layer, property, -3.0, "must be between 0.")
 	for property in ["density", "align_to_normal"]:
-		refuse(layer, property, 1.5, "must be between 0 and 1, got 1.5. The last valid value stays")
+		refuse(layer, property, 1.5, "must be between 0 and 1, got 1.5. The last valid value is kept")
 		refuse(layer, property, -0.5, "must be between 0 and 1, got -0.5. ")
 	refuse(layer, "max_slope_degrees", 91.0, "must be between 0 and 90, ")
 	refuse(layer, "view_distance", -1.0, "must be between 0 and ")
@@ -86,7 +86,7 @@ func test_layer_integers_and_arrays() -> void:
 	check_error(["ScatterLayer.mesh_weights", "-2"], "negative weight")
 	layer.mesh_weights = PackedFloat32Array([NAN])
 	check_error(["ScatterLayer.mesh_weights", "finite"], "NAN weight")
-	check_equal(layer.mesh_weights.size(), 0, "weights after bad ones")
+	check_equal(layer.mesh_weights.size(), 0, "weights after invalid ones")
 
 
 func test_sampler() -> void:
@@ -97,7 +97,7 @@ func test_sampler() -> void:
 		refuse(sampler, "radius", value, "must be finite")
 	refuse(sampler, "progressive_levels", 0, "must be between 1 and 8, ")
 	refuse(sampler, "progressive_levels", 99, "must be between 1 and 8, ")
-	check(sampler.sample(Rect2(-5, -5, 9, 9)).ids.size() > 10, "points before all that")
+	check(sampler.sample(Rect2(-5, -5, 9, 9)).ids.size() > 10, "points before the invalid rects")
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, 0, 5, -5), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5),
 			Rect2(-1e30, -1e30, 3e30, 3e30), Rect2(0, 0, 1e6, 1e6)]:
 		check_equal(sampler.sample(rect).ids.size(), 0, "points in %s" % rect)
@@ -108,27 +108,27 @@ func test_sampler() -> void:
 		check_error(["PoissonSampler.rect"], str(sides))
 	check_equal(sampler.sample(Rect2(3, 3, 0, 5)).ids.size(), 0, "points in an empty rect")
 	check_no_error("an empty rect")
-	check(sampler.sample(Rect2(-5, -5, 9, 9)).ids.size() > 10, "points after all that")
+	check(sampler.sample(Rect2(-5, -5, 9, 9)).ids.size() > 10, "points after the invalid rects")
 
 
 func test_tiny_radius_for_the_tile() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	layer.radius = 0.002
 	await settle(scatter)
 	check_error(["layers[0]: ScatterLayer.tile_size must be at most", "points a tile", "got 32"], "a tile of 10^8 points")
-	check_equal(digests(scatter, 0), before, "what stands after a tiny radius")
+	check_equal(digests(scatter, 0), before, "instances after a tiny radius")
 	layer.radius = 2.0
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "what stands after the old radius")
+	check_equal(digests(scatter, 0), before, "instances after the old radius")
 
 
-func test_inverted_ranges_keep_what_stands() -> void:
+func test_inverted_ranges_keep_the_instances() -> void:
 	for range_name: String in ["height", "water_depth", "slope_degrees", "scale", "yaw_degrees"]:
 		var layer := make_layer()
-		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 		await settle(scatter)
 		var before := digests(scatter, 0)
 		layer.set("min_" + range_name, 80.0)
@@ -136,24 +136,24 @@ func test_inverted_ranges_keep_what_stands() -> void:
 		check_no_error("setting both ends of " + range_name)
 		await settle(scatter)
 		check_error(["ScatterLayer.", range_name, "20"], "inverted " + range_name)
-		check_equal(digests(scatter, 0), before, "what stands after an inverted " + range_name)
+		check_equal(digests(scatter, 0), before, "instances after an inverted " + range_name)
 		check(scatter.get_problems()[0].contains(range_name), "a warning for " + range_name)
 		layer.set("max_" + range_name, 85.0)
 		await settle(scatter)
-		check_no_error("a range in order again")
+		check_no_error("a valid range")
 		check(digests(scatter, 0) != before, "%s has an effect again" % range_name)
 		scatter.queue_free()
 
 
-func test_view_beyond_what_can_be_streamed() -> void:
+func test_view_distance_beyond_the_limit() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	layer.view_distance = 100000.0
 	await settle(scatter)
 	check_error(["ScatterLayer.view_distance", "100000"], "a view of 3000 tiles")
-	check_equal(digests(scatter, 0), before, "what stands")
+	check_equal(digests(scatter, 0), before, "instances")
 
 
 func test_node_properties() -> void:
@@ -171,52 +171,52 @@ func test_node_properties() -> void:
 	scatter.free()
 
 
-func test_missing_parts_are_warned_of() -> void:
+func test_missing_parts_cause_warnings() -> void:
 	var scatter := make_scatter([], null, make_viewer())
 	await frames(3)
-	check_equal(scatter.get_problems().size(), 2, "warnings without terrain and layers")
+	check_equal(scatter.get_problems().size(), 2, "warnings without ground and layers")
 	scatter.layers = [null, make_layer(), ScatterLayer.new()]
-	scatter.terrain = ScatterTerrain.new()
+	scatter.ground = ScatterGround.new()
 	await settle(scatter)
 	var problems := "\n".join(scatter.get_problems())
 	for words: String in ["_get_heights", "Layer 0: empty", "Layer 2: ScatterLayer.meshes"]:
 		check(words in problems, "'%s' in: %s" % [words, problems])
-	check_equal(scatter.get_stats()["tiles"], 0, "tiles on no ground")
-	scatter.terrain = ScatterTerrainFlat.new()
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles on a base ground")
+	scatter.ground = ScatterGroundFlat.new()
 	await settle(scatter)
-	check(scatter.get_shown_tiles(1).size() > 10, "the layer between two bad ones shows")
+	check(scatter.get_shown_tiles(1).size() > 10, "the layer between two invalid ones is visible")
 	check_equal(scatter.get_shown_tiles(0).size(), 0, "tiles of an empty layer")
 	scatter.viewers = [NodePath("nobody"), scatter.get_path_to(root)]
 	check_equal(scatter.get_problems().size(), 4, "warnings of two layers and two viewers")
 	scatter.layers = [make_layer(), make_layer()]
 	scatter.layers[0].layer_id = 1
-	check("layer_id" in "\n".join(scatter.get_problems()), "two layers of one id")
-	scatter.terrain = null
+	check("layer_id" in "\n".join(scatter.get_problems()), "two layers with one id")
+	scatter.ground = null
 	await frames(3)
-	check_equal(scatter.get_stats()["tiles"], 0, "tiles without a terrain")
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles without a ground")
 
 
 func test_wrong_resources() -> void:
-	var terrain := ScatterTerrainFlat.new()
+	var terrain := ScatterGroundFlat.new()
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
-	scatter.set("terrain", BoxMesh.new())
+	scatter.set("ground", BoxMesh.new())
 	scatter.set("layers", [BoxMesh.new(), 5])
-	scatter.set("layers", "nothing like it")
+	scatter.set("layers", "not a list of layers")
 	scatter.set("viewers", [3, BoxMesh.new()])
 	await frames(5)
-	errors.take() # The engine may say so in its own words; what counts is that nothing breaks.
-	check(scatter.terrain == null or scatter.terrain == terrain, "the terrain is no mesh")
-	scatter.terrain = terrain
+	errors.take() # The engine may print its own errors; only the state matters here.
+	check(scatter.ground == null or scatter.ground == terrain, "the ground is not a mesh")
+	scatter.ground = terrain
 	scatter.layers = [make_layer()]
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await settle(scatter)
-	check(scatter.get_shown_tiles(0).size() > 10, "shows again")
+	check(scatter.get_shown_tiles(0).size() > 10, "the layer is visible again")
 
 
 func test_far_away_viewer() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	viewer.global_position = Vector3(1e20, 0.0, 0.0)
 	await frames(5)
@@ -228,7 +228,7 @@ func test_far_away_viewer() -> void:
 	check_error(["layer 0, tile (", "): rect must be between"], "beyond the last cell")
 	viewer.global_position = Vector3.ZERO
 	await settle(scatter)
-	check(scatter.get_stats()["instances"] > 1000, "shows again")
+	check(scatter.get_stats()["instances"] > 1000, "the layer is visible again")
 
 
 func test_broken_scripts() -> void:
@@ -238,7 +238,7 @@ func test_broken_scripts() -> void:
 			ground.threaded = threaded
 			ground.extra = extra
 			var layer := make_layer()
-			layer.align_to_normal = 1.0 # Otherwise no normal is needed.
+			layer.align_to_normal = 1.0 # Else no normals are needed.
 			var scatter := make_scatter([layer], ground, make_viewer())
 			await settle(scatter)
 			check_error(["_get_heights()", "wrong size"], "%+d heights" % extra)
@@ -246,8 +246,8 @@ func test_broken_scripts() -> void:
 			ground.extra = 0
 			scatter.regenerate()
 			await settle(scatter)
-			check_no_error("heights of the right number")
-			check(scatter.get_stats()["instances"] > 1000, "shows again")
+			check_no_error("the right number of heights")
+			check(scatter.get_stats()["instances"] > 1000, "instances are visible again")
 			ground.normals = 7
 			scatter.regenerate()
 			await settle(scatter)
@@ -272,51 +272,51 @@ func write_posts(count: int) -> void:
 
 
 func test_heightmap_properties() -> void:
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	for count: Vector2i in [Vector2i(1, 5), Vector2i(5, -1), Vector2i(1 << 20, 5)]:
 		terrain.post_count = count
-		check_error(["ScatterTerrainHeightmap.post_count"], str(count))
+		check_error(["ScatterGroundHeightmap.post_count"], str(count))
 	for rect: Rect2 in [Rect2(0, 0, 0, 5), Rect2(0, 0, 5, -1), Rect2(0, 0, NAN, 5), Rect2(INF, 0, 5, 5)]:
 		terrain.rect = rect
-		check_error(["ScatterTerrainHeightmap.rect"], str(rect))
+		check_error(["ScatterGroundHeightmap.rect"], str(rect))
 	check_equal(terrain.rect, Rect2(0, 0, 1000, 1000), "rect")
 	for value: float in [NAN, INF, 1e9]:
 		refuse(terrain, "min_height", value)
 		refuse(terrain, "max_height", value)
 	terrain.image = Image.new()
-	check_error(["ScatterTerrainHeightmap.image", "wrong size"], "an empty image")
+	check_error(["ScatterGroundHeightmap.image", "wrong size"], "an empty image")
 	check(terrain.image == null, "no image")
 
 
 func test_heightmap_files() -> void:
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height before a file")
-	check_error(["ScatterTerrainHeightmap.heightmap_path", "missing"], "no file")
+	check_error(["ScatterGroundHeightmap.heightmap_path", "missing"], "no file")
 	terrain.post_count = Vector2i(4, 3)
 	terrain.heightmap_path = "user://no_such_file.r16"
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
-	check_error(["ScatterTerrainHeightmap.heightmap_path"], "a missing file")
+	check_error(["ScatterGroundHeightmap.heightmap_path"], "a missing file")
 	terrain.rect = Rect2(0, 0, 500, 500)
-	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height on another rect either")
-	check_error(["ScatterTerrainHeightmap.heightmap_path"], "a file that is still missing")
+	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height on a different rect either")
+	check_error(["ScatterGroundHeightmap.heightmap_path"], "a file that is still missing")
 	write_posts(11)
 	terrain.heightmap_path = SPOT
 	check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
-	check_error(["ScatterTerrainHeightmap.heightmap_path", "wrong size", "22"], "a short file")
-	check(terrain.get_height(Vector3.ZERO) != 0.0, "still none")
-	check_no_error("asking twice")
+	check_error(["ScatterGroundHeightmap.heightmap_path", "wrong size", "22"], "a short file")
+	check(terrain.get_height(Vector3.ZERO) != 0.0, "still no height")
+	check_no_error("querying twice")
 	write_posts(12)
 	terrain.heightmap_path = SPOT
 	terrain.min_height = 5.0
 	check_equal(terrain.get_height(Vector3(10.0, 0.0, 10.0)), 5.0, "height")
 	terrain.max_height = -5.0
-	check_equal(terrain.get_height(Vector3(10.0, 0.0, 10.0)), 5.0, "height of the last good state")
-	check_error(["ScatterTerrainHeightmap.max_height", "-5"], "inverted heights")
+	check_equal(terrain.get_height(Vector3(10.0, 0.0, 10.0)), 5.0, "height of the last valid state")
+	check_error(["ScatterGroundHeightmap.max_height", "-5"], "inverted heights")
 	DirAccess.remove_absolute(SPOT)
 
 
 func test_heightmap_images() -> void:
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.rect = Rect2(0, 0, 3, 2)
 	terrain.min_height = 100.0
 	terrain.max_height = 200.0
@@ -330,5 +330,5 @@ func test_heightmap_images() -> void:
 		var bad := image.duplicate() as Image
 		bad.set_pixel(2, 2, Color(value, 0.0, 0.0))
 		terrain.image = bad
-		check(absf(terrain.get_height(Vector3(1.0, 0.0, 1.0)) - 150.0) < 0.01, "height of the last good image")
-		check_error(["ScatterTerrainHeightmap.image"], "an image with %s" % value)
+		check(absf(terrain.get_height(Vector3(1.0, 0.0, 1.0)) - 150.0) < 0.01, "height of the last valid image")
+		check_error(["ScatterGroundHeightmap.image"], "an image with %s" % value)

@@ -1,14 +1,14 @@
 extends "harness.gd"
-## What the addon's bake writes, without an editor; and where its brush hits the ground.
+## The files that the add-on's bake writes, without an editor, and the point where its brush hits the ground.
 
 const Bake := preload("res://addons/thicket/bake.gd")
-const GroundRay := preload("res://addons/thicket/editor/ground_ray.gd")
+const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
 
 const FOLDER := "res://baked/deep"
 const SCENE := FOLDER + "/wood.tscn"
 
 
-class Hills extends ScatterTerrain:
+class Hills extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -19,7 +19,7 @@ class Hills extends ScatterTerrain:
 		return true
 
 
-## Two layers, of two meshes and of one, the first with colors and a mesh that has a file.
+## Two layers: one with two meshes, colors and a mesh that has a file, and one with one mesh.
 func wood() -> TerrainScatter3D:
 	var trees := make_layer(3.0)
 	trees.resource_name = "Trees"
@@ -54,7 +54,7 @@ func run_to_end(bake: Bake) -> void:
 		await process_frame
 
 
-## Whole tiles are the ones that are shown, to the bit; the meshes are shared, and drawn as the layer says.
+## Baked whole tiles equal the visible ones bit for bit. Their meshes are shared and drawn with the layer's settings.
 func test_whole_tiles() -> void:
 	empty_folder()
 	var scatter := wood()
@@ -63,27 +63,27 @@ func test_whole_tiles() -> void:
 	check_equal(bake.begin(scatter, Rect2(-32, -64, 96, 64), FOLDER, "wood", [0]), OK, "begun")
 	await run_to_end(bake)
 	check_equal(bake.problem, "", "no problem")
-	check_equal(bake.progress, 1.0, "at the end")
+	check_equal(bake.progress, 1.0, "the bake is complete")
 	var scene := (load(SCENE) as PackedScene).instantiate()
 	check_equal(scene.get_child_count(), 3 * 2 * 2, "a node for each tile and mesh")
 	var seen: Dictionary[Mesh, int] = {}
 	for node: MultiMeshInstance3D in scene.get_children():
 		var tile := Vector2i((Vector2(node.position.x, node.position.z) / 32.0).floor())
 		var mesh := 1 if node.multimesh.mesh is CylinderMesh else 0
-		check_equal(node.position, scatter.get_tile(0, tile).get_origin(), "where the tile's transforms start from")
-		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "what stands in tile %s" % tile)
-		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "with colors")
+		check_equal(node.position, scatter.get_tile(0, tile).get_origin(), "the origin of the tile")
+		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "the instances of tile %s" % tile)
+		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "colors, no custom data")
 		check_equal(node.visibility_range_end, 77.0, "the layer's range")
 		check_equal(node.cast_shadow, GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, "the layer's shadows")
 		check_equal(node.layers, 5, "the layer's render layers")
 		seen[node.multimesh.mesh] = mesh
 	check_equal(seen.size(), 2, "two meshes in all")
-	check(seen.keys().any(func(mesh: Mesh) -> bool: return mesh.resource_path == "res://cone.res"), "one's own file")
+	check(seen.keys().any(func(mesh: Mesh) -> bool: return mesh.resource_path == "res://cone.res"), "a mesh with a file keeps it")
 	check_equal(all_files().size(), 12 + 1 + 1, "multimeshes, a mesh, the scene: %s" % all_files())
 	scene.free()
 
 
-## Instances of parts of tiles are those in the rectangle, and no others.
+## Baking parts of tiles writes exactly the instances in the rectangle.
 func test_parts_of_tiles() -> void:
 	empty_folder()
 	var scatter := wood()
@@ -103,7 +103,7 @@ func test_parts_of_tiles() -> void:
 	check(expected > 100 and bake.instances == expected, "%d instances of %d" % [bake.instances, expected])
 
 
-## A bake that is given up leaves what was there; a second one replaces the first and removes what it no longer has.
+## A canceled bake leaves the old files. A second bake replaces the first and removes the files that it no longer needs.
 func test_cancel_and_again() -> void:
 	empty_folder()
 	var scatter := wood()
@@ -112,9 +112,9 @@ func test_cancel_and_again() -> void:
 	bake.begin(scatter, Rect2(0, 0, 64, 64), FOLDER, "wood")
 	bake.step(0.0)
 	bake.cancel()
-	check_equal(all_files(), PackedStringArray(), "nothing is left")
-	check_equal(DirAccess.get_directories_at(FOLDER), PackedStringArray(), "no folder either")
-	check(not bake.step(1.0), "there is nothing to go on with")
+	check_equal(all_files(), PackedStringArray(), "no files are left")
+	check_equal(DirAccess.get_directories_at(FOLDER), PackedStringArray(), "no folders are left")
+	check(not bake.step(1.0), "a canceled bake does not continue")
 	bake.begin(scatter, Rect2(0, 0, 64, 64), FOLDER, "wood")
 	await run_to_end(bake)
 	var mine := FileAccess.open(FOLDER + "/wood_of_mine.res", FileAccess.WRITE)
@@ -131,8 +131,8 @@ func test_cancel_and_again() -> void:
 	bake.begin(scatter, Rect2(0, 0, 32, 32), FOLDER, "wood")
 	await run_to_end(bake)
 	check(all_files().has("wood_of_mine.res"), "other files stay")
-	check_equal(all_files().size(), 2 + 1 + 1 + 1 + 1 + 1, "smaller: %s" % all_files())
-	check_equal((load(SCENE) as PackedScene).get_state().get_node_count(), 1 + 3, "as the scene says")
+	check_equal(all_files().size(), 2 + 1 + 1 + 1 + 1 + 1, "fewer files: %s" % all_files())
+	check_equal((load(SCENE) as PackedScene).get_state().get_node_count(), 1 + 3, "nodes in the smaller scene")
 
 
 func test_refusals() -> void:
@@ -144,17 +144,17 @@ func test_refusals() -> void:
 		[Rect2(0, 0, 10, 10), "", "name"], [Rect2(0, 0, 10, 10), "a/b", "name"], [Rect2(0, 0, 1e6, 1e6), "wood", "tiles"],
 	]:
 		check(bake.begin(scatter, wrong[0], FOLDER, wrong[1]) != OK, "refused: %s" % [wrong])
-		check(wrong[2] in bake.problem, "and says why: " + bake.problem)
-		check(not bake.step(1.0), "nothing to do")
+		check(wrong[2] in bake.problem, "the problem names the reason: " + bake.problem)
+		check(not bake.step(1.0), "a refused bake does not continue")
 	for indices: PackedInt32Array in [[7], [0, 7], [-1, 0]]:
 		check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", indices) != OK, "no such layer: %s" % indices)
 		check(str(indices[0] if indices[0] != 0 else 7) in bake.problem and "layers" in bake.problem, bake.problem)
-	scatter.terrain = null
-	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "terrain" in bake.problem, bake.problem)
+	scatter.ground = null
+	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "TerrainScatter3D.ground" in bake.problem, bake.problem)
 
 
-## A layer that cannot be made ends the bake, which leaves nothing.
-func test_layer_that_cannot_be_made() -> void:
+## A layer that cannot be generated ends the bake and leaves no files.
+func test_layer_that_cannot_be_generated() -> void:
 	empty_folder()
 	var wrong := make_layer()
 	wrong.min_scale = 3.0
@@ -165,12 +165,12 @@ func test_layer_that_cannot_be_made() -> void:
 	check_equal(bake.begin(scatter, Rect2(0, 0, 32, 32), FOLDER, "wood"), OK, "begun")
 	await run_to_end(bake)
 	check("Layer 1" in bake.problem and bake.progress < 1.0, bake.problem)
-	check(not errors.take().is_empty(), "an error says why")
-	check_equal(all_files(), PackedStringArray(), "nothing is left")
+	check(not errors.take().is_empty(), "an error names the reason")
+	check_equal(all_files(), PackedStringArray(), "no files are left")
 
 
-## A file of an earlier bake that stays, and an index of a baked world whose lists do not fit together, are reported.
-func test_failures_that_leave_something() -> void:
+## Reports a file of an earlier bake that cannot be deleted, and an index of a baked world whose lists do not fit together.
+func test_leftover_files_are_reported() -> void:
 	empty_folder()
 	var scatter := wood()
 	await settle(scatter)
@@ -186,7 +186,7 @@ func test_failures_that_leave_something() -> void:
 	FileAccess.open(kept.path_join("mine"), FileAccess.WRITE).store_string("mine")
 	bake.begin(scatter, Rect2(0, 0, 16, 16), FOLDER, "wood")
 	await run_to_end(bake)
-	check_equal(bake.problem, "", "the bake is written")
+	check_equal(bake.problem, "", "the bake succeeds")
 	check_error([kept, "Delete it"], "the file that stays")
 	DirAccess.remove_absolute(kept.path_join("mine"))
 	DirAccess.remove_absolute(kept)
@@ -198,14 +198,14 @@ func test_failures_that_leave_something() -> void:
 	FileAccess.open(FOLDER.path_join("world.baked"), FileAccess.WRITE).store_buffer(index.packed())
 	var world := preload("res://addons/thicket/baked_world.gd").new()
 	world.index_file = FOLDER.path_join("world.baked")
-	check_error(["BakedWorld.index_file", "68 bytes for 1 tiles, got 44"], "an index")
+	check_error(["ScatterBakedWorld.index_file", "68 bytes for 1 tiles, got 44"], "an inconsistent index")
 	world.index_file = FOLDER.path_join("none.baked")
-	check_error(["BakedWorld.index_file", "cannot be opened"], "no index")
+	check_error(["ScatterBakedWorld.index_file", "cannot be opened"], "a missing index")
 	DirAccess.remove_absolute(FOLDER.path_join("world.baked"))
 	world.free()
 
 
-## Where a ray meets the ground: on it, from above, the first time; none where there is no ground.
+## A ray hits the ground from above, at its first intersection. It hits nothing where there is no ground.
 func test_rays() -> void:
 	var hills := Hills.new()
 	var random := RandomNumberGenerator.new()
@@ -215,13 +215,13 @@ func test_rays() -> void:
 		var from := Vector3(random.randf_range(-60, 60), random.randf_range(8, 60), random.randf_range(-60, 60))
 		var to := Vector3(random.randf_range(-60, 60), -8.0, random.randf_range(-60, 60))
 		var hit := GroundRay.hit(hills, from, from.direction_to(to))
-		if check(hit.is_finite(), "a ray downwards meets the ground"):
+		if check(hit.is_finite(), "a ray downwards hits the ground"):
 			met += int(absf(hit.y - hills.get_height(hit)) < 0.001)
 			for part in 40:
 				var before := from.lerp(hit, part / 40.0)
-				check(before.y > hills.get_height(before) - 0.05, "not through the ground before")
-	check_equal(met, 200, "on the ground")
-	check(not GroundRay.hit(hills, Vector3(0, 10, 0), Vector3.UP).is_finite(), "none in the sky")
-	check(not GroundRay.hit(hills, Vector3(300, 10, 0), Vector3.DOWN).is_finite(), "none where there is no ground")
+				check(before.y > hills.get_height(before) - 0.05, "it does not pass through the ground before")
+	check_equal(met, 200, "hits are on the ground")
+	check(not GroundRay.hit(hills, Vector3(0, 10, 0), Vector3.UP).is_finite(), "no hit in the sky")
+	check(not GroundRay.hit(hills, Vector3(300, 10, 0), Vector3.DOWN).is_finite(), "no hit where there is no ground")
 	var over_hole := GroundRay.hit(hills, Vector3(260, 60, 0), Vector3(-1, -0.5, 0).normalized())
-	check(over_hole.is_finite() and over_hole.x < 200.0, "ground behind a hole: %s" % over_hole)
+	check(over_hole.is_finite() and over_hole.x < 200.0, "it hits the ground behind a hole: %s" % over_hole)

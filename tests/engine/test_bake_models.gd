@@ -1,17 +1,17 @@
 extends "models_harness.gd"
-## The levels of detail that bakes and their readers find are those that the extension draws.
+## Bakes and their readers find the same levels of detail that the extension draws.
 
 const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
 const ReadModels := preload("../../tools/bake/reading/scripts/read_models.gd")
 
-## Names of two parts, the first of which is finer.
+## Names of two parts, of which the first is finer.
 const NAMES: Array[Array] = [
 	["Tree_LOD0", "Tree_LOD1"], ["Tree-LOD-0", "Tree-LOD-1"], ["Tree LOD0", "Tree LOD 1"], ["TrunkLOD0", "TrunkLOD1"],
 	["Tree_LOD0_leaves", "Tree_LOD1_leaves"], ["Trunk", "Trunk_LOD2"], ["Trunk", "Melod1"], ["Trunk", "Part_LOD100"],
 ]
 
 
-## A scene of parts with these names, each a box that is smaller than the one before, in a file.
+## Returns a saved scene of parts with these names. Each part is a box that is smaller than the one before.
 func saved_scene(names: Array, file: String) -> PackedScene:
 	var scene := Node3D.new()
 	scene.name = "Model"
@@ -29,7 +29,7 @@ func model_of(scene: PackedScene) -> ScatterModel:
 	return model
 
 
-## What a bake says of an entry: distances and sizes of meshes, the files read back.
+## Returns the LODs that a bake writes for an entry: distances and mesh sizes, read back from the files.
 func baked_lods(layer: ScatterLayer, entry: int) -> Array:
 	var files := ModelFiles.new(layer, 3)
 	check_equal(files.problem, "", "no problem")
@@ -56,9 +56,9 @@ func test_scene_among_the_meshes_has_all_its_levels() -> void:
 	layer.meshes = [scene, model_of(scene)]
 	var lods := baked_lods(layer, 0)
 	check_equal(lods.size(), 3, "levels of the scene")
-	check_equal(lods, drawn_lods(layer, 0), "the manifest has what is drawn")
-	check_equal(baked_lods(layer, 1), lods, "as a model of the scene")
-	# The distances that a model leaves open grow with its size, and double from level to level.
+	check_equal(lods, drawn_lods(layer, 0), "the manifest lists the LODs that are drawn")
+	check_equal(baked_lods(layer, 1), lods, "the same LODs for a model of the scene")
+	# The distances that a model leaves unset grow with its size, and double from level to level.
 	check(lods[1][0] > 4.0 and is_equal_approx(lods[2][0], 2.0 * lods[1][0]), "distances: %s" % [lods])
 	check_equal(ModelFiles.new(layer, 3).models[0].path, "res://oak.tscn", "the entry's own file")
 
@@ -70,10 +70,10 @@ func test_levels_that_the_layer_adds_are_among_them() -> void:
 	layer.lod_distances = [40.0, 500.0]
 	layer.lod_meshes = [far, null, null, null, far, far]
 	check_equal(baked_lods(layer, 0), drawn_lods(layer, 0), "a mesh")
-	check_equal(drawn_lods(layer, 0).map(func(lod: Array) -> float: return lod[0]), [0.0, 40.0], "and the layer's level for it")
-	check_equal(ModelFiles.new(layer, 3).models[1].lods, [], "nothing is drawn of an empty entry")
+	check_equal(drawn_lods(layer, 0).map(func(lod: Array) -> float: return lod[0]), [0.0, 40.0], "with the layer's level")
+	check_equal(ModelFiles.new(layer, 3).models[1].lods, [], "an empty entry draws nothing")
 	check_equal(baked_lods(layer, 2), drawn_lods(layer, 2), "a scene")
-	check_equal(baked_lods(layer, 2).size(), 3, "with the layer's level behind its own")
+	check_equal(baked_lods(layer, 2).size(), 3, "with the layer's level after its own")
 	check_equal(layer.get_mesh_lods(3), [] as Array[ScatterLod], "no such entry")
 	check_error(["get_mesh_lods", "index", 3], "an index beyond the list")
 
@@ -84,8 +84,8 @@ func test_reader_finds_the_finest_level_by_the_extensions_names() -> void:
 		var model := model_of(saved_scene(NAMES[index], file))
 		var read: Mesh = ReadModels.new().mesh_at(file)
 		if check(read != null, "%s can be read" % [NAMES[index]]):
-			check_equal(read.get_aabb(), model.get_mesh().get_aabb(), "the finest of %s" % [NAMES[index]])
-			check_equal(read.get_faces().size(), model.get_mesh().get_faces().size(), "the parts in it of %s" % [NAMES[index]])
+			check_equal(read.get_aabb(), model.get_mesh().get_aabb(), "the finest level of %s" % [NAMES[index]])
+			check_equal(read.get_faces().size(), model.get_mesh().get_faces().size(), "the parts of that level of %s" % [NAMES[index]])
 	var empty := pack(Node3D.new())
 	ResourceSaver.save(empty, "res://empty.tscn")
 	var models := ReadModels.new()

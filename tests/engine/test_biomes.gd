@@ -1,12 +1,12 @@
 extends "biomes_harness.gd"
-## Biomes: layers stand where a map says, and a change of it makes anew what it touches.
+## Biomes: layers appear where a map allows them, and a change of the map regenerates the affected tiles.
 
-func test_layers_stand_in_their_biomes() -> void:
+func test_layers_appear_in_their_biomes() -> void:
 	var scatter := make_world(three_biomes(), [named("rock", 6.0)])
 	await settle(scatter)
 	check_equal(scatter.get_layer_count(), 5, "layers")
-	check_equal(scatter.get_layer(0), scatter.layers[0], "the node's own comes first")
-	check_equal(scatter.get_layer(2), scatter.biomes.biomes[1].layers[0], "then those of biomes")
+	check_equal(scatter.get_layer(0), scatter.layers[0], "the node's own layers come first")
+	check_equal(scatter.get_layer(2), scatter.biomes.biomes[1].layers[0], "layers of biomes follow")
 	var grass := places(scatter, "grass")
 	check(grass.size() > 200 and all_within(grass, func(at: Vector2) -> bool: return at.x < 0 and at.y < 64), "grass")
 	for tree in ["oak", "fern"]:
@@ -15,18 +15,18 @@ func test_layers_stand_in_their_biomes() -> void:
 	var reed := places(scatter, "reed")
 	check(reed.size() > 50 and all_within(reed, func(at: Vector2) -> bool: return at.y >= 64), "reed")
 	var rocks := places(scatter, "rock")
-	check(rocks.values().any(func(at: Vector2) -> bool: return at.x < 0), "rocks to the left")
-	check(rocks.values().any(func(at: Vector2) -> bool: return at.y >= 64), "and in the swamp")
+	check(rocks.values().any(func(at: Vector2) -> bool: return at.x < 0), "rocks on the left")
+	check(rocks.values().any(func(at: Vector2) -> bool: return at.y >= 64), "rocks in the swamp")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 
 
-func test_everything_that_takes_a_layer_takes_those_of_biomes() -> void:
+func test_layers_of_biomes_are_accepted_everywhere() -> void:
 	var scatter := make_world(three_biomes())
 	await settle(scatter)
 	var fern := scatter.biomes.biomes[1].layers[1]
 	var found := scatter.query_rect(Rect2(0, 0, 30, 30), fern)
 	check(found.size() > 10, "found: %d" % found.size())
-	check(Array(found.layers).all(func(layer: int) -> bool: return scatter.get_layer(layer) == fern), "by their index")
+	check(Array(found.layers).all(func(layer: int) -> bool: return scatter.get_layer(layer) == fern), "all are ferns")
 	check_equal(content_of(scatter.query_rect(Rect2(0, 0, 30, 30), "fern")), content_of(found), "by name")
 	check_equal(scatter.query_rect(Rect2(-40, 0, 30, 30), fern).size(), 0, "none in the meadow")
 	check(scatter.remove_instance(found.ids[0]), "removed")
@@ -41,32 +41,32 @@ func test_everything_that_takes_a_layer_takes_those_of_biomes() -> void:
 	clearing.position = Vector3(20, 0, 20)
 	scatter.add_child(clearing)
 	await settle(scatter)
-	check(all_within(places(scatter, "oak"), func(at: Vector2) -> bool: return at.distance_to(Vector2(20, 20)) >= 20), "a region")
+	check(all_within(places(scatter, "oak"), func(at: Vector2) -> bool: return at.distance_to(Vector2(20, 20)) >= 20), "a region excludes oaks")
 	check(scatter.get_layer(99) == null, "no such layer")
-	check_error(["get_layer", 99], "its index")
+	check_error(["get_layer", 99], "an index beyond the list")
 
 
-func test_a_valley_changes_in_one_assignment() -> void:
+func test_replacing_a_biome_by_one_assignment() -> void:
 	var scatter := make_world(three_biomes())
 	await settle(scatter)
 	var before := digests_by_name(scatter)
 	var indices := [index_of(scatter, "grass"), index_of(scatter, "reed")]
 	var burnt := make_biome(FOREST, [named("stump", 4.0), named("ash", 2.5), named("nettle", 3.5)])
 	var shown := await shown_by(scatter, func() -> void: scatter.biomes.biomes[1] = burnt)
-	check(not shown.has("grass") and not shown.has("reed"), "no tile of other biomes is made anew: %s" % [shown.keys()])
+	check(not shown.has("grass") and not shown.has("reed"), "tiles of other biomes are not regenerated: %s" % [shown.keys()])
 	var after := digests_by_name(scatter)
-	check_equal([after["grass"], after["reed"]], [before["grass"], before["reed"]], "what stands there is as it was")
-	check_equal([index_of(scatter, "grass"), index_of(scatter, "reed")], indices, "their indices stay")
+	check_equal([after["grass"], after["reed"]], [before["grass"], before["reed"]], "their instances are unchanged")
+	check_equal([index_of(scatter, "grass"), index_of(scatter, "reed")], indices, "their indices are unchanged")
 	check(not after.has("oak") and not after.has("fern"), "the old layers are gone")
 	for layer in ["stump", "ash", "nettle"]:
 		var found := places(scatter, layer)
 		check(found.size() > 50 and all_within(found, func(at: Vector2) -> bool: return at.x >= 0 and at.y < 64), layer)
 	var fresh := make_world(scatter.biomes)
 	await settle(fresh)
-	check_equal(digests_by_name(fresh), after, "a node that starts with it shows the same")
+	check_equal(digests_by_name(fresh), after, "a new node with this map shows the same")
 
 
-func test_a_biome_that_comes_back_is_as_it_was() -> void:
+func test_a_restored_biome_is_unchanged() -> void:
 	var scatter := make_world(three_biomes())
 	await settle(scatter)
 	var before := digests_by_name(scatter)
@@ -74,20 +74,20 @@ func test_a_biome_that_comes_back_is_as_it_was() -> void:
 	scatter.biomes.biomes[1] = make_biome(FOREST, [named("stump")])
 	await settle(scatter)
 	var ids := [forest.layers[0].layer_id, forest.layers[1].layer_id, scatter.biomes.biomes[1].layers[0].layer_id]
-	check(ids[2] not in [ids[0], ids[1]], "another layer has another id: %s" % [ids])
+	check(ids[2] not in [ids[0], ids[1]], "a new layer has a new id: %s" % [ids])
 	scatter.biomes.biomes[1] = forest
 	await settle(scatter)
 	check_equal(digests_by_name(scatter), before, "all as before")
 	var map := scatter.biomes
 	scatter.biomes = null
 	await settle(scatter)
-	check_equal(scatter.get_layer_count(), 0, "nothing without biomes")
+	check_equal(scatter.get_layer_count(), 0, "no layers without biomes")
 	scatter.biomes = map
 	await settle(scatter)
 	check_equal(digests_by_name(scatter), before, "all as before, again")
 
 
-func test_a_pixel_changes_what_it_touches() -> void:
+func test_a_pixel_changes_only_its_surroundings() -> void:
 	var scatter := make_world(three_biomes())
 	scatter.biomes.border_width = 4.0
 	scatter.biomes.border_noise = 3.0
@@ -103,9 +103,9 @@ func test_a_pixel_changes_what_it_touches() -> void:
 			var rect := Rect2(32.0 * tile, Vector2(32, 32))
 			if not rect.intersects(touched):
 				check(not shown.get(layer, {}).has(tile), "%s %s stays" % [layer, tile])
-				check_equal(after[layer][tile], before[layer][tile], "%s %s is as it was" % [layer, tile])
-	check(shown["grass"].has(Vector2i(1, 1)), "the tile with the pixel is made anew")
-	check(not shown.has("reed"), "the swamp is not concerned")
+				check_equal(after[layer][tile], before[layer][tile], "%s %s is unchanged" % [layer, tile])
+	check(shown["grass"].has(Vector2i(1, 1)), "the tile with the pixel is regenerated")
+	check(not shown.has("reed"), "the swamp is unaffected")
 	check(places(scatter, "grass").values().any(func(at: Vector2) -> bool: return touched.has_point(at)), "grass in the forest")
 
 
@@ -118,10 +118,10 @@ func test_a_texture_as_map() -> void:
 	await settle(scatter)
 	check("first biome is everywhere" in scatter.get_problems()[0], "without an image: %s" % scatter.get_problems())
 	check(places(scatter, "grass").values().any(func(at: Vector2) -> bool: return at.x > 0), "the first biome everywhere")
-	check_equal(places(scatter, "oak").size(), 0, "no other")
+	check_equal(places(scatter, "oak").size(), 0, "no second biome")
 	scatter.biomes.map_image = texture
 	await settle(scatter)
-	check_equal(digests_by_name(scatter), before, "the same from a texture")
+	check_equal(digests_by_name(scatter), before, "the same with a texture")
 
 
 func test_indices_as_map() -> void:
@@ -136,7 +136,7 @@ func test_indices_as_map() -> void:
 	for biome in scatter.biomes.biomes:
 		biome.color = Color.WHITE
 	await settle(scatter)
-	check_equal(digests_by_name(scatter), before, "the same by indices")
+	check_equal(digests_by_name(scatter), before, "the same with indices")
 	image.fill_rect(Rect2i(0, 0, 32, PIXELS), Color8(200, 0, 0))
 	image.emit_changed()
 	await settle(scatter)
@@ -144,7 +144,7 @@ func test_indices_as_map() -> void:
 	check(scatter.biomes.get_biome_at(Vector2(-20, 0)) == null, "no biome there")
 
 
-func test_borders_waver() -> void:
+func test_border_noise() -> void:
 	var scatter := make_world(three_biomes())
 	scatter.biomes.border_noise = 10.0
 	scatter.biomes.border_noise_size = 30.0
@@ -154,33 +154,33 @@ func test_borders_waver() -> void:
 	var grass: Array = north.call(places(scatter, "grass"))
 	var ferns: Array = north.call(places(scatter, "fern"))
 	check(grass.any(func(at: Vector2) -> bool: return at.x > 2), "grass beyond the border")
-	check(ferns.any(func(at: Vector2) -> bool: return at.x < -2), "ferns on its other side")
-	check(grass.all(func(at: Vector2) -> bool: return at.x < 10), "but no farther than it may")
-	check(ferns.all(func(at: Vector2) -> bool: return at.x > -10), "ferns, too")
+	check(ferns.any(func(at: Vector2) -> bool: return at.x < -2), "ferns beyond the border")
+	check(grass.all(func(at: Vector2) -> bool: return at.x < 10), "grass stays within the border noise")
+	check(ferns.all(func(at: Vector2) -> bool: return at.x > -10), "ferns stay within the border noise")
 	var mixed := 0
 	for at: Vector2 in grass:
 		mixed += int(scatter.biomes.get_biome_at(at) != scatter.biomes.biomes[0])
-	check_equal(mixed, 0, "grass where get_biome_at says so")
+	check_equal(mixed, 0, "grass grows only where get_biome_at returns its biome")
 	scatter.biomes.border_seed = 1
 	await settle(scatter)
-	check(north.call(places(scatter, "grass")) != grass, "another seed, another border")
+	check(north.call(places(scatter, "grass")) != grass, "a new seed moves the border")
 
 
-func test_borders_mix() -> void:
+func test_border_width_blends_biomes() -> void:
 	var scatter := make_world(three_biomes())
 	scatter.biomes.border_width = 40.0
 	await settle(scatter)
 	var weights := scatter.biomes.get_weights_at(Vector2(-9.8, 0))
-	check_equal(weights.size(), 3, "a weight each")
+	check_equal(weights.size(), 3, "a weight for each biome")
 	check(absf(weights[0] - 0.75) < 0.07 and absf(weights[0] + weights[1] - 1.0) < 1e-6, "weights: %s" % weights)
 	var counts := [0, 0, 0]
 	for at: Vector2 in places(scatter, "grass").values():
 		if absf(at.x) < 30 and absf(at.y) < 40:
 			counts[int((at.x + 30) / 20)] += 1
-	check(counts[0] > 1.5 * counts[1] and counts[1] > 1.2 * counts[2] and counts[2] > 0, "grass becomes less: %s" % [counts])
+	check(counts[0] > 1.5 * counts[1] and counts[1] > 1.2 * counts[2] and counts[2] > 0, "grass thins out across the border: %s" % [counts])
 
 
-func test_the_same_whichever_tile() -> void:
+func test_results_do_not_depend_on_tiles() -> void:
 	var scatter := make_world(three_biomes())
 	scatter.biomes.border_width = 12.0
 	scatter.biomes.border_noise = 9.0
@@ -199,18 +199,18 @@ func test_the_same_whichever_tile() -> void:
 		check_equal(of_parts, ids, layer + " in strips")
 
 
-func test_queries_beyond_what_is_shown_see_biomes() -> void:
+func test_queries_beyond_the_visible_area_respect_biomes() -> void:
 	var map := three_biomes()
 	map.map_edge = ScatterBiomeMap.MAP_EDGE_CLAMP
 	var scatter := make_world(map)
 	await settle(scatter)
 	var far := Rect2(2000, -900, 60, 60)
-	check_equal(scatter.query_rect(far, "grass").size(), 0, "no meadow that way")
+	check_equal(scatter.query_rect(far, "grass").size(), 0, "no meadow on this side")
 	var found := scatter.query_rect(far, "fern")
-	check_equal(found.size(), places_in(scatter, "fern", far).size(), "the forest goes on")
+	check_equal(found.size(), places_in(scatter, "fern", far).size(), "the forest continues")
 	check(found.size() > 100, "ferns: %d" % found.size())
 	map.map_edge = ScatterBiomeMap.MAP_EDGE_NOTHING
-	check_equal(scatter.query_rect(far, "fern").size(), 0, "no biome out there")
+	check_equal(scatter.query_rect(far, "fern").size(), 0, "no biome beyond the map")
 
 
 func test_spacing_across_biomes() -> void:
@@ -237,16 +237,16 @@ func test_one_layer_in_several_biomes() -> void:
 	var scatter := make_world(map)
 	await settle(scatter)
 	check_equal(scatter.get_layer_count(), 2, "one layer, once")
-	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "no seam")
+	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "no seam between the biomes")
 	map.biomes[1].density = 0.5
 	await settle(scatter)
 	var right := places_in(scatter, "shared", Rect2(20, -50, 30, 100)).size()
 	var left := places_in(scatter, "shared", Rect2(-50, -50, 30, 100)).size()
-	check(right < 0.7 * left and right > 0.3 * left, "thinned in one of them: %d and %d" % [right, left])
+	check(right < 0.7 * left and right > 0.3 * left, "thinner in one biome: %d and %d" % [right, left])
 	scatter.layers = [shared]
 	await settle(scatter)
-	check("is one of a biome" in str(scatter.get_problems()), "told: %s" % scatter.get_problems())
-	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "the node's own stands everywhere")
+	check("is also in a biome" in str(scatter.get_problems()), "a problem: %s" % scatter.get_problems())
+	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "a layer of the node is not limited to biomes")
 
 
 func test_lists_changed_in_place() -> void:
@@ -259,15 +259,15 @@ func test_lists_changed_in_place() -> void:
 	var lily := swamp.layers.pop_back() as ScatterLayer
 	scatter.biomes.biomes[0].layers.push_back(lily)
 	await settle(scatter)
-	check(all_within(places(scatter, "lily"), func(at: Vector2) -> bool: return at.x < 0 and at.y < 64), "one of the meadow")
+	check(all_within(places(scatter, "lily"), func(at: Vector2) -> bool: return at.x < 0 and at.y < 64), "a layer of the meadow")
 	scatter.layers.push_back(named("boulder"))
 	await settle(scatter)
-	check_equal(index_of(scatter, "boulder"), 1, "the node's own keep their place")
-	check(places(scatter, "grass").size() > 100 and places(scatter, "lily").size() > 20, "all others stand")
+	check_equal(index_of(scatter, "boulder"), 1, "layers of the node come before those of biomes")
+	check(places(scatter, "grass").size() > 100 and places(scatter, "lily").size() > 20, "the other layers stay")
 	scatter.biomes.biomes.push_back(null)
 	scatter.biomes.biomes.remove_at(0)
 	await settle(scatter)
-	check_equal([index_of(scatter, "grass"), index_of(scatter, "lily")], [-1, -1], "gone with the biome")
+	check_equal([index_of(scatter, "grass"), index_of(scatter, "lily")], [-1, -1], "layers disappear with their biome")
 	check(places(scatter, "reed").size() > 20, "the swamp stays")
 
 
@@ -304,7 +304,7 @@ func test_bad_input_changes_nothing() -> void:
 	check("same color" in str(scatter.get_problems()), "a problem: %s" % scatter.get_problems())
 
 
-func test_scenes_with_biomes_are_small_and_stay_as_they_are() -> void:
+func test_scenes_with_biomes_are_small_and_save_identically() -> void:
 	var map := three_biomes()
 	check_equal(ResourceSaver.save(map.map_image, "user://biomes.res"), OK, "the image is saved")
 	map.map_image.take_over_path("user://biomes.res")
@@ -315,7 +315,7 @@ func test_scenes_with_biomes_are_small_and_stay_as_they_are() -> void:
 	scatter.viewers = []
 	var before := places_in(scatter, "fern", Rect2(0, 0, 60, 60))
 	scatter.name = "Scatter"
-	var id_of_file := RegEx.create_from_string("1_[a-z0-9]{5}") # The engine draws another for each save.
+	var id_of_file := RegEx.create_from_string("1_[a-z0-9]{5}") # The engine picks a new one for each save.
 	var files: PackedStringArray = []
 	for round in 2:
 		var scene := PackedScene.new()
@@ -326,7 +326,7 @@ func test_scenes_with_biomes_are_small_and_stay_as_they_are() -> void:
 		scatter.free()
 		scatter = loaded.instantiate()
 		root.add_child(scatter)
-	check(files[0] == files[1], "the same bytes")
+	check(files[0] == files[1], "both saves have the same bytes")
 	check(files[0].length() < 6000, "small: %d characters" % files[0].length())
 	check_equal(places_in(scatter, "fern", Rect2(0, 0, 60, 60)), before, "the same ferns")
 
@@ -339,9 +339,9 @@ func test_handlers_may_free_the_node() -> void:
 		scatter.free(), CONNECT_ONE_SHOT)
 	map.biomes[1] = null
 	await frames(3)
-	check(not is_instance_valid(scatter) or was_kept_from_being_freed(), "freed by who hears of the change")
+	check(not is_instance_valid(scatter) or was_kept_from_being_freed(), "freed by the signal handler")
 	var other := make_world(map)
-	check(other.query_rect(Rect2(-30, -30, 20, 20), "grass").size() > 0, "the map goes on")
+	check(other.query_rect(Rect2(-30, -30, 20, 20), "grass").size() > 0, "the map still works")
 
 
 func test_a_map_that_two_nodes_share() -> void:
@@ -358,17 +358,17 @@ func test_a_map_that_two_nodes_share() -> void:
 	for scatter: TerrainScatter3D in [first, second]:
 		var lilies := places(scatter, "lily")
 		check(lilies.size() > 30, "lilies")
-		check(all_within(lilies, func(at: Vector2) -> bool: return map.get_biome_at(at) == map.biomes[2]), "within one border")
+		check(all_within(lilies, func(at: Vector2) -> bool: return map.get_biome_at(at) == map.biomes[2]), "lilies in their biome only")
 
 
-## What is painted into an image is read once it tells of it, and never for a change of something else.
-func test_an_image_is_read_when_it_has_changed() -> void:
+## A painted image is read again when it emits `changed`, and never because of other changes.
+func test_an_image_is_read_when_it_emits_changed() -> void:
 	var scatter := make_world(three_biomes())
 	await settle(scatter)
 	var map := scatter.biomes
 	var before := map.get_biome_at(Vector2(36.0, 36.0))
 	map.map_image.fill_rect(Rect2i(0, 0, 100, 100), MEADOW)
 	map.border_width = 3.0
-	check_equal(map.get_biome_at(Vector2(36.0, 36.0)), before, "the biome while the image says nothing")
+	check_equal(map.get_biome_at(Vector2(36.0, 36.0)), before, "the old biome until the image emits changed")
 	map.map_image.emit_changed()
-	check(map.get_biome_at(Vector2(36.0, 36.0)) != before, "another biome once it does")
+	check(map.get_biome_at(Vector2(36.0, 36.0)) != before, "the new biome afterwards")

@@ -1,15 +1,15 @@
 extends "edits_harness.gd"
-## What a scatter makes at once, for those who want to keep it.
+## build_rect and build_tile: the tiles that a scatter builds on request, for callers that keep them.
 
 const SHARED := Rect2(-60, -60, 120, 120)
 
-## Level ground. The first thread that asks for more than the few places of an origin waits for a second one, once, 20 seconds at most.
-class Meeting extends ScatterTerrain:
+## Level ground. The first thread that queries more than a few points waits once for a second thread, for 20 seconds at most.
+class RendezvousGround extends ScatterGround:
 	var wanted := 2
 	var threads: Dictionary[int, bool] = {}
 	var mutex := Mutex.new()
 	var gave_up := false
-	const FEW := 25 ## Five places, and four around each for the slope.
+	const FEW := 25 ## Five points, with four around each for the slope.
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var until := Time.get_ticks_msec() + 20_000
@@ -41,15 +41,15 @@ func test_build_rect() -> void:
 		check_equal(built.get_origin(), scatter.get_tile(FERN, tile).get_origin(), "origin")
 		check(buffers_of(built) == tile_buffers(scatter, FERN, tile), "buffers are those of the tile")
 		check(ids_of(built) == tile_ids(scatter, FERN, tile), "ids are those of the tile")
-		check_equal(built.get_digest(), scatter.get_tile(FERN, tile).get_digest(), "and so is the digest")
+		check_equal(built.get_digest(), scatter.get_tile(FERN, tile).get_digest(), "the digest is that of the tile")
 		check_equal(built.get_mesh_count(), 3, "meshes")
 		for index in 3:
 			check(built.get_mesh(index) == scatter.layers[FERN].meshes[index], "mesh %d" % index)
-			check(not built.get_multimesh(index).is_valid(), "nothing is drawn of it")
-		check(ids_of(first) == ids_of(built), "asked before the first frame")
+			check(not built.get_multimesh(index).is_valid(), "it has no multimesh")
+		check(ids_of(first) == ids_of(built), "the same before the first frame")
 		check(built.get_ids(0).size() > 10 and not built.is_empty(), "%d instances" % built.get_ids(0).size())
 		var far := scatter.build_rect(scatter.layers[OAK], Rect2(9000, -9000, 64, 48))
-		check(far.get_ids(0).size() > 20, "far from any viewer, by the layer itself")
+		check(far.get_ids(0).size() > 20, "far from any viewer, with the layer itself as argument")
 		check(built.get_buffer(3).is_empty(), "no such mesh")
 		check_error(["ScatterTile.get_buffer", "index", "3"], "no such mesh")
 		scatter.free()
@@ -57,24 +57,24 @@ func test_build_rect() -> void:
 
 func test_build_rect_refuses() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(), null]
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, 0, NAN, 5), Rect2(0, 0, 1e6, 1e6)]:
 		check_equal(scatter.build_rect(0, rect).get_mesh_count(), 0, "meshes in %s" % rect)
-		check_error(["TerrainScatter3D.build_rect", "rect"], "a bad rectangle")
+		check_error(["TerrainScatter3D.build_rect", "rect"], "an invalid rectangle")
 	for layer: Variant in [-1, 2, 70000, "nothing", null, 1.5, ScatterLayer.new()]:
-		check(scatter.build_rect(layer, Rect2(0, 0, 5, 5)).is_empty(), "nothing of layer %s" % layer)
+		check(scatter.build_rect(layer, Rect2(0, 0, 5, 5)).is_empty(), "no instances of layer %s" % layer)
 		check_error(["TerrainScatter3D.build_rect", "ayer"], "no such layer")
-	check(scatter.build_rect(1, Rect2(0, 0, 5, 5)).is_empty(), "nothing of an empty entry")
+	check(scatter.build_rect(1, Rect2(0, 0, 5, 5)).is_empty(), "no instances of an empty entry")
 	check_error(["TerrainScatter3D.build_rect", "layer"], "an empty entry")
 	check_equal(scatter.build_rect(0, Rect2(3, 3, 0, 5)).get_mesh_count(), 1, "meshes in an empty rectangle")
 	check_no_error("an empty rectangle")
-	scatter.terrain = null
+	scatter.ground = null
 	check(scatter.build_rect(0, Rect2(0, 0, 5, 5)).is_empty(), "no ground")
-	check_error(["terrain", "missing"], "no ground")
+	check_error(["ground", "missing"], "no ground")
 	await frames(1)
 
 
-## A tile is to the bit what is shown of it, changes of a game included, and so are its rows.
+## A built tile equals the visible one bit for bit, including changes by a game. So do its rows.
 func test_build_tile() -> void:
 	for offset: Vector3 in [Vector3.ZERO, Vector3(4096.0, 0.0, -2048.0)]:
 		var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
@@ -93,23 +93,23 @@ func test_build_tile() -> void:
 				seen += int(not built.is_empty())
 				check_equal(built.get_digest(), scatter.get_tile(layer, tile).get_digest(), "tile %s of layer %d" % [tile, layer])
 				check(built.get_rows() == scatter.get_tile(layer, tile).get_rows(), "rows of tile %s of layer %d" % [tile, layer])
-		check(seen > 8 and felled.size() > 5, "%d tiles that hold something" % seen)
+		check(seen > 8 and felled.size() > 5, "%d tiles with instances" % seen)
 		scatter.free()
 	check_no_error("tiles")
 
 
-## Rows are what queries find: the same ids, positions in the world, meshes and turns.
+## Rows contain what queries return: the same ids, world positions, meshes and rotations.
 func test_rows() -> void:
 	var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
 	scatter.world_offset = Vector3(1024.0, 0.0, 0.0)
 	scatter.layers[FERN].meshes = [BoxMesh.new(), SphereMesh.new()]
 	scatter.layers[FERN].min_scale = 0.5
 	scatter.layers[FERN].max_tilt_degrees = 30.0
-	var tile := Vector2i(32, 0) # World 1024 to 1056: the engine's 0 to 32.
+	var tile := Vector2i(32, 0) # World 1024 to 1056 is 0 to 32 in the engine.
 	var rows := scatter.build_tile("fern", tile).get_rows()
 	var found := scatter.query_rect(Rect2(0, 0, 32, 32), "fern")
 	var count := rows.decode_u32(0)
-	check(count > 50 and count == found.size(), "%d rows, %d found" % [count, found.size()])
+	check(count > 50 and count == found.size(), "%d rows, %d instances" % [count, found.size()])
 	check_equal(rows.decode_u32(4), 0, "floats of color and custom data")
 	check_equal(rows.size(), 16 + count * 66, "bytes")
 	var places: Dictionary[int, int] = {}
@@ -131,12 +131,12 @@ func test_rows() -> void:
 				and rows.decode_u16(16 + 64 * count + 2 * row) == found.get_mesh(at)):
 			check(false, "row %d is %s, %s" % [row, position, basis_there])
 			return
-	check(true, "all rows")
+	check(true, "all rows are correct")
 
 
 func test_build_tile_refuses() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(), null]
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
 	check_equal(scatter.build_tile(0, Vector2i(1 << 30, 0)).get_mesh_count(), 0, "meshes beyond the end of the world")
 	check_error(["TerrainScatter3D.build_tile"], "beyond the end of the world")
 	check(scatter.build_tile("nothing", Vector2i.ZERO).is_empty(), "no such layer")
@@ -145,35 +145,35 @@ func test_build_tile_refuses() -> void:
 	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
 	check_equal(scatter.build_tile(1, Vector2i.ZERO).get_rows(), PackedByteArray([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "no rows")
 	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
-	scatter.terrain = null
+	scatter.ground = null
 	check(scatter.build_tile(0, Vector2i.ZERO).is_empty(), "no ground")
-	check_error(["terrain", "missing"], "no ground")
+	check_error(["ground", "missing"], "no ground")
 	await frames(1)
 
 
-## The engine's workers share a large rectangle: a ground that waits until a second thread asks for it would wait in vain.
+## The engine's workers share a large rectangle. On one thread, the ground would wait in vain for a second thread.
 func test_build_rect_uses_workers() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(0.5)]
-	var lonely := Meeting.new()
-	lonely.wanted = 1
-	var alone := make_scatter(layers, lonely, make_viewer())
-	var ground := Meeting.new()
+	var single_threaded := RendezvousGround.new()
+	single_threaded.wanted = 1
+	var alone := make_scatter(layers, single_threaded, make_viewer())
+	var ground := RendezvousGround.new()
 	var together := make_scatter(layers, ground, make_viewer())
 	var expected := alone.build_rect(0, SHARED)
 	var built := together.build_rect(0, SHARED)
-	check(ground.threads.size() > 1, "%d threads asked for the ground" % ground.threads.size())
-	check_equal(lonely.threads.size(), 1, "the main thread alone")
+	check(ground.threads.size() > 1, "%d threads queried the ground" % ground.threads.size())
+	check_equal(single_threaded.threads.size(), 1, "only the main thread")
 	check(expected.get_ids(0).size() > 20000, "%d instances" % expected.get_ids(0).size())
-	check_equal(built.get_digest(), expected.get_digest(), "to the bit what stands on the same ground")
+	check_equal(built.get_digest(), expected.get_digest(), "bit-identical to the result on one thread")
 	alone.free()
 	together.free()
 
 
-## So do tiles that a query has to make, each on whichever thread is free.
+## Workers also share the tiles that a query has to generate.
 func test_queries_use_workers() -> void:
-	var ground := Meeting.new()
+	var ground := RendezvousGround.new()
 	var scatter := make_scatter([make_layer(1.0)], ground, make_viewer())
 	var found := scatter.query_rect(Rect2(1000, 1000, 100, 100))
-	check(ground.threads.size() > 1, "%d threads asked for the ground" % ground.threads.size())
+	check(ground.threads.size() > 1, "%d threads queried the ground" % ground.threads.size())
 	check(found.size() > 4000, "%d instances" % found.size())
 	scatter.free()

@@ -1,37 +1,37 @@
 extends "scenes_harness.gd"
-## Every call out to scripts, crossed with everything that a script may do there to the node that calls: nothing crashes,
-## nothing is printed, nothing is left.
+## Every call to a script, combined with everything that a script may do to the calling node: nothing crashes,
+## nothing is printed, nothing leaks.
 
-## Ground that calls back in the middle of being asked.
-class CallingGround extends ScatterTerrain:
-	var deed := Callable()
+## Ground that runs an action while it is queried.
+class CallingGround extends ScatterGround:
+	var action := Callable()
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		heights.resize(positions.size())
-		if deed.is_valid():
-			deed.call()
+		if action.is_valid():
+			action.call()
 		return heights
 
 
 const AROUND := Rect2(-20, -20, 40, 40)
-const LOCKED := "locked" ## In the two sentences that the engine has for it.
+const LOCKED := "locked" ## Part of both engine messages that refuse to free a node.
 
-## What a script does, by name. Most are done on the first call of the callback, some on each of the first few.
-var deeds: Dictionary[String, Callable] = {
+## The actions of a script, by name. Most run in the first call of the callback, some in each of the first few.
+var actions: Dictionary[String, Callable] = {
 	"free": func() -> void: scatter.free(),
 	"queue_free": func() -> void: scatter.queue_free(),
 	"leave the tree": func() -> void: scatter.get_parent().remove_child(scatter),
-	"leave and come back": func() -> void:
+	"leave and reenter the tree": func() -> void:
 		root.remove_child(scatter)
 		root.add_child(scatter),
 	"no state": func() -> void: scatter.state = null,
 	"a new state": func() -> void: scatter.state = ScatterState.new(),
 	"no layers": func() -> void: scatter.layers = [],
-	"other layers": func() -> void: scatter.layers = [make_layer(5.0), scatter.layers[0]],
-	"no terrain": func() -> void: scatter.terrain = null,
-	"another terrain": func() -> void: scatter.terrain = ScatterTerrainFlat.new(),
-	"another seed": func() -> void: scatter.seed += 1,
+	"different layers": func() -> void: scatter.layers = [make_layer(5.0), scatter.layers[0]],
+	"no ground": func() -> void: scatter.ground = null,
+	"a new ground": func() -> void: scatter.ground = ScatterGroundFlat.new(),
+	"a new seed": func() -> void: scatter.seed += 1,
 	"regenerate": func() -> void: scatter.regenerate(),
 	"remove more": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 12.0),
 	"add": func() -> void: scatter.add_instance(0, Transform3D(Basis(), Vector3(1, 0, 1))),
@@ -54,7 +54,7 @@ var deeds: Dictionary[String, Callable] = {
 			scatter.state.merge(scatter.state.duplicate()),
 	"recenter": func() -> void: scatter.world_offset += Vector3(32, 0, 0),
 }
-## What makes the node call, by the name of the callback.
+## Calls that make the node call back, by the name of the callback.
 var calls: Dictionary[String, Callable] = {
 	"instance_removed": func() -> void: scatter.remove_instance(a_near_id()),
 	"removed in a sphere": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 6.0),
@@ -77,10 +77,10 @@ var calls: Dictionary[String, Callable] = {
 	"tile_shown": func() -> void: scatter.regenerate(),
 	"tile_hidden": func() -> void: viewer.position.x += 1000.0,
 	"settled": func() -> void: scatter.regenerate(),
-	"completed": func() -> void: scatter.request_sphere(Vector3(50, 0, 0), 10.0).completed.connect(hear1),
+	"completed": func() -> void: scatter.request_sphere(Vector3(50, 0, 0), 10.0).completed.connect(handler1),
 	"canceled": func() -> void:
 		var request := scatter.request_sphere(Vector3(50, 0, 0), 10.0)
-		request.completed.connect(hear1)
+		request.completed.connect(handler1)
 		request.cancel(),
 	"predicate of query_rect": func() -> void: scatter.query_rect(AROUND, [], accept),
 	"predicate of query_nearest": func() -> void: scatter.query_nearest(Vector3.ZERO, 20.0, [], accept),
@@ -96,9 +96,9 @@ var calls: Dictionary[String, Callable] = {
 }
 var scatter: TerrainScatter3D
 var ground: CallingGround
-var deed := ""
-var again := Callable() ## What made the node call.
-var times := 0 ## How often the callback was called.
+var action := ""
+var again := Callable() ## The call that made the node call back.
+var times := 0 ## How often the node called back.
 
 
 func a_near_id() -> int:
@@ -118,14 +118,14 @@ func a_diff(count: int) -> PackedByteArray:
 
 func act() -> void:
 	times += 1
-	if times <= (3 if deed in ["remove more", "add", "call again"] else 1) and is_instance_valid(scatter):
-		deeds[deed].call()
+	if times <= (3 if action in ["remove more", "add", "call again"] else 1) and is_instance_valid(scatter):
+		actions[action].call()
 
 
-func hear0() -> void: act()
-func hear1(_a: Variant) -> void: act()
-func hear2(_a: Variant, _b: Variant) -> void: act()
-func hear3(_a: Variant, _b: Variant, _c: Variant) -> void: act()
+func handler0() -> void: act()
+func handler1(_a: Variant) -> void: act()
+func handler2(_a: Variant, _b: Variant) -> void: act()
+func handler3(_a: Variant, _b: Variant, _c: Variant) -> void: act()
 
 
 func accept(_id: int, _layer: int, _at: Transform3D) -> bool:
@@ -133,23 +133,23 @@ func accept(_id: int, _layer: int, _at: Transform3D) -> bool:
 	return true
 
 
-func listen(callback: String) -> void:
-	var hear: Array[Callable] = [hear0, hear1, hear2, hear3]
+func connect_handler(callback: String) -> void:
+	var handlers: Array[Callable] = [handler0, handler1, handler2, handler3]
 	match callback:
-		"removed in a sphere", "diff", "large diff": scatter.instance_removed.connect(hear3)
-		"regrowth": scatter.instance_restored.connect(hear3)
-		"instances_changed": scatter.state.instances_changed.connect(hear1)
-		"changed": scatter.state.changed.connect(hear0)
-		"_scatter_shown", "_scatter_hidden": Plant.hooks[callback] = hear1
+		"removed in a sphere", "diff", "large diff": scatter.instance_removed.connect(handler3)
+		"regrowth": scatter.instance_restored.connect(handler3)
+		"instances_changed": scatter.state.instances_changed.connect(handler1)
+		"changed": scatter.state.changed.connect(handler0)
+		"_scatter_shown", "_scatter_hidden": Plant.hooks[callback] = handler1
 		_:
 			if callback.begins_with("ground"):
-				ground.deed = hear0
+				ground.action = handler0
 			for event in scatter.get_signal_list():
 				if event["name"] == callback:
-					scatter.connect(callback, hear[event["args"].size()])
+					scatter.connect(callback, handlers[event["args"].size()])
 
 
-## A small forest with bodies and scenes, settled.
+## A small forest with bodies and scenes.
 func make_forest(with_scenes: bool) -> void:
 	var layer := make_layer(4.0)
 	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
@@ -164,26 +164,26 @@ func make_forest(with_scenes: bool) -> void:
 	await settle(scatter)
 
 
-func cross(callback: String, name: String) -> void:
+func run_action_in_callback(callback: String, name: String) -> void:
 	await make_forest(callback.contains("scene") or callback.contains("_scatter"))
-	deed = name
+	action = name
 	times = 0
 	again = calls[callback]
-	listen(callback)
+	connect_handler(callback)
 	calls[callback].call()
 	for frame in 6:
 		await process_frame
 	if callback in ["regrowth", "tile_shown", "settled", "completed", "ground in a frame"] and times == 0:
 		await until(func() -> bool: return times > 0 or not is_instance_valid(scatter), "%s is called" % callback)
-	check(times > 0, "%s is called, to %s" % [callback, name])
+	check(times > 0, "%s is called, with the action %s" % [callback, name])
 	for message in errors.take():
-		# The engine itself keeps a node that emits a signal from being freed.
+		# The engine refuses to free a node that emits a signal.
 		var refused := name == "free" and LOCKED in message
-		# What is asked of a node without ground or layers is refused, and so is a state of other points.
-		var bare := "is missing" in message or "There is no layer 0" in message or "another seed" in message
+		# Calls of a node without ground or layers are refused, and so is a state of different points.
+		var bare := "is missing" in message or "There is no layer 0" in message or "a different seed" in message
 		check(refused or bare, "%s, %s: the engine printed: %s" % [callback, name, message])
 	Plant.hooks.clear()
-	ground.deed = Callable()
+	ground.action = Callable()
 	ground = null
 	again = Callable()
 	if is_instance_valid(scatter):
@@ -195,12 +195,12 @@ func objects_left() -> Array:
 	return [Performance.get_monitor(Performance.OBJECT_ORPHAN_NODE_COUNT)]
 
 
-func test_every_deed_in_every_callback() -> void:
+func test_every_action_in_every_callback() -> void:
 	var only := arguments.slice(1)
 	for callback in calls:
-		for name in deeds:
+		for name in actions:
 			if only.is_empty() or (callback == only[0] and (only.size() < 2 or name == only[1])):
 				if not only.is_empty():
 					print("%s: %s" % [callback, name])
-				await cross(callback, name)
+				await run_action_in_callback(callback, name)
 	check_equal(objects_left(), [0.0], "orphans")

@@ -1,5 +1,5 @@
 extends "collision_harness.gd"
-## Bodies of instances: where they stand, what they lead to, how they come and go.
+## Bodies of instances: their positions and properties, the instances that they belong to, and when they are added and removed.
 
 const ROUND_SHAPES := [ScatterLayer.COLLISION_CAPSULE, ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_BOX]
 
@@ -19,35 +19,35 @@ func test_rays_hit_what_query_ray_hits() -> void:
 			var at := standing[id]
 			if at.origin.length() > DISTANCE:
 				continue
-			# Along the body's own axes, where all three shapes are as wide as the cylinder.
+			# Along the body's own axes, all three shapes are as wide as the cylinder.
 			var size := at.basis.get_scale().x
 			for axis: Vector3 in [at.basis.x, -at.basis.x, at.basis.z, -at.basis.z]:
 				var target := at * Vector3(0, 1.5, 0)
 				var from := target + axis.normalized() * 1.6 * size
-				var asked := scatter.query_ray(from, target)
+				var expected := scatter.query_ray(from, target)
 				var hit := cast(from, target)
-				if asked and asked["distance"] == 0.0:
-					continue # It starts inside a neighbor, which a ray of the physics server does not meet.
-				if not check(not hit.is_empty() and not asked.is_empty(), "shape %d: both hit" % shape):
+				if expected != null and expected.distance == 0.0:
+					continue # The ray starts inside a neighbor. The physics server does not report that.
+				if not check(not hit.is_empty() and expected != null, "shape %d: both hit" % shape):
 					continue
 				check(hit["collider"] == scatter, "the collider is the scatter")
-				check_equal(scatter.get_body_instance(hit["rid"]), asked["id"], "the body leads to what query_ray says")
-				if asked["id"] == id:
+				check_equal(scatter.get_body_instance(hit["rid"]), expected.id, "the body belongs to the instance that query_ray returns")
+				if expected.id == id:
 					seen += 1
-					var apart := (hit["position"] as Vector3).distance_to(asked["position"])
+					var apart := (hit["position"] as Vector3).distance_to(expected.hit_position)
 					check(apart < SIZE_ERROR * 0.6 * size + 2e-3, "shape %d: %.4f m apart" % [shape, apart])
-			# From above, onto the middle of the top.
+			# From above, to the middle of the top.
 			var top := at * Vector3(0, 3.0, 0)
 			var above := cast(top + at.basis.y.normalized() * 0.5, at.origin)
 			if check(not above.is_empty(), "hit from above"):
 				var apart := (above["position"] as Vector3).distance_to(top)
 				check(apart < SIZE_ERROR * 3.0 * size + 2e-3, "shape %d: top %.4f m apart" % [shape, apart])
-		check(seen > 100, "%d rays met their instance" % seen)
+		check(seen > 100, "%d rays hit their instance" % seen)
 		scatter.free()
 		await frames(2)
 
 
-func test_misses_what_query_ray_misses() -> void:
+func test_rays_miss_what_query_ray_misses() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var random := RandomNumberGenerator.new()
@@ -57,21 +57,21 @@ func test_misses_what_query_ray_misses() -> void:
 	for round in 2000:
 		var from := Vector3(random.randf_range(-10, 10), random.randf_range(0.1, 4.0), random.randf_range(-10, 10))
 		var to := from + Vector3(random.randf_range(-6, 6), random.randf_range(-2, 2), random.randf_range(-6, 6))
-		var asked := scatter.query_ray(from, to)
+		var expected := scatter.query_ray(from, to)
 		var hit := cast(from, to)
-		if asked and asked["distance"] == 0.0:
-			continue # A ray of the physics server that starts inside meets nothing.
-		hits += int(not asked.is_empty())
-		if hit.is_empty() != asked.is_empty():
-			differ += 1 # It grazes.
+		if expected != null and expected.distance == 0.0:
+			continue # The physics server reports no hit for a ray that starts inside a shape.
+		hits += int(expected != null)
+		if hit.is_empty() != (expected == null):
+			differ += 1 # The ray touches the surface.
 		elif hit:
-			check_equal(scatter.get_body_instance(hit["rid"]), asked["id"], "hit")
-			check((hit["position"] as Vector3).distance_to(asked["position"]) < 0.05, "place")
+			check_equal(scatter.get_body_instance(hit["rid"]), expected.id, "hit")
+			check((hit["position"] as Vector3).distance_to(expected.hit_position) < 0.05, "position")
 	check(hits > 200, "%d hits" % hits)
 	check(differ < 10, "%d of 2000 rays differ" % differ)
 
 
-func test_convex_bodies_are_their_meshes() -> void:
+func test_convex_bodies_match_their_meshes() -> void:
 	var layer := make_solid_layer(ScatterLayer.COLLISION_CONVEX)
 	var wedge := PrismMesh.new()
 	wedge.size = Vector3(2.0, 1.0, 3.0)
@@ -90,11 +90,11 @@ func test_convex_bodies_are_their_meshes() -> void:
 		counts[instance["mesh"]] += 1
 		var hit := cast(at * Vector3(0.0, 3.0, 0.4), at * Vector3(0.0, -0.3, 0.4))
 		match instance["mesh"]:
-			0: # The ridge of the prism, 0.5 m up.
+			0: # The ridge of the prism, 0.5 m high.
 				check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 0.5, 0.4)) < 0.03, "ridge")
 			1:
 				check(hit.is_empty(), "no mesh, no body")
-			2: # A point 0.3 m up on a ball of 0.5 m; 64 corners of it.
+			2: # A point at 0.3 m on a ball of 0.5 m, which has 64 corners.
 				check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 0.3, 0.4)) < 0.08, "ball")
 	check(counts[0] > 5 and counts[1] > 5 and counts[2] > 5, "meshes: %s" % counts)
 
@@ -108,7 +108,7 @@ func test_convex_bodies_are_their_meshes() -> void:
 			check(hit and (hit["position"] as Vector3).distance_to(at * Vector3(0, 1.0, 0.4)) < 0.04, "a taller mesh")
 
 
-func test_only_what_is_near_has_a_body() -> void:
+func test_only_nearby_instances_have_bodies() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	check_bodies(scatter, instances(scatter, 0), [viewer.position], "at first")
@@ -117,9 +117,9 @@ func test_only_what_is_near_has_a_body() -> void:
 		await settle(scatter)
 		check_bodies(scatter, instances(scatter, 0), [viewer.position], "walk %d" % round)
 		check_equal(scatter.get_stats()["bodies"], bodies(scatter).size(), "bodies in the stats")
-	viewer.position.y = DISTANCE + 5.0 # High above, nothing is near.
+	viewer.position.y = DISTANCE + 5.0 # Nothing is near from far above.
 	await settle(scatter)
-	check_equal(bodies(scatter).size(), 0, "bodies below a flight")
+	check_equal(bodies(scatter).size(), 0, "bodies below a high viewer")
 	viewer.position = Vector3(9000, 0, 9000)
 	await settle(scatter)
 	viewer.position = Vector3.ZERO
@@ -130,7 +130,7 @@ func test_only_what_is_near_has_a_body() -> void:
 	check_equal(scatter.get_stats()["bodies"], 0, "bodies without a shape")
 
 
-func test_nothing_comes_and_goes_twice() -> void:
+func test_small_movements_keep_bodies() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var before := bodies(scatter)
@@ -143,7 +143,7 @@ func test_nothing_comes_and_goes_twice() -> void:
 		check(after.get(id, RID()) == before[id], "the same body")
 
 
-func test_around_bodies_far_from_viewers() -> void:
+func test_bodies_around_an_interaction_group() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	check_equal(scatter.interaction_group, &"scatter_interaction", "group")
 	var walkers: Array[Node3D] = []
@@ -155,18 +155,18 @@ func test_around_bodies_far_from_viewers() -> void:
 	check_bodies(scatter, instances(scatter, 0), [viewer.position], "around the viewer")
 	for walker in walkers:
 		var there := bodies(scatter, walker.position, 1.5 * DISTANCE)
-		var asked := scatter.query_sphere(walker.position, DISTANCE)
-		var ids: PackedInt64Array = asked["ids"]
+		var expected := scatter.query_sphere(walker.position, DISTANCE)
+		var ids: PackedInt64Array = expected["ids"]
 		check(ids.size() > 20, "%d instances around a walker" % ids.size())
 		for id in ids:
 			check(there.has(id), "a body around a walker")
 	walkers[1].free()
 	await settle(scatter)
-	check_equal(bodies(scatter, Vector3(-400, 0, 900), 30.0).size(), 0, "bodies around one who has gone")
-	check(bodies(scatter, Vector3(700, 0, 0), 30.0).size() > 20, "and around those who have not")
+	check_equal(bodies(scatter, Vector3(-400, 0, 900), 30.0).size(), 0, "bodies around a freed walker")
+	check(bodies(scatter, Vector3(700, 0, 0), 30.0).size() > 20, "bodies around a remaining walker")
 	scatter.interaction_group = &"others"
 	await settle(scatter)
-	check_equal(bodies(scatter, Vector3(700, 0, 0), 30.0).size(), 0, "bodies around nodes of no group that counts")
+	check_equal(bodies(scatter, Vector3(700, 0, 0), 30.0).size(), 0, "bodies around nodes of a different group")
 
 
 func test_the_budget_is_kept() -> void:
@@ -183,7 +183,7 @@ func test_the_budget_is_kept() -> void:
 		steps += int(now > count)
 		count = now
 		if Time.get_ticks_msec() > deadline:
-			check(false, "no end to it")
+			check(false, "it does not settle")
 			return
 	check(count > 50, "%d bodies" % count)
 	check(largest <= 2, "%d bodies in one frame" % largest)
@@ -207,44 +207,44 @@ func test_nearest_first() -> void:
 				check(away > farthest - 1e-3, "%f m after %f m" % [away, farthest])
 				farthest = maxf(farthest, away)
 		had = has
-	check(farthest > 0.0, "some came")
+	check(farthest > 0.0, "some bodies were added")
 
 
-func test_removed_at_once_and_back() -> void:
+func test_removal_and_restoration() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var instance := nearest(scatter)
 	var id: int = instance["id"]
 	var at: Transform3D = instance["transform"]
-	check_equal(hit_id(scatter, at), id, "stands")
+	check_equal(hit_id(scatter, at), id, "the body exists")
 	var rid: RID = bodies(scatter)[id]
 	check(scatter.remove_instance(id), "removed")
-	check_equal(hit_id(scatter, at), 0, "felled: nothing to hit, in the same frame")
+	check_equal(hit_id(scatter, at), 0, "no body in the same frame")
 	check(not bodies(scatter).has(id), "no body")
-	check_equal(scatter.get_body_instance(rid), id, "who has just lost its body is still known by it")
+	check_equal(scatter.get_body_instance(rid), id, "the id of a removed body is still known")
 	await settle(scatter)
-	check_equal(hit_id(scatter, at), 0, "nor later")
+	check_equal(hit_id(scatter, at), 0, "no body later")
 
-	viewer.position = Vector3(2000, 0, 0) # Its tile goes.
+	viewer.position = Vector3(2000, 0, 0) # The viewer leaves its tile.
 	await settle(scatter)
 	viewer.position = Vector3.ZERO
 	await settle(scatter)
-	check_equal(hit_id(scatter, at), 0, "nor when its tile was made anew")
-	check(bodies(scatter).size() > 50, "others stand")
+	check_equal(hit_id(scatter, at), 0, "no body after its tile was regenerated")
+	check(bodies(scatter).size() > 50, "other bodies exist")
 	scatter.regenerate()
 	await settle(scatter)
-	check_equal(hit_id(scatter, at), 0, "nor when all was made anew")
+	check_equal(hit_id(scatter, at), 0, "no body after everything was regenerated")
 
 	check(scatter.restore_instance(id), "restored")
 	await settle(scatter)
-	check_equal(hit_id(scatter, at), id, "stands again")
+	check_equal(hit_id(scatter, at), id, "the body is back")
 
 
-func test_removed_before_its_body_came() -> void:
+func test_removal_before_the_body_is_added() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var ids: PackedInt64Array = scatter.query_sphere(Vector3(40, 0, 0), 10.0).ids
-	check(ids.size() > 5, "some")
+	check(ids.size() > 5, "some instances")
 	scatter.frame_budget_usec = 1
 	viewer.position = Vector3(40, 0, 0)
 	await frames(2)
@@ -253,12 +253,12 @@ func test_removed_before_its_body_came() -> void:
 	await settle(scatter)
 	var found := bodies(scatter)
 	for id in ids:
-		check(not found.has(id), "no body for what was felled while it waited for one")
+		check(not found.has(id), "no body for an instance that was removed while it waited for one")
 	scatter.state.clear()
 	await settle(scatter)
 	found = bodies(scatter)
 	for id in ids:
-		check(found.has(id), "all back")
+		check(found.has(id), "all bodies are back")
 
 
 func test_hand_placed_instances_have_bodies() -> void:
@@ -269,25 +269,25 @@ func test_hand_placed_instances_have_bodies() -> void:
 	var id := scatter.add_instance(0, at)
 	check(id != 0, "placed")
 	await settle(scatter)
-	check_equal(bodies(scatter).keys(), [id], "only that is near")
+	check_equal(bodies(scatter).keys(), [id], "the only body nearby")
 	var hit := cast(Vector3(5, 35.5, 2.5), Vector3(1.25, 35.5, 2.5))
 	check(hit and (hit["position"] as Vector3).distance_to(Vector3(1.55, 35.5, 2.5)) < 0.01, "its scale: %s" % hit)
-	check(cast(Vector3(5, 36.2, 2.5), Vector3(1.25, 36.2, 2.5)).is_empty(), "and its height")
+	check(cast(Vector3(5, 36.2, 2.5), Vector3(1.25, 36.2, 2.5)).is_empty(), "its height")
 	scatter.remove_instance(id)
-	check_equal(bodies(scatter).size(), 0, "gone at once")
+	check_equal(bodies(scatter).size(), 0, "the body is removed at once")
 
 
-func test_flat_instances_have_none() -> void:
+func test_flat_instances_have_no_bodies() -> void:
 	var scatter := make_solid([make_solid_layer()], Vector3(0, 500, 0))
 	await settle(scatter)
 	for basis: Basis in [Basis.from_scale(Vector3(1, 0, 1)), Basis(Vector3.ZERO, Vector3.ZERO, Vector3.ZERO)]:
 		check(scatter.add_instance(0, Transform3D(basis, Vector3(0, 500, 0))) != 0, "placed")
 	var mirrored := scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(-1, 1, 1)), Vector3(5, 500, 0)))
 	await settle(scatter)
-	check_equal(bodies(scatter, Vector3(0, 500, 0)).keys(), [mirrored], "only what has a volume")
+	check_equal(bodies(scatter, Vector3(0, 500, 0)).keys(), [mirrored], "only the instance with a volume")
 
 
-func test_properties_are_followed() -> void:
+func test_property_changes_are_applied() -> void:
 	var layer := make_solid_layer()
 	var scatter := make_solid([layer])
 	await settle(scatter)
@@ -318,7 +318,7 @@ func test_properties_are_followed() -> void:
 	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_FRICTION), 0.25), "smooth")
 	check(is_equal_approx(PhysicsServer3D.body_get_param(body, PhysicsServer3D.BODY_PARAM_BOUNCE), -0.5), "absorbent")
 	var from := at * Vector3(3, 1.5, 0)
-	check(cast(from, at.origin + Vector3(0, 1.5, 0), 1).is_empty(), "a ray with another mask")
+	check(cast(from, at.origin + Vector3(0, 1.5, 0), 1).is_empty(), "a ray with a different mask")
 	check(not cast(from, at.origin + Vector3(0, 1.5, 0), 1 << 3).is_empty(), "a ray with that mask")
 
 	layer.instance_radius = 0.3
@@ -335,7 +335,7 @@ func test_properties_are_followed() -> void:
 	check_equal(bodies(scatter).size(), 0, "no distance, no bodies")
 
 
-func test_other_layers_and_another_order() -> void:
+func test_changed_and_reordered_layers() -> void:
 	var a := make_solid_layer()
 	var b := make_solid_layer(ScatterLayer.COLLISION_BOX)
 	a.layer_id = 10
@@ -354,28 +354,28 @@ func test_other_layers_and_another_order() -> void:
 	scatter.layers = [a]
 	await settle(scatter)
 	for id in bodies(scatter):
-		check_equal(scatter.get_instance(id).layer, 0, "only those of the layer that is left")
+		check_equal(scatter.get_instance(id).layer, 0, "only the remaining layer has bodies")
 	scatter.seed += 1
 	await settle(scatter)
-	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "another seed")
+	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "a new seed")
 	scatter.layers = []
 	await settle(scatter)
-	check_equal(scatter.get_stats()["bodies"], 0, "bodies of no layers")
+	check_equal(scatter.get_stats()["bodies"], 0, "bodies without layers")
 
 
 func test_ground_that_moves() -> void:
-	var ground := ScatterTerrainFlat.new()
+	var ground := ScatterGroundFlat.new()
 	var scatter := make_solid([make_solid_layer()])
-	scatter.terrain = ground
+	scatter.ground = ground
 	await settle(scatter)
 	var before := bodies(scatter).size()
 	ground.height = 2.5
 	await settle(scatter)
-	check(absi(bodies(scatter).size() - before) < 20, "as many as before")
+	check(absi(bodies(scatter).size() - before) < 20, "about as many as before")
 	for id in bodies(scatter):
 		var hit := cast(scatter.get_instance(id).transform * Vector3(1.0, 2.9, 0.0),
 				scatter.get_instance(id).transform * Vector3(0.0, 2.9, 0.0))
-		check(hit and scatter.get_body_instance(hit["rid"]) == id, "as high as the ground")
+		check(hit and scatter.get_body_instance(hit["rid"]) == id, "the body is on the ground")
 
 
 func test_world_offset_moves_bodies() -> void:
@@ -388,7 +388,7 @@ func test_world_offset_moves_bodies() -> void:
 	var near := before.keys().filter(func(id: int) -> bool: return standing[id].origin.length() < 12.0)
 	check(near.size() > 15, "%d bodies near the viewer" % near.size())
 	for id: int in near:
-		check_equal(hit_id(scatter, standing[id].translated(-scatter.world_offset)), id, "moved along at once")
+		check_equal(hit_id(scatter, standing[id].translated(-scatter.world_offset)), id, "bodies move at once")
 	await settle(scatter)
 	var after := bodies(scatter, viewer.position)
 	for id in before:
@@ -396,4 +396,4 @@ func test_world_offset_moves_bodies() -> void:
 	scatter.world_offset = Vector3.ZERO
 	viewer.position = Vector3.ZERO
 	await settle(scatter)
-	check_bodies(scatter, standing, [Vector3.ZERO], "and back")
+	check_bodies(scatter, standing, [Vector3.ZERO], "back at the origin")

@@ -1,5 +1,5 @@
 extends "collision_harness.gd"
-## What bodies of the game meet, felling while the physics server hands out its signals, and nothing left behind.
+## Contacts with other bodies of the game, removals during physics signals, and cleanup.
 
 func make_ball(at: Vector3, velocity: Vector3) -> RigidBody3D:
 	var ball := RigidBody3D.new()
@@ -48,28 +48,28 @@ func test_a_character_walks_into_an_instance() -> void:
 	var hit := walker.move_and_collide(Vector3(-1.5, 0, 0))
 	if check(hit != null, "stopped"):
 		check(hit.get_collider() == scatter, "by the scatter")
-		check_equal(scatter.get_body_instance(hit.get_collider_rid()), instance["id"], "and that instance")
+		check_equal(scatter.get_body_instance(hit.get_collider_rid()), instance["id"], "by that instance")
 		var away := on_map(walker.transform).distance_to(on_map(instance["transform"]))
-		check(absf(away - 0.9) < 0.03, "stands %f m away" % away)
+		check(absf(away - 0.9) < 0.03, "it stops %f m away" % away)
 	scatter.remove_instance(instance["id"])
-	check(walker.move_and_collide(Vector3(-1.0, 0, 0)) == null, "felled: nothing in the way, in the same frame")
+	check(walker.move_and_collide(Vector3(-1.0, 0, 0)) == null, "after the removal, nothing is in the way in the same frame")
 
 
-func test_a_ball_meets_an_instance() -> void:
+func test_a_ball_hits_an_instance() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var instance := nearest(scatter)
 	var ball := make_ball(middle(instance) + Vector3(1.6, 0, 0), Vector3(-8, 0, 0))
-	var met: PackedInt64Array = []
+	var hit_ids: PackedInt64Array = []
 	ball.body_shape_entered.connect(func(rid: RID, body: Node, _shape: int, _own: int) -> void:
 		check(body == scatter, "the scatter is the body")
-		met.push_back(scatter.get_body_instance(rid)))
+		hit_ids.push_back(scatter.get_body_instance(rid)))
 	await physics_frames(30)
-	check_equal(met, PackedInt64Array([instance["id"]]), "the instance that was met")
-	check(ball.position.x > (instance["transform"] as Transform3D).origin.x + 0.7, "and it did not go through")
+	check_equal(hit_ids, PackedInt64Array([instance["id"]]), "the instance that was hit")
+	check(ball.position.x > (instance["transform"] as Transform3D).origin.x + 0.7, "the ball did not pass through")
 
 
-func test_felled_by_a_ball() -> void:
+func test_an_instance_removed_by_a_ball() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var instance := nearest(scatter)
@@ -77,16 +77,16 @@ func test_felled_by_a_ball() -> void:
 	var counts := [0, 0]
 	ball.body_shape_entered.connect(func(rid: RID, _body: Node, _shape: int, _own: int) -> void:
 		counts[0] += 1
-		check(scatter.remove_instance(scatter.get_body_instance(rid)), "felled in the middle of the contact")
-		check_equal(hit_id(scatter, instance["transform"]), 0, "gone in the middle of the contact"))
+		check(scatter.remove_instance(scatter.get_body_instance(rid)), "removed during the contact signal")
+		check_equal(hit_id(scatter, instance["transform"]), 0, "the body is gone during the contact signal"))
 	ball.body_shape_exited.connect(func(rid: RID, _body: Node, _shape: int, _own: int) -> void:
-		check_equal(scatter.get_body_instance(rid), instance["id"], "the exit names who has gone")
+		check_equal(scatter.get_body_instance(rid), instance["id"], "the exit signal names the removed instance")
 		counts[1] += 1)
 	await physics_frames(30)
-	check_equal(counts, [1, 1], "one contact, and its end")
+	check_equal(counts, [1, 1], "one contact and its end")
 
 
-func test_an_area_fells_all_that_it_meets() -> void:
+func test_an_area_removes_all_instances_in_it() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var area := make_area(Vector3(0, 1, 0), 8.0)
@@ -95,26 +95,26 @@ func test_an_area_fells_all_that_it_meets() -> void:
 	area.body_shape_entered.connect(func(rid: RID, _body: Node, _shape: int, _own: int) -> void:
 		var id := scatter.get_body_instance(rid)
 		entered.push_back(id)
-		check(scatter.remove_instance(id), "felled while the physics server hands out its signals"))
+		check(scatter.remove_instance(id), "removed while the physics server emits signals"))
 	area.body_shape_exited.connect(func(rid: RID, _body: Node, _shape: int, _own: int) -> void:
 		exited.push_back(scatter.get_body_instance(rid)))
 	await physics_frames(10)
 	entered.sort()
 	exited.sort()
-	check(entered.size() > 8, "%d felled" % entered.size())
-	check_equal(exited, entered, "every body that came into the area went out of it")
-	check_equal(area.get_overlapping_bodies().size(), 0, "nothing is left in the area")
+	check(entered.size() > 8, "%d were removed" % entered.size())
+	check_equal(exited, entered, "every body that entered the area exited it")
+	check_equal(area.get_overlapping_bodies().size(), 0, "the area is empty")
 	await settle(scatter)
 	for id in bodies(scatter):
-		check(not entered.has(id), "stands no longer")
+		check(not entered.has(id), "the body is removed")
 	var felled := entered.duplicate()
 	for id in felled:
 		scatter.restore_instance(id)
 	await settle(scatter)
-	area.position.y += 0.01 # GodotPhysics looks for static bodies only where an area has moved.
+	area.position.y += 0.01 # GodotPhysics checks static bodies only after the area has moved.
 	await physics_frames(10)
-	check_equal(entered.size(), 2 * felled.size(), "what grows again is met and felled again")
-	check_equal(exited.size(), 2 * felled.size(), "and goes out of the area again")
+	check_equal(entered.size(), 2 * felled.size(), "restored instances enter and are removed again")
+	check_equal(exited.size(), 2 * felled.size(), "and exit again")
 
 
 func test_restored_and_removed_in_one_frame() -> void:
@@ -127,12 +127,12 @@ func test_restored_and_removed_in_one_frame() -> void:
 		if round % 3:
 			await frames(1)
 	await settle(scatter)
-	check(bodies(scatter).has(id), "stands")
+	check(bodies(scatter).has(id), "the body exists")
 	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "after 20 rounds")
 
 
-## Bodies that wait for their next use do not become more and more.
-func test_bodies_are_used_again() -> void:
+## The pool of bodies does not grow without limit.
+func test_bodies_are_reused() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var seen: Dictionary[RID, bool] = {}
@@ -145,12 +145,12 @@ func test_bodies_are_used_again() -> void:
 		for rid: RID in now.values():
 			seen[rid] = true
 		await frames(40)
-	check(seen.size() < shown / 4.0, "%d bodies for %d" % [seen.size(), shown])
+	check(seen.size() < shown / 4.0, "%d bodies for %d instances" % [seen.size(), shown])
 	var stats := scatter.get_stats()
-	check(stats["bodies_pooled"] < 600, "%d bodies wait" % stats["bodies_pooled"])
+	check(stats["bodies_pooled"] < 600, "%d pooled bodies" % stats["bodies_pooled"])
 
 
-func test_out_of_the_tree_and_into_another_world() -> void:
+func test_leaving_the_tree_and_changing_the_world() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	check(bodies(scatter).size() > 50, "bodies")
@@ -159,22 +159,22 @@ func test_out_of_the_tree_and_into_another_world() -> void:
 	var nothing := PhysicsShapeQueryParameters3D.new()
 	nothing.shape = SphereShape3D.new()
 	(nothing.shape as SphereShape3D).radius = 100.0
-	check_equal(space().intersect_shape(nothing), [] as Array[Dictionary], "in the space that it left")
+	check_equal(space().intersect_shape(nothing), [] as Array[Dictionary], "no bodies in the space that it left")
 	root.add_child(scatter)
 	await settle(scatter)
-	check(bodies(scatter).size() > 50, "bodies after coming back")
+	check(bodies(scatter).size() > 50, "bodies after entering the tree again")
 
 	var other_world := SubViewport.new()
 	other_world.own_world_3d = true
 	root.add_child(other_world)
 	scatter.reparent(other_world)
-	check_equal(space().intersect_shape(nothing), [] as Array[Dictionary], "in the world that it left")
+	check_equal(space().intersect_shape(nothing), [] as Array[Dictionary], "no bodies in the world that it left")
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	await settle(scatter)
-	check(other_world.find_world_3d().direct_space_state.intersect_shape(nothing).size() > 30, "bodies in the other world")
+	check(other_world.find_world_3d().direct_space_state.intersect_shape(nothing).size() > 30, "bodies in the new world")
 
 
-func test_freed_in_the_middle() -> void:
+func test_freed_while_bodies_are_added() -> void:
 	for round in 8:
 		var scatter := make_solid([make_solid_layer(), make_solid_layer(ScatterLayer.COLLISION_CONVEX)])
 		scatter.frame_budget_usec = 50
@@ -191,17 +191,17 @@ func test_freed_in_the_middle() -> void:
 	check_equal(space().intersect_shape(query), [] as Array[Dictionary], "no bodies are left")
 
 
-func test_freed_by_what_it_meets() -> void:
+func test_freed_by_an_area_that_it_enters() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	await settle(scatter)
 	var area := make_area(Vector3(0, 1, 0), 6.0)
 	area.body_entered.connect(func(body: Node) -> void: body.queue_free())
 	await physics_frames(4)
 	check(not is_instance_valid(scatter), "freed")
-	check_equal(area.get_overlapping_bodies().size(), 0, "nothing is left in the area")
+	check_equal(area.get_overlapping_bodies().size(), 0, "the area is empty")
 
 
-func test_many_felled_and_grown_again() -> void:
+func test_many_removals_and_restorations() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	var random := RandomNumberGenerator.new()
 	random.seed = 9
@@ -215,15 +215,15 @@ func test_many_felled_and_grown_again() -> void:
 		await frames(2)
 	await settle(scatter)
 	var standing: Dictionary[int, Transform3D] = {}
-	var asked := scatter.query_sphere(viewer.position, 60.0)
-	for index in (asked["ids"] as PackedInt64Array).size():
-		standing[asked["ids"][index]] = Transform3D(Basis(), asked["positions"][index])
+	var found := scatter.query_sphere(viewer.position, 60.0)
+	for index in (found["ids"] as PackedInt64Array).size():
+		standing[found["ids"][index]] = Transform3D(Basis(), found["positions"][index])
 	check_bodies(scatter, standing, [viewer.position], "after 60 rounds")
 	check(Performance.get_monitor(Performance.OBJECT_COUNT) < objects + 20, "objects")
 
 
-## Rays that look for ground go through the bodies of what stands on it.
-func test_bodies_are_no_ground() -> void:
+## The rays that find the ground ignore the bodies of instances.
+func test_bodies_are_not_ground() -> void:
 	var floor_body := StaticBody3D.new()
 	var shape := CollisionShape3D.new()
 	shape.shape = BoxShape3D.new()
@@ -232,10 +232,10 @@ func test_bodies_are_no_ground() -> void:
 	root.add_child(floor_body)
 	for kind: ScatterLayer.CollisionShape in [ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_CONVEX]:
 		var scatter := make_solid([make_solid_layer(kind), make_solid_layer(kind)])
-		scatter.terrain = ScatterTerrainColliders.new()
+		scatter.ground = ScatterGroundColliders.new()
 		await settle(scatter)
 		check(scatter.get_stats()["bodies"] > 50, "bodies on colliders")
-		scatter.regenerate() # Now the bodies stand in the way of the rays.
+		scatter.regenerate() # Now the bodies are in the way of the rays.
 		await settle(scatter)
 		var standing := instances(scatter, 0)
 		for id in standing:

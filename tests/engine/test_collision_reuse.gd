@@ -1,8 +1,8 @@
 extends "collision_harness.gd"
-## Shapes are shared by bodies, and bodies are used again.
+## Bodies share shapes and are reused.
 
 
-## A model whose one shape is convex.
+## A model with one convex shape.
 func make_convex_model() -> ScatterModel:
 	var lod := ScatterLod.new()
 	lod.mesh = BoxMesh.new()
@@ -14,7 +14,7 @@ func make_convex_model() -> ScatterModel:
 	return model
 
 
-## All bodies of the same size have one shape, whichever kind it is of.
+## All bodies of one size share one shape, for each kind of shape.
 func test_shapes_are_shared() -> void:
 	var kinds: Array[ScatterLayer.CollisionShape] = [
 		ScatterLayer.COLLISION_CYLINDER, ScatterLayer.COLLISION_CONVEX, ScatterLayer.COLLISION_MODEL]
@@ -34,8 +34,8 @@ func test_shapes_are_shared() -> void:
 		viewer.free()
 
 
-## A body that has rested stands for another instance before a new one is made.
-func test_bodies_are_used_again() -> void:
+## A pooled body is reused for a different instance before a new one is created.
+func test_bodies_are_reused() -> void:
 	var scatter := make_solid([make_solid_layer()])
 	var counts: Array[int] = []
 	for place in 4:
@@ -43,8 +43,8 @@ func test_bodies_are_used_again() -> void:
 		await settle(scatter)
 		var stats := scatter.get_stats()
 		counts.push_back(stats["bodies"] + stats["bodies_pooled"])
-		check(stats["bodies"] > 20, "%d bodies at place %d" % [stats["bodies"], place])
-		await frames(140) # What has fallen rests for a while, for who still asks for it.
-	check(counts[1] > 1.5 * counts[0], "at the second place those of the first rest: %s" % [counts])
-	check(counts[3] < 1.2 * counts[1], "then they stand again: %s" % [counts])
+		check(stats["bodies"] > 20, "%d bodies at position %d" % [stats["bodies"], place])
+		await frames(140) # A removed body stays unused for a while, because its id can still be queried.
+	check(counts[1] > 1.5 * counts[0], "at the second position, the first bodies are not reused yet: %s" % [counts])
+	check(counts[3] < 1.2 * counts[1], "later they are reused: %s" % [counts])
 	scatter.free()

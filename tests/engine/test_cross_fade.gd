@@ -1,14 +1,14 @@
 extends "picture_harness.gd"
-## LODs that cross-fade, drawn from where the viewer is. Run in each of the three renderers.
+## Cross-fading LODs, drawn from the viewer's position. Runs in each of the three renderers.
 
-const FLIGHT := 60       ## Pictures of a flight,
+const FLIGHT := 60       ## Pictures in a flight,
 const STEP := 0.4        ## meters apart.
-const MOST_CHANGE := 0.2 ## Of an 8 by 8 block of the picture from one to the next, 0 to 1.
+const MOST_CHANGE := 0.2 ## Limit for the change of an 8 by 8 block between two pictures, 0 to 1.
 
 var camera: Camera3D
 
 
-## A shader that adds light, so that what is drawn twice is brighter, or one that covers what is behind.
+## A shader that adds light, so that anything drawn twice is brighter, or one that is opaque.
 func material(light: float, fades := true, adds := true) -> ShaderMaterial:
 	var shader := Shader.new()
 	shader.code = """
@@ -54,7 +54,7 @@ func make_wood(lods: Array[Mesh], distances: Array) -> ScatterLayer:
 	return layer
 
 
-## Looks ahead and down, from a place along the flight.
+## Looks ahead and down, from a position along the flight.
 func fly_to(index: int) -> void:
 	camera.position = Vector3(7.0 + STEP * index, 12.0, 3.0)
 
@@ -84,7 +84,7 @@ func picture() -> Image:
 
 func flight_of(layer: ScatterLayer) -> Array[Image]:
 	fly_to(0)
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var pictures: Array[Image] = []
 	for index in FLIGHT:
@@ -95,7 +95,7 @@ func flight_of(layer: ScatterLayer) -> Array[Image]:
 	return pictures
 
 
-## The largest change of the mean of an 8 by 8 block from a picture to the next.
+## Returns the largest change of an 8 by 8 block's mean between two successive pictures.
 func largest_change(pictures: Array[Image]) -> float:
 	var largest := 0.0
 	var before: Image = null
@@ -120,24 +120,24 @@ func pixels_that_differ(a: Image, b: Image) -> int:
 	return count
 
 
-## Three LODs that look alike are as one mesh, in each picture of a flight: nothing is drawn twice or missing.
+## Three identical LODs look like one mesh in every picture of a flight: nothing is drawn twice or missing.
 func test_every_pixel_is_drawn_once() -> void:
 	stage()
 	var light := material(0.3)
 	var alone: Array[Image] = await flight_of(make_wood([plane(light)], []))
 	var lods: Array[Mesh] = [plane(light), plane(light), plane(light)]
 	var fading: Array[Image] = await flight_of(make_wood(lods, [25.0, 50.0]))
-	check(alone[0].get_data().count(0) < alone[0].get_data().size() * 3 / 4, "there is something to see")
+	check(alone[0].get_data().count(0) < alone[0].get_data().size() * 3 / 4, "some pixels are lit")
 	var worst := 0
 	for index in FLIGHT:
 		worst = maxi(worst, pixels_that_differ(alone[index], fading[index]))
 	check(worst <= 4, "at most %d of %d pixels differ" % [worst, alone[0].get_data().size()])
 
 
-func test_nothing_pops_and_without_a_fade_it_would() -> void:
+func test_a_fade_prevents_popping() -> void:
 	stage()
-	# They leave no gap on the ground, so that the movement alone changes little, and each has a height of its own, so that it does not matter
-	# which is drawn first.
+	# The planes leave no gap on the ground, so movement alone changes little. Each has a different height, so the drawing order
+	# does not matter.
 	var lods: Array[Mesh] = [plane(material(0.9, true, false), 12.0), plane(material(0.1, true, false), 12.0)]
 	for lod: PlaneMesh in lods:
 		lod.center_offset.y = 1.0
@@ -148,12 +148,12 @@ func test_nothing_pops_and_without_a_fade_it_would() -> void:
 	var faded := largest_change(await flight_of(layer))
 	layer.lod_fade = 0.0
 	var sharp := largest_change(await flight_of(layer))
-	check(faded < MOST_CHANGE, "a block changes by %.2f at most" % faded)
+	check(faded < MOST_CHANGE, "a block changes by at most %.2f" % faded)
 	check(sharp > 2.5 * MOST_CHANGE, "without a fade a block changes by %.2f" % sharp)
 
 
-## The camera goes away on the map, and another one, which is no viewer, takes the pictures: what fades does so by the viewer's distance.
-func test_it_ends_softly_where_sight_ends() -> void:
+## The viewer moves away on the map. The camera is not a viewer and stays: the fade depends on the viewer's distance.
+func test_instances_fade_at_the_view_distance() -> void:
 	stage()
 	var viewer := make_viewer()
 	camera.rotation_degrees.x = -90.0
@@ -161,55 +161,55 @@ func test_it_ends_softly_where_sight_ends() -> void:
 	var layer := make_wood([plane(material(0.5), 4.0)], [])
 	layer.view_distance = 90.0
 	layer.lod_fade = 0.5
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	var lit := {}
 	for away: float in [0.0, 60.0, 80.0, 88.0, 110.0]:
 		viewer.position.x = away
 		await settle(scatter)
 		var seen := (await picture()).get_region(Rect2i(75, 40, 10, 40))
 		lit[away] = seen.get_data().size() - seen.get_data().count(0)
-	check(lit[0.0] > 60, "%d pixels near by" % lit[0.0])
-	check(lit[60.0] < 0.8 * lit[0.0], "they go bit by bit: %s" % lit)
-	check(lit[80.0] < 0.5 * lit[0.0] and lit[80.0] < lit[60.0], "they go bit by bit: %s" % lit)
-	check(lit[88.0] < 0.25 * lit[0.0] and lit[88.0] < lit[80.0], "nearly gone: %s" % lit)
-	check(lit[60.0] > 0 and lit[80.0] > 0, "not at once: %s" % lit)
-	check_equal(lit[110.0], 0, "pixels beyond the end")
+	check(lit[0.0] > 60, "%d pixels nearby" % lit[0.0])
+	check(lit[60.0] < 0.8 * lit[0.0], "they fade gradually: %s" % lit)
+	check(lit[80.0] < 0.5 * lit[0.0] and lit[80.0] < lit[60.0], "they fade gradually: %s" % lit)
+	check(lit[88.0] < 0.25 * lit[0.0] and lit[88.0] < lit[80.0], "almost invisible: %s" % lit)
+	check(lit[60.0] > 0 and lit[80.0] > 0, "but still visible: %s" % lit)
+	check_equal(lit[110.0], 0, "pixels beyond the view distance")
 
 
-## Two LODs take a second multimesh where both are drawn, and nowhere else. A material that cannot fade takes none.
-func test_only_what_fades_is_drawn_twice() -> void:
+## Two LODs use a second multimesh only where both are drawn. A material that cannot fade uses none.
+func test_only_fading_lods_are_drawn_twice() -> void:
 	stage()
 	var counts := {}
-	for kind: String in ["fades", "is told not to", "cannot", "at once"]:
-		var of: Material = material(0.3, kind != "is told not to")
-		if kind == "cannot":
+	for kind: String in ["fades", "disabled", "unsupported", "no fade"]:
+		var of: Material = material(0.3, kind != "disabled")
+		if kind == "unsupported":
 			of = StandardMaterial3D.new()
 		var layer := make_wood([plane(of), plane(of)], [40.0])
-		layer.lod_fade = 0.0 if kind == "at once" else 0.2
+		layer.lod_fade = 0.0 if kind == "no fade" else 0.2
 		layer.view_distance = 100.0
-		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+		var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 		await settle(scatter)
 		counts[kind] = scatter.get_stats()["multimeshes"]
 		if kind == "fades":
 			layer.lod_fade = 0.0
 			await settle(scatter)
-			check(scatter.get_stats()["multimeshes"] < counts[kind], "without a fade they go again")
+			check(scatter.get_stats()["multimeshes"] < counts[kind], "without a fade the second multimeshes are removed")
 			layer.lod_fade = 0.2
 			await settle(scatter)
 			var again: int = scatter.get_stats()["multimeshes"] - counts[kind]
-			check(absi(again) <= 8, "with it they come again, but for %d that are about to come or go" % again)
+			check(absi(again) <= 8, "with it they return, except for %d at the limits" % again)
 			scatter.max_multimeshes = 30
 			await settle(scatter)
 			check(scatter.get_stats()["multimeshes"] <= 30, "never more than max_multimeshes")
 		scatter.queue_free()
 		await frames(2)
-	check(counts["fades"] > counts["cannot"] + 8, "more multimeshes where it fades: %s" % counts)
-	check(counts["fades"] < 2 * counts["cannot"], "not everywhere: %s" % counts)
-	check_equal(counts["is told not to"], counts["cannot"], "multimeshes if scatter_cross_fade is off")
-	check_equal(counts["at once"], counts["cannot"], "multimeshes with lod_fade 0")
+	check(counts["fades"] > counts["unsupported"] + 8, "more multimeshes with a fade: %s" % counts)
+	check(counts["fades"] < 2 * counts["unsupported"], "but not everywhere: %s" % counts)
+	check_equal(counts["disabled"], counts["unsupported"], "multimeshes if scatter_cross_fade is off")
+	check_equal(counts["no fade"], counts["unsupported"], "multimeshes with lod_fade 0")
 
 
-## What a game removes goes from both LODs, and what is hidden stays hidden.
+## Changes by a game affect both LODs, and a hidden node draws neither.
 func test_changes_reach_both_lods() -> void:
 	stage()
 	camera.rotation_degrees.x = -90.0
@@ -217,14 +217,14 @@ func test_changes_reach_both_lods() -> void:
 	var light := material(0.5)
 	var layer := make_wood([plane(light), plane(light)], [40.0])
 	layer.lod_fade = 0.4
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var before := await picture()
-	check(before.get_data().count(0) < before.get_data().size(), "there is something to see")
+	check(before.get_data().count(0) < before.get_data().size(), "some pixels are lit")
 	scatter.remove_in_sphere(Vector3.ZERO, 80.0)
 	await frames(4)
 	var after := await picture()
-	check_equal(after.get_data().count(0), after.get_data().size(), "dark pixels once all are gone")
+	check_equal(after.get_data().count(0), after.get_data().size(), "dark pixels after all were removed")
 	scatter.state.clear()
 	await settle(scatter)
 	check(pixels_that_differ(await picture(), before) <= 4, "all are back")
@@ -234,11 +234,11 @@ func test_changes_reach_both_lods() -> void:
 	check_equal(hidden.get_data().count(0), hidden.get_data().size(), "dark pixels of a hidden node")
 	scatter.visible = true
 	await frames(2)
-	check(pixels_that_differ(await picture(), before) <= 4, "all are seen again")
+	check(pixels_that_differ(await picture(), before) <= 4, "all are visible again")
 
 
-## A mesh that holds data of its own in CUSTOM3 is left alone.
-func test_a_mesh_with_custom_data_of_its_own_changes_at_once() -> void:
+## A mesh that uses CUSTOM3 for its own data is not copied.
+func test_a_mesh_with_its_own_custom_data_does_not_fade() -> void:
 	stage()
 	var arrays := plane(null).get_mesh_arrays()
 	var floats := PackedFloat32Array()
@@ -249,7 +249,7 @@ func test_a_mesh_with_custom_data_of_its_own_changes_at_once() -> void:
 			Mesh.ARRAY_CUSTOM_RGBA_FLOAT << Mesh.ARRAY_FORMAT_CUSTOM3_SHIFT)
 	mesh.surface_set_material(0, material(0.3))
 	var layer := make_wood([mesh, mesh.duplicate()], [40.0])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var drawn := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -265,11 +265,11 @@ func test_a_bad_fade_is_refused() -> void:
 	for bad: float in [-0.1, 0.6, NAN, INF]:
 		layer.lod_fade = bad
 		check_error(["lod_fade"], "lod_fade %f" % bad)
-	check(absf(layer.lod_fade - 0.3) < 1e-6, "the last good one stays")
+	check(absf(layer.lod_fade - 0.3) < 1e-6, "the last valid value stays")
 
 
-## A model whose second LOD has a density draws that share of its instances, and the others fade away.
-func test_a_lod_draws_its_share() -> void:
+## A model whose second LOD has a density draws that fraction of its instances, and the others fade out.
+func test_a_lod_draws_its_density() -> void:
 	stage()
 	var mesh := plane(material(0.5))
 	var model := ScatterModel.new()
@@ -280,8 +280,8 @@ func test_a_lod_draws_its_share() -> void:
 		lod.distance = 0.0 if density == 1.0 else 40.0
 		model.lods = model.lods + ([lod] as Array[ScatterLod])
 	model.lods[1].density = 1.5
-	check_error(["density", "1.5"], "a share above 1")
-	check_equal(model.lods[1].density, 0.25, "the last good one")
+	check_error(["density", "1.5"], "a density above 1")
+	check_equal(model.lods[1].density, 0.25, "the last valid value")
 	var layer := make_wood([mesh], [])
 	layer.meshes = [model]
 	layer.view_distance = 100.0
@@ -289,14 +289,14 @@ func test_a_lod_draws_its_share() -> void:
 	for fade: float in [0.0, 0.3]:
 		layer.lod_fade = fade
 		camera.position = Vector3(0.0, 20.0, 0.0)
-		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+		var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 		await settle(scatter)
 		var lit := func(image: Image) -> int: return image.get_data().size() - image.get_data().count(0)
 		var near: int = lit.call(await picture())
-		check(near > 1000, "%d pixels near by" % near)
+		check(near > 1000, "%d pixels nearby" % near)
 		camera.position.y = 60.0
 		await settle(scatter)
-		var far: float = lit.call(await picture()) * 9.0 # As large as near by.
+		var far: float = lit.call(await picture()) * 9.0 # Scaled to the size nearby.
 		layer.meshes = [mesh]
 		await settle(scatter)
 		var all: float = lit.call(await picture()) * 9.0
@@ -308,7 +308,7 @@ func test_a_lod_draws_its_share() -> void:
 		await frames(2)
 
 
-## The meshes that are drawn.
+## Returns the meshes that are drawn.
 func drawn_meshes(scatter: TerrainScatter3D) -> Dictionary:
 	var drawn := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -317,20 +317,20 @@ func drawn_meshes(scatter: TerrainScatter3D) -> Dictionary:
 	return drawn
 
 
-## The copies of meshes that fade cost some time: a change of something else takes those that there are.
-func test_copies_that_fade_are_made_once() -> void:
+## Copies of meshes that fade are expensive, so other changes reuse them.
+func test_copies_that_fade_are_reused() -> void:
 	stage()
 	var light := material(0.5)
 	var layer := make_wood([plane(light), plane(light)], [40.0])
 	layer.lod_fade = 0.2
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var before := drawn_meshes(scatter)
-	check(before.size() > 2, "%d meshes, copies that fade among them" % before.size())
+	check(before.size() > 2, "%d meshes, including copies that fade" % before.size())
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
 	await settle(scatter)
-	check_equal(drawn_meshes(scatter), before, "the meshes that are drawn after another change")
+	check_equal(drawn_meshes(scatter), before, "the same meshes after an unrelated change")
 	layer.lod_fade = 0.25
 	await settle(scatter)
-	check(drawn_meshes(scatter) != before, "others fade otherwise")
+	check(drawn_meshes(scatter) != before, "a new fade needs new copies")
 	scatter.free()

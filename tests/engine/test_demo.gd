@@ -1,6 +1,6 @@
 extends "harness.gd"
-## The demo's forest, streamed along a fixed path: every instance that the MultiMeshes hold is checked against the
-## ground, the rules and its neighbors in all tiles. `-- out=FILE` writes the tiles down for analysis/tile_digests.
+## The demo's forest, streamed along a fixed path. Every instance in the MultiMeshes is checked against the ground, the
+## rules and its neighbors in all tiles. `-- out=FILE` writes the tiles to a file for analysis/tile_digests.
 
 const TileLog := preload("tile_log.gd")
 const GroundModel := preload("ground_model.gd")
@@ -14,7 +14,7 @@ var scatter: TerrainScatter3D
 var ground: GroundModel
 var tile_log := TileLog.new()
 
-## By layer: cell, one radius wide, to the x and z of what stands in it; floats, as a Vector2 would round them.
+## By layer: from a cell of one radius to the x and z of its instances, in double precision.
 var neighbors: Array[Dictionary] = []
 var known: Dictionary = {}
 var count := 0
@@ -37,13 +37,13 @@ func find_scatter(node: Node) -> TerrainScatter3D:
 func load_demo() -> void:
 	var demo := (load(ProjectSettings.get_setting("application/run/main_scene")) as PackedScene).instantiate()
 	scatter = find_scatter(demo)
-	# The forest alone, as the scene has it: the demo's own scripts would move the camera and change the settings.
+	# Only the forest: the demo's own scripts would move the camera and change the settings.
 	scatter.owner = null
 	scatter.get_parent().remove_child(scatter)
 	demo.free()
 	root.add_child(scatter)
-	ground = GroundModel.new(scatter.terrain)
-	tile_log.add_terrain(scatter.terrain)
+	ground = GroundModel.new(scatter.ground)
+	tile_log.add_terrain(scatter.ground)
 	for index in scatter.layers.size():
 		var layer := scatter.layers[index] as ScatterLayer
 		neighbors.push_back({})
@@ -55,10 +55,10 @@ func test_forest_along_a_path() -> void:
 	load_demo()
 	var viewer := make_viewer()
 	scatter.viewers = [scatter.get_path_to(viewer)]
-	await frames(1) # Its plants are built in the first frame.
+	await frames(1) # The plant meshes are built in the first frame.
 	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the demo")
 	for layer in scatter.layers:
-		layer.use_colors = false # The program that makes the same tiles places; it does not color.
+		layer.use_colors = false # The program that generates the same tiles has no colors.
 	check(scatter.layers.size() >= 4, "layers of the demo")
 	var again := 0
 	for place in PATH:
@@ -66,15 +66,15 @@ func test_forest_along_a_path() -> void:
 		await settle(scatter)
 		for layer in scatter.layers.size():
 			for tile: Vector2i in scatter.get_shown_tiles(layer):
-				again += look_at_tile(layer, tile)
+				again += check_tile(layer, tile)
 	check(count >= EXPECTED_INSTANCES, "%d instances along the path" % count)
-	check(again > 100, "%d tiles were seen again after they had gone" % again)
-	check(worst_height <= 0.01, "an instance stands %f m off the ground" % worst_height)
+	check(again > 100, "%d tiles were checked again after they had been removed" % again)
+	check(worst_height <= 0.01, "an instance is %f m off the ground" % worst_height)
 	check(outside_rules == 0, "%d instances break a rule, such as %s" % [outside_rules, first_outside])
 	for layer in scatter.layers.size():
 		var radius: float = scatter.layers[layer].radius
 		check(closest[layer] >= radius - 1e-4, "layer %d: two instances are %f m apart" % [layer, closest[layer]])
-		check(closest[layer] < 1.2 * radius, "layer %d: some instances are neighbors" % layer)
+		check(closest[layer] < 1.2 * radius, "layer %d: instances have neighbors" % layer)
 	print("%d instances in %d tiles, worst height %f m" % [count, known.size(), worst_height])
 	scatter.free()
 	for argument in arguments:
@@ -82,24 +82,23 @@ func test_forest_along_a_path() -> void:
 			check(tile_log.save(argument.trim_prefix("out=")), "writing " + argument)
 
 
-## Checks a tile that is new; for one that was here before, that it has not changed. Returns 1 for a tile that came
-## back.
-func look_at_tile(layer: int, tile: Vector2i) -> int:
+## Checks a new tile. For a tile that was visible before, checks that it has not changed, and returns 1.
+func check_tile(layer: int, tile: Vector2i) -> int:
 	var key := Vector3i(layer, tile.x, tile.y)
 	var digest := scatter.get_tile(layer, tile).get_digest()
 	if known.has(key):
 		if known[key] != digest:
-			check(false, "tile %s came back as another one" % key)
+			check(false, "tile %s came back changed" % key)
 		return 1
 	known[key] = digest
 	tile_log.add_tile(layer, scatter.layers[layer].tile_size, tile, digest)
 	var origin := scatter.get_tile(layer, tile).get_origin()
 	for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
-		look_at_buffer(layer, origin, buffer)
+		check_buffer(layer, origin, buffer)
 	return 0
 
 
-func look_at_buffer(index: int, origin: Vector3, buffer: PackedFloat32Array) -> void:
+func check_buffer(index: int, origin: Vector3, buffer: PackedFloat32Array) -> void:
 	var layer := scatter.layers[index] as ScatterLayer
 	var radius := layer.radius
 	var smallest := layer.min_scale - 1e-4

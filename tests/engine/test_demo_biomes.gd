@@ -1,6 +1,6 @@
 extends "demo_scene_harness.gd"
-## What the demo's scene of biomes promises: each biome's plants where its weight is, reeds at the shore and nothing else in the water, and
-## a lake that rises and falls again.
+## The demo's scene of biomes: each biome's plants where its weight is above 0, reeds at the shore and nothing else in the water,
+## and a lake that rises and falls.
 
 const SCENE := "res://biomes.tscn"
 ## The tongue of wood in the meadow, and the lake's shore below it.
@@ -11,7 +11,7 @@ const OWN: PackedStringArray = ["Boulders", "Reeds"]
 const ROUNDING := 0.002
 
 
-## Id to place of what stands of a layer in a part of the valley.
+## Returns the positions of a layer's instances in a part of the valley, by id.
 func standing(layer: String, rect := AROUND) -> Dictionary:
 	var found := scatter.query_rect(rect, layer)
 	var result := {}
@@ -35,16 +35,16 @@ func test_each_biome_has_its_plants() -> void:
 			check(places.size() > 10, "%d of %s" % [places.size(), layer])
 			for place: Vector3 in places.values():
 				var weight: float = scatter.biomes.get_weights_at(Vector2(place.x, place.z))[biome]
-				check(weight > 0.0, "%s at %s, where its biome is not" % [layer, place])
+				check(weight > 0.0, "%s at %s, outside its biome" % [layer, place])
 				mixed += int(weight < 1.0)
-		check(mixed > 50, "at the border they mix: %d" % mixed)
+		check(mixed > 50, "they mix at the border: %d" % mixed)
 	var straight := 0
 	var image: Image = scatter.biomes.map_image
 	for step in 200:
 		var at := AROUND.position + AROUND.size * Vector2(fmod(step * 0.618, 1.0), step / 200.0)
 		var pixel := image.get_pixelv(Vector2i((at - scatter.biomes.map_rect.position) / scatter.biomes.map_rect.size * Vector2(image.get_size())))
 		straight += int((pixel.r > 0.4) == (scatter.biomes.get_biome_at(at) == scatter.biomes.biomes[0]))
-	check(straight > 120 and straight < 195, "borders waver: %d of 200 places are what the picture says" % straight)
+	check(straight > 120 and straight < 195, "the border noise moves borders: %d of 200 positions match the image" % straight)
 
 
 func test_the_lake_rises_and_falls() -> void:
@@ -64,14 +64,14 @@ func test_the_lake_rises_and_falls() -> void:
 		check(depths.min() < 0.0 and depths.max() > 0.2, "on both sides of the shore")
 	for layer in MEADOW + WOOD:
 		var left := standing(layer)
-		check(left.size() < before[layer].size() or layer in ["Oak", "Spruce", "Shrub"], "%s gives way" % layer)
+		check(left.size() < before[layer].size() or layer in ["Oak", "Spruce", "Shrub"], "%s retreats" % layer)
 		for id: int in left:
-			# What keeps a distance to a layer that gave way may stand anew.
-			check(before[layer].get(id, left[id]) == left[id], "%s: what stays stands where it stood" % layer)
+			# A layer that keeps a distance to a removed layer may gain instances.
+			check(before[layer].get(id, left[id]) == left[id], "%s: remaining instances do not move" % layer)
 			check(before[layer].has(id) or layer in ["Shrub", "Spruce", "Fern", "Meadow", "Undergrowth"], "%s: nothing new" % layer)
 	scatter.water_level = 0.0
 	for layer: String in before:
-		check(standing(layer) == before[layer], "%s: all as before once the lake has fallen" % layer)
+		check(standing(layer) == before[layer], "%s: restored after the lake has fallen" % layer)
 
 
 func test_a_key_raises_the_water() -> void:
@@ -85,5 +85,5 @@ func test_a_key_raises_the_water() -> void:
 		event.pressed = true
 		root.push_input(event)
 		await frames(2)
-		check(is_equal_approx(scatter.water_level, level), "M: the water at %s" % scatter.water_level)
-		check(is_equal_approx(scene.get_node("Lake").global_position.y, level), "and what is drawn of it")
+		check(is_equal_approx(scatter.water_level, level), "M: the water level is %s" % scatter.water_level)
+		check(is_equal_approx(scene.get_node("Lake").global_position.y, level), "the lake's mesh follows")

@@ -1,6 +1,6 @@
 extends "harness.gd"
-## The demo's gameplay scene: what the player looks at, what stops him, what is felled and stays felled. The two tests are
-## meant for two processes, the second of which knows only the file that the first one saved:
+## The demo's gameplay scene: the tree that the player looks at, obstacles, and trees that are felled and stay felled. The two
+## tests are meant for two processes. The second process knows only the file that the first one saved:
 ## `-- test_felled_and_saved file=PATH`, then `-- test_felled_after_a_restart file=PATH`.
 
 const EYES := 1.72
@@ -38,10 +38,10 @@ func physics_frames(count: int) -> void:
 		await physics_frame
 
 
-## Puts the player before a tree, with his eyes on its trunk.
+## Places the player in front of a tree, looking at its trunk.
 func stand_before(trunk: Vector3) -> void:
 	player.global_position = trunk + Vector3(-AWAY, 0.0, 0.0)
-	player.global_position.y = world.terrain.get_height(player.global_position)
+	player.global_position.y = world.ground.get_height(player.global_position)
 	var toward: Vector3 = (trunk + Vector3.UP * 1.5 - player.eyes.global_position).normalized()
 	player.global_rotation.y = atan2(-toward.x, -toward.z)
 	player.eyes.rotation.x = asin(toward.y)
@@ -50,7 +50,7 @@ func stand_before(trunk: Vector3) -> void:
 	await physics_frames(3)
 
 
-## The instance that a physics ray from the eyes to a place of a tree meets; 0 for none.
+## Returns the instance that a physics ray from the eyes to a point of a tree hits; 0 if there is none.
 func touched(place: Vector3) -> int:
 	var ray := PhysicsRayQueryParameters3D.create(player.eyes.global_position, place, 1)
 	var hit := world.get_world_3d().direct_space_state.intersect_ray(ray)
@@ -60,7 +60,7 @@ func touched(place: Vector3) -> int:
 	return world.get_body_instance(hit.rid)
 
 
-## Whether the renderer was told of an instance.
+## Returns whether an instance is drawn.
 func drawn(layer: int, id: int) -> bool:
 	for tile: Vector2i in world.get_shown_tiles(layer):
 		for ids: PackedInt64Array in tile_ids(world, layer, tile):
@@ -83,7 +83,7 @@ func test_felled_and_saved() -> void:
 	check(oak != null, "an oak is near")
 	var trunk: Vector3 = oak.transform.origin
 	await stand_before(trunk)
-	check_equal(player.looked_at.get("id"), oak.id, "looks at the oak")
+	check_equal(looked_id(), oak.id, "the player looks at the oak")
 	check(game.get_node("Highlight").visible, "the oak is highlighted")
 	check_equal(touched(trunk + Vector3.UP * 1.5), oak.id, "the oak has a body")
 	await walk_into(trunk)
@@ -101,28 +101,33 @@ func walk_into(trunk: Vector3) -> void:
 	hold(KEY_W, false)
 	await physics_frames(2)
 	var left := trunk.x - player.global_position.x
-	check(player.global_position.distance_to(before) > 2.0, "walks")
+	check(player.global_position.distance_to(before) > 2.0, "the player walks")
 	check(left > 0.6, "the trunk stops the player %.2f m before its middle" % left)
 	await stand_before(trunk)
 
 
 func fell(oak: ScatterInstance) -> void:
 	var scene := world.get_scene(oak.id)
-	check(scene != null, "near by, the oak is a scene")
+	check(scene != null, "near the player, the oak is a scene")
 	press(KEY_F)
 	await frames(2)
 	check_equal(game.falling, [scene] as Array[Node3D], "that scene falls")
 	await check_felled(oak.id, oak.transform)
-	check(scene.angle > 0.0, "it leans")
-	await until(func() -> bool: return scene.lies, "it lies in the end")
+	check(scene.angle > 0.0, "it tilts")
+	await until(func() -> bool: return scene.lies, "it lies on the ground in the end")
 	check(scene.angle > 0.9, "at %f radians" % scene.angle)
 
 
-## Gone for all who ask, with a stump in its place.
+## The id of the tree in the middle of the view; 0 if there is none.
+func looked_id() -> int:
+	return player.looked_at.id if player.looked_at != null else 0
+
+
+## Checks that a tree is gone from all queries, with a stump in its place.
 func check_felled(id: int, stood: Transform3D) -> void:
 	await physics_frames(2)
-	check(not world.has_instance(id), "it stands no longer")
-	check(player.looked_at.get("id", 0) != id, "it cannot be looked at")
+	check(not world.has_instance(id), "the tree does not exist any more")
+	check(looked_id() != id, "the player does not look at it")
 	check(not drawn(world.place_of("Oak"), id), "it is not drawn")
 	check(touched(stood.origin + Vector3.UP * 1.5) != id, "it has no body")
 	check(world.get_scene(id) == null, "it has no scene")
@@ -141,14 +146,14 @@ func test_felled_after_a_restart() -> void:
 	var stood: Transform3D = notes.transform
 	await load_game()
 	await stand_before(stood.origin)
-	check_equal(player.looked_at.get("id"), notes.id, "before loading, the oak stands")
+	check_equal(looked_id(), notes.id, "before loading, the oak exists")
 	press(KEY_F9)
 	await frames(2)
 	await check_felled(notes.id, stood)
-	# Far off, so that every tile around is dropped, and back.
+	# So far away that all surrounding tiles are removed, and back.
 	player.global_position += Vector3(-3000.0, 0.0, 0.0)
 	await settle(world)
-	check(not drawn(world.place_of("Oak"), notes.id), "nothing is drawn from there")
+	check(not drawn(world.place_of("Oak"), notes.id), "nothing is drawn there")
 	await stand_before(stood.origin)
 	await check_felled(notes.id, stood)
 	DirAccess.remove_absolute("user://gameplay.state")

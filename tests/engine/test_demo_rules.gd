@@ -1,19 +1,19 @@
 extends "demo_scene_harness.gd"
-## What the demo's rules scene promises: ferns under oaks alone, trees that keep apart, a bare path, a lake with reeds at its
-## shore and nothing in it, stones on steep ground, and a clearing that changes nothing but what it passes over.
+## The demo's scene of rules: ferns grow only under oaks, trees keep apart, the path is bare, reeds grow at the shore of the lake and
+## nothing grows in it, stones lie on steep ground, and a clearing changes nothing except the area that it crosses.
 
 const SCENE := "res://rules.tscn"
-## World x and z of the viewer: the western wood's edge, the lake's eastern shore by the path, the scree.
+## World x and z of the viewer: the edge of the western wood, the lake's eastern shore by the path, the scree.
 const PLACES: Array[Vector2] = [Vector2(-125.0, 30.0), Vector2(62.0, 5.0), Vector2(140.0, 60.0)]
-## By how much, in meters, a place may be off that was rounded on its way into a buffer.
+## Tolerance in meters for a position that was rounded on its way into a buffer.
 const ROUNDING := 0.002
 
-## Layer's name to instance's id to its place, a Vector3.
+## From a layer's name to {id: position as a Vector3}.
 var standing := {}
 
 
-## Adds to `standing` what stands around a place, world x and z.
-func look_from(place: Vector2) -> void:
+## Adds the instances around a position, world x and z, to `standing`.
+func add_instances_around(place: Vector2) -> void:
 	viewer.global_position = Vector3(place.x, 10.0, place.y)
 	await settle(scatter)
 	for index in scatter.layers.size():
@@ -31,7 +31,7 @@ func flat(place: Vector3) -> Vector2:
 	return Vector2(place.x, place.z)
 
 
-## For each instance of a layer, the distance in the plane to the nearest one of another, up to `reach`; INF beyond it.
+## Returns, for each instance of a layer, the distance on the map to the nearest one of a second layer; INF beyond `reach`.
 func nearest(of: String, to: String, reach: float) -> PackedFloat64Array:
 	var cells := {}
 	for place: Vector3 in standing[to].values():
@@ -49,13 +49,13 @@ func nearest(of: String, to: String, reach: float) -> PackedFloat64Array:
 	return result
 
 
-func test_what_stands_where() -> void:
+func test_each_layer_keeps_its_rules() -> void:
 	load_scene(SCENE)
 	standing = {}
-	await frames(1) # Its plants are built in the first frame.
+	await frames(1) # The plant meshes are built in the first frame.
 	check_equal(scatter.get_problems(), PackedStringArray(), "warnings of the scene")
 	for place in PLACES:
-		await look_from(place)
+		await add_instances_around(place)
 	for layer: String in standing:
 		check(standing[layer].size() > 200, "%d instances of %s" % [standing[layer].size(), layer])
 	check_neighbors()
@@ -67,9 +67,9 @@ func check_neighbors() -> void:
 	var to_oaks := nearest("Fern", "Oak", 8.0)
 	check(not to_oaks.has(INF), "ferns in the open: %d of %d" % [to_oaks.count(INF), to_oaks.size()])
 	var spruces := nearest("Spruce", "Oak", 5.5 - ROUNDING)
-	check(spruces.count(INF) == spruces.size(), "%d spruces too near to an oak" % (spruces.size() - spruces.count(INF)))
+	check(spruces.count(INF) == spruces.size(), "%d spruces are too close to an oak" % (spruces.size() - spruces.count(INF)))
 	var scree := nearest("Scree", "Boulders", 1.4 - ROUNDING)
-	check(scree.count(INF) == scree.size(), "%d stones too near to a boulder" % (scree.size() - scree.count(INF)))
+	check(scree.count(INF) == scree.size(), "%d stones are too close to a boulder" % (scree.size() - scree.count(INF)))
 
 
 func check_path() -> void:
@@ -79,11 +79,11 @@ func check_path() -> void:
 	var beside := 0
 	for layer: String in standing:
 		for place: Vector3 in standing[layer].values():
-			# Far from all of it.
+			# Far from the whole path.
 			if place.x < -20.0 or place.x > 115.0:
 				continue
 			var closest := path.curve.get_closest_point(path.to_local(Vector3(place.x, 0.0, place.z)))
-			# The curve hangs near the ground, so what is closest in space must be made so in the plane.
+			# The curve is near the ground, so the point closest in space is searched again on the map.
 			closest = path.curve.get_closest_point(Vector3(place.x, closest.y, place.z))
 			var away := flat(closest).distance_to(flat(place))
 			on_path += int(away < 0.9)
@@ -108,21 +108,21 @@ func check_heights_and_slopes() -> void:
 	check(gentlest > 21.9, "scree on ground of %f degrees" % gentlest)
 
 
-func test_the_clearing_moves_and_nothing_else() -> void:
+func test_a_moving_clearing_changes_nothing_else() -> void:
 	load_scene(SCENE)
 	standing = {}
 	var clearing := scene.get_node("Scatter/Clearing") as Node3D
 	var place := flat(clearing.global_position)
-	await look_from(place + Vector2(0.0, 30.0))
+	await add_instances_around(place + Vector2(0.0, 30.0))
 	var before := standing.duplicate()
 	var trees: Array = before["Oak"].values() + before["Spruce"].values()
 	check(not trees.any(func(at: Vector3) -> bool: return flat(at).distance_to(place) < 24.0), "trees in the clearing")
 	clearing.global_position += Vector3(40.0, 0.0, 0.0)
 	standing = {}
-	await look_from(place + Vector2(0.0, 30.0))
+	await add_instances_around(place + Vector2(0.0, 30.0))
 	var changed := 0
 	var strays := 0
-	# A fern looks 9 m far for oaks, undergrowth a little farther for ferns.
+	# A fern requires an oak within 9 m. Undergrowth looks a little further, for ferns.
 	var reach := 30.0 + 9.5
 	for layer: String in before:
 		for id: int in before[layer].keys() + standing[layer].keys():
@@ -132,11 +132,11 @@ func test_the_clearing_moves_and_nothing_else() -> void:
 			var at := flat(before[layer].get(id, standing[layer].get(id)))
 			var near := minf(at.distance_to(place), at.distance_to(place + Vector2(40.0, 0.0)))
 			strays += int(near > reach or (before[layer].has(id) and standing[layer].has(id)))
-	check(changed > 100, "%d instances came or went" % changed)
+	check(changed > 100, "%d instances appeared or disappeared" % changed)
 	check(strays == 0, "%d instances moved, or changed far from the clearing" % strays)
 	clearing.global_position -= Vector3(40.0, 0.0, 0.0)
 	standing = {}
-	await look_from(place + Vector2(0.0, 30.0))
+	await add_instances_around(place + Vector2(0.0, 30.0))
 	check(standing == before, "the same forest when the clearing is back")
 
 
@@ -147,7 +147,7 @@ func press(key: Key) -> void:
 	root.push_input(event)
 
 
-func test_a_key_lets_the_clearing_walk_and_stop() -> void:
+func test_a_key_starts_and_stops_the_clearing() -> void:
 	scene = (load(SCENE) as PackedScene).instantiate()
 	root.add_child(scene)
 	var clearing := scene.get_node("Scatter/Clearing") as Node3D
@@ -155,12 +155,12 @@ func test_a_key_lets_the_clearing_walk_and_stop() -> void:
 	var start := clearing.global_position
 	press(KEY_M)
 	await create_timer(0.4).timeout
-	check(clearing.global_position != start, "M: the clearing walks")
+	check(clearing.global_position != start, "M: the clearing moves")
 	press(KEY_M)
 	await frames(2)
 	var rest := clearing.global_position
 	await frames(10)
-	check_equal(clearing.global_position, rest, "M again: the clearing rests")
+	check_equal(clearing.global_position, rest, "M again: the clearing stops")
 
 
 func test_the_drawn_path_follows_the_curve() -> void:
@@ -170,7 +170,7 @@ func test_the_drawn_path_follows_the_curve() -> void:
 	var before := drawn.mesh
 	var path := scene.get_node("Scatter/Path") as Path3D
 	path.curve.set_point_position(3, path.curve.get_point_position(3) + Vector3(12.0, 0.0, 0.0))
-	await until(func() -> bool: return drawn.mesh != before, "drawn anew")
+	await until(func() -> bool: return drawn.mesh != before, "the path is redrawn")
 	var arrays := drawn.mesh.surface_get_arrays(0)
 	var there := path.curve.get_point_position(3)
 	var nearest := INF

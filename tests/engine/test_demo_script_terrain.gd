@@ -1,6 +1,6 @@
 extends "demo_scene_harness.gd"
-## The demo's script terrain: plants stand on the formula, up to its edge and not beyond, and on the ground that is drawn.
-## Every fourth plant is asked.
+## The demo's script terrain: plants are on the surface that the formula describes, up to its edge and not beyond, and on the
+## drawn ground. Every fourth plant is checked.
 
 const SCENE := "res://script_terrain.tscn"
 ## World x and z: the rim of the sinkhole, a cape, the open sea.
@@ -30,11 +30,11 @@ func test_plants_stand_on_the_formula() -> void:
 						continue
 					worst = maxf(worst, absf(at.y - offset - height))
 					at_the_edge += int(is_nan(terrain.get_height(at + Vector3(1.0, 0.0, 0.0))))
-	check(count > 100000, "%d plants seen" % count)
+	check(count > 100000, "%d plants were found" % count)
 	check(hollow == 0, "%d plants where there is no ground" % hollow)
-	# A place is rounded to a float between the formula and the buffer; slopes make that a height.
-	check(worst < 0.01, "a plant stands %f m off the ground" % worst)
-	check(at_the_edge > 30, "only %d of those seen are within a meter of the edge" % at_the_edge)
+	# Positions are rounded to floats on their way into the buffer. On a slope, that is a difference in height.
+	check(worst < 0.01, "a plant is %f m off the ground" % worst)
+	check(at_the_edge > 30, "only %d of the plants are within a meter of the edge" % at_the_edge)
 
 
 func test_the_drawn_ground_is_the_same() -> void:
@@ -56,7 +56,7 @@ func test_the_drawn_ground_is_the_same() -> void:
 		worst = maxf(worst, absf(middle.y - terrain.get_height(middle)))
 		area += 0.5 * Vector2(b.x - a.x, b.z - a.z).cross(Vector2(c.x - a.x, c.z - a.z))
 	check(worst < 0.05, "drawn %f m off the ground" % worst)
-	# Random places, by the formula.
+	# Random positions, by the formula.
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 3
 	var hits := 0
@@ -74,4 +74,4 @@ func test_a_changed_setting_changes_the_ground() -> void:
 	terrain.set(&"coast", 250.0)
 	await frames(3)
 	check(is_finite(terrain.get_height(Vector3(200.0, 0.0, 0.0))), "land when the coast is farther out")
-	check((scene.get_node("Ground") as MeshInstance3D).mesh != before, "drawn anew")
+	check((scene.get_node("Ground") as MeshInstance3D).mesh != before, "the ground is redrawn")

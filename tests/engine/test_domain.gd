@@ -1,25 +1,25 @@
 extends "domain_harness.gd"
-## PoissonSampler.sample_domain: the sets that each method gives.
+## PoissonSampler.sample_domain: the sets that each method returns.
 
-## Points for each square radius of an infinite set: coverage 0.547070 over the area of a disk of half the radius.
+## Points per squared radius of an infinite set: coverage 0.547070 over the area of a disk of half the radius.
 const DENSITY := 0.547070 / (PI / 4.0)
 const RECT := Rect2(-7.5, 3.25, 60.0, 37.0)
 
 
-## Points by cells of a radius, for look-ups.
+## Points in cells of one radius, for lookups.
 class Grid:
 	var cells := {}
 	var radius: float
 	var period: Vector2
 
-	## A period of infinity is none; otherwise a position has images a period away on each axis.
+	## An infinite period means none. Else a position has images one period away on each axis.
 	func _init(points: PackedVector2Array, spacing: float, repeats_after := Vector2.INF) -> void:
 		radius = spacing
 		period = repeats_after
 		for point in points:
 			cells.get_or_add(Vector2i((point / radius).floor()), []).push_back(point)
 
-	## From a position to the nearest point that is not at it; twice the radius if none is near.
+	## Returns the distance from a position to the nearest other point; twice the radius if none is near.
 	func nearest(position: Vector2) -> float:
 		var found := 2.0 * radius
 		for image in images(position):
@@ -41,18 +41,19 @@ class Grid:
 		return result
 
 
-## No two closer than the radius, all inside, and, if it is to be maximal, no room at any of some thousand positions.
-func check_set(points: PackedVector2Array, rect: Rect2, radius: float, period: Vector2, maximal: bool, what: String) -> void:
+## Checks that no two points are closer than the radius, that all are inside and, if the set is maximal, that none of some
+## thousand positions has room for one more.
+func check_set(points: PackedVector2Array, rect: Rect2, radius: float, period: Vector2, maximal: bool, context: String) -> void:
 	var grid := Grid.new(points, radius, period)
-	# What rounding to single precision may take away.
+	# The error of rounding to single precision.
 	var rounding := 4e-7 * (absf(rect.position.x) + absf(rect.position.y) + rect.size.x + rect.size.y)
 	var closest := INF
 	var outside := 0
 	for point in points:
 		closest = minf(closest, grid.nearest(point))
 		outside += int(not rect.has_point(point))
-	check(closest >= radius - rounding, "%s: two points %.9f apart, radius %.9f" % [what, closest, radius])
-	check_equal(outside, 0, what + ": points outside")
+	check(closest >= radius - rounding, "%s: two points %.9f apart, radius %.9f" % [context, closest, radius])
+	check_equal(outside, 0, context + ": points outside")
 	if not maximal:
 		return
 	var random := RandomNumberGenerator.new()
@@ -61,26 +62,26 @@ func check_set(points: PackedVector2Array, rect: Rect2, radius: float, period: V
 	for index in 4000:
 		var position := rect.position + rect.size * Vector2(random.randf(), random.randf())
 		farthest = maxf(farthest, grid.nearest(position))
-	check(farthest <= radius + rounding, "%s: nothing within %.9f of a position, radius %.9f" % [what, farthest, radius])
+	check(farthest <= radius + rounding, "%s: no point within %.9f of a position, radius %.9f" % [context, farthest, radius])
 
 
-func check_count(count: int, area: float, tolerance: float, what: String) -> void:
+func check_count(count: int, area: float, tolerance: float, context: String) -> void:
 	var expected := DENSITY * area
-	check(absf(count / expected - 1.0) < tolerance, "%s: %d points, about %d expected" % [what, count, expected])
+	check(absf(count / expected - 1.0) < tolerance, "%s: %d points, about %d expected" % [context, count, expected])
 
 
 func test_every_method_fills_the_rectangle() -> void:
 	for method in METHODS:
 		for precise: bool in [false, true]:
-			var what := label(method) + (" double" if precise else "")
+			var context := label(method) + (" double" if precise else "")
 			var sampler := make(method)
 			sampler.double_precision = precise
 			var points := sampler.sample_domain(RECT)
-			# Points along an edge have no neighbors beyond it, so that there are more of them; tiles know no edge.
-			check_count(points.size(), RECT.get_area(), 0.07, what)
-			# An edge of the window of an infinite set has points beyond it that cover it.
+			# Points along an edge have no neighbors beyond it, so there are more of them. Tiles have no edges.
+			check_count(points.size(), RECT.get_area(), 0.07, context)
+			# A window of an infinite set may lack points at its edge, because points beyond the edge cover it.
 			var maximal := method != PoissonSampler.METHOD_NAIVE and method != PoissonSampler.METHOD_TILES
-			check_set(points, RECT, 1.0, Vector2.INF, maximal, what)
+			check_set(points, RECT, 1.0, Vector2.INF, maximal, context)
 
 
 func test_rectangles_of_all_shapes() -> void:
@@ -97,35 +98,35 @@ func test_seeds() -> void:
 		var sampler := make(method)
 		var first := sampler.sample_domain(RECT)
 		check(sampler.sample_domain(RECT) == first, label(method) + ": the same again")
-		check(make(method).sample_domain(RECT) == first, label(method) + ": the same from another object")
-		check(make(method, 2).sample_domain(RECT) != first, label(method) + ": another seed")
-		check(make(method, -1).sample_domain(RECT) != make(method, 0).sample_domain(RECT), label(method) + ": negative")
+		check(make(method).sample_domain(RECT) == first, label(method) + ": the same from a different object")
+		check(make(method, 2).sample_domain(RECT) != first, label(method) + ": a different seed")
+		check(make(method, -1).sample_domain(RECT) != make(method, 0).sample_domain(RECT), label(method) + ": a negative seed")
 		sampler.radius = 1.5
 		var wider := sampler.sample_domain(RECT)
 		check_count(wider.size(), RECT.get_area() / 1.5 ** 2, 0.1, label(method) + " radius 1.5")
 		sampler.radius = 1.0
-		check(sampler.sample_domain(RECT) == first, label(method) + ": the same after another radius")
+		check(sampler.sample_domain(RECT) == first, label(method) + ": the same after a different radius")
 
 
-func test_what_changes_the_points_and_what_does_not() -> void:
+func test_only_some_properties_change_the_points() -> void:
 	for method in SINGLE:
 		var sampler := make(method)
 		var origin := Rect2(Vector2.ZERO, RECT.size)
 		var first := sampler.sample_domain(origin)
 		var moved := sampler.sample_domain(RECT)
-		check_equal(moved.size(), first.size(), label(method) + ": as many elsewhere")
+		check_equal(moved.size(), first.size(), label(method) + ": as many at a different position")
 		var largest := 0.0
 		for index in first.size():
 			largest = maxf(largest, (moved[index] - RECT.position).distance_to(first[index]))
-		check(largest < 1e-4, label(method) + ": the same elsewhere, up to rounding: %.9f" % largest)
+		check(largest < 1e-4, label(method) + ": the same at a different position, up to rounding: %.9f" % largest)
 		for width: float in [0.5, 3.0, 20.0, 1000.0]:
 			sampler.cell_size = width
 			check(sampler.sample_domain(origin) == first, "%s: the same with cells of %s r" % [label(method), width])
 		sampler.cell_size = 0.0
 		sampler.progressive_levels = 3
-		check(sampler.sample_domain(origin) == first, label(method) + ": knows no levels")
+		check(sampler.sample_domain(origin) == first, label(method) + ": ignores levels")
 		sampler.toroidal = true
-		check(sampler.sample_domain(origin) != first, label(method) + ": a torus is another set")
+		check(sampler.sample_domain(origin) != first, label(method) + ": a torus is a different set")
 
 
 func test_tiles_are_the_infinite_set() -> void:
@@ -133,11 +134,11 @@ func test_tiles_are_the_infinite_set() -> void:
 	for levels in [1, 3]:
 		sampler.progressive_levels = levels
 		sampler.double_precision = levels == 3
-		check(sampler.sample_domain(RECT) == sampler.sample(RECT).positions, "sample_domain is sample")
+		check(sampler.sample_domain(RECT) == sampler.sample(RECT).positions, "sample_domain equals sample")
 		var exact := sampler.sample_domain_exact(-7.5, 3.25, 52.5, 40.25)
 		var window := sampler.sample_exact(-7.5, 3.25, 52.5, 40.25)
-		check(exact.x == window.x and exact.y == window.y, "sample_domain_exact is sample_exact")
-	# A strip of a thousand kilometers, where corners of blocks no longer fit 32 bits while they are computed.
+		check(exact.x == window.x and exact.y == window.y, "sample_domain_exact equals sample_exact")
+	# A strip of a thousand kilometers: corners of blocks exceed 32 bits during the computation.
 	sampler.progressive_levels = 1
 	check_count(sampler.sample_domain(Rect2(-5e5, 0, 1e6, 0.5)).size(), 5e5, 0.02, "a long strip")
 
@@ -152,7 +153,7 @@ func test_torus() -> void:
 			check_set(points, rect, 1.0, rect.size, maximal, "%s around %s" % [label(method), rect])
 		var large := make(method)
 		large.toroidal = true
-		# No edges, so no more points than in an infinite set; darts that are not thrown to the end leave gaps.
+		# A torus has no edges, so no more points than an infinite set. The naive method stops early and leaves gaps.
 		check_count(large.sample_domain(Rect2(0, 0, 120, 90)).size(), 10800.0, 0.06 if method == PoissonSampler.METHOD_NAIVE else 0.015,
 				"%s around a large torus" % label(method))
 
@@ -165,23 +166,23 @@ func test_exact() -> void:
 		var x: PackedFloat64Array = exact.x
 		var y: PackedFloat64Array = exact.y
 		var rounded := sampler.sample_domain(Rect2(0, 0, 60, 37))
-		check(x.size() == rounded.size() and y.size() == x.size(), label(method) + ": as many as rounded")
+		check(x.size() == rounded.size() and y.size() == x.size(), label(method) + ": as many as in single precision")
 		var differing := 0
 		var finer := 0
 		for index in x.size():
 			differing += int(Vector2(x[index], y[index]) != rounded[index])
 			finer += int(rounded[index].x != x[index])
-		check(differing <= 1, label(method) + ": rounds to the same: %d do not" % differing)
-		check(finer > x.size() * 0.9, label(method) + ": has more digits")
+		check(differing <= 1, label(method) + ": rounds to the same points: %d differ" % differing)
+		check(finer > x.size() * 0.9, label(method) + ": is more precise")
 		sampler.double_precision = false
 		var single := sampler.sample_domain_exact(0.0, 0.0, 60.0, 37.0)
 		var plain := sampler.sample_domain(Rect2(0, 0, 60, 37))
 		for index in plain.size():
 			differing += int(plain[index].x != single.x[index] or plain[index].y != single.y[index])
-		check(differing <= 1, label(method) + ": single precision has nothing to round at the origin")
+		check(differing <= 1, label(method) + ": single precision rounds nothing at the origin")
 
 
-## No closer than the radius to the last bit, where nothing is rounded.
+## Distances are at least the radius to the last bit if nothing is rounded.
 func test_exact_distances() -> void:
 	for method in SINGLE:
 		var sampler := make(method, 5)
@@ -200,9 +201,9 @@ func test_far_from_the_origin() -> void:
 	for method in METHODS:
 		var far := Rect2(3e6, -2e6, 40, 30)
 		var points := make(method).sample_domain(far)
-		check_count(points.size(), 1200.0, 0.1, label(method) + " far out")
+		check_count(points.size(), 1200.0, 0.1, label(method) + " far from the origin")
 		var exact := make(method).sample_domain_exact(3e6, -2e6, 3e6 + 40.0, -2e6 + 30.0)
-		check_equal(exact.size(), points.size(), label(method) + ": exact ones")
+		check_equal(exact.size(), points.size(), label(method) + ": exact points")
 		for rect: Rect2 in [far, Rect2(5e6, 5e6, 5, 5), Rect2(-0.1, -1e-30, 17.3, 9.1)]:
 			for point in make(method).sample_domain(rect):
 				if not rect.has_point(point):
@@ -242,10 +243,10 @@ func test_points() -> void:
 	var exact := sampler.sample_exact(-7.5, 3.25, 52.5, 40.25)
 	check(points.size() > 1000 and not points.is_empty(), "%d points" % points.size())
 	check(points.ids == exact.ids and points.ranks == exact.ranks, "the same points")
-	check(points.positions == exact.positions, "rounded, they stand where they stand in single precision")
-	check(points.x.is_empty() and points.y.is_empty(), "double precision only where it was asked for")
+	check(points.positions == exact.positions, "positions are those in single precision")
+	check(points.x.is_empty() and points.y.is_empty(), "double precision only on request")
 	for all: PoissonPoints in [points, exact]:
-		check_equal(all.size(), all.positions.size(), "as many positions")
+		check_equal(all.size(), all.positions.size(), "one position per point")
 		for index: int in [0, 1, all.size() - 1]:
 			check_equal(all.get_id(index), all.ids[index], "id %d" % index)
 			check_equal(all.get_position(index), all.positions[index], "position %d" % index)
@@ -258,7 +259,7 @@ func test_points() -> void:
 			check_equal(all.get_rank(index), 0.0, "no rank %d" % index)
 			check_error(["PoissonPoints.index must be between 0 and"], "rank %d" % index)
 	check_equal(Vector2(exact.x[5], exact.y[5]), exact.positions[5], "x and y")
-	# So many that threads share the work, against so few that they do not.
+	# So many points that threads share the work, compared with so few that they do not.
 	var many := sampler.sample(Rect2(0.0, 0.0, 400.0, 300.0))
 	check(many.size() > 1 << 16, "%d points" % many.size())
 	check(many.positions == sampler.sample_domain(Rect2(0.0, 0.0, 400.0, 300.0)), "positions of many")
@@ -275,13 +276,13 @@ func test_points() -> void:
 	check(ids == all_ids and ranks == all_ranks, "ids and ranks of many")
 	var copy := points.ids
 	copy[0] = 1
-	check(points.ids[0] != 1 and points.get_id(0) != 1, "what a script gets is its own")
+	check(points.ids[0] != 1 and points.get_id(0) != 1, "arrays are copies")
 	var whole := make(PoissonSampler.METHOD_HIERARCHICAL).sample_domain_exact(0.0, 0.0, 60.0, 37.0)
 	check(whole.ids.is_empty() and whole.ranks.is_empty(), "a domain's points have neither ids nor ranks")
-	check_equal(whole.get_id(0), 0, "so that is 0")
-	check_equal(whole.get_rank(0), 0.0, "and so is that")
+	check_equal(whole.get_id(0), 0, "the id is 0")
+	check_equal(whole.get_rank(0), 0.0, "the rank is 0")
 	check_equal(whole.positions.size(), whole.size(), "positions of a domain")
 	var none := sampler.sample(Rect2(0, 0, -1, 1))
 	errors.take()
-	check(none != null and none.is_empty() and none.positions.is_empty(), "what is refused is empty, not null")
-	check(PoissonPoints.new().is_empty(), "so is one that nobody has filled")
+	check(none != null and none.is_empty() and none.positions.is_empty(), "a refused call returns an empty object, not null")
+	check(PoissonPoints.new().is_empty(), "a new object is empty")

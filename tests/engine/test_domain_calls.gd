@@ -1,5 +1,5 @@
 extends "domain_harness.gd"
-## PoissonSampler.sample_domain while it is under way: progress, threads, scripts that break; and what it refuses.
+## PoissonSampler.sample_domain during the call: progress, threads, scripts that fail; and the input that it refuses.
 
 
 func test_progress() -> void:
@@ -7,26 +7,26 @@ func test_progress() -> void:
 		var area := area_for(method)
 		var listener := Listener.new()
 		var start := Time.get_ticks_usec()
-		var points := make(method).sample_domain(area, listener.hear)
+		var points := make(method).sample_domain(area, listener.record)
 		var elapsed := Time.get_ticks_usec() - start
-		var count := listener.heard()
+		var count := listener.get_report_count()
 		check(count >= 2, "%s: called %d times in %d us" % [label(method), count, elapsed])
 		check(count <= elapsed / 15000.0 + 2, "%s: called %d times in %d us" % [label(method), count, elapsed])
 		for index in range(1, count):
 			check(listener.fractions[index] >= listener.fractions[index - 1], label(method) + ": fractions never fall")
-			check(listener.points[index] >= listener.points[index - 1], label(method) + ": nor do points")
-		check(listener.fractions[0] >= 0.0, label(method) + ": the first fraction") # 0 where no point was found before the first look at the clock.
+			check(listener.points[index] >= listener.points[index - 1], label(method) + ": the number of points never falls")
+		check(listener.fractions[0] >= 0.0, label(method) + ": the first fraction") # 0 if no point was found before the first check of the clock.
 		check_equal(listener.fractions[-1], 1.0, label(method) + ": the last fraction")
 		check_equal(listener.points[-1], points.size(), label(method) + ": the last number of points")
 		for thread in listener.threads:
-			check_equal(thread, OS.get_thread_caller_id(), label(method) + ": on the thread of the call")
-		check(points == make(method).sample_domain(area), label(method) + ": the same unwatched")
+			check_equal(thread, OS.get_thread_caller_id(), label(method) + ": on the calling thread")
+		check(points == make(method).sample_domain(area), label(method) + ": the same without a callback")
 
 
-func test_a_short_call_says_that_it_is_done() -> void:
+func test_a_short_call_reports_its_end() -> void:
 	for method in METHODS:
 		var listener := Listener.new()
-		var exact := make(method).sample_domain_exact(0.0, 0.0, 4.0, 3.0, listener.hear)
+		var exact := make(method).sample_domain_exact(0.0, 0.0, 4.0, 3.0, listener.record)
 		check_equal(listener.fractions[-1], 1.0, label(method))
 		check_equal(listener.points[-1], exact.size(), label(method))
 
@@ -38,17 +38,17 @@ func test_one_call_at_a_time() -> void:
 		var expected := sampler.sample_domain(area)
 		var results: Array = []
 		var listener := Listener.new()
-		listener.deed = func(_fraction: float) -> void:
+		listener.on_report = func(_fraction: float) -> void:
 			if results.is_empty():
 				results.push_back(sampler.sample(SMALL).ids.size())
 				results.push_back(sampler.sample_domain(SMALL).size())
 				results.push_back(sampler.sample_exact(0.0, 0.0, 5.0, 5.0).x.size())
 				results.push_back(sampler.sample_domain_exact(0.0, 0.0, 5.0, 5.0).y.size())
-		check(sampler.sample_domain(area, listener.hear) == expected, label(method) + ": goes on undisturbed")
-		check_equal(results, [0, 0, 0, 0], label(method) + ": calls within the call")
+		check(sampler.sample_domain(area, listener.record) == expected, label(method) + ": the call continues")
+		check_equal(results, [0, 0, 0, 0], label(method) + ": calls during the call")
 		var messages := "\n".join(errors.take())
 		for name: String in ["sample", "sample_domain", "sample_exact", "sample_domain_exact"]:
-			check("PoissonSampler.%s() called while another" % name in messages, "'%s' in: %s" % [name, messages])
+			check("PoissonSampler.%s() called while a different call" % name in messages, "'%s' in: %s" % [name, messages])
 
 
 func test_one_thread_at_a_time() -> void:
@@ -56,13 +56,13 @@ func test_one_thread_at_a_time() -> void:
 	var expected := sampler.sample_domain(area_for(sampler.method))
 	var listener := Listener.new()
 	var thread := Thread.new()
-	thread.start(func() -> PackedVector2Array: return sampler.sample_domain(area_for(sampler.method), listener.hear))
-	while listener.heard() == 0:
+	thread.start(func() -> PackedVector2Array: return sampler.sample_domain(area_for(sampler.method), listener.record))
+	while listener.get_report_count() == 0:
 		OS.delay_usec(500)
 	check_equal(sampler.sample_domain(SMALL).size(), 0, "a call from a second thread")
-	check_error(["PoissonSampler.sample_domain()", "under way"], "a call from a second thread")
-	check(thread.wait_to_finish() == expected, "the first one's points")
-	check(sampler.sample_domain(SMALL).size() > 300, "after that")
+	check_error(["PoissonSampler.sample_domain()", "a different thread"], "a call from a second thread")
+	check(thread.wait_to_finish() == expected, "the points of the first call")
+	check(sampler.sample_domain(SMALL).size() > 300, "a call after that")
 
 
 func test_many_threads_on_one_sampler() -> void:
@@ -81,36 +81,36 @@ func test_many_threads_on_one_sampler() -> void:
 		threads.push_back(Thread.new())
 		threads[index].start(work.bind(index))
 	for thread in threads:
-		check_equal(thread.wait_to_finish(), 0, "neither all points nor none")
+		check_equal(thread.wait_to_finish(), 0, "either all points or none")
 	for message in errors.take():
-		check("under way" in message, message)
-	check(sampler.sample_domain(SMALL) == expected, "unharmed")
+		check("a different thread" in message, message)
+	check(sampler.sample_domain(SMALL) == expected, "the sampler still works")
 
 
-func test_changes_hold_from_the_next_call_on() -> void:
+func test_changes_take_effect_in_the_next_call() -> void:
 	for method in METHODS:
 		var area := area_for(method)
 		var expected := make(method).sample_domain(area)
 		var sampler := make(method)
 		var listener := Listener.new()
-		listener.deed = func(_fraction: float) -> void:
+		listener.on_report = func(_fraction: float) -> void:
 			sampler.radius = 9.0
 			sampler.seed = 77
 			sampler.progressive_levels = 2
 			sampler.method = PoissonSampler.METHOD_WAVEFRONT
 			sampler.double_precision = true
-		check(sampler.sample_domain(area, listener.hear) == expected, label(method) + ": as it was when the call began")
-		check(sampler.sample_domain(area).size() < expected.size() / 20.0, label(method) + ": the next one is another")
+		check(sampler.sample_domain(area, listener.record) == expected, label(method) + ": the points are those of the old properties")
+		check(sampler.sample_domain(area).size() < expected.size() / 20.0, label(method) + ": the next call uses the new ones")
 
 
 class Passing extends Object:
-	var heard := 0
+	var report_count := 0
 
-	func hear(_fraction: float, _points: int) -> void:
-		heard += 1
+	func record(_fraction: float, _points: int) -> void:
+		report_count += 1
 
 
-func test_progress_that_breaks() -> void:
+func test_progress_callbacks_that_fail() -> void:
 	for method in METHODS:
 		var area := area_for(method)
 		var sampler := make(method)
@@ -129,20 +129,20 @@ func test_progress_that_breaks() -> void:
 			var nothing: Node = null
 			nothing.name = "fails"
 		check(sampler.sample_domain(area, failing) == expected, label(method) + ": all points, script failed")
-		check(errors.take().size() > 0, label(method) + ": and the engine said so")
+		check(errors.take().size() > 0, label(method) + ": and the engine printed an error")
 
 
-## An object that hears the first word and is freed before the second.
-func test_progress_whose_object_goes() -> void:
+## A listener that is freed after the first report.
+func test_a_progress_callback_whose_object_is_freed() -> void:
 	for method in METHODS:
 		var area := area_for(method)
 		area.size *= 2.0
 		var expected := make(method).sample_domain(area)
 		var passing := Passing.new()
 		var thread := Thread.new()
-		var hear := passing.hear
-		thread.start(func() -> PackedVector2Array: return make(method).sample_domain(area, hear))
-		while passing.heard == 0:
+		var record := passing.record
+		thread.start(func() -> PackedVector2Array: return make(method).sample_domain(area, record))
+		while passing.report_count == 0:
 			OS.delay_usec(500)
 		OS.delay_usec(500)
 		passing.free()
@@ -153,8 +153,8 @@ func test_progress_whose_object_goes() -> void:
 var held: PoissonSampler
 
 
-## The sampler lives for as long as its call.
-func test_let_go_during_the_call() -> void:
+## The sampler lives until its call returns.
+func test_releasing_the_sampler_during_the_call() -> void:
 	for method in METHODS:
 		var area := area_for(method)
 		var expected := make(method).sample_domain(area)
@@ -165,18 +165,18 @@ func test_let_go_during_the_call() -> void:
 			held = null
 			alive.push_back(watched.get_ref() != null))
 		check(points == expected, label(method) + ": all points")
-		check(alive.size() > 0 and not false in alive, label(method) + ": alive while at work: %s" % [alive])
-		check(watched.get_ref() == null, label(method) + ": gone afterwards")
+		check(alive.size() > 0 and not false in alive, label(method) + ": alive during the call: %s" % [alive])
+		check(watched.get_ref() == null, label(method) + ": freed afterwards")
 
 
 func refuse(sampler: PoissonSampler, rect: Rect2, words: Array) -> void:
-	var what := "%s in %s" % [label(sampler.method), rect]
-	check_equal(sampler.sample_domain(rect).size(), 0, what)
-	check_error(words, what)
+	var context := "%s in %s" % [label(sampler.method), rect]
+	check_equal(sampler.sample_domain(rect).size(), 0, context)
+	check_error(words, context)
 	var min := Vector2(rect.position)
 	var exact := sampler.sample_domain_exact(min.x, min.y, min.x + rect.size.x, min.y + rect.size.y)
-	check_equal(exact.x.size() + exact.y.size(), 0, what + ", exact")
-	check_error(words, what + ", exact")
+	check_equal(exact.x.size() + exact.y.size(), 0, context + ", exact")
+	check_error(words, context + ", exact")
 
 
 func test_refused_rectangles() -> void:
@@ -190,7 +190,7 @@ func test_refused_rectangles() -> void:
 			refuse(sampler, Rect2(3, 4, bad, 5), ["PoissonSampler.rect.size must be positive, got %d" % bad])
 		refuse(sampler, Rect2(0, 0, NAN, 5), ["PoissonSampler.rect.size must be finite, got nan"])
 		refuse(sampler, Rect2(0, 0, 5, INF), ["PoissonSampler.rect.size must be finite, got inf"])
-		refuse(sampler, Rect2(0, 0, 1e6, 1e6), ["PoissonSampler.rect", "asks for too many points, got 6"])
+		refuse(sampler, Rect2(0, 0, 1e6, 1e6), ["PoissonSampler.rect", "requires too many points, got 6"])
 		refuse(sampler, Rect2(-1e30, -1e30, 3e30, 3e30), ["PoissonSampler.rect", "e+"])
 		sampler.toroidal = true
 		if method == PoissonSampler.METHOD_TILES:
@@ -200,7 +200,7 @@ func test_refused_rectangles() -> void:
 			sampler.toroidal = false
 			refuse(sampler, Rect2(0, 0, 131200, 2), ["PoissonSampler.rect.size is out of range, got 131200", "131072", "double_p"])
 		sampler.toroidal = false
-		check(sampler.sample_domain(SMALL) == expected, label(method) + ": unharmed")
+		check(sampler.sample_domain(SMALL) == expected, label(method) + ": the sampler still works")
 	var tiles := make(PoissonSampler.METHOD_TILES)
 	refuse(tiles, Rect2(6e6, 0, 5, 5), ["PoissonSampler.rect must be between", "got 6000"])
 
@@ -226,12 +226,12 @@ func test_refused_properties() -> void:
 		sampler.cell_size = bad
 		check_error(["PoissonSampler.cell_size must be finite, between 0 and 1000, got %s" % bad], "cells of %s" % bad)
 	check_equal(sampler.method, PoissonSampler.METHOD_ACCUMULATOR, "the method stays")
-	check_equal(sampler.cell_size, 2.5, "and the cells")
+	check_equal(sampler.cell_size, 2.5, "and so does the cell size")
 	check_equal(ClassDB.class_get_enum_constants("PoissonSampler", "Method").size(), 5, "methods")
 
 
 func test_refused_arguments() -> void:
 	var sampler := PoissonSampler.new()
 	for wrong: Array in [[], [SMALL, Callable(), 3], [SMALL, 3], ["text"]]:
-		check(sampler.callv("sample_domain", wrong) == null, "%s are no arguments" % [wrong])
+		check(sampler.callv("sample_domain", wrong) == null, "%s are refused" % [wrong])
 		check_error(["PoissonSampler::sample_domain"], "%s" % [wrong])

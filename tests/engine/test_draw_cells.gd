@@ -1,9 +1,9 @@
 extends "draw_cells_harness.gd"
-## Tiles in cells: what is near is drawn finer than what is made, and each frame has every instance once. Read back from a renderer
-## that keeps what it is given, so not --headless.
+## Tiles in cells: nearby tiles are drawn in smaller parts than they are generated, and each frame draws every instance once. Needs a
+## renderer that keeps its buffers, so run it without --headless.
 
 
-func test_near_tiles_are_in_cells_and_far_ones_whole_wherever_the_viewer_goes() -> void:
+func test_near_tiles_are_in_cells_and_far_tiles_whole() -> void:
 	var viewer := make_viewer(Vector3(200.0, 2.0, 200.0))
 	var scatter := make_scatter([make_forest()], Island.new(), viewer)
 	await settle(scatter)
@@ -13,32 +13,32 @@ func test_near_tiles_are_in_cells_and_far_ones_whole_wherever_the_viewer_goes() 
 		await settle(scatter)
 		var in_cells := tiles_in_cells(scatter)
 		check(corner in in_cells, "the viewer's tile %s is in cells: %s" % [corner, in_cells])
-		check(not Vector2i(-1 - corner.x, -1 - corner.y) in in_cells, "the opposite one is whole: %s" % [in_cells])
+		check(not Vector2i(-1 - corner.x, -1 - corner.y) in in_cells, "the opposite tile is whole: %s" % [in_cells])
 		check(in_cells.size() < 6, "few are in cells: %s" % [in_cells])
-		check_equal(island_digests(scatter), exact, "what the renderer holds")
-		check_equal(scatter.get_stats()["multimeshes"], multimesh_count(scatter), "multimeshes in the figures")
-		check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn in the figures")
+		check_equal(island_digests(scatter), exact, "the renderer's buffers")
+		check_equal(scatter.get_stats()["multimeshes"], multimesh_count(scatter), "multimeshes in the stats")
+		check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn instances in the stats")
 	var uploads: int = scatter.get_stats()["uploads"]
-	for step in 40: # To and fro by less than a tenth of a tile.
+	for step in 40: # Back and forth by less than a tenth of a tile.
 		viewer.global_position.x += 10.0 if step % 2 == 0 else -10.0
 		await frames(2)
 	await settle(scatter)
-	check(scatter.get_stats()["uploads"] - uploads <= 3 * 2 * 16, "few uploads for steps to and fro")
+	check(scatter.get_stats()["uploads"] - uploads <= 3 * 2 * 16, "few uploads for steps back and forth")
 	uploads = scatter.get_stats()["uploads"]
 	for step in 40:
 		viewer.global_position.x += 10.0 if step % 2 == 0 else -10.0
 		await frames(2)
 	await settle(scatter)
-	check_equal(scatter.get_stats()["uploads"], uploads, "uploads once both ends were seen")
+	check_equal(scatter.get_stats()["uploads"], uploads, "uploads after both ends were visited")
 
 
-func test_cells_have_what_stands_in_them_and_nothing_else() -> void:
+func test_cells_draw_exactly_their_instances() -> void:
 	var viewer := make_viewer(Vector3(64.0, 2.0, 64.0))
 	var scatter := make_scatter([make_forest()], Island.new(), viewer)
 	await settle(scatter)
 	var tile := scatter.get_tile(0, Vector2i.ZERO)
 	for mesh in 2:
-		check_equal(tile.get_multimesh(mesh), RID(), "the one multimesh of mesh %d" % mesh)
+		check_equal(tile.get_multimesh(mesh), RID(), "the single multimesh of mesh %d" % mesh)
 		var count := 0
 		var seen := {}
 		for multimesh: RID in tile.get_multimeshes(mesh):
@@ -49,22 +49,22 @@ func test_cells_have_what_stands_in_them_and_nothing_else() -> void:
 				if its != cell:
 					check(false, "an instance of cell %s is drawn in %s" % [its, cell])
 				count += 1
-			check(not cell in seen, "cell %s comes once" % cell)
+			check(not cell in seen, "cell %s occurs once" % cell)
 			seen[cell] = true
 			var box := box_of(buffer, 12, Vector3.ZERO)
 			check(RenderingServer.multimesh_get_custom_aabb(multimesh).grow(0.01).encloses(box), "the box of cell %s" % cell)
-			check(box.size.x < CELL + 2.0 and box.size.z < CELL + 2.0, "cell %s is not larger than that" % cell)
+			check(box.size.x < CELL + 2.0 and box.size.z < CELL + 2.0, "the box of cell %s is not too large" % cell)
 		check_equal(count, tile.get_ids(mesh).size(), "instances in the cells of mesh %d" % mesh)
 		check(seen.size() > 12, "cells of mesh %d: %d" % [mesh, seen.size()])
 	var far := scatter.get_tile(0, Vector2i(-2, -2))
-	check_equal(far.get_multimeshes(0), [far.get_multimesh(0)] as Array[RID], "a far tile has one")
+	check_equal(far.get_multimeshes(0), [far.get_multimesh(0)] as Array[RID], "a far tile has one multimesh")
 	check(far.get_multimesh(0).is_valid(), "and it is valid")
-	check_equal(scatter.get_tile(0, Vector2i(100, 0)).get_mesh_count(), 0, "a tile that is not there")
+	check_equal(scatter.get_tile(0, Vector2i(100, 0)).get_mesh_count(), 0, "a missing tile")
 	scatter.get_tile(0, Vector2i.ZERO).get_multimeshes(2)
-	check_error(["get_multimeshes", "index", "2"], "an index that is not there")
+	check_error(["get_multimeshes", "index", "2"], "an index beyond the list")
 
 
-func test_each_cell_has_the_mesh_and_the_thinning_of_its_own_distance() -> void:
+func test_mesh_and_thinning_depend_on_a_cells_distance() -> void:
 	var layer := make_forest()
 	layer.use_custom_data = true
 	layer.thin_begin = 20.0
@@ -92,15 +92,15 @@ func test_each_cell_has_the_mesh_and_the_thinning_of_its_own_distance() -> void:
 			var drawn := visible_count(multimesh)
 			check(drawn >= fewest and drawn <= most, "%f m: %d drawn, %d to %d" % [distance, drawn, fewest, most])
 	check_equal(meshes[Vector2i.ZERO].size(), 2, "meshes in the viewer's tile")
-	check(scatter.get_stats()["drawn"] < scatter.get_stats()["instances"], "something is thinned")
-	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn in the figures")
+	check(scatter.get_stats()["drawn"] < scatter.get_stats()["instances"], "some instances are thinned out")
+	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn instances in the stats")
 	scatter.quality = 0.5
 	await frames(20)
 	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn at half the quality")
 
 
-## Every instance adds as much light to the picture, wherever it stands: one that is drawn twice or not at all shows.
-func test_no_frame_has_an_instance_twice_or_not_at_all() -> void:
+## Every instance adds the same light to the picture at any position, so one that is drawn twice or not at all is visible.
+func test_every_frame_draws_each_instance_once() -> void:
 	var material := StandardMaterial3D.new()
 	material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
 	material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
@@ -119,16 +119,16 @@ func test_no_frame_has_an_instance_twice_or_not_at_all() -> void:
 	camera.size = 540.0
 	camera.position = Vector3(0.0, 300.0, 0.0)
 	var scatter := make_scatter([layer], Island.new(), viewer)
-	scatter.frame_budget_usec = 200 # So that changes take several frames.
+	scatter.frame_budget_usec = 200 # A small budget spreads changes over several frames.
 	await settle(scatter)
 	await frames(4)
 	var whole := await light()
-	check(whole.get_data().count(0) < whole.get_data().size() / 2, "there is something to see")
+	check(whole.get_data().count(0) < whole.get_data().size() / 2, "some pixels are lit")
 	var counts := {}
 	var differing := 0
 	for step in 80:
 		viewer.global_position += Vector3(5.0, 0.0, 4.5)
-		# The work may lag behind by as much as the machine is slow, but not for the whole way.
+		# The work may lag behind on a slow machine, but must catch up on the way.
 		var deadline := Time.get_ticks_msec() + IDLE_TIMEOUT_MSEC
 		while true:
 			if (await light()).get_data() != whole.get_data():
@@ -136,7 +136,7 @@ func test_no_frame_has_an_instance_twice_or_not_at_all() -> void:
 			counts[scatter.get_stats()["multimeshes"]] = true
 			if step % 10 != 9 or scatter.is_settled() or Time.get_ticks_msec() > deadline:
 				break
-	check_equal(differing, 0, "frames with another picture")
+	check_equal(differing, 0, "frames with a different picture")
 	check(counts.size() > 3, "tiles were divided on the way: %s" % [counts.keys()])
 
 
@@ -147,7 +147,7 @@ func light() -> Image:
 	return image
 
 
-func test_a_change_uploads_the_cell_that_it_is_in() -> void:
+func test_a_change_uploads_only_its_cell() -> void:
 	var viewer := make_viewer(Vector3(64.0, 2.0, 64.0))
 	var scatter := make_scatter([make_forest()], Island.new(), viewer)
 	await settle(scatter)
@@ -155,48 +155,48 @@ func test_a_change_uploads_the_cell_that_it_is_in() -> void:
 	var multimeshes := multimeshes_of(scatter, Vector2i.ZERO)
 	var id: int = tile_ids(scatter, 0, Vector2i.ZERO)[0][5]
 	var uploads: int = scatter.get_stats()["uploads"]
-	check(scatter.remove_instance(id), "there is one to remove")
+	check(scatter.remove_instance(id), "an instance was removed")
 	await frames(2)
-	check_equal(scatter.get_stats()["uploads"] - uploads, 1, "uploads for one that is gone")
-	check(not id in tile_ids(scatter, 0, Vector2i.ZERO)[0], "it is gone")
+	check_equal(scatter.get_stats()["uploads"] - uploads, 1, "uploads for the removal")
+	check(not id in tile_ids(scatter, 0, Vector2i.ZERO)[0], "the instance is gone")
 	check_equal(tile_buffers(scatter, 0, Vector2i.ZERO)[0].size(), 12 * tile_ids(scatter, 0, Vector2i.ZERO)[0].size(), "floats")
 	check_equal(multimeshes_of(scatter, Vector2i.ZERO), multimeshes, "the multimeshes are the same")
 	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn")
-	check(scatter.restore_instance(id), "it comes back")
+	check(scatter.restore_instance(id), "it is restored")
 	await frames(2)
-	check_equal(scatter.get_stats()["uploads"] - uploads, 2, "uploads for it and back")
-	check_equal(island_digests(scatter), before, "all as it was")
-	# A cell that loses all it has, and gets something again.
+	check_equal(scatter.get_stats()["uploads"] - uploads, 2, "uploads for the removal and the restoration")
+	check_equal(island_digests(scatter), before, "the buffers are the same as before")
+	# A cell that loses all of its instances and gets a new one.
 	var lone: RID = multimeshes[0][0]
 	var floats := RenderingServer.multimesh_get_buffer(lone)
 	var places := range(0, floats.size(), 12).map(func(at: int) -> Vector3: return Vector3(floats[at + 3], 0.0, floats[at + 11]))
 	var origin := scatter.get_tile(0, Vector2i.ZERO).get_origin()
 	for place: Vector3 in places:
 		for gone in scatter.remove_in_sphere(place + origin, 0.5):
-			check(true, "%d is gone" % gone)
+			check(true, "%d is removed" % gone)
 	await frames(2)
 	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size() - 1, "an empty cell draws nothing")
 	var added := scatter.add_instance(0, Transform3D(Basis(), places[0] + origin), 0)
 	await frames(2)
-	check(added in tile_ids(scatter, 0, Vector2i.ZERO)[0], "one that was placed by hand is drawn")
-	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size(), "in a cell again")
+	check(added in tile_ids(scatter, 0, Vector2i.ZERO)[0], "a hand-placed instance is drawn")
+	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size(), "the cell is back")
 	check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn")
 
 
-func test_the_limit_of_multimeshes_holds_and_near_tiles_come_first() -> void:
+func test_max_multimeshes_prefers_near_tiles() -> void:
 	var layer := make_forest()
 	layer.lod_distances = PackedFloat32Array([120.0])
 	var viewer := make_viewer(Vector3(-200.0, 2.0, -200.0))
 	var scatter := make_scatter([layer], Island.new(), viewer)
 	await settle(scatter)
 	var most: int = scatter.get_stats()["multimeshes"]
-	check(most > 100, "without a limit there are %d" % most)
+	check(most > 100, "%d multimeshes without a limit" % most)
 	var exact := island_digests(scatter)
 	scatter.max_multimeshes = 80
 	await settle(scatter)
-	check(scatter.get_stats()["multimeshes"] in range(60, 81), "with one, %s" % scatter.get_stats()["multimeshes"])
+	check(scatter.get_stats()["multimeshes"] in range(60, 81), "%s multimeshes with a limit" % scatter.get_stats()["multimeshes"])
 	check_nearest_in_cells(scatter, Vector2i(-2, -2))
-	check_equal(island_digests(scatter), exact, "what the renderer holds")
+	check_equal(island_digests(scatter), exact, "the renderer's buffers")
 	for step in 100:
 		viewer.global_position += Vector3(4.0, 0.0, 4.0)
 		await frames(1)
@@ -207,17 +207,17 @@ func test_the_limit_of_multimeshes_holds_and_near_tiles_come_first() -> void:
 	scatter.max_multimeshes = 0
 	await settle(scatter)
 	check_equal(scatter.get_stats()["multimeshes"], WHOLE, "multimeshes of whole tiles")
-	check_equal(island_digests(scatter), exact, "what the renderer holds of whole tiles")
+	check_equal(island_digests(scatter), exact, "the renderer's buffers for whole tiles")
 	scatter.max_multimeshes = -1
 	check_error(["max_multimeshes", "-1"], "a limit below 0")
-	check_equal(scatter.max_multimeshes, 0, "the limit that stays")
+	check_equal(scatter.max_multimeshes, 0, "the last valid limit stays")
 
 
-## There is room for one tile near the viewer, and for a farther one if that has few cells.
+## The limit leaves room for one tile near the viewer, and for a further one if that has few cells.
 func check_nearest_in_cells(scatter: TerrainScatter3D, nearest: Vector2i) -> void:
 	var in_cells := tiles_in_cells(scatter)
-	check(nearest in in_cells and in_cells.size() < 4, "%s is in cells, and few others: %s" % [nearest, in_cells])
-	check(multimeshes_of(scatter, nearest)[0].size() > 12, "in small ones")
+	check(nearest in in_cells and in_cells.size() < 4, "%s is in cells, and few others are: %s" % [nearest, in_cells])
+	check(multimeshes_of(scatter, nearest)[0].size() > 12, "its cells are small")
 
 
 func test_settings_of_cells() -> void:
@@ -227,18 +227,18 @@ func test_settings_of_cells() -> void:
 	await settle(scatter)
 	var made: int = scatter.get_stats()["tiles_made"]
 	var exact := island_digests(scatter)
-	for wanted: Array in [[64.0, 4], [128.0, 1], [1000.0, 1], [0.0, 25], [32.0, 16]]: # Small models: 24 m, rounded.
+	for wanted: Array in [[64.0, 4], [128.0, 1], [1000.0, 1], [0.0, 25], [32.0, 16]]: # For small models, 0 means 24 m, rounded.
 		layer.draw_cell_size = wanted[0]
 		await settle(scatter)
 		var count: int = multimeshes_of(scatter, Vector2i.ZERO)[0].size()
 		check_equal(count, wanted[1], "cells of a mesh for a size of %f" % wanted[0])
-		check_equal(island_digests(scatter), exact, "what the renderer holds")
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles made for other cells")
+		check_equal(island_digests(scatter), exact, "the renderer's buffers")
+	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for new cell sizes")
 	for bad: float in [-1.0, 0.5, INF, NAN, 1e10]:
 		layer.draw_cell_size = bad
 		check_error(["draw_cell_size"], "a size of %f" % bad)
-	check_equal(layer.draw_cell_size, 32.0, "the size that stays")
-	# While a tile is being divided, its layer may go, or change what it draws.
+	check_equal(layer.draw_cell_size, 32.0, "the last valid size stays")
+	# While a tile is being divided, its layer may be removed or change its settings.
 	scatter.frame_budget_usec = 1
 	layer.draw_cell_size = 16.0
 	await frames(3)
@@ -255,10 +255,10 @@ func test_settings_of_cells() -> void:
 	scatter.frame_budget_usec = 20000
 	scatter.layers = [layer]
 	await settle(scatter)
-	check_equal(island_digests(scatter), exact, "after all of that")
+	check_equal(island_digests(scatter), exact, "the renderer's buffers after all changes")
 
 
-func test_figures_of_what_is_drawn() -> void:
+func test_draw_stats() -> void:
 	var layer := make_forest()
 	layer.meshes = [BoxMesh.new(), null]
 	layer.lod_meshes = [null, null]
@@ -278,24 +278,24 @@ func test_figures_of_what_is_drawn() -> void:
 	await settle(scatter)
 	var more := scatter.get_draw_stats()
 	check_equal(more["triangles"], 24 * stats["drawn"], "triangles of a mesh of three surfaces, one of them lines")
-	check_equal(more["draw_calls"], 3 * more["multimeshes"], "draw calls of it")
+	check_equal(more["draw_calls"], 3 * more["multimeshes"], "draw calls of that mesh")
 	var camera := look_down()
 	camera.far = 100.0
 	await frames(2)
 	var below := scatter.get_draw_stats(camera)
 	check(below["triangles"] > 0 and below["triangles"] < more["triangles"] / 3, "below the camera: %s" % below)
 	camera.rotation_degrees.x = 90.0
-	check_equal(scatter.get_draw_stats(camera)["draw_calls"], 0, "draw calls for a look into the sky")
+	check_equal(scatter.get_draw_stats(camera)["draw_calls"], 0, "draw calls when the camera looks into the sky")
 	scatter.visible = false
 	check_equal(scatter.get_draw_stats()["draw_calls"], 0, "draw calls of a hidden node")
 	var outside := Camera3D.new()
-	check_equal(scatter.get_draw_stats(outside), {}, "figures for a camera outside of the tree")
+	check_equal(scatter.get_draw_stats(outside), {}, "stats for a camera outside of the tree")
 	check_error(["get_draw_stats", "camera"], "a camera outside of the tree")
 	outside.free()
 
 
-## As a viewer walks, only those are looked at for which it may have come far enough to be drawn otherwise.
-func test_a_step_looks_at_few_cells() -> void:
+## When a viewer moves, only those cells are checked whose distance may have changed enough.
+func test_a_step_checks_few_cells() -> void:
 	var camera := Camera3D.new()
 	root.add_child(camera)
 	camera.position = Vector3(10.0, 2.0, 10.0)
@@ -305,13 +305,13 @@ func test_a_step_looks_at_few_cells() -> void:
 	check(all > 150, "%d multimeshes" % all)
 	var before: int = scatter.get_stats()["lod_looks"]
 	await frames(20)
-	check_equal(scatter.get_stats()["lod_looks"], before, "looks while nobody moves")
+	check_equal(scatter.get_stats()["lod_looks"], before, "checks while the viewer rests")
 	for step in 40:
 		camera.position += Vector3(0.25, 0.0, 0.1)
 		await frames(1)
 	await settle(scatter)
-	var looks: int = scatter.get_stats()["lod_looks"] - before
-	check(looks > 10, "%d looks" % looks)
-	check(looks < all, "%d looks for %d multimeshes" % [looks, all])
+	var checks_made: int = scatter.get_stats()["lod_looks"] - before
+	check(checks_made > 10, "%d checks" % checks_made)
+	check(checks_made < all, "%d checks for %d multimeshes" % [checks_made, all])
 	scatter.free()
 	camera.free()

@@ -1,24 +1,24 @@
 extends "edits_harness.gd"
-## An edit changes what it reaches and no more: regions, masks and ground.
+## Edits of regions, masks and ground change only the area that they reach.
 
-## What has changed since `before` lies in `areas`, and the tiles that touch them were made anew, no others.
+## Checks that all changes since `before` are in `areas`, and that exactly the tiles that touch these areas were regenerated.
 func check_local(scatter: TerrainScatter3D, layer: int, before: Dictionary[int, Transform3D], made: Dictionary,
-		areas: Array[Rect2], what: String) -> int:
+		areas: Array[Rect2], context: String) -> int:
 	var changed := changed_places(before, instances(scatter, layer))
 	var outside := 0
 	for position in changed:
 		outside += int(not areas.any(func(area: Rect2) -> bool: return area.grow(FLOATS).has_point(position)))
-	check_equal(outside, 0, what + ": instances that changed outside of the edit")
+	check_equal(outside, 0, context + ": instances that changed outside of the edit")
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
 		var rect := tile_rect(scatter, layer, tile)
 		if areas.any(func(area: Rect2) -> bool: return rect.intersects(area.grow(-0.1))):
-			check(made.has(tile), "%s: tile %s of layer %d is made anew" % [what, tile, layer])
+			check(made.has(tile), "%s: tile %s of layer %d is regenerated" % [context, tile, layer])
 		elif not areas.any(func(area: Rect2) -> bool: return rect.intersects(area.grow(0.1))):
-			check(not made.has(tile), "%s: tile %s of layer %d stays" % [what, tile, layer])
+			check(not made.has(tile), "%s: tile %s of layer %d stays" % [context, tile, layer])
 	return changed.size()
 
 
-## The areas that are not empty, grown.
+## Returns the areas that are not empty, enlarged.
 func grown(areas: Array[Rect2], distance: float) -> Array[Rect2]:
 	var result: Array[Rect2] = []
 	for area in areas:
@@ -32,7 +32,7 @@ func region_area(region: ScatterRegion3D) -> Rect2:
 	return Rect2(at, Vector2.ZERO).grow(region.radius)
 
 
-## One random edit. Returns where each of the two layers may have changed.
+## Makes a random edit. Returns the areas in which each of the two layers may have changed.
 func edit(scatter: TerrainScatter3D, region: ScatterRegion3D, random: RandomNumberGenerator) -> Array[Array]:
 	var at := Vector2(random.randf_range(-60, 60), random.randf_range(-60, 60))
 	var areas: Array[Rect2] = []
@@ -50,15 +50,15 @@ func edit(scatter: TerrainScatter3D, region: ScatterRegion3D, random: RandomNumb
 			var radius := random.randf_range(1.0, 9.0)
 			own.push_back(scatter.layers[FERN].mask.paint(at, radius, 0.7, 0.3, random.randi_range(0, 1)))
 		3:
-			var mound: Mound = scatter.terrain
+			var mound: Mound = scatter.ground
 			areas.push_back(mound.area.grow(1.0))
 			mound.height = random.randf_range(-3.0, 3.0)
 			mound.area = Rect2(at, Vector2(random.randf_range(1, 20), random.randf_range(1, 20)))
 			areas.push_back(mound.area.grow(1.0))
 			own = areas
-			# A rectangle may be given from any of its corners.
-			mound.terrain_changed.emit(Rect2(areas[0].end - Vector2.ONE, Vector2(2, 2) - areas[0].size))
-			mound.terrain_changed.emit(mound.area)
+			# A rectangle may start at any of its corners.
+			mound.ground_changed.emit(Rect2(areas[0].end - Vector2.ONE, Vector2(2, 2) - areas[0].size))
+			mound.ground_changed.emit(mound.area)
 	return [grown(areas, 0.0), grown(areas, SPACING) + grown(own, FEATHER)]
 
 
@@ -81,13 +81,13 @@ func test_random_edits_stay_local() -> void:
 		for layer: int in [OAK, FERN]:
 			counts[layer] += check_local(scatter, layer, before[layer], made[layer], areas[layer], "round %d" % round)
 	check(counts[OAK] > 50 and counts[FERN] > 300, "instances that changed: %s" % [counts])
-	var copy := make_scatter(make_forest(), scatter.terrain, viewer)
+	var copy := make_scatter(make_forest(), scatter.ground, viewer)
 	for layer: int in [OAK, FERN]:
 		copy.layers[layer].mask = scatter.layers[layer].mask
 	copy.add_child(region.duplicate())
 	await settle(copy)
 	for layer: int in [OAK, FERN]:
-		check(digests(copy, layer) == digests(scatter, layer), "a new node shows the same of layer %d" % layer)
+		check(digests(copy, layer) == digests(scatter, layer), "a new node shows the same instances of layer %d" % layer)
 
 
 func test_several_edits_in_one_frame() -> void:
@@ -98,7 +98,7 @@ func test_several_edits_in_one_frame() -> void:
 	await settle(scatter)
 	shown.take()
 	var before := [digests(scatter, OAK), digests(scatter, FERN)]
-	# There and back again is no edit at all.
+	# An edit that is undone in the same frame is no edit.
 	var mask := scatter.layers[FERN].mask
 	var pixels := mask.get_pixel_rect(Rect2(-30, -30, 20, 20))
 	var untouched := mask.get_pixels(pixels)
@@ -108,7 +108,7 @@ func test_several_edits_in_one_frame() -> void:
 	region.position.x += 10.0
 	region.position.x -= 10.0
 	await settle(scatter)
-	check(shown.take()[FERN].is_empty(), "tiles made anew for nothing")
+	check(shown.take()[FERN].is_empty(), "regenerated tiles without a change")
 	mask.paint(Vector2(-20, -20), 5.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
 	region.position.x += 10.0
 	await settle(scatter)
@@ -117,10 +117,10 @@ func test_several_edits_in_one_frame() -> void:
 	mask.set_pixels(pixels, untouched)
 	await settle(scatter)
 	for layer: int in [OAK, FERN]:
-		check(digests(scatter, layer) == before[layer], "taken back, layer %d is as it was" % layer)
+		check(digests(scatter, layer) == before[layer], "layer %d is the same after undoing the edit" % layer)
 
 
-func test_old_tiles_stay_until_new_ones_are_there() -> void:
+func test_old_tiles_stay_until_new_ones_are_ready() -> void:
 	var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
 	var region := make_clearing()
 	scatter.add_child(region)
@@ -131,16 +131,16 @@ func test_old_tiles_stay_until_new_ones_are_there() -> void:
 	for round in 30:
 		region.position.x = 2.0 * round
 		await frames(1)
-		check_equal(scatter.get_shown_tiles(FERN), tiles, "tiles on show while the region is dragged")
+		check_equal(scatter.get_shown_tiles(FERN), tiles, "visible tiles while the region is dragged")
 	await settle(scatter)
 	var dragged := digests(scatter, FERN)
 	scatter.regenerate()
 	await settle(scatter)
-	check(digests(scatter, FERN) == dragged, "after dragging all is up to date")
+	check(digests(scatter, FERN) == dragged, "everything is up to date after dragging")
 
 
 func test_first_and_last_including_region() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	var shown := Shown.new(scatter)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(0).size()
@@ -154,16 +154,16 @@ func test_first_and_last_including_region() -> void:
 		scatter.add_child(region)
 		regions.push_back(region)
 		await settle(scatter)
-		check_equal(shown.take()[0].size() == tiles, x < 0.0, "all tiles are made anew")
-	check(instances(scatter, 0).size() > 20, "something stands within")
+		check_equal(shown.take()[0].size() == tiles, x < 0.0, "all tiles are regenerated")
+	check(instances(scatter, 0).size() > 20, "there are instances in the regions")
 	for region in regions:
 		region.free()
 		await settle(scatter)
-		check_equal(shown.take()[0].size() == tiles, region == regions[1], "all tiles are made anew")
-	check(digests(scatter, 0) == before, "as if there had been none")
+		check_equal(shown.take()[0].size() == tiles, region == regions[1], "all tiles are regenerated")
+	check(digests(scatter, 0) == before, "the same as without regions")
 
 
-func test_other_tiles_hold_the_same() -> void:
+func test_a_new_tile_size_keeps_the_instances() -> void:
 	var scatter := make_scatter(make_forest(), Mound.new(), make_viewer())
 	scatter.add_child(make_clearing())
 	await settle(scatter)
@@ -182,11 +182,11 @@ func test_other_tiles_hold_the_same() -> void:
 	scatter.layers[FERN].tile_size = 32.0
 	await settle(scatter)
 	await frames(5)
-	check(digests(scatter, FERN) == digest, "to the bit in tiles as before")
+	check(digests(scatter, FERN) == digest, "bit-identical with the old tile size")
 	root.remove_child(scatter)
 	root.add_child(scatter)
 	await settle(scatter)
-	check(digests(scatter, FERN) == digest, "and after leaving the tree")
+	check(digests(scatter, FERN) == digest, "bit-identical after leaving the tree")
 
 
 func test_ground_everywhere() -> void:
@@ -197,15 +197,15 @@ func test_ground_everywhere() -> void:
 	var tiles := scatter.get_shown_tiles(FERN).size()
 	for rect: Rect2 in [Rect2(), Rect2(5, 5, 0, 0), Rect2(0, 0, NAN, 1), Rect2(0, 0, INF, 1)]:
 		shown.take()
-		mound.terrain_changed.emit(rect)
+		mound.ground_changed.emit(rect)
 		await settle(scatter)
 		check_equal(shown.take()[FERN].size(), tiles, "tiles after %s" % rect)
-	mound.terrain_changed.emit(Rect2(5000, 5000, 10, 10))
+	mound.ground_changed.emit(Rect2(5000, 5000, 10, 10))
 	await settle(scatter)
-	check(shown.take()[FERN].is_empty(), "far away")
-	scatter.terrain = ScatterTerrainFlat.new()
+	check(shown.take()[FERN].is_empty(), "regenerated tiles after a change far away")
+	scatter.ground = ScatterGroundFlat.new()
 	await settle(scatter)
 	shown.take()
-	mound.terrain_changed.emit(Rect2(0, 0, 10, 10))
+	mound.ground_changed.emit(Rect2(0, 0, 10, 10))
 	await settle(scatter)
-	check(shown.take()[FERN].is_empty(), "a terrain that is no longer used")
+	check(shown.take()[FERN].is_empty(), "regenerated tiles after a change of an old ground")

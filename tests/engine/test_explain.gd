@@ -1,8 +1,8 @@
 extends "rules_harness.gd"
-## Why something stands at a place or does not: what is explained is what stands.
+## explain_position: the reasons why instances exist at a position or not. Explanations match the instances.
 
 
-## A hillside under most rules, with trees that the layer keeps away from, and a clearing.
+## A hillside with most rules, with trees that the layer keeps away from, and a clearing.
 func make_ruled() -> TerrainScatter3D:
 	var trees := make_layer(6.0)
 	trees.resource_name = "Trees"
@@ -11,7 +11,7 @@ func make_ruled() -> TerrainScatter3D:
 	layer.progressive_levels = 3
 	layer.density = 0.8
 	layer.max_slope_degrees = 35.0
-	layer.slope_falloff = 10.0
+	layer.slope_falloff_degrees = 10.0
 	layer.min_height = 5.0
 	layer.height_falloff = 20.0
 	layer.clump_size = 30.0
@@ -30,7 +30,7 @@ func make_ruled() -> TerrainScatter3D:
 	return scatter
 
 
-## Places all over the hillside, wherever viewers are.
+## Positions anywhere on the hillside, independent of viewers.
 func random_places(count: int) -> PackedVector3Array:
 	var random := RandomNumberGenerator.new()
 	random.seed = 11
@@ -47,7 +47,7 @@ func product(explanation: ScatterExplanation) -> float:
 	return result
 
 
-func test_what_is_explained_is_what_stands() -> void:
+func test_explanations_match_the_instances() -> void:
 	var scatter := make_ruled()
 	await settle(scatter)
 	var standing := 0
@@ -62,16 +62,16 @@ func test_what_is_explained_is_what_stands() -> void:
 			fits = fits and is_equal_approx(product(explanation), explanation.density)
 			fits = fits and explanation.standing == (explanation.rank < explanation.point_density)
 			fits = fits and (explanation.allowed and explanation.shown) == explanation.refused_by.is_empty()
-			fits = fits and is_equal_approx(explanation.position.y, scatter.terrain.get_height(place))
+			fits = fits and is_equal_approx(explanation.position.y, scatter.ground.get_height(place))
 			wrong += 0 if fits else 1
 			standing += 1 if explanation.standing else 0
 			refused += 0 if explanation.allowed else 1
-	check_equal(wrong, 0, "explanations that do not fit")
-	check(standing > 300 and standing < 2700 and refused > 300, "%d stand, %d are refused" % [standing, refused])
+	check_equal(wrong, 0, "explanations that do not match")
+	check(standing > 300 and standing < 2700 and refused > 300, "%d exist, %d are refused" % [standing, refused])
 
 
-## Of a point of the set itself, the answer is yes exactly where there is an instance.
-func test_of_points_the_answer_is_whether_there_is_an_instance() -> void:
+## For a point of the set itself, the density exceeds the rank exactly if the instance exists.
+func test_explanations_of_points_match_the_instances() -> void:
 	var scatter := make_ruled()
 	await settle(scatter)
 	var shown := 0
@@ -79,14 +79,14 @@ func test_of_points_the_answer_is_whether_there_is_an_instance() -> void:
 		var id := scatter.explain_position(place, "Ferns")[0].id
 		var at := scatter.explain_position(place, "Ferns")[0].point_position
 		var explanation := scatter.explain_position(at, "Ferns")[0]
-		if not (check_equal(explanation.id, id, "the point itself") and check(explanation.distance < 1e-3, "is where it is")):
+		if not (check_equal(explanation.id, id, "the point itself") and check(explanation.distance < 1e-3, "the position of the point")):
 			return
-		check_equal(explanation.density > explanation.rank, scatter.has_instance(id), "stands: " + explanation.reason)
+		check_equal(explanation.density > explanation.rank, scatter.has_instance(id), "exists: " + explanation.reason)
 		shown += 1 if explanation.refused_by.is_empty() else 0
-	check(shown > 5, "%d are on show" % shown)
+	check(shown > 5, "%d are visible" % shown)
 
 
-func test_each_rule_says_no_by_itself() -> void:
+func test_each_rule_can_refuse() -> void:
 	var noise := FastNoiseLite.new()
 	var black := ImageTexture.create_from_image(Image.create_empty(4, 4, false, Image.FORMAT_L8))
 	var mask := ScatterMask.new()
@@ -102,7 +102,7 @@ func test_each_rule_says_no_by_itself() -> void:
 		"clumps": [{"clump_size": 20.0, "clump_coverage": 0.0}, ["clumps"]],
 		"density_over_height": [{"density_over_height": nothing}, ["Density over height is 0 at"]],
 		"density_over_slope": [{"density_over_slope": nothing}, ["Density over slope is 0 at"]],
-		"spacing": [{"spacing": {"Trees": 8.0}}, ["Trees stands", "m away, the layer keeps 8 m"]],
+		"spacing": [{"spacing": {"Trees": 8.0}}, ["The nearest Trees is", "m away; the spacing requires 8 m"]],
 		"proximity": [{"proximity_layer": "Trees", "proximity_distance": 0.01}, ["No Trees within 0.01 m"]],
 	}
 	var trees := make_layer(4.0)
@@ -115,20 +115,20 @@ func test_each_rule_says_no_by_itself() -> void:
 			layer.set(property, cases[rule][0][property])
 		scatter.layers = [trees, layer]
 		var explanation := scatter.explain_position(Vector3(80, 0, 20), layer)[0]
-		check_equal(explanation.refused_by, StringName(rule), "who says no: " + explanation.reason)
+		check_equal(explanation.refused_by, StringName(rule), "the refusing rule: " + explanation.reason)
 		for words: String in cases[rule][1]:
 			check(words in explanation.reason, "%s: '%s' in '%s'" % [rule, words, explanation.reason])
 		var names: Array = range(explanation.get_rule_count()).map(explanation.get_rule_name)
 		var index := names.find(StringName(rule))
 		check(index >= 0 and explanation.get_rule_density(index) == 0.0, "%s is among %s" % [rule, names])
-		check_equal([explanation.allowed, explanation.density], [false, 0.0], "nothing may stand by " + rule)
+		check_equal([explanation.allowed, explanation.density], [false, 0.0], "no instance is allowed because of " + rule)
 	var steep := make_layer(2.0)
 	steep.max_slope_degrees = 10.0
 	scatter.layers = [steep]
 	var slope := scatter.explain_position(Vector3(80, 0, 20))[0]
-	check_equal([slope.get_rule_min(1), slope.get_rule_max(1)], [0.0, 10.0], "what is asked for")
-	var normal := scatter.terrain.get_normal(Vector3(80, 0, 20))
-	check(absf(slope.get_rule_value(1) - rad_to_deg(normal.angle_to(Vector3.UP))) < 0.1, "the slope itself")
+	check_equal([slope.get_rule_min(1), slope.get_rule_max(1)], [0.0, 10.0], "the required range")
+	var normal := scatter.ground.get_normal(Vector3(80, 0, 20))
+	check(absf(slope.get_rule_value(1) - rad_to_deg(normal.angle_to(Vector3.UP))) < 0.1, "the slope")
 
 
 func test_regions_and_holes_are_named() -> void:
@@ -144,36 +144,36 @@ func test_regions_and_holes_are_named() -> void:
 	check_equal([beyond.refused_by, beyond.reason], [&"ground", "There is no ground here."], "beyond the terrain")
 
 
-func test_what_a_game_and_the_view_take_away() -> void:
+func test_removals_and_visibility_are_explained() -> void:
 	var layer := make_layer(2.0)
 	var viewer := make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.state = ScatterState.new()
 	await settle(scatter)
 	var there := scatter.explain_position(Vector3(3, 0, 3))[0]
 	check_equal([there.refused_by, there.standing, there.shown], [&"", true, true], there.reason)
-	check("Stands" in there.reason and "m away" in there.reason, there.reason)
+	check("Placed" in there.reason and "m away" in there.reason, there.reason)
 	var here := scatter.explain_position(there.point_position)[0]
-	check_equal(here.reason, "Stands here.", "at the point itself")
+	check_equal(here.reason, "Placed here.", "at the point itself")
 	scatter.remove_instance(there.id)
 	var gone := scatter.explain_position(Vector3(3, 0, 3))[0]
 	check_equal([gone.refused_by, gone.standing, gone.allowed], [&"state", false, true], gone.reason)
 	scatter.add_instance(0, Transform3D(Basis(), Vector3(3.2, 0, 3)))
-	check("One was placed by hand" in scatter.explain_position(Vector3(3, 0, 3))[0].reason, "a hand-placed one is told of")
+	check("One was placed by hand" in scatter.explain_position(Vector3(3, 0, 3))[0].reason, "a hand-placed instance is mentioned")
 	scatter.restore_instance(there.id)
 	var far := scatter.explain_position(Vector3(2000, 0, 3))[0]
 	check_equal([far.refused_by, far.standing, far.shown], [&"view_distance", true, false], far.reason)
-	check("64 m" in far.reason, "what is seen: " + far.reason)
+	check("64 m" in far.reason, "the view distance: " + far.reason)
 	scatter.quality = 0.0
 	await settle(scatter)
-	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"thinning", "quality")
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"thinning", "refused because of quality")
 	scatter.quality = 1.0
 	await settle(scatter)
 	scatter.hide()
-	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"visible", "hidden")
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"visible", "refused because the node is hidden")
 	scatter.show()
 	layer.meshes = []
-	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"meshes", "without a mesh")
+	check_equal(scatter.explain_position(Vector3(3, 0, 3))[0].refused_by, &"meshes", "refused because there is no mesh")
 	layer.meshes = [BoxMesh.new()]
 	layer.density = 0.5
 	await settle(scatter)
@@ -183,44 +183,44 @@ func test_what_a_game_and_the_view_take_away() -> void:
 		if explanation.refused_by == &"rank":
 			left_out += 1
 			check(explanation.rank >= 0.5 and not explanation.standing and "rank" in explanation.reason, explanation.reason)
-	check(left_out > 15 and left_out < 45, "%d of 60 are left out by the density" % left_out)
+	check(left_out > 15 and left_out < 45, "the density excludes %d of 60" % left_out)
 
 
-func test_asked_for_what_is_not_there() -> void:
+func test_missing_layers_and_grounds() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	for bad: Vector3 in [Vector3(NAN, 0, 0), Vector3(0, 0, INF)]:
-		check_equal(scatter.explain_position(bad).size(), 0, "an answer for %s" % bad)
+		check_equal(scatter.explain_position(bad).size(), 0, "explanations for %s" % bad)
 		check_error(["explain_position", "position must be finite"], "a position of %s" % bad)
 	check_equal(scatter.explain_position(Vector3(0, NAN, 0)).size(), 1, "the height does not matter")
-	check_equal(scatter.explain_position(Vector3.ZERO, "Oaks").size(), 0, "an answer for no layer")
-	check_error(["explain_position", "Oaks"], "a layer that is not there")
+	check_equal(scatter.explain_position(Vector3.ZERO, "Oaks").size(), 0, "explanations for a missing layer")
+	check_error(["explain_position", "Oaks"], "a missing layer")
 	var far := scatter.explain_position(Vector3(1e12, 0, 0))[0]
 	check("must be between" in far.reason, "beyond the set's cells: " + far.reason)
 	scatter.layers = [layer, null]
 	check("empty" in scatter.explain_position(Vector3.ZERO)[1].reason, "an empty entry")
 	scatter.layers = []
-	check_equal(scatter.explain_position(Vector3.ZERO).size(), 0, "without layers")
+	check_equal(scatter.explain_position(Vector3.ZERO).size(), 0, "explanations without layers")
 	scatter.layers = [layer]
-	scatter.terrain = null
+	scatter.ground = null
 	var groundless := scatter.explain_position(Vector3.ZERO)[0]
-	check_equal([groundless.refused_by, "No terrain" in groundless.reason], [&"ground", true], groundless.reason)
-	scatter.terrain = ScatterTerrainHeightmap.new()
-	check_equal(scatter.explain_position(Vector3.ZERO)[0].refused_by, &"ground", "a terrain without heights")
-	check_error(["heightmap_path"], "which is told once")
-	var lonely := TerrainScatter3D.new()
-	lonely.layers = [layer]
-	lonely.terrain = ScatterTerrainFlat.new()
-	var outside := lonely.explain_position(Vector3(3, 0, 3))[0]
+	check_equal([groundless.refused_by, "No ground" in groundless.reason], [&"ground", true], groundless.reason)
+	scatter.ground = ScatterGroundHeightmap.new()
+	check_equal(scatter.explain_position(Vector3.ZERO)[0].refused_by, &"ground", "a ground without heights")
+	check_error(["heightmap_path"], "which is reported once")
+	var outsider := TerrainScatter3D.new()
+	outsider.layers = [layer]
+	outsider.ground = ScatterGroundFlat.new()
+	var outside := outsider.explain_position(Vector3(3, 0, 3))[0]
 	check_equal([outside.standing, outside.refused_by], [true, &"visible"], "outside of the tree: " + outside.reason)
-	lonely.free()
+	outsider.free()
 	var explanation := ScatterExplanation.new()
-	check_equal([explanation.get_rule_count(), explanation.get_rule_sentence(0)], [0, ""], "a new one")
-	check_error(["get_rule_sentence", "index", 0], "a rule that is not there")
+	check_equal([explanation.get_rule_count(), explanation.get_rule_sentence(0)], [0, ""], "a new explanation")
+	check_error(["get_rule_sentence", "index", 0], "a missing rule")
 
 
-func test_maps_hold_what_is_explained() -> void:
+func test_maps_match_the_explanations() -> void:
 	var scatter := make_ruled()
 	await settle(scatter)
 	var rect := Rect2(-150, -30, 90, 70)
@@ -235,27 +235,27 @@ func test_maps_hold_what_is_explained() -> void:
 		var field := Vector2(index % size.x + 0.5, index / size.x + 0.5)
 		var at := rect.position + field * rect.size / Vector2(size)
 		var explanation := scatter.explain_position(Vector3(at.x, 0, at.y), "Ferns")[0]
-		var normal := scatter.terrain.get_normal(Vector3(at.x, 0, at.y))
+		var normal := scatter.ground.get_normal(Vector3(at.x, 0, at.y))
 		var fits := absf(density[index] - explanation.density) < 1e-4 and absf(rank[index] - explanation.rank) < 1e-4
 		fits = fits and absf(slope[index] - rad_to_deg(normal.angle_to(Vector3.UP))) < 0.2
 		wrong += 0 if fits else 1
 		some += 1 if density[index] > 0.0 else 0
-	check_equal(wrong, 0, "fields that differ")
-	check(some > 30 and some < 240, "%d fields have a density" % some)
-	check(is_nan(scatter.get_slope_map(Rect2(900, 0, 10, 10), Vector2i(1, 1))[0]), "no ground has no slope")
-	check_equal(scatter.get_density_map(0, Rect2(900, 0, 10, 10), Vector2i(1, 1))[0], 0.0, "and no density")
+	check_equal(wrong, 0, "pixels that differ")
+	check(some > 30 and some < 240, "%d pixels have a density" % some)
+	check(is_nan(scatter.get_slope_map(Rect2(900, 0, 10, 10), Vector2i(1, 1))[0]), "no slope without ground")
+	check_equal(scatter.get_density_map(0, Rect2(900, 0, 10, 10), Vector2i(1, 1))[0], 0.0, "no density without ground")
 	for bad: Array in [[Rect2(0, 0, NAN, 1), Vector2i(2, 2), "rect"], [Rect2(0, 0, -1, 1), Vector2i(2, 2), "rect"],
 			[Rect2(0, 0, 1, 1), Vector2i(0, 2), "size"], [Rect2(0, 0, 1, 1), Vector2i(5000, 1), "size"]]:
-		check_equal(scatter.get_slope_map(bad[0], bad[1]).size(), 0, "an answer for %s" % [bad])
+		check_equal(scatter.get_slope_map(bad[0], bad[1]).size(), 0, "values for %s" % [bad])
 		check_error(["get_slope_map", bad[2]], "%s" % [bad])
-	check_equal(scatter.get_density_map("Oaks", rect, size).size(), 0, "no layer")
-	check_error(["get_density_map", "Oaks"], "a layer that is not there")
+	check_equal(scatter.get_density_map("Oaks", rect, size).size(), 0, "a missing layer")
+	check_error(["get_density_map", "Oaks"], "a missing layer")
 	check_equal(scatter.get_rank_map("Ferns", Rect2(0, 0, 1e5, 1e5), size).size(), 0, "too many points")
-	check_error(["get_rank_map", "rect asks for too many points"], "a large rectangle")
+	check_error(["get_rank_map", "rect requires too many points"], "a large rectangle")
 
 
-## A ground that is asked on the main thread, where its script may do anything.
-class RashGround extends ScatterTerrain:
+## A ground that is queried on the main thread, where its script may do anything. It frees a node.
+class FreeingGround extends ScatterGround:
 	var victim: Node
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -267,13 +267,13 @@ class RashGround extends ScatterTerrain:
 		return heights
 
 
-func test_a_ground_that_is_asked_on_the_main_thread() -> void:
-	var ground := RashGround.new()
+func test_a_ground_that_is_queried_on_the_main_thread() -> void:
+	var ground := FreeingGround.new()
 	var scatter := make_scatter([make_layer()], ground, make_viewer())
 	await settle(scatter)
 	var explanation := scatter.explain_position(Vector3(4, 0, 4))[0]
 	check_equal([explanation.refused_by, explanation.standing], [&"", true], explanation.reason)
-	check_equal(scatter.get_density_map(0, Rect2(0, 0, 9, 9), Vector2i(3, 3)), PackedFloat32Array([1, 1, 1, 1, 1, 1, 1, 1, 1]), "all of it")
+	check_equal(scatter.get_density_map(0, Rect2(0, 0, 9, 9), Vector2i(3, 3)), PackedFloat32Array([1, 1, 1, 1, 1, 1, 1, 1, 1]), "all pixels")
 	for method: String in ["explain_position", "get_density_map", "get_slope_map"]:
 		var other := make_scatter([make_layer()], ground, make_viewer())
 		await settle(other)
@@ -283,4 +283,4 @@ func test_a_ground_that_is_asked_on_the_main_thread() -> void:
 			"get_density_map": other.get_density_map(0, Rect2(0, 0, 9, 9), Vector2i(3, 3))
 			"get_slope_map": other.get_slope_map(Rect2(0, 0, 9, 9), Vector2i(3, 3))
 		ground.victim = null
-		check(was_kept_from_being_freed() or not is_instance_valid(other), "what %s does to the node" % method)
+		check(was_kept_from_being_freed() or not is_instance_valid(other), "%s survives freeing the node" % method)

@@ -1,5 +1,5 @@
 extends "picture_harness.gd"
-## What the add-on's foliage material draws. Run in each of the three renderers.
+## The add-on's foliage material, drawn in each of the three renderers.
 
 const SHADER := "res://addons/thicket/shaders/foliage.gdshader"
 const READY := "res://addons/thicket/shaders/foliage.tres"
@@ -7,7 +7,7 @@ const READY := "res://addons/thicket/shaders/foliage.tres"
 var camera: Camera3D
 
 
-## A view along -z, as high and wide as it says, without light and on black.
+## Creates a camera that looks along -z, `size` meters high and wide, with ambient light only and a black background.
 func look(size := 4.0) -> void:
 	root.size = Vector2i(128, 128)
 	root.msaa_3d = Viewport.MSAA_DISABLED
@@ -33,7 +33,7 @@ func material(parameters: Dictionary) -> ShaderMaterial:
 	return made
 
 
-## As ScatterLayer has meshes that fade: with the range in CUSTOM3 of each vertex.
+## Returns a mesh that fades, as ScatterLayer creates it: with the range in CUSTOM3 of each vertex.
 func faded(plain: Mesh, range_of_lod: Vector4) -> ArrayMesh:
 	var arrays := plain.surface_get_arrays(0)
 	var stream := PackedFloat32Array()
@@ -47,7 +47,7 @@ func faded(plain: Mesh, range_of_lod: Vector4) -> ArrayMesh:
 	return made
 
 
-## A pane 1 m wide and 2 m high that stands at a place.
+## Creates a pane, 1 m wide and 2 m high, at a position.
 func pane(of: ShaderMaterial, at := Vector3.ZERO) -> MeshInstance3D:
 	var mesh := QuadMesh.new()
 	mesh.size = Vector2(1.0, 2.0)
@@ -75,7 +75,7 @@ func lit(image: Image) -> Array[Vector2i]:
 	return found
 
 
-func test_it_compiles_and_its_parameters_are_there() -> void:
+func test_it_compiles_and_has_its_parameters() -> void:
 	var names := PackedStringArray()
 	for parameter: Dictionary in (load(SHADER) as Shader).get_shader_uniform_list():
 		names.append(parameter.name)
@@ -118,33 +118,33 @@ func test_two_levels_cover_each_pixel_once() -> void:
 		var seen := {}
 		for pixel in first + second:
 			seen[pixel] = true
-		check_equal(first.size() + second.size(), seen.size(), "pixels at %.1f m, none of them drawn twice" % away)
-		check_equal(seen.size(), 32 * 64, "pixels at %.1f m, all of them drawn" % away)
+		check_equal(first.size() + second.size(), seen.size(), "pixels at %.1f m, none drawn twice" % away)
+		check_equal(seen.size(), 32 * 64, "pixels at %.1f m, none missing" % away)
 		var expected := clampf(1.0 - (away - 8.0) / 5.0, 0.0, 1.0)
-		check(absf(first.size() / 2048.0 - expected) < 0.07, "share of the near level at %.1f m" % away)
+		check(absf(first.size() / 2048.0 - expected) < 0.07, "fraction of the near LOD at %.1f m" % away)
 
 
-func test_wind_moves_the_top_and_at_no_strength_nothing() -> void:
+func test_wind_moves_the_top() -> void:
 	look()
 	var parameters := {&"wind_sway": 0.5, &"sway_height": 2.0, &"wind_direction": Vector2(1.0, 0.0)}
 	var standing := pane(material(parameters))
 	var before: Array[Vector2i] = lit(await picture())
 	await create_timer(0.5).timeout
-	check_equal(lit(await picture()), before, "pixels half a second later without wind")
+	check_equal(lit(await picture()), before, "pixels after half a second without wind")
 	parameters[&"wind_strength"] = 1.0
 	(standing.mesh as QuadMesh).material = material(parameters)
 	var moved := 0
-	for look_number in 20: # Wind comes and goes: a few looks may all fall into lulls.
+	for look_number in 20: # Wind varies: a few pictures may all fall into lulls.
 		if look_number >= 3 and moved >= 2:
 			break
 		await create_timer(0.3).timeout
 		var now: Array[Vector2i] = lit(await picture())
 		moved = maxi(moved, absi(now[0].x - before[0].x))
-		check(absi(now[-1].x - before[-1].x) <= 1, "the foot stays")
+		check(absi(now[-1].x - before[-1].x) <= 1, "the foot does not move")
 	check(moved >= 2, "the top moves by %d pixels" % moved)
 
 
-func test_a_body_bends_what_is_near_and_nothing_else() -> void:
+func test_a_body_bends_only_nearby_plants() -> void:
 	look(8.0)
 	var bodies := PackedVector4Array()
 	bodies.resize(16)
@@ -158,7 +158,7 @@ func test_a_body_bends_what_is_near_and_nothing_else() -> void:
 	var after: Array[Vector2i] = lit(await picture())
 	var half := func(pixels: Array[Vector2i], left: bool) -> Array:
 		return pixels.filter(func(pixel: Vector2i) -> bool: return (pixel.x < 64) == left)
-	check_equal(half.call(after, false), half.call(before, false), "pixels of the plant that is far from the body")
+	check_equal(half.call(after, false), half.call(before, false), "pixels of the plant far from the body")
 	check(half.call(after, true) != half.call(before, true), "the plant beside the body bends")
 	var right := func(pixels: Array) -> int: return pixels.map(func(pixel: Vector2i) -> int: return pixel.x).max()
 	check(right.call(half.call(after, true)) > right.call(half.call(before, true)), "away from the body")
@@ -174,17 +174,17 @@ func test_tint_takes_the_grounds_color_at_the_foot() -> void:
 	check(absf(top.r - top.g) < 0.02 and top.g > 0.2, "the top is not: %s" % top)
 
 
-func test_colors_are_alike_in_all_renderers() -> void:
+func test_colors_are_the_same_in_all_renderers() -> void:
 	look()
 	pane(material({&"albedo": Color(0.5, 0.5, 0.5), &"backlight": 0.0}))
 	var seen: float = (await picture()).get_pixel(64, 64).r
-	check(absf(seen - 0.5) < 0.05, "half gray in white light is half gray, not %f" % seen)
+	check(absf(seen - 0.5) < 0.05, "half gray in white light is drawn as %f" % seen)
 
 
-func test_coverage_holds_with_distance() -> void:
+func test_coverage_does_not_depend_on_distance() -> void:
 	var image := Image.create_empty(256, 256, false, Image.FORMAT_RGBA8)
 	image.fill(Color(1.0, 1.0, 1.0, 0.0))
-	# As leaves: dense in the middle, thinning towards the rim, with nothing in between.
+	# Like leaves: dense in the middle, sparser towards the rim, and fully opaque or transparent.
 	var random := RandomNumberGenerator.new()
 	random.seed = 3
 	for y in range(0, 256, 4):
@@ -197,10 +197,10 @@ func test_coverage_holds_with_distance() -> void:
 	var near: float = lit(await picture()).size() / 16384.0 * 9.0
 	camera.size = 9.0
 	var far: float = lit(await picture()).size() / 16384.0 * 81.0
-	check(far > 0.7 * near and far < 1.6 * near, "near %f m² are covered, far %f m²" % [near, far])
+	check(far > 0.7 * near and far < 1.6 * near, "covered area: %f m² near, %f m² far" % [near, far])
 
 
-func test_shadows_are_there_while_it_fades() -> void:
+func test_shadows_remain_during_a_fade() -> void:
 	look()
 	camera.environment.ambient_light_energy = 0.2
 	camera.rotation_degrees.x = -60.0
@@ -226,12 +226,12 @@ func test_shadows_are_there_while_it_fades() -> void:
 	check_equal(dark.call(await picture()), 0, "dark pixels without shadows")
 	sun.shadow_enabled = true
 	var shadow: int = dark.call(await picture())
-	check(shadow > 300, "a shadow of %d pixels, though the light is far away" % shadow)
+	check(shadow > 300, "a shadow of %d pixels, although the light is far away" % shadow)
 	plant.mesh = faded(plain, Vector4(0.0, 6.0, 1.0 / 6.0, 1e9))
-	check_equal(dark.call(await picture()), 0, "dark pixels of what is out of sight")
+	check_equal(dark.call(await picture()), 0, "dark pixels beyond the view distance")
 
 
-func test_the_world_node_hands_on_wind_and_bodies() -> void:
+func test_the_world_node_sets_wind_and_bodies() -> void:
 	var world: Node = (load("res://addons/thicket/shaders/foliage_world.gd") as GDScript).new()
 	var one := material({})
 	world.set(&"materials", [null, one] as Array[ShaderMaterial])
@@ -240,10 +240,10 @@ func test_the_world_node_hands_on_wind_and_bodies() -> void:
 		make_viewer(Vector3(number, 0.0, 0.0)).add_to_group(&"scatter_interaction")
 	root.add_child(world)
 	await frames(2)
-	check_equal(one.get_shader_parameter(&"wind_strength"), 0.5, "strength of the wind")
-	check_equal(one.get_shader_parameter(&"bend_count"), 16, "bodies, of 20")
-	var told: PackedVector4Array = one.get_shader_parameter(&"bend_bodies")
-	check_equal(told[3], Vector4(3.0, 0.0, 0.0, 0.6), "a body's place and radius")
+	check_equal(one.get_shader_parameter(&"wind_strength"), 0.5, "wind strength")
+	check_equal(one.get_shader_parameter(&"bend_count"), 16, "bodies out of 20")
+	var bodies: PackedVector4Array = one.get_shader_parameter(&"bend_bodies")
+	check_equal(bodies[3], Vector4(3.0, 0.0, 0.0, 0.6), "position and radius of a body")
 
 
 func world_node() -> Node:
@@ -258,7 +258,7 @@ func bush(of: Material) -> QuadMesh:
 	return mesh
 
 
-## Which of them have the world's wind, after a frame in which it could look for them.
+## Returns which of these materials have the world's wind, after a frame in which the world node can find them.
 func blown(them: Array) -> Array:
 	for one: ShaderMaterial in them:
 		one.set_shader_parameter(&"wind_strength", 0.0)
@@ -280,40 +280,40 @@ func test_the_world_node_finds_the_materials_of_scatters() -> void:
 	layer.meshes = [model, bush(plain), null]
 	layer.lod_meshes = [bush(far), null, null]
 	layer.lod_distances = PackedFloat32Array([50.0])
-	var scatter := make_scatter([layer, null], ScatterTerrainFlat.new(), make_viewer(Vector3.ZERO))
+	var scatter := make_scatter([layer, null], ScatterGroundFlat.new(), make_viewer(Vector3.ZERO))
 	var world := world_node()
 	root.add_child(world)
-	check_equal(await blown([near, far, plain]), [true, true, false], "of a model, of an LOD, and one with another shader")
+	check_equal(await blown([near, far, plain]), [true, true, false], "of a model, of an LOD, and one with a different shader")
 
 	var override := material({})
 	layer.material_override = override
-	check_equal(await blown([near, far, override]), [false, false, true], "with an override, it alone is drawn")
+	check_equal(await blown([near, far, override]), [false, false, true], "with an override, only that is drawn")
 	layer.material_override = null
 	lod.mesh = bush(override)
-	check_equal(await blown([near, far, override]), [false, true, true], "with another mesh in the model")
+	check_equal(await blown([near, far, override]), [false, true, true], "with a new mesh in the model")
 
 	var late := material({})
 	var other := make_layer(3.0)
 	other.meshes = [bush(late)]
 	scatter.layers.append(other)
-	check_equal(await blown([override, late]), [true, true], "a layer that a script has appended")
+	check_equal(await blown([override, late]), [true, true], "a layer appended by a script")
 	world.set(&"include_scatters", false)
-	check_equal(await blown([override, late]), [false, false], "not asked to include scatters")
-	check(not layer.changed.is_connected(world.get(&"_on_layer_changed") as Callable), "it listens to no layer any more")
+	check_equal(await blown([override, late]), [false, false], "with include_scatters off")
+	check(not layer.changed.is_connected(world.get(&"_on_layer_changed") as Callable), "it is disconnected from all layers")
 	world.set(&"include_scatters", true)
-	check_equal(await blown([override, late]), [true, true], "asked to again")
+	check_equal(await blown([override, late]), [true, true], "with include_scatters on again")
 	root.remove_child(scatter)
-	check_equal(await blown([override, late]), [false, false], "a scatter outside of the tree")
+	check_equal(await blown([override, late]), [false, false], "with the scatter outside of the tree")
 	root.add_child(scatter)
-	check_equal(await blown([override, late]), [true, true], "back again")
+	check_equal(await blown([override, late]), [true, true], "with the scatter back in the tree")
 	root.remove_child(world)
-	check_equal(await blown([override, late]), [false, false], "the world itself outside of the tree")
+	check_equal(await blown([override, late]), [false, false], "with the world outside of the tree")
 	scatter.free()
 	root.add_child(world)
-	check_equal(await blown([override, late]), [false, false], "a scatter that was freed meanwhile")
+	check_equal(await blown([override, late]), [false, false], "with a scatter that was freed in between")
 
 
-func test_the_world_node_reaches_the_presets() -> void:
+func test_the_world_node_finds_the_materials_of_presets() -> void:
 	var meadow := (load("res://addons/thicket/presets/meadow.tscn") as PackedScene).instantiate() as TerrainScatter3D
 	root.add_child(world_node())
 	root.add_child(meadow)
@@ -321,18 +321,18 @@ func test_the_world_node_reaches_the_presets() -> void:
 	check_equal(await blown(found), [true, true, true], "bush, flowers and grass")
 
 
-## Without the node's looking for them, nothing of a layer is asked.
-func test_the_world_node_looks_again_only_after_a_change() -> void:
+## The world node reads a layer only when that reports a change.
+func test_the_world_node_reads_layers_only_after_a_change() -> void:
 	var layer := make_layer(2.0)
 	var first := material({})
 	layer.meshes = [bush(first)]
-	make_scatter([layer], ScatterTerrainFlat.new(), make_viewer(Vector3.ZERO))
+	make_scatter([layer], ScatterGroundFlat.new(), make_viewer(Vector3.ZERO))
 	root.add_child(world_node())
 	check_equal(await blown([first]), [true], "found")
 	var second := material({})
 	layer.set_block_signals(true)
 	layer.material_override = second
 	layer.set_block_signals(false)
-	check_equal(await blown([first, second]), [true, false], "nobody was told that the layer has changed")
+	check_equal(await blown([first, second]), [true, false], "without a signal, the change is not noticed")
 	layer.emit_changed()
-	check_equal(await blown([first, second]), [false, true], "now it was")
+	check_equal(await blown([first, second]), [false, true], "with a signal, it is noticed")

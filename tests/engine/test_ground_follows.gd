@@ -1,8 +1,9 @@
 extends "terrain_harness.gd"
-## Ground that is found in the scene is as the scene is: what comes, goes, moves or changes is followed, and what stands elsewhere stays.
+## Ground that is found in the scene follows the scene: nodes that are added, removed, moved or changed regenerate the affected tiles
+## and no others.
 
 const CROWD := 1000
-## As many nodes as a frame looks at.
+## The number of nodes that are checked per frame.
 const LOOKS := 64
 
 
@@ -18,20 +19,20 @@ func put_plane(at: Vector3, size := Vector2(30.0, 30.0), group := &"ground") -> 
 	return instance
 
 
-## A scatter on the meshes of the group, settled. Tiles are 8 m wide.
+## Returns a settled scatter on the meshes of the group. Tiles are 8 m wide.
 func make_on_meshes() -> TerrainScatter3D:
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	return await _settled_on(terrain)
 
 
 func make_on_colliders() -> TerrainScatter3D:
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	terrain.rays_per_frame = 5000
 	return await _settled_on(terrain)
 
 
-func _settled_on(terrain: ScatterTerrain) -> TerrainScatter3D:
+func _settled_on(terrain: ScatterGround) -> TerrainScatter3D:
 	var layer := make_layer(1.0)
 	layer.tile_size = 8.0
 	var scatter := make_scatter([layer], terrain, make_viewer())
@@ -55,7 +56,7 @@ func slab(width := 20.0) -> BoxShape3D:
 	return box
 
 
-## The tiles, 8 m wide, that touch any of these rectangles, or come within the meter around them in which slopes may change.
+## Returns the tiles, 8 m wide, that touch any of these rectangles or the meter around them in which slopes may change.
 func tiles_under(areas: Array[Rect2]) -> Array[Vector2i]:
 	var result: Array[Vector2i] = []
 	for x in range(-10, 10):
@@ -66,13 +67,13 @@ func tiles_under(areas: Array[Rect2]) -> Array[Vector2i]:
 	return result
 
 
-## Makes an edit, and checks that the tiles under the areas were made anew, as far as they are on show, and no others.
-func check_made(scatter: TerrainScatter3D, areas: Array[Rect2], what: String, edit: Callable) -> void:
-	await check_made_under(scatter, tiles_under(areas), not areas.is_empty(), what, edit)
+## Makes an edit, and checks that the visible tiles under the areas were regenerated, and no others.
+func check_regenerated(scatter: TerrainScatter3D, areas: Array[Rect2], context: String, edit: Callable) -> void:
+	await check_regenerated_under(scatter, tiles_under(areas), not areas.is_empty(), context, edit)
 
 
-## Meters by which the instance that is farthest off stands above or below the ground that is expected; `height` of a position is NAN
-## where there must be nothing.
+## Returns the largest distance in meters of an instance from the expected ground. `height` of a position is NAN where no instance
+## is allowed.
 func farthest_off(scatter: TerrainScatter3D, height: Callable) -> float:
 	var worst := 0.0
 	for one in all_transforms(scatter):
@@ -90,24 +91,24 @@ func test_a_mesh_joins_later_and_leaves() -> void:
 	var later := put_plane(Vector3(25.0, 3.0, 0.0), Vector2(20.0, 20.0), &"")
 	var scatter := await make_on_meshes()
 	var on_later := func(at: Vector3) -> bool: return at.x > 14.0
-	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return on_later.call(one.origin)), "not yet ground")
+	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return on_later.call(one.origin)), "not ground yet")
 	var area: Array[Rect2] = [square(Vector2(25.0, 0.0), 10.0)]
-	await check_made(scatter, area, "joins", func() -> void: later.add_to_group(&"ground"))
+	await check_regenerated(scatter, area, "joins the group", func() -> void: later.add_to_group(&"ground"))
 	var stand := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return on_later.call(one.origin))
-	check(stand.size() > 100, "%d instances on what has joined" % stand.size())
+	check(stand.size() > 100, "%d instances on the new mesh" % stand.size())
 	check(stand.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 3.0) < 1e-4), "at its height")
-	await check_made(scatter, area, "leaves", func() -> void: later.remove_from_group(&"ground"))
-	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return on_later.call(one.origin)), "none when it has left")
-	await check_made(scatter, area, "comes with the group", func() -> void: later.add_to_group(&"ground"))
-	await check_made(scatter, area, "one leaves as another one joins", func() -> void:
+	await check_regenerated(scatter, area, "leaves the group", func() -> void: later.remove_from_group(&"ground"))
+	check(not all_transforms(scatter).any(func(one: Transform3D) -> bool: return on_later.call(one.origin)), "no instances after it has left")
+	await check_regenerated(scatter, area, "joins again", func() -> void: later.add_to_group(&"ground"))
+	await check_regenerated(scatter, area, "one leaves, another one joins", func() -> void:
 			later.remove_from_group(&"ground")
 			put_plane(later.position, Vector2(20.0, 20.0)))
-	check_equal(scatter.get_problems().size(), 0, "no problem")
+	check_equal(scatter.get_problems().size(), 0, "no problems")
 
 
-func test_the_first_mesh_comes_last() -> void:
+func test_the_first_mesh_is_added_last() -> void:
 	var scatter := await make_on_meshes()
-	check("\"ground\"" in "\n".join(scatter.get_problems()), "a warning while there is none")
+	check("\"ground\"" in "\n".join(scatter.get_problems()), "a warning without meshes")
 	var plane := put_plane(Vector3.ZERO, Vector2(30.0, 30.0), &"")
 	plane.mesh = null
 	plane.add_to_group(&"ground")
@@ -116,101 +117,101 @@ func test_the_first_mesh_comes_last() -> void:
 	(plane.mesh as PlaneMesh).size = Vector2(30.0, 30.0)
 	await settle(scatter)
 	check(all_transforms(scatter).size() > 300, "instances on the first mesh")
-	check_equal(scatter.get_problems().size(), 0, "and no warning")
+	check_equal(scatter.get_problems().size(), 0, "no warning")
 	plane.free()
 	await settle(scatter)
-	check_equal(all_transforms(scatter).size(), 0, "none when it was freed")
-	check("\"ground\"" in "\n".join(scatter.get_problems()), "and the warning again")
+	check_equal(all_transforms(scatter).size(), 0, "no instances after it was freed")
+	check("\"ground\"" in "\n".join(scatter.get_problems()), "the warning is back")
 
 
-func test_a_mesh_moves_turns_and_changes() -> void:
+func test_a_mesh_moves_rotates_and_changes() -> void:
 	put_plane(Vector3.ZERO, Vector2(100.0, 100.0))
 	var rock := put_plane(Vector3(-20.0, 2.0, -12.0), Vector2(10.0, 10.0))
 	var scatter := await make_on_meshes()
 	var reads: int = scatter.get_stats()["ground_reads"]
-	await check_made(scatter, [square(Vector2(-20.0, -12.0), 5.0), square(Vector2(28.0, 20.0), 5.0)], "moved",
+	await check_regenerated(scatter, [square(Vector2(-20.0, -12.0), 5.0), square(Vector2(28.0, 20.0), 5.0)], "moved",
 			func() -> void: rock.position = Vector3(28.0, 2.0, 20.0))
-	check_equal(scatter.get_stats()["ground_reads"], reads, "a mesh that only moves is not read again")
+	check_equal(scatter.get_stats()["ground_reads"], reads, "a moved mesh is not read again")
 	var over_rock := func(at: Vector3) -> float:
 		var local := rock.global_transform.affine_inverse() * at
 		return rock.position.y if absf(local.x) < 4.99 and absf(local.z) < 4.99 else at.y if absf(at.y) < 0.01 or absf(at.y - rock.position.y) < 0.01 else NAN
-	check(farthest_off(scatter, over_rock) < 1e-3, "none is left in the air")
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 5.0 * sqrt(2.0))], "turned",
+	check(farthest_off(scatter, over_rock) < 1e-3, "no instances in the air")
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0 * sqrt(2.0))], "turned",
 			func() -> void: rock.rotation.y = PI / 4.0)
-	check(farthest_off(scatter, over_rock) < 1e-3, "none beside what was turned")
-	await check_made(scatter, [], "moved and back", func() -> void:
+	check(farthest_off(scatter, over_rock) < 1e-3, "no instances beside the rotated mesh")
+	await check_regenerated(scatter, [], "moved and back", func() -> void:
 			rock.position.x += 1.0
 			await frames(2)
 			rock.position.x -= 1.0)
 	rock.rotation.y = 0.0
 	await settle(scatter)
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 8.0)], "its mesh has grown",
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 8.0)], "a larger mesh",
 			func() -> void: (rock.mesh as PlaneMesh).size = Vector2(16.0, 16.0))
 	var small := PlaneMesh.new()
 	small.size = Vector2(5.0, 5.0)
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 8.0)], "another mesh", func() -> void: rock.mesh = small)
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 2.5)], "no mesh", func() -> void: rock.mesh = null)
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 8.0)], "a new mesh", func() -> void: rock.mesh = small)
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 2.5)], "no mesh", func() -> void: rock.mesh = null)
 	rock.mesh = small
 	await settle(scatter)
-	await check_made(scatter, [], "hidden", rock.hide)
-	await check_made(scatter, [], "renamed", func() -> void: rock.name = "Other")
+	await check_regenerated(scatter, [], "hidden", rock.hide)
+	await check_regenerated(scatter, [], "renamed", func() -> void: rock.name = "Other")
 	var parent := Node3D.new()
 	root.add_child(parent)
-	await check_made(scatter, [], "at another place of the tree", func() -> void: rock.reparent(parent))
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 2.5), square(Vector2(8.0, 20.0), 2.5)], "moved by its parent",
+	await check_regenerated(scatter, [], "moved in the tree", func() -> void: rock.reparent(parent))
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 2.5), square(Vector2(8.0, 20.0), 2.5)], "moved by its parent",
 			func() -> void: parent.position.x = -20.0)
-	await check_made(scatter, [square(Vector2(8.0, 20.0), 2.5)], "freed", rock.queue_free)
+	await check_regenerated(scatter, [square(Vector2(8.0, 20.0), 2.5)], "freed", rock.queue_free)
 
 
-## As a designer drags it: plants follow while it moves, at a rate, and stand right in the end.
-func test_a_mesh_that_does_not_rest() -> void:
+## As when a designer drags it: plants follow the movement at a limited rate, and are correct in the end.
+func test_a_mesh_that_keeps_moving() -> void:
 	put_plane(Vector3.ZERO, Vector2(100.0, 100.0))
 	var rock := put_plane(Vector3(-30.0, 2.0, 0.0), Vector2(10.0, 10.0))
 	var scatter := await make_on_meshes()
-	var told: Array[Rect2] = []
-	scatter.terrain.terrain_changed.connect(func(rect: Rect2) -> void: told.push_back(rect))
+	var signals: Array[Rect2] = []
+	scatter.ground.ground_changed.connect(func(rect: Rect2) -> void: signals.push_back(rect))
 	var moves := 0
 	var until_msec := Time.get_ticks_msec() + 1500
 	while Time.get_ticks_msec() < until_msec:
 		rock.position.x = -30.0 + 60.0 * (1.0 - (until_msec - Time.get_ticks_msec()) / 1500.0)
 		moves += 1
 		await process_frame
-	check(told.size() >= 2, "plants follow on the way: told %d times" % told.size())
-	check(told.size() <= 10 and moves > 20, "not in each of %d frames: told %d times" % [moves, told.size()])
+	check(signals.size() >= 2, "plants follow during the movement: %d signals" % signals.size())
+	check(signals.size() <= 10 and moves > 20, "fewer signals than the %d frames: %d" % [moves, signals.size()])
 	await settle(scatter)
 	var on_rock := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.y > 1.0)
-	check(on_rock.size() > 40, "%d instances on it" % on_rock.size())
-	check(on_rock.all(func(one: Transform3D) -> bool: return absf(one.origin.x - rock.position.x) < 5.01), "where it came to rest")
+	check(on_rock.size() > 40, "%d instances on the rock" % on_rock.size())
+	check(on_rock.all(func(one: Transform3D) -> bool: return absf(one.origin.x - rock.position.x) < 5.01), "at its final position")
 
 
-## A node looks at a bounded number of meshes in a frame, however many there are, and reads what has changed.
+## A node checks a limited number of meshes per frame, regardless of the total, and reads those that have changed.
 func test_a_thousand_meshes_cost_little_each_frame() -> void:
 	var crowd: Array[MeshInstance3D] = []
 	for index in CROWD:
 		crowd.push_back(put_plane(Vector3(index % 40 - 20, 0.0, index / 40 - 12) * 4.0, Vector2(4.0, 4.0)))
 	var scatter := await make_on_meshes()
 	var reads: int = scatter.get_stats()["ground_reads"]
-	check_equal(reads, CROWD, "each is read once")
-	var looked := 0
+	check_equal(reads, CROWD, "each mesh is read once")
+	var checked := 0
 	for frame in 40:
 		await process_frame
 		var checks: int = scatter.get_stats()["ground_checks"]
-		check(checks <= LOOKS, "%d looked at in a frame" % checks)
-		looked += checks
-	check(looked >= 30 * LOOKS, "all are looked at in turn: %d" % looked)
-	check_equal(scatter.get_stats()["ground_reads"], reads, "nothing is read while all is still")
+		check(checks <= LOOKS, "%d meshes checked in a frame" % checks)
+		checked += checks
+	check(checked >= 30 * LOOKS, "all meshes are checked in turn: %d" % checked)
+	check_equal(scatter.get_stats()["ground_reads"], reads, "nothing is read without a change")
 	for index: int in [3, 500, 998]:
 		crowd[index].position.y = 5.0
 	await until(func() -> bool: return not scatter.is_settled(), "noticed")
 	await settle(scatter)
-	check_equal(scatter.get_stats()["ground_reads"], reads, "their meshes are as they were")
-	check(absf(scatter.terrain.get_height(crowd[500].position) - 5.0) < 1e-5, "they count where they are")
+	check_equal(scatter.get_stats()["ground_reads"], reads, "moved meshes are not read")
+	check(absf(scatter.ground.get_height(crowd[500].position) - 5.0) < 1e-5, "moved meshes are ground at their new positions")
 	for index: int in [3, 500, 998]:
 		(crowd[index].mesh as PlaneMesh).center_offset.y = 1.0
 	await until(func() -> bool: return not scatter.is_settled(), "noticed")
 	await settle(scatter)
-	check_equal(scatter.get_stats()["ground_reads"], reads + 3, "three meshes are read")
-	check(absf(scatter.terrain.get_height(crowd[500].position) - 6.0) < 1e-5, "and count")
+	check_equal(scatter.get_stats()["ground_reads"], reads + 3, "three changed meshes are read")
+	check(absf(scatter.ground.get_height(crowd[500].position) - 6.0) < 1e-5, "changed meshes are ground")
 
 
 func test_refresh_ground_reads_in_portions() -> void:
@@ -219,58 +220,58 @@ func test_refresh_ground_reads_in_portions() -> void:
 	var scatter := await make_on_meshes()
 	var reads: int = scatter.get_stats()["ground_reads"]
 	var most := 0
-	var made := await made_again(scatter, func() -> void:
+	var made := await regenerated_by(scatter, func() -> void:
 			scatter.refresh_ground()
 			var last := reads
 			while not scatter.is_settled():
 				await process_frame
 				most = maxi(most, scatter.get_stats()["ground_reads"] - last)
 				last = scatter.get_stats()["ground_reads"])
-	check_equal(made.size(), 0, "all is as it was")
-	await until(func() -> bool: return scatter.get_stats()["ground_reads"] == reads + 200, "all are read again")
-	check(most <= LOOKS, "%d at most in a frame" % most)
+	check_equal(made.size(), 0, "no tile changes")
+	await until(func() -> bool: return scatter.get_stats()["ground_reads"] == reads + 200, "all meshes are read again")
+	check(most <= LOOKS, "at most %d in a frame" % most)
 
 
 func test_bodies_are_followed() -> void:
 	put_body(slab(100.0), Vector3(0.0, -1.0, 0.0)) # Its top is at 0.
 	var rock := put_body(slab(10.0), Vector3(-20.0, 1.0, -12.0))
-	var rocks := [rock] # A lambda has a local variable as it was.
+	var rocks := [rock] # A lambda captures local variables by value.
 	var scatter := await make_on_colliders()
 	var height := func(at: Vector3) -> float:
 		var away: Vector3 = at - rocks[0].position
 		return at.y if absf(at.y) < 0.001 or absf(away.y - 1.0) < 0.001 and maxf(absf(away.x), absf(away.z)) < 5.1 else NAN
-	check(farthest_off(scatter, height) < 0.01, "as it begins")
-	await check_made(scatter, [square(Vector2(-20.0, -12.0), 5.0), square(Vector2(28.0, 20.0), 5.0)], "moved",
+	check(farthest_off(scatter, height) < 0.01, "at the beginning")
+	await check_regenerated(scatter, [square(Vector2(-20.0, -12.0), 5.0), square(Vector2(28.0, 20.0), 5.0)], "moved",
 			func() -> void: rock.position = Vector3(28.0, 1.0, 20.0))
-	check(farthest_off(scatter, height) < 0.01, "none is left in the air")
-	check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 0.01), "some on the rock")
+	check(farthest_off(scatter, height) < 0.01, "no instances in the air")
+	check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 0.01), "some instances on the rock")
 	var collision: CollisionShape3D = rock.get_child(0)
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 8.0)], "its shape has grown",
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 8.0)], "a larger shape",
 			func() -> void: (collision.shape as BoxShape3D).size = Vector3(16.0, 2.0, 16.0))
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 8.0)], "another shape", func() -> void: collision.shape = slab(10.0))
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 5.0)], "disabled", func() -> void: collision.disabled = true)
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 5.0)], "enabled", func() -> void: collision.disabled = false)
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 5.0)], "of another layer", func() -> void: rock.collision_layer = 2)
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 5.0)], "of this layer", func() -> void: rock.collision_layer = 1)
-	await check_made(scatter, [square(Vector2(28.0, 20.0), 5.0)], "freed", rock.queue_free)
-	await check_made(scatter, [square(Vector2(0.0, 0.0), 5.0)], "a new one", func() -> void:
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 8.0)], "a new shape", func() -> void: collision.shape = slab(10.0))
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "disabled", func() -> void: collision.disabled = true)
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "enabled", func() -> void: collision.disabled = false)
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "on a different collision layer", func() -> void: rock.collision_layer = 2)
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "on the same collision layer", func() -> void: rock.collision_layer = 1)
+	await check_regenerated(scatter, [square(Vector2(28.0, 20.0), 5.0)], "freed", rock.queue_free)
+	await check_regenerated(scatter, [square(Vector2(0.0, 0.0), 5.0)], "a new one", func() -> void:
 			rocks[0] = put_body(slab(10.0), Vector3(0.0, 1.0, 0.0)))
 	check(farthest_off(scatter, height) < 0.01, "on the new one")
 	var hills := HeightMapShape3D.new()
 	hills.map_width = 5
 	hills.map_depth = 5
-	await check_made(scatter, [square(Vector2.ZERO, 5.0)], "hills", func() -> void: rocks[0].get_child(0).shape = hills)
+	await check_regenerated(scatter, [square(Vector2.ZERO, 5.0)], "hills", func() -> void: rocks[0].get_child(0).shape = hills)
 	var heights := hills.map_data
 	heights.fill(3.0)
-	await check_made(scatter, [square(Vector2.ZERO, 2.0)], "other hills", func() -> void: hills.map_data = heights)
+	await check_regenerated(scatter, [square(Vector2.ZERO, 2.0)], "new heights", func() -> void: hills.map_data = heights)
 	check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 0.01), "on the hills")
 
 
-## What moves by itself is hit where it is, and nobody grows after it.
-## Plants come down from where one has been, and none ride on it.
+## A body that moves by itself is hit at its position, but not followed.
+## Plants leave its old position, and none move with it.
 func test_moving_bodies_are_not_followed() -> void:
 	if ProjectSettings.get_setting("threading/worker_pool/max_threads") == 0:
-		check(true, "the engine's own physics crashes without threads as soon as such a body moves")
+		check(true, "not run: the engine's physics crashes without threads when such a body moves")
 		return
 	put_body(slab(100.0), Vector3(0.0, -1.0, 0.0))
 	var platform := put_body(slab(10.0), Vector3(-20.0, 1.0, -12.0), AnimatableBody3D.new())
@@ -278,22 +279,22 @@ func test_moving_bodies_are_not_followed() -> void:
 	var rides := func(one: Transform3D) -> bool: return one.origin.y > 1.0
 	check(all_transforms(scatter).any(rides), "on the platform at first")
 	var under := tiles_under([square(on_map(platform.transform), 5.0)])
-	var made := await made_again(scatter, func() -> void:
+	var made := await regenerated_by(scatter, func() -> void:
 			platform.position.x += 30.0
-			await until(func() -> bool: return not all_transforms(scatter).any(rides), "none float"))
-	check(made.all(func(tile: Vector2i) -> bool: return under.has(tile)), "tiles where it was: %s" % [made])
+			await until(func() -> bool: return not all_transforms(scatter).any(rides), "no instances in the air"))
+	check(made.all(func(tile: Vector2i) -> bool: return under.has(tile)), "only tiles at its old position: %s" % [made])
 	var tiles: int = scatter.get_stats()["tiles_made"]
 	await frames(60)
 	check(scatter.is_settled(), "still settled")
-	check_equal(scatter.get_stats()["tiles_made"], tiles, "and no further tile is made")
-	made = await made_again(scatter, scatter.refresh_ground)
-	check_equal(made.size(), scatter.get_shown_tiles(0).size(), "all rays are cast again when asked to")
+	check_equal(scatter.get_stats()["tiles_made"], tiles, "no further tile is generated")
+	made = await regenerated_by(scatter, scatter.refresh_ground)
+	check_equal(made.size(), scatter.get_shown_tiles(0).size(), "refresh_ground casts all rays again")
 	var on_it := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.y > 1.0)
-	check(on_it.size() > 40 and on_it.all(func(one: Transform3D) -> bool: return absf(one.origin.x - 10.0) < 5.1), "where it is now")
+	check(on_it.size() > 40 and on_it.all(func(one: Transform3D) -> bool: return absf(one.origin.x - 10.0) < 5.1), "at its new position")
 
 
-## Changes that no node and no resource tells: the server's own.
-func test_refresh_ground_sees_what_nothing_tells() -> void:
+## Changes in the physics server that no node or resource reports.
+func test_refresh_ground_finds_unreported_changes() -> void:
 	var body := PhysicsServer3D.body_create()
 	var shape := PhysicsServer3D.box_shape_create()
 	PhysicsServer3D.shape_set_data(shape, Vector3(20.0, 1.0, 20.0))
@@ -301,24 +302,24 @@ func test_refresh_ground_sees_what_nothing_tells() -> void:
 	PhysicsServer3D.body_add_shape(body, shape)
 	PhysicsServer3D.body_set_space(body, root.get_world_3d().space)
 	var scatter := await make_on_colliders()
-	scatter.terrain.recheck_enabled = false
+	scatter.ground.recheck_enabled = false
 	check(farthest_off(scatter, func(_at: Vector3) -> float: return 1.0) < 0.01, "on the box")
 	PhysicsServer3D.body_set_state(body, PhysicsServer3D.BODY_STATE_TRANSFORM, Transform3D(Basis(), Vector3(0.0, 4.0, 0.0)))
 	await physics_frame
 	await physics_frame
 	await settle(scatter)
-	check(farthest_off(scatter, func(_at: Vector3) -> float: return 1.0) < 0.01, "nobody has told")
+	check(farthest_off(scatter, func(_at: Vector3) -> float: return 1.0) < 0.01, "the change was not reported")
 	scatter.refresh_ground()
 	await settle(scatter)
-	check(all_transforms(scatter).size() > 500, "they stand")
-	check(farthest_off(scatter, func(_at: Vector3) -> float: return 5.0) < 0.01, "on the box where it is")
-	scatter.terrain = null
+	check(all_transforms(scatter).size() > 500, "there are instances")
+	check(farthest_off(scatter, func(_at: Vector3) -> float: return 5.0) < 0.01, "on the moved box")
+	scatter.ground = null
 	PhysicsServer3D.free_rid(body)
 	PhysicsServer3D.free_rid(shape)
 
 
-## A plant whose scene has a body on the ground's layer must not stand on itself.
-func test_bodies_of_scenes_are_no_ground() -> void:
+## A plant whose scene has a body on the ground's layer must not be placed on itself.
+func test_bodies_of_scenes_are_not_ground() -> void:
 	put_body(slab(100.0), Vector3(0.0, -1.0, 0.0))
 	var stump := StaticBody3D.new()
 	var collision := CollisionShape3D.new()
@@ -328,7 +329,7 @@ func test_bodies_of_scenes_are_no_ground() -> void:
 	var scene := PackedScene.new()
 	scene.pack(stump)
 	stump.free()
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	terrain.rays_per_frame = 5000
 	var layer := make_layer(2.0)
 	layer.scene = scene
@@ -336,40 +337,40 @@ func test_bodies_of_scenes_are_no_ground() -> void:
 	var scatter := make_scatter([layer], terrain, make_viewer())
 	await physics_frame
 	await settle(scatter)
-	check(scatter.get_stats()["scenes"] > 50, "scenes stand")
+	check(scatter.get_stats()["scenes"] > 50, "scenes are shown")
 	await create_timer(0.5).timeout
-	check(scatter.is_settled(), "which is no change of the ground")
+	check(scatter.is_settled(), "scenes are no change of the ground")
 	scatter.regenerate()
 	await settle(scatter)
-	check(farthest_off(scatter, func(_at: Vector3) -> float: return 0.0) < 0.01, "none stands on another")
+	check(farthest_off(scatter, func(_at: Vector3) -> float: return 0.0) < 0.01, "no plant is on top of another")
 
 
-## Whoever hears of a change may do anything.
-func test_handlers_may_end_it_all() -> void:
+## Signal handlers may do anything.
+func test_handlers_may_free_or_change_the_node() -> void:
 	var endings: Dictionary[String, Callable] = {
 		"free": func(scatter: TerrainScatter3D) -> void: scatter.free(),
-		"terrain": func(scatter: TerrainScatter3D) -> void: scatter.terrain = null,
-		"group": func(scatter: TerrainScatter3D) -> void: scatter.terrain.group = &"none",
+		"terrain": func(scatter: TerrainScatter3D) -> void: scatter.ground = null,
+		"group": func(scatter: TerrainScatter3D) -> void: scatter.ground.group = &"none",
 		"leave": func(scatter: TerrainScatter3D) -> void: root.remove_child(scatter),
 	}
 	for ending in endings:
 		var plane := put_plane(Vector3.ZERO)
 		var scatter := await make_on_meshes()
-		var terrain: ScatterTerrainMeshes = scatter.terrain
-		var heard := [0]
-		terrain.terrain_changed.connect(func(_rect: Rect2) -> void:
-				heard[0] += 1
+		var terrain: ScatterGroundMeshes = scatter.ground
+		var signal_count := [0]
+		terrain.ground_changed.connect(func(_rect: Rect2) -> void:
+				signal_count[0] += 1
 				endings[ending].call(scatter))
 		plane.position.y = 2.0
-		await until(func() -> bool: return heard[0] > 0, "%s: told" % ending)
+		await until(func() -> bool: return signal_count[0] > 0, "%s: a signal" % ending)
 		await frames(10)
-		check(ending != "free" or not is_instance_valid(scatter) or was_kept_from_being_freed(), "freed, or kept by the engine")
+		check(ending != "free" or not is_instance_valid(scatter) or was_kept_from_being_freed(), "freed, or refused by the engine")
 		if is_instance_valid(scatter):
 			scatter.free()
 		await clean()
 
 
-## Two nodes that share a ground, one of which recenters along with the scene.
+## A node that recenters together with the scene.
 func test_recentering_reads_nothing() -> void:
 	var plane := put_plane(Vector3(0.0, 1.0, 0.0), Vector2(90.0, 90.0))
 	var scatter := await make_on_meshes()
@@ -377,13 +378,13 @@ func test_recentering_reads_nothing() -> void:
 	var before := by_id(scatter)
 	var reads: int = scatter.get_stats()["ground_reads"]
 	var shift := Vector3(1000.5, 0.0, -333.25)
-	await check_made(scatter, [], "recentered", func() -> void:
+	await check_regenerated(scatter, [], "recentered", func() -> void:
 			scatter.world_offset = shift
 			plane.position -= shift
 			viewer.position -= shift)
-	check_equal(scatter.get_stats()["ground_reads"], reads, "the ground has moved along")
-	check_equal(by_id(scatter).size(), before.size(), "all stands")
+	check_equal(scatter.get_stats()["ground_reads"], reads, "the ground moves along")
+	check_equal(by_id(scatter).size(), before.size(), "all instances remain")
 	plane.position += Vector3(0.0, 2.0, 0.0)
 	await settle(scatter)
-	check_equal(scatter.get_stats()["ground_reads"], reads, "and is followed from there")
-	check(absf(scatter.terrain.get_height(Vector3.ZERO) - 3.0) < 1e-5, "at its height")
+	check_equal(scatter.get_stats()["ground_reads"], reads, "the ground is followed without reading")
+	check(absf(scatter.ground.get_height(Vector3.ZERO) - 3.0) < 1e-5, "at the new height")

@@ -1,7 +1,7 @@
 extends "terrain_harness.gd"
-## Meshes as ground: every kind that the engine knows, read within the budget of a frame, and refused with a reason.
+## Meshes as ground: every kind of mesh in the engine, read within the frame budget, or refused with a reason.
 
-const HALF := 4.0 ## Meters from the middle of a mesh in which heights are compared.
+const HALF := 4.0 ## Heights are compared within this distance in meters from the middle of a mesh.
 
 
 func put(mesh: Mesh, at := Vector3.ZERO) -> MeshInstance3D:
@@ -14,7 +14,7 @@ func put(mesh: Mesh, at := Vector3.ZERO) -> MeshInstance3D:
 
 
 func make_on_meshes(budget_usec := 20000) -> TerrainScatter3D:
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	var layer := make_layer(1.0)
 	layer.tile_size = 8.0
@@ -23,7 +23,7 @@ func make_on_meshes(budget_usec := 20000) -> TerrainScatter3D:
 	return scatter
 
 
-## Twenty-odd vertices that zigzag over the ground, for strips as well as for triangles.
+## Twenty-four vertices that zigzag over the ground, for strips as well as for triangles.
 func zigzag(count := 24) -> PackedVector3Array:
 	var vertices := PackedVector3Array()
 	for index in count:
@@ -63,11 +63,11 @@ func plane(subdivisions: int, height := 0.0) -> PlaneMesh:
 	return mesh
 
 
-## A mesh of a script, which makes its arrays when it is asked.
+## A mesh with a script that returns its arrays on request.
 class ScriptedMesh extends Mesh:
 	var arrays: Array
 	var primitive := Mesh.PRIMITIVE_TRIANGLES
-	var asked := Callable()
+	var on_read := Callable()
 
 	func _get_surface_count() -> int:
 		return 1
@@ -79,8 +79,8 @@ class ScriptedMesh extends Mesh:
 		return 0
 
 	func _surface_get_arrays(_surface: int) -> Array:
-		if asked.is_valid():
-			asked.call()
+		if on_read.is_valid():
+			on_read.call()
 		return arrays
 
 	func _surface_get_format(_surface: int) -> int:
@@ -113,11 +113,11 @@ func odd_meshes() -> Dictionary[String, Mesh]:
 		"a strip": mesh_of(Mesh.PRIMITIVE_TRIANGLE_STRIP, arrays_of(zigzag())),
 		"an indexed strip": mesh_of(Mesh.PRIMITIVE_TRIANGLE_STRIP, arrays_of(zigzag(), reversed)),
 		"compressed": mesh_of(Mesh.PRIMITIVE_TRIANGLES, with_normals(zigzag()), Mesh.ARRAY_FLAG_COMPRESS_ATTRIBUTES),
-		"compressed, vertices alone": mesh_of(Mesh.PRIMITIVE_TRIANGLES, arrays_of(zigzag()), Mesh.ARRAY_FLAG_COMPRESS_ATTRIBUTES),
+		"compressed, vertices only": mesh_of(Mesh.PRIMITIVE_TRIANGLES, arrays_of(zigzag()), Mesh.ARRAY_FLAG_COMPRESS_ATTRIBUTES),
 		"flat vertices": mesh_of(Mesh.PRIMITIVE_TRIANGLES, arrays_of(flat), Mesh.ARRAY_FLAG_USE_2D_VERTICES),
 		"points": mesh_of(Mesh.PRIMITIVE_POINTS, arrays_of(zigzag())),
 		"lines": mesh_of(Mesh.PRIMITIVE_LINE_STRIP, arrays_of(zigzag())),
-		"more than two bytes of vertices": mesh_of(Mesh.PRIMITIVE_TRIANGLES, plane(300).get_mesh_arrays()),
+		"more vertices than two bytes can count": mesh_of(Mesh.PRIMITIVE_TRIANGLES, plane(300).get_mesh_arrays()),
 		"no surface": ArrayMesh.new(),
 		"a placeholder": PlaceholderMesh.new(),
 		"a box": BoxMesh.new(),
@@ -133,16 +133,16 @@ func odd_meshes() -> Dictionary[String, Mesh]:
 	for vertex in zigzag(9):
 		drawn.surface_add_vertex(vertex)
 	drawn.surface_end()
-	result["drawn at once"] = drawn
+	result["an immediate mesh"] = drawn
 	for primitive: Mesh.PrimitiveType in [Mesh.PRIMITIVE_TRIANGLES, Mesh.PRIMITIVE_TRIANGLE_STRIP, Mesh.PRIMITIVE_LINES]:
 		var scripted := ScriptedMesh.new()
 		scripted.arrays = arrays_of(zigzag())
 		scripted.primitive = primitive
-		result["of a script, primitive %d" % primitive] = scripted
+		result["a scripted mesh, primitive %d" % primitive] = scripted
 	return result
 
 
-## The height of the topmost of the faces over a point, NAN for none, and how much that may be off: near an edge it may be either.
+## Returns the height of the topmost face at a point, or NAN.
 func top_of(faces: PackedVector3Array, at: Vector2) -> float:
 	var top := NAN
 	for first in range(0, faces.size(), 3):
@@ -160,20 +160,20 @@ func top_of(faces: PackedVector3Array, at: Vector2) -> float:
 	return top
 
 
-## The engine's own TriangleMesh, which Mesh.get_faces returns, has the same triangles.
+## Faces are those of the engine's own TriangleMesh, which Mesh.get_faces returns.
 func test_faces_are_those_of_the_engine() -> void:
 	var scatter := make_on_meshes()
 	for named: String in odd_meshes():
 		var mesh := odd_meshes()[named]
 		var instance := put(mesh)
 		if named == "flat vertices":
-			instance.rotation.x = -PI / 3.0 # Upright as it is.
+			instance.rotation.x = -PI / 3.0 # The mesh itself is upright.
 		await settle(scatter)
 		check_no_error(named)
 		var faces := mesh.get_faces()
 		if "two bytes" in named:
 			faces = plane(0).get_faces() # The same square.
-		if "vertices alone" in named:
+		if "vertices only" in named:
 			errors.take() # The engine itself fails to decode these.
 			faces = zigzag()
 		for index in faces.size():
@@ -181,31 +181,31 @@ func test_faces_are_those_of_the_engine() -> void:
 		var random := RandomNumberGenerator.new()
 		random.seed = 5
 		var wrong := 0
-		var met := 0
+		var hits := 0
 		for point in 300:
 			var at := Vector2(random.randf_range(-HALF, HALF), random.randf_range(-HALF, HALF))
 			var expected := top_of(faces, at)
-			var height := scatter.terrain.get_height(Vector3(at.x, 0.0, at.y))
-			met += int(not is_nan(expected))
+			var height := scatter.ground.get_height(Vector3(at.x, 0.0, at.y))
+			hits += int(not is_nan(expected))
 			# The engine rounds corners to 0.1 mm, so a point on an edge may be on either side.
 			wrong += int(is_nan(height) != is_nan(expected) or absf(height - expected) > 0.01)
 		check(wrong <= 2, "%s: %d of 300 heights differ" % [named, wrong])
-		check((met > 3) == (faces.size() > 0), "%s: %d points on %d faces" % [named, met, faces.size() / 3])
+		check((hits > 3) == (faces.size() > 0), "%s: %d points on %d faces" % [named, hits, faces.size() / 3])
 		instance.free()
 
 
-func test_surfaces_without_whole_triangles_are_left_out() -> void:
+func test_surfaces_without_whole_triangles_are_skipped() -> void:
 	var mesh := mesh_of(Mesh.PRIMITIVE_TRIANGLES, arrays_of(zigzag(22)))
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays_of(PackedVector3Array([
 			Vector3(-1.0, 7.0, -1.0), Vector3(1.0, 7.0, -1.0), Vector3(0.0, 7.0, 1.0)])))
 	put(mesh)
 	var scatter := make_on_meshes()
 	await settle(scatter)
-	check_equal(scatter.terrain.get_height(Vector3.ZERO), 7.0, "the other surface counts")
-	check(is_nan(scatter.terrain.get_height(Vector3(-3.0, 0.0, 0.0))), "22 vertices are no triangles")
+	check_equal(scatter.ground.get_height(Vector3.ZERO), 7.0, "the second surface is ground")
+	check(is_nan(scatter.ground.get_height(Vector3(-3.0, 0.0, 0.0))), "22 vertices are not whole triangles")
 
 
-## A frame without time for it reads one surface, and goes on with the next in the frame after.
+## A frame without time left reads one surface, and the next frame continues.
 func test_reading_keeps_to_the_budget() -> void:
 	const SURFACES := 12
 	var mesh := ArrayMesh.new()
@@ -216,15 +216,15 @@ func test_reading_keeps_to_the_budget() -> void:
 	var scatter := make_on_meshes(1)
 	var frames_before := 0
 	while scatter.get_stats()["ground_reads"] < 2 and frames_before < 200:
-		check(not scatter.is_settled(), "not settled before all is read")
+		check(not scatter.is_settled(), "not settled before all surfaces are read")
 		await process_frame
 		frames_before += 1
 	check(frames_before >= SURFACES, "%d surfaces took %d frames" % [SURFACES, frames_before])
 	await settle(scatter)
-	check_equal(scatter.terrain.get_height(Vector3.ZERO), 1.0, "all of it is ground")
+	check_equal(scatter.ground.get_height(Vector3.ZERO), 1.0, "all surfaces are ground")
 
 
-## Plants stay on the ground as it was until a worker has built the one that takes its place.
+## Plants stay on the old ground until a worker has built the new one.
 func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	var instance := put(plane(0))
 	var scatter := make_on_meshes()
@@ -236,41 +236,41 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	var heights := {}
 	await until(func() -> bool:
 			least = mini(least, scatter.get_shown_count(0))
-			heights[scatter.terrain.get_height(Vector3(0.5, 0.0, 0.5))] = true
-			return heights.has(2.0), "the new ground counts")
+			heights[scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))] = true
+			return heights.has(2.0), "the new ground is used")
 	check_equal(heights.keys(), [0.0, 2.0], "the old ground, then the new one")
 	await settle(scatter)
 	check(least > shown / 2, "at least %d of %d instances at any time" % [least, shown])
 	var heads := all_transforms(scatter)
-	check(heads.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 1e-4), "all on the new ground")
+	check(heads.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 2.0) < 1e-4), "all are on the new ground")
 
 
-## The first ground of a node is read while frames go on; a query does not wait for a later frame.
-func test_a_query_has_the_ground_at_once() -> void:
+## The first ground of a node is read over several frames. A query reads it at once.
+func test_a_query_reads_the_ground_at_once() -> void:
 	put(plane(10))
 	var scatter := make_on_meshes()
-	check(scatter.query_rect(Rect2(-HALF, -HALF, 2.0 * HALF, 2.0 * HALF)).size() > 20, "instances in the frame in which the node came")
-	var terrain: ScatterTerrainMeshes = scatter.terrain
+	check(scatter.query_rect(Rect2(-HALF, -HALF, 2.0 * HALF, 2.0 * HALF)).size() > 20, "instances in the node's first frame")
+	var terrain: ScatterGroundMeshes = scatter.ground
 	put(plane(10, 3.0)).add_to_group(&"other")
 	terrain.group = &"other"
 	var found := scatter.query_rect(Rect2(-HALF, -HALF, 2.0 * HALF, 2.0 * HALF))
-	check(found.size() > 20 and Array(found.positions).all(func(at: Vector3) -> bool: return absf(at.y - 3.0) < 1e-4), "on the group that was just set")
+	check(found.size() > 20 and Array(found.positions).all(func(at: Vector3) -> bool: return absf(at.y - 3.0) < 1e-4), "instances on the new group")
 
 
-## What no signal tells the mesh: the renderer's own memory.
-func test_refresh_ground_reads_what_the_renderer_has_now() -> void:
+## Data in the renderer change without a signal of the mesh.
+func test_refresh_ground_reads_the_renderers_data() -> void:
 	var mesh := mesh_of(Mesh.PRIMITIVE_TRIANGLES, plane(1).get_mesh_arrays())
 	put(mesh)
 	var scatter := make_on_meshes()
 	await settle(scatter)
-	check_equal(mesh.get_faces().size(), 24, "the engine keeps its faces from now on")
+	check_equal(mesh.get_faces().size(), 24, "the engine caches its faces from now on")
 	RenderingServer.mesh_clear(mesh.get_rid())
 	RenderingServer.mesh_add_surface_from_arrays(mesh.get_rid(), RenderingServer.PRIMITIVE_TRIANGLES, plane(1, 4.0).get_mesh_arrays())
 	mesh.emit_changed()
 	scatter.refresh_ground()
 	await settle(scatter)
-	check_equal(scatter.terrain.get_height(Vector3(0.5, 0.0, 0.5)), 4.0, "the ground follows")
-	check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 1e-4), "and so do plants")
+	check_equal(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5)), 4.0, "the ground follows")
+	check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 1e-4), "plants follow")
 
 
 func test_a_transform_that_is_not_finite() -> void:
@@ -286,18 +286,18 @@ func test_a_transform_that_is_not_finite() -> void:
 		await create_timer(0.3).timeout
 		if not await settle(scatter):
 			return
-		var told := Array(errors.take()).filter(func(error: String) -> bool: return "ScatterTerrainMeshes" in error) # The engine has its own.
-		check(told.size() == 1 and "\"Broken\"" in told[0] and "global_transform" in told[0] and "finite" in told[0], "a transform of %s: %s" % [bad, told])
+		var messages := Array(errors.take()).filter(func(error: String) -> bool: return "ScatterGroundMeshes" in error) # The engine prints its own error, too.
+		check(messages.size() == 1 and "\"Broken\"" in messages[0] and "global_transform" in messages[0] and "finite" in messages[0], "a transform of %s: %s" % [bad, messages])
 		await create_timer(0.6).timeout
-		check_no_error("told once")
+		check_no_error("reported once")
 		check("\"Broken\"" in "\n".join(scatter.get_problems()), "among the problems")
-		check_equal(scatter.get_shown_count(0), shown, "what is placed stays")
+		check_equal(scatter.get_shown_count(0), shown, "the instances stay")
 		instance.global_transform = Transform3D()
 		await settle(scatter)
-		check_equal(scatter.get_problems().size(), 0, "no problem when it is finite again")
+		check_equal(scatter.get_problems().size(), 0, "no problems with a finite transform")
 
 
-func test_corners_that_are_refused() -> void:
+func test_invalid_corners_are_refused() -> void:
 	put(plane(0), Vector3(20.0, 0.0, 0.0))
 	var vertices := zigzag(6)
 	vertices[4].y = NAN
@@ -307,37 +307,37 @@ func test_corners_that_are_refused() -> void:
 	far.scale = Vector3.ONE * 1e8
 	var scatter := make_on_meshes()
 	await settle(scatter)
-	var told := errors.take()
-	check_equal(told.size(), 2, "a corner of NAN, and one that is far away")
-	for error in told:
-		for word: String in ["ScatterTerrainMeshes", "corner at (", "finite", "10000000"]:
+	var messages := errors.take()
+	check_equal(messages.size(), 2, "a corner of NAN, and one far away")
+	for error in messages:
+		for word: String in ["ScatterGroundMeshes", "corner at (", "finite", "10000000"]:
 			check(word in error, "%s in '%s'" % [word, error])
-	check(scatter.get_shown_count(0) > 30, "the other mesh is ground")
+	check(scatter.get_shown_count(0) > 30, "the valid mesh is ground")
 	var problems := "\n".join(scatter.get_problems())
 	check(("\"Hole\"" in problems or "\"Far\"" in problems) and "1 other" in problems, problems)
 	await create_timer(0.6).timeout
 	check(scatter.is_settled(), "settled")
-	check_no_error("told once")
+	check_no_error("reported once")
 	scatter.refresh_ground()
 	await settle(scatter)
-	check_no_error("refused again for the same reason")
+	check_no_error("the same reason is not reported again")
 	far.scale = Vector3.ONE
 	await settle(scatter)
-	check("\"Hole\"" in "\n".join(scatter.get_problems()), "the other one is still refused")
-	check(is_finite(scatter.terrain.get_height(Vector3(0.5, 0.0, 0.5))), "what was far away is ground now")
+	check("\"Hole\"" in "\n".join(scatter.get_problems()), "the other mesh is still refused")
+	check(is_finite(scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))), "the mesh that was too large is ground now")
 
 
-## A mesh's script is called in the middle of reading, and may do anything.
-func test_a_mesh_of_a_script_meddles() -> void:
+## A mesh's script is called while the mesh is read, and may do anything.
+func test_a_scripted_mesh_changes_the_node() -> void:
 	var meddling: Dictionary[String, Callable] = {
 		"change": func(_scatter: TerrainScatter3D, mesh: Mesh) -> void: mesh.emit_changed(),
 		"refresh": func(scatter: TerrainScatter3D, mesh: ScriptedMesh) -> void:
-			mesh.asked = Callable()
-			(scatter.terrain as ScatterTerrainMeshes).refresh(),
+			mesh.on_read = Callable()
+			(scatter.ground as ScatterGroundMeshes).refresh(),
 		"group": func(scatter: TerrainScatter3D, mesh: ScriptedMesh) -> void:
-			mesh.asked = Callable()
-			(scatter.terrain as ScatterTerrainMeshes).group = &"none",
-		"terrain": func(scatter: TerrainScatter3D, _mesh: Mesh) -> void: scatter.terrain = null,
+			mesh.on_read = Callable()
+			(scatter.ground as ScatterGroundMeshes).group = &"none",
+		"terrain": func(scatter: TerrainScatter3D, _mesh: Mesh) -> void: scatter.ground = null,
 		"leave": func(scatter: TerrainScatter3D, _mesh: Mesh) -> void: root.remove_child(scatter),
 	}
 	for how in meddling:
@@ -346,12 +346,12 @@ func test_a_mesh_of_a_script_meddles() -> void:
 		var instance := put(mesh)
 		var scatter := make_on_meshes()
 		var calls := [0]
-		mesh.asked = func() -> void:
+		mesh.on_read = func() -> void:
 			calls[0] += 1
 			meddling[how].call(scatter, mesh)
 		await frames(20)
 		check(calls[0] > 0 and calls[0] < 40, "%s: %d calls" % [how, calls[0]])
-		mesh.asked = Callable() # It holds the mesh.
+		mesh.on_read = Callable() # The callback refers to the mesh.
 		scatter.free()
 		instance.free()
 		check_no_error(how)

@@ -1,12 +1,12 @@
 extends "terrain_harness.gd"
-## Scripts and nodes that give ground are called only for what layers need, and not outside of their bounds.
+## Scripts and nodes that provide ground are called only for data that layers need, and not outside of their bounds.
 
-## A terrain of 40 x 40 m about the origin that answers 0 outside, and counts its calls.
+## A terrain of 40 x 40 m around the origin. It returns 0 outside and counts its calls.
 class Counting extends Node3D:
 	var data := CountingData.new()
 
-	func _notification(what: int) -> void:
-		if what == NOTIFICATION_PREDELETE:
+	func _notification(context: int) -> void:
+		if context == NOTIFICATION_PREDELETE:
 			data.free()
 
 
@@ -15,7 +15,7 @@ class CountingData extends Object:
 	var normals := 0
 	var textures := 0
 	var outside := 0
-	var above_nothing := 0 ## Of normals and textures, where there is no ground.
+	var above_nothing := 0 ## Calls for normals and textures where there is no ground.
 	var hole_is_nan := false
 	var mutex := Mutex.new()
 
@@ -47,7 +47,7 @@ class CountingData extends Object:
 		return Vector3(1.0, 2.0, 0.0)
 
 
-## Heights only, so that slopes follow from heights around a position.
+## Heights only, so slopes are computed from heights around a position.
 class HeightsOnly extends Node3D:
 	var heights := 0
 	var outside := 0
@@ -62,7 +62,7 @@ class HeightsOnly extends Node3D:
 
 
 ## A script that counts positions.
-class CountingScript extends ScatterTerrain:
+class CountingScript extends ScatterGround:
 	var heights := 0
 	var normals := 0
 	var weights := 0
@@ -103,8 +103,8 @@ class CountingScript extends ScatterTerrain:
 		mutex.unlock()
 
 
-## The same without normals of its own.
-class SlopesByHeights extends ScatterTerrain:
+## A script without its own normals.
+class SlopesByHeights extends ScatterGround:
 	var most := 0
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -123,54 +123,54 @@ func upright(aligned := 0.0, textures := PackedInt32Array()) -> ScatterLayer:
 	return layer
 
 
-func test_an_object_is_called_for_what_layers_need() -> void:
+func test_a_node_is_called_only_for_needed_data() -> void:
 	for thread_safe: bool in [false, true]:
 		for needs: int in 4:
-			var what := "thread_safe %s, normals %s, textures %s" % [thread_safe, needs & 1, needs & 2]
+			var context := "thread_safe %s, normals %s, textures %s" % [thread_safe, needs & 1, needs & 2]
 			var node := Counting.new()
 			var textures := PackedInt32Array([1]) if needs & 2 else PackedInt32Array()
 			node.data.hole_is_nan = true
 			var scatter := make_on(node, thread_safe, upright(float(needs & 1), textures))
 			await settle(scatter)
-			check(scatter.get_stats()["instances"] > 1000, what + ": instances")
-			check_equal(node.data.normals > 1000, bool(needs & 1), what + ": normals")
-			check_equal(node.data.textures > 1000, bool(needs & 2), what + ": textures")
-			check_equal(node.data.above_nothing, 0, what + ": heights alone where there is no ground")
+			check(scatter.get_stats()["instances"] > 1000, context + ": instances")
+			check_equal(node.data.normals > 1000, bool(needs & 1), context + ": normals")
+			check_equal(node.data.textures > 1000, bool(needs & 2), context + ": textures")
+			check_equal(node.data.above_nothing, 0, context + ": only heights where there is no ground")
 			var normals := node.data.normals
-			check(scatter.terrain.get_height(Vector3(10.0, 0.0, 10.0)) > 0.0, what + ": a height")
+			check(scatter.ground.get_height(Vector3(10.0, 0.0, 10.0)) > 0.0, context + ": a height")
 			scatter.get_density_map(0, Rect2(-16, -16, 32, 32), Vector2i(8, 8))
-			check_equal(node.data.normals, normals, what + ": a height and a density need no normal")
+			check_equal(node.data.normals, normals, context + ": a height and a density need no normals")
 			scatter.free()
 			node.free()
 
 
-func test_a_script_is_called_for_what_layers_need() -> void:
+func test_a_script_is_called_only_for_needed_data() -> void:
 	for threaded: bool in [false, true]:
 		for needs: int in 4:
-			var what := "threaded %s, normals %s, textures %s" % [threaded, needs & 1, needs & 2]
+			var context := "threaded %s, normals %s, textures %s" % [threaded, needs & 1, needs & 2]
 			var terrain := CountingScript.new()
 			terrain.threaded = threaded
 			var textures := PackedInt32Array([1]) if needs & 2 else PackedInt32Array()
 			var scatter := make_scatter([upright(float(needs & 1), textures)], terrain, make_viewer())
 			await settle(scatter)
-			check(scatter.get_stats()["instances"] > 1000, what + ": instances")
-			check_equal(terrain.normals > 1000, bool(needs & 1), what + ": normals")
-			check_equal(terrain.weights > 1000, bool(needs & 2), what + ": weights")
-			check_equal(terrain.above_nothing, 0, what + ": heights alone where there is no ground")
+			check(scatter.get_stats()["instances"] > 1000, context + ": instances")
+			check_equal(terrain.normals > 1000, bool(needs & 1), context + ": normals")
+			check_equal(terrain.weights > 1000, bool(needs & 2), context + ": weights")
+			check_equal(terrain.above_nothing, 0, context + ": only heights where there is no ground")
 			scatter.free()
 
 
-func test_slopes_are_measured_where_a_layer_needs_them() -> void:
+func test_slopes_are_measured_only_if_needed() -> void:
 	for aligned: bool in [false, true]:
 		var terrain := SlopesByHeights.new()
 		var scatter := make_scatter([upright(float(aligned))], terrain, make_viewer())
 		await settle(scatter)
 		check(scatter.get_stats()["instances"] > 1000, "instances")
-		check_equal(terrain.most, 128 if aligned else 32, "positions at once, aligned %s" % aligned)
+		check_equal(terrain.most, 128 if aligned else 32, "positions per call, aligned %s" % aligned)
 		scatter.free()
 
 
-## All that stands, by the height that the terrain has for nothing.
+## Returns the number of instances at a height.
 func count_at(scatter: TerrainScatter3D, height: float) -> int:
 	return all_transforms(scatter).filter(func(one: Transform3D) -> bool: return absf(one.origin.y - height) < 1e-4).size()
 
@@ -178,23 +178,23 @@ func count_at(scatter: TerrainScatter3D, height: float) -> int:
 func test_no_call_outside_of_bounds() -> void:
 	for thread_safe: bool in [false, true]:
 		for offset: Vector3 in [Vector3.ZERO, Vector3(4.0, 0.0, -4.0)]:
-			var what := "thread_safe %s, offset %s" % [thread_safe, offset]
+			var context := "thread_safe %s, offset %s" % [thread_safe, offset]
 			var node := Counting.new()
 			var scatter := make_on(node, thread_safe, upright(1.0, PackedInt32Array([1])))
 			scatter.world_offset = offset
-			(scatter.terrain as ScatterTerrainObject).bounds = Rect2(-20.0 + offset.x, -20.0 + offset.z, 40.0, 40.0)
+			(scatter.ground as ScatterGroundNode).bounds = Rect2(-20.0 + offset.x, -20.0 + offset.z, 40.0, 40.0)
 			await settle(scatter)
-			check_equal(node.data.outside, 0, what + ": calls outside")
+			check_equal(node.data.outside, 0, context + ": calls outside")
 			var stand := all_transforms(scatter)
-			check(stand.size() > 500, what + ": instances inside")
-			check(stand.all(func(one: Transform3D) -> bool: return CountingData.covers(one.origin)), what + ": none outside")
-			check(is_nan(scatter.terrain.get_height(offset + Vector3(30.0, 0.0, 0.0))), what + ": no height outside")
-			check_equal(node.data.outside, 0, what + ": none for that height")
+			check(stand.size() > 500, context + ": instances inside")
+			check(stand.all(func(one: Transform3D) -> bool: return CountingData.covers(one.origin)), context + ": none outside")
+			check(is_nan(scatter.ground.get_height(offset + Vector3(30.0, 0.0, 0.0))), context + ": no height outside")
+			check_equal(node.data.outside, 0, context + ": no call for that height")
 			scatter.free()
 			node.free()
 		var heights := HeightsOnly.new()
 		var scatter := make_on(heights, thread_safe, upright(1.0))
-		(scatter.terrain as ScatterTerrainObject).bounds = Rect2(-20.0, -20.0, 40.0, 40.0)
+		(scatter.ground as ScatterGroundNode).bounds = Rect2(-20.0, -20.0, 40.0, 40.0)
 		await settle(scatter)
 		check(heights.heights > 1000, "heights")
 		check_equal(heights.outside, 0, "slopes are measured inside")
@@ -202,35 +202,35 @@ func test_no_call_outside_of_bounds() -> void:
 		heights.free()
 
 
-func test_a_height_that_stands_for_no_ground() -> void:
+func test_a_height_that_means_no_ground() -> void:
 	for thread_safe: bool in [false, true]:
 		var node := Counting.new()
 		var scatter := make_on(node, thread_safe, upright(1.0, PackedInt32Array([1])))
-		var terrain := scatter.terrain as ScatterTerrainObject
+		var terrain := scatter.ground as ScatterGroundNode
 		await settle(scatter)
-		check(count_at(scatter, 0.0) > 500, "on nothing, without a limit")
+		check(count_at(scatter, 0.0) > 500, "instances at height 0 without no_ground_enabled")
 		node.data.above_nothing = 0
 		terrain.no_ground_enabled = true
 		await settle(scatter)
-		check_equal(count_at(scatter, 0.0), 0, "none on nothing")
-		check(all_transforms(scatter).size() > 500, "the others stand")
-		check_equal(node.data.above_nothing, 0, "heights alone where there is no ground")
+		check_equal(count_at(scatter, 0.0), 0, "no instances at height 0")
+		check(all_transforms(scatter).size() > 500, "the others remain")
+		check_equal(node.data.above_nothing, 0, "only heights where there is no ground")
 		check(is_nan(terrain.get_height(Vector3.ZERO)), "no height")
 		terrain.no_ground_height = 5.0
 		await settle(scatter)
-		check(count_at(scatter, 0.0) > 500, "another height stands for it")
+		check(count_at(scatter, 0.0) > 500, "instances at height 0 with a new no_ground_height")
 		scatter.free()
 		node.free()
 
 
 func test_wrong_limits_are_refused() -> void:
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	terrain.bounds = Rect2(1.0, 2.0, 3.0, 4.0)
 	terrain.bounds = Rect2(0.0, 0.0, -1.0, 5.0)
-	check_error(["ScatterTerrainObject.bounds", "size of 0 or more", "-1"], "a negative size")
+	check_error(["ScatterGroundNode.bounds", "size of 0 or more", "-1"], "a negative size")
 	terrain.bounds = Rect2(NAN, 0.0, 1.0, 5.0)
-	check_error(["ScatterTerrainObject.bounds", "finite"], "not a number")
+	check_error(["ScatterGroundNode.bounds", "finite"], "not a number")
 	check_equal(terrain.bounds, Rect2(1.0, 2.0, 3.0, 4.0), "the last bounds stay")
 	terrain.no_ground_height = INF
-	check_error(["ScatterTerrainObject.no_ground_height", "inf"], "an infinite height")
+	check_error(["ScatterGroundNode.no_ground_height", "inf"], "an infinite height")
 	check_equal(terrain.no_ground_height, 0.0, "the last height stays")

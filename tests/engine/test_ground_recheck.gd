@@ -1,21 +1,21 @@
 extends "terrain_harness.gd"
-## Ground that changes without a report is found by re-checks of visible tiles, and only what stands on it is regenerated.
+## Ground that changes without a signal: re-checks of visible tiles find the changes, and regenerate only the affected tiles.
 
 const MOST_IN_A_FRAME := 16
 
-## Flat ground that is raised in a part of the world, or has none there, and reports nothing.
-class Silent extends ScatterTerrain:
+## Flat ground that is raised in a part of the world, or missing there, and emits no signal.
+class Silent extends ScatterGround:
 	var part := Rect2()
 	var height := 0.0
 	var threaded := false
 	var calls := 0
-	var positions_asked := 0
+	var positions_queried := 0
 	var broken := false
 	var in_call := Callable()
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		calls += 1
-		positions_asked += positions.size()
+		positions_queried += positions.size()
 		if in_call.is_valid():
 			in_call.call()
 		var heights := PackedFloat32Array()
@@ -29,7 +29,7 @@ class Silent extends ScatterTerrain:
 		return threaded
 
 
-## The same as a node.
+## The same ground as a node.
 class SilentNode extends Node3D:
 	var part := Rect2()
 	var height := 0.0
@@ -45,7 +45,7 @@ func small_tiles() -> ScatterLayer:
 	return layer
 
 
-## How many instances do not stand at the height that a silent ground has now.
+## Returns the number of instances that are not at the current height of a silent ground.
 func wrong(scatter: TerrainScatter3D, ground: Object) -> int:
 	var part: Rect2 = ground.get("part")
 	var height: float = ground.get("height")
@@ -56,28 +56,28 @@ func wrong(scatter: TerrainScatter3D, ground: Object) -> int:
 	return count
 
 
-## Tiles regenerated until `count` instances stand, and none of them wrong.
-func regenerated(scatter: TerrainScatter3D, ground: Object, count: int, what: String) -> Array[Vector2i]:
+## Returns the tiles that were regenerated until `count` instances exist and all are at the right height.
+func regenerated(scatter: TerrainScatter3D, ground: Object, count: int, context: String) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
 	var note := func(_layer: int, tile: Vector2i) -> void: made.push_back(tile)
 	scatter.tile_shown.connect(note)
 	await until(func() -> bool:
-			return scatter.is_settled() and wrong(scatter, ground) == 0 and all_transforms(scatter).size() == count, what)
+			return scatter.is_settled() and wrong(scatter, ground) == 0 and all_transforms(scatter).size() == count, context)
 	scatter.tile_shown.disconnect(note)
 	return made
 
 
-## On flat ground on which `all` instances stand.
+## Changes a part of a flat ground that carries the instances `all`, and checks that the affected tiles follow.
 func check_silent_change(
-		scatter: TerrainScatter3D, ground: Object, all: Array[Transform3D], part: Rect2, height: float, what: String) -> void:
+		scatter: TerrainScatter3D, ground: Object, all: Array[Transform3D], part: Rect2, height: float, context: String) -> void:
 	ground.set("part", part)
 	ground.set("height", height)
 	var stay := func(one: Transform3D) -> bool: return not (is_nan(height) and part.has_point(on_map(one)))
-	var made := await regenerated(scatter, ground, all.filter(stay).size(), what)
-	check(made.size() > 0, what + ": regenerated")
+	var made := await regenerated(scatter, ground, all.filter(stay).size(), context)
+	check(made.size() > 0, context + ": regenerated")
 	for tile in made:
-		check(part.intersects(Rect2(tile * 8.0, Vector2(8.0, 8.0))), "%s: tile %s lies in the part" % [what, tile])
-		check_equal(made.count(tile), 1, "%s: tile %s once" % [what, tile])
+		check(part.intersects(Rect2(tile * 8.0, Vector2(8.0, 8.0))), "%s: tile %s is in the part" % [context, tile])
+		check_equal(made.count(tile), 1, "%s: tile %s once" % [context, tile])
 
 
 func test_a_part_of_the_ground_changes() -> void:
@@ -94,15 +94,15 @@ func test_a_part_of_the_ground_changes() -> void:
 		var all := all_transforms(scatter)
 		var part := Rect2(0.0, 0.0, 16.0, 16.0)
 		await check_silent_change(scatter, ground, all, part, 30.0, "ground %d is raised" % index)
-		await check_silent_change(scatter, ground, all, part, NAN, "ground %d goes" % index)
-		check(all_transforms(scatter).size() < all.size() - 100, "none where there is no ground")
-		await check_silent_change(scatter, ground, all, part, 4.0, "ground %d comes" % index)
+		await check_silent_change(scatter, ground, all, part, NAN, "ground %d disappears" % index)
+		check(all_transforms(scatter).size() < all.size() - 100, "no instances without ground")
+		await check_silent_change(scatter, ground, all, part, 4.0, "ground %d returns" % index)
 		scatter.free()
 		if ground is Node:
 			(ground as Node).free()
 
 
-## As a terrain that loads its regions later: low until then.
+## Like a terrain that loads its regions later, and is low until then.
 func test_regions_that_are_loaded_later() -> void:
 	var ground := Silent.new()
 	ground.part = Rect2(-64.0, -64.0, 128.0, 128.0)
@@ -118,14 +118,14 @@ func test_regions_that_are_loaded_later() -> void:
 	var made: int = scatter.get_stats()["tiles_made"]
 	ground.height = 0.0
 	await until(func() -> bool:
-			return scatter.is_settled() and all_transforms(scatter, 0).all(stands_at_0) \
-					and all_transforms(scatter, 1).all(stands_at_0),
+			return scatter.is_settled() and all_transforms(scatter, 0).all(is_at_height_0) \
+					and all_transforms(scatter, 1).all(is_at_height_0),
 			"all tiles of both layers follow")
 	made = scatter.get_stats()["tiles_made"] - made
-	check(made >= shown and made <= 2 * shown, "%d tiles regenerated for %d" % [made, shown])
+	check(made >= shown and made <= 2 * shown, "%d tiles regenerated, %d visible" % [made, shown])
 
 
-func stands_at_0(one: Transform3D) -> bool:
+func is_at_height_0(one: Transform3D) -> bool:
 	return absf(one.origin.y) < 1e-4
 
 
@@ -137,34 +137,34 @@ func test_unchanged_ground_costs_few_calls_and_no_tile() -> void:
 	var rechecks: int = scatter.get_stats()["ground_rechecks"]
 	var calls := ground.calls
 	for frame in 120:
-		var asked := ground.positions_asked
+		var queried := ground.positions_queried
 		await process_frame
 		check(scatter.is_settled(), "settled in frame %d" % frame)
-		check(ground.positions_asked - asked <= MOST_IN_A_FRAME, "%d positions at once" % (ground.positions_asked - asked))
+		check(ground.positions_queried - queried <= MOST_IN_A_FRAME, "%d positions at once" % (ground.positions_queried - queried))
 	check(scatter.get_stats()["ground_rechecks"] > rechecks + 50, "the ground is re-checked")
-	check(ground.calls - calls <= 121, "one call a frame")
-	check_equal(scatter.get_stats()["tiles_made"], made, "no tile is made")
+	check(ground.calls - calls <= 121, "one call per frame")
+	check_equal(scatter.get_stats()["tiles_made"], made, "no tile is generated")
 	ground.recheck_enabled = false
 	await frames(2)
 	calls = ground.calls
 	await frames(60)
-	check_equal(ground.calls, calls, "turned off")
+	check_equal(ground.calls, calls, "no calls when turned off")
 
 
 func test_ground_that_reports_its_changes_is_not_rechecked() -> void:
-	var map := ScatterTerrainHeightmap.new()
+	var map := ScatterGroundHeightmap.new()
 	map.image = Image.create_empty(16, 16, false, Image.FORMAT_RF)
 	map.rect = Rect2(-64.0, -64.0, 128.0, 128.0)
-	var noise := ScatterTerrainNoise.new()
+	var noise := ScatterGroundNoise.new()
 	noise.noise = FastNoiseLite.new()
-	var meshes := ScatterTerrainMeshes.new()
+	var meshes := ScatterGroundMeshes.new()
 	meshes.group = &"floor"
 	var plane := MeshInstance3D.new()
 	plane.mesh = PlaneMesh.new()
 	plane.scale = Vector3(50.0, 1.0, 50.0)
 	plane.add_to_group(&"floor")
 	root.add_child(plane)
-	for terrain: ScatterTerrain in [ScatterTerrainFlat.new(), map, noise, meshes]:
+	for terrain: ScatterGround in [ScatterGroundFlat.new(), map, noise, meshes]:
 		var scatter := make_scatter([small_tiles()], terrain, make_viewer())
 		await settle(scatter)
 		await frames(60)
@@ -189,8 +189,8 @@ func test_a_script_that_fails_is_reported_once() -> void:
 	await check_silent_change(scatter, ground, all, Rect2(0.0, 0.0, 16.0, 16.0), 2.0, "re-checked again")
 
 
-func test_scripts_that_act_within_a_recheck() -> void:
-	for act: String in ["frees the node", "takes it out", "changes the layers", "lets go of the terrain"]:
+func test_scripts_that_change_the_node_during_a_recheck() -> void:
+	for act: String in ["frees the node", "leaves the tree", "changes the layers", "replaces the ground"]:
 		var ground := Silent.new()
 		var scatter := make_scatter([small_tiles()], ground, make_viewer())
 		await settle(scatter)
@@ -201,9 +201,9 @@ func test_scripts_that_act_within_a_recheck() -> void:
 			ran[0] = true
 			match act:
 				"frees the node": scatter.free()
-				"takes it out": root.remove_child(scatter)
+				"leaves the tree": root.remove_child(scatter)
 				"changes the layers": scatter.layers = [small_tiles(), small_tiles()]
-				"lets go of the terrain": scatter.terrain = ScatterTerrainFlat.new()
+				"replaces the ground": scatter.ground = ScatterGroundFlat.new()
 		ground.in_call = once
 		await until(func() -> bool: return ran[0], act + ": it ran")
 		ground.in_call = Callable()
@@ -215,7 +215,7 @@ func test_scripts_that_act_within_a_recheck() -> void:
 		await clean()
 
 
-## A body of the physics server, in no node, as voxel plug-ins make them.
+## Creates a body in the physics server without a node, as voxel plug-ins do.
 func serve_slab(at: Vector3, width: float) -> Array[RID]:
 	var shape := PhysicsServer3D.box_shape_create()
 	PhysicsServer3D.shape_set_data(shape, Vector3(0.5 * width, 1.0, 0.5 * width))
@@ -227,9 +227,9 @@ func serve_slab(at: Vector3, width: float) -> Array[RID]:
 	return [body, shape]
 
 
-## A scatter on the bodies that are there, settled.
+## Returns a settled scatter on the existing bodies.
 func make_on_bodies() -> TerrainScatter3D:
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	terrain.rays_per_frame = 2000
 	var scatter := make_scatter([small_tiles()], terrain, make_viewer())
 	await physics_frame
@@ -252,14 +252,14 @@ func test_bodies_of_the_physics_server() -> void:
 	await until(func() -> bool:
 			var on_step := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.y > 0.5)
 			return not on_step.is_empty() and on_step.all(func(one: Transform3D) -> bool: return absf(one.origin.y - 3.0) < 0.01),
-			"one that moves is followed")
+			"a moved body is followed")
 	for rid: RID in ground + step:
 		PhysicsServer3D.free_rid(rid)
-	await until(func() -> bool: return all_transforms(scatter).is_empty() and scatter.is_settled(), "none over freed ground")
+	await until(func() -> bool: return all_transforms(scatter).is_empty() and scatter.is_settled(), "no instances after the bodies were freed")
 
 
-## What walks or rolls over the ground hides it, and changes nothing.
-func test_moving_bodies_are_no_change() -> void:
+## Bodies that move over the ground hide it but change nothing.
+func test_moving_bodies_change_nothing() -> void:
 	var ground := serve_slab(Vector3(0.0, -1.0, 0.0), 60.0)
 	var scatter := await make_on_bodies()
 	var made: int = scatter.get_stats()["tiles_made"]
@@ -278,7 +278,7 @@ func test_moving_bodies_are_no_change() -> void:
 		check(scatter.get_stats()["ground_rechecks"] > rechecks + 30, "re-checked under a %s" % body.get_class())
 		body.free()
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles_made"], made, "no tile is made for what moves")
+	check_equal(scatter.get_stats()["tiles_made"], made, "no tile is generated for moving bodies")
 	scatter.free()
 	for rid: RID in ground:
 		PhysicsServer3D.free_rid(rid)

@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## Ground that a renderer holds: it alone knows what was updated in its memory.
+## Ground whose data is updated in the renderer's memory only.
 
 
 func test_updated_vertices_are_ground_after_refresh_ground() -> void:
@@ -9,7 +9,7 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 		var mesh := ArrayMesh.new()
 		var flags := Mesh.ARRAY_FLAG_COMPRESS_ATTRIBUTES if compressed else 0
 		var arrays := plane.get_mesh_arrays()
-		if compressed: # So that the box of the surface, which compressed vertices are parts of, has a height.
+		if compressed: # Compressed vertices are fractions of the surface's box, which needs a height.
 			arrays[Mesh.ARRAY_VERTEX].append(Vector3(0.0, 5.0, 0.0))
 			arrays[Mesh.ARRAY_NORMAL].append(Vector3.UP)
 			arrays[Mesh.ARRAY_TANGENT].append_array([1.0, 0.0, 0.0, 1.0])
@@ -19,14 +19,14 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 		instance.mesh = mesh
 		instance.add_to_group(&"ground")
 		root.add_child(instance)
-		var terrain := ScatterTerrainMeshes.new()
+		var terrain := ScatterGroundMeshes.new()
 		terrain.group = &"ground"
 		var layer := make_layer(1.0)
 		layer.tile_size = 8.0
 		var scatter := make_scatter([layer], terrain, make_viewer())
 		await settle(scatter)
 		check(all_transforms(scatter).all(func(one: Transform3D) -> bool: return absf(one.origin.y) < 1e-4), "flat at first")
-		check(mesh.get_faces().size() > 0, "the engine keeps its faces from now on")
+		check(mesh.get_faces().size() > 0, "the engine caches its faces from now on")
 		var raised := PackedByteArray()
 		for vertex in 4:
 			var at: Vector3 = arrays[Mesh.ARRAY_VERTEX][vertex]
@@ -55,7 +55,7 @@ func test_updated_vertices_are_ground_after_refresh_ground() -> void:
 func test_an_updated_texture_is_ground() -> void:
 	var image := Image.create_empty(257, 257, false, Image.FORMAT_RF)
 	var texture := ImageTexture.create_from_image(image)
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.heights_in_meters = true
 	terrain.rect = Rect2(-128.0, -128.0, 256.0, 256.0)
 	terrain.image = texture
@@ -67,13 +67,13 @@ func test_an_updated_texture_is_ground() -> void:
 		var region := Rect2i(120, 122, 10, 4)
 		var height := 4.0 if by_region else 3.0
 		image.fill_rect(region, Color(height, 0.0, 0.0))
-		var made := await made_again(scatter, func() -> void:
+		var made := await regenerated_by(scatter, func() -> void:
 				texture.update(image)
 				if by_region:
 					terrain.update_region(region)
 				else:
 					texture.emit_changed())
-		check(made.size() >= 4 and made.size() <= 9, "by region %s: %d tiles were made" % [by_region, made.size()])
+		check(made.size() >= 4 and made.size() <= 9, "by region %s: %d tiles were regenerated" % [by_region, made.size()])
 		check_equal(terrain.get_height(Vector3(125.0 - 128.0, 0.0, 124.0 - 128.0)), height, "by region %s: height" % by_region)
 		check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return one.origin.y > height - 0.2), "plants follow")
 	check_no_error("an updated texture")

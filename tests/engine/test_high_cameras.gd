@@ -1,13 +1,13 @@
 extends "picture_harness.gd"
-## What is in view is seen from high up and by orthogonal cameras, with materials that fade and with others: tiles, thinning, LODs and
-## fades measure alike. Shares of red pixels, from where 80 m of the ground fill the picture from top to bottom.
+## Cameras high up and orthogonal cameras see the same as low ones, with materials that fade and with others: tiles, thinning, LODs
+## and fades use the same distance. Measured as the fraction of red pixels, with 80 m of the ground from the top of the picture to its bottom.
 
-const TALL := 80.0 ## Meters of the ground in the picture.
+const TALL := 80.0 ## Meters of the ground in the picture, vertically.
 
 var camera: Camera3D
 
 
-## Red cubes, a quarter of the ground or so.
+## Red cubes that cover about a quarter of the ground.
 func cubes(fades: bool) -> ScatterLayer:
 	var material: Material = StandardMaterial3D.new()
 	if fades:
@@ -41,8 +41,8 @@ func stage() -> void:
 	camera.make_current()
 
 
-## All tiles come within a few frames, as software takes long to draw one.
-func quick_scatter(layers: Array[ScatterLayer], terrain: ScatterTerrain, viewer: Node3D) -> TerrainScatter3D:
+## Returns a scatter that shows all tiles within a few frames, because software takes long to draw a frame.
+func quick_scatter(layers: Array[ScatterLayer], terrain: ScatterGround, viewer: Node3D) -> TerrainScatter3D:
 	var scatter := make_scatter(layers, terrain, viewer)
 	scatter.frame_budget_usec = 200000
 	return scatter
@@ -67,35 +67,35 @@ func look_from_afar(distance: float) -> void:
 	camera.look_at(Vector3.ZERO)
 
 
-func test_high_and_orthogonal_cameras_see_what_low_ones_see() -> void:
+func test_high_and_orthogonal_cameras_see_the_same_as_low_ones() -> void:
 	stage()
 	for fades: bool in [false, true]:
 		var layer := cubes(fades)
-		var scatter := quick_scatter([layer], ScatterTerrainFlat.new(), camera)
+		var scatter := quick_scatter([layer], ScatterGroundFlat.new(), camera)
 		scatter.viewers = []
 		look_down_from(80.0, false)
 		await settle(scatter)
 		var near := await red()
-		check(near > 0.1 and near < 0.5, "%.3f are red from 80 m up" % near)
+		check(near > 0.1 and near < 0.5, "fraction of red pixels from 80 m up: %.3f" % near)
 		for height: float in [95.0, 150.0, 1000.0]:
 			for orthogonal: bool in [false, true]:
 				look_down_from(height, orthogonal)
 				await settle(scatter)
 				var seen := await red()
-				# Without perspective the lit sides of the cubes are hidden.
-				check(seen > 0.55 * near and seen < 1.2 * near, "fades %s, %d m up, orthogonal %s: %.3f are red, %.3f from 80 m" % [
+				# Without perspective, the lit sides of the cubes are hidden.
+				check(seen > 0.55 * near and seen < 1.2 * near, "fades %s, %d m up, orthogonal %s: fraction of red pixels %.3f, from 80 m %.3f" % [
 						fades, height, orthogonal, seen, near])
 		for distance: float in [170.0, 1700.0]:
 			look_from_afar(distance)
 			await settle(scatter)
 			var seen := await red()
-			check(seen > 0.7 * near, "fades %s, isometric from %d m: %.3f are red" % [fades, distance, seen])
+			check(seen > 0.7 * near, "fades %s, isometric from %d m: fraction of red pixels %.3f" % [fades, distance, seen])
 		scatter.queue_free()
 		await frames(2)
 
 
-## Who draws is not who is streamed around: the picture is complete all the same.
-func test_a_camera_that_is_no_viewer_sees_all_that_is_drawn() -> void:
+## A camera that is not a viewer draws a complete picture, too.
+func test_a_camera_that_is_not_a_viewer_sees_everything() -> void:
 	stage()
 	var shares := {}
 	for fades: bool in [false, true]:
@@ -104,7 +104,7 @@ func test_a_camera_that_is_no_viewer_sees_all_that_is_drawn() -> void:
 		layer.lod_distances = PackedFloat32Array([30.0])
 		layer.lod_meshes = layer.meshes
 		var player := make_viewer()
-		var scatter := quick_scatter([layer], ScatterTerrainFlat.new(), player)
+		var scatter := quick_scatter([layer], ScatterGroundFlat.new(), player)
 		look_from_afar(1700.0)
 		await settle(scatter)
 		var seen := await red()
@@ -114,21 +114,21 @@ func test_a_camera_that_is_no_viewer_sees_all_that_is_drawn() -> void:
 		scatter.queue_free()
 		player.queue_free()
 		await frames(2)
-	check(shares[false][0] > 0.1, "%s are red" % [shares])
+	check(shares[false][0] > 0.1, "fractions of red pixels: %s" % [shares])
 	for index in 2: # The material that fades lights the shaded sides as well.
-		check(absf(shares[true][index] / shares[false][index] - 1.15) < 0.1, "as many are red with a material that fades: %s" % shares)
+		check(absf(shares[true][index] / shares[false][index] - 1.15) < 0.1, "as many red pixels with a material that fades: %s" % shares)
 
 
-## The tiles lie around the point of the ground in the middle of the picture, hills or not.
-func test_tiles_lie_where_an_orthogonal_camera_looks() -> void:
+## Tiles surround the point of the ground in the middle of the picture, at any height of the ground.
+func test_tiles_surround_the_target_of_an_orthogonal_camera() -> void:
 	stage()
-	var terrain := ScatterTerrainFlat.new()
+	var terrain := ScatterGroundFlat.new()
 	terrain.height = 300.0
 	var layer := cubes(true)
 	layer.view_distance = 64.0
 	camera.projection = Camera3D.PROJECTION_ORTHOGONAL
 	camera.position = Vector3(1000.0, 1300.0, 0.0)
-	camera.rotation_degrees = Vector3(-45.0, 0.0, 0.0) # Meets the ground 1,000 m ahead.
+	camera.rotation_degrees = Vector3(-45.0, 0.0, 0.0) # The line of sight hits the ground 1,000 m ahead.
 	var scatter := quick_scatter([layer], terrain, camera)
 	scatter.viewers = []
 	await settle(scatter)
@@ -139,14 +139,14 @@ func test_tiles_lie_where_an_orthogonal_camera_looks() -> void:
 	check(middle.distance_to(Vector2(1000.0, -1000.0)) < layer.tile_size, "the middle of the tiles is %s" % middle)
 
 
-## A small view shows fine LODs, a large one coarse LODs, however far away the camera is.
+## A small view shows fine LODs, a large one coarse LODs, at any distance of the camera.
 func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 	stage()
 	var layer := cubes(false)
 	var sphere := SphereMesh.new()
 	layer.lod_meshes = [sphere]
 	layer.lod_distances = PackedFloat32Array([60.0])
-	var scatter := quick_scatter([layer], ScatterTerrainFlat.new(), camera)
+	var scatter := quick_scatter([layer], ScatterGroundFlat.new(), camera)
 	scatter.viewers = []
 	var fine := {}
 	for size: float in [40.0, 400.0]:
@@ -158,16 +158,16 @@ func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 					func(multimesh: RID) -> RID: return RenderingServer.multimesh_get_mesh(multimesh))
 			fine[[size, height]] = layer.meshes[0].get_rid() in meshes
 	check_equal(fine, {[40.0, 200.0]: true, [40.0, 2000.0]: true, [400.0, 200.0]: false, [400.0, 2000.0]: false},
-			"whether the fine mesh is drawn below the camera")
+			"fine mesh below the camera, by size and height")
 
 
-## Twice the view distance for one viewer is twice as much to see, to a soft end.
-func test_a_viewers_scale_counts_for_the_fade() -> void:
+## A viewer with twice the view distance sees four times the ground, up to the fade at its end.
+func test_a_viewers_scale_applies_to_the_fade() -> void:
 	stage()
 	var player := make_viewer()
 	var layer := cubes(true)
 	layer.view_distance = 60.0
-	var scatter := quick_scatter([layer], ScatterTerrainFlat.new(), player)
+	var scatter := quick_scatter([layer], ScatterGroundFlat.new(), player)
 	look_down_from(400.0, true)
 	camera.size = 300.0
 	var seen := {}
@@ -179,7 +179,7 @@ func test_a_viewers_scale_counts_for_the_fade() -> void:
 	check(seen[2.0] > 3.0 * seen[1.0] and seen[2.0] < 5.0 * seen[1.0], "four times the ground: %s" % seen)
 
 
-## Two nodes share a material: each of them has its own viewer, and hides nothing of the other.
+## Two nodes share a material. Each has its own viewer and hides nothing of the other.
 func test_nodes_share_a_material() -> void:
 	stage()
 	var layer := cubes(true)
@@ -190,10 +190,10 @@ func test_nodes_share_a_material() -> void:
 	var scatters: Array[TerrainScatter3D] = []
 	var seen: Array[float] = []
 	for player in players:
-		scatters.append(quick_scatter([layer], ScatterTerrainFlat.new(), player))
+		scatters.append(quick_scatter([layer], ScatterGroundFlat.new(), player))
 		await settle(scatters[-1])
 		seen.append(await red())
-	check(seen[0] > 0.01 and absf(seen[1] - 2.0 * seen[0]) < 0.3 * seen[0], "twice as much: %s" % [seen])
+	check(seen[0] > 0.01 and absf(seen[1] - 2.0 * seen[0]) < 0.3 * seen[0], "twice as many red pixels: %s" % [seen])
 	scatters[0].free()
 	await frames(2)
-	check(absf(await red() - seen[0]) < 0.3 * seen[0], "as much as before once one node is freed: %s" % [seen])
+	check(absf(await red() - seen[0]) < 0.3 * seen[0], "as many as before after one node was freed: %s" % [seen])

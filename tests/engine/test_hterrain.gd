@@ -1,7 +1,7 @@
 extends "hterrain_harness.gd"
-## HTerrain's ground, copied: heights, holes and textures as it has them, and no call for a single place.
+## A copy of HTerrain's ground: its heights, holes and textures, without calls for single positions.
 
-func test_heights_are_its_own() -> void:
+func test_heights() -> void:
 	for format: Image.Format in [Image.FORMAT_RF, Image.FORMAT_RH, Image.FORMAT_RGB8]:
 		for scaled: Vector3 in [Vector3.ONE, Vector3(2.0, 0.5, 3.5)]:
 			var node := make_hterrain(HTerrainMasterData.new(format))
@@ -13,15 +13,15 @@ func test_heights_are_its_own() -> void:
 			var random := RandomNumberGenerator.new()
 			random.seed = 3
 			var wrong := 0
-			var met := 0
+			var hits := 0
 			for i in 1500:
 				var at := node.get_internal_transform() * Vector3(random.randf_range(-3.0, 67.0), 0.0, random.randf_range(-3.0, 67.0))
 				var expected := node.ground_at(at)
-				var height := scatter.terrain.get_height(at)
+				var height := scatter.ground.get_height(at)
 				wrong += int(is_nan(height) != is_nan(expected) or absf(height - expected) > 1e-3)
-				met += int(not is_nan(height))
+				hits += int(not is_nan(height))
 			check_equal(wrong, 0, "format %d, scale %s: heights that differ" % [format, scaled])
-			check(met > 800, "%d places on the map" % met)
+			check(hits > 800, "%d positions on the map" % hits)
 			scatter.free()
 			node.free()
 
@@ -35,20 +35,20 @@ func test_normals() -> void:
 	var along := node.global_basis.x
 	var expected := Vector3(-0.75 * along.x, 1.0, -0.75 * along.z).normalized()
 	for at: Vector3 in [Vector3.ZERO, Vector3(31.3, 0.0, -12.8), Vector3(-40.0, 0.0, 3.0)]:
-		check(scatter.terrain.get_normal(at).distance_to(expected) < 1e-4, "normal at %s" % at)
+		check(scatter.ground.get_normal(at).distance_to(expected) < 1e-4, "normal at %s" % at)
 
 
-func test_no_place_is_asked_for() -> void:
+func test_the_copy_makes_no_calls_for_single_positions() -> void:
 	for data: HTerrainDataDouble in [HTerrain18Data.new(), HTerrainMasterData.new()]:
 		var node := make_hterrain(data)
 		var scatter := make_on(node)
 		await settle(scatter)
 		check_ground(scatter, node, "copied")
-		check_equal(node.get_data().asked, 0, "calls for single places")
-		var terrain: ScatterTerrainObject = scatter.terrain
+		check_equal(node.get_data().point_calls, 0, "calls for single positions")
+		var terrain: ScatterGroundNode = scatter.ground
 		for word: String in ["HTerrain", "65 x 65", "no textures"]:
 			check(word in terrain.recognized, "'%s' in '%s'" % [word, terrain.recognized])
-		check_equal(scatter.get_problems().size(), 0, "nothing to say: %s" % [scatter.get_problems()])
+		check_equal(scatter.get_problems().size(), 0, "no problems: %s" % [scatter.get_problems()])
 		scatter.free()
 		node.free()
 
@@ -71,7 +71,7 @@ func test_holes() -> void:
 	var stand := await count_on(node, [])
 	var in_hole := stand.filter(func(one: Transform3D) -> bool: return one.origin.x > -24.9 and one.origin.x < -5.1)
 	check_equal(in_hole.size(), 0, "instances in the hole")
-	check(stand.size() > 0.7 * all and stand.size() < 0.95 * all, "%d of %d stand" % [stand.size(), all])
+	check(stand.size() > 0.7 * all and stand.size() < 0.95 * all, "%d of %d remain" % [stand.size(), all])
 
 
 func test_textures_of_splat_maps() -> void:
@@ -82,15 +82,15 @@ func test_textures_of_splat_maps() -> void:
 	second.fill_rect(Rect2i(0, 33, 65, 32), Color(0.0, 0.0, 0.0, 1.0))
 	var all := (await count_on(node, [])).size()
 	var near := await count_on(node, [1])
-	check(near.size() > 100 and near.all(func(one: Transform3D) -> bool: return one.origin.z < 2.1), "texture 1 lies in front")
+	check(near.size() > 100 and near.all(func(one: Transform3D) -> bool: return one.origin.z < 2.1), "texture 1 is in front")
 	check((await count_on(node, [7])).size() > 100, "texture 7")
-	check_equal((await count_on(node, [1, 7])).size(), all, "both are everything")
-	check_equal((await count_on(node, [0, 2, 3, 4, 5, 6, 8])).size(), 0, "textures that are nowhere")
+	check_equal((await count_on(node, [1, 7])).size(), all, "both cover everything")
+	check_equal((await count_on(node, [0, 2, 3, 4, 5, 6, 8])).size(), 0, "textures that do not occur")
 
 
 func test_textures_by_index() -> void:
 	var node := make_hterrain()
-	node.get_data().add_map(CHANNEL_SPLAT, Image.FORMAT_RGBA8, Color(1.0, 0.0, 0.0, 0.0)) # Always there; of no account.
+	node.get_data().add_map(CHANNEL_SPLAT, Image.FORMAT_RGBA8, Color(1.0, 0.0, 0.0, 0.0)) # HTerrain always has this map. It must be ignored.
 	node.shader_type = "Array"
 	root.add_child(node)
 	var scatter := make_on(node)
@@ -102,28 +102,28 @@ func test_textures_by_index() -> void:
 	indices.fill_rect(Rect2i(0, 0, 33, 65), Color8(3, 3, 3))
 	node.get_data().add_map(CHANNEL_SPLAT_WEIGHT, Image.FORMAT_RG8, Color8(51, 102, 0))
 	var all := (await count_on(node, [])).size()
-	check_equal((await count_on(node, [0, 1, 2])).size(), 0, "textures that are nowhere")
+	check_equal((await count_on(node, [0, 1, 2])).size(), 0, "textures that do not occur")
 	var left := await count_on(node, [3])
-	check(left.all(func(one: Transform3D) -> bool: return one.origin.x < 2.1), "texture 3 lies on the left")
-	check(absf(left.size() - 0.5 * all) < 0.08 * all, "on half of the ground: %d of %d" % [left.size(), all])
+	check(left.all(func(one: Transform3D) -> bool: return one.origin.x < 2.1), "texture 3 is on the left")
+	check(absf(left.size() - 0.5 * all) < 0.08 * all, "it covers half of the ground: %d of %d" % [left.size(), all])
 	var some := (await count_on(node, [12])).size()
 	check(absf(some - 0.1 * all) < 0.03 * all, "a fifth of the rest: %d of %d" % [some, all])
-	check_equal((await count_on(node, [3, 5, 12, 40])).size(), all, "all of them")
+	check_equal((await count_on(node, [3, 5, 12, 40])).size(), all, "all textures")
 
 
-## In a game HTerrain keeps textures of what it has loaded, and images of heights alone.
+## In a game HTerrain keeps textures of the maps that it loaded, and images of heights only.
 func test_maps_that_a_game_has_loaded() -> void:
 	var data := HTerrain18Data.new()
 	data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE).fill_rect(Rect2i(20, 0, 10, 65), Color(1.0, 1.0, 1.0, 0.0))
 	data.add_map(CHANNEL_SPLAT, Image.FORMAT_RGBA8, Color(1.0, 0.0, 0.0, 0.0)).fill_rect(Rect2i(0, 0, 65, 33), Color(0.0, 1.0, 0.0, 0.0))
 	data.add_map(CHANNEL_SPLAT_INDEX, Image.FORMAT_RGB8, Color8(12, 5, 40)).fill_rect(Rect2i(0, 0, 33, 65), Color8(3, 3, 3))
-	data.add_map(CHANNEL_SPLAT_WEIGHT, Image.FORMAT_RGB8, Color8(255, 0, 0)) # So PNG files hold two channels.
+	data.add_map(CHANNEL_SPLAT_WEIGHT, Image.FORMAT_RGB8, Color8(255, 0, 0)) # PNG files store two channels like this.
 	var node := make_hterrain(data)
 	var expected: Array[Dictionary] = []
 	for loaded: bool in [false, true]:
 		if loaded:
 			data.become_loaded()
-			check(data.get_image(CHANNEL_COLOR) == null and data.get_image(CHANNEL_HEIGHT) != null, "images are of heights alone")
+			check(data.get_image(CHANNEL_COLOR) == null and data.get_image(CHANNEL_HEIGHT) != null, "only heights have an image")
 		for case: Array in [["Classic4", []], ["Classic4", [1]], ["Array", [3]], ["Array", [12]]]:
 			node.shader_type = case[0]
 			var layer := make_layer()
@@ -131,17 +131,17 @@ func test_maps_that_a_game_has_loaded() -> void:
 			layer.ground_textures = PackedInt32Array(case[1])
 			var scatter := make_on(node, false, layer)
 			await settle(scatter)
-			check_equal(scatter.get_problems().size(), 0, "%s: nothing to say: %s" % [case, scatter.get_problems()])
+			check_equal(scatter.get_problems().size(), 0, "%s: no problems: %s" % [case, scatter.get_problems()])
 			var found := by_id(scatter)
 			check(found.size() > 100, "%s: %d instances" % [case, found.size()])
 			if loaded:
-				check_equal(found, expected.pop_front(), "%s: the same as of images" % [case])
+				check_equal(found, expected.pop_front(), "%s: the same as with images" % [case])
 			else:
 				expected.push_back(found)
 			scatter.free()
 
 
-func test_textures_that_are_read_are_kept_for_as_long_as_they_are_the_same() -> void:
+func test_textures_are_read_only_once() -> void:
 	var data := HTerrainMasterData.new()
 	data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE).fill_rect(Rect2i(20, 0, 10, 65), Color(1.0, 1.0, 1.0, 0.0))
 	data.become_loaded()
@@ -168,24 +168,24 @@ func test_textures_that_are_read_are_kept_for_as_long_as_they_are_the_same() -> 
 	check(count_in_hole.call() > 50, "the hole is closed")
 
 
-func test_maps_without_pixels_are_told() -> void:
+func test_maps_without_pixels_are_reported() -> void:
 	var data := HTerrainMasterData.new()
 	data.add_map(CHANNEL_COLOR, Image.FORMAT_RGBA8, Color.WHITE)
 	data.become_loaded()
 	var texture: Texture2D = data.textures[CHANNEL_COLOR][0]
-	data.textures[CHANNEL_COLOR] = [PlaceholderTexture2D.new()] # In exports for servers.
+	data.textures[CHANNEL_COLOR] = [PlaceholderTexture2D.new()] # As in exports for servers.
 	var node := make_hterrain(data)
 	var scatter := make_on(node)
 	await settle(scatter)
-	check("without pixels" in "\n".join(scatter.get_problems()), "said: %s" % [scatter.get_problems()])
+	check("without pixels" in "\n".join(scatter.get_problems()), "reported: %s" % [scatter.get_problems()])
 	check_ground(scatter, node, "without holes")
 	data.textures[CHANNEL_COLOR] = [texture]
 	data.map_changed.emit(CHANNEL_COLOR, 0)
 	await settle(scatter)
-	check_equal(scatter.get_problems().size(), 0, "nothing to say: %s" % [scatter.get_problems()])
+	check_equal(scatter.get_problems().size(), 0, "no problems: %s" % [scatter.get_problems()])
 
 
-func test_wrong_maps_are_named() -> void:
+func test_errors_name_invalid_maps() -> void:
 	var wrong: Dictionary[String, Callable] = {
 		"another format": func(data: HTerrainDataDouble) -> void:
 			data.maps[CHANNEL_HEIGHT][0] = Image.create_empty(65, 65, false, Image.FORMAT_RGBAF),
@@ -200,24 +200,24 @@ func test_wrong_maps_are_named() -> void:
 		var scatter := make_on(node)
 		await frames(3)
 		var problems := "\n".join(scatter.get_problems())
-		check(words in problems and "place by place" in problems, "%s: %s" % [words, problems])
+		check(words in problems and "position by position" in problems, "%s: %s" % [words, problems])
 		node.get_data().maps = HTerrainMasterData.new().maps
 		node.get_data().fill()
 		scatter.regenerate()
 		await settle(scatter)
-		check_equal(scatter.get_problems().size(), 0, "good again: %s" % [scatter.get_problems()])
-		check_ground(scatter, node, "good again")
+		check_equal(scatter.get_problems().size(), 0, "valid again: %s" % [scatter.get_problems()])
+		check_ground(scatter, node, "valid again")
 		scatter.free()
 		node.free()
 		errors.take()
 
 
-func test_a_tilted_node_is_told() -> void:
+func test_a_tilted_node_is_reported() -> void:
 	var node := make_hterrain()
 	node.rotation = Vector3(0.3, 0.5, 0.0)
 	var scatter := make_on(node)
 	await settle(scatter)
-	check("tilted" in "\n".join(scatter.get_problems()), "said: %s" % [scatter.get_problems()])
+	check("tilted" in "\n".join(scatter.get_problems()), "reported: %s" % [scatter.get_problems()])
 	node.rotation = Vector3(0.0, 0.5, 0.0)
 	await settle(scatter)
 	check_equal(scatter.get_problems().size(), 0, "upright: %s" % [scatter.get_problems()])

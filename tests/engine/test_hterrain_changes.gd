@@ -1,34 +1,34 @@
 extends "hterrain_harness.gd"
-## What becomes of HTerrain while its ground is in use: edits, other data, moves, and nodes that come late or go.
+## HTerrain's ground while it is in use: edits, new data, movements, and nodes that are added late or removed.
 
 func kinds() -> Dictionary[String, HTerrainDataDouble]:
 	return {"1.8": HTerrain18Data.new(), "master": HTerrainMasterData.new()}
 
 
-func test_sculpting_makes_its_tiles_anew() -> void:
+func test_sculpting_regenerates_its_tiles() -> void:
 	var datas := kinds()
 	for kind: String in datas:
 		var node := make_hterrain(datas[kind])
 		var data := node.get_data()
 		var scatter := make_on(node)
 		await settle(scatter)
-		for step in 3: # The first is of an image that is still shared; the next are of patches.
+		for step in 3: # The first edit copies an image that is still shared; the next ones edit patches.
 			var sculpt := func() -> void:
 				for column in range(56, 59):
 					for row in range(56, 59):
 						data.set_post(column, row, 12.0 + step)
 				data.notify_region_change(Rect2i(56, 56, 3, 3), CHANNEL_HEIGHT)
-			var made := await made_again(scatter, sculpt)
+			var made := await regenerated_by(scatter, sculpt)
 			check_equal(made, [Vector2i(1, 1)] as Array[Vector2i], "%s, step %d: tiles" % [kind, step])
 			check_ground(scatter, node, "%s, step %d" % [kind, step])
-		var nothing := await made_again(scatter, func() -> void: data.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
-		check_equal(nothing.size(), 0, "%s: tiles made where nothing has changed" % kind)
+		var nothing := await regenerated_by(scatter, func() -> void: data.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
+		check_equal(nothing.size(), 0, "%s: tiles regenerated without a change" % kind)
 		var odd := func() -> void:
 			for rect: Rect2i in [Rect2i(-5, -5, 3, 3), Rect2i(60, 60, 50, 50), Rect2i(3, 3, 0, 0), Rect2i(5, 5, -2, 4)]:
 				data.notify_region_change(rect, CHANNEL_HEIGHT)
 			data.notify_region_change(Rect2i(0, 0, 65, 65), 4)
 			data.notify_region_change(Rect2i(0, 0, 65, 65), 99)
-		check_equal((await made_again(scatter, odd)).size(), 0, "%s: tiles made for odd rects" % kind)
+		check_equal((await regenerated_by(scatter, odd)).size(), 0, "%s: tiles regenerated for invalid rects" % kind)
 		check_no_error(kind)
 		scatter.free()
 		node.free()
@@ -46,7 +46,7 @@ func test_holes_and_textures_that_are_painted() -> void:
 		layer.ground_textures = PackedInt32Array([6])
 		var scatter := make_on(node, false, layer)
 		await settle(scatter)
-		check_equal(all_transforms(scatter).size(), 0, "%s: nothing is of texture 6" % kind)
+		check_equal(all_transforms(scatter).size(), 0, "%s: no ground has texture 6" % kind)
 		splat.fill_rect(Rect2i(10, 10, 45, 45), Color(0.0, 0.0, 1.0, 0.0))
 		data.notify_region_change(Rect2i(10, 10, 45, 45), CHANNEL_SPLAT, 1)
 		await settle(scatter)
@@ -56,24 +56,24 @@ func test_holes_and_textures_that_are_painted() -> void:
 		data.notify_region_change(Rect2i(0, 0, 65, 32), CHANNEL_COLOR)
 		await settle(scatter)
 		var stand := all_transforms(scatter)
-		check(stand.size() < 0.6 * painted and stand.size() > 0.3 * painted, "%s: %d beside the hole" % [kind, stand.size()])
+		check(stand.size() < 0.6 * painted and stand.size() > 0.3 * painted, "%s: %d outside of the hole" % [kind, stand.size()])
 		check(stand.all(func(one: Transform3D) -> bool: return one.origin.z > -2.0), "%s: none in it" % kind)
 		scatter.free()
 		node.free()
 
 
-func test_it_moves_and_is_stretched() -> void:
+func test_it_moves_and_is_scaled() -> void:
 	var node := make_hterrain()
 	var scatter := make_on(node)
 	await settle(scatter)
-	var act := func(change: Callable, what: String) -> void:
+	var act := func(change: Callable, context: String) -> void:
 		change.call()
 		await frames(2)
 		await settle(scatter)
-		check_ground(scatter, node, what)
+		check_ground(scatter, node, context)
 	await act.call(func() -> void: node.position = Vector3(7.0, 30.0, -12.0), "moved")
-	await act.call(func() -> void: node.rotation.y = 1.1, "turned")
-	await act.call(func() -> void: node.map_scale = Vector3(1.0, 2.0, 1.5), "stretched")
+	await act.call(func() -> void: node.rotation.y = 1.1, "rotated")
+	await act.call(func() -> void: node.map_scale = Vector3(1.0, 2.0, 1.5), "scaled")
 	await act.call(func() -> void: node.centered = false, "not centered")
 
 
@@ -84,11 +84,11 @@ func test_other_data() -> void:
 	var old := node.get_data()
 	var other := HTerrain18Data.new()
 	other.fill(func(column: int, row: int) -> float: return 20.0 + HTerrainDataDouble.hill(row, column))
-	node.set_data(other) # Nobody is told.
+	node.set_data(other) # Emits no signal.
 	await frames(2)
 	await settle(scatter)
-	check_ground(scatter, node, "other data")
-	var made := await made_again(scatter, func() -> void: old.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
+	check_ground(scatter, node, "new data")
+	var made := await regenerated_by(scatter, func() -> void: old.notify_region_change(Rect2i(0, 0, 65, 65), CHANNEL_HEIGHT))
 	check_equal(made.size(), 0, "the old data is not followed")
 	other.resolution = 129
 	other.maps[CHANNEL_HEIGHT] = [Image.create_empty(129, 129, false, Image.FORMAT_RF)]
@@ -96,14 +96,14 @@ func test_other_data() -> void:
 	other.resolution_changed.emit()
 	await frames(2)
 	await settle(scatter)
-	check_ground(scatter, node, "another resolution")
+	check_ground(scatter, node, "a new resolution")
 	other.maps[CHANNEL_HEIGHT] = [other.maps[CHANNEL_HEIGHT][0].duplicate()]
-	check_equal((await made_again(scatter, func() -> void: other.map_changed.emit(CHANNEL_HEIGHT, 0))).size(), 0, "an equal image")
+	check_equal((await regenerated_by(scatter, func() -> void: other.map_changed.emit(CHANNEL_HEIGHT, 0))).size(), 0, "tiles regenerated for an equal image")
 	other.maps[CHANNEL_HEIGHT] = [Image.create_empty(129, 129, false, Image.FORMAT_RF)]
 	other.map_changed.emit(CHANNEL_HEIGHT, 0)
 	await settle(scatter)
-	check_ground(scatter, node, "another image")
-	check_no_error("other data")
+	check_ground(scatter, node, "a new image")
+	check_no_error("new data")
 
 
 func test_data_comes_later() -> void:
@@ -111,28 +111,28 @@ func test_data_comes_later() -> void:
 	var scatter := make_on(node)
 	await settle(scatter)
 	check_error(["HTerrain", "has no data yet"], "no data")
-	check("has no data yet" in "\n".join(scatter.get_problems()), "said")
+	check("has no data yet" in "\n".join(scatter.get_problems()), "among the problems")
 	var data := HTerrainMasterData.new()
 	data.fill()
 	node.set_data(data)
 	await frames(2)
 	await settle(scatter)
-	check_equal(scatter.get_problems().size(), 0, "nothing to say: %s" % [scatter.get_problems()])
+	check_equal(scatter.get_problems().size(), 0, "no problems: %s" % [scatter.get_problems()])
 	check_ground(scatter, node, "with data")
 	var before := by_id(scatter)
 	node.set_data(null)
 	await frames(2)
 	await settle(scatter)
 	check_error(["HTerrain", "has no data yet"], "no data again")
-	check_equal(by_id(scatter), before, "what stands stays")
+	check_equal(by_id(scatter), before, "the instances stay")
 
 
-func test_it_comes_late_and_is_replaced() -> void:
-	var terrain := ScatterTerrainObject.new()
+func test_it_is_added_late_and_replaced() -> void:
+	var terrain := ScatterGroundNode.new()
 	terrain.node = ^"../Ground"
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
-	check_error(["../Ground"], "not there")
+	check_error(["../Ground"], "a missing node")
 	for round in 3:
 		var node := make_hterrain()
 		node.name = "Ground"
@@ -141,17 +141,17 @@ func test_it_comes_late_and_is_replaced() -> void:
 		await frames(2)
 		await settle(scatter)
 		check_no_error("round %d" % round)
-		check_equal(scatter.get_problems().size(), 0, "round %d: nothing to say" % round)
+		check_equal(scatter.get_problems().size(), 0, "round %d: no problems" % round)
 		check_ground(scatter, node, "round %d" % round)
 		node.free()
 		if round == 0:
 			await frames(2)
 			check_error(["../Ground"], "freed")
-		# Otherwise another one is there in the same frame.
+		# In the other rounds, a new node exists in the same frame.
 	scatter.free()
 
 
-func test_it_is_freed_and_edited_while_workers_make_tiles() -> void:
+func test_it_is_freed_and_edited_while_workers_generate_tiles() -> void:
 	for round in 12:
 		var node := make_hterrain()
 		var data := node.get_data()
@@ -167,37 +167,37 @@ func test_it_is_freed_and_edited_while_workers_make_tiles() -> void:
 		node.free()
 		data = null
 		await frames(2)
-		check_error(["ScatterTerrainObject.node"], "round %d" % round)
+		check_error(["ScatterGroundNode.node"], "round %d" % round)
 		scatter.free()
 		check_no_error("round %d" % round)
 
 
-func test_a_recenter_that_it_follows_makes_nothing() -> void:
+func test_a_recenter_that_it_follows_regenerates_nothing() -> void:
 	var node := make_hterrain()
 	var viewer := make_viewer()
 	root.add_child(node)
-	var terrain := ScatterTerrainObject.new()
+	var terrain := ScatterGroundNode.new()
 	var scatter := make_scatter([make_layer()], terrain, viewer)
 	terrain.node = scatter.get_path_to(node)
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	var shift := Vector3(256.0, 16.0, -512.0)
-	var made := await made_again(scatter, func() -> void:
+	var made := await regenerated_by(scatter, func() -> void:
 		viewer.global_position -= shift
 		node.global_position -= shift
 		scatter.world_offset = shift)
-	check_equal(made.size(), 0, "tiles made")
+	check_equal(made.size(), 0, "regenerated tiles")
 	check_equal(digests(scatter, 0), before, "digests")
 	check_ground(scatter, node, "recentered")
-	scatter.world_offset = Vector3.ZERO # Now it has stayed where it is.
+	scatter.world_offset = Vector3.ZERO # Now the node does not follow the world offset.
 	viewer.global_position = node.global_position
 	await frames(2)
 	await settle(scatter)
 	check_ground(scatter, node, "moved in the world")
 
 
-## An edit has the map read that was edited, and no other.
-func test_edits_read_their_map_alone() -> void:
+## An edit reads only the edited map.
+func test_edits_read_only_their_map() -> void:
 	var datas := kinds()
 	for kind: String in datas:
 		var data := datas[kind]
@@ -211,7 +211,7 @@ func test_edits_read_their_map_alone() -> void:
 		data.notify_region_change(Rect2i(57, 57, 1, 1), CHANNEL_HEIGHT)
 		await settle(scatter)
 		check_ground(scatter, node, kind)
-		check_equal(data.read[CHANNEL_COLOR], before[CHANNEL_COLOR], "%s: the colors were read" % kind)
+		check_equal(data.read[CHANNEL_COLOR], before[CHANNEL_COLOR], "%s: the color map was not read" % kind)
 		check(data.read[CHANNEL_HEIGHT] > before[CHANNEL_HEIGHT], "%s: the heights were read" % kind)
 		scatter.free()
 		node.free()

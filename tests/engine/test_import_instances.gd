@@ -1,72 +1,72 @@
 extends "import_harness.gd"
-## What people have, as hand-placed instances: exact to the float, whole or not at all.
+## Imports of existing instances as hand-placed ones: exact to the float, and complete or not at all.
 
 
-func test_add_instances_is_add_instance_many_times() -> void:
+func test_add_instances_equals_many_calls_of_add_instance() -> void:
 	var layer := make_layer()
 	layer.density = 0.0
 	layer.meshes = [BoxMesh.new(), SphereMesh.new()]
 	var scatter := make_bare([layer])
 	var all := some_transforms(3000)
-	all[5] = all[4] # Where one id is taken, the next.
+	all[5] = all[4] # Equal transforms: the second one gets the next free id.
 	var meshes := PackedInt32Array()
 	for index in all.size():
 		meshes.push_back(index % 2)
 	meshes[5] = meshes[4]
-	var told: Array[int] = []
-	scatter.instance_added.connect(func(id: int, _layer: int, _at: Transform3D) -> void: told.push_back(id))
+	var added_ids: Array[int] = []
+	scatter.instance_added.connect(func(id: int, _layer: int, _at: Transform3D) -> void: added_ids.push_back(id))
 	var ids := scatter.add_instances(layer, floats_of_transforms(all), meshes)
-	check_equal(ids.size(), all.size(), "all were placed")
+	check_equal(ids.size(), all.size(), "all are placed")
 	var other := make_bare([layer])
 	for index in all.size():
 		var id := other.add_instance(0, all[index], meshes[index])
 		if id != ids[index]:
 			check(false, "the id of %d" % index)
-	check_equal(scatter.state.to_bytes(), other.state.to_bytes(), "the same state, to the byte")
+	check_equal(scatter.state.to_bytes(), other.state.to_bytes(), "the same state, byte for byte")
 	check_placed(scatter, 0, all, "exact")
 	check_equal(scatter.get_instance(ids[7]).mesh, 1, "its mesh")
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await settle(scatter)
-	check_equal(PackedInt64Array(told), ids, "each is told once, in order")
+	check_equal(PackedInt64Array(added_ids), ids, "one signal each, in order")
 	var some := ids.slice(0, 2000)
 	some.push_back(some[0])
 	some.push_back(-12345)
-	check_equal(scatter.remove_instances(some), ids.slice(0, 2000), "those that stood are removed")
-	check_placed(scatter, 0, all.slice(2000), "the others stand")
+	check_equal(scatter.remove_instances(some), ids.slice(0, 2000), "existing instances are removed")
+	check_placed(scatter, 0, all.slice(2000), "the others stay")
 	var again := scatter.add_instances(0, floats_of_transforms(all.slice(0, 2000)), meshes.slice(0, 2000))
 	check_equal(again, ids.slice(0, 2000), "the same ids again")
 	var by_rule := make_layer()
 	var mixed := make_bare([by_rule])
 	var point := mixed.query_rect(Rect2(0, 0, 20, 20)).get_id(0)
 	var hand := mixed.add_instances(0, floats_of_transforms([Transform3D()]))[0]
-	check_equal(mixed.remove_instances(PackedInt64Array([point, hand])), PackedInt64Array([point, hand]), "points of the set, too")
+	check_equal(mixed.remove_instances(PackedInt64Array([point, hand])), PackedInt64Array([point, hand]), "generated instances, too")
 	check(mixed.state.is_removed(point) and not mixed.has_instance(hand), "removed")
 
 
-func test_add_instances_is_whole_or_nothing() -> void:
+func test_add_instances_adds_all_or_none() -> void:
 	var scatter := make_bare([make_layer()])
 	var floats := floats_of_transforms(some_transforms(10))
 	scatter.add_instances(0, floats.slice(1))
-	check_error(["add_instances", "transforms", 119], "a float is missing")
+	check_error(["add_instances", "transforms", 119], "a missing float")
 	scatter.add_instances(0, floats, PackedInt32Array([1]))
 	check_error(["add_instances", "meshes", 1], "one mesh for ten")
 	scatter.add_instances(7, floats)
 	check_error(["add_instances", "layer"], "no such layer")
 	scatter.add_instances(0, floats, PackedInt32Array([0, 0, 0, -1, 0, 0, 0, 0, 0, 0]))
-	check_error(["transform 3", "mesh", -1], "no such mesh")
+	check_error(["transform 3", "mesh", -1], "a missing mesh")
 	for bad: float in [NAN, INF, 2e9]:
 		var broken := floats.duplicate()
 		broken[6 * 12 + 3] = bad
-		check(scatter.add_instances(0, broken).is_empty(), "nothing")
+		check(scatter.add_instances(0, broken).is_empty(), "no instances")
 		check_error(["transform 6", "position"], "a position of %s" % bad)
 	floats[12 + 1] = NAN
 	scatter.add_instances(0, floats)
 	check_error(["transform 1", "basis"], "a basis of NAN")
-	check(scatter.state == null or scatter.state.get_added_count() == 0, "nothing was placed")
-	check_equal(scatter.add_instances(0, PackedFloat32Array()), PackedInt64Array(), "none")
-	scatter.terrain = null
+	check(scatter.state == null or scatter.state.get_added_count() == 0, "no instance was added")
+	check_equal(scatter.add_instances(0, PackedFloat32Array()), PackedInt64Array(), "no transforms")
+	scatter.ground = null
 	scatter.add_instances(0, PackedFloat32Array())
-	check_error(["add_instances", "terrain"], "without a ground")
+	check_error(["add_instances", "ground"], "without a ground")
 
 
 func test_multimeshes() -> void:
@@ -97,56 +97,56 @@ func test_multimeshes() -> void:
 	red.layers = 4
 	top.add_child(red)
 	top.add_child(MultiMeshInstance3D.new())
-	check_equal(ImportInstances.from_node(scatter, null, top), 118, "all that is drawn")
+	check_equal(ImportInstances.from_node(scatter, null, top), 118, "all visible instances")
 	check_equal(scatter.layers.size(), 3, "two new layers")
 	check_placed(scatter, 0, plain, "the mesh of a layer")
-	check_equal(scatter.query_rect(Rect2(-100, -100, 200, 200), [0]).get_mesh(0), 1, "as that mesh")
+	check_equal(scatter.query_rect(Rect2(-100, -100, 200, 200), [0]).get_mesh(0), 1, "with that mesh")
 	var placed: Array[Transform3D] = []
 	for each in moved:
 		placed.push_back(node.global_transform * each)
 	check_placed(scatter, 1, placed + hidden.slice(0, 5), "a new layer")
-	check(scatter.layers[1].meshes == [ball] and scatter.layers[1].density == 0.0 and scatter.layers[1].layer_id >= 0, "with its mesh alone")
+	check(scatter.layers[1].meshes == [ball] and scatter.layers[1].density == 0.0 and scatter.layers[1].layer_id >= 0, "with only its mesh")
 	var painted := scatter.layers[2]
-	check(painted.material_override == red.material_override and painted.cast_shadow == 0 and painted.render_layers == 4, "drawn alike")
+	check(painted.material_override == red.material_override and painted.cast_shadow == 0 and painted.render_layers == 4, "the same drawing settings")
 	check_equal(painted.resource_name, "Crate", "named as its mesh")
 	var again := make_bare([layer])
 	check_equal(ImportInstances.from_node(again, "all", top), 0, "no such layer")
 	check_error(["add_instances", "all"], "no such layer")
 	layer.resource_name = "all"
 	check_equal(ImportInstances.from_node(again, "all", top), 118, "all into one layer")
-	check_equal(again.layers.size(), 1, "no new one")
+	check_equal(again.layers.size(), 1, "no new layer")
 
 
-func test_what_cannot_be_imported_changes_nothing() -> void:
+func test_failed_imports_change_nothing() -> void:
 	var layer := make_layer()
 	var scatter := make_bare([layer])
 	var top := Node3D.new()
 	root.add_child(top)
 	check_equal(ImportInstances.from_node(scatter, null, null), 0, "no node")
 	check_error(["no node"], "no node")
-	check_equal(ImportInstances.from_node(scatter, null, top), 0, "nothing in it")
-	check_error(["no instances"], "nothing in it")
+	check_equal(ImportInstances.from_node(scatter, null, top), 0, "an empty node")
+	check_error(["no instances"], "an empty node")
 	top.add_child(make_multimesh(BoxMesh.new(), some_transforms(5)))
 	var bare := make_multimesh(null, some_transforms(5))
 	bare.name = "Bare"
 	top.add_child(bare)
-	check_equal(ImportInstances.from_node(scatter, null, top), 0, "one without a mesh")
-	check_error(["Bare", "mesh"], "one without a mesh")
+	check_equal(ImportInstances.from_node(scatter, null, top), 0, "a multimesh without a mesh")
+	check_error(["Bare", "mesh"], "a multimesh without a mesh")
 	bare.free()
 	var broken := make_multimesh(SphereMesh.new(), [Transform3D(Basis(), Vector3(2e9, 0, 0))])
 	top.add_child(broken)
-	check_equal(ImportInstances.from_node(scatter, null, top), 0, "one too far away")
-	check_error(["transform 0", "position"], "one too far away")
-	check_equal(scatter.layers, [layer] as Array[ScatterLayer], "the layers are what they were")
-	check_equal(scatter.state.get_added_count(), 0, "nothing is placed")
+	check_equal(ImportInstances.from_node(scatter, null, top), 0, "a transform too far away")
+	check_error(["transform 0", "position"], "a transform too far away")
+	check_equal(scatter.layers, [layer] as Array[ScatterLayer], "the layers are unchanged")
+	check_equal(scatter.state.get_added_count(), 0, "no instance was added")
 
 
-## The nodes that ProtonScatter 4 leaves: an output with a node for each item.
+## Returns nodes as ProtonScatter 4 creates them: an output with one node per item.
 func proton_output(items: Array[Node]) -> Node3D:
 	var scatter := Node3D.new()
 	scatter.name = "Proton"
 	scatter.position = Vector3(10, 0, 0)
-	var source := MeshInstance3D.new() # Of an item: what is copied, no instance.
+	var source := MeshInstance3D.new() # The source mesh of an item, which is not an instance.
 	source.mesh = BoxMesh.new()
 	scatter.add_child(source)
 	var output := Marker3D.new()
@@ -198,7 +198,7 @@ func test_proton_scatter() -> void:
 		huts.add_child(copy)
 	var proton := proton_output([grass, rocks, huts])
 	var scatter := make_bare()
-	check_equal(ImportInstances.from_node(scatter, null, proton), 55, "all that it has made")
+	check_equal(ImportInstances.from_node(scatter, null, proton), 55, "all instances of the output")
 	var names := scatter.layers.map(func(layer: ScatterLayer) -> String: return layer.resource_name)
 	check_equal(names, ["Grass", "Rocks", "Huts"], "a layer for each item")
 	var move := func(at: Transform3D) -> Transform3D: return proton.global_transform * at
@@ -209,11 +209,11 @@ func test_proton_scatter() -> void:
 	var particles := Node3D.new()
 	particles.name = "Sparks"
 	particles.add_child(GPUParticles3D.new())
-	check_equal(ImportInstances.from_node(scatter, null, proton_output([particles])), 0, "particles have no transforms")
+	check_equal(ImportInstances.from_node(scatter, null, proton_output([particles])), 0, "particles are not imported")
 	check_error(["Sparks", "particles"], "particles")
 
 
-## As Terrain3D keeps instances: by region, mesh and cell, from the corner of the region.
+## Stores instances as Terrain3D does: by region, mesh and cell, relative to the corner of the region.
 class Terrain3DDouble extends Node3D:
 	class Region extends RefCounted:
 		var location := Vector2i.ZERO
@@ -271,8 +271,8 @@ func test_terrain_3d() -> void:
 	terrain.add(Vector2i(-1, 1), 0, Vector2i(1, 1), first.slice(10))
 	terrain.add(Vector2i(-1, 1), 1, Vector2i(0, 0), second)
 	var drawn := make_multimesh(terrain.assets.meshes[0].mesh, first)
-	terrain.add_child(drawn) # What it draws of them.
-	terrain.position = Vector3(5, 5, 5) # Its instances do not follow.
+	terrain.add_child(drawn) # Terrain3D draws its instances with such nodes.
+	terrain.position = Vector3(5, 5, 5) # Terrain3D's instances do not follow this position.
 	root.add_child(terrain)
 	var scatter := make_bare()
 	check_equal(ImportInstances.from_node(scatter, null, terrain), 50, "all instances, once")
@@ -288,9 +288,9 @@ func test_terrain_3d() -> void:
 	check(scatter.layers[1].material_override == terrain.assets.meshes[1].material_override, "with its material")
 	terrain.add(Vector2i.ZERO, 2, Vector2i.ZERO, some_transforms(1))
 	var before := scatter.state.get_added_count()
-	check_equal(ImportInstances.from_node(scatter, null, terrain), 0, "a mesh that is gone")
-	check_error(["mesh 2"], "a mesh that is gone")
-	check_equal(scatter.state.get_added_count(), before, "nothing more")
+	check_equal(ImportInstances.from_node(scatter, null, terrain), 0, "a missing mesh")
+	check_error(["mesh 2"], "a missing mesh")
+	check_equal(scatter.state.get_added_count(), before, "no further instances")
 
 
 func test_a_moved_world() -> void:
@@ -301,4 +301,4 @@ func test_a_moved_world() -> void:
 	var top := make_multimesh(scatter.layers[0].meshes[0], all)
 	root.add_child(top)
 	check_equal(ImportInstances.from_node(scatter, 0, top), 200, "imported")
-	check_placed(scatter, 0, all, "where it is in the engine's space")
+	check_placed(scatter, 0, all, "the same position in the engine's space")

@@ -1,5 +1,5 @@
 extends "import_harness.gd"
-## Tables of transforms, as hand-placed instances: each form of them, and what each mistake in them is told as.
+## Imports of tables of transforms: each of their forms, and the error for each mistake in them.
 
 
 func table(text: String) -> String:
@@ -17,8 +17,8 @@ func one(text: String) -> Transform3D:
 	return found.get_transform(0) if found.size() == 1 else Transform3D()
 
 
-func check_near(got: Transform3D, expected: Transform3D, what: String) -> void:
-	check(got.is_equal_approx(expected) and got.origin == expected.origin, "%s: %s, not %s" % [what, got, expected])
+func check_near(got: Transform3D, expected: Transform3D, context: String) -> void:
+	check(got.is_equal_approx(expected) and got.origin == expected.origin, "%s: %s, not %s" % [context, got, expected])
 
 
 func test_tables() -> void:
@@ -27,15 +27,15 @@ func test_tables() -> void:
 	var node := Node3D.new()
 	node.position = Vector3(1, 2, 3)
 	node.rotation_degrees = Vector3(10, 20, 30)
-	check_near(one("1,2,3,10,20,30"), node.transform, "and a rotation")
+	check_near(one("1,2,3,10,20,30"), node.transform, "with a rotation")
 	node.scale = Vector3(2, 2, 2)
-	check_near(one("1\t2\t3\t10\t20\t30\t2"), node.transform, "and a scale")
+	check_near(one("1\t2\t3\t10\t20\t30\t2"), node.transform, "with a uniform scale")
 	node.scale = Vector3(2, 0.5, 3)
-	check_near(one("1,2,3,10,20,30,2,0.5,3"), node.transform, "and three")
-	check_near(one("\"sy\",rotation_x,ry,RZ,z,y,x,sx,scale_z\n0.5,10,20,30,3,2,1,2,\"3\""), node.transform, "in any order")
+	check_near(one("1,2,3,10,20,30,2,0.5,3"), node.transform, "with a scale per axis")
+	check_near(one("\"sy\",rotation_x,ry,RZ,z,y,x,sx,scale_z\n0.5,10,20,30,3,2,1,2,\"3\""), node.transform, "columns in any order")
 	node.rotation = Vector3.ZERO
 	node.scale = Vector3.ONE * 1.25
-	check_near(one("scale,x,y,z\n1.25,1,2,3"), node.transform, "some of them")
+	check_near(one("scale,x,y,z\n1.25,1,2,3"), node.transform, "some columns")
 	node.free()
 	var exact := some_transforms(500)
 	var lines := PackedStringArray(["a,b,c,d,e,f,g,h,i,j,k,l"])
@@ -72,5 +72,5 @@ func test_bad_tables_change_nothing() -> void:
 	check_error(["not_there.csv", "cannot be opened"], "no file")
 	ImportInstances.from_csv(scatter, null, table("1,2,3"))
 	check_error(["layer"], "no layer")
-	check(scatter.state == null or scatter.state.get_added_count() == 0, "nothing was placed")
-	check_equal(scatter.layers.size(), 1, "nor made")
+	check(scatter.state == null or scatter.state.get_added_count() == 0, "no instance was added")
+	check_equal(scatter.layers.size(), 1, "no layer was added")

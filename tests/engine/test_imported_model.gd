@@ -1,24 +1,24 @@
 extends "models_harness.gd"
-## A GLB as an asset pack has it, imported by the editor: res://tree.glb, which `make_glb` wrote in an engine before.
+## A GLB file as in an asset pack, imported by the editor: res://tree.glb, which an earlier engine wrote by `test_make_glb`.
 
 
-## Writes the file that is imported. To be called alone.
+## Writes the file that is imported. Runs alone.
 func test_make_glb() -> void:
 	if not "make" in arguments:
-		check(true, "the file is there")
+		check(true, "the file exists")
 		return
 	var tree := make_tree()
-	for shape in tree.find_children("*", "StaticBody3D", true, false): # Which glTF has no word for but names.
+	for shape in tree.find_children("*", "StaticBody3D", true, false): # glTF can describe these only by names.
 		shape.free()
 	put_mesh(box(Vector3(0.8, 4.0, 0.8), null), "Trunk-convcolonly", tree, tree, Transform3D(Basis(), Vector3(0.2, 2.0, 0.0)))
 	var state := GLTFState.new()
 	var document := GLTFDocument.new()
-	check_equal(document.append_from_scene(tree, state), OK, "made")
+	check_equal(document.append_from_scene(tree, state), OK, "converted")
 	check_equal(document.write_to_filesystem(state, "res://tree.glb"), OK, "written")
 	tree.free()
 
 
-func test_it_is_drawn_whole() -> void:
+func test_the_imported_model_is_complete() -> void:
 	if "make" in arguments:
 		check(true, "not imported yet")
 		return
@@ -26,10 +26,10 @@ func test_it_is_drawn_whole() -> void:
 	var layer := make_layer(6.0)
 	layer.meshes = [load("res://tree.glb")]
 	layer.fit_to_meshes()
-	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "it brings its shape")
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "its shape is used")
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
-	check(scatter.get_stats()["instances"] > 20, "instances stand: %s" % scatter.get_stats())
+	check(scatter.get_stats()["instances"] > 20, "there are instances: %s" % scatter.get_stats())
 	var mesh := scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(0)
 	check_equal(mesh.get_surface_count(), 2, "trunk and leaves in one mesh")
 	check(is_close(sorted_faces(mesh.get_faces()), sorted_faces(faces_of_scene(tree, "LOD0"))), "the triangles of the first LOD")
@@ -38,4 +38,4 @@ func test_it_is_drawn_whole() -> void:
 	model.scene = load("res://tree.glb")
 	check_equal(model.lods.size(), 3, "LODs")
 	check_equal(model.shapes.size(), 1, "shapes")
-	check(model.get_remarks().is_empty(), "nothing is left out: %s" % model.get_remarks())
+	check(model.get_problems().is_empty(), "nothing is skipped: %s" % model.get_problems())

@@ -1,12 +1,12 @@
 extends "harness.gd"
-## Impostors without a renderer: what is baked, stored, refused, and put into a layer.
+## Impostors without a renderer: baking, saving, refused input, and impostors as the LOD of a layer.
 
 const Bake := preload("res://addons/thicket/bake_impostors.gd")
 const Impostor := preload("res://addons/thicket/impostor.gd")
 const Models := preload("impostor_models.gd")
 
 
-## One that is baked in a moment.
+## Returns an impostor that bakes in a moment.
 func small() -> Impostor:
 	var impostor := Impostor.new()
 	impostor.frames = 4
@@ -15,7 +15,7 @@ func small() -> Impostor:
 	return impostor
 
 
-## The atlas's pixel in the middle of the picture that is taken along -z, from the front, with hemi-octahedral frames.
+## Returns the middle pixel of the atlas frame that shows the front, along -z, with hemi-octahedral frames.
 func front_pixel(mesh: Mesh, texture: StringName) -> Color:
 	var material := mesh.surface_get_material(0) as ShaderMaterial
 	var image := (material.get_shader_parameter(texture) as Texture2D).get_image()
@@ -30,28 +30,28 @@ func painted(color: Color) -> StandardMaterial3D:
 	return material
 
 
-func test_an_impostor_is_two_triangles_with_the_models_box() -> void:
+func test_an_impostor_has_two_triangles_and_the_models_box() -> void:
 	var impostor := small()
 	var tree := Models.tree()
 	var mesh := impostor.bake([tree])
 	check(impostor.problem.is_empty() and impostor.warnings.is_empty(), impostor.problem + " ".join(impostor.warnings))
 	check_equal(mesh.get_faces().size(), 6, "corners")
-	check(mesh.get_aabb().is_equal_approx(tree.get_aabb()), "box %s of %s" % [mesh.get_aabb(), tree.get_aabb()])
+	check(mesh.get_aabb().is_equal_approx(tree.get_aabb()), "box %s, expected %s" % [mesh.get_aabb(), tree.get_aabb()])
 	var path := "user://impostor.res"
 	check_equal(ResourceSaver.save(mesh, path), OK, "saving")
 	var loaded := ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as Mesh
 	for texture: StringName in [&"impostor_albedo", &"impostor_normal"]:
 		var before := (mesh.surface_get_material(0) as ShaderMaterial).get_shader_parameter(texture) as Texture2D
 		var after := (loaded.surface_get_material(0) as ShaderMaterial).get_shader_parameter(texture) as Texture2D
-		check_equal(after.get_image().get_data(), before.get_image().get_data(), "%s, stored and loaded" % texture)
+		check_equal(after.get_image().get_data(), before.get_image().get_data(), "%s after saving and loading" % texture)
 		check(before.get_image().has_mipmaps(), "mip maps of %s" % texture)
-	check_equal(Impostor.switch_distance(loaded), Impostor.switch_distance(mesh), "distance, stored and loaded")
+	check_equal(Impostor.switch_distance(loaded), Impostor.switch_distance(mesh), "distance after saving and loading")
 	check(Impostor.switch_distance(mesh) > 50.0, "distance: %f" % Impostor.switch_distance(mesh))
-	check_equal(Impostor.switch_distance(tree), 0.0, "distance of no impostor")
+	check_equal(Impostor.switch_distance(tree), 0.0, "distance of a mesh that is not an impostor")
 	DirAccess.remove_absolute(path)
 
 
-func test_parts_stand_where_their_transforms_say() -> void:
+func test_parts_use_their_transforms() -> void:
 	var impostor := small()
 	var box := BoxMesh.new()
 	var mesh := impostor.bake([box, box], [Transform3D.IDENTITY, Transform3D(Basis.from_scale(Vector3(1, 2, 1)), Vector3(0, 3, 0))])
@@ -67,19 +67,19 @@ func test_materials_are_read() -> void:
 	var image := Image.create_empty(64, 64, false, Image.FORMAT_RGBA8)
 	image.fill(Color(0.0, 0.0, 1.0))
 	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
-	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "times the texture")
+	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "multiplied by the texture")
 	var twice := impostor.bake([box, box], [Transform3D.IDENTITY, Transform3D(Basis(), Vector3(0.0, 0.0, 2.0))])
-	check(front_pixel(twice, &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "of the second part with that texture, too")
+	check(front_pixel(twice, &"impostor_albedo").is_equal_approx(Color8(0, 0, 51)), "in a second part with that texture, too")
 	image.fill(Color(0.0, 0.0, 1.0, 0.2))
 	(box.material as StandardMaterial3D).albedo_texture = ImageTexture.create_from_image(image)
-	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 1.0, "alpha of what is opaque")
+	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 1.0, "alpha of an opaque material")
 	(box.material as StandardMaterial3D).transparency = BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR
-	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 0.0, "alpha of what is not")
+	check_equal(front_pixel(impostor.bake([box]), &"impostor_albedo").a, 0.0, "alpha of a transparent material")
 	impostor.material_override = painted(Color.GREEN)
 	check(front_pixel(impostor.bake([box]), &"impostor_albedo").is_equal_approx(Color.GREEN), "the override")
 
 
-func test_shaders_are_read_by_usual_names_or_told_of() -> void:
+func test_shader_parameters_are_read_by_common_names() -> void:
 	var impostor := small()
 	var box := BoxMesh.new()
 	var material := ShaderMaterial.new()
@@ -105,29 +105,29 @@ func test_bad_input() -> void:
 	check(impostor.bake([null]) == null and "missing" in impostor.problem, impostor.problem)
 	impostor.frame_size = 100
 	check(impostor.bake([BoxMesh.new()]) == null and "frame_size" in impostor.problem, impostor.problem)
-	check_error(["ImpostorBaker.frame_size must be between", "powers of two", "got 100"], "frame_size")
-	var baker := ImpostorBaker.new()
+	check_error(["ScatterImpostorBaker.frame_size must be between", "powers of two", "got 100"], "frame_size")
+	var baker := ScatterImpostorBaker.new()
 	var error: Error = baker.bake()
 	check_equal(error, ERR_INVALID_DATA, "baking nothing")
-	check_error(["ImpostorBaker.surfaces is missing"], "nothing")
+	check_error(["ScatterImpostorBaker.surfaces is missing"], "nothing")
 	check_equal(baker.add_surface([PackedInt32Array()]), ERR_INVALID_DATA, "no vertices")
-	check_error(["ImpostorBaker.arrays"], "no vertices")
+	check_error(["ScatterImpostorBaker.arrays"], "no vertices")
 	var arrays := BoxMesh.new().get_mesh_arrays()
 	check_equal(baker.add_surface(arrays, Transform3D.IDENTITY, Color.WHITE, null, 2.0), ERR_INVALID_DATA, "alpha_threshold")
-	check_error(["ImpostorBaker.alpha_threshold must be between 0 and 1, got 2"], "alpha_threshold")
+	check_error(["ScatterImpostorBaker.alpha_threshold must be between 0 and 1, got 2"], "alpha_threshold")
 	arrays[Mesh.ARRAY_INDEX][0] = 1000
 	check_equal(baker.add_surface(arrays), ERR_INVALID_DATA, "indices")
-	check_error(["ImpostorBaker.indices must be at most", "got 1000"], "indices")
+	check_error(["ScatterImpostorBaker.indices must be at most", "got 1000"], "indices")
 	check(baker.get_albedo_image() == null and baker.get_normal_image() == null, "no images")
 
 
-func test_a_bake_can_be_cancelled() -> void:
+func test_a_bake_can_be_canceled() -> void:
 	var impostor := Impostor.new()
-	check_equal(impostor.begin([Models.stone()]), OK, "begun")
-	check(impostor.is_baking(), "it is under way")
+	check_equal(impostor.begin([Models.stone()]), OK, "started")
+	check(impostor.is_baking(), "it is baking")
 	impostor.cancel()
-	check(not impostor.is_baking() and impostor.finish() == null, "it is over")
-	check_equal(impostor.begin([Models.stone()]), OK, "begun again, and let go of")
+	check(not impostor.is_baking() and impostor.finish() == null, "it has ended")
+	check_equal(impostor.begin([Models.stone()]), OK, "started again, and released")
 
 
 func run_to_end(bake: Bake) -> void:
@@ -135,7 +135,7 @@ func run_to_end(bake: Bake) -> void:
 		await process_frame
 
 
-func test_a_layer_gets_a_last_lod() -> void:
+func test_a_bake_adds_a_last_lod() -> void:
 	var layer := make_layer()
 	layer.meshes = [Models.stone(), null, BoxMesh.new()]
 	layer.max_scale = 2.0
@@ -143,22 +143,22 @@ func test_a_layer_gets_a_last_lod() -> void:
 	layer.lod_meshes = [BoxMesh.new()]
 	var bake := Bake.new()
 	bake.impostor = small()
-	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "begun: " + bake.problem)
+	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "started: " + bake.problem)
 	await run_to_end(bake)
 	check_equal(bake.problem, "", "problem")
 	check_equal(bake.progress, 1.0, "progress")
 	check_equal(bake.files, PackedStringArray(["user://impostors/stones_impostor_0.res", "user://impostors/stones_impostor_2.res"]), "files")
 	check_equal(bake.lod_meshes.size(), 6, "two rows of three")
-	check(bake.lod_meshes[0] == layer.lod_meshes[0] and bake.lod_meshes[4] == null, "the row that was there, and the missing mesh")
+	check(bake.lod_meshes[0] == layer.lod_meshes[0] and bake.lod_meshes[4] == null, "the existing row, and the missing mesh")
 	check_equal(bake.lod_distances.size(), 2, "distances")
 	var expected := 2.0 * maxf(Impostor.switch_distance(bake.lod_meshes[3]), Impostor.switch_distance(bake.lod_meshes[5]))
-	check(absf(bake.lod_distances[1] - expected) <= 0.5, "%f, not %f" % [bake.lod_distances[1], expected])
+	check(absf(bake.lod_distances[1] - expected) <= 0.5, "%f, expected %f" % [bake.lod_distances[1], expected])
 	layer.lod_meshes = bake.lod_meshes
 	layer.lod_distances = bake.lod_distances
-	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "begun again")
+	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "started again")
 	await run_to_end(bake)
 	check_equal(bake.lod_meshes.size(), 6, "the row of impostors is replaced")
-	check_equal(bake.begin(layer, "user://impostors", "a/b"), ERR_INVALID_PARAMETER, "a name that is none")
+	check_equal(bake.begin(layer, "user://impostors", "a/b"), ERR_INVALID_PARAMETER, "an invalid name")
 	layer.meshes = []
 	check_equal(bake.begin(layer, "user://impostors", "stones"), ERR_UNCONFIGURED, "no mesh")
 	for file in bake.files:

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## What the inspector shows of a layer: the order, groups and units, and what it hides.
+## A layer in the inspector: order, groups and units of the properties, and hidden ones.
 
 
 func scene_of_a_node() -> PackedScene:
@@ -10,7 +10,7 @@ func scene_of_a_node() -> PackedScene:
 	return scene
 
 
-## What the inspector shows of an object, in its order.
+## Returns the properties that the inspector shows, in its order.
 func shown_properties(layer: ScatterLayer) -> PackedStringArray:
 	var result := PackedStringArray()
 	for property: Dictionary in layer.get_property_list():
@@ -19,18 +19,18 @@ func shown_properties(layer: ScatterLayer) -> PackedStringArray:
 	return result
 
 
-func test_inspector_begins_with_what_matters() -> void:
+func test_important_properties_come_first() -> void:
 	var shown := Array(shown_properties(make_layer()))
 	var own := shown.slice(shown.find("meshes"))
 	check_equal(own.slice(0, 4), ["meshes", "radius", "density", "min_scale"], "the first that are shown")
 	var advanced := ["progressive_levels", "tile_size", "layer_id"]
 	var first := own.find("progressive_levels")
-	check_equal(own.slice(first, first + 3), advanced, "what is for experts")
-	check(first > own.find("scene") and first > own.find("view_distance"), "comes last")
+	check_equal(own.slice(first, first + 3), advanced, "advanced properties")
+	check(first > own.find("scene") and first > own.find("view_distance"), "come last")
 
 
-## What does not apply is hidden, stored all the same, and shown once it applies or is set.
-func test_inspector_hides_what_does_not_apply() -> void:
+## Properties that have no effect are hidden but stored, and shown once they have an effect or a value.
+func test_properties_without_effect_are_hidden() -> void:
 	var uses := {
 		"mesh_weights": ["meshes", [BoxMesh.new(), SphereMesh.new()] as Array[Mesh]],
 		"scale_curve": ["max_scale", 2.0], "noise_curve": ["noise", FastNoiseLite.new()],
@@ -48,49 +48,49 @@ func test_inspector_hides_what_does_not_apply() -> void:
 		"variation_randomness": ["variation_source", ScatterLayer.SOURCE_SLOPE],
 		"visibility_range_begin_margin": ["visibility_range_begin", 5.0], "visibility_range_end_margin": ["visibility_range_end", 5.0],
 		"visibility_range_fade_mode": ["visibility_range_end", 5.0], "lod_meshes": ["lod_distances", PackedFloat32Array([9.0])],
-		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_compensation": ["thin_density", 0.5],
+		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_up": ["thin_density", 0.5],
 		"collision_distance": ["collision_shape", ScatterLayer.COLLISION_BOX], "collision_layer": ["collision_shape", ScatterLayer.COLLISION_BOX],
 		"collision_mask": ["collision_shape", ScatterLayer.COLLISION_BOX], "physics_material": ["collision_shape", ScatterLayer.COLLISION_BOX],
 		"affect_navigation_mesh": ["collision_shape", ScatterLayer.COLLISION_BOX], "scene_distance": ["scene", scene_of_a_node()],
 	}
 	for name: String in uses:
 		var layer := make_layer()
-		var told: Array[int] = [0]
+		var notifications: Array[int] = [0]
 		check(not name in shown_properties(layer), name + " is hidden")
-		layer.property_list_changed.connect(func() -> void: told[0] += 1)
+		layer.property_list_changed.connect(func() -> void: notifications[0] += 1)
 		layer.set(uses[name][0], uses[name][1])
-		check(name in shown_properties(layer), "%s is shown for %s" % [name, uses[name][0]])
-		check_equal(told[0], 1, "the inspector is told for " + name)
+		check(name in shown_properties(layer), "%s is visible for %s" % [name, uses[name][0]])
+		check_equal(notifications[0], 1, "one notification of the inspector for " + name)
 		layer.set(uses[name][0], uses[name][1])
-		check_equal(told[0], 1, "once")
+		check_equal(notifications[0], 1, "no second one")
 	for property: Dictionary in make_layer().get_property_list():
 		if property["name"] in uses:
 			check(property["usage"] & PROPERTY_USAGE_STORAGE != 0, property["name"] + " is stored")
 	var bare := make_layer()
 	bare.scale_curve = Curve.new()
-	check("scale_curve" in shown_properties(bare), "what is set stays in sight, though it is not used")
+	check("scale_curve" in shown_properties(bare), "a property with a value is visible even if it has no effect")
 
 
-## The range of a source has the source's unit.
-func test_inspector_shows_the_unit_of_a_source() -> void:
+## The range of a source uses the source's unit.
+func test_the_range_of_a_source_has_its_unit() -> void:
 	var units := {
 		ScatterLayer.SOURCE_HEIGHT: "suffix:m", ScatterLayer.SOURCE_SLOPE: "degrees", ScatterLayer.SOURCE_NOISE: "0,1",
 		ScatterLayer.SOURCE_RANK: "0,1", ScatterLayer.SOURCE_DISTANCE: "suffix:m",
 	}
 	for start: String in ["color", "variation"]:
 		var layer := make_layer()
-		var told: Array[int] = [0]
-		layer.property_list_changed.connect(func() -> void: told[0] += 1)
+		var notifications: Array[int] = [0]
+		layer.property_list_changed.connect(func() -> void: notifications[0] += 1)
 		for source: ScatterLayer.ValueSource in units:
 			layer.set(start + "_source", source)
 			for property in layer.get_property_list():
 				if property["name"] in [start + "_source_min", start + "_source_max"]:
 					check(units[source] in property["hint_string"], "%s of %d: %s" % [property["name"], source, property["hint_string"]])
-		check_equal(told[0], units.size(), "the inspector is told of each source")
+		check_equal(notifications[0], units.size(), "one notification of the inspector per source")
 
 
-## Every property is found where a designer looks for it, and every number says its unit.
-func test_inspector() -> void:
+## Every property is in its group, and every number has a unit.
+func test_groups_and_units() -> void:
 	var group := ""
 	var subgroup := ""
 	var start := ""
@@ -104,11 +104,11 @@ func test_inspector() -> void:
 			subgroup = name
 			start = property["hint_string"]
 		elif property["usage"] & PROPERTY_USAGE_EDITOR:
-			if not name.begins_with(start) and not start.begins_with(name): # Where the inspector ends a subgroup, too.
+			if not name.begins_with(start) and not start.begins_with(name): # The inspector ends a subgroup by the same rule.
 				subgroup = ""
 			places[name] = group + "/" + subgroup
 			var hint: String = property["hint_string"]
-			if name.ends_with("_degrees") or name == "slope_falloff":
+			if name.ends_with("_degrees") or name == "slope_falloff_degrees":
 				check("degrees" in hint, "%s has a unit: %s" % [name, hint])
 			elif name in ["radius", "clump_size", "edge_feather", "mask_texture_rect", "tile_size", "instance_radius"] or name.ends_with("_distance") \
 					or "offset" in name or "_height" in name and property["type"] == TYPE_FLOAT:
@@ -116,7 +116,7 @@ func test_inspector() -> void:
 			elif name.ends_with("_time"):
 				check("suffix:s" in hint, "%s has a unit: %s" % [name, hint])
 	for expected: Array in [["radius", "/"], ["density", "/"], ["meshes", "/"], ["mesh_weights", "/"], ["density_over_height", "Rules/Height"],
-			["slope_falloff", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
+			["slope_falloff_degrees", "Rules/Slope"], ["ground_textures", "Rules/Ground"], ["noise_curve", "Rules/Noise"],
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
 			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
 			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],
@@ -127,4 +127,4 @@ func test_inspector() -> void:
 			["view_distance", "Distance/"], ["lod_meshes", "Distance/LOD"], ["thin_end", "Distance/Thinning"],
 			["render_layers", "Drawing/"], ["visibility_range_end", "Drawing/Visibility Range"], ["layer_id", "Advanced/"],
 			["tile_size", "Advanced/"], ["progressive_levels", "Advanced/"]]:
-		check_equal(places[expected[0]], expected[1], "place of %s" % expected[0])
+		check_equal(places[expected[0]], expected[1], "group of %s" % expected[0])

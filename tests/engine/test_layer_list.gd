@@ -1,11 +1,11 @@
 extends "harness.gd"
-## A node's list of layers: edits of it, the ids that layers keep through them, and the names by which layers speak of
-## each other.
+## A node's list of layers: edits, the ids that layers keep during edits, and the names by which layers refer to each
+## other.
 
 const AREA := Rect2(-40.0, -40.0, 80.0, 80.0)
 
 
-## What stands of a layer in the area: positions by id.
+## Returns the instances of a layer in the area: positions by id.
 func standing(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Vector3]:
 	var found: Variant = scatter.query_rect(AREA, PackedInt32Array([layer]))
 	var result: Dictionary[int, Vector3] = {}
@@ -28,10 +28,10 @@ func named(layer_name: String, radius := 4.0) -> ScatterLayer:
 	return layer
 
 
-## The forest preset, which comes without meshes that matter here.
+## Returns the forest preset. Its meshes do not matter here.
 func make_forest_preset() -> TerrainScatter3D:
 	var scatter := (load("res://addons/thicket/presets/forest.tscn") as PackedScene).instantiate() as TerrainScatter3D
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	root.add_child(scatter)
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	return scatter
@@ -44,7 +44,7 @@ func everything(scatter: TerrainScatter3D) -> Dictionary[String, Dictionary]:
 	return result
 
 
-func test_a_deleted_layer_moves_no_other() -> void:
+func test_deleting_a_layer_moves_no_other() -> void:
 	for deleted: String in ["Stone", "Spruce"]:
 		var scatter := make_forest_preset()
 		var before := everything(scatter)
@@ -60,68 +60,68 @@ func test_a_deleted_layer_moves_no_other() -> void:
 				var stays := after[layer_name].has(id)
 				kept += int(stays)
 				moved += int(stays and after[layer_name][id] != before[layer_name][id])
-		check(all > 10_000, "%d instances stood" % all)
+		check(all > 10_000, "%d instances before" % all)
 		check_equal(moved, 0, "moved without " + deleted)
-		# Only grass gives way to stones. Without spruces, birches and bushes come that others give way to.
+		# Only grass keeps away from stones. Without spruces, there are more birches and bushes, which other layers keep away from.
 		check(kept == all if deleted == "Stone" else kept > 0.9 * all, "%d of %d stay without %s" % [kept, all, deleted])
 		scatter.free()
 
 
-## What the editor's panel hides, or shows otherwise, is of no consequence in a game.
-func test_a_game_knows_no_previews() -> void:
-	var scatter := make_scatter([make_layer(4.0), make_layer(6.0)], ScatterTerrainFlat.new(), make_viewer())
+## Settings of the editor's panel, which hides layers or shows them differently, have no effect in a game.
+func test_a_game_ignores_previews() -> void:
+	var scatter := make_scatter([make_layer(4.0), make_layer(6.0)], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var counts := [scatter.get_shown_count(0), scatter.get_shown_count(1)]
-	check(counts[0] > counts[1] and counts[1] > 10, "on show: %s" % [counts])
+	check(counts[0] > counts[1] and counts[1] > 10, "visible: %s" % [counts])
 	check_equal(counts[0] + counts[1], scatter.get_stats()["instances"], "all of them")
 	scatter.call(&"_set_preview_hidden", scatter.layers)
 	scatter.call(&"_set_preview_stand_in", scatter.layers[0], make_layer(20.0))
 	await settle(scatter)
 	check_equal([scatter.get_shown_count(0), scatter.get_shown_count(scatter.layers[1])], counts, "the same")
-	check_equal(scatter.get_stats()["drawn"], counts[0] + counts[1], "and all drawn")
-	check_equal(scatter.get_shown_count("nobody"), 0, "of no layer")
-	check_error(["get_shown_count", "nobody"], "a layer that is not there")
+	check_equal(scatter.get_stats()["drawn"], counts[0] + counts[1], "all are drawn")
+	check_equal(scatter.get_shown_count("larch"), 0, "count of a missing layer")
+	check_error(["get_shown_count", "larch"], "a missing layer")
 	scatter.free()
 
 
-func test_layers_get_ids_when_they_join() -> void:
+func test_layers_get_ids_when_they_are_added() -> void:
 	var pinned := make_layer()
 	pinned.layer_id = 1
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [make_layer(), null, make_layer(), pinned, make_layer()]
-	check_equal(ids(scatter), [0, -1, 2, 1, 4], "the index, if it is free")
+	check_equal(ids(scatter), [0, -1, 2, 1, 4], "the index if it is free")
 	var last := scatter.layers[4]
 	scatter.layers = [pinned, make_layer(), last]
-	check_equal(ids(scatter), [1, 0, 4], "else the lowest that is free; the others keep theirs")
+	check_equal(ids(scatter), [1, 0, 4], "else the lowest free id; the others keep theirs")
 	scatter.layers = [last, scatter.layers[1], pinned]
-	check_equal(ids(scatter), [4, 0, 1], "sorted")
+	check_equal(ids(scatter), [4, 0, 1], "reordered")
 	last.layer_id = -1
-	check_equal(last.layer_id, 2, "asked for anew: the lowest free one")
+	check_equal(last.layer_id, 2, "reset: the lowest free id")
 	check(not "layer_id" in "".join(scatter.get_problems()), "no id is used twice")
 	last.layer_id = 1
-	check("layer_id" in "".join(scatter.get_problems()), "an id that is used twice is told")
+	check("layer_id" in "".join(scatter.get_problems()), "an id that is used twice is reported")
 	var other := TerrainScatter3D.new()
 	other.layers = [pinned, scatter.layers[1]]
 	check_equal(ids(other), [1, 0], "a layer that two nodes share keeps its id")
-	check_equal(ids(scatter), [1, 0, 1], "in both")
+	check_equal(ids(scatter), [1, 0, 1], "in both nodes")
 	other.free()
 	scatter.free()
 
 
-## As after undo in the editor, which keeps the node: what it does to a layer that others share would stay.
-func test_a_node_that_was_taken_out_gives_no_ids() -> void:
+## Undo in the editor removes a node from the tree but keeps it. It must not change a layer that others share.
+func test_a_node_outside_of_the_tree_assigns_no_ids() -> void:
 	var layer := make_layer(2.0)
-	var scatter := make_scatter([make_layer(2.0), layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer(2.0), layer], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
-	check_equal(layer.layer_id, 1, "in the tree it gives one")
+	check_equal(layer.layer_id, 1, "in the tree it assigns an id")
 	root.remove_child(scatter)
 	layer.layer_id = -1
 	await frames(2)
-	check_equal(layer.layer_id, -1, "out of it no more")
+	check_equal(layer.layer_id, -1, "outside of the tree it does not")
 	root.add_child(scatter)
 	await frames(2)
 	layer.radius = 3.0
-	check_equal(layer.layer_id, 1, "and back in it, again")
+	check_equal(layer.layer_id, 1, "back in the tree it does again")
 	scatter.queue_free()
 
 
@@ -140,79 +140,79 @@ func test_ids_are_saved_with_the_scene() -> void:
 	DirAccess.remove_absolute(path)
 
 
-func test_changes_of_the_array_count_at_once() -> void:
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+func test_changes_of_the_array_take_effect_at_once() -> void:
+	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
 	scatter.layers.append(named("oak"))
-	check(not scatter.is_settled(), "there is something to do")
-	check(standing(scatter, 0).size() > 100, "asked at once, %d stand" % standing(scatter, 0).size())
+	check(not scatter.is_settled(), "there is work to do")
+	check(standing(scatter, 0).size() > 100, "an immediate query finds %d" % standing(scatter, 0).size())
 	check_equal(scatter.layers[0].layer_id, 0, "its id")
 	await settle(scatter)
-	check(scatter.get_shown_tiles(0).size() > 4, "and they are shown")
+	check(scatter.get_shown_tiles(0).size() > 4, "they are visible")
 	scatter.layers.append(named("fern", 2.0))
 	await settle(scatter)
-	check(scatter.get_shown_tiles(1).size() > 4, "noticed without a question, too")
+	check(scatter.get_shown_tiles(1).size() > 4, "also noticed without a query")
 	var before := standing(scatter, 0)
 	scatter.layers[1].density = 0.5
-	check(not scatter.is_settled(), "changes of an appended layer are heard of")
+	check(not scatter.is_settled(), "changes of an appended layer are noticed")
 	await settle(scatter)
 	scatter.layers.reverse()
-	check(standing(scatter, 1) == before, "the same oaks, elsewhere in the list")
+	check(standing(scatter, 1) == before, "the same oaks at a new index")
 	var gone := scatter.layers[0]
 	scatter.layers.remove_at(0)
-	check(standing(scatter, 0) == before, "the same oaks, alone")
+	check(standing(scatter, 0) == before, "the same oaks alone")
 	await settle(scatter)
 	gone.density = 1.0
-	check(scatter.is_settled(), "a layer that has left is not listened to")
+	check(scatter.is_settled(), "changes of a removed layer are ignored")
 	scatter.layers.clear()
-	check(standing(scatter, 0).is_empty(), "nothing stands without layers")
-	check_error(["layers"], "nothing to ask")
+	check(standing(scatter, 0).is_empty(), "no instances without layers")
+	check_error(["layers"], "a query without layers")
 	await settle(scatter)
-	check(shown_tiles(scatter, 0).is_empty(), "nothing is shown")
+	check(shown_tiles(scatter, 0).is_empty(), "no visible tiles")
 
 
-func test_uses_follow_a_renamed_layer() -> void:
+func test_references_follow_a_renamed_layer() -> void:
 	var oak := named("oak")
 	var fern := named("fern", 2.0)
 	var moss := named("moss", 1.0)
 	fern.spacing = {"oak": 3.0, "moss": 1.0}
 	fern.proximity_layer = "oak"
 	moss.spacing = {"fern": 0.5}
-	var scatter := make_scatter([oak, fern, moss], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([oak, fern, moss], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var shown := digests(scatter, 1)
-	var told: Array[int] = [0]
-	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void: told[0] += 1)
+	var shown_count: Array[int] = [0]
+	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void: shown_count[0] += 1)
 	oak.resource_name = "elm"
 	check_equal(fern.spacing.keys(), ["elm", "moss"], "spacing follows, in its order")
 	check_equal(fern.spacing.values(), [3.0, 1.0], "with its distances")
 	check_equal(fern.proximity_layer, "elm", "proximity follows")
-	check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
+	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	await settle(scatter)
-	check(told[0] == 0 and digests(scatter, 1) == shown, "no tile is made anew for it")
+	check(shown_count[0] == 0 and digests(scatter, 1) == shown, "no tile is regenerated")
 	oak.resource_name = "oak"
-	check_equal(fern.spacing.keys(), ["oak", "moss"], "and back, as undo does it")
+	check_equal(fern.spacing.keys(), ["oak", "moss"], "and back, as undo does")
 	for typed: String in ["oa", "o", "", "f", "fe", "fer", "fern", "fern ", "fern t", "fern tree"]:
 		oak.resource_name = typed
-	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "typed letter by letter, by way of no name and another's")
-	check_equal(moss.spacing.keys(), ["fern"], "who means the other one still does")
+	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "typed letter by letter, with an empty name and the name of a second layer in between")
+	check_equal(moss.spacing.keys(), ["fern"], "references to the second layer stay")
 	oak.resource_name = "fern"
-	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "nothing follows to a name that another has")
-	check("same name" in "".join(scatter.get_problems()), "which is told")
+	check_equal(fern.spacing.keys(), ["fern tree", "moss"], "references do not follow to a name that is already used")
+	check("the name of an earlier layer" in "".join(scatter.get_problems()), "which is reported")
 	oak.resource_name = "oak"
-	check_equal(fern.spacing.keys(), ["oak", "moss"], "until it is one's own")
+	check_equal(fern.spacing.keys(), ["oak", "moss"], "until the name is unique")
 	moss.resource_name = "oak"
 	check_equal(fern.spacing.keys(), ["oak", "moss"], "a second oak")
 	oak.resource_name = "elm"
-	check_equal(fern.spacing, {"oak": 3.0}, "another has the old name, and is meant from now on, by the larger distance")
+	check_equal(fern.spacing, {"oak": 3.0}, "the other layer has the old name, and is meant from now on, with the larger distance")
 
 
-## Where a layer is named, the layer itself, its name and its index do the same.
+## References by layer, by name and by index have the same effect.
 func test_spacing_and_proximity_by_any_reference() -> void:
 	for layer_name: String in ["oak", ""]:
 		var oak := named(layer_name)
 		var fern := named("fern", 2.0)
-		var scatter := make_scatter([oak, fern], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([oak, fern], ScatterGroundFlat.new(), make_viewer())
 		var free := standing(scatter, 1)
 		var spaced := {}
 		var near := {}
@@ -221,24 +221,24 @@ func test_spacing_and_proximity_by_any_reference() -> void:
 				continue
 			fern.spacing = {reference: 3.0}
 			var key: Variant = fern.spacing.keys()[0]
-			check_equal(key, "oak" if layer_name and not reference is int else reference, "what is kept of %s" % [reference])
+			check_equal(key, "oak" if layer_name and not reference is int else reference, "the stored reference of %s" % [reference])
 			var stand := standing(scatter, 1)
 			check(stand.size() < free.size() and stand.size() > 10, "spacing by %s: %d of %d" % [reference, stand.size(), free.size()])
-			check(spaced.is_empty() or stand == spaced, "the same by %s" % [reference])
+			check(spaced.is_empty() or stand == spaced, "the same for %s" % [reference])
 			spaced = stand
 			fern.spacing = {}
 			fern.proximity_layer = reference
 			stand = standing(scatter, 1)
 			check(stand.size() < free.size() and stand.size() > 10, "proximity by %s: %d" % [reference, stand.size()])
-			check(near.is_empty() or stand == near, "the same by %s" % [reference])
+			check(near.is_empty() or stand == near, "the same for %s" % [reference])
 			near = stand
 			check_equal(scatter.get_problems(), PackedStringArray(), "problems of %s" % [reference])
 			fern.proximity_layer = null
-			check_equal(fern.proximity_layer, "", "none")
-			check(standing(scatter, 1) == free, "free again")
+			check_equal(fern.proximity_layer, "", "no proximity layer")
+			check(standing(scatter, 1) == free, "all instances again")
 		fern.spacing = {oak: 3.0}
 		oak.resource_name = "elm"
-		check_equal(fern.spacing, {"elm": 3.0}, "a layer that gets a name is kept by it")
+		check_equal(fern.spacing, {"elm": 3.0}, "references to a layer use its name once it has one")
 		scatter.free()
 
 
@@ -252,19 +252,19 @@ func test_refused_references() -> void:
 		if bad != null:
 			a.proximity_layer = bad
 			check_error(["ScatterLayer.proximity_layer", "name or its index"], "proximity by %s" % [bad])
-	check_equal([a.spacing, a.proximity_layer], [{}, ""], "nothing was taken")
+	check_equal([a.spacing, a.proximity_layer], [{}, ""], "nothing was stored")
 	a.spacing = {b: 1.0}
 	b.proximity_layer = c
 	c.spacing = {a: 2.0}
 	check_error(["ScatterLayer.spacing", "circle"], "layers without names in a circle")
 	c.proximity_layer = c
-	check_error(["ScatterLayer.proximity_layer", "circle"], "a layer without a name that means itself")
+	check_error(["ScatterLayer.proximity_layer", "circle"], "a nameless layer that refers to itself")
 	b.resource_name = "b"
 	c.spacing = {a: 2.0}
-	check_error(["circle"], "the circle is not open before it is saved anew")
+	check_error(["circle"], "the circle stays until its reference is stored again")
 	a.spacing = a.spacing
 	c.spacing = {a: 2.0}
-	check_no_error("names make no circle")
+	check_no_error("names cause no circle")
 
 
 func test_references_in_a_saved_scene() -> void:

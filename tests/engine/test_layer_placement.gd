@@ -1,21 +1,21 @@
 extends "rules_harness.gd"
-## How instances stand and look: each property changes what it is about, and leaves everything else of all instances alone.
+## Transforms and colors of instances: each property changes only its own aspect.
 
 
-## The scale of an instance, the same along all axes.
+## Returns the scale of an instance, which is the same along all axes.
 func scale_of(place: Transform3D) -> float:
 	var size := place.basis.get_scale()
 	check(is_equal_approx(size.x, size.y) and is_equal_approx(size.y, size.z), "uneven scale %s" % size)
 	return size.x
 
 
-## The same instances at the same places.
-func check_same_places(before: Dictionary, after: Dictionary, what: String) -> void:
-	check(before.size() > 1000 and before.size() == after.size() and before.has_all(after.keys()), what + ": the same instances")
+## Checks that the same instances are at the same positions.
+func check_same_places(before: Dictionary, after: Dictionary, context: String) -> void:
+	check(before.size() > 1000 and before.size() == after.size() and before.has_all(after.keys()), context + ": the same instances")
 	var moved := 0
 	for id: int in before:
 		moved += int(before[id][0].origin != after[id][0].origin)
-	check_equal(moved, 0, what + ": at the same places")
+	check_equal(moved, 0, context + ": at the same positions")
 
 
 func test_tilt() -> void:
@@ -63,7 +63,7 @@ func test_scale_curve() -> void:
 	check_equal(wrong, 0, "scales by the curve")
 	square.clear_points()
 	await settle(scatter)
-	check(instances(scatter) == before, "a curve without points is none")
+	check(instances(scatter) == before, "a curve without points has no effect")
 
 
 func test_offset_along_normal() -> void:
@@ -78,9 +78,9 @@ func test_offset_along_normal() -> void:
 	var wrong := 0
 	for id: int in before:
 		var place: Transform3D = before[id][0]
-		var expected := place.origin - 0.5 * scatter.terrain.get_normal(place.origin)
+		var expected := place.origin - 0.5 * scatter.ground.get_normal(place.origin)
 		wrong += int(expected.distance_to(after[id][0].origin) > 1e-3 or after[id][0].basis != place.basis)
-	check_equal(wrong, 0, "moved otherwise")
+	check_equal(wrong, 0, "wrong positions")
 
 
 func test_colors_and_custom_data() -> void:
@@ -91,7 +91,7 @@ func test_colors_and_custom_data() -> void:
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
 	var plain := instances(scatter)
-	check_equal(plain.values()[0][1].size(), 0, "transforms alone")
+	check_equal(plain.values()[0][1].size(), 0, "only transforms")
 	layer.use_colors = true
 	await settle(scatter)
 	var white := instances(scatter)
@@ -118,7 +118,7 @@ func test_colors_and_custom_data() -> void:
 		sums[3] += more[6]
 	check_equal(wrong, 0, "wrong numbers in %d instances" % looks.size())
 	for sum: float in sums:
-		check(absf(sum / looks.size() - 0.5) < 0.03, "mean of an even spread: %s" % [sum / looks.size()])
+		check(absf(sum / looks.size() - 0.5) < 0.03, "mean of a uniform distribution: %s" % [sum / looks.size()])
 	layer.use_colors = false
 	layer.use_custom_data = false
 	await settle(scatter)

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## What a layer holds: defaults, what files keep, what it refuses, when it tells of a change, what it warns of.
+## The properties of a layer: defaults, saving and loading, refused values, signals of changes, and warnings.
 
 const SPOT := "user://thicket_layer"
 
@@ -19,7 +19,7 @@ var defaults := {
 	"physics_material": null, "affect_navigation_mesh": true, "scene": null, "scene_distance": 20.0,
 }
 
-## The resources that a layer's rules are made of, by their properties, and something to change in each.
+## The resources of a layer by property, with a change of each.
 var sources := {
 	"density_over_height": ["Curve", "max_domain", 500.0], "density_over_slope": ["Curve", "max_domain", 60.0],
 	"noise": ["FastNoiseLite", "frequency", 0.5], "noise_curve": ["Curve", "min_domain", -1.0],
@@ -35,7 +35,7 @@ func made(type: String) -> Resource:
 	return ClassDB.instantiate(type)
 
 
-## A layer of which no property is at its default.
+## Returns a layer in which no property has its default.
 func full_layer() -> ScatterLayer:
 	var layer := make_layer()
 	layer.resource_name = "Ferns"
@@ -104,13 +104,13 @@ func check_full(layer: ScatterLayer, from: String) -> void:
 	var expected := full_layer()
 	for property: String in defaults:
 		var value: Variant = layer.get(property)
-		check(value != defaults[property], "%s from %s is not at its default" % [property, from])
+		check(value != defaults[property], "%s from %s is not the default" % [property, from])
 		if not value is Resource:
 			check_equal(value, expected.get(property), property + " from " + from)
 	check_equal(layer.spacing, {"Oaks": 4.0, "Stones": 1.5} as Dictionary[String, float], "spacing from " + from)
 	check_equal(layer.resource_name, "Ferns", "name from " + from)
 	check(is_equal_approx(layer.density_over_height.sample(300.0), 0.25), "a curve from " + from)
-	check_equal(layer.mask.data, expected.mask.data, "what is painted, from " + from)
+	check_equal(layer.mask.data, expected.mask.data, "mask pixels from " + from)
 
 
 func test_defaults() -> void:
@@ -153,7 +153,7 @@ func refuse(layer: ScatterLayer, property: StringName, value: Variant, words := 
 	layer.changed.disconnect(count)
 	check_error(["ScatterLayer.%s" % property] + words, "%s = %s" % [property, value])
 	check_equal(layer.get(property), before, "%s after %s" % [property, value])
-	check_equal(changes[0], 0, "nothing was told")
+	check_equal(changes[0], 0, "no signal")
 
 
 func test_refused() -> void:
@@ -200,7 +200,7 @@ func test_refused() -> void:
 	var many := PackedInt32Array()
 	many.resize(257)
 	refuse(layer, "ground_textures", many, ["wrong size", "257"])
-	check_full(layer, "before all that")
+	check_full(layer, "before all refused values")
 
 
 func test_refused_spacing() -> void:
@@ -212,12 +212,12 @@ func test_refused_spacing() -> void:
 		many[str(index)] = 1.0
 	refuse(layer, "spacing", many, ["wrong size", "17"])
 	layer.set("spacing", {"Oaks": "near"})
-	check_error(["ScatterLayer.spacing", "finite"], "a text is no number")
+	check_error(["ScatterLayer.spacing", "finite"], "a text is not a number")
 	for bad: Variant in [[1, 2], "text", 5]:
 		layer.set("spacing", bad)
-	check_no_error("another type never arrives")
+	check_no_error("values of a different type are never set")
 	layer.spacing.set("Oaks", -7.0)
-	check_error(["read-only"], "an edit behind the checks")
+	check_error(["read-only"], "an edit that bypasses the checks")
 	layer.spacing = {"Oaks": 1000.0, "Stones": 1}
 	check_equal(layer.spacing, {"Oaks": 1000.0, "Stones": 1.0} as Dictionary[String, float], "spacing")
 	var mine: Dictionary[String, float] = {"Oaks": 3.0}
@@ -227,10 +227,10 @@ func test_refused_spacing() -> void:
 	var edited := layer.spacing.duplicate()
 	edited["Firs"] = 2.0
 	layer.spacing = edited
-	check_equal(layer.spacing.size(), 2, "as scripts edit it")
+	check_equal(layer.spacing.size(), 2, "edits by a script")
 
 
-## What is in a resource changes: the layer tells, once, for each property that it is in, and no longer than it is there.
+## A resource changes: the layer emits `changed` once per property that uses it, and only while it is used.
 func test_changes_within_resources() -> void:
 	for property: String in sources:
 		var layer := ScatterLayer.new()
@@ -240,13 +240,13 @@ func test_changes_within_resources() -> void:
 		layer.set(property, source)
 		check_equal(changes[0], 1, property + " set")
 		layer.set(property, source)
-		check_equal(changes[0], 1, property + " set to what it was")
+		check_equal(changes[0], 1, property + " set to the same value")
 		source.set(sources[property][1], sources[property][2])
-		check(changes[0] == 2, "%s edited: told %d times" % [property, changes[0] - 1])
+		check(changes[0] == 2, "%s edited: %d signals" % [property, changes[0] - 1])
 		layer.set(property, null)
-		check_equal(changes[0], 3, property + " taken away")
+		check_equal(changes[0], 3, property + " removed")
 		source.emit_changed()
-		check_equal(changes[0], 3, property + " is not listened to any more")
+		check_equal(changes[0], 3, property + " is disconnected")
 	var curve := Curve.new()
 	var layer := ScatterLayer.new()
 	var changes: Array[int] = [0]
@@ -255,7 +255,7 @@ func test_changes_within_resources() -> void:
 	layer.changed.connect(func() -> void: changes[0] += 1)
 	layer.density_over_height = null
 	curve.emit_changed()
-	check_equal(changes[0], 2, "one curve in two properties, one of which has let go")
+	check_equal(changes[0], 2, "one curve in two properties, of which one was cleared")
 
 
 func test_wrong_resources() -> void:
@@ -263,60 +263,60 @@ func test_wrong_resources() -> void:
 	for property: String in sources:
 		var before: Variant = layer.get(property)
 		layer.set(property, BoxMesh.new())
-		check_equal(layer.get(property), before, property + " is no mesh")
-	check_no_error("another class never arrives")
+		check_equal(layer.get(property), before, property + " refuses a mesh")
+	check_no_error("values of a different class are never set")
 
 
-## The one warning of a layer that is otherwise fine, by a word that is in it.
-func warns(edit: Callable, words: String) -> void:
+## Checks that an otherwise valid layer has exactly one warning with these words, or none.
+func check_warning(edit: Callable, words: String) -> void:
 	var layer := make_layer()
 	edit.call(layer)
 	var scatter := TerrainScatter3D.new()
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	scatter.layers = [layer]
 	var problems := scatter.get_problems()
 	scatter.free()
 	if words:
 		check("Layer 0" in problems[0] and words in problems[0] if problems.size() == 1 else false, "'%s' in %s" % [words, problems])
 	else:
-		check_equal(problems, PackedStringArray(), "no warning")
+		check_equal(problems, PackedStringArray(), "no warnings")
 
 
 func test_a_mesh_without_surfaces_is_reported() -> void:
-	warns(func(layer: ScatterLayer) -> void: layer.meshes = [BoxMesh.new(), ArrayMesh.new()], "meshes[1] has no surfaces")
+	check_warning(func(layer: ScatterLayer) -> void: layer.meshes = [BoxMesh.new(), ArrayMesh.new()], "meshes[1] has no surfaces")
 
 
-func warns_of_gameplay() -> void:
-	warns(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_CONVEX, "")
-	warns(func(layer: ScatterLayer) -> void: layer.instance_height = 0.5, "")
-	warns(func(layer: ScatterLayer) -> void:
+func check_gameplay_warnings() -> void:
+	check_warning(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_CONVEX, "")
+	check_warning(func(layer: ScatterLayer) -> void: layer.instance_height = 0.5, "")
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_CAPSULE
 		layer.instance_height = 0.5, "two times instance_radius")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_BOX
 		layer.collision_distance = 0.0, "")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_BOX
 		layer.affect_navigation_mesh = false
 		layer.collision_distance = 0.0, "collision_distance is 0")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.collision_shape = ScatterLayer.COLLISION_BOX
 		layer.collision_layer = 0
-		layer.collision_mask = 0, "meets nothing")
-	warns(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_MODEL, "no model among the meshes")
-	warns(func(layer: ScatterLayer) -> void: layer.physics_material = PhysicsMaterial.new(), "physics_material is not used")
-	warns(func(layer: ScatterLayer) -> void:
+		layer.collision_mask = 0, "collides with nothing")
+	check_warning(func(layer: ScatterLayer) -> void: layer.collision_shape = ScatterLayer.COLLISION_MODEL, "no model among the meshes")
+	check_warning(func(layer: ScatterLayer) -> void: layer.physics_material = PhysicsMaterial.new(), "physics_material is not used")
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.scene = scene_of_a_node()
 		layer.scene_distance = 0.0, "scene_distance is 0")
 	var bare := ScatterLayer.new()
 	bare.collision_shape = ScatterLayer.COLLISION_CONVEX
 	var scatter := TerrainScatter3D.new()
 	scatter.layers = [bare]
-	check("no mesh to make it of" in "\n".join(scatter.get_problems()), "a hull of no mesh")
+	check("no mesh to build it from" in "\n".join(scatter.get_problems()), "a hull without a mesh")
 	scatter.free()
 
 
-## A layer that has all that a source needs, of a kind and a range.
+## Sets up a layer with a source and its range.
 func follow(layer: ScatterLayer, source: ScatterLayer.ValueSource, to := 90.0) -> void:
 	layer.use_colors = true
 	layer.color_gradient = Gradient.new()
@@ -326,73 +326,73 @@ func follow(layer: ScatterLayer, source: ScatterLayer.ValueSource, to := 90.0) -
 
 func test_warnings_of_sources() -> void:
 	for source: ScatterLayer.ValueSource in [ScatterLayer.SOURCE_HEIGHT, ScatterLayer.SOURCE_SLOPE, ScatterLayer.SOURCE_RANK]:
-		warns(func(layer: ScatterLayer) -> void: follow(layer, source), "")
-	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_HEIGHT, 1.0), "0 to 1 meters of height")
-	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_SLOPE, 1.0), "0 to 1 degrees of slope")
-	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_RANK, 1.0), "")
-	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_NOISE, 1.0), "there is no noise")
-	warns(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_DISTANCE), "names no layer")
-	warns(func(layer: ScatterLayer) -> void:
+		check_warning(func(layer: ScatterLayer) -> void: follow(layer, source), "")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_HEIGHT, 1.0), "0 to 1 meters of height")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_SLOPE, 1.0), "0 to 1 degrees of slope")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_RANK, 1.0), "")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_NOISE, 1.0), "there is no noise")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_DISTANCE), "names no layer")
+	check_warning(func(layer: ScatterLayer) -> void:
 		follow(layer, ScatterLayer.SOURCE_DISTANCE)
 		layer.color_source_layer = "Oaks", "\"Oaks\", and no layer has that name")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void:
 		follow(layer, ScatterLayer.SOURCE_HEIGHT)
 		layer.color_randomness = 1.0, "the randomness is 1")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void:
 		follow(layer, ScatterLayer.SOURCE_HEIGHT)
 		layer.color_source_layer = "Oaks", "color_source_layer is not used: the source is not Distance")
-	warns(func(layer: ScatterLayer) -> void: layer.color_source_noise = FastNoiseLite.new(), "color_source_noise is not used")
-	warns(func(layer: ScatterLayer) -> void: layer.color_source = ScatterLayer.SOURCE_RANK, "without use_colors")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void: layer.color_source_noise = FastNoiseLite.new(), "color_source_noise is not used")
+	check_warning(func(layer: ScatterLayer) -> void: layer.color_source = ScatterLayer.SOURCE_RANK, "without use_colors")
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.use_colors = true
 		layer.color_source = ScatterLayer.SOURCE_RANK, "without color_gradient")
-	warns(func(layer: ScatterLayer) -> void: layer.variation_source = ScatterLayer.SOURCE_RANK, "without use_custom_data")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void: layer.variation_source = ScatterLayer.SOURCE_RANK, "without use_custom_data")
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.use_custom_data = true
 		layer.variation_source = ScatterLayer.SOURCE_RANK, "")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void:
 		follow(layer, ScatterLayer.SOURCE_HEIGHT, -5.0), "color_source_max must be at least 0 (where its range begins), got -5")
 
 
 func test_warnings() -> void:
 	var zero := make_line(Vector2(0, 0), Vector2(90, 0))
-	warns(func(_layer: ScatterLayer) -> void: pass, "")
-	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = zero, "density_over_height is 0 everywhere")
-	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = zero, "density_over_slope is 0 everywhere")
-	warns(func(layer: ScatterLayer) -> void: layer.density_over_slope = Curve.new(), "density_over_slope has no points")
-	warns(func(layer: ScatterLayer) -> void: layer.density_over_height = make_line(Vector2(0, 0), Vector2(1, 1)), "meters of height")
-	warns(func(layer: ScatterLayer) -> void: layer.noise_curve = make_line(Vector2(-1, 0), Vector2(1, 1)), "without a noise")
-	warns(func(layer: ScatterLayer) -> void: layer.noise = FastNoiseLite.new(), "")
-	warns(func(layer: ScatterLayer) -> void: layer.mask = ScatterMask.new(), "mask has no effect")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(_layer: ScatterLayer) -> void: pass, "")
+	check_warning(func(layer: ScatterLayer) -> void: layer.density_over_height = zero, "density_over_height is 0 everywhere")
+	check_warning(func(layer: ScatterLayer) -> void: layer.density_over_slope = zero, "density_over_slope is 0 everywhere")
+	check_warning(func(layer: ScatterLayer) -> void: layer.density_over_slope = Curve.new(), "density_over_slope has no points")
+	check_warning(func(layer: ScatterLayer) -> void: layer.density_over_height = make_line(Vector2(0, 0), Vector2(1, 1)), "meters of height")
+	check_warning(func(layer: ScatterLayer) -> void: layer.noise_curve = make_line(Vector2(-1, 0), Vector2(1, 1)), "without a noise")
+	check_warning(func(layer: ScatterLayer) -> void: layer.noise = FastNoiseLite.new(), "")
+	check_warning(func(layer: ScatterLayer) -> void: layer.mask = ScatterMask.new(), "mask has no effect")
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.mask = ScatterMask.new()
-		layer.mask.background = 0.0, "nothing is painted")
-	warns(func(layer: ScatterLayer) -> void:
+		layer.mask.background = 0.0, "is not painted")
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.mask = ScatterMask.new()
 		layer.mask.paint(Vector2.ZERO, 3.0, 1.0, 0.5, ScatterMask.MODE_ERASE), "")
-	warns(func(layer: ScatterLayer) -> void: layer.mask_texture = NoiseTexture2D.new(), "mask_texture has no image")
-	warns(func(layer: ScatterLayer) -> void: layer.mask_texture = GradientTexture2D.new(), "mask_texture has no image")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void: layer.mask_texture = NoiseTexture2D.new(), "mask_texture has no readable image")
+	check_warning(func(layer: ScatterLayer) -> void: layer.mask_texture = GradientTexture2D.new(), "mask_texture has no readable image")
+	check_warning(func(layer: ScatterLayer) -> void:
 		var texture := GradientTexture2D.new()
 		texture.gradient = Gradient.new()
 		layer.mask_texture = texture, "")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.clump_size = 9.0
 		layer.clump_coverage = 0.0, "clump_coverage is 0")
-	warns(func(layer: ScatterLayer) -> void: layer.edge_feather = 3.0, "")
-	warns(func(layer: ScatterLayer) -> void:
+	check_warning(func(layer: ScatterLayer) -> void: layer.edge_feather = 3.0, "")
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.radius = 0.1
 		layer.tile_size = 64.0
-		layer.edge_feather = 3.0, "tile_size smaller")
-	warns(func(layer: ScatterLayer) -> void: layer.spacing = {"": 2.0}, "without a layer's name")
-	warns(func(layer: ScatterLayer) -> void:
+		layer.edge_feather = 3.0, "lower tile_size")
+	check_warning(func(layer: ScatterLayer) -> void: layer.spacing = {"": 2.0}, "without a layer's name")
+	check_warning(func(layer: ScatterLayer) -> void:
 		layer.resource_name = "Oaks"
 		layer.spacing = {"Oaks": 2.0}, "the layer itself")
-	warns(func(layer: ScatterLayer) -> void: layer.spacing = {0: 2.0}, "the layer itself")
-	warns(func(layer: ScatterLayer) -> void: layer.spacing = {7: 2.0}, "layer 7, which is not in the list")
-	warns(func(layer: ScatterLayer) -> void: layer.proximity_curve = make_line(Vector2(0, 1), Vector2(9, 0)), "names no layer")
-	warns(func(layer: ScatterLayer) -> void: layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1)), "scale_curve is not used")
-	warns(func(layer: ScatterLayer) -> void: layer.color_gradient = Gradient.new(), "without use_colors")
-	warns(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
-	warns_of_gameplay()
-	warns(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees must be at least 20")
+	check_warning(func(layer: ScatterLayer) -> void: layer.spacing = {0: 2.0}, "the layer itself")
+	check_warning(func(layer: ScatterLayer) -> void: layer.spacing = {7: 2.0}, "layer 7, which is not in the list")
+	check_warning(func(layer: ScatterLayer) -> void: layer.proximity_curve = make_line(Vector2(0, 1), Vector2(9, 0)), "names no layer")
+	check_warning(func(layer: ScatterLayer) -> void: layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1)), "scale_curve is not used")
+	check_warning(func(layer: ScatterLayer) -> void: layer.color_gradient = Gradient.new(), "without use_colors")
+	check_warning(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
+	check_gameplay_warnings()
+	check_warning(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees must be at least 20")

@@ -1,7 +1,7 @@
 extends "rules_harness.gd"
-## What each rule of a layer does to what stands: it takes instances away by its density, and touches nothing else.
+## Rules of a layer: each removes instances by its density and changes nothing else.
 
-## Two textures that run into each other along x.
+## Two textures that blend along x.
 class Textured extends Node3D:
 	func get_height(_at: Vector3) -> float:
 		return 3.0
@@ -22,7 +22,7 @@ func test_densities() -> void:
 	var layer := make_layer()
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
-	var terrain := scatter.terrain
+	var terrain := scatter.ground
 	await check_rule(scatter, "density", 0.5, func(_at: Vector3) -> float: return 0.5)
 	await check_rule(scatter, "min_height", 100.0, func(at: Vector3) -> float: return float(at.y >= 100.0))
 	var over_height := make_line(Vector2(60, 0), Vector2(150, 1))
@@ -55,8 +55,8 @@ func test_noise() -> void:
 		return 0.5 if absf(absf(value) - 0.1) < 1e-3 else steep.sample(clampf(value, -0.1, 0.1)), "noise_curve")
 
 
-## Workers ask a copy: a change while they are at it makes the tiles anew, and no thread sees half of it.
-func test_noise_that_changes_under_way() -> void:
+## Workers use a copy of the noise: a change during the work regenerates the tiles, and no thread sees a partial change.
+func test_noise_that_changes_during_the_work() -> void:
 	var layer := make_layer()
 	layer.noise = FastNoiseLite.new()
 	var scatter := scatter_on_hillside(layer)
@@ -70,7 +70,7 @@ func test_noise_that_changes_under_way() -> void:
 	other.noise.frequency = 0.2
 	var again := scatter_on_hillside(other)
 	await settle(again)
-	check(instances(again) == seen, "%d instances as by the last frequency" % seen.size())
+	check(instances(again) == seen, "%d instances as with the last frequency" % seen.size())
 
 
 func test_painted_mask() -> void:
@@ -84,7 +84,7 @@ func test_painted_mask() -> void:
 	await check_rule(scatter, "mask", mask, func(at: Vector3) -> float: return mask.sample(Vector2(at.x, at.z)))
 
 
-## A dab changes what is under it and nothing else, in the tiles that it touches; the pixels put back undo it.
+## A dab changes only the instances under it, in the tiles that it touches. Restoring the pixels undoes it.
 func test_dabs() -> void:
 	var layer := make_layer()
 	var mask := ScatterMask.new()
@@ -109,9 +109,9 @@ func test_dabs() -> void:
 		if not rect.has_point(Vector2(place.origin.x, place.origin.z)):
 			outside += 1
 			if not (after.has(id) and after[id] == before[id]):
-				check(false, "changed outside the dab: %s" % place.origin)
+				check(false, "changed outside of the dab: %s" % place.origin)
 	check(outside > 1000 and after.size() > before.size(), "%d, then %d, of which %d outside" % [before.size(), after.size(), outside])
-	check(after.has_all(before.keys()), "a dab of more density takes nothing away")
+	check(after.has_all(before.keys()), "a dab that adds density removes nothing")
 	mask.set_pixels(pixels, kept)
 	await settle(scatter)
 	check(instances(scatter) == before, "undone")
@@ -133,10 +133,10 @@ func test_mask_texture_channels() -> void:
 	image.fill(Color(0.6, 0.0, 0.0))
 	layer.mask_texture = ImageTexture.create_from_image(image)
 	await settle(scatter)
-	check_filtered(whole, instances(scatter), func(_at: Vector3) -> float: return 0.6, "luminance of red alone")
+	check_filtered(whole, instances(scatter), func(_at: Vector3) -> float: return 0.6, "luminance with only a red channel")
 
 
-func test_mask_texture_place_and_edges() -> void:
+func test_mask_texture_rect_and_edges() -> void:
 	var layer := make_layer()
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
@@ -159,10 +159,10 @@ func test_mask_texture_place_and_edges() -> void:
 	layer.mask_texture_rect = Rect2(-4000, -4000, 2, 2)
 	layer.mask_texture_edge = ScatterLayer.MASK_EDGE_EVERYTHING
 	await settle(scatter)
-	check(instances(scatter) == whole, "an image that lies elsewhere")
+	check(instances(scatter) == whole, "an image that is far away")
 
 
-func test_textures_that_come_late() -> void:
+func test_textures_whose_images_come_late() -> void:
 	var layer := make_layer()
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
@@ -170,21 +170,21 @@ func test_textures_that_come_late() -> void:
 	layer.mask_texture_rect = Rect2(-200, -200, 400, 400)
 	layer.mask_texture = ImageTexture.new()
 	await settle(scatter)
-	check_equal(instances(scatter).size(), 0, "nothing stands without an image")
+	check_equal(instances(scatter).size(), 0, "no instances without an image")
 	var half := Image.create_empty(4, 4, false, Image.FORMAT_L8)
 	half.fill(Color(0.4, 0.4, 0.4))
 	(layer.mask_texture as ImageTexture).set_image(half)
 	await settle(scatter)
-	check_filtered(whole, instances(scatter), func(_at: Vector3) -> float: return 0.4, "an image that came later")
+	check_filtered(whole, instances(scatter), func(_at: Vector3) -> float: return 0.4, "an image that was set later")
 	var texture := NoiseTexture2D.new()
 	texture.width = 32
 	texture.height = 32
 	texture.noise = FastNoiseLite.new()
 	layer.mask_texture = texture
-	await until(func() -> bool: return texture.get_image() != null, "the engine has made the noise")
+	await until(func() -> bool: return texture.get_image() != null, "the engine has generated the noise")
 	await settle(scatter)
 	var stand := instances(scatter)
-	check(stand.size() > 500 and stand.size() < whole.size() and whole.has_all(stand.keys()), "%d by a noise texture" % stand.size())
+	check(stand.size() > 500 and stand.size() < whole.size() and whole.has_all(stand.keys()), "%d with a noise texture" % stand.size())
 
 
 func test_textures_too_large() -> void:
@@ -194,40 +194,40 @@ func test_textures_too_large() -> void:
 	var before := instances(scatter)
 	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16385, 1, false, Image.FORMAT_L8))
 	await settle(scatter)
-	check_error(["layers[0]: ScatterLayer.mask_texture must be between", "16385"], "more pixels than can be")
-	check(instances(scatter) == before, "what stood stands")
+	check_error(["layers[0]: ScatterLayer.mask_texture must be between", "16385"], "too many pixels")
+	check(instances(scatter) == before, "the instances stay")
 	check("mask_texture" in "\n".join(scatter.get_problems()), "a warning")
 	layer.mask_texture = ImageTexture.create_from_image(Image.create_empty(16384, 1, false, Image.FORMAT_L8))
 	await settle(scatter)
-	check_equal(instances(scatter).size(), 0, "as many as can be, all black")
+	check_equal(instances(scatter).size(), 0, "the maximum number of pixels, all black")
 
 
-## On worker threads, and asked on the main thread.
+## On worker threads, and on the main thread.
 func test_ground_textures() -> void:
 	var node := Textured.new()
 	root.add_child(node)
 	var part := func(at: Vector3) -> float: return clampf(0.5 + at.x / 60.0, 0.0, 1.0)
 	for thread_safe: bool in [true, false]:
-		var terrain := ScatterTerrainObject.new()
+		var terrain := ScatterGroundNode.new()
 		terrain.thread_safe = thread_safe
 		var layer := make_layer()
 		var scatter := scatter_on_hillside(layer)
 		layer.view_distance = 40.0
 		terrain.node = scatter.get_path_to(node)
-		scatter.terrain = terrain
+		scatter.ground = terrain
 		await settle(scatter)
 		await check_rule(scatter, "ground_textures", PackedInt32Array([5]), part)
 		await check_rule(scatter, "ground_textures", PackedInt32Array([9, 2]), func(at: Vector3) -> float: return 1.0 - part.call(at))
 		var whole := instances(scatter)
 		layer.ground_textures = [2, 5]
 		await settle(scatter)
-		check(instances(scatter).size() > whole.size() - 5, "both are all of the ground, but for a rounding")
+		check(instances(scatter).size() > whole.size() - 5, "both textures cover the ground, up to rounding")
 		layer.ground_textures = [3]
 		await settle(scatter)
-		check_equal(instances(scatter).size(), 0, "instances on a texture that is nowhere")
-		scatter.terrain = hillside()
+		check_equal(instances(scatter).size(), 0, "instances on a texture that does not occur")
+		scatter.ground = hillside()
 		await settle(scatter)
-		check(instances(scatter).size() > 1000, "a terrain without textures allows all")
+		check(instances(scatter).size() > 1000, "a ground without textures permits everything")
 		scatter.free()
 
 
@@ -244,16 +244,16 @@ func test_clumps() -> void:
 		await settle(scatter)
 		var stand := instances(scatter)
 		check(absf(stand.size() / float(whole.size()) - coverage) < 0.12, "%d of %d for %s" % [stand.size(), whole.size(), coverage])
-		check(whole.has_all(stand.keys()) and stand.has_all(last.keys()), "clumps grow, and stay where they are")
+		check(whole.has_all(stand.keys()) and stand.has_all(last.keys()), "larger clumps contain the smaller ones")
 		last = stand
 	layer.clump_size = 0.0
 	await settle(scatter)
-	check(instances(scatter) == whole, "no clumps, as before")
+	check(instances(scatter) == whole, "as before without clumps")
 
 
 func test_edge_feather() -> void:
 	var layer := make_layer()
-	layer.min_height = 100.0 # Which lies along x = 0.
+	layer.min_height = 100.0 # At x = 0.
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
 	var sharp := instances(scatter)
@@ -291,8 +291,8 @@ func test_rules_multiply() -> void:
 		return 0.9 * (0.5 + 0.5 * noise.get_noise_2d(at.x, at.z)) * mask.sample(Vector2(at.x, at.z)) * (0.5 + at.y / 800.0), "all")
 
 
-## A curve's point that is dragged: what stands is replaced tile by tile, once a frame at most, and only if it matters.
-func test_edits_in_place_refresh_once() -> void:
+## A dragged point of a curve replaces the instances tile by tile, at most once per frame, and only if it has an effect.
+func test_edits_in_place_regenerate_once() -> void:
 	var layer := make_layer()
 	var curve := make_line(Vector2(0, 1), Vector2(400, 0))
 	layer.density_over_height = curve
@@ -307,4 +307,4 @@ func test_edits_in_place_refresh_once() -> void:
 	check_equal(shown.values().max(), 1, "once each")
 	for same: Callable in [curve.emit_changed, func() -> void: curve.bake_resolution = 50, layer.emit_changed, layer.mask.emit_changed]:
 		shown = await shown_by(scatter, same)
-		check_equal(shown.size(), 0, "nothing that matters has changed")
+		check_equal(shown.size(), 0, "no effective change")

@@ -1,12 +1,12 @@
 extends "collision_harness.gd"
-## Every property of a layer, changed alone, is in the layer's snapshot: what is made, drawn or met follows. A property that nobody
-## copied into the snapshot, or that a comparison forgot, changes nothing here; one without a line in `changes` fails, too.
+## Every property of a layer, changed alone, reaches the layer's snapshot and has an effect. A property that was not copied into the
+## snapshot, or that a comparison ignores, has no effect here. A property without a line in `changes` fails, too.
 
 const OAKS := 0
 const FERNS := 1
 
-## What follows when a property is changed: tiles are made anew, they are drawn otherwise without being made anew, others are
-## shown, or bodies, scenes and the hits of rays are others.
+## Effects of a property: tiles are regenerated, tiles are drawn differently without being regenerated, different tiles are
+## visible, or bodies, scenes and the hits of rays change.
 const MADE := "made"
 const REDRAWN := "redrawn"
 const TILES := "tiles"
@@ -15,13 +15,13 @@ const SCENES := "scenes"
 const HITS := "hits"
 const REGROWN := "regrown"
 
-## Another value for each property than `make_ferns` gives it, and what follows.
+## A new value for each property, different from that in `make_ferns`, and its effects.
 var changes := {
 	"radius": [2.5, MADE], "progressive_levels": [2, MADE], "layer_id": [77, MADE], "density": [0.5, MADE],
 	"tile_size": [24.0, TILES], "view_distance": [70.0, TILES],
 	"min_height": [-5.0, MADE], "max_height": [50.0, MADE], "height_falloff": [2.0, MADE],
 	"density_over_height": [make_line(Vector2(-9, 0), Vector2(9, 1)), MADE],
-	"min_slope_degrees": [1.0, MADE], "max_slope_degrees": [40.0, MADE], "slope_falloff": [3.0, MADE],
+	"min_slope_degrees": [1.0, MADE], "max_slope_degrees": [40.0, MADE], "slope_falloff_degrees": [3.0, MADE],
 	"density_over_slope": [make_line(Vector2(0, 0.5), Vector2(90, 1)), MADE],
 	"min_water_depth": [-1.0, MADE], "max_water_depth": [2.0, MADE], "water_depth_falloff": [3.0, MADE],
 	"ground_textures": [PackedInt32Array([3]), MADE],
@@ -46,7 +46,7 @@ var changes := {
 	"lod_meshes": [[SphereMesh.new(), null] as Array[Mesh], MADE],
 	"lod_distances": [PackedFloat32Array([30.0]), REDRAWN],
 	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],
-	"thin_scale_compensation": [true, MADE], # The instances grow, and with them the boxes of the tiles.
+	"thin_scale_up": [true, MADE], # The instances grow, and so do the bounding boxes of the tiles.
 	"material_override": [StandardMaterial3D.new(), REDRAWN],
 	"cast_shadow": [GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, REDRAWN],
 	"gi_mode": [GeometryInstance3D.GI_MODE_DYNAMIC, REDRAWN], "render_layers": [2, REDRAWN],
@@ -58,9 +58,9 @@ var changes := {
 	"instance_radius": [0.3, BODIES, HITS], "instance_height": [1.0, BODIES, HITS], "regrowth_time": [0.05, REGROWN],
 	"collision_shape": [ScatterLayer.COLLISION_BOX, BODIES], "collision_distance": [12.0, BODIES],
 	"collision_layer": [4, BODIES], "collision_mask": [8, BODIES], "physics_material": [slippery(), BODIES],
-	# Used in place of what an export has stripped alone, see test_stripped.gd.
+	# Only used in place of resources that an export has stripped, see test_stripped.gd.
 	"convex_hulls": [[PackedVector3Array([Vector3.UP])]], "mask_texture_image": [Image.create_empty(2, 2, false, Image.FORMAT_R8)],
-	"affect_navigation_mesh": [false], # Asked for by the bake of a navigation mesh alone, see test_navigation.gd.
+	"affect_navigation_mesh": [false], # Only used when a navigation mesh is baked, see test_navigation.gd.
 	"scene": [scene_of(Marker3D.new()), SCENES], "scene_distance": [4.0, SCENES],
 }
 
@@ -71,7 +71,7 @@ func half_mask() -> ScatterMask:
 	return mask
 
 
-## Channels that differ, so that each of them is another mask.
+## Returns a picture with different channels, so that each is a different mask.
 func picture(color: Color) -> ImageTexture:
 	var image := Image.create_empty(2, 2, false, Image.FORMAT_RGB8)
 	image.fill(Color(1.0, 0.75, 0.5))
@@ -98,7 +98,7 @@ func scene_of(node: Node3D) -> PackedScene:
 	return scene
 
 
-## A layer for which every property has a say.
+## Returns a layer in which every property has an effect.
 func make_ferns() -> ScatterLayer:
 	var layer := make_layer(3.0)
 	layer.resource_name = "Ferns"
@@ -133,8 +133,8 @@ func make_ferns() -> ScatterLayer:
 	return layer
 
 
-## What each body of the ferns is.
-func bodies_met(scatter: TerrainScatter3D) -> Array:
+## Returns the data of each body of the ferns.
+func body_data(scatter: TerrainScatter3D) -> Array:
 	var result := []
 	var found := bodies(scatter)
 	for id in found:
@@ -151,7 +151,8 @@ func hits(scatter: TerrainScatter3D) -> Array:
 	var result := []
 	for step in 40:
 		var from := Vector3(-30.0, 1.5 if step % 2 else 0.25, step - 20.0)
-		result.push_back(scatter.query_ray(from, from + Vector3(60.0, 0.0, 0.0)).get("position"))
+		var hit := scatter.query_ray(from, from + Vector3(60.0, 0.0, 0.0))
+		result.push_back(hit.hit_position if hit != null else null)
 	return result
 
 
@@ -161,11 +162,11 @@ func seen(scatter: TerrainScatter3D) -> Dictionary:
 	var scenes := scatter.get_children(true).map(func(child: Node) -> String: return child.get_class())
 	return {
 		MADE: scatter.get_stats()["tiles_made"], REDRAWN: scatter.get_stats()["redrawn"], TILES: tiles,
-		BODIES: bodies_met(scatter), SCENES: scenes, HITS: hits(scatter),
+		BODIES: body_data(scatter), SCENES: scenes, HITS: hits(scatter),
 	}
 
 
-## Whether an instance that is removed comes back.
+## Returns whether a removed instance regrows.
 func regrows(scatter: TerrainScatter3D) -> bool:
 	var id := 0
 	for tile: Vector2i in scatter.get_shown_tiles(FERNS):
@@ -186,41 +187,41 @@ func stored_properties() -> PackedStringArray:
 	return result
 
 
-func test_what_follows_from_every_property() -> void:
+func test_effects_of_every_property() -> void:
 	var oaks := make_layer(8.0)
 	oaks.resource_name = "Oaks"
 	var ferns := make_ferns()
 	var scatter := make_solid([oaks, ferns])
 	await settle(scatter)
-	check(bodies_met(scatter).size() > 10 and scatter.get_stats()["scenes"] > 3, "something is near: %s" % scatter.get_stats())
-	check(not await regrows(scatter), "nothing grows again")
+	check(body_data(scatter).size() > 10 and scatter.get_stats()["scenes"] > 3, "bodies and scenes are near: %s" % scatter.get_stats())
+	check(not await regrows(scatter), "nothing regrows by default")
 	for property in stored_properties():
-		if not check(changes.has(property), "nobody says here what follows from %s" % property):
+		if not check(changes.has(property), "`changes` has no line for %s" % property):
 			continue
 		var change: Array = changes[property]
-		var follows := change.slice(1)
+		var expected_effects := change.slice(1)
 		var value: Variant = ferns.get(property)
 		await settle(scatter)
 		await frames(3)
 		var before := seen(scatter)
 		ferns.set(property, change[0])
-		check(ferns.get(property) != value, "%s has another value" % property)
+		check(ferns.get(property) != value, "%s has a new value" % property)
 		await settle(scatter)
 		await frames(3)
 		var after := seen(scatter)
-		for what: String in before:
-			if what in follows:
-				check(before[what] != after[what], "%s follows from %s" % [what, property])
-			elif what == MADE and not TILES in follows:
-				check_equal(after[what], before[what], "tiles made anew for %s" % property)
-		check_equal(await regrows(scatter) if REGROWN in follows else true, true, "it grows again: %s" % property)
+		for effect: String in before:
+			if effect in expected_effects:
+				check(before[effect] != after[effect], "%s changes with %s" % [effect, property])
+			elif effect == MADE and not TILES in expected_effects:
+				check_equal(after[effect], before[effect], "regenerated tiles for %s" % property)
+		check_equal(await regrows(scatter) if REGROWN in expected_effects else true, true, "it regrows: %s" % property)
 		ferns.set(property, value)
 	for property: String in changes:
 		check(property in stored_properties(), "there is no property %s" % property)
 
 
-## What decides where instances stand has no tile that is shown drawn otherwise meanwhile.
-func test_rules_redraw_nothing() -> void:
+## A property that affects the placement does not redraw visible tiles.
+func test_placement_properties_redraw_nothing() -> void:
 	var ferns := make_ferns()
 	var scatter := make_solid([ferns])
 	await settle(scatter)
@@ -228,4 +229,4 @@ func test_rules_redraw_nothing() -> void:
 		var before: int = scatter.get_stats()["redrawn"]
 		ferns.set(property, changes[property][0])
 		await settle(scatter)
-		check_equal(scatter.get_stats()["redrawn"], before, "tiles that are drawn otherwise for another %s" % property)
+		check_equal(scatter.get_stats()["redrawn"], before, "tiles drawn differently for a new %s" % property)

@@ -1,22 +1,22 @@
 extends "harness.gd"
-## Freeing, changing and moving in the middle of generation: nothing crashes, nothing is left, nothing differs
-## afterwards.
+## Nodes are freed, changed and moved while tiles are generated: nothing crashes, nothing leaks, and the result is
+## the same.
 
-## Slow ground that does something in the middle of being asked.
-class MeddlingGround extends ScatterTerrain:
-	var meddle := Callable()
+## Ground that runs an action while it is queried.
+class ActingGround extends ScatterGround:
+	var action_once := Callable()
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		heights.resize(positions.size())
-		if meddle.is_valid():
-			var once := meddle
-			meddle = Callable()
+		if action_once.is_valid():
+			var once := action_once
+			action_once = Callable()
 			once.call()
 		return heights
 
 
-class SlowGround extends ScatterTerrain:
+class SlowGround extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -30,8 +30,8 @@ class SlowGround extends ScatterTerrain:
 var viewer: Node3D
 
 
-## Some seconds of work: many tiles of many points.
-func make_busy(terrain: ScatterTerrain) -> TerrainScatter3D:
+## Returns a scatter with some seconds of work: many tiles with many points.
+func make_busy(terrain: ScatterGround) -> TerrainScatter3D:
 	var layers: Array[ScatterLayer] = []
 	for index in 3:
 		var layer := make_layer(0.3)
@@ -43,8 +43,8 @@ func make_busy(terrain: ScatterTerrain) -> TerrainScatter3D:
 	return make_scatter(layers, terrain, viewer)
 
 
-func grounds() -> Array[ScatterTerrain]:
-	return [ScatterTerrainFlat.new(), MeddlingGround.new(), SlowGround.new()]
+func grounds() -> Array[ScatterGround]:
+	return [ScatterGroundFlat.new(), ActingGround.new(), SlowGround.new()]
 
 
 func test_freed_in_mid_generation() -> void:
@@ -52,7 +52,7 @@ func test_freed_in_mid_generation() -> void:
 		var scatter := make_busy(grounds()[round % 3])
 		@warning_ignore("integer_division")
 		await frames(round / 3)
-		check(round < 3 or not scatter.is_settled(), "still at work after %d frames" % (round / 3.0))
+		check(round < 3 or not scatter.is_settled(), "still working after %d frames" % (round / 3.0))
 		if round % 2:
 			scatter.free()
 		else:
@@ -76,40 +76,40 @@ func show_and_free() -> void:
 		var layer: WeakRef = weakref(scatter.layers[0])
 		scatter.queue_free()
 		await frames(2)
-		check(layer.get_ref() == null, "the layer went with the node")
+		check(layer.get_ref() == null, "the layer is freed with the node")
 	await clean()
 
 
-func test_nothing_is_left() -> void:
+func test_nothing_leaks() -> void:
 	var counts: Array[float] = []
-	for round in 3: # The first round leaves what scripts and renderer keep for good.
+	for round in 3: # In the first round, scripts and the renderer allocate objects for good.
 		await show_and_free()
 		await frames(3)
 		counts.push_back(Performance.get_monitor(Performance.OBJECT_COUNT))
 	check_equal(counts[2], counts[1], "objects")
 
 
-func test_out_of_the_tree_and_back() -> void:
-	var scatter := make_busy(ScatterTerrainFlat.new())
+func test_leaving_and_reentering_the_tree() -> void:
+	var scatter := make_busy(ScatterGroundFlat.new())
 	for round in 5:
 		await frames(round)
 		root.remove_child(scatter)
 		check_equal(scatter.get_stats()["tiles"], 0, "tiles outside of the tree")
 		root.add_child(scatter)
-	await until(has_tiles.bind(scatter), "tiles after coming back")
+	await until(has_tiles.bind(scatter), "tiles after returning to the tree")
 	var other_world := SubViewport.new()
 	other_world.own_world_3d = true
 	root.add_child(other_world)
 	scatter.reparent(other_world)
 	other_world.add_child(Node3D.new())
 	scatter.viewers = [scatter.get_path_to(viewer)]
-	check_equal(scatter.get_stats()["tiles"], 0, "tiles on entering another world")
-	await until(has_tiles.bind(scatter), "tiles in another world")
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles on entering a different world")
+	await until(has_tiles.bind(scatter), "tiles in a different world")
 
 
 func test_changed_in_mid_generation() -> void:
 	var layer := make_layer(1.0)
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var random := RandomNumberGenerator.new()
 	random.seed = 1
 	for round in 150:
@@ -120,7 +120,7 @@ func test_changed_in_mid_generation() -> void:
 			3: layer.density = random.randf()
 			4: layer.meshes = [BoxMesh.new(), SphereMesh.new()].slice(0, random.randi_range(0, 2))
 			5: scatter.seed = random.randi()
-			6: scatter.terrain = grounds()[random.randi_range(0, 2)]
+			6: scatter.ground = grounds()[random.randi_range(0, 2)]
 			7: scatter.layers = [[layer], [layer, layer], [null, layer], []][random.randi_range(0, 3)]
 			8: layer.material_override = StandardMaterial3D.new()
 			9: scatter.visible = not scatter.visible
@@ -131,72 +131,72 @@ func test_changed_in_mid_generation() -> void:
 	layer.density = 1.0
 	layer.meshes = [BoxMesh.new()]
 	scatter.seed = 7
-	scatter.terrain = ScatterTerrainFlat.new()
+	scatter.ground = ScatterGroundFlat.new()
 	scatter.layers = [layer]
 	await settle(scatter)
 	await frames(30)
-	var fresh := make_scatter([make_layer(1.0)], ScatterTerrainFlat.new(), make_viewer())
+	var fresh := make_scatter([make_layer(1.0)], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
 	check_equal(digests(scatter, 0), digests(fresh, 0), "after 150 changes")
 
 
-func test_nobody_waits_for_a_huge_tile() -> void:
+func test_the_main_thread_does_not_wait_for_a_huge_tile() -> void:
 	var layer := make_layer(0.5)
 	layer.tile_size = 1000.0
 	layer.view_distance = 0.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer(Vector3(500.0, 0.0, 500.0)))
-	for deed: Callable in [
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer(Vector3(500.0, 0.0, 500.0)))
+	for action: Callable in [
 			func() -> void: root.remove_child(scatter),
 			func() -> void: root.add_child(scatter),
-			func() -> void: scatter.terrain = null,
-			func() -> void: scatter.terrain = ScatterTerrainFlat.new(),
+			func() -> void: scatter.ground = null,
+			func() -> void: scatter.ground = ScatterGroundFlat.new(),
 			func() -> void: scatter.free()]:
 		await frames(10)
 		OS.delay_msec(50)
 		var start := Time.get_ticks_msec()
-		deed.call()
+		action.call()
 		await process_frame
 		var time := Time.get_ticks_msec() - start
-		check(time < 500, "2.8 million points of work held up the main thread for %d ms" % time)
+		check(time < 500, "work on 2.8 million points blocked the main thread for %d ms" % time)
 
 
 func test_viewer_freed_and_teleported() -> void:
-	var scatter := make_busy(ScatterTerrainFlat.new())
+	var scatter := make_busy(ScatterGroundFlat.new())
 	for round in 30:
 		viewer.global_position = Vector3(round * 1777.0, 0.0, -round * 999.0)
 		await process_frame
 	viewer.free()
 	await frames(10)
-	check(not scatter.is_settled(), "waits for a viewer")
+	check(not scatter.is_settled(), "it waits for a viewer")
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
-	await until(has_tiles.bind(scatter), "goes on")
+	await until(has_tiles.bind(scatter), "it continues")
 
 
-func test_meddling_grounds() -> void:
-	for deed in 7:
-		var ground := MeddlingGround.new()
-		# So few points that one question answers a tile: what follows the answer meets what the deed has left.
+func test_grounds_that_change_the_node() -> void:
+	for action in 7:
+		var ground := ActingGround.new()
+		# So few points that one call is enough for a tile: the code after the call runs into the result of the action.
 		var scatter := make_scatter([make_layer(8.0)], ground, make_viewer())
-		ground.meddle = [
+		ground.action_once = [
 			func() -> void: scatter.queue_free(),
 			func() -> void: scatter.free(),
 			func() -> void: root.remove_child.call_deferred(scatter),
-			func() -> void: scatter.terrain = null,
+			func() -> void: scatter.ground = null,
 			func() -> void: scatter.layers = [],
 			func() -> void: ground.emit_changed(),
 			func() -> void: root.remove_child(scatter),
-		][deed]
+		][action]
 		await frames(20)
-		check(not ground.meddle.is_valid(), "deed %d is done" % deed)
-		check_equal(was_kept_from_being_freed(), deed == 1, "deed %d: kept from being freed" % deed)
+		check(not ground.action_once.is_valid(), "action %d is done" % action)
+		check_equal(was_kept_from_being_freed(), action == 1, "action %d: the engine refuses to free the node" % action)
 		if is_instance_valid(scatter):
 			scatter.free()
 	await frames(3)
 
 
-func test_meddling_signal_handlers() -> void:
+func test_signal_handlers_that_change_the_node() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var counts := [0, 0]
 	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void:
 		counts[0] += 1
@@ -214,7 +214,7 @@ func test_meddling_signal_handlers() -> void:
 	while is_instance_valid(scatter):
 		await process_frame
 	check(counts[0] > 15, "signals: %s" % [counts])
-	check_equal(counts[1], 1, "idle signals")
+	check_equal(counts[1], 1, "settled signals")
 
 
 func test_change_of_scene_in_mid_generation() -> void:
@@ -228,17 +228,17 @@ func test_change_of_scene_in_mid_generation() -> void:
 		var packed := PackedScene.new()
 		check_equal(packed.pack(scatter), OK, "packing")
 		scatter.free()
-		check_equal(change_scene_to_packed(packed), OK, "changing to the scene")
+		check_equal(change_scene_to_packed(packed), OK, "the scene is changed")
 		await frames(2 + round)
-		check(current_scene is TerrainScatter3D, "the scene runs")
-		check(current_scene.get_child_count() == 1, "what is shown is not in the scene")
-		check(not current_scene.is_settled(), "and is at work")
+		check(current_scene is TerrainScatter3D, "the scene is running")
+		check(current_scene.get_child_count() == 1, "the scene does not contain the visible instances")
+		check(not current_scene.is_settled(), "it is working")
 	unload_current_scene()
 	await frames(3)
 
 
-func test_saved_settings_come_back() -> void:
-	var scatter := make_busy(ScatterTerrainFlat.new())
+func test_saved_settings_are_restored() -> void:
+	var scatter := make_busy(ScatterGroundFlat.new())
 	scatter.layers[1].min_height = -5.0
 	scatter.layers[1].min_scale = 3.0
 	scatter.layers[1].max_scale = 4.0
@@ -248,7 +248,7 @@ func test_saved_settings_come_back() -> void:
 	packed.pack(scatter)
 	ResourceSaver.save(packed, "user://thicket_test.tscn")
 	var text := FileAccess.get_file_as_string("user://thicket_test.tscn")
-	check(text.length() < 4000, "a scene of settings is small: %d bytes" % text.length())
+	check(text.length() < 4000, "a saved scene is small: %d bytes" % text.length())
 	var loaded: PackedScene = ResourceLoader.load("user://thicket_test.tscn", "", ResourceLoader.CACHE_MODE_IGNORE)
 	var copy := loaded.instantiate()
 	for property in scatter.get_property_list():
@@ -265,14 +265,14 @@ func test_saved_settings_come_back() -> void:
 	DirAccess.remove_absolute("user://thicket_test.tscn")
 
 
-func test_workers_let_go_of_what_is_no_longer_needed() -> void:
+func test_workers_free_unneeded_memory() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var tiles: int = scatter.get_stats()["tiles"]
 	viewer.global_position = Vector3(1000.0, 0.0, 1000.0)
 	await settle(scatter)
-	# The tiles that went and the buffers of those that came, within a second.
+	# The removed tiles, and the buffers of the new tiles.
 	var limit := Time.get_ticks_msec() + 20_000
 	@warning_ignore("integer_division")
 	var wanted := tiles + tiles / 2
@@ -282,16 +282,16 @@ func test_workers_let_go_of_what_is_no_longer_needed() -> void:
 	check(freed >= wanted, "freed on workers: %d, for %d tiles" % [freed, tiles])
 
 
-func test_workers_write_into_buffers_that_were_uploaded() -> void:
+func test_workers_reuse_uploaded_buffers() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	for step in 5:
 		viewer.global_position.x += 1000.0
 		await settle(scatter)
 	var tiles: int = scatter.get_stats()["tiles"]
 	var reused: int = scatter.get_stats()["buffers_reused"]
 	check(reused >= tiles, "reused: %d, for five times %d tiles" % [reused, tiles])
-	# What was written into them is what is on show.
+	# The reused buffers contain the visible instances.
 	for tile in shown_tiles(scatter, 0):
 		var built := scatter.build_tile(0, tile)
 		check_equal(scatter.get_tile(0, tile).get_digest(), built.get_digest(), "tile %s" % tile)

@@ -1,8 +1,8 @@
 extends "picture_harness.gd"
-## What is drawn of a tile, and how: meshes and prefixes by distance, quality, colors, custom data. All of it is read back
-## from a renderer that keeps it, so not --headless.
+## The multimeshes of a tile: meshes and visible instances by distance, quality, colors, custom data. They are read back from a
+## renderer that keeps them, so run this without --headless.
 
-const REACH := 0.8660254 ## Of a cube of 1 m, from its middle to a corner.
+const REACH := 0.8660254 ## From the middle of a cube of 1 m to a corner.
 
 
 func visible_count(multimesh: RID, all: int) -> int:
@@ -10,7 +10,7 @@ func visible_count(multimesh: RID, all: int) -> int:
 	return all if count < 0 else count
 
 
-## How many instances of all meshes of a tile the renderer draws.
+## Returns the number of instances of a tile that the renderer draws, in all meshes.
 func drawn_of(scatter: TerrainScatter3D, tile: Vector2i) -> int:
 	var sum := 0
 	var ids := tile_ids(scatter, 0, tile)
@@ -35,7 +35,7 @@ func shown_buffers(scatter: TerrainScatter3D) -> Dictionary:
 	return buffers
 
 
-## The box that the node measures distances to: around all instances and as far as their meshes reach.
+## Returns the box from which the node measures distances: all instances, enlarged by the reach of their meshes.
 func box_of(scatter: TerrainScatter3D, tile: Vector2i, buffers: Array, stride: int, reach: float) -> AABB:
 	var box := AABB()
 	var empty := true
@@ -61,12 +61,12 @@ func make_detailed_layer() -> ScatterLayer:
 	layer.thin_begin = 50.0
 	layer.thin_end = 120.0
 	layer.thin_density = 0.25
-	layer.thin_scale_compensation = true
+	layer.thin_scale_up = true
 	layer.use_custom_data = true
 	return layer
 
 
-## Checks every tile that is not within 6 % of a change, and says how many tiles had which mesh.
+## Checks every tile that is not within 6 % of a change. Returns how many tiles use each LOD.
 func check_detail(scatter: TerrainScatter3D, layer: ScatterLayer, buffers: Dictionary, at: Vector3) -> Array[int]:
 	var meshes: Array[Array] = [
 		[layer.meshes[0], layer.meshes[1]],
@@ -85,46 +85,46 @@ func check_detail(scatter: TerrainScatter3D, layer: ScatterLayer, buffers: Dicti
 		for mesh in 2:
 			var expected := (meshes[level][mesh] as Mesh).get_rid()
 			if RenderingServer.multimesh_get_mesh(multimeshes[mesh]) != expected:
-				check(false, "tile %s, %f m away, draws another mesh %d than level %d" % [tile, distance, mesh, level])
+				check(false, "tile %s, %f m away, does not draw mesh %d of LOD %d" % [tile, distance, mesh, level])
 			var buffer: PackedFloat32Array = buffers[tile][mesh]
 			var ranks := range(14, buffer.size(), 16).map(func(index: int) -> float: return buffer[index])
 			var fewest := ranks.filter(func(rank: float) -> bool: return rank < density - 0.001).size()
 			var most := ranks.filter(func(rank: float) -> bool: return rank < density + 0.02).size()
 			var drawn := visible_count(multimeshes[mesh], ranks.size())
 			if drawn < fewest or drawn > most:
-				check(false, "tile %s, %f m away, draws %d, not %d to %d" % [tile, distance, drawn, fewest, most])
+				check(false, "tile %s, %f m away, draws %d instead of %d to %d" % [tile, distance, drawn, fewest, most])
 	return seen
 
 
 func test_meshes_and_thinning_follow_the_distance() -> void:
 	var layer := make_detailed_layer()
 	var viewer := make_viewer(Vector3(3.0, 2.0, 5.0))
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	await frames(10)
 	var buffers := shown_buffers(scatter)
 	var uploads: int = scatter.get_stats()["uploads"]
 	check_equal(uploads, 2 * buffers.size(), "uploads of all tiles")
 	var near := check_detail(scatter, layer, buffers, viewer.global_position)
-	check(near[0] > 3 and near[1] > 10 and near[2] > 10, "tiles of each level: %s" % [near])
-	# Straight up: all distances grow, and no tile comes or goes.
+	check(near[0] > 3 and near[1] > 10 and near[2] > 10, "tiles of each LOD: %s" % [near])
+	# Straight up: all distances grow, and the tiles stay the same.
 	for height: float in [30.0, 45.0, 80.0, 115.0, 20.0, 2.0]:
 		viewer.global_position.y = height
 		await frames(20)
 		check_detail(scatter, layer, buffers, viewer.global_position)
 		check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn at a height of %f m" % height)
-	check_equal(check_detail(scatter, layer, buffers, viewer.global_position), near, "levels after coming back")
+	check_equal(check_detail(scatter, layer, buffers, viewer.global_position), near, "LODs after returning")
 	check_equal(scatter.get_stats()["uploads"], uploads, "uploads while the viewer moves")
-	check_equal(shown_buffers(scatter), buffers, "what the renderer holds")
+	check_equal(shown_buffers(scatter), buffers, "the renderer's buffers")
 
 
-func test_a_mesh_changes_back_a_little_nearer() -> void:
+func test_lods_have_hysteresis() -> void:
 	var layer := make_layer(2.0)
-	layer.view_distance = 120.0 # Height counts up to where the fade-out begins.
+	layer.view_distance = 120.0 # LOD distances include the height up to where the fade-out begins.
 	layer.lod_meshes = [BoxMesh.new()]
 	layer.lod_distances = PackedFloat32Array([100.0])
 	var viewer := make_viewer(Vector3(16.0, 0.0, 16.0))
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var multimesh: RID = tile_multimeshes(scatter, 0, Vector2i.ZERO)[0]
 	var coarse := {}
@@ -136,20 +136,20 @@ func test_a_mesh_changes_back_a_little_nearer() -> void:
 	check_equal(coarse, {99.0: [false, true, false], 102.0: [true, true], 97.0: [true, false], 94.0: [false]}, "coarse")
 
 
-func test_quality_draws_what_a_lower_density_would() -> void:
+func test_quality_equals_a_lower_density() -> void:
 	var layer := make_layer(1.0)
 	layer.meshes = [BoxMesh.new(), SphereMesh.new()]
 	layer.density = 0.8
 	layer.max_slope_degrees = 60.0
 	var viewer := make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var uploads: int = scatter.get_stats()["uploads"]
 	var made: int = scatter.get_stats()["tiles_made"]
 	for quality: float in [0.5, 0.0, 0.25, 1.0]:
 		var thinner := layer.duplicate() as ScatterLayer
 		thinner.density = layer.density * quality
-		var model := make_scatter([thinner], ScatterTerrainFlat.new(), viewer)
+		var model := make_scatter([thinner], ScatterGroundFlat.new(), viewer)
 		await settle(model)
 		scatter.quality = quality
 		await frames(20)
@@ -159,28 +159,28 @@ func test_quality_draws_what_a_lower_density_would() -> void:
 			for mesh in 2:
 				var ids: PackedInt64Array = all[mesh]
 				var drawn := visible_count(tile_multimeshes(scatter, 0, tile)[mesh], ids.size())
-				# Both round the same product of a rank and a density, each its own way: one instance at most differs.
+				# Both round the same product of a rank and a density differently, so one instance may differ.
 				var common := mini(drawn, expected[mesh].size())
 				if absi(drawn - expected[mesh].size()) > 1 or ids.slice(0, common) != expected[mesh].slice(0, common):
-					check(false, "tile %s draws %d at quality %f, not %d" % [tile, drawn, quality, expected[mesh].size()])
+					check(false, "tile %s draws %d at quality %f instead of %d" % [tile, drawn, quality, expected[mesh].size()])
 		check_equal(scatter.get_stats()["drawn"], drawn_of_all(scatter), "drawn at quality %f" % quality)
 		model.queue_free()
 	check_equal(scatter.get_stats()["drawn"], scatter.get_stats()["instances"], "drawn at full quality")
-	check_equal(scatter.get_stats()["uploads"], uploads, "uploads for another quality")
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles made for another quality")
+	check_equal(scatter.get_stats()["uploads"], uploads, "uploads for a new quality")
+	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for a new quality")
 
 
-func test_new_tiles_come_as_they_should_be() -> void:
+func test_new_tiles_have_the_current_quality() -> void:
 	var layer := make_layer()
 	var viewer := make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.quality = 0.0
 	await settle(scatter)
 	check_equal(drawn_of_all(scatter), 0, "drawn at quality 0")
 	viewer.global_position.x = 1000.0
 	await settle(scatter)
-	check_equal(drawn_of_all(scatter), 0, "drawn elsewhere at quality 0")
-	check(scatter.get_stats()["instances"] > 1000, "there would be something to draw")
+	check_equal(drawn_of_all(scatter), 0, "drawn at a new position at quality 0")
+	check(scatter.get_stats()["instances"] > 1000, "there are instances")
 
 
 func test_colors_and_custom_data() -> void:
@@ -194,7 +194,7 @@ func test_colors_and_custom_data() -> void:
 	layer.use_custom_data = true
 	layer.min_scale = 0.5
 	layer.max_scale = 1.5
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var counts := {}
 	var sums := Vector2.ZERO
@@ -215,12 +215,12 @@ func test_colors_and_custom_data() -> void:
 		check(last_rank > 0.9 and last_rank <= 1.0, "the last rank of tile %s is %f" % [tile, last_rank])
 	check_equal(counts.size(), 2, "colors")
 	check(absf(counts.get(Color(1.0, 0.0, 0.0), 0) / float(total) - 0.25) < 0.03, "a quarter is red: %s" % counts)
-	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the other color, its alpha included")
+	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the second color with its alpha")
 	check((sums / total).distance_to(Vector2(0.5, 0.5)) < 0.03, "mean of variation and phase: %s" % (sums / total))
-	# This renderer keeps colors and data as halves; what was never handed to it is the same to the bit.
+	# This renderer stores colors and custom data with half precision. A built tile was never uploaded but must be equal.
 	var built := scatter.build_rect(0, Rect2(0.0, 0.0, 32.0, 32.0))
-	check_equal(tile_buffers(scatter, 0, Vector2i.ZERO), buffers_of(built), "what the renderer holds, exactly")
-	# Other colors are other tiles, but not other places.
+	check_equal(tile_buffers(scatter, 0, Vector2i.ZERO), buffers_of(built), "the renderer's buffers, bit for bit")
+	# New colors regenerate tiles, but do not move instances.
 	var before := transforms_of(scatter, 20)
 	gradient.set_color(0, Color(0.0, 1.0, 0.0))
 	await settle(scatter)
@@ -247,22 +247,22 @@ func colors_of(scatter: TerrainScatter3D) -> Array[Color]:
 	return result
 
 
-## A shader with the addon's includes, on the meshes of a layer: it compiles, and sees what the node says.
+## A shader with the add-on's includes compiles, and receives the node's data.
 func test_the_shader_includes() -> void:
 	var shader := Shader.new()
 	shader.code = """shader_type spatial;
 		render_mode unshaded;
 		#include "res://addons/thicket/shaders/scatter.gdshaderinc"
 		#include "res://addons/thicket/shaders/scatter_scale.gdshaderinc"
-		varying vec3 told;
+		varying vec3 received;
 		void vertex() {
 			VERTEX = scatter_scaled(VERTEX) * max(scatter_fade(INSTANCE_CUSTOM, 1.0, 0.01), 0.9);
-			told = vec3(scatter_scale / 4.0, scatter_own_scale(INSTANCE_CUSTOM) - 2.0,
+			received = vec3(scatter_scale / 4.0, scatter_own_scale(INSTANCE_CUSTOM) - 2.0,
 					step(scatter_variation(INSTANCE_CUSTOM) + scatter_wind_phase(INSTANCE_CUSTOM)
 							+ scatter_rank(INSTANCE_CUSTOM), 9.0));
 		}
 		void fragment() {
-			ALBEDO = told;
+			ALBEDO = received;
 		}"""
 	var material := ShaderMaterial.new()
 	material.shader = shader
@@ -271,7 +271,7 @@ func test_the_shader_includes() -> void:
 	layer.use_custom_data = true
 	layer.min_scale = 2.0
 	layer.max_scale = 2.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), look_down())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), look_down())
 	await settle(scatter)
 	var whole: float = await share_of_blue()
 	check(whole > 0.4, "blue instances cover %f" % whole)
@@ -280,11 +280,11 @@ func test_the_shader_includes() -> void:
 	await frames(4)
 	var thinned: float = await share_of_blue()
 	check(thinned < 0.6 * whole, "a quarter of the instances covers %f, all %f" % [thinned, whole])
-	layer.thin_scale_compensation = true
+	layer.thin_scale_up = true
 	await settle(scatter)
 	await frames(4)
 	var compensated: float = await share_of_blue()
-	check(compensated > 1.3 * thinned, "twice as large they cover %f, before %f" % [compensated, thinned])
+	check(compensated > 1.3 * thinned, "twice as large they cover %f, %f before" % [compensated, thinned])
 
 
 func share_of_blue() -> float:

@@ -1,11 +1,11 @@
 extends "harness.gd"
-## ScatterMask: painting, what it stores, undo, what it refuses, and what layers hear of it.
+## ScatterMask: painting, saved data, undo, refused input, and signals of layers.
 
 const SPOT := "user://thicket_mask"
 
 
-## What a mask, or a layer, emitted.
-class Heard:
+## Records the signals of a mask or of a layer.
+class SignalLog:
 	var areas: Array[Rect2] = []
 	var changes := 0
 
@@ -21,7 +21,7 @@ func blank(background := 0.0, pixel_size := 1.0) -> ScatterMask:
 	return mask
 
 
-## Densities on a grid around a position that has a dab in it and ground around it.
+## Returns densities on a grid around a position, which covers a dab and the area around it.
 func samples(mask: ScatterMask, center: Vector2, reach: float) -> PackedFloat32Array:
 	var result := PackedFloat32Array()
 	for row in 21:
@@ -30,40 +30,40 @@ func samples(mask: ScatterMask, center: Vector2, reach: float) -> PackedFloat32A
 	return result
 
 
-## One error that names the property, and nothing else has happened.
+## Checks that a value causes one error with the property's name and no change.
 func refuse(mask: ScatterMask, property: StringName, value: Variant, words: Array) -> void:
-	var heard := Heard.new(mask)
+	var signals := SignalLog.new(mask)
 	var before: Variant = mask.get(property)
 	mask.set(property, value)
-	check_error(["ScatterMask.%s" % property] + words, "a bad %s" % property)
+	check_error(["ScatterMask.%s" % property] + words, "an invalid %s" % property)
 	check(mask.get(property) == before, "%s stays" % property)
-	check_equal(heard.changes, 0, "nothing was told")
+	check_equal(signals.changes, 0, "no signal")
 
 
 func test_new_masks() -> void:
 	var mask := ScatterMask.new()
 	check_equal(mask.pixel_size, 1.0, "pixel_size")
 	check_equal(mask.background, 1.0, "background")
-	check_equal(mask.data, PackedByteArray(), "nothing is stored of a blank mask")
+	check_equal(mask.data, PackedByteArray(), "a blank mask stores no data")
 	for at: Vector2 in [Vector2.ZERO, Vector2(-1e6, 3e5)]:
 		check_equal(mask.sample(at), 1.0, "density")
 	mask.background = 0.5
-	check_equal(mask.background, 0.5, "reads back as it was set")
+	check_equal(mask.background, 0.5, "the value reads back exactly")
 	check(absf(mask.sample(Vector2(7, 7)) - 0.5) <= 0.501 / 255.0, "a background between steps")
-	check_equal(mask.sample(Vector2(NAN, 0)), 0.0, "no position")
+	check_equal(mask.sample(Vector2(NAN, 0)), 0.0, "density at an invalid position")
 
 
 func test_paint() -> void:
 	for pixel_size: float in [0.25, 1.0, 3.0]:
 		for center: Vector2 in [Vector2(0, 0), Vector2(-1000.3, 64.0), Vector2(123456.5, -98765.25)]:
 			var mask := blank(0.0, pixel_size)
-			var heard := Heard.new(mask)
+			var signals := SignalLog.new(mask)
 			var rect := mask.paint(center, 12.0, 1.0, 0.75)
-			check_equal(heard.areas, [rect] as Array[Rect2], "told once, with the rectangle returned")
-			check_equal(heard.changes, 0, "a dab is no change of the whole")
+			check_equal(signals.areas, [rect] as Array[Rect2], "one signal with the returned rectangle")
+			check_equal(signals.changes, 0, "a dab does not emit changed")
 			check_equal(mask.sample(center), 1.0, "full in the middle")
-			check_equal(mask.sample(center + Vector2(9.0 - 1.5 * pixel_size, 0)), 1.0, "as far as it is hard")
-			check_equal(mask.sample(center + Vector2(12.1 + pixel_size, 0)), 0.0, "nothing beyond its rim")
+			check_equal(mask.sample(center + Vector2(9.0 - 1.5 * pixel_size, 0)), 1.0, "full up to the hardness")
+			check_equal(mask.sample(center + Vector2(12.1 + pixel_size, 0)), 0.0, "nothing beyond the rim")
 			for away: Vector2 in [Vector2(-0.01, 0), Vector2(0, -0.01)]:
 				check_equal(mask.sample(rect.position + away * pixel_size), 0.0, "nothing outside the rectangle")
 			check(Rect2(center - Vector2(12, 12), Vector2(24, 24)).grow(2.0 * pixel_size).encloses(rect), "%s is close" % rect)
@@ -82,24 +82,24 @@ func test_modes() -> void:
 	var weak := blank(0.0)
 	weak.paint(Vector2.ZERO, 10.0, 0.25)
 	check(absf(weak.sample(Vector2.ZERO) - 0.25) < 0.01, "a quarter of the way: %s" % weak.sample(Vector2.ZERO))
-	var heard := Heard.new(mask)
+	var signals := SignalLog.new(mask)
 	check_equal(blank(0.0).paint(Vector2.ZERO, 5.0, 1.0, 0.5, ScatterMask.MODE_ERASE), Rect2(), "nothing to erase")
-	check_equal(heard.areas.size(), 0, "and nothing told")
+	check_equal(signals.areas.size(), 0, "no signal")
 
 
 func test_refused_dabs() -> void:
 	var mask := blank(0.0)
 	mask.paint(Vector2(3, 3), 4.0)
 	var data := mask.data
-	var heard := Heard.new(mask)
+	var signals := SignalLog.new(mask)
 	for dab: Array in [[Vector2(NAN, 0), 5.0], [Vector2(0, INF), 5.0], [Vector2.ZERO, 0.0], [Vector2.ZERO, -1.0],
 			[Vector2.ZERO, NAN], [Vector2.ZERO, 2000.0], [Vector2.ZERO, 5.0, 1.5], [Vector2.ZERO, 5.0, -0.1],
 			[Vector2.ZERO, 5.0, 1.0, 2.0], [Vector2.ZERO, 5.0, 1.0, NAN], [Vector2.ZERO, 5.0, 1.0, 0.5, 3],
 			[Vector2.ZERO, 5.0, 1.0, 0.5, -1], [Vector2(1e12, 0), 5.0]]:
 		check_equal(mask.paint.callv(dab), Rect2(), "%s" % [dab])
 		check_error(["ScatterMask."], "paint%s" % [dab])
-	check_equal(mask.data, data, "what was painted before")
-	check_equal(heard.areas.size() + heard.changes, 0, "nothing told")
+	check_equal(mask.data, data, "the mask before")
+	check_equal(signals.areas.size() + signals.changes, 0, "no signal")
 
 
 func test_undo_and_redo() -> void:
@@ -108,21 +108,21 @@ func test_undo_and_redo() -> void:
 	var before := samples(mask, Vector2(50, -25), 40.0)
 	var pixels := mask.get_pixel_rect(Rect2(45, -35, 20, 20))
 	var kept := mask.get_pixels(pixels)
-	check_equal(kept.size(), pixels.size.x * pixels.size.y, "a byte a pixel")
+	check_equal(kept.size(), pixels.size.x * pixels.size.y, "one byte per pixel")
 	mask.paint(Vector2(55, -25), 10.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
 	var after := samples(mask, Vector2(50, -25), 40.0)
 	var painted := mask.get_pixels(pixels)
 	check(before != after, "painted")
-	var heard := Heard.new(mask)
-	check_equal(heard.areas, [] as Array[Rect2], "not told yet")
+	var signals := SignalLog.new(mask)
+	check_equal(signals.areas, [] as Array[Rect2], "no signal yet")
 	var rect := mask.set_pixels(pixels, kept)
-	check_equal(heard.areas, [rect] as Array[Rect2], "undo tells where")
-	check(Rect2(45, -35, 20, 20).grow(1.0).encloses(rect), "%s holds the dab" % rect)
+	check_equal(signals.areas, [rect] as Array[Rect2], "undo reports its area")
+	check(Rect2(45, -35, 20, 20).grow(1.0).encloses(rect), "%s contains the dab" % rect)
 	check_equal(samples(mask, Vector2(50, -25), 40.0), before, "undone")
 	mask.set_pixels(pixels, painted)
-	check_equal(samples(mask, Vector2(50, -25), 40.0), after, "done again")
+	check_equal(samples(mask, Vector2(50, -25), 40.0), after, "redone")
 	check_equal(mask.set_pixels(pixels, painted), Rect2(), "nothing left to change")
-	check_equal(heard.areas.size(), 2, "and nothing told")
+	check_equal(signals.areas.size(), 2, "no signal")
 
 
 func test_refused_pixels() -> void:
@@ -136,15 +136,15 @@ func test_refused_pixels() -> void:
 		check_error(["ScatterMask.rect"], "pixels of %s" % rect)
 		check_equal(mask.set_pixels(rect, PackedByteArray([1, 2])), Rect2(), "setting pixels of %s" % rect)
 		check_error(["ScatterMask.rect"], "setting pixels of %s" % rect)
-	check_equal(mask.set_pixels(Rect2i(0, 0, 2, 2), PackedByteArray([1, 2, 3])), Rect2(), "too few")
+	check_equal(mask.set_pixels(Rect2i(0, 0, 2, 2), PackedByteArray([1, 2, 3])), Rect2(), "too few pixels")
 	check_error(["ScatterMask.", "wrong size"], "three pixels for four")
 	for rect: Rect2 in [Rect2(), Rect2(0, 0, -5, 5), Rect2(NAN, 0, 5, 5)]:
 		check_equal(mask.get_pixel_rect(rect).size, Vector2i.ZERO, "pixels of %s" % rect)
-	check_no_error("no position, no pixels")
-	check_equal(mask.data, data, "what was painted before")
+	check_no_error("invalid rectangles contain no pixels")
+	check_equal(mask.data, data, "the mask before")
 
 
-func test_whole_properties() -> void:
+func test_pixel_size_and_background() -> void:
 	var mask := blank(0.0)
 	for value: float in [NAN, INF, -INF]:
 		refuse(mask, "pixel_size", value, ["finite"])
@@ -155,25 +155,25 @@ func test_whole_properties() -> void:
 		refuse(mask, "pixel_size", value, ["range"])
 	for value: float in [-0.1, 1.1]:
 		refuse(mask, "background", value, ["range"])
-	var heard := Heard.new(mask)
+	var signals := SignalLog.new(mask)
 	mask.pixel_size = 2.0
 	mask.background = 1.0
-	check_equal(heard.changes, 2, "both told")
+	check_equal(signals.changes, 2, "a signal for each change")
 	mask.background = 1.0
-	check_equal(heard.changes, 2, "no change, nothing told")
+	check_equal(signals.changes, 2, "no signal without a change")
 	mask.paint(Vector2.ZERO, 10.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
 	refuse(mask, "pixel_size", 4.0, ["painted", "clear"])
 	refuse(mask, "background", 0.5, ["painted", "clear"])
 	mask.pixel_size = 2.0
 	mask.background = 1.0
-	check_no_error("the same again")
+	check_no_error("the same values again")
 	mask.clear()
-	check_equal(heard.changes, 3, "cleared")
-	check_equal(mask.sample(Vector2.ZERO), 1.0, "nothing painted any more")
+	check_equal(signals.changes, 3, "cleared")
+	check_equal(mask.sample(Vector2.ZERO), 1.0, "nothing is painted after clear")
 	mask.pixel_size = 4.0
-	check_equal(mask.pixel_size, 4.0, "free again")
+	check_equal(mask.pixel_size, 4.0, "can be changed again")
 	mask.clear()
-	check_equal(heard.changes, 4, "nothing to clear, nothing told")
+	check_equal(signals.changes, 4, "no signal if there is nothing to clear")
 
 
 func test_stored_bytes() -> void:
@@ -182,11 +182,11 @@ func test_stored_bytes() -> void:
 	mask.paint(Vector2(900.0, -5000.0), 8.0, 0.6, 0.0, ScatterMask.MODE_ERASE)
 	var seen := samples(mask, Vector2(-300, 77), 40.0)
 	var other := ScatterMask.new()
-	var heard := Heard.new(other)
+	var signals := SignalLog.new(other)
 	other.data = mask.data
-	check_equal(heard.changes, 1, "told as a change of the whole")
+	check_equal(signals.changes, 1, "one changed signal")
 	check_equal(other.data, mask.data, "the same bytes")
-	check_equal([other.pixel_size, other.get_pixels(Rect2i(0, 0, 1, 1))], [0.5, mask.get_pixels(Rect2i(0, 0, 1, 1))], "with pixel size and background")
+	check_equal([other.pixel_size, other.get_pixels(Rect2i(0, 0, 1, 1))], [0.5, mask.get_pixels(Rect2i(0, 0, 1, 1))], "pixel size and background are included")
 	check_equal(samples(other, Vector2(-300, 77), 40.0), seen, "the same densities")
 	var good := mask.data
 	for broken: PackedByteArray in [good.slice(0, good.size() / 2), good.slice(1), "nonsense".to_utf8_buffer(), PackedByteArray([0])]:
@@ -195,10 +195,10 @@ func test_stored_bytes() -> void:
 		var flipped := good.duplicate()
 		flipped[at] ^= 0x10
 		refuse(other, "data", flipped, [])
-	check_equal(samples(other, Vector2(-300, 77), 40.0), seen, "the last good state")
+	check_equal(samples(other, Vector2(-300, 77), 40.0), seen, "the last valid state")
 	other.data = PackedByteArray()
 	check_no_error("no bytes")
-	check_equal([other.data, other.pixel_size], [PackedByteArray(), 0.5], "nothing painted, the same pixels")
+	check_equal([other.data, other.pixel_size], [PackedByteArray(), 0.5], "nothing is painted, the pixel size stays")
 
 
 func test_files() -> void:
@@ -211,36 +211,36 @@ func test_files() -> void:
 		check_equal([loaded.pixel_size, loaded.background], [2.0, 0.5], "properties from " + ending)
 		check_equal(samples(loaded, Vector2(50, 60), 40.0), seen, "densities from " + ending)
 		check(FileAccess.get_size(SPOT + ending) < 8192, "%s of %d bytes" % [ending, FileAccess.get_size(SPOT + ending)])
-		# As the editor does it when the file has changed under it: into the object that is there.
+		# As in the editor when the file has changed: loads into the existing object.
 		loaded.clear()
 		loaded.pixel_size = 1.0
 		loaded.paint(Vector2(-9, 9), 3.0)
 		ResourceSaver.save(mask, SPOT + ending)
 		var again: ScatterMask = ResourceLoader.load(SPOT + ending, "", ResourceLoader.CACHE_MODE_REPLACE)
-		check_equal(samples(again, Vector2(50, 60), 40.0), seen, "densities, loaded anew")
+		check_equal(samples(again, Vector2(50, 60), 40.0), seen, "densities after reloading")
 		DirAccess.remove_absolute(SPOT + ending)
 	var copy: ScatterMask = mask.duplicate()
 	check_equal(samples(copy, Vector2(50, 60), 40.0), seen, "densities of a copy")
 	copy.paint(Vector2(50, 60), 25.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
-	check_equal(samples(mask, Vector2(50, 60), 40.0), seen, "which is independent")
-	check(samples(copy, Vector2(50, 60), 40.0) != seen, "painted")
+	check_equal(samples(mask, Vector2(50, 60), 40.0), seen, "the copy is independent")
+	check(samples(copy, Vector2(50, 60), 40.0) != seen, "painting changes the copy")
 
 
-func test_layers_pass_on_what_is_painted() -> void:
+func test_layers_forward_the_signals_of_masks() -> void:
 	var mask := blank(0.0)
 	var layers: Array[ScatterLayer] = [make_layer(), make_layer()]
-	var heard: Array[Heard] = []
+	var signals: Array[SignalLog] = []
 	for layer in layers:
 		layer.mask = mask
-		heard.push_back(Heard.new(layer))
+		signals.push_back(SignalLog.new(layer))
 	var rect := mask.paint(Vector2(10, 10), 5.0)
 	mask.clear()
 	for index in 2:
-		check_equal(heard[index].areas, [rect] as Array[Rect2], "the area of the dab")
-		check_equal(heard[index].changes, 1, "clearing is a change of the whole")
+		check_equal(signals[index].areas, [rect] as Array[Rect2], "the area of the dab")
+		check_equal(signals[index].changes, 1, "clear emits changed")
 	layers[0].mask = null
 	mask.paint(Vector2(10, 10), 5.0)
-	check_equal([heard[0].areas.size(), heard[1].areas.size()], [1, 2], "one layer has let go")
-	check_equal(heard[0].changes, 2, "which is a change of that layer")
+	check_equal([signals[0].areas.size(), signals[1].areas.size()], [1, 2], "the first layer is disconnected")
+	check_equal(signals[0].changes, 2, "clearing a layer's mask emits changed")
 	layers[1].mask = mask
-	check_equal(heard[1].changes, 1, "the same mask again is none")
+	check_equal(signals[1].changes, 1, "setting the same mask again emits nothing")

@@ -1,21 +1,21 @@
 extends "models_harness.gd"
-## Models on a layer: entries of its meshes, LODs by distance, bodies, sizes, and what is refused.
+## Models in a layer: entries of its meshes, LODs by distance, bodies, sizes, and refused input.
 
 const RADIUS := 6.0
 
 
-## A layer whose instances are sparse enough that bodies do not overlap.
+## The radius keeps bodies apart.
 func make_model_layer(entries: Array) -> ScatterLayer:
 	var layer := make_layer(RADIUS)
 	layer.meshes = entries
 	return layer
 
 
-func test_instances_are_those_of_a_plain_mesh() -> void:
+func test_models_and_meshes_have_the_same_instances() -> void:
 	var viewer := make_viewer()
 	var plain := make_model_layer([BoxMesh.new(), BoxMesh.new()])
 	plain.mesh_weights = [1.0, 3.0]
-	var scatter := make_scatter([plain], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([plain], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(0)
 	var digests := tiles.map(func(tile: Vector2i) -> int: return scatter.get_tile(0, tile).get_digest())
@@ -27,12 +27,12 @@ func test_instances_are_those_of_a_plain_mesh() -> void:
 	for index in tiles.size():
 		var tile := scatter.get_tile(0, tiles[index])
 		check_equal(tile.get_digest(), digests[index], "digest of tile %s" % tiles[index])
-		check_equal(tile.get_mesh(1), model.get_mesh(), "what is drawn")
-		check_equal(tile.get_mesh(0).get_surface_count(), 2, "of the scene: all its parts")
+		check_equal(tile.get_mesh(1), model.get_mesh(), "the mesh that is drawn")
+		check_equal(tile.get_mesh(0).get_surface_count(), 2, "the merged mesh of all parts of the scene")
 	var read := scatter.get_tile(0, tiles[0]).get_mesh(0)
 	plain.meshes = [BoxMesh.new(), plain.meshes[0]]
 	await settle(scatter)
-	check_equal(scatter.get_tile(0, tiles[0]).get_mesh(1), read, "a scene that was in the list is not read again")
+	check_equal(scatter.get_tile(0, tiles[0]).get_mesh(1), read, "an entry that stays in the list is not read again")
 
 
 func test_entries() -> void:
@@ -41,83 +41,83 @@ func test_entries() -> void:
 	var scene := pack(make_tree())
 	var mesh := BoxMesh.new()
 	var layer := make_model_layer([mesh, scene, model, null])
-	check_equal(layer.meshes, [mesh, scene, model, null], "what was set is read back")
+	check_equal(layer.meshes, [mesh, scene, model, null], "the list reads back")
 	layer.meshes = [mesh, ImageTexture.new()]
-	check_error(["ScatterLayer.meshes[1]", "ImageTexture"], "another resource")
+	check_error(["ScatterLayer.meshes[1]", "ImageTexture"], "a resource of a different class")
 	layer.meshes = ["res://tree.glb"]
 	check_error(["ScatterLayer.meshes[0]", "no resource"], "a text")
 	layer.meshes = [mesh, PackedScene.new()]
 	check_error(["ScatterModel.scene", "it is empty"], "an empty scene")
-	check_equal(layer.meshes, [mesh, scene, model, null], "the list stays")
+	check_equal(layer.meshes, [mesh, scene, model, null], "the old list stays")
 	var many := []
 	many.resize(257)
 	layer.meshes = many
 	check_error(["ScatterLayer.meshes", "257"], "too many")
 	var typed: Array[Mesh] = [mesh]
 	layer.meshes = typed
-	check_equal(layer.meshes.size(), 1, "a typed list is taken")
+	check_equal(layer.meshes.size(), 1, "a typed list is accepted")
 
-	# A layer that is being loaded has no list yet: what cannot be drawn is not lost, and is told.
+	# A layer that is being loaded has no list yet: invalid entries are kept, and reported.
 	var loaded := ScatterLayer.new()
 	var empty := PackedScene.new()
 	loaded.meshes = [empty]
 	check_error(["ScatterModel.scene", "it is empty"], "an empty scene while loading")
-	check_equal(loaded.meshes, [empty], "it stays in the list")
-	var scatter := make_scatter([loaded], ScatterTerrainFlat.new(), make_viewer())
-	var told := "\n".join(scatter.get_problems())
-	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw: it is empty" in told, "warned: " + told)
+	check_equal(loaded.meshes, [empty], "the entry stays in the list")
+	var scatter := make_scatter([loaded], ScatterGroundFlat.new(), make_viewer())
+	var problems := "\n".join(scatter.get_problems())
+	check("ScatterLayer.meshes[0], a scene without a file, has nothing to draw: it is empty" in problems, "reported: " + problems)
 
 
-## Scripts share the list with the layer, as they do a node's layers.
+## Scripts share the list with the layer, like a node's list of layers.
 func test_a_list_that_is_changed_in_place() -> void:
 	var layer := make_model_layer([BoxMesh.new()])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var list := layer.meshes
 	list.append(pack(make_tree()))
-	check(not scatter.is_settled(), "a node notices it at once")
+	check(not scatter.is_settled(), "the node notices the change at once")
 	await settle(scatter)
 	var tile := scatter.get_tile(0, scatter.get_shown_tiles(0)[0])
-	check_equal(tile.get_mesh_count(), 2, "and draws what was added")
-	check_equal(tile.get_mesh(1).get_surface_count(), 2, "which it reads")
+	check_equal(tile.get_mesh_count(), 2, "it draws the added scene")
+	check_equal(tile.get_mesh(1).get_surface_count(), 2, "it reads the added scene")
 	list[0] = null
 	await settle(scatter)
-	check(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(0) == null, "what was taken out is not drawn")
+	check(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(0) == null, "the removed entry is not drawn")
 	var kept := list.duplicate()
 	list.append(ImageTexture.new())
 	await settle(scatter)
-	check_error(["ScatterLayer.meshes[2]", "ImageTexture"], "a change that is refused")
-	check_equal(layer.meshes, kept, "the list of before is back")
+	check_error(["ScatterLayer.meshes[2]", "ImageTexture"], "a refused change")
+	check_equal(layer.meshes, kept, "the old list is restored")
 	layer.meshes.resize(257)
 	await settle(scatter)
 	check_error(["ScatterLayer.meshes", "257"], "too many")
-	check_equal(layer.meshes, kept, "the list of before is back again")
+	check_equal(layer.meshes, kept, "the old list is restored again")
 	layer.meshes.resize(1)
-	check_equal(layer.get_materials().size(), 0, "whatever asks the layer has the list as it is")
+	check_equal(layer.get_materials().size(), 0, "getters use the current list")
 	await settle(scatter)
 
 
-## A scene is read when it is needed: what is wrong with it is found then, once, and the entry draws nothing.
+## A scene is read on demand. Errors are found then, and reported once, and the entry draws nothing.
 func test_entries_that_cannot_be_drawn() -> void:
 	var hollow := pack(Node3D.new())
 	var layer := make_model_layer([BoxMesh.new()])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	layer.meshes = [BoxMesh.new(), hollow]
-	check_no_error("setting it reads nothing")
+	check_no_error("setting an entry reads nothing")
 	await settle(scatter)
-	check_error(["ScatterModel.scene", "no visible MeshInstance3D"], "when the node reads it")
-	check_equal(layer.meshes[1], hollow, "it stays in the list")
-	check(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(1) == null, "nothing is drawn for it")
+	check_error(["ScatterModel.scene", "no visible MeshInstance3D"], "the node reads it")
+	check_equal(layer.meshes[1], hollow, "the entry stays in the list")
+	check(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(1) == null, "the entry draws nothing")
 	layer.density = 0.5
 	await settle(scatter)
-	check_no_error("it is not read a second time")
-	var told := "\n".join(scatter.get_problems())
-	check("ScatterLayer.meshes[1], a scene without a file, has nothing to draw: it has no visible" in told, "warned: " + told)
+	check_no_error("the scene is not read again")
+	var problems := "\n".join(scatter.get_problems())
+	check("ScatterLayer.meshes[1], a scene without a file, has nothing to draw: it has no visible" in problems, "reported: " + problems)
 
 
-## Two scenes that inherit from each other, which the engine does not load, in words of its own.
-func test_a_circle_of_scenes() -> void:
+## Two scenes that inherit from each other, which the engine does not load.
+func test_circular_scenes() -> void:
 	for name: String in ["one", "other"]:
 		var file := FileAccess.open("user://%s.tscn" % name, FileAccess.WRITE)
 		file.store_string('[gd_scene load_steps=2 format=3]\n\n[ext_resource type="PackedScene" path="user://%s.tscn" id="1"]\n\n'
@@ -125,18 +125,18 @@ func test_a_circle_of_scenes() -> void:
 		file.store_string('[node name="Tree" instance=ExtResource("1")]\n')
 	var scene := pack(make_tree())
 	var layer := make_model_layer([scene, load("user://one.tscn")])
-	check(not errors.take().is_empty(), "the engine says why it does not load it")
-	check(layer.meshes[0] == scene and layer.meshes[1] == null, "nothing is drawn for it")
+	check(not errors.take().is_empty(), "the engine prints an error")
+	check(layer.meshes[0] == scene and layer.meshes[1] == null, "the entry draws nothing")
 	var model := ScatterModel.new()
 	model.scene = scene
 	model.scene.take_over_path("user://one.tscn")
-	check(not model.reload(), "a model whose file has become one")
-	var told := errors.take()
-	check(told.has("ScatterModel.scene: user://one.tscn cannot be loaded."), "told: %s" % told)
-	check_equal(model.lods.size(), 3, "the model stays")
+	check(not model.reload(), "a model whose file has become circular")
+	var problems := errors.take()
+	check(problems.has("ScatterModel.scene: user://one.tscn cannot be loaded."), "reported: %s" % problems)
+	check_equal(model.lods.size(), 3, "the model does not change")
 
 
-func test_lods_of_models_and_of_meshes_beside_each_other() -> void:
+func test_lods_of_models_and_of_meshes_together() -> void:
 	var viewer := make_viewer()
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())
@@ -150,7 +150,7 @@ func test_lods_of_models_and_of_meshes_beside_each_other() -> void:
 	layer.lod_meshes = [far, null]
 	layer.tile_size = 8.0
 	layer.view_distance = 80.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var seen := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -159,12 +159,12 @@ func test_lods_of_models_and_of_meshes_beside_each_other() -> void:
 			var multimesh := shown.get_multimesh(entry)
 			if multimesh.is_valid():
 				seen[[entry, RenderingServer.multimesh_get_mesh(multimesh)]] = true
-	if DisplayServer.get_name() != "headless": # Which keeps no meshes.
-		check_equal(seen.size(), 5, "two meshes of the one, three of the other")
+	if DisplayServer.get_name() != "headless": # The headless renderer stores no meshes.
+		check_equal(seen.size(), 5, "two meshes of the first entry, three of the second")
 	check_no_error("LODs")
 
 
-func test_bodies_are_those_of_the_scene() -> void:
+func test_bodies_match_the_scene() -> void:
 	var packed := pack(make_tree())
 	var layer := make_model_layer([packed])
 	layer.collision_shape = ScatterLayer.COLLISION_MODEL
@@ -174,12 +174,12 @@ func test_bodies_are_those_of_the_scene() -> void:
 	layer.min_tilt_degrees = 0.0
 	layer.max_tilt_degrees = 20.0
 	var viewer := make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	await physics_frame
 	var found := scatter.query_sphere(Vector3.ZERO, 22.0)
 	check(found.size() > 20, "%d instances" % found.size())
-	# The scene itself, far from all that is scattered, and rays at it from all sides in the instance's own space.
+	# The scene itself, far from all instances. Rays hit it from all sides in the instance's own space.
 	var alone := packed.instantiate() as Node3D
 	root.add_child(alone)
 	alone.position = Vector3(0, 500, 0)
@@ -198,10 +198,10 @@ func test_bodies_are_those_of_the_scene() -> void:
 			var expected := cast(alone.position + from, alone.position + to)
 			var got := cast(at * from, at * to)
 			if got and scatter.get_body_instance(got["rid"]) != found.get_id(index):
-				continue # A neighbor stands in the way.
+				continue # A neighbor is in the way.
 			hits += int(not expected.is_empty())
 			if expected.is_empty() != got.is_empty():
-				differ += 1 # It grazes a body whose size is rounded.
+				differ += 1 # The ray touches the edge of a body whose size is rounded.
 			elif expected:
 				var apart := (at.affine_inverse() * (got["position"] as Vector3)).distance_to(expected["position"] - alone.position)
 				differ += int(apart > 0.08)
@@ -213,27 +213,27 @@ func cast(from: Vector3, to: Vector3) -> Dictionary:
 	return root.world_3d.direct_space_state.intersect_ray(PhysicsRayQueryParameters3D.create(from, to))
 
 
-func test_sizes_follow_from_the_meshes() -> void:
+func test_fit_to_meshes() -> void:
 	var layer := ScatterLayer.new()
-	check(not layer.fit_to_meshes(), "nothing without meshes")
-	check_equal(layer.radius, 2.0, "nothing was changed")
+	check(not layer.fit_to_meshes(), "without meshes, nothing fits")
+	check_equal(layer.radius, 2.0, "nothing is changed")
 	layer.meshes = [pack(make_tree())]
 	layer.fit_to_meshes()
 	var box := layer_box(layer)
 	var reach := maxf(maxf(-box.position.x, box.end.x), maxf(-box.position.z, box.end.z))
-	check(is_equal_approx(layer.radius, 2.0 * reach), "as far apart as it is wide: %f" % layer.radius)
-	check(is_equal_approx(layer.instance_height, box.end.y), "as high: %f" % layer.instance_height)
-	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "with its own shapes")
-	check(layer.instance_radius < reach and layer.instance_radius > 1.0, "as thick as they are: %f" % layer.instance_radius)
+	check(is_equal_approx(layer.radius, 2.0 * reach), "as far apart as the model is wide: %f" % layer.radius)
+	check(is_equal_approx(layer.instance_height, box.end.y), "as high as the model: %f" % layer.instance_height)
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "the model's own shapes")
+	check(layer.instance_radius < reach and layer.instance_radius > 1.0, "as thick as the shapes: %f" % layer.instance_radius)
 	layer = ScatterLayer.new()
 	layer.meshes = [box_of(Vector3(1.0, 0.5, 3.0))]
 	layer.fit_to_meshes()
 	check(is_equal_approx(layer.radius, 3.0), "a mesh: %f" % layer.radius)
-	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "which has no shapes")
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "a mesh has no shapes")
 
 
-## A last LOD that the layer adds to those of a model, as the bake of impostors does.
-func test_lods_of_the_layer_come_on_top() -> void:
+## The layer adds a last LOD to those of a model, as the bake of impostors does.
+func test_a_layer_adds_lods() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())
 	var far := QuadMesh.new()
@@ -242,7 +242,7 @@ func test_lods_of_the_layer_come_on_top() -> void:
 	layer.lod_meshes = [far]
 	layer.tile_size = 16.0
 	layer.view_distance = 90.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var triangles: int = scatter.get_draw_stats()["triangles"]
 	layer.lod_meshes = []
@@ -250,32 +250,32 @@ func test_lods_of_the_layer_come_on_top() -> void:
 	check(triangles < scatter.get_draw_stats()["triangles"], "far trees are quads: %d triangles" % triangles)
 
 
-## What a game changes, and what is baked, is whole models.
+## Changes by a game and bakes apply to whole models.
 func test_changes_and_bakes() -> void:
 	var layer := make_model_layer([pack(make_tree()), BoxMesh.new()])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	scatter.state = ScatterState.new()
 	await settle(scatter)
 	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
 	var digest := scatter.get_tile(0, tile).get_digest()
 	var id := scatter.get_tile(0, tile).get_ids(0)[0]
-	check(scatter.remove_instance(id), "a tree is felled")
+	check(scatter.remove_instance(id), "a tree is removed")
 	var added := scatter.add_instance(0, Transform3D(Basis(), scatter.get_tile(0, tile).get_origin()), 0)
 	await settle(scatter)
-	check(added != 0 and scatter.get_tile(0, tile).get_ids(0).has(added), "another is planted")
-	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "a whole one")
-	check(scatter.restore_instance(id) and scatter.remove_instance(added), "all as before")
+	check(added != 0 and scatter.get_tile(0, tile).get_ids(0).has(added), "a tree is added")
+	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "the added tree is complete")
+	check(scatter.restore_instance(id) and scatter.remove_instance(added), "both changes are undone")
 	await settle(scatter)
-	check_equal(scatter.get_tile(0, tile).get_digest(), digest, "to the bit")
+	check_equal(scatter.get_tile(0, tile).get_digest(), digest, "bit for bit")
 	var bake: RefCounted = load("res://addons/thicket/bake.gd").new()
-	check_equal(bake.begin(scatter, Rect2(0, 0, 32, 32), "res://baked", "models"), OK, "begun")
+	check_equal(bake.begin(scatter, Rect2(0, 0, 32, 32), "res://baked", "models"), OK, "started")
 	while bake.step(100.0):
 		await process_frame
 	check_equal(bake.problem, "", "no problem")
 	var scene := (load("res://baked/models.tscn") as PackedScene).instantiate()
 	var surfaces := scene.get_children().map(func(node: MultiMeshInstance3D) -> int: return node.multimesh.mesh.get_surface_count())
 	surfaces.sort()
-	check_equal(surfaces, [1, 2], "the box, and all of the tree")
+	check_equal(surfaces, [1, 2], "the box, and the whole tree")
 	scene.free()
 
 
@@ -289,68 +289,68 @@ func layer_box(layer: ScatterLayer) -> AABB:
 	return model.get_mesh().get_aabb()
 
 
-func test_a_reimported_scene_is_drawn_as_it_is_now() -> void:
+func test_a_reimported_scene_is_read_again() -> void:
 	ResourceSaver.save(pack(make_tree()), "user://oak.tscn")
 	var layer := make_model_layer([load("user://oak.tscn")])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
-	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "before")
+	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "before the change")
 	var other := Node3D.new()
 	put_mesh(box_of(Vector3.ONE * 3.0), "Block", other, other)
 	ResourceSaver.save(pack(other), "user://oak.tscn")
 	layer.reload_scenes(["user://elm.tscn"])
 	await settle(scatter)
-	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "another file changed")
+	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "a different file has changed")
 	layer.reload_scenes(["user://oak.tscn"])
 	await settle(scatter)
-	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after")
+	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after the change")
 
 
-## The root of a scene, whose making does something.
-class Meddler extends Node3D:
-	static var deed: Callable
+## The root of a scene, which runs an action when it is created.
+class ActingNode extends Node3D:
+	static var action: Callable
 
 	func _init() -> void:
-		if deed.is_valid():
-			deed.call()
+		if action.is_valid():
+			action.call()
 
 
-func pack_meddler() -> PackedScene:
-	var deed := Meddler.deed
-	Meddler.deed = Callable()
-	var root_node := Meddler.new()
+func pack_acting_node() -> PackedScene:
+	var action := ActingNode.action
+	ActingNode.action = Callable()
+	var root_node := ActingNode.new()
 	put_mesh(box_of(Vector3.ONE), "Stone", root_node, root_node)
-	Meddler.deed = deed
+	ActingNode.action = action
 	return pack(root_node)
 
 
-func test_scripts_in_a_scene_may_do_anything_while_it_is_read() -> void:
-	var meddling := pack_meddler()
-	var scatter := make_scatter([make_model_layer([BoxMesh.new()])], ScatterTerrainFlat.new(), make_viewer())
+func test_scripts_in_a_scene_run_while_it_is_read() -> void:
+	var acting := pack_acting_node()
+	var scatter := make_scatter([make_model_layer([BoxMesh.new()])], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var layer := scatter.layers[0]
-	Meddler.deed = func() -> void: layer.meshes = []
-	layer.meshes = [meddling]
-	check_equal(layer.meshes, [meddling], "nothing runs when it is set")
+	ActingNode.action = func() -> void: layer.meshes = []
+	layer.meshes = [acting]
+	check_equal(layer.meshes, [acting], "setting the list runs no script")
 	await settle(scatter)
-	check_equal(layer.meshes, [], "the script that runs when it is read has the last word")
-	for deed: Callable in [func() -> void: scatter.free(), func() -> void: root.remove_child(scatter)]:
-		Meddler.deed = deed
-		layer.reload_scenes([""]) # No file: nothing is read.
+	check_equal(layer.meshes, [], "the script's change wins")
+	for action: Callable in [func() -> void: scatter.free(), func() -> void: root.remove_child(scatter)]:
+		ActingNode.action = action
+		layer.reload_scenes([""]) # No file matches, so nothing is read.
 		layer.meshes = [SphereMesh.new()]
-		layer.meshes = [pack_meddler()]
+		layer.meshes = [pack_acting_node()]
 		await frames(3)
-	check(was_kept_from_being_freed(), "the engine frees no node in the middle of a call")
-	check(not scatter.is_inside_tree() and layer.meshes.size() == 1, "the node has left, the layer is as it was set")
+	check(was_kept_from_being_freed(), "the engine refuses to free a node in the middle of a call")
+	check(not scatter.is_inside_tree() and layer.meshes.size() == 1, "the node is outside of the tree, and the layer is unchanged")
 	scatter.free()
 	var model := ScatterModel.new()
 	var tree := pack(make_tree())
-	Meddler.deed = func() -> void:
-		Meddler.deed = Callable()
-		check(model.get_mesh() == null, "what is being read has no mesh yet")
+	ActingNode.action = func() -> void:
+		ActingNode.action = Callable()
+		check(model.get_mesh() == null, "a model has no mesh while it is read")
 		model.scene = tree
-	model.scene = meddling
-	check_equal(model.get_mesh().get_surface_count(), 2, "a model that gets a different scene meanwhile has that")
-	check_equal(model.scene, tree, "as its property says")
-	Meddler.deed = Callable()
+	model.scene = acting
+	check_equal(model.get_mesh().get_surface_count(), 2, "a scene that is set in between wins")
+	check_equal(model.scene, tree, "the property has the new scene")
+	ActingNode.action = Callable()

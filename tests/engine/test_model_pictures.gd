@@ -1,7 +1,7 @@
 extends "models_harness.gd"
-## What is scattered of a scene looks as the scene does: pictures of both, side by side. Needs a renderer.
+## Scattered scenes look like the scenes themselves: compares pictures of both. Needs a renderer.
 
-const MOST_DIFFERENT := 0.004 ## Of the pixels: edges that fall to the other side of a sample.
+const MOST_DIFFERENT := 0.004 ## Fraction of the pixels: edges may fall on the other side of a sample.
 
 
 func take_picture() -> Image:
@@ -10,7 +10,7 @@ func take_picture() -> Image:
 	return root.get_texture().get_image()
 
 
-## The share of pixels that differ by more than a few steps of 255.
+## Returns the fraction of pixels that differ by more than a few steps of 255.
 func difference(a: Image, b: Image) -> float:
 	var differ := 0
 	for x in a.get_width():
@@ -21,7 +21,7 @@ func difference(a: Image, b: Image) -> float:
 	return differ / float(a.get_width() * a.get_height())
 
 
-## Sun, sky and a camera that looks over a few trees.
+## Creates sun, ground and a camera that looks over a few trees.
 func make_stage() -> Camera3D:
 	root.size = Vector2i(320, 180)
 	var sun := DirectionalLight3D.new()
@@ -45,7 +45,7 @@ func make_wood(packed: PackedScene, camera: Camera3D) -> TerrainScatter3D:
 	layer.min_tilt_degrees = 0.0
 	layer.max_tilt_degrees = 15.0
 	layer.view_distance = 40.0
-	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
 func shown_instances(scatter: TerrainScatter3D) -> Array[Transform3D]:
@@ -56,7 +56,7 @@ func shown_instances(scatter: TerrainScatter3D) -> Array[Transform3D]:
 	return result
 
 
-## The near LOD alone: where LODs change is not what is compared.
+## Only the first LOD, because switching LODs is not compared.
 func near_tree() -> PackedScene:
 	var tree := make_tree()
 	tree.get_node("LOD1").free()
@@ -68,8 +68,8 @@ func test_a_wood_of_scenes_and_a_wood_of_models() -> void:
 	await compare(near_tree())
 
 
-## Leaves that cast no shadow, and a large sheet that casts nothing else: another mesh than the one that is drawn.
-func test_shadows_are_those_of_the_scene() -> void:
+## Leaves that cast no shadow, and a large sheet that casts only a shadow: the shadow mesh differs from the drawn mesh.
+func test_shadows_match_the_scene() -> void:
 	var tree := make_tree()
 	tree.get_node("LOD1").free()
 	tree.get_node("LOD2").free()
@@ -79,10 +79,10 @@ func test_shadows_are_those_of_the_scene() -> void:
 	var plain: Image = await compare(near_tree())
 	await clean()
 	var other: Image = await compare(pack(tree))
-	check(difference(plain, other) > 0.02, "other shadows: %f" % difference(plain, other))
+	check(difference(plain, other) > 0.02, "different shadows: %f" % difference(plain, other))
 
 
-## A layer of small boxes all of which are so far away that their second LOD is drawn, which looks as the first one does.
+## A layer of small boxes, all so far away that their second LOD is drawn. It looks like the first.
 func make_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShadow) -> TerrainScatter3D:
 	var camera := make_stage()
 	camera.look_at_from_position(Vector3(-4, 9, -4), Vector3.ZERO)
@@ -98,10 +98,10 @@ func make_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShad
 	var layer := make_layer(radius)
 	layer.meshes = [model]
 	layer.view_distance = 20.0
-	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
-## How much of the picture of such a layer its shadows change.
+## Returns the fraction of the picture that the shadows of such a layer change.
 func shadow_of_meadow(radius: float, lod_distance: float, shadow: ScatterLod.CastShadow,
 		by_layer := GeometryInstance3D.SHADOW_CASTING_SETTING_ON) -> float:
 	var scatter := make_meadow(radius, lod_distance, shadow)
@@ -114,27 +114,27 @@ func shadow_of_meadow(radius: float, lod_distance: float, shadow: ScatterLod.Cas
 	((layer.meshes[0] as ScatterModel).lods[1] as ScatterLod).cast_shadow = ScatterLod.CAST_SHADOW_LAYER
 	await settle(scatter)
 	if shadow == ScatterLod.CAST_SHADOW_LAYER:
-		check_equal(scatter.get_stats().tiles_made, made, "tiles made, the layer's shadows are another matter")
+		check_equal(scatter.get_stats().tiles_made, made, "tiles generated for the layer's shadows")
 	var without: Image = await take_picture()
 	await clean()
 	return difference(cast, without)
 
 
-func test_far_lods_of_a_dense_layer_cast_no_shadow_unless_somebody_says_so() -> void:
+func test_far_lods_of_a_dense_layer_cast_no_shadow_by_default() -> void:
 	var by_itself := ScatterLod.CAST_SHADOW_LAYER
 	check_equal(await shadow_of_meadow(0.8, 7.0, by_itself), 0.0, "shadow of a meadow")
 	var shadows := {
 		"of an LOD that begins near": await shadow_of_meadow(0.8, 5.0, by_itself),
-		"of a layer that is not dense": await shadow_of_meadow(0.9, 7.0, by_itself),
-		"of an LOD that is to cast one": await shadow_of_meadow(0.8, 7.0, ScatterLod.CAST_SHADOW_ON),
-		"of a layer that says more than on":
+		"of a sparse layer": await shadow_of_meadow(0.9, 7.0, by_itself),
+		"of an LOD with a shadow": await shadow_of_meadow(0.8, 7.0, ScatterLod.CAST_SHADOW_ON),
+		"of a double-sided layer":
 			await shadow_of_meadow(0.8, 7.0, by_itself, GeometryInstance3D.SHADOW_CASTING_SETTING_DOUBLE_SIDED),
 	}
-	for what: String in shadows:
-		check(shadows[what] > 0.05, "the shadow %s changes %f of the picture" % [what, shadows[what]])
+	for kind: String in shadows:
+		check(shadows[kind] > 0.05, "the shadow %s changes %f of the picture" % [kind, shadows[kind]])
 
 
-## Checks that what is scattered of a scene looks as the scenes do, and returns the picture.
+## Checks that a scattered scene looks like its instances, and returns the picture.
 func compare(packed: PackedScene) -> Image:
 	var camera := make_stage()
 	var empty: Image = await take_picture()
@@ -148,13 +148,13 @@ func compare(packed: PackedScene) -> Image:
 		root.add_child(scene)
 		scene.global_transform = at
 	var instanced: Image = await take_picture()
-	check(standing.size() > 10 and difference(empty, instanced) > 0.1, "trees are in the picture: %f" % difference(empty, instanced))
+	check(standing.size() > 10 and difference(empty, instanced) > 0.1, "trees are visible: %f" % difference(empty, instanced))
 	var share := difference(scattered, instanced)
 	check(share < MOST_DIFFERENT, "%f of the pixels differ" % share)
 	return scattered
 
 
-func test_scenes_near_by_take_the_place_of_their_models_unseen() -> void:
+func test_nearby_scenes_replace_their_models_invisibly() -> void:
 	var packed := near_tree()
 	var camera := make_stage()
 	var scatter := make_wood(packed, camera)
@@ -165,7 +165,7 @@ func test_scenes_near_by_take_the_place_of_their_models_unseen() -> void:
 	layer.scene_distance = 25.0
 	await settle(scatter)
 	var scenes: Image = await take_picture()
-	check(scatter.get_stats()["scenes"] > 5, "scenes stand: %s" % scatter.get_stats())
+	check(scatter.get_stats()["scenes"] > 5, "scenes are shown: %s" % scatter.get_stats())
 	var share := difference(models, scenes)
 	check(share < MOST_DIFFERENT, "%f of the pixels differ" % share)
 

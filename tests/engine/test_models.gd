@@ -1,5 +1,5 @@
 extends "models_harness.gd"
-## Scenes as models: what is read, how parts become one mesh, LODs and shapes, and what is refused.
+## Scenes as models: reading, merging parts into one mesh, LODs and shapes, and refused input.
 
 
 func test_a_scene_is_read_part_by_part() -> void:
@@ -10,16 +10,16 @@ func test_a_scene_is_read_part_by_part() -> void:
 	check_equal(model.lods.size(), 3, "LODs")
 	for lod in 3:
 		var mesh := model.get_mesh(lod)
-		check_equal(mesh.get_surface_count(), 2, "a surface for each material")
+		check_equal(mesh.get_surface_count(), 2, "one surface per material")
 		check(is_close(sorted_faces(faces_of(mesh)), expected[lod]), "LOD %d has the triangles of the scene" % lod)
 		var colors := range(2).map(func(surface: int) -> Color: return mesh.surface_get_material(surface).albedo_color)
 		check_equal(colors, [TRUNK, LEAF], "materials of LOD %d" % lod)
-	check(model.get_mesh(3) == null, "there is no fourth LOD")
+	check(model.get_mesh(3) == null, "no fourth LOD")
 	check_equal(model.shapes.size(), 2, "shapes")
-	check_equal(model.shape_transforms[0].origin, Vector3(0.2, 2.0, 0.0), "where the trunk's shape is")
-	check(model.get_remarks().is_empty(), "nothing is left out: %s" % model.get_remarks())
+	check_equal(model.shape_transforms[0].origin, Vector3(0.2, 2.0, 0.0), "position of the trunk's shape")
+	check(model.get_problems().is_empty(), "nothing is skipped: %s" % model.get_problems())
 	var size := model.get_mesh(0).get_aabb().size.length()
-	check(model.lods[1].distance == 0.0 and size > 4.0, "the distance is left open")
+	check(model.lods[1].distance == 0.0 and size > 4.0, "the distance is not set")
 
 
 func test_normals_and_tangents_follow_their_parts() -> void:
@@ -45,10 +45,10 @@ func test_normals_and_tangents_follow_their_parts() -> void:
 		var corner := indices[index]
 		var tangent := Vector3(tangents[4 * corner], tangents[4 * corner + 1], tangents[4 * corner + 2])
 		bent += int(flat.dot(normals[corner]) < 0.999 or absf(tangent.dot(flat)) > 0.01)
-	check_equal(bent, 0, "normals that are not those of their faces")
+	check_equal(bent, 0, "normals that differ from those of their faces")
 
 
-func test_one_plain_mesh_stays_what_it_is() -> void:
+func test_a_single_mesh_is_used_directly() -> void:
 	var mesh := box(Vector3.ONE, material_of(LEAF))
 	var scene := Node3D.new()
 	put_mesh(mesh, "Stone", scene, scene)
@@ -59,7 +59,7 @@ func test_one_plain_mesh_stays_what_it_is() -> void:
 	check_equal(model.lods.size(), 1, "LODs")
 
 
-func test_materials_are_those_of_the_nodes() -> void:
+func test_materials_of_nodes() -> void:
 	var scene := Node3D.new()
 	var own := material_of(Color.RED)
 	var over := material_of(Color.BLUE)
@@ -73,7 +73,7 @@ func test_materials_are_those_of_the_nodes() -> void:
 	var mesh := model.get_mesh()
 	var used := range(mesh.get_surface_count()).map(func(surface: int) -> Color: return mesh.surface_get_material(surface).albedo_color)
 	check_equal(used, [Color.RED, Color.BLUE, Color.WHITE], "materials, in the order of the nodes")
-	check_equal(mesh.get_faces().size(), 3 * 36, "what is hidden is not drawn")
+	check_equal(mesh.get_faces().size(), 3 * 36, "hidden nodes are skipped")
 
 
 func test_lods_from_names_and_ranges() -> void:
@@ -84,14 +84,14 @@ func test_lods_from_names_and_ranges() -> void:
 	put_mesh(mesh, "tree_lod2", scene, scene)
 	var model := ScatterModel.new()
 	model.scene = pack(scene)
-	check_equal(model.lods.map(func(lod: ScatterLod) -> float: return lod.distance), [0.0, 30.0, 0.0], "by names")
+	check_equal(model.lods.map(func(lod: ScatterLod) -> float: return lod.distance), [0.0, 30.0, 0.0], "from names")
 	scene = Node3D.new()
 	put_mesh(mesh, "Near", scene, scene).visibility_range_end = 25.0
 	var far := put_mesh(mesh, "Far", scene, scene)
 	far.visibility_range_begin = 25.0
 	far.visibility_range_end = 300.0
 	model.scene = pack(scene)
-	check_equal(model.lods.map(func(lod: ScatterLod) -> float: return lod.distance), [0.0, 25.0], "by ranges")
+	check_equal(model.lods.map(func(lod: ScatterLod) -> float: return lod.distance), [0.0, 25.0], "from ranges")
 
 
 func test_lods_for_the_engines_own_choice_are_kept() -> void:
@@ -109,19 +109,19 @@ func test_lods_for_the_engines_own_choice_are_kept() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(scene)
 	var merged: Array = RenderingServer.mesh_get_surface(model.get_mesh().get_rid(), 0)["lods"]
-	check_equal(merged.size(), coarser.size(), "LODs of what was joined")
+	check_equal(merged.size(), coarser.size(), "LODs of the merged mesh")
 	for lod in merged.size():
 		check(is_equal_approx(merged[lod]["edge_length"], 2.0 * coarser[lod]["edge_length"]), "edge of LOD %d" % lod)
 		check_equal(merged[lod]["index_data"].size(), 2 * coarser[lod]["index_data"].size(), "indices of LOD %d" % lod)
 
 
-func test_shadows_as_the_nodes_cast_them() -> void:
+func test_shadows_of_nodes() -> void:
 	var scene := Node3D.new()
 	var mesh := box(Vector3.ONE, material_of(LEAF))
 	put_mesh(mesh, "Grass", scene, scene).cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
 	var model := ScatterModel.new()
 	model.scene = pack(scene)
-	check_equal(model.lods[0].cast_shadow, ScatterLod.CAST_SHADOW_OFF, "none casts")
+	check_equal(model.lods[0].cast_shadow, ScatterLod.CAST_SHADOW_OFF, "casts no shadow")
 	scene = Node3D.new()
 	put_mesh(mesh, "Trunk", scene, scene)
 	put_mesh(mesh, "Leaves", scene, scene, Transform3D(Basis(), Vector3.UP)).cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
@@ -130,10 +130,10 @@ func test_shadows_as_the_nodes_cast_them() -> void:
 	model.scene = pack(scene)
 	var lod := model.lods[0]
 	check_equal(lod.mesh.get_aabb(), AABB(-Vector3.ONE * 0.5, Vector3(1, 2, 1)), "trunk and leaves are drawn")
-	check_equal(lod.shadow_mesh.get_aabb(), AABB(-Vector3.ONE * 0.5, Vector3(1, 3, 1)), "trunk and proxy cast")
+	check_equal(lod.shadow_mesh.get_aabb(), AABB(-Vector3.ONE * 0.5, Vector3(1, 3, 1)), "trunk and proxy cast shadows")
 
 
-func test_what_cannot_be_drawn_is_told() -> void:
+func test_unsupported_nodes_are_reported() -> void:
 	var scene := make_tree()
 	put(AnimationPlayer.new(), "Player", scene, scene)
 	put(OmniLight3D.new(), "Lamp", scene, scene)
@@ -143,14 +143,14 @@ func test_what_cannot_be_drawn_is_told() -> void:
 	(put(CollisionShape3D.new(), "Exact", scene, scene) as CollisionShape3D).shape = trimesh
 	var model := ScatterModel.new()
 	model.scene = pack(scene)
-	var told := "\n".join(model.get_remarks())
-	for words: String in ["\"Player\" plays nothing", "\"Lamp\" is not drawn", "\"Vine\" has a skeleton: it is drawn in its rest pose",
+	var problems := "\n".join(model.get_problems())
+	for words: String in ["\"Player\" does not play", "\"Lamp\" is not drawn", "\"Vine\" has a skeleton: it is drawn in its rest pose",
 			"\"Exact\" is left out: a ConcavePolygonShape3D"]:
-		check(words in told, "told: %s, got %s" % [words, told])
-	check_equal(model.shapes.size(), 2, "the other shapes are there")
+		check(words in problems, "reported: %s, got %s" % [words, problems])
+	check_equal(model.shapes.size(), 2, "the other shapes are read")
 
 
-## A plate that a blend shape lifts by two meters, and another one moves along x.
+## A plate with two blend shapes: one lifts it by two meters, the other moves it along x.
 func bending_mesh() -> ArrayMesh:
 	var mesh := ArrayMesh.new()
 	var arrays := PlaneMesh.new().get_mesh_arrays()
@@ -177,7 +177,7 @@ func test_weights_of_blend_shapes_are_drawn() -> void:
 	model.scene = pack(scene)
 	var box := model.get_mesh().get_aabb()
 	check(box.position.is_equal_approx(Vector3(-0.75, 1.0, -1.0)), "moved by both shapes: %s" % box)
-	check((box.size - Vector3(2.0, 0.0, 2.0)).length() < 0.001, "as large as before: %s" % box)
+	check((box.size - Vector3(2.0, 0.0, 2.0)).length() < 0.001, "the size does not change: %s" % box)
 	for normal: Vector3 in model.get_mesh().surface_get_arrays(0)[Mesh.ARRAY_NORMAL]:
 		check(normal.distance_to(Vector3.UP) < 0.001, "a normal: %s" % normal)
 
@@ -193,7 +193,7 @@ func test_overlays_are_drawn() -> void:
 	var over := range(mesh.get_surface_count()).filter(func(surface: int) -> bool: return mesh.surface_get_material(surface) == glow)
 	if check(over.size() == 1, "one surface has the overlay"):
 		var heights := Array(mesh.surface_get_arrays(over[0])[Mesh.ARRAY_VERTEX]).map(func(at: Vector3) -> float: return at.y)
-		check_equal(heights.max(), 0.5, "over the part that has it")
+		check_equal(heights.max(), 0.5, "on the part with the overlay")
 
 
 func tinted(name: String) -> ShaderMaterial:
@@ -203,7 +203,7 @@ func tinted(name: String) -> ShaderMaterial:
 	return material
 
 
-func test_what_nodes_have_for_a_whole_instance_is_that_of_the_lod() -> void:
+func test_per_instance_settings_of_nodes() -> void:
 	var scene := Node3D.new()
 	var leaves := put_mesh(box(Vector3.ONE, tinted("tint")), "Leaves", scene, scene)
 	leaves.transparency = 0.25
@@ -213,60 +213,60 @@ func test_what_nodes_have_for_a_whole_instance_is_that_of_the_lod() -> void:
 	model.scene = with_shader_parameter(pack(scene), "Leaves", "tint = Color(1, 0, 0, 1)")
 	check_equal(model.lods[0].instance_shader_parameters, {&"tint": Color.RED}, "a parameter")
 	check_equal(model.lods[0].transparency, 0.25, "transparency")
-	check_equal(model.get_remarks(), PackedStringArray(), "nothing is drawn otherwise")
+	check_equal(model.get_problems(), PackedStringArray(), "no problems")
 	scene = Node3D.new()
 	put_mesh(box(Vector3.ONE, tinted("tint")), "Leaves", scene, scene).transparency = 0.25
 	put_mesh(box(Vector3.ONE, tinted("tint")), "Other", scene, scene, Transform3D(Basis(), Vector3.UP * 2.0))
 	model.scene = with_shader_parameter(pack(scene), "Leaves", "tint = Color(1, 0, 0, 1)")
-	var told := "\n".join(model.get_remarks())
-	check("\"Other\" has a different instance shader parameter \"tint\"" in told, "told: %s" % told)
-	check("\"Other\" has a different transparency" in told, "told: %s" % told)
+	var problems := "\n".join(model.get_problems())
+	check("\"Other\" has a different instance shader parameter \"tint\"" in problems, "reported: %s" % problems)
+	check("\"Other\" has a different transparency" in problems, "reported: %s" % problems)
 
 
-func test_bad_scenes_are_refused_and_the_model_stays() -> void:
+func test_invalid_scenes_do_not_change_the_model() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())
 	var before := model.scene
 	var meshes := [model.get_mesh(0), model.get_mesh(1)]
 	for bad: Array in bad_scenes():
 		model.scene = bad[0]
-		check_equal([model.get_mesh(0), model.get_mesh(1)], meshes, "its meshes stay")
+		check_equal([model.get_mesh(0), model.get_mesh(1)], meshes, "the old meshes stay")
 		check_error(["ScatterModel.scene", bad[1]], bad[1])
-		check_equal(model.scene, before, "the scene of before is back")
+		check_equal(model.scene, before, "the old scene is restored")
 	model.lods = []
-	check_error(["ScatterModel.lods", "set scene to null"], "what is read cannot be edited")
+	check_error(["ScatterModel.lods", "set scene to null"], "LODs of a scene cannot be edited")
 	model.scene = null
-	check_equal(model.get_mesh(0), meshes[0], "what was read stays without the scene")
+	check_equal(model.get_mesh(0), meshes[0], "without a scene, the model keeps its LODs")
 	model.lods = [model.lods[2]]
-	check_equal(model.lods.size(), 1, "and may be edited")
+	check_equal(model.lods.size(), 1, "they can be edited now")
 	model.lods[0].distance = -1.0
 	check_error(["ScatterLod.distance", "-1"], "a negative distance")
 
 
-## A model that has nothing else, as one that is being loaded, keeps a scene that cannot be drawn: saving does not lose it.
-func test_a_model_without_anything_keeps_a_bad_scene() -> void:
+## A model without other data, like one that is being loaded, keeps an invalid scene, so that saving does not lose it.
+func test_an_empty_model_keeps_an_invalid_scene() -> void:
 	for bad: Array in bad_scenes().slice(1):
 		var model := ScatterModel.new()
 		model.scene = bad[0]
-		check_no_error("setting it reads nothing")
+		check_no_error("setting the scene reads nothing")
 		check_equal(model.lods.size(), 0, "there is nothing to draw")
 		check_error(["ScatterModel.scene", bad[1]], bad[1])
 		check_equal(model.scene, bad[0], "the scene stays")
-		check_equal(model.lods.size(), 0, "it is not read a second time")
+		check_equal(model.lods.size(), 0, "the scene is not read again")
 
 
-func test_what_is_set_by_hand_before_the_scene_is_read_stays() -> void:
+func test_shapes_set_before_the_scene_is_read_stay() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())
 	model.scene = null
 	var own := BoxShape3D.new()
 	model.shapes = [own]
 	check_equal(model.lods.size(), 3, "the scene that was set last is read")
-	check_equal(model.shapes, [own] as Array[Shape3D], "and leaves the shapes alone")
-	check_equal(model.shape_transforms.size(), 2, "but not their transforms")
+	check_equal(model.shapes, [own] as Array[Shape3D], "shapes that were set by hand stay")
+	check_equal(model.shape_transforms.size(), 2, "their transforms are read")
 
 
-## Scenes, and what is wrong with them.
+## Returns invalid scenes, each with a part of its error.
 func bad_scenes() -> Array:
 	var mesh := box(Vector3.ONE, null)
 	var empty := Node3D.new()
@@ -281,7 +281,7 @@ func bad_scenes() -> Array:
 			[pack(flat), "\"Leaf\" has a scale of 0"], [pack(crowd), "more than 256 meshes"]]
 
 
-func test_saved_models_hold_no_copy_of_their_scene() -> void:
+func test_saved_models_contain_no_copy_of_their_scene() -> void:
 	var scene := pack(make_tree())
 	ResourceSaver.save(scene, "user://tree.tscn")
 	scene.take_over_path("user://tree.tscn")
@@ -291,12 +291,12 @@ func test_saved_models_hold_no_copy_of_their_scene() -> void:
 	var text := FileAccess.get_file_as_string("user://tree_model.tres")
 	check("tree.tscn" in text and not "lods" in text and text.length() < 500, "saved: %s" % text)
 	var loaded := ResourceLoader.load("user://tree_model.tres", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterModel
-	check_equal(loaded.lods.size(), 3, "it is read again when it is loaded")
+	check_equal(loaded.lods.size(), 3, "the scene is read after loading")
 	model.scene = null
 	ResourceSaver.save(model, "user://tree_model.tres")
 	loaded = ResourceLoader.load("user://tree_model.tres", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterModel
-	check_equal(loaded.lods.size(), 3, "without a scene it keeps what it has")
-	check(is_close(sorted_faces(faces_of(loaded.get_mesh(1))), sorted_faces(faces_of(model.get_mesh(1)))), "with its meshes")
+	check_equal(loaded.lods.size(), 3, "without a scene, LODs are saved")
+	check(is_close(sorted_faces(faces_of(loaded.get_mesh(1))), sorted_faces(faces_of(model.get_mesh(1)))), "with their meshes")
 
 
 func test_a_changed_file_is_read_again() -> void:
@@ -310,10 +310,10 @@ func test_a_changed_file_is_read_again() -> void:
 	put_mesh(box(Vector3(9, 1, 1), null), "Log", other, other)
 	ResourceSaver.save(pack(other), "user://changing.tscn")
 	check(model.reload(), "it reloads")
-	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "as the file is now")
-	check_equal(changes[0], 1, "told once")
+	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "the new content")
+	check_equal(changes[0], 1, "one signal")
 	var nothing := Node3D.new()
 	ResourceSaver.save(pack(nothing), "user://changing.tscn")
 	check(not model.reload(), "a file with nothing to draw")
 	check_error(["ScatterModel.scene", "changing.tscn", "no visible MeshInstance3D"], "reload")
-	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "what stood stays")
+	check_equal(model.get_aabb().size, Vector3(9, 1, 1), "the old content stays")

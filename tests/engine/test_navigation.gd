@@ -1,11 +1,11 @@
 extends "harness.gd"
-## Navigation meshes that the engine bakes leave out what a scatter has in their area, loaded or not.
+## Baked navigation meshes leave out the instances in their area, loaded or not.
 
 const CELL := 0.125  ## Meters.
-const AGENT := 0.5   ## Meters: the agent's radius.
+const AGENT := 0.5   ## The agent's radius in meters.
 const TRUNK := 0.4   ## instance_radius.
-const SIDE := 48.0   ## Of the ground, around the origin.
-const ERROR := 0.2   ## Meters by which the outline of a baked mesh is simplified, and the corner of a cell.
+const SIDE := 48.0   ## Side of the ground in meters, centered at the origin.
+const ERROR := 0.2   ## Tolerance in meters for the simplified outline of a baked mesh and the corner of a cell.
 
 
 func solid_layer(radius := 5.0) -> ScatterLayer:
@@ -16,7 +16,7 @@ func solid_layer(radius := 5.0) -> ScatterLayer:
 	return layer
 
 
-## A region with a flat ground below it, its top at height 0, and no scatter yet.
+## Returns a region with a flat ground below it, whose top is at height 0, and without a scatter.
 func make_region(side := SIDE) -> NavigationRegion3D:
 	var mesh := NavigationMesh.new()
 	mesh.cell_size = CELL
@@ -47,9 +47,9 @@ func make_floor(side: float) -> StaticBody3D:
 	return body
 
 
-## A scatter below the region, of which nothing is loaded: its viewer is far away.
+## Adds a scatter below the region. Its viewer is far away, so nothing is loaded.
 func plant(region: NavigationRegion3D, layers: Array[ScatterLayer]) -> TerrainScatter3D:
-	var scatter := make_scatter(layers, ScatterTerrainFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer(Vector3(1e5, 0, 0)))
 	scatter.reparent(region, false)
 	scatter.viewers = []
 	return scatter
@@ -60,14 +60,14 @@ func bake(region: NavigationRegion3D) -> NavigationMesh:
 	return region.navigation_mesh
 
 
-## The obstructions that a parse gives.
+## Returns the obstructions that a parse finds.
 func obstructions(region: NavigationRegion3D) -> Array:
 	var data := NavigationMeshSourceGeometryData3D.new()
 	NavigationServer3D.parse_source_geometry_data(region.navigation_mesh, data, region)
 	return data.get_projected_obstructions()
 
 
-## Meters on the map from a position to the nearest polygon of a mesh; 0 on it.
+## Returns the distance in meters on the map from a position to the nearest polygon of a mesh; 0 on it.
 func clearance(mesh: NavigationMesh, at: Vector2) -> float:
 	var least := INF
 	var vertices := mesh.get_vertices()
@@ -83,17 +83,18 @@ func clearance(mesh: NavigationMesh, at: Vector2) -> float:
 	return least
 
 
-## Every instance is left out at its radius and the agent's, and no more than that and two cells. Returns how many there are.
-func check_left_out(mesh: NavigationMesh, found: ScatterInstances, what: String, radius := TRUNK, to_mesh := Transform3D.IDENTITY) -> int:
+## Checks that the area around every instance is free, by its radius plus the agent's and at most two cells more. Returns the
+## number of instances.
+func check_left_out(mesh: NavigationMesh, found: ScatterInstances, context: String, radius := TRUNK, to_mesh := Transform3D.IDENTITY) -> int:
 	var seen := 0
 	for index in found.size():
 		var at := on_map(to_mesh * found.get_transform(index))
 		if maxf(absf(at.x), absf(at.y)) < SIDE * 0.5 - 2.5:
 			seen += 1
 			var free := clearance(mesh, at)
-			var asked := radius * found.get_transform(index).basis.get_scale().x + AGENT
-			check(free > asked - ERROR and free < asked * 1.04 + 2.0 * CELL + ERROR,
-					"%s: %.3f m free around %s, not %.3f" % [what, free, at, asked])
+			var expected := radius * found.get_transform(index).basis.get_scale().x + AGENT
+			check(free > expected - ERROR and free < expected * 1.04 + 2.0 * CELL + ERROR,
+					"%s: %.3f m free around %s instead of %.3f" % [context, free, at, expected])
 	return seen
 
 
@@ -109,18 +110,18 @@ func test_a_bake_leaves_out_every_trunk() -> void:
 	var found := scatter.query_rect(within())
 	var seen := check_left_out(before, found, "unloaded")
 	check(seen > 40, "%d trunks" % seen)
-	check(clearance(before, Vector2(1.3, 1.7)) == 0.0 or found.size() > 0, "there is ground left")
+	check(clearance(before, Vector2(1.3, 1.7)) == 0.0 or found.size() > 0, "some ground is left")
 	var viewer := make_viewer()
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	await settle(scatter)
 	check(not scatter.get_shown_tiles(0).is_empty(), "loaded")
 	var vertices := before.get_vertices()
-	check(bake(region).get_vertices() == vertices, "what is loaded makes no difference")
+	check(bake(region).get_vertices() == vertices, "loading makes no difference")
 	scatter.visible = false
-	check(bake(region).get_vertices() == vertices, "nor whether it is seen")
+	check(bake(region).get_vertices() == vertices, "neither does visibility")
 
 
-func test_a_stem_thinner_than_a_cell_is_not_lost() -> void:
+func test_a_stem_thinner_than_a_cell_is_left_out() -> void:
 	var layer := solid_layer()
 	layer.instance_radius = 0.01
 	var region := make_region()
@@ -128,69 +129,69 @@ func test_a_stem_thinner_than_a_cell_is_not_lost() -> void:
 	check(check_left_out(bake(region), scatter.query_rect(within()), "thin", 0.01) > 40, "thin stems")
 
 
-func test_paths_go_around() -> void:
+func test_paths_avoid_instances() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
 	bake(region)
 	var found := scatter.query_rect(within())
 	var map := region.get_navigation_map()
 	var from := Vector3(-SIDE / 2 + 1, 0, -SIDE / 2 + 1)
-	await until(func() -> bool: return NavigationServer3D.map_get_path(map, from, -from, true).size() > 2, "there is a path")
+	await until(func() -> bool: return NavigationServer3D.map_get_path(map, from, -from, true).size() > 2, "a path exists")
 	var path := NavigationServer3D.map_get_path(map, from, -from, true)
-	check(path[-1].distance_to(-from) < 1.0, "it arrives: %s" % path[-1])
+	check(path[-1].distance_to(-from) < 1.0, "it reaches its end: %s" % path[-1])
 	var least := INF
 	for index in found.size():
 		for step in range(1, path.size()):
 			var nearest := Geometry3D.get_closest_point_to_segment(found.get_position(index), path[step - 1], path[step])
 			least = minf(least, Vector2(nearest.x - found.get_position(index).x, nearest.z - found.get_position(index).z).length())
-	check(least > TRUNK + AGENT - ERROR, "it keeps %.3f m away" % least)
-	check(least < 4.0, "and passes by trees")
+	check(least > TRUNK + AGENT - ERROR, "it keeps a distance of %.3f m" % least)
+	check(least < 4.0, "and passes close to trees")
 
 
-func test_what_a_game_changes_counts() -> void:
+func test_changes_by_a_game() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
 	var found := scatter.query_sphere(Vector3.ZERO, 15.0)
 	var gone := on_map(found.get_transform(0))
-	check(clearance(bake(region), gone) > TRUNK, "it stands")
+	check(clearance(bake(region), gone) > TRUNK, "the tree is an obstacle")
 	scatter.remove_instance(found.get_id(0))
-	check(clearance(bake(region), gone) == 0.0, "felled: its place is free")
+	check(clearance(bake(region), gone) == 0.0, "a removed tree is not")
 	scatter.restore_instance(found.get_id(0))
-	check(clearance(bake(region), gone) > TRUNK, "it stands again")
+	check(clearance(bake(region), gone) > TRUNK, "a restored tree is")
 	var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(gone.x + 1.5, 0, gone.y)))
 	check(clearance(bake(region), gone + Vector2(1.5, 0)) > TRUNK, "placed by hand")
 	scatter.remove_instance(id)
-	check(clearance(bake(region), gone + Vector2(1.7, 0)) == 0.0, "and taken away")
+	check(clearance(bake(region), gone + Vector2(1.7, 0)) == 0.0, "and removed")
 
 
-func test_scale_lean_and_height_count() -> void:
+func test_scale_tilt_and_height() -> void:
 	var layer := solid_layer()
 	layer.density = 0.0
 	layer.instance_height = 10.0
 	var region := make_region()
 	var scatter := plant(region, [layer])
 	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(4, 1, 4)), Vector3(-12, 0, 0)))
-	# It leans towards x: a meter for each meter of height.
+	# It leans towards x: one meter per meter of height.
 	scatter.add_instance(0, Transform3D(Basis(Vector3.BACK, -PI / 4), Vector3(0, 0, 0)))
 	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3.ONE * 0.5), Vector3(12, 0, 0)))
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(0, 3, 12)))   # An agent fits below,
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(0, -12, -12))) # and stands above this one.
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(12, 1, 12)))  # But not here.
+	scatter.add_instance(0, Transform3D(Basis(), Vector3(0, 3, 12)))   # High enough for an agent below,
+	scatter.add_instance(0, Transform3D(Basis(), Vector3(0, -12, -12))) # deep enough for an agent above,
+	scatter.add_instance(0, Transform3D(Basis(), Vector3(12, 1, 12)))  # and in an agent's way.
 	var mesh := bake(region)
 	var wide := clearance(mesh, Vector2(-12, 0))
 	check(absf(wide - (4 * TRUNK + AGENT)) < 2 * CELL + ERROR, "scaled: %.3f m" % wide)
-	check(clearance(mesh, Vector2(-1.3, 0)) == 0.0, "free on the far side of what leans")
-	check(clearance(mesh, Vector2(1.4, 0)) > AGENT, "not where an agent would hit its head")
-	check(clearance(mesh, Vector2(6.0, 0)) == 0.0, "free where it is high up")
+	check(clearance(mesh, Vector2(-1.3, 0)) == 0.0, "free on the far side of a leaning instance")
+	check(clearance(mesh, Vector2(1.4, 0)) > AGENT, "not free where an agent would hit its head")
+	check(clearance(mesh, Vector2(6.0, 0)) == 0.0, "free below a high part")
 	var small := clearance(mesh, Vector2(12, 0))
 	check(absf(small - (0.5 * TRUNK + AGENT)) < 2 * CELL + ERROR, "scaled down: %.3f m" % small)
-	check(clearance(mesh, Vector2(0, 12)) == 0.0, "too high to be in the way")
-	check(clearance(mesh, Vector2(0, -12)) == 0.0, "too deep")
-	check(clearance(mesh, Vector2(12, 12)) > TRUNK, "at head height")
+	check(clearance(mesh, Vector2(0, 12)) == 0.0, "too high to be an obstacle")
+	check(clearance(mesh, Vector2(0, -12)) == 0.0, "too deep to be an obstacle")
+	check(clearance(mesh, Vector2(12, 12)) > TRUNK, "an obstacle at head height")
 
 
-## A scale that is a mistake. Where it stands does not matter, nor how many there are.
-func test_a_giant_is_left_out_and_nothing_else() -> void:
+## An extreme scale is a mistake, at any position and any number of times.
+func test_giant_instances_are_ignored() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
 	scatter.state = ScatterState.new()
@@ -201,15 +202,15 @@ func test_a_giant_is_left_out_and_nothing_else() -> void:
 	check(obstructions(region).size() == expected, "all others are obstructions")
 	check_error(["hand-placed instance %d of layer 0" % first, "1000 m", "smaller scale"], "one giant")
 	scatter.add_instance(0, Transform3D(giant, Vector3(50000, 0, 0)))
-	check(obstructions(region).size() == expected, "with two, as well")
+	check(obstructions(region).size() == expected, "also with two giants")
 	check_error(["%d and 1 more of layer 0" % first], "two giants")
-	# One that is as large as a rock may be reaches from far outside into the bake, and counts.
+	# An instance as large as a rock counts, even if it reaches into the bake from far outside.
 	scatter.remove_instances(scatter.state.get_added())
 	scatter.state.clear()
 	check(obstructions(region).size() == expected, "as before")
 	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(200, 1, 200)), Vector3(90, 0, 0)))
-	check(obstructions(region).size() == expected + 1, "a large one counts")
-	check(clearance(bake(region), Vector2(20, 0)) > 5.0, "and nobody walks there")
+	check(obstructions(region).size() == expected + 1, "a large instance counts")
+	check(clearance(bake(region), Vector2(20, 0)) > 5.0, "and blocks agents")
 
 
 func test_slopes() -> void:
@@ -238,32 +239,32 @@ func test_slopes() -> void:
 			check(clearance(mesh, Vector2(x, 0) + side) > 0.2, "a flat stone on a slope, at %s" % side)
 
 
-func test_the_area_is_that_of_the_bake() -> void:
+func test_only_instances_in_the_baked_area_count() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
 	var all := obstructions(region).size()
 	var stands := scatter.query_rect(within()).size()
-	check(all >= stands and all < stands * 1.5, "%d for the %d on the ground" % [all, stands])
+	check(all >= stands and all < stands * 1.5, "%d obstructions for %d instances on the ground" % [all, stands])
 	region.move_child(scatter, 0)
-	check_equal(obstructions(region).size(), all, "first among the children, before any ground")
+	check_equal(obstructions(region).size(), all, "as first child, before the ground")
 	var below := Node3D.new()
 	region.add_child(below)
 	below.add_child(Node.new())
-	check_equal(obstructions(region).size(), all, "with nodes after it")
+	check_equal(obstructions(region).size(), all, "with nodes after the scatter")
 	region.navigation_mesh.filter_baking_aabb = AABB(Vector3(-5, -1, -5), Vector3(10, 4, 10))
 	var some := obstructions(region).size()
 	check(some > 0 and some <= scatter.query_rect(within(13)).size(), "%d in the box" % some)
 	region.navigation_mesh.filter_baking_aabb_offset = Vector3(3e4, 0, 0)
 	var far := obstructions(region).size()
-	check(far > 0 and far < 20, "%d in a box far from all ground" % far)
+	check(far > 0 and far < 20, "%d in a box far from the ground" % far)
 	region.navigation_mesh.filter_baking_aabb_offset = Vector3(0, 50, 0)
 	check_equal(obstructions(region).size(), 0, "none in a box above the trees")
 	region.navigation_mesh.filter_baking_aabb = AABB()
 	region.get_node(^"Floor").free()
-	check_equal(obstructions(region).size(), 0, "none without a ground: never the endless world")
+	check_equal(obstructions(region).size(), 0, "none without ground: the bake is never unlimited")
 	region.add_child(make_floor(1e5))
-	check_equal(obstructions(region).size(), 0, "none where they are too many")
-	check_error(["TerrainScatter3D", "navigation", "rect"], "and that is told")
+	check_equal(obstructions(region).size(), 0, "none if there are too many")
+	check_error(["TerrainScatter3D", "navigation", "rect"], "which is reported")
 
 
 func test_source_geometry_modes() -> void:
@@ -272,7 +273,7 @@ func test_source_geometry_modes() -> void:
 	var all := obstructions(region).size()
 	var mesh := region.navigation_mesh
 	scatter.reparent(root, false)
-	check_equal(obstructions(region).size(), 0, "not below the region")
+	check_equal(obstructions(region).size(), 0, "outside of the region")
 	mesh.geometry_source_geometry_mode = NavigationMesh.SOURCE_GEOMETRY_GROUPS_EXPLICIT
 	mesh.geometry_source_group_name = "walls"
 	region.get_node(^"Floor").add_to_group("walls")
@@ -284,37 +285,37 @@ func test_source_geometry_modes() -> void:
 	scatter.remove_from_group("walls")
 	region.add_to_group("walls")
 	scatter.reparent(region, false)
-	check_equal(obstructions(region).size(), all, "below one that is in the group")
+	check_equal(obstructions(region).size(), all, "below a node in the group")
 	scatter.add_to_group("walls")
-	check_equal(obstructions(region).size(), all, "both in the group: once")
+	check_equal(obstructions(region).size(), all, "both in the group: only once")
 	scatter.remove_from_group("walls")
 	region.get_node(^"Floor").remove_from_group("walls")
 	region.position = Vector3(7, 0, -3)
 	region.rotation.y = 0.6
 	var turned := bake(region)
 	var found := scatter.query_rect(Rect2(-40, -40, 80, 80))
-	check(check_left_out(turned, found, "turned", TRUNK, region.global_transform.affine_inverse()) > 40, "a region that is turned")
+	check(check_left_out(turned, found, "turned", TRUNK, region.global_transform.affine_inverse()) > 40, "a rotated region")
 
 
-func test_layers_have_a_say() -> void:
+func test_settings_of_layers() -> void:
 	var region := make_region()
 	var layer := solid_layer()
 	var grass := make_layer(1.0)
 	plant(region, [grass, layer])
 	var all := obstructions(region).size()
-	check(all > 40 and all < 150, "trees alone: %d" % all)
+	check(all > 40 and all < 150, "only trees: %d" % all)
 	layer.affect_navigation_mesh = false
-	check_equal(obstructions(region).size(), 0, "a layer that has no part in it")
+	check_equal(obstructions(region).size(), 0, "affect_navigation_mesh is off")
 	layer.affect_navigation_mesh = true
 	layer.collision_distance = 0.0
 	check_equal(obstructions(region).size(), all, "without bodies")
 	layer.collision_layer = 4
-	check_equal(obstructions(region).size(), all, "another physics layer")
+	check_equal(obstructions(region).size(), all, "a different physics layer")
 	region.navigation_mesh.geometry_collision_mask = 3
-	check_equal(obstructions(region).size(), 0, "that the bake does not ask for")
+	check_equal(obstructions(region).size(), 0, "a physics layer that the bake excludes")
 	region.navigation_mesh.geometry_parsed_geometry_type = NavigationMesh.PARSED_GEOMETRY_MESH_INSTANCES
 	region.navigation_mesh.filter_baking_aabb = AABB(Vector3(-24, -1, -24), Vector3(48, 4, 48))
-	check_equal(obstructions(region).size(), all, "a mask means nothing where no bodies are asked for")
+	check_equal(obstructions(region).size(), all, "the mask has no effect on mesh instances")
 
 
 func test_world_offset() -> void:
@@ -324,7 +325,7 @@ func test_world_offset() -> void:
 	check(check_left_out(bake(region), scatter.query_rect(within()), "far away") > 40, "moved")
 
 
-func test_nodes_come_and_go_between_bakes() -> void:
+func test_nodes_are_added_and_removed_between_bakes() -> void:
 	var region := make_region()
 	region.navigation_mesh.filter_baking_aabb = AABB(Vector3(-24, -1, -24), Vector3(48, 4, 48))
 	var scatter := plant(region, [solid_layer()])
@@ -332,22 +333,22 @@ func test_nodes_come_and_go_between_bakes() -> void:
 	var both := obstructions(region).size()
 	region.remove_child(other)
 	var one := obstructions(region).size()
-	check(one > 0 and one < both, "one of two left: %d of %d" % [one, both])
+	check(one > 0 and one < both, "one of two remains: %d of %d" % [one, both])
 	region.add_child(other)
-	check_equal(obstructions(region).size(), both, "and back")
+	check_equal(obstructions(region).size(), both, "both again")
 	scatter.free()
-	check_equal(obstructions(region).size(), both - one, "one freed")
+	check_equal(obstructions(region).size(), both - one, "one is freed")
 	other.layers = []
 	check_equal(obstructions(region).size(), 0, "without layers")
 	other.layers = [solid_layer()]
-	other.terrain = null
+	other.ground = null
 	check_equal(obstructions(region).size(), 0, "without a ground")
 	other.free()
 	check(clearance(bake(region), Vector2.ZERO) == 0.0, "nothing is in the way")
 
 
-## A ground that takes its node out of the tree, or frees it, when it is asked.
-class Trap extends ScatterTerrain:
+## A ground that removes its node from the tree and frees it while it is queried.
+class FreeingGround extends ScatterGround:
 	var node: TerrainScatter3D
 	var armed := false
 
@@ -364,18 +365,18 @@ class Trap extends ScatterTerrain:
 func test_a_script_may_free_the_node_in_a_bake() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
-	var trap := Trap.new()
-	scatter.terrain = trap
+	var freeing := FreeingGround.new()
+	scatter.ground = freeing
 	var all := obstructions(region).size()
 	check(all > 40, "the ground answers")
 	scatter.regenerate()
-	trap.node = scatter
-	trap.armed = true
+	freeing.node = scatter
+	freeing.armed = true
 	obstructions(region)
-	check(not trap.armed, "it was asked")
+	check(not freeing.armed, "the ground was queried")
 	await frames(2)
-	check(not is_instance_valid(scatter), "it is gone")
-	check(clearance(bake(region), Vector2.ZERO) == 0.0, "and bakes go on")
+	check(not is_instance_valid(scatter), "the node is freed")
+	check(clearance(bake(region), Vector2.ZERO) == 0.0, "bakes still work")
 
 
 func test_bakes_in_a_thread() -> void:
@@ -384,5 +385,5 @@ func test_bakes_in_a_thread() -> void:
 	var done: Array[bool] = [false]
 	region.bake_finished.connect(func() -> void: done[0] = true)
 	region.bake_navigation_mesh(true)
-	await until(func() -> bool: return done[0], "baked")
-	check(check_left_out(region.navigation_mesh, scatter.query_rect(within()), "threaded") > 40, "all are left out")
+	await until(func() -> bool: return done[0], "the bake is finished")
+	check(check_left_out(region.navigation_mesh, scatter.query_rect(within()), "threaded") > 40, "all instances are left out")

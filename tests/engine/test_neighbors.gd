@@ -1,7 +1,7 @@
 extends "edits_harness.gd"
-## Layers that know each other by name: who gives way to whom, and what a change of one means to another.
+## Layers that refer to each other by name: which layer keeps away from which, and effects of a change on other layers.
 
-## The least distance from any instance of a layer near the middle to any of another.
+## Returns the smallest distance from a layer's instances near the middle to those of a second layer.
 func gap(scatter: TerrainScatter3D, layer: int, other: int) -> float:
 	var least := INF
 	var others := map_positions(scatter, other)
@@ -20,14 +20,14 @@ func test_one_layer_changed() -> void:
 	shown.take()
 	scatter.layers[FERN].density = 0.5
 	await settle(scatter)
-	check(shown.take()[OAK].is_empty(), "a later layer does not matter to an earlier one")
+	check(shown.take()[OAK].is_empty(), "a later layer does not affect an earlier one")
 	scatter.layers[FERN].density = 1.0
 	await settle(scatter)
 	check(instances(scatter, FERN) == ferns, "the same ferns again")
 	shown.take()
 	scatter.layers[OAK].max_scale = 2.0
 	await settle(scatter)
-	check(shown.take()[FERN].is_empty(), "how oaks look does not matter to ferns")
+	check(shown.take()[FERN].is_empty(), "the look of oaks does not affect ferns")
 	scatter.layers[OAK].max_scale = 1.0
 	scatter.layers[OAK].density = 0.5
 	await settle(scatter)
@@ -36,10 +36,10 @@ func test_one_layer_changed() -> void:
 	check(felled.size() > 20 and changed.size() > 50, "%d oaks and %d ferns changed" % [felled.size(), changed.size()])
 	var far := 0
 	for position in changed:
-		# Oaks beyond the view reach in, too.
+		# Oaks beyond the view distance affect ferns within it, too.
 		var near_edge := maxf(absf(position.x), absf(position.y)) > 60.0
 		far += int(not near_edge and nearest(position, felled) > SPACING + FLOATS)
-	check_equal(far, 0, "ferns that changed far from any oak that did")
+	check_equal(far, 0, "ferns that changed far from any changed oak")
 
 
 func test_spacing_across_tiles_and_by_order() -> void:
@@ -53,35 +53,35 @@ func test_spacing_across_tiles_and_by_order() -> void:
 	a.spacing = {"b": 2.5}
 	b.spacing = {"a": 1.0, "c": 1.25}
 	c.spacing = {"a": 1.75}
-	b.density = 0.15 # So sparse that all find room in any order.
+	b.density = 0.15 # So sparse that all fit in any order.
 	c.density = 0.05
 	var alone: Array[Dictionary] = []
 	for layer: ScatterLayer in [a, b, c]:
-		var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 		await settle(scatter)
 		alone.push_back(instances(scatter, 0))
 		scatter.free()
 	for order: Array in [[a, b, c], [c, b, a]]:
 		var list: Array[ScatterLayer] = []
 		list.assign(order)
-		var scatter := make_scatter(list, ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter(list, ScatterGroundFlat.new(), make_viewer())
 		await settle(scatter)
 		var at := [order.find(a), order.find(b), order.find(c)]
 		for index in 3:
 			var stands := instances(scatter, at[index])
 			check_equal(stands == alone[index], at[index] == 0, "layer %d of %s is complete" % [index, order])
 			for id in stands:
-				check(alone[index].has(id), "who gives way goes, and nobody comes")
-		check(gap(scatter, at[1], at[0]) >= 2.5 - FLOATS, "the larger of two: %f" % gap(scatter, at[1], at[0]))
-		check(gap(scatter, at[2], at[1]) >= 1.25 - FLOATS, "one names the other: %f" % gap(scatter, at[2], at[1]))
-		check(gap(scatter, at[2], at[0]) >= 1.75 - FLOATS, "the other way round: %f" % gap(scatter, at[2], at[0]))
-		check(gap(scatter, at[2], at[0]) < 1.8, "and no more than that: %f" % gap(scatter, at[2], at[0]))
+				check(alone[index].has(id), "spacing removes instances and adds none")
+		check(gap(scatter, at[1], at[0]) >= 2.5 - FLOATS, "the larger of two distances: %f" % gap(scatter, at[1], at[0]))
+		check(gap(scatter, at[2], at[1]) >= 1.25 - FLOATS, "one layer names the other: %f" % gap(scatter, at[2], at[1]))
+		check(gap(scatter, at[2], at[0]) >= 1.75 - FLOATS, "the other layer names the first: %f" % gap(scatter, at[2], at[0]))
+		check(gap(scatter, at[2], at[0]) < 1.8, "no larger distance than required: %f" % gap(scatter, at[2], at[0]))
 		check_equal(scatter.get_problems(), PackedStringArray(), "problems")
 		scatter.free()
 
 
 func test_proximity() -> void:
-	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(make_forest(), ScatterGroundFlat.new(), make_viewer())
 	var fern := scatter.layers[FERN]
 	fern.spacing = {}
 	fern.edge_feather = 0.0
@@ -94,43 +94,43 @@ func test_proximity() -> void:
 	var counts := [0, 0]
 	for position in map_positions(scatter, FERN):
 		var distance := nearest(position, oaks)
-		check(distance < 4.0 + FLOATS or position.length() > 60.0, "a fern in the open, %f m from an oak" % distance)
+		check(distance < 4.0 + FLOATS or position.length() > 60.0, "a fern without an oak, %f m away" % distance)
 		counts[int(distance > 2.0)] += 1
-	# The inner part is a third of the outer one, and a straight line is 3/4 against 1/3 on average.
-	check(counts[0] > 50 and counts[1] > 50, "ferns near and farther off: %s" % [counts])
+	# The inner area is a third of the outer one. A linear density averages 3/4 in the inner area and 1/3 in the outer one.
+	check(counts[0] > 50 and counts[1] > 50, "ferns near and further away: %s" % [counts])
 	check(3 * counts[0] > counts[1], "they thin out: %s" % [counts])
 	scatter.layers = [fern, scatter.layers[OAK]]
-	check("before" in "".join(scatter.get_problems()), "proximity to a later layer is warned of")
+	check("before" in "".join(scatter.get_problems()), "a warning for proximity to a later layer")
 	await settle(scatter)
-	check(map_positions(scatter, 0).size() > 1000, "and has no effect")
+	check(map_positions(scatter, 0).size() > 1000, "it has no effect")
 
 
 func test_names() -> void:
-	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter(make_forest(), ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
-	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a good forest")
+	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a valid forest")
 	var spaced := digests(scatter, FERN)
 	scatter.layers[FERN].spacing = {"Föhre": SPACING}
-	check("\"Föhre\"" in "".join(scatter.get_problems()), "a name that no layer has, with its letters")
+	check("\"Föhre\"" in "".join(scatter.get_problems()), "a name that no layer has, with all its letters")
 	scatter.layers[OAK].resource_name = "elm"
 	scatter.layers[FERN].spacing = {"oak": SPACING}
 	await settle(scatter)
-	check(digests(scatter, FERN) != spaced, "nobody to give way to")
+	check(digests(scatter, FERN) != spaced, "no layer to keep away from")
 	scatter.layers[OAK].resource_name = "oak"
 	await settle(scatter)
 	check(digests(scatter, FERN) == spaced, "the oaks are back")
 	scatter.layers[FERN].resource_name = "oak"
-	check("same name" in "".join(scatter.get_problems()), "two layers of one name")
+	check("the name of an earlier layer" in "".join(scatter.get_problems()), "two layers with the same name")
 	await settle(scatter)
-	check(digests(scatter, FERN) == spaced, "the first one is meant")
+	check(digests(scatter, FERN) == spaced, "the first one is used")
 	scatter.layers[FERN].resource_name = "fern"
 	scatter.layers = [null, scatter.layers[FERN]]
 	await settle(scatter)
-	check(digests(scatter, FERN) != spaced, "a layer that is not there")
+	check(digests(scatter, FERN) != spaced, "a missing layer")
 
 
-func test_refused_layers_keep_their_last_good_state() -> void:
-	var scatter := make_scatter(make_forest(), ScatterTerrainFlat.new(), make_viewer())
+func test_refused_layers_keep_their_last_valid_state() -> void:
+	var scatter := make_scatter(make_forest(), ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := [digests(scatter, OAK), digests(scatter, FERN)]
 	scatter.layers[OAK].min_slope_degrees = 50.0
@@ -140,24 +140,24 @@ func test_refused_layers_keep_their_last_good_state() -> void:
 	var mask := scatter.layers[FERN].mask
 	var area := mask.paint(Vector2(10, 10), 4.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
 	await settle(scatter)
-	check_no_error("the same again")
+	check_no_error("reported once")
 	check(digests(scatter, OAK) == before[OAK], "oaks stay")
-	check(digests(scatter, FERN) != before[FERN], "ferns may be edited")
-	check(gap(scatter, FERN, OAK) >= SPACING - FLOATS, "and give way as before")
+	check(digests(scatter, FERN) != before[FERN], "ferns can be edited")
+	check(gap(scatter, FERN, OAK) >= SPACING - FLOATS, "and keep away as before")
 	mask.paint(area.get_center(), 20.0, 1.0, 1.0, ScatterMask.MODE_PAINT)
 	await settle(scatter)
-	check(digests(scatter, FERN) == before[FERN], "painted over")
+	check(digests(scatter, FERN) == before[FERN], "the edit is undone")
 	scatter.layers[OAK].max_slope_degrees = 90.0
 	scatter.layers[OAK].min_slope_degrees = 0.0
 	scatter.layers[OAK].radius = 0.5
 	scatter.layers[FERN].spacing = {"oak": 1000.0}
 	scatter.layers[FERN].tile_size = 50.0
 	await settle(scatter)
-	check_error(["layers[1]", "spacing", "points"], "oaks in a thousand meters around each tile")
+	check_error(["layers[1]", "spacing", "points"], "oaks within a thousand meters of each tile")
 	check(digests(scatter, FERN) == before[FERN], "ferns stay")
 	scatter.layers[OAK].radius = 4.0
 	scatter.layers[FERN].spacing = {"oak": SPACING}
 	scatter.layers[FERN].tile_size = 32.0
 	await settle(scatter)
-	check_no_error("all is well again")
-	check([digests(scatter, OAK), digests(scatter, FERN)] == before, "all is as before")
+	check_no_error("valid settings")
+	check([digests(scatter, OAK), digests(scatter, FERN)] == before, "everything is as before")

@@ -1,32 +1,32 @@
 extends "harness.gd"
-## To be run with little memory (see test_engine.py): what asks for too much prints an error, and all goes on.
+## Runs with little memory (see test_engine.py): a call that needs too much prints an error, and later calls still work.
 
 
-func test_a_window_too_large_is_refused_and_a_small_one_comes() -> void:
+func test_a_small_window_works_after_one_that_is_too_large() -> void:
 	var sampler := PoissonSampler.new()
 	var small := Rect2(0, 0, 30, 30)
 	var expected: PackedVector2Array = sampler.sample(small)["positions"]
 	var huge: PackedVector2Array = sampler.sample(Rect2(0, 0, 11000, 11000))["positions"]
-	check(huge.is_empty(), "nothing comes of what does not fit")
+	check(huge.is_empty(), "no points without memory")
 	expect_memory_error("PoissonSampler.rect")
-	check(sampler.sample(small)["positions"] == expected, "the sampler is as good as new")
+	check(sampler.sample(small)["positions"] == expected, "the sampler still works")
 
 
-func test_a_domain_too_large_is_refused_and_a_small_one_comes() -> void:
+func test_a_small_domain_works_after_one_that_is_too_large() -> void:
 	for method: int in [PoissonSampler.METHOD_TILES, PoissonSampler.METHOD_HIERARCHICAL]:
 		var sampler := PoissonSampler.new()
 		sampler.method = method
 		sampler.double_precision = true
 		var small := Rect2(0, 0, 30, 30)
 		var expected := sampler.sample_domain(small)
-		check(sampler.sample_domain(Rect2(0, 0, 11000, 11000)).is_empty(), "nothing comes of what does not fit")
+		check(sampler.sample_domain(Rect2(0, 0, 11000, 11000)).is_empty(), "no points without memory")
 		expect_memory_error("PoissonSampler.rect")
-		check(sampler.sample_domain(small) == expected, "the sampler is as good as new")
+		check(sampler.sample_domain(small) == expected, "the sampler still works")
 
 
-## One error of ours; the engine has one of its own wherever it has not enough memory for an array.
-func expect_memory_error(asked_for: String) -> void:
-	var told: Array = Array(errors.take()).filter(func(message: String) -> bool: return not 'Parameter "mem' in message)
-	check(told.size() == 1, "one error, got %s" % [told])
-	for message in told:
-		check(message.begins_with(asked_for) and "more memory than there is" in message, message)
+## One error of the library. The engine may print its own when an array does not fit.
+func expect_memory_error(source: String) -> void:
+	var messages: Array = Array(errors.take()).filter(func(message: String) -> bool: return not 'Parameter "mem' in message)
+	check(messages.size() == 1, "one error, got %s" % [messages])
+	for message in messages:
+		check(message.begins_with(source) and "more memory than is available" in message, message)

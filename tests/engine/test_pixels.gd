@@ -1,5 +1,5 @@
 extends "picture_harness.gd"
-## What a camera sees: the one thing that buffers do not tell.
+## The picture of a camera, which buffers cannot show.
 
 const RED := Color(1.0, 0.0, 0.0)
 const GREEN := Color(0.0, 1.0, 0.0)
@@ -12,7 +12,7 @@ func plain(color: Color) -> StandardMaterial3D:
 	return material
 
 
-## Cubes that stand close together on flat ground, seen from 40 m above, on black.
+## Cubes close together on flat ground, seen from 40 m above, on black.
 func make_view() -> TerrainScatter3D:
 	var environment := Environment.new()
 	environment.background_mode = Environment.BG_COLOR
@@ -24,16 +24,16 @@ func make_view() -> TerrainScatter3D:
 	var layer := make_layer(2.0)
 	layer.tile_size = 8.0
 	layer.meshes = [mesh]
-	return make_scatter([layer], ScatterTerrainFlat.new(), camera)
+	return make_scatter([layer], ScatterGroundFlat.new(), camera)
 
 
-## The share of the picture that is of a color.
+## Returns the fraction of the picture that has a color.
 func share(color: Color) -> float:
 	return await share_of_pixels(func(pixel: Color) -> bool:
 		return absf(pixel.r - color.r) + absf(pixel.g - color.g) + absf(pixel.b - color.b) < 0.1)
 
 
-## Cubes as above, whose color is an instance shader parameter that their scene sets.
+## The same cubes, colored by an instance shader parameter that their scene sets.
 func make_tinted_view() -> TerrainScatter3D:
 	var scatter := make_view()
 	var material := ShaderMaterial.new()
@@ -58,37 +58,37 @@ func test_instance_shader_parameters_of_a_scene() -> void:
 	scatter.layers[0].tile_size = 32.0
 	await settle(scatter)
 	check(await share(GREEN) > 0.15 and await share(RED) == 0.0, "all are green")
-	check_equal(scatter.get_problems(), PackedStringArray(), "the renderer has room for them")
+	check_equal(scatter.get_problems(), PackedStringArray(), "the renderer has room for all parameters")
 
 
-func test_what_a_camera_sees() -> void:
+func test_properties_change_the_picture() -> void:
 	var scatter := make_view()
 	await settle(scatter)
 	var layer := scatter.layers[0] as ScatterLayer
-	# 0.1741 instances a square meter, each with a top of 1 m² that perspective makes a little larger, and a side in
-	# view.
+	# 0.1741 instances per square meter, each with a top of 1 m², slightly enlarged by perspective, and a visible
+	# side.
 	var red: float = await share(RED)
-	check(red > 0.15 and red < 0.35, "the picture is red to %f" % red)
+	check(red > 0.15 and red < 0.35, "%f of the picture is red" % red)
 
 	scatter.visible = false
 	check_equal(await share(RED), 0.0, "red of a hidden node")
 	scatter.seed = 9
 	await settle(scatter)
-	check_equal(await share(RED), 0.0, "red of tiles that came while the node was hidden")
+	check_equal(await share(RED), 0.0, "red of tiles that were generated while the node was hidden")
 	scatter.visible = true
 	red = await share(RED)
-	check(red > 0.15, "red of the node shown again: %f" % red)
+	check(red > 0.15, "red of the visible node: %f" % red)
 
 	layer.material_override = plain(GREEN)
 	await settle(scatter)
 	var green: float = await share(GREEN)
-	check(green > 0.15 and await share(RED) == 0.0, "green of another material: %f" % green)
+	check(green > 0.15 and await share(RED) == 0.0, "green with a new material: %f" % green)
 	layer.material_override = null
 
 	layer.render_layers = 2
 	root.get_camera_3d().cull_mask = 1
 	await settle(scatter)
-	check_equal(await share(RED), 0.0, "red on a render layer that the camera does not see")
+	check_equal(await share(RED), 0.0, "red on a render layer that the camera excludes")
 	scatter.seed = 10
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red of new tiles on that layer")
@@ -105,16 +105,16 @@ func test_what_a_camera_sees() -> void:
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_ON
 	await settle(scatter)
 
-	# One buffer a frame, so that there are many frames between the first new tile and the last.
+	# One buffer per frame, so there are many frames between the first new tile and the last.
 	scatter.frame_budget_usec = 1
 	var mesh := BoxMesh.new()
 	mesh.material = plain(GREEN)
 	layer.meshes = [mesh]
 	var mixed := 0
 	while await share(GREEN) < 0.9 * red:
-		check(await share(RED) + await share(GREEN) > 0.8 * red, "old tiles stay until new ones are there")
+		check(await share(RED) + await share(GREEN) > 0.8 * red, "old tiles stay until new ones are ready")
 		mixed += 1
-	check(mixed > 2, "%d looks in between" % mixed)
+	check(mixed > 2, "%d pictures in between" % mixed)
 	scatter.frame_budget_usec = 20000
 	mesh = BoxMesh.new()
 	mesh.material = plain(RED)
@@ -130,7 +130,7 @@ func test_what_a_camera_sees() -> void:
 	check_equal(await share(RED), 0.0, "red after the node was freed")
 
 
-func test_boxes_around_tiles_hold_their_meshes() -> void:
+func test_boxes_of_tiles_contain_their_meshes() -> void:
 	var scatter := make_view()
 	var mesh := BoxMesh.new()
 	mesh.size = Vector3(0.5, 20.0, 0.5)
@@ -144,12 +144,12 @@ func test_boxes_around_tiles_hold_their_meshes() -> void:
 		var box := AABB(Vector3(-10.0, height, -10.0), Vector3(20.0, 0.1, 20.0))
 		return scatter.get_instance_id() in RenderingServer.instances_cull_aabb(box, scenario)
 	check(seen_at.call(0.0), "boxes reach the ground")
-	check(seen_at.call(19.0), "boxes reach the top of what is scaled by 2")
-	check(seen_at.call(-19.0), "and the bottom")
-	check(not seen_at.call(60.0), "boxes end somewhere")
+	check(seen_at.call(19.0), "boxes reach the top of instances scaled by 2")
+	check(seen_at.call(-19.0), "boxes reach their bottom")
+	check(not seen_at.call(60.0), "boxes are not too large")
 
 
-## Up to which height the renderer takes something of a node for in sight, in meters.
+## Returns the height in meters up to which the renderer considers the node visible.
 func top_of(scatter: TerrainScatter3D) -> float:
 	var low := 0.0
 	var high := 100.0
@@ -170,7 +170,8 @@ func foliage(parameters: Dictionary) -> ShaderMaterial:
 	return material
 
 
-## The same for a new node whose layer `edit` has changed: the renderer rounds a box up where it grows.
+## Returns that height for a new node whose layer `edit` has changed. A new node is needed because the renderer rounds boxes up
+## when they grow.
 func top_with(edit: Callable) -> float:
 	var scatter := make_view()
 	edit.call(scatter.layers[0])
@@ -180,21 +181,21 @@ func top_with(edit: Callable) -> float:
 	return top
 
 
-func test_boxes_of_plants_hold_their_sway() -> void:
+func test_boxes_of_plants_include_their_sway() -> void:
 	var still: float = await top_with(func(_layer: ScatterLayer) -> void: pass)
-	var grown_by := func(wanted: float, what: String, edit: Callable) -> void:
+	var grown_by := func(wanted: float, context: String, edit: Callable) -> void:
 		var grown: float = await top_with(edit) - still
-		check(absf(grown - wanted) < 0.01, "%s: %f m instead of %f" % [what, grown, wanted])
-	var sways_by := func(wanted: float, what: String, material: Material) -> void:
-		await grown_by.call(wanted, what, func(layer: ScatterLayer) -> void: layer.material_override = material)
+		check(absf(grown - wanted) < 0.01, "%s: %f m instead of %f" % [context, grown, wanted])
+	var sways_by := func(wanted: float, context: String, material: Material) -> void:
+		await grown_by.call(wanted, context, func(layer: ScatterLayer) -> void: layer.material_override = material)
 	var swaying := {&"wind_sway": 1.0, &"wind_flutter": 0.25, &"bend_reach": 0.5}
-	await sways_by.call((0.12 + 0.03) * 2.0 + 0.4, "the shader's own numbers", foliage({}))
-	await sways_by.call(3.0, "what a material says", foliage(swaying))
+	await sways_by.call((0.12 + 0.03) * 2.0 + 0.4, "defaults of the shader", foliage({}))
+	await sways_by.call(3.0, "parameters of a material", foliage(swaying))
 	await sways_by.call(5.5, "a stronger wind", foliage(swaying.merged({&"wind_strength": 4.0})))
-	await sways_by.call(0.0, "numbers that move nothing",
+	await sways_by.call(0.0, "parameters that move nothing",
 			foliage({&"wind_sway": -1.0, &"wind_flutter": NAN, &"bend_reach": -1.0}))
-	await sways_by.call(0.0, "another material", plain(RED))
-	await grown_by.call(4.5, "and a margin of the layer's own", func(layer: ScatterLayer) -> void:
+	await sways_by.call(0.0, "a different material", plain(RED))
+	await grown_by.call(4.5, "with the layer's own margin", func(layer: ScatterLayer) -> void:
 		layer.material_override = foliage(swaying)
 		layer.extra_cull_margin = 1.5)
 	await grown_by.call(3.0, "the mesh of an LOD", func(layer: ScatterLayer) -> void:
@@ -204,7 +205,7 @@ func test_boxes_of_plants_hold_their_sway() -> void:
 		layer.lod_distances = PackedFloat32Array([1000.0]))
 
 
-func test_boxes_follow_a_sway_when_the_layer_changes() -> void:
+func test_boxes_update_when_the_layer_changes() -> void:
 	var scatter := make_view()
 	var layer := scatter.layers[0] as ScatterLayer
 	layer.material_override = foliage({})
@@ -213,14 +214,14 @@ func test_boxes_follow_a_sway_when_the_layer_changes() -> void:
 	var uploads: int = scatter.get_stats().uploads
 	layer.material_override.set_shader_parameter(&"bend_reach", 30.0)
 	await settle(scatter)
-	check_equal(top_of(scatter), top, "the material tells nobody, so the top")
+	check_equal(top_of(scatter), top, "height after a change without a signal")
 	layer.emit_changed()
 	await settle(scatter)
-	check(top_of(scatter) > 30.0, "the layer looks at it again")
-	check_equal(scatter.get_stats().uploads, uploads, "uploads: a margin needs none")
+	check(top_of(scatter) > 30.0, "the layer reads the material again")
+	check_equal(scatter.get_stats().uploads, uploads, "uploads for a new margin")
 
 
-func test_nothing_is_left_of_tiles_once_all_is_settled() -> void:
+func test_removed_tiles_are_invisible_when_settled() -> void:
 	var scatter := make_view()
 	var layer := scatter.layers[0] as ScatterLayer
 	layer.view_distance = 90.0
@@ -229,11 +230,11 @@ func test_nothing_is_left_of_tiles_once_all_is_settled() -> void:
 	scatter.frame_budget_usec = 100
 	var viewer := Node3D.new()
 	root.add_child(viewer)
-	viewer.position.x = -60.0 # The tiles around it stay.
+	viewer.position.x = -60.0 # The tiles around this position stay.
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	await settle(scatter)
-	check(await share(RED) > 0.05, "red while the viewer sees as far")
-	scatter.viewer_distance_scales = [0.0] # Nothing new is to be made, which would take time.
+	check(await share(RED) > 0.05, "red within the view distance")
+	scatter.viewer_distance_scales = [0.0] # No new tiles, which would take time.
 	await frames(2)
 	while not scatter.is_settled():
 		await process_frame
@@ -243,7 +244,7 @@ func test_nothing_is_left_of_tiles_once_all_is_settled() -> void:
 	for x in image.get_width():
 		for y in image.get_height():
 			red += int(image.get_pixel(x, y).r > 0.5)
-	check_equal(red, 0, "red pixels, as soon as all is settled")
+	check_equal(red, 0, "red pixels in the first settled frame")
 	viewer.free()
 
 
@@ -273,7 +274,7 @@ func picture() -> Image:
 	return root.get_texture().get_image()
 
 
-## The share of pixels that differ.
+## Returns the fraction of pixels that differ.
 func difference(a: Image, b: Image) -> float:
 	var count := 0
 	for x in a.get_width():
@@ -282,33 +283,33 @@ func difference(a: Image, b: Image) -> float:
 	return count / float(a.get_width() * a.get_height())
 
 
-func test_a_recenter_a_thousand_kilometers_out_is_not_seen() -> void:
+func test_a_recenter_a_thousand_kilometers_out_is_invisible() -> void:
 	var scatter := make_view()
 	var camera := root.get_camera_3d()
 	scatter.world_offset = Vector3(1048576.0, 0.0, -1048576.0)
 	await settle(scatter)
 	var before: Image = await picture()
 	var red: float = await share(RED)
-	check(red > 0.15 and red < 0.5, "share of red a thousand kilometers out: %f" % red)
+	check(red > 0.15 and red < 0.5, "fraction of red a thousand kilometers out: %f" % red)
 	for step in 4:
 		camera.position -= Vector3(128.0, 0.0, 64.0)
 		scatter.world_offset += Vector3(128.0, 0.0, 64.0)
 		await process_frame
-		# Single precision 700 m from the engine's origin may change which side of a pixel's middle an edge lies on.
+		# In single precision, 700 m from the engine's origin, an edge may fall on the other side of a pixel's center.
 		check(difference(await picture(), before) < 0.005, "the picture after recenter %d" % step)
-	check(difference(before, await picture()) < 0.005, "and in the end")
+	check(difference(before, await picture()) < 0.005, "the last picture")
 	camera.position.x += 8.0
-	check(difference(before, await picture()) > 0.05, "a camera that moves sees something else")
+	check(difference(before, await picture()) > 0.05, "a moved camera sees a different picture")
 
 
-## The last test: the engine goes on to print errors for what it has no room for.
+## The last test, because the engine keeps printing errors afterwards.
 func test_the_limit_of_instance_uniforms_is_a_problem() -> void:
 	var scatter := make_tinted_view()
 	scatter.layers[0].tile_size = 4.0
 	await settle(scatter)
 	var many: int = scatter.get_draw_stats()["multimeshes"]
-	var told := "\n".join(scatter.get_problems())
-	check(many > 256 and "%d multimeshes have shaders with instance uniforms" % many in told, "%d: %s" % [many, told])
-	check(not errors.take().is_empty(), "the engine has no room for all")
+	var problems := "\n".join(scatter.get_problems())
+	check(many > 256 and "%d multimeshes have shaders with instance uniforms" % many in problems, "%d: %s" % [many, problems])
+	check(not errors.take().is_empty(), "the engine has no room for all parameters")
 	scatter.free()
 	errors.take()

@@ -1,9 +1,9 @@
 extends "harness.gd"
-## Nothing is silent: what keeps a node from showing what it should is printed once and among its problems.
+## Nothing fails silently: each reason why a node does not show instances is printed once and listed among its problems.
 
-## A ground whose methods go wrong in a way of their own.
-class FailingGround extends ScatterTerrain:
-	var heights: Variant = true ## True for a good answer, false for a script error.
+## A ground whose methods fail in different ways.
+class FailingGround extends ScatterGround:
+	var heights: Variant = true ## True for a valid result, false for a script error.
 	var normals: Variant = true
 	var weights: Variant = true
 	var threaded := false
@@ -42,7 +42,7 @@ class FailingGround extends ScatterTerrain:
 const REMEDY := "Fix the method, then call TerrainScatter3D.regenerate()."
 
 
-## Errors of the library itself: the engine prints one for each script error.
+## Returns the library's own errors. The engine prints one for each script error, too.
 func take_own_errors() -> PackedStringArray:
 	var own: PackedStringArray
 	for message in errors.take():
@@ -51,13 +51,13 @@ func take_own_errors() -> PackedStringArray:
 	return own
 
 
-func check_has(text: String, words: Array, what: String) -> void:
+func check_has(text: String, words: Array, context: String) -> void:
 	for word: String in words:
-		check(word in text, "%s: expected '%s' in '%s'" % [what, word, text])
+		check(word in text, "%s: expected '%s' in '%s'" % [context, word, text])
 
 
 func test_a_ground_script_that_fails() -> void:
-	var heights := ["ScatterTerrain", "_get_heights()", "PackedFloat32Array with a height in meters for each position",
+	var heights := ["ScatterGround", "_get_heights()", "PackedFloat32Array with a height in meters for each position",
 			REMEDY]
 	var cases := [
 		["heights", null, heights + ["returned null", "script error"]],
@@ -73,7 +73,7 @@ func test_a_ground_script_that_fails() -> void:
 	]
 	for threaded: bool in [false, true]:
 		for case: Array in cases:
-			var what := "%s = %s, threaded %s" % [case[0], case[1], threaded]
+			var context := "%s = %s, threaded %s" % [case[0], case[1], threaded]
 			var ground := FailingGround.new()
 			ground.threaded = threaded
 			ground.set(case[0], case[1])
@@ -85,33 +85,33 @@ func test_a_ground_script_that_fails() -> void:
 			await settle(scatter)
 			await frames(20)
 			var own := take_own_errors()
-			check_equal(own.size(), 2, "%s: an error for each layer, got %s" % [what, own])
-			check_has("".join(own), case[2], what)
+			check_equal(own.size(), 2, "%s: one error per layer, got %s" % [context, own])
+			check_has("".join(own), case[2], context)
 			var problems := scatter.get_problems()
-			if check_equal(problems.size(), 1, "%s: problems, got %s" % [what, problems]):
-				check_has(problems[0], case[2], what)
+			if check_equal(problems.size(), 1, "%s: problems, got %s" % [context, problems]):
+				check_has(problems[0], case[2], context)
 			ground.set(case[0], true)
 			scatter.regenerate()
 			await settle(scatter)
-			check_no_error(what + ", works again")
-			check_equal(scatter.get_problems(), PackedStringArray(), what + ", works again")
-			check(scatter.get_stats()["instances"] > 1000, what + ", shows again")
+			check_no_error(context + ", works again")
+			check_equal(scatter.get_problems(), PackedStringArray(), context + ", works again")
+			check(scatter.get_stats()["instances"] > 1000, context + ", shows instances again")
 			await clean()
 
 
-## The sentence names the file of a script that has one.
+## The message contains the file of a script that has one.
 func test_a_failing_script_is_named() -> void:
 	var file := FileAccess.open("user://failing_ground.gd", FileAccess.WRITE)
-	file.store_string("extends ScatterTerrain\nfunc _get_heights(_positions):\n\treturn 5\n")
+	file.store_string("extends ScatterGround\nfunc _get_heights(_positions):\n\treturn 5\n")
 	file.close()
-	var ground: ScatterTerrain = (load("user://failing_ground.gd") as GDScript).new()
+	var ground: ScatterGround = (load("user://failing_ground.gd") as GDScript).new()
 	var scatter := make_scatter([make_layer()], ground, make_viewer())
 	await settle(scatter)
 	check_error(["user://failing_ground.gd", "_get_heights() returned \"5\""], "a script in a file")
-	check_has("".join(scatter.get_problems()), ["Script user://failing_ground.gd of ScatterTerrain"], "its problem")
+	check_has("".join(scatter.get_problems()), ["Script user://failing_ground.gd of ScatterGround"], "its problem")
 
 
-## Ground that works at first: a re-check meets the failure.
+## Ground that works at first: a re-check finds the failure.
 func test_a_script_that_fails_later() -> void:
 	var ground := FailingGround.new()
 	var scatter := make_scatter([make_layer()], ground, make_viewer())
@@ -119,7 +119,7 @@ func test_a_script_that_fails_later() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of ground that works")
 	ground.heights = null
 	await until(func() -> bool: return scatter.get_problems().size() == 1, "a problem of ground that fails")
-	check_error(["_get_heights()", "returned null"], "a re-check")
+	check_error(["_get_heights()", "returned null"], "an error of the re-check")
 	check(scatter.get_stats()["instances"] > 1000, "all instances stay")
 	ground.heights = true
 	scatter.regenerate()
@@ -127,21 +127,21 @@ func test_a_script_that_fails_later() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of ground that works again")
 
 
-func test_a_method_of_another_terrain_that_fails() -> void:
+func test_a_ground_node_whose_method_fails() -> void:
 	var node := Node3D.new()
 	var script := GDScript.new()
 	script.source_code = "extends Node3D\nfunc get_height(_position):\n\treturn 'none'\n"
 	script.reload()
 	node.set_script(script)
 	root.add_child(node)
-	var ground := ScatterTerrainObject.new()
+	var ground := ScatterGroundNode.new()
 	var scatter := make_scatter([make_layer()], ground, make_viewer())
 	ground.node = scatter.get_path_to(node)
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node"], "a wrong answer")
+	check_error(["ScatterGroundNode.node"], "a wrong result")
 	var problems := scatter.get_problems()
 	check_equal(problems.size(), 1, "problems, got %s" % [problems])
-	check_has("".join(problems), ["layer 0", "number from the height method of ScatterTerrainObject.node"], "its problem")
+	check_has("".join(problems), ["layer 0", "number from the height method of ScatterGroundNode.node"], "its problem")
 
 
 func make_grass(radius: float) -> ScatterLayer:
@@ -153,7 +153,7 @@ func make_grass(radius: float) -> ScatterLayer:
 
 func test_very_many_instances() -> void:
 	var grass := make_grass(0.1)
-	var scatter := make_scatter([grass], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([grass], ScatterGroundFlat.new(), make_viewer())
 	scatter.frame_budget_usec = 1
 	await frames(2)
 	var problems := scatter.get_problems()
@@ -171,25 +171,25 @@ func test_very_many_instances() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of a quarter of them")
 
 
-## Dense grass, thinned with distance, is what the add-on is for.
+## Dense grass, thinned with distance, is the main use of the add-on.
 func test_dense_grass_is_no_problem() -> void:
 	var grass := make_grass(0.2)
 	grass.thin_density = 0.2
 	grass.thin_end = 128.0
-	var scatter := make_scatter([grass], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([grass], ScatterGroundFlat.new(), make_viewer())
 	scatter.frame_budget_usec = 1
 	await frames(2)
 	check_equal(scatter.get_problems(), PackedStringArray(), "problems of dense grass")
 
 
-## Once all tiles are displayed, they count, not the estimate.
+## When all tiles are shown, their instances count instead of the estimate.
 func test_rules_that_leave_few_of_many_points() -> void:
 	var grass := make_layer(0.12)
 	grass.view_distance = 100.0
 	grass.min_height = 1.0
-	var scatter := make_scatter([grass], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([grass], ScatterGroundFlat.new(), make_viewer())
 	await frames(2)
-	check_equal(scatter.get_problems().size(), 1, "problems before there are tiles")
+	check_equal(scatter.get_problems().size(), 1, "problems before tiles exist")
 	await settle(scatter)
 	check_equal(scatter.get_stats()["instances"], 0, "instances")
 	await frames(1)
@@ -203,7 +203,7 @@ func test_settings_that_place_or_color_nothing() -> void:
 	var layer := make_layer()
 	layer.use_colors = true
 	layer.max_scale = 2.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	for case: Array in [
 		["scale_curve", Curve.new(), "ScatterLayer.scale_curve has no points: it is not used. Add points, or clear it."],
 		["color_gradient", colorless, "ScatterLayer.color_gradient has no points: all instances are black. Add points"],
@@ -214,4 +214,4 @@ func test_settings_that_place_or_color_nothing() -> void:
 		check_equal(problems.size(), 1, "%s: problems, got %s" % [case[0], problems])
 		check_has("".join(problems), [case[2]], case[0])
 		layer.set(case[0], good)
-		check_equal(scatter.get_problems(), PackedStringArray(), "%s as it was" % case[0])
+		check_equal(scatter.get_problems(), PackedStringArray(), "%s reset" % case[0])

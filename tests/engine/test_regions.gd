@@ -1,5 +1,5 @@
 extends "regions_harness.gd"
-## ScatterRegion3D: what it includes and excludes, what it follows, what it refuses and warns of, how long it counts.
+## ScatterRegion3D: shapes, changes that it follows, refused values, problems, and adding and removing it.
 
 
 func test_shapes() -> void:
@@ -31,7 +31,7 @@ func test_shapes() -> void:
 					"shape %d, exclude %s" % [shape, exclude])
 			region.free()
 			await settle(scatter)
-			check(instances(scatter, 0) == before, "all is back after shape %d" % shape)
+			check(instances(scatter, 0) == before, "everything is back after shape %d" % shape)
 
 
 func test_paths() -> void:
@@ -44,7 +44,7 @@ func test_paths() -> void:
 	region.width = 5.0
 	scatter.add_child(region)
 	region.path = region.get_path_to(path)
-	await check_path(scatter, before, path, "a path elsewhere")
+	await check_path(scatter, before, path, "a path at a distance")
 	region.position = Vector3(50, 0, 50)
 	await check_path(scatter, before, path, "the region moved")
 	path.transform = Transform3D(Basis(Vector3.UP, 1.0), Vector3(3.0, 0.0, -4.0))
@@ -52,7 +52,7 @@ func test_paths() -> void:
 	path.curve.set_point_position(1, Vector3(10, 0, -30))
 	await check_path(scatter, before, path, "a point of the curve moved")
 	path.curve = make_curve([Vector3(-20, 0, 0), Vector3(20, 0, 0)])
-	await check_path(scatter, before, path, "another curve")
+	await check_path(scatter, before, path, "a new curve")
 	root.remove_child(path)
 	await settle(scatter)
 	check(instances(scatter, 0) == before, "a path outside of the tree")
@@ -62,7 +62,7 @@ func test_paths() -> void:
 	await check_path(scatter, before, path, "the parent's path")
 	path.free()
 	await settle(scatter)
-	check(instances(scatter, 0) == before, "path and region are gone")
+	check(instances(scatter, 0) == before, "path and region are freed")
 
 
 func test_ignore_height_and_falloff() -> void:
@@ -77,7 +77,7 @@ func test_ignore_height_and_falloff() -> void:
 	check(instances(scatter, 0) == before, "high above the ground")
 	region.ignore_height = true
 	await settle(scatter)
-	check_kept(scatter, before, func(at: Vector3) -> bool: return Vector2(at.x, at.z).length() >= 20.0, "its shadow")
+	check_kept(scatter, before, func(at: Vector3) -> bool: return Vector2(at.x, at.z).length() >= 20.0, "below the region")
 	var sharp := instances(scatter, 0)
 	region.falloff = 15.0
 	await settle(scatter)
@@ -85,13 +85,13 @@ func test_ignore_height_and_falloff() -> void:
 	var deep := 0
 	var outer := 0
 	for id in soft:
-		check(before.has(id), "a rule adds nothing")
+		check(before.has(id), "a region adds nothing")
 		deep += int(on_map(soft[id]).length() < 5.0 - BEYOND)
 		outer += int(not sharp.has(id))
 	check_equal(deep, 0, "instances deeper than the falloff")
-	check(outer > 50, "%d stand in the falloff" % outer)
+	check(outer > 50, "%d remain in the falloff" % outer)
 	for id in sharp:
-		check(soft.has(id), "nothing goes outside")
+		check(soft.has(id), "nothing is removed outside")
 
 
 func test_layers_by_name() -> void:
@@ -104,28 +104,28 @@ func test_layers_by_name() -> void:
 	scatter.add_child(region)
 	await settle(scatter)
 	for layer in 3:
-		check_equal(digests(scatter, layer) == before[layer], layer == 0, "layer %d is as before" % layer)
+		check_equal(digests(scatter, layer) == before[layer], layer == 0, "layer %d is unchanged" % layer)
 	var excluded := [digests(scatter, 0), digests(scatter, 1), digests(scatter, 2)]
 	scatter.layers[1].resource_name = "other"
-	check_equal(region.layers, ["other", "layer 2"], "a renamed layer keeps its region")
+	check_equal(region.layers, ["other", "layer 2"], "the region follows a renamed layer")
 	for names: Array in [region.layers, [scatter.layers[1], scatter.layers[2]], [1, 2], [&"other", 2]]:
 		region.layers = names
 		await settle(scatter)
 		for layer in 3:
 			check(digests(scatter, layer) == excluded[layer], "layer %d, by %s" % [layer, names])
 	region.layers = [scatter.layers[1]]
-	check_equal(region.layers, ["other"], "a layer with a name is kept by it")
-	check_equal(region.get_problems(), PackedStringArray(), "no problem")
+	check_equal(region.layers, ["other"], "references to a layer use its name if it has one")
+	check_equal(region.get_problems(), PackedStringArray(), "no problems")
 	region.layers.push_back("layer 2")
-	check_error(["read-only"], "an edit that nobody would hear of")
+	check_error(["read-only"], "an edit without a signal")
 	region.layers = [null]
-	check_error(["ScatterRegion3D.layers", "null"], "what cannot mean a layer")
-	check_equal(region.layers, ["other"], "is ignored")
+	check_error(["ScatterRegion3D.layers", "null"], "an invalid layer")
+	check_equal(region.layers, ["other"], "the old list stays")
 	region.layers = ["layer 1", 5, "layer 2"]
 	await settle(scatter)
-	check(digests(scatter, 1) == before[1], "a layer of another name")
+	check(digests(scatter, 1) == before[1], "a layer with a different name")
 	check_equal(region.get_problems().size(), 2, "problems with unknown layers")
-	check("\"layer 1\"" in region.get_problems()[0] and "5" in region.get_problems()[1], "they are said: %s" % region.get_problems())
+	check("\"layer 1\"" in region.get_problems()[0] and "5" in region.get_problems()[1], "they are listed: %s" % region.get_problems())
 	region.layers = []
 	await settle(scatter)
 	for layer in 3:
@@ -143,7 +143,7 @@ func test_hidden_regions() -> void:
 	between.add_child(region)
 	await settle(scatter)
 	var with_region := digests(scatter, 0)
-	check(with_region != before, "a region at some depth counts")
+	check(with_region != before, "a region further down in the tree counts")
 	for node: Node3D in [region, between]:
 		node.hide()
 		await settle(scatter)
@@ -156,10 +156,10 @@ func test_hidden_regions() -> void:
 	await settle(scatter)
 	scatter.show()
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles_made"], made, "a hidden scatter makes nothing anew")
+	check_equal(scatter.get_stats()["tiles_made"], made, "a hidden scatter regenerates nothing")
 
 
-func test_comes_and_goes() -> void:
+func test_adding_and_removing_regions() -> void:
 	var scatter := make_field()
 	await settle(scatter)
 	var before := digests(scatter, 0)
@@ -169,7 +169,7 @@ func test_comes_and_goes() -> void:
 	var with_region := digests(scatter, 0)
 	scatter.remove_child(region)
 	await settle(scatter)
-	check(digests(scatter, 0) == before, "out of the tree")
+	check(digests(scatter, 0) == before, "outside of the tree")
 	region.position.x = 3.0
 	region.position.x = 0.0
 	scatter.add_child(region)
@@ -183,13 +183,13 @@ func test_comes_and_goes() -> void:
 	region.reparent(other)
 	await settle(scatter)
 	await settle(other)
-	check(digests(scatter, 0) == before, "taken away")
-	check(digests(other, 0) == with_region, "below another scatter")
+	check(digests(scatter, 0) == before, "the region moved away")
+	check(digests(other, 0) == with_region, "below a different scatter")
 	other.remove_child(region)
 	other.free()
-	check_equal(region.get_problems().size(), 0, "outside of the tree there is nothing to warn of")
+	check_equal(region.get_problems().size(), 0, "no problems outside of the tree")
 	root.add_child(region)
-	check("TerrainScatter3D" in "".join(region.get_problems()), "a region belongs below a scatter")
+	check("TerrainScatter3D" in "".join(region.get_problems()), "a problem: a region must be below a scatter")
 	region.free()
 	region = make_region(ScatterRegion3D.SHAPE_BOX)
 	scatter.add_child(region)
@@ -215,17 +215,17 @@ func test_freed_in_any_frame() -> void:
 		else:
 			scatter.free()
 		await frames(1)
-		check(not is_instance_valid(regions[3]), "gone")
+		check(not is_instance_valid(regions[3]), "freed")
 
 
-func test_what_does_not_count_is_hidden() -> void:
+func test_properties_without_effect_are_hidden() -> void:
 	var counts: Array[PackedStringArray] = [
 		["ignore_height", "size"], ["ignore_height", "radius"], ["ignore_height", "radius", "height"], ["polygon"],
 		["path", "width"],
 	]
 	var region := ScatterRegion3D.new()
-	var told := [0]
-	region.property_list_changed.connect(func() -> void: told[0] += 1)
+	var notifications := [0]
+	region.property_list_changed.connect(func() -> void: notifications[0] += 1)
 	for shape: ScatterRegion3D.Shape in counts.size():
 		region.shape = shape
 		var seen := PackedStringArray()
@@ -240,7 +240,7 @@ func test_what_does_not_count_is_hidden() -> void:
 			check(name in stored, "shape %d stores %s" % [shape, name])
 		for name: String in ["shape", "exclude", "layers", "falloff"]:
 			check(name in seen, "shape %d shows %s" % [shape, name])
-	check_equal(told[0], counts.size() - 1, "the inspector hears of each change")
+	check_equal(notifications[0], counts.size() - 1, "one notification of the inspector per change")
 	region.free()
 
 
@@ -267,7 +267,7 @@ func test_saved_and_loaded() -> void:
 	check(digests(copy, 0) == digests(scatter, 0), "the same instances")
 
 
-func test_what_is_refused() -> void:
+func test_refused_values() -> void:
 	var region := ScatterRegion3D.new()
 	for property: String in ["falloff", "radius", "height", "width"]:
 		for value: float in [NAN, INF, -1.0, 1e9]:
@@ -286,7 +286,7 @@ func test_what_is_refused() -> void:
 	check_error(["ScatterRegion3D.polygon", "65537"], "too many corners")
 	region.set("shape", 5)
 	check_error(["ScatterRegion3D.shape", "5"], "no such shape")
-	check(region.size == Vector3(10, 10, 10) and region.polygon.is_empty() and region.shape == 0, "all is as it was")
+	check(region.size == Vector3(10, 10, 10) and region.polygon.is_empty() and region.shape == 0, "nothing has changed")
 	region.free()
 
 
@@ -303,20 +303,20 @@ func test_shear_and_scales() -> void:
 	await settle(scatter)
 	check_error(["ScatterRegion3D.shear"], "a sheared box")
 	check(digests(scatter, 0) == before, "it has no effect")
-	check("shear" in "".join(region.get_problems()), "and says so")
+	check("shear" in "".join(region.get_problems()), "which is a problem")
 	region.position.x = 2.0
 	await settle(scatter)
-	check_no_error("the same trouble again")
+	check_no_error("no second error")
 	region.rotation.y = 0.0
 	await settle(scatter)
-	check(digests(scatter, 0) != before, "a stretched box is a box")
+	check(digests(scatter, 0) != before, "a scaled box has an effect")
 	check_equal(region.get_problems().size(), 0, "problems of a box")
 	region.shape = ScatterRegion3D.SHAPE_SPHERE
-	check("largest" in "".join(region.get_problems()), "a sphere has one radius")
+	check("largest" in "".join(region.get_problems()), "a problem: a sphere has one radius")
 	region.scale = Vector3(0, 1, 1)
 	await settle(scatter)
-	errors.take() # The engine has no inverse of such a basis either.
-	check(digests(scatter, 0) == before, "nothing is left of it")
+	errors.take() # The engine prints an error for such a basis, too.
+	check(digests(scatter, 0) == before, "an empty region has no effect")
 
 
 func test_problems() -> void:
@@ -331,13 +331,13 @@ func test_problems() -> void:
 	region.shape = ScatterRegion3D.SHAPE_PATH
 	check("No path" in "".join(region.get_problems()), "no path")
 	region.path = ^".."
-	check("No path" in "".join(region.get_problems()), "a node that is no path")
+	check("No path" in "".join(region.get_problems()), "a node that is not a path")
 	var path := Path3D.new()
 	scatter.add_child(path)
 	region.path = region.get_path_to(path)
 	check("2 points" in "".join(region.get_problems()), "a path without a curve")
 	path.curve = make_curve([Vector3.ZERO])
-	check("2 points" in "".join(region.get_problems()), "a curve of one point")
+	check("2 points" in "".join(region.get_problems()), "a curve with one point")
 	path.curve.add_point(Vector3(5, 0, 5))
-	check_equal(region.get_problems().size(), 0, "a path")
+	check_equal(region.get_problems().size(), 0, "no problems with a valid path")
 	await settle(scatter)

@@ -1,18 +1,18 @@
 extends "collision_harness.gd"
-## Whatever makes bodies, scenes and multimeshes go, few of them go in one frame, and bodies near the viewer go first.
+## Bodies, scenes and multimeshes are removed over several frames, for any reason. Bodies near the viewer are removed first.
 
 ## With a budget of 1 µs, a frame does one step.
 const MOST_IN_A_STEP := 16
 
-## A pooled scene that counts those of its kind that exist.
+## A pooled scene that counts its existing instances.
 class Counted extends Node3D:
 	static var alive := 0
 
 	func _init() -> void:
 		alive += 1
 
-	func _notification(what: int) -> void:
-		alive -= int(what == NOTIFICATION_PREDELETE)
+	func _notification(context: int) -> void:
+		alive -= int(context == NOTIFICATION_PREDELETE)
 
 
 func make_dense_layer() -> ScatterLayer:
@@ -22,7 +22,7 @@ func make_dense_layer() -> ScatterLayer:
 	return layer
 
 
-## A settled scatter with some hundred bodies, and a budget for one step a frame.
+## Returns a settled scatter with some hundred bodies, and a budget for one step per frame.
 func make_dense(layers: Array[ScatterLayer]) -> TerrainScatter3D:
 	var scatter := make_solid(layers)
 	await settle(scatter)
@@ -31,9 +31,9 @@ func make_dense(layers: Array[ScatterLayer]) -> TerrainScatter3D:
 	return scatter
 
 
-## Lets a change happen. No frame may take more than a step's bodies away, and while few have gone, those are the nearest: unless `wanted`
-## bodies come in their place, which have the same ids.
-func check_removal(scatter: TerrainScatter3D, what: String, change: Callable, wanted := 0) -> void:
+## Makes a change. No frame may remove more bodies than a step does, and the nearest must be removed first. If `wanted` bodies replace
+## them, the order is not checked, because the new bodies have the same ids.
+func check_removal(scatter: TerrainScatter3D, context: String, change: Callable, wanted := 0) -> void:
 	var standing := bodies(scatter)
 	var places: Dictionary[int, float] = {}
 	for id in standing:
@@ -41,15 +41,15 @@ func check_removal(scatter: TerrainScatter3D, what: String, change: Callable, wa
 		places[id] = at.origin.distance_to(viewer.global_position)
 	await process_frame
 	change.call()
-	check_equal(bodies(scatter).size(), standing.size(), what + ": the call itself removes nothing")
-	var had := standing.size()
+	check_equal(bodies(scatter).size(), standing.size(), context + ": the call itself removes nothing")
+	var previous := standing.size()
 	var most := 0
 	for frame in 40:
 		await process_frame
 		var left := bodies(scatter)
-		most = maxi(most, had - left.size())
-		had = left.size()
-		if wanted == 0 and standing.size() - had < 100:
+		most = maxi(most, previous - left.size())
+		previous = left.size()
+		if wanted == 0 and standing.size() - previous < 100:
 			var nearest_left := INF
 			var farthest_gone := 0.0
 			for id in places:
@@ -57,14 +57,14 @@ func check_removal(scatter: TerrainScatter3D, what: String, change: Callable, wa
 					nearest_left = minf(nearest_left, places[id])
 				else:
 					farthest_gone = maxf(farthest_gone, places[id])
-			# A frame looks at the cells around the viewer first; within them the order is exact.
-			check(farthest_gone < nearest_left + 12.0, "%s: gone %.1f m away, left at %.1f m" % [what, farthest_gone, nearest_left])
-	check(most > 0 and most <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [what, most])
+			# A frame checks the cells around the viewer first. Within a cell, the order is exact.
+			check(farthest_gone < nearest_left + 12.0, "%s: a body %.1f m away is removed, one at %.1f m is not" % [context, farthest_gone, nearest_left])
+	check(most > 0 and most <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [context, most])
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
-	check(scatter.get_stats()["bodies"] >= wanted, "%s: %d bodies in the end" % [what, scatter.get_stats()["bodies"]])
+	check(scatter.get_stats()["bodies"] >= wanted, "%s: %d bodies finally" % [context, scatter.get_stats()["bodies"]])
 	if wanted == 0:
-		check_equal(bodies(scatter).size(), 0, what + ": bodies in the end")
+		check_equal(bodies(scatter).size(), 0, context + ": bodies finally")
 	scatter.free()
 	viewer.free()
 	await frames(2)
@@ -86,20 +86,20 @@ func test_no_layers() -> void:
 	await check_removal(scatter, "no layers", func() -> void: scatter.layers = [])
 
 
-func test_no_terrain() -> void:
+func test_no_ground() -> void:
 	var scatter := await make_dense([make_dense_layer()])
-	await check_removal(scatter, "no terrain", func() -> void: scatter.terrain = null)
+	await check_removal(scatter, "no ground", func() -> void: scatter.ground = null)
 
 
-func test_a_layer_less() -> void:
+func test_one_layer_less() -> void:
 	var scatter := await make_dense([make_layer(), make_dense_layer()])
-	await check_removal(scatter, "a layer less", func() -> void: scatter.layers = [scatter.layers[0]])
+	await check_removal(scatter, "one layer less", func() -> void: scatter.layers = [scatter.layers[0]])
 
 
-func test_a_state_with_very_many_removed() -> void:
+func test_a_state_with_many_removals() -> void:
 	var scatter := await make_dense([make_dense_layer()])
 	var state := ScatterState.new()
-	var other := make_scatter(scatter.layers, scatter.terrain, viewer)
+	var other := make_scatter(scatter.layers, scatter.ground, viewer)
 	await settle(other)
 	other.state = state
 	check(other.remove_in_sphere(Vector3.ZERO, 60.0).size() > 1024, "removed")
@@ -107,24 +107,24 @@ func test_a_state_with_very_many_removed() -> void:
 	await check_removal(scatter, "a state", func() -> void: scatter.state = state)
 
 
-## A teleport: all is far away, and may stay for longer; it must not go all at once.
+## After a teleport, all bodies are far away. They may stay for a while, but must not be removed at once.
 func test_a_teleport() -> void:
 	var scatter := await make_dense([make_dense_layer()])
-	var had := bodies(scatter).size()
+	var previous := bodies(scatter).size()
 	viewer.position.x = 3000.0
 	var most := 0
 	for frame in 40:
 		await process_frame
 		var now := bodies(scatter).size()
-		most = maxi(most, had - now)
-		had = now
+		most = maxi(most, previous - now)
+		previous = now
 	check(most > 0 and most <= MOST_IN_A_STEP, "%d bodies in one frame" % most)
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
-	check_equal(bodies(scatter).size(), 0, "bodies where the viewer was")
+	check_equal(bodies(scatter).size(), 0, "bodies at the old position")
 
 
-## What changes about bodies reaches a step's bodies a frame, the nearest first.
+## New settings of bodies apply to one step's bodies per frame, the nearest first.
 func test_new_settings_and_shapes() -> void:
 	var layer := make_dense_layer()
 	var scatter := await make_dense([layer])
@@ -132,8 +132,8 @@ func test_new_settings_and_shapes() -> void:
 	var changes: Dictionary[String, Callable] = {
 		"mask": func() -> void: layer.collision_mask = 4,
 		"height": func() -> void: layer.instance_height = 1.5}
-	for what in changes:
-		changes[what].call()
+	for context in changes:
+		changes[context].call()
 		var before := 0
 		for frame in 30:
 			await process_frame
@@ -141,18 +141,18 @@ func test_new_settings_and_shapes() -> void:
 			var found := bodies(scatter)
 			for id in standing:
 				var rid: RID = found[id]
-				if what == "mask":
+				if context == "mask":
 					done += int(PhysicsServer3D.body_get_collision_mask(rid) == 4)
 				else:
 					done += int(rid != standing[id])
-			check(done - before <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [what, done - before])
+			check(done - before <= MOST_IN_A_STEP, "%s: %d bodies in one frame" % [context, done - before])
 			before = done
-		check(before > 0 and before < standing.size(), "%s: %d bodies after some frames" % [what, before])
+		check(before > 0 and before < standing.size(), "%s: %d bodies after some frames" % [context, before])
 		scatter.frame_budget_usec = 20000
 		await settle(scatter)
 		standing = bodies(scatter)
 		for id in standing:
-			check_equal(PhysicsServer3D.body_get_collision_mask(standing[id]), 4, "mask in the end")
+			check_equal(PhysicsServer3D.body_get_collision_mask(standing[id]), 4, "mask finally")
 		scatter.frame_budget_usec = 1
 
 
@@ -160,7 +160,7 @@ func place_of(body: RID) -> Vector3:
 	return (PhysicsServer3D.body_get_state(body, PhysicsServer3D.BODY_STATE_TRANSFORM) as Transform3D).origin
 
 
-## An origin shift is right at once where the viewer is, both for bodies that belong there and for those that would be left there.
+## After an origin shift, bodies near the viewer are correct at once: both those that belong there and those that must leave.
 func test_world_offset() -> void:
 	var scatter := await make_dense([make_dense_layer()])
 	var standing := bodies(scatter)
@@ -177,8 +177,8 @@ func test_world_offset() -> void:
 		moved += int(is_right)
 		check(is_right or now == before[id], "a body is at its old or at its new position")
 		if not is_right:
-			check(now.distance_to(viewer.position) > 4.0, "left %.1f m away" % now.distance_to(viewer.position))
-			check((before[id] - shift).distance_to(viewer.position) > 4.0, "missing near the viewer")
+			check(now.distance_to(viewer.position) > 4.0, "an old body %.1f m away" % now.distance_to(viewer.position))
+			check((before[id] - shift).distance_to(viewer.position) > 4.0, "a missing body near the viewer")
 	check(moved <= 128, "%d bodies moved in the call" % moved)
 	for frame in 20:
 		await process_frame
@@ -187,16 +187,16 @@ func test_world_offset() -> void:
 			now_moved += int(place_of(standing[id]).is_equal_approx(before[id] - shift))
 		check(now_moved - moved <= MOST_IN_A_STEP, "%d bodies moved in a frame" % (now_moved - moved))
 		moved = now_moved
-	check(moved < standing.size(), "not all of them yet")
+	check(moved < standing.size(), "not all bodies have moved yet")
 	check(not scatter.is_settled(), "not settled yet")
 	scatter.frame_budget_usec = 20000
 	await settle(scatter)
 	for id in standing:
-		check(place_of(standing[id]).is_equal_approx(before[id] - shift), "in the end, all have moved")
-	check_equal(scatter.get_stats()["bodies"], standing.size(), "and none came or went")
+		check(place_of(standing[id]).is_equal_approx(before[id] - shift), "finally all bodies have moved")
+	check_equal(scatter.get_stats()["bodies"], standing.size(), "the same bodies")
 
 
-func test_scenes_of_no_use_are_freed_over_frames() -> void:
+func test_unused_scenes_are_freed_over_frames() -> void:
 	var layer := make_layer(1.0)
 	var scene := PackedScene.new()
 	var root_node := Counted.new()
@@ -205,7 +205,7 @@ func test_scenes_of_no_use_are_freed_over_frames() -> void:
 	layer.scene = scene
 	layer.scene_distance = 12.0
 	viewer = make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var alive := Counted.alive
 	check(alive > 200, "%d scenes" % alive)
@@ -216,7 +216,7 @@ func test_scenes_of_no_use_are_freed_over_frames() -> void:
 		await process_frame
 		most = maxi(most, alive - Counted.alive)
 		alive = Counted.alive
-	check_equal(Counted.alive, 0, "scenes in the end")
+	check_equal(Counted.alive, 0, "scenes finally")
 	check(most <= 4, "%d scenes freed in one frame" % most)
 
 
@@ -224,16 +224,16 @@ func test_multimeshes_are_freed_over_frames() -> void:
 	var layer := make_layer(0.5)
 	layer.draw_cell_size = 4.0
 	viewer = make_viewer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var changes: Dictionary[String, Callable] = {
 		"a new seed": func() -> void: scatter.seed += 1,
 		"no layers": func() -> void: scatter.layers = []}
-	for what in changes:
+	for context in changes:
 		await until(func() -> bool: return scatter.get_stats()["multimeshes_leaving"] == 0, "all are freed")
 		check(scatter.get_stats()["multimeshes"] >= 20, "%d multimeshes" % scatter.get_stats()["multimeshes"])
 		scatter.frame_budget_usec = 1
-		changes[what].call()
+		changes[context].call()
 		var leaving := 0
 		var most_leaving := 0
 		var most := 0
@@ -243,7 +243,7 @@ func test_multimeshes_are_freed_over_frames() -> void:
 			most = maxi(most, leaving - now)
 			most_leaving = maxi(most_leaving, now)
 			leaving = now
-		check(most_leaving > 0, "%s: multimeshes leave" % what)
-		check(most <= 2, "%s: %d multimeshes freed in one frame" % [what, most])
+		check(most_leaving > 0, "%s: multimeshes are being removed" % context)
+		check(most <= 2, "%s: %d multimeshes freed in one frame" % [context, most])
 		scatter.frame_budget_usec = 20000
 		await settle(scatter)

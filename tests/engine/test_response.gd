@@ -1,5 +1,5 @@
 extends "harness.gd"
-## What a designer does with a slider: many changes, one in every frame.
+## A designer drags a slider: many changes, one in every frame.
 
 const TILE := 16.0
 const NEAR := 32.0
@@ -8,7 +8,7 @@ var seen := {}
 var most_pending := 0
 
 
-## The most tiles that may be under way, as the node promises: 64 for each worker, one core being the main thread's.
+## Returns the node's limit of pending tiles: 64 per worker, with one core reserved for the main thread.
 func limit() -> int:
 	return 64 * (clampi(OS.get_processor_count(), 2, 9) - 1)
 
@@ -21,12 +21,12 @@ func near(tile: Vector2i) -> bool:
 func make_wide_scatter(layer: ScatterLayer) -> TerrainScatter3D:
 	layer.tile_size = TILE
 	layer.view_distance = 200.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: seen[tile] = seen.get(tile, 0) + 1)
 	return scatter
 
 
-## Changes something in every frame, and counts meanwhile.
+## Makes a change in every frame, and records the largest number of pending tiles.
 func drag(scatter: TerrainScatter3D, change: Callable, steps: int) -> void:
 	seen.clear()
 	most_pending = 0
@@ -36,32 +36,32 @@ func drag(scatter: TerrainScatter3D, change: Callable, steps: int) -> void:
 		most_pending = maxi(most_pending, scatter.get_stats()["pending"])
 
 
-func test_a_dragged_slider_is_followed_and_queues_nothing_up() -> void:
+func test_tiles_follow_a_dragged_slider_without_a_queue() -> void:
 	var layer := make_layer(1.0)
 	var scatter := make_wide_scatter(layer)
 	await settle(scatter)
 	var tiles: int = scatter.get_stats()["tiles"]
-	check(tiles > limit(), "more tiles than may be under way: %d" % tiles)
+	check(tiles > limit(), "more tiles than the limit: %d" % tiles)
 	Engine.max_fps = 60
 	await drag(scatter, func(step: int) -> void: layer.density = 0.5 + 0.004 * step, 90)
-	check(most_pending <= limit(), "%d tiles under way, at most %d" % [most_pending, limit()])
+	check(most_pending <= limit(), "%d pending tiles, limit %d" % [most_pending, limit()])
 	var least := 1 << 30
 	for tile: Vector2i in scatter.get_shown_tiles(0):
 		if near(tile):
 			least = mini(least, seen.get(tile, 0))
-	check(least >= 3, "while the slider was dragged, every near tile came anew: one only %d times" % least)
-	# What is under way when the drag ends, and then each tile once.
+	check(least >= 3, "every near tile was regenerated during the drag: one only %d times" % least)
+	# After the drag: the pending tiles, then each tile once.
 	var made: int = scatter.get_stats()["tiles_made"]
 	await settle(scatter)
 	Engine.max_fps = 0
 	var late: int = scatter.get_stats()["tiles_made"] - made
-	check(late <= tiles + limit(), "tiles made after the drag: %d of %d" % [late, tiles])
-	check_equal(scatter.get_stats()["tiles"], tiles, "tiles on show")
+	check(late <= tiles + limit(), "tiles generated after the drag: %d of %d" % [late, tiles])
+	check_equal(scatter.get_stats()["tiles"], tiles, "visible tiles")
 
 	var fresh_layer := layer.duplicate() as ScatterLayer
-	var fresh := make_scatter([fresh_layer], ScatterTerrainFlat.new(), make_viewer())
+	var fresh := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the last value counts")
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the last value wins")
 
 
 func make_scene() -> PackedScene:
@@ -72,7 +72,7 @@ func make_scene() -> PackedScene:
 	return scene
 
 
-## Every property of the group Gameplay.
+## Changes every property in the group Gameplay.
 func edit_gameplay(layer: ScatterLayer, step: int) -> void:
 	layer.instance_radius = 0.1 + step
 	layer.instance_height = 0.1 + step
@@ -83,10 +83,10 @@ func edit_gameplay(layer: ScatterLayer, step: int) -> void:
 	layer.collision_mask = step
 	layer.physics_material = PhysicsMaterial.new()
 	layer.scene = null if step % 2 else make_scene()
-	layer.scene_distance = 0.01 * step # Nobody is that near: what has a scene is drawn no longer, which takes an upload.
+	layer.scene_distance = 0.01 * step # Smaller than any distance: an instance with a scene is not drawn any more, which needs an upload.
 
 
-func test_what_changes_only_how_it_is_drawn_makes_nothing_anew() -> void:
+func test_drawing_properties_regenerate_nothing() -> void:
 	var layer := make_layer(1.0)
 	var scatter := make_wide_scatter(layer)
 	await settle(scatter)
@@ -98,11 +98,11 @@ func test_what_changes_only_how_it_is_drawn_makes_nothing_anew() -> void:
 	await drag(scatter, func(step: int) -> void: scatter.quality = 0.02 * step, 20)
 	await settle(scatter)
 	for figure: String in ["tiles_made", "uploads", "instances"]:
-		check_equal(scatter.get_stats()[figure], before[figure], figure + " after drags of what is only drawn")
-	check(scatter.get_stats()["drawn"] < before["drawn"], "less is drawn at a lower quality")
+		check_equal(scatter.get_stats()[figure], before[figure], figure + " after changes that only affect drawing")
+	check(scatter.get_stats()["drawn"] < before["drawn"], "fewer instances are drawn at a lower quality")
 
 
-func test_other_meshes_are_never_mixed_up() -> void:
+func test_tiles_of_replaced_layers_are_dropped() -> void:
 	var layer := make_layer(1.0)
 	var other := make_layer(1.5)
 	other.meshes = [SphereMesh.new(), BoxMesh.new()]
@@ -112,15 +112,15 @@ func test_other_meshes_are_never_mixed_up() -> void:
 	other.tile_size = TILE
 	other.view_distance = 200.0
 	await settle(scatter)
-	# While tiles of one layer are under way another takes its place, and back.
+	# A new layer replaces one whose tiles are pending, and back.
 	for step in 7:
 		layer.density = 0.9 - 0.05 * step
 		await process_frame
 		scatter.layers = [other if step % 2 == 0 else layer]
 		await process_frame
 	await settle(scatter)
-	var fresh := make_scatter([other], ScatterTerrainFlat.new(), make_viewer())
+	var fresh := make_scatter([other], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the layer that came last stands")
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the tiles are those of the last layer")
 	for tile: Vector2i in scatter.get_shown_tiles(0):
 		check_equal(tile_ids(scatter, 0, tile).size(), 2, "meshes of tile %s" % tile)

@@ -1,13 +1,13 @@
 extends "harness.gd"
-## Files of ScatterState and ScatterMask: saved and loaded as a player does, refused, and left as they were after a failure. tests/test_saves.py
-## fills the disk.
+## Files of ScatterState and ScatterMask: saving and loading as in a game, refused files, and failures that leave the old data. The disk is
+## filled by tests/test_saves.py.
 
 const FOLDER := "user://saves"
 const PATH := FOLDER + "/forest.state"
 const PART := PATH + ".part"
 
 
-## The id of a cell of layer 3.
+## Returns the id of a cell of layer 3.
 func point(x: int, y := 0) -> int:
 	return 3 << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
 
@@ -41,114 +41,114 @@ func files_there() -> Array:
 	return files
 
 
-## Save with some felled, load, fell on, load again: what was saved is there each time, in the picture too.
-func test_loading_twice_brings_back_what_was_saved() -> void:
+## Saves after some removals, loads, removes more and loads again: the saved state is restored each time, including the visible tiles.
+func test_loading_twice_restores_the_saved_state() -> void:
 	make_folder()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	scatter.remove_in_sphere(Vector3.ZERO, 10.0)
 	var felled := scatter.state.get_removed()
-	check(felled.size() > 5, "some are felled")
+	check(felled.size() > 5, "some instances are removed")
 	check_equal(scatter.state.save_to_file(PATH), OK, "saved")
 	await settle(scatter)
 	var shown := digests(scatter, 0)
 	for time in 2:
 		check_equal(scatter.state.load_from_file(PATH), OK, "loaded")
-		check_equal(scatter.state.get_removed(), felled, "loaded for the %d. time" % (time + 1))
+		check_equal(scatter.state.get_removed(), felled, "load number %d" % (time + 1))
 		await settle(scatter)
-		check_equal(digests(scatter, 0), shown, "the picture")
+		check_equal(digests(scatter, 0), shown, "the visible tiles")
 		scatter.remove_in_sphere(Vector3.ZERO, 30.0)
-		check(scatter.state.get_removed_count() > felled.size(), "played on")
+		check(scatter.state.get_removed_count() > felled.size(), "more are removed")
 	check_equal(files_there(), ["forest.state"], "no other file is left")
 
 
-func test_the_file_holds_the_bytes() -> void:
+func test_the_file_contains_the_bytes() -> void:
 	make_folder()
 	var folder := ProjectSettings.globalize_path(FOLDER)
 	for path: String in [PATH, folder + "/absolute.state", "res://thicket_test.state", FOLDER + "/wäldchen 🌲.state"]:
-		for count: int in [30, 0, 7]: # Replaced by a shorter one, too.
+		for count: int in [30, 0, 7]: # Also replaced by a shorter file.
 			var state := make_state(count)
 			check_equal(state.save_to_file(path), OK, "saved to " + path)
 			check_equal(FileAccess.get_file_as_bytes(path), state.to_bytes(), "the bytes of " + path)
 			var loaded := make_state(3)
 			check_equal(loaded.load_from_file(path), OK, "loaded from " + path)
-			check_equal(loaded.to_bytes(), state.to_bytes(), "what was loaded from " + path)
+			check_equal(loaded.to_bytes(), state.to_bytes(), "the content loaded from " + path)
 		DirAccess.remove_absolute(path)
 	var blank := ScatterState.new()
 	check_equal(blank.save_to_file(PATH), OK, "a blank state is saved")
 	var filled := make_state()
-	check_equal(filled.load_from_file(PATH), OK, "and loaded")
-	check_equal(filled.get_digest(), blank.get_digest(), "over a filled one")
+	check_equal(filled.load_from_file(PATH), OK, "it is loaded")
+	check_equal(filled.get_digest(), blank.get_digest(), "it replaces one with content")
 
 
-func test_what_listens_hears_of_loading() -> void:
+func test_loading_emits_signals() -> void:
 	make_folder()
 	var state := make_state(2)
 	state.save_to_file(PATH)
 	state.remove(point(50))
-	var heard: Array = []
-	state.instances_changed.connect(func(ids: PackedInt64Array) -> void: heard.append_array(ids))
+	var emitted: Array = []
+	state.instances_changed.connect(func(ids: PackedInt64Array) -> void: emitted.append_array(ids))
 	check_equal(state.load_from_file(PATH), OK, "loaded")
-	check(heard.has(point(50)), "what stands again is told: %s" % [heard])
+	check(emitted.has(point(50)), "a restored instance is reported: %s" % [emitted])
 
 
-func test_a_diff_under_way_is_not_in_the_file() -> void:
+func test_a_pending_diff_is_not_saved() -> void:
 	make_folder()
 	var state := make_state(3)
 	var before := state.to_bytes()
 	var diff := make_state(40).diff_since(0)
 	var results: Array = []
 	state.apply_diff_async(diff, func(error: Error) -> void: results.push_back(error))
-	check_equal(state.save_to_file(PATH), OK, "saved meanwhile")
-	check_equal(FileAccess.get_file_as_bytes(PATH), before, "as it was before the diff")
+	check_equal(state.save_to_file(PATH), OK, "saved during the work")
+	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the state before the diff")
 	await until(func() -> bool: return results == [OK], "applied")
-	check_equal(state.get_removed_count(), 40, "the diff is in")
+	check_equal(state.get_removed_count(), 40, "the diff is applied")
 	state.apply_diff_async(make_state(60).diff_since(0), func(error: Error) -> void: results.push_back(error))
-	check_equal(state.load_from_file(PATH), OK, "loaded meanwhile")
-	check_equal(state.to_bytes(), before, "what was saved, not the diff")
-	await until(func() -> bool: return results == [OK, OK], "the callback is called all the same")
-	check_equal(state.to_bytes(), before, "nothing comes after")
+	check_equal(state.load_from_file(PATH), OK, "loaded during the work")
+	check_equal(state.to_bytes(), before, "the saved state without the diff")
+	await until(func() -> bool: return results == [OK, OK], "the callback is called, too")
+	check_equal(state.to_bytes(), before, "nothing changes afterwards")
 
 
-func refuse_saving(path: String, error: Error, words: Array, what: String) -> void:
-	check_equal(make_state().save_to_file(path), error, what)
-	check_error(["ScatterState.save_to_file: cannot write " + path] + words, what)
-	check_equal(make_mask().save_to_file(path), error, what + ", a mask")
-	check_error(["ScatterMask.save_to_file: cannot write " + path] + words, what + ", a mask")
+func refuse_saving(path: String, error: Error, words: Array, context: String) -> void:
+	check_equal(make_state().save_to_file(path), error, context)
+	check_error(["ScatterState.save_to_file: cannot write " + path] + words, context)
+	check_equal(make_mask().save_to_file(path), error, context + ", a mask")
+	check_error(["ScatterMask.save_to_file: cannot write " + path] + words, context + ", a mask")
 
 
-func test_what_cannot_be_written() -> void:
+func test_files_that_cannot_be_written() -> void:
 	make_folder()
 	refuse_saving("", ERR_FILE_BAD_PATH, ["path is empty", "user://"], "no path")
 	refuse_saving(FOLDER + "/none/forest.state", ERR_FILE_NOT_FOUND, ["folder is missing", "make_dir_recursive_absolute"], "no folder")
 	DirAccess.make_dir_absolute(FOLDER + "/folder")
-	refuse_saving(FOLDER + "/folder", ERR_FILE_NO_PERMISSION, ["is no file", "different path"], "a folder")
-	check(DirAccess.dir_exists_absolute(FOLDER + "/folder"), "it is there")
+	refuse_saving(FOLDER + "/folder", ERR_FILE_NO_PERMISSION, ["is not a file", "different path"], "a folder")
+	check(DirAccess.dir_exists_absolute(FOLDER + "/folder"), "the folder still exists")
 	DirAccess.remove_absolute(FOLDER + "/folder")
 	make_state(4).save_to_file(PATH)
 	var before := FileAccess.get_file_as_bytes(PATH)
-	DirAccess.make_dir_absolute(PART) # In the way of the new file.
-	check(make_state().save_to_file(PATH) != OK, "something is in the way")
-	check_error(["ScatterState.save_to_file: cannot write " + PATH], "something is in the way")
+	DirAccess.make_dir_absolute(PART) # Blocks the path of the new file.
+	check(make_state().save_to_file(PATH) != OK, "the path is blocked")
+	check_error(["ScatterState.save_to_file: cannot write " + PATH], "the path is blocked")
 	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the old file")
 	DirAccess.remove_absolute(PART)
 	if FileAccess.set_unix_permissions(PATH, FileAccess.UNIX_READ_OWNER) == OK and FileAccess.open(PATH, FileAccess.READ_WRITE) == null:
-		refuse_saving(PATH, ERR_FILE_NO_PERMISSION, ["may not be written"], "read-only") # The superuser may write it all the same.
+		refuse_saving(PATH, ERR_FILE_NO_PERMISSION, ["may not be written"], "read-only") # The superuser may write it anyway.
 	check_equal(FileAccess.get_file_as_bytes(PATH), before, "the old file")
 
 
-## Devices are replaced by nobody who saves, not even by the superuser.
+## Saving never replaces a device, even for the superuser.
 func test_a_device_stays() -> void:
 	if OS.get_name() != "Linux":
-		check(true, "no such system")
+		check(true, "not on this system")
 		return
-	refuse_saving("/dev/null", ERR_FILE_NO_PERMISSION, ["is no file"], "a device")
-	check(not FileAccess.file_exists("/dev/null"), "it is no file")
+	refuse_saving("/dev/null", ERR_FILE_NO_PERMISSION, ["is not a file"], "a device")
+	check(not FileAccess.file_exists("/dev/null"), "it is not a file")
 
 
 func test_links_and_permissions_stay() -> void:
 	if OS.get_name() == "Windows":
-		check(true, "no such system")
+		check(true, "not on this system")
 		return
 	make_folder()
 	make_state(1).save_to_file(PATH)
@@ -156,31 +156,31 @@ func test_links_and_permissions_stay() -> void:
 	var folder := DirAccess.open(FOLDER)
 	check_equal(folder.create_link(ProjectSettings.globalize_path(PATH), "link.state"), OK, "a link")
 	var state := make_state(9)
-	check_equal(state.save_to_file(FOLDER + "/link.state"), OK, "saved by the link")
-	check(folder.is_link("link.state"), "it is a link")
-	check_equal(FileAccess.get_file_as_bytes(PATH), state.to_bytes(), "the file that it leads to")
+	check_equal(state.save_to_file(FOLDER + "/link.state"), OK, "saved through the link")
+	check(folder.is_link("link.state"), "the link is still a link")
+	check_equal(FileAccess.get_file_as_bytes(PATH), state.to_bytes(), "the target of the link")
 	check_equal(FileAccess.get_unix_permissions(PATH), 0x190, "its permissions")
 
 
-func refuse_loading(bytes: Variant, error: Error, words: Array, what: String) -> void:
+func refuse_loading(bytes: Variant, error: Error, words: Array, context: String) -> void:
 	if bytes is PackedByteArray:
 		FileAccess.open(PATH, FileAccess.WRITE).store_buffer(bytes as PackedByteArray)
 	var state := make_state()
 	var before := [state.to_bytes(), state.get_revision()]
-	var heard: Array = []
-	state.changed.connect(func() -> void: heard.push_back(true))
-	check_equal(state.load_from_file(PATH), error, what)
-	check_error(["ScatterState.load_from_file: cannot load " + PATH] + words, what)
-	check([state.to_bytes(), state.get_revision()] == before and heard.is_empty(), what + " has changed nothing")
+	var emitted: Array = []
+	state.changed.connect(func() -> void: emitted.push_back(true))
+	check_equal(state.load_from_file(PATH), error, context)
+	check_error(["ScatterState.load_from_file: cannot load " + PATH] + words, context)
+	check([state.to_bytes(), state.get_revision()] == before and emitted.is_empty(), context + " does not change the state")
 	var mask := make_mask()
-	mask.changed.connect(func() -> void: heard.push_back(true))
+	mask.changed.connect(func() -> void: emitted.push_back(true))
 	var painted := mask.data
-	check_equal(mask.load_from_file(PATH), error, what + ", for a mask")
-	check_error(["ScatterMask.load_from_file: cannot load " + PATH] + words, what + ", for a mask")
-	check(mask.data == painted and heard.is_empty(), what + " has changed nothing of a mask")
+	check_equal(mask.load_from_file(PATH), error, context + ", for a mask")
+	check_error(["ScatterMask.load_from_file: cannot load " + PATH] + words, context + ", for a mask")
+	check(mask.data == painted and emitted.is_empty(), context + " does not change the mask")
 
 
-func test_what_is_no_such_file_is_refused() -> void:
+func test_other_files_are_refused() -> void:
 	make_folder()
 	refuse_loading(null, ERR_FILE_NOT_FOUND, ["no such file", "file_exists"], "no file")
 	for damage: Array in [[PackedByteArray(), "an empty file"], ["a list of trees".to_utf8_buffer(), "a text"]]:
@@ -192,11 +192,11 @@ func test_what_is_no_such_file_is_refused() -> void:
 					["is a resource of Godot", "ResourceLoader", "save_to_file()"], ending)
 	check_equal(make_mask().save_to_file(PATH), OK, "a mask")
 	var state := make_state()
-	check_equal(state.load_from_file(PATH), ERR_FILE_CORRUPT, "a mask is no state")
-	check_error([PATH, "of another kind"], "a mask is no state")
+	check_equal(state.load_from_file(PATH), ERR_FILE_CORRUPT, "a mask is not a state")
+	check_error([PATH, "of a different kind"], "a mask is not a state")
 	check_equal(make_state().save_to_file(PATH), OK, "a state")
-	check_equal(make_mask().load_from_file(PATH), ERR_FILE_CORRUPT, "a state is no mask")
-	check_error([PATH, "of another kind"], "a state is no mask")
+	check_equal(make_mask().load_from_file(PATH), ERR_FILE_CORRUPT, "a state is not a mask")
+	check_error([PATH, "of a different kind"], "a state is not a mask")
 
 
 func test_damaged_files_are_refused() -> void:
@@ -209,30 +209,30 @@ func test_damaged_files_are_refused() -> void:
 		refuse_loading_of_a_state(whole.slice(0, at), "the first %d bytes" % at)
 
 
-func refuse_loading_of_a_state(bytes: PackedByteArray, what: String) -> void:
+func refuse_loading_of_a_state(bytes: PackedByteArray, context: String) -> void:
 	FileAccess.open(PATH, FileAccess.WRITE).store_buffer(bytes)
 	var state := make_state(5)
 	var before := state.to_bytes()
-	check(state.load_from_file(PATH) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], what)
-	check_error(["ScatterState.load_from_file: cannot load " + PATH], what)
-	check_equal(state.to_bytes(), before, what + " has changed nothing")
+	check(state.load_from_file(PATH) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], context)
+	check_error(["ScatterState.load_from_file: cannot load " + PATH], context)
+	check_equal(state.to_bytes(), before, context + " changes nothing")
 
 
-## What another world has changed is refused, with the file's name.
-func test_files_of_other_points_are_refused() -> void:
+## A state of a different world is refused, with the file's name in the error.
+func test_files_of_a_different_world_are_refused() -> void:
 	make_folder()
 	var bytes: Array[PackedByteArray] = []
 	var scatters: Array[TerrainScatter3D] = []
 	for seed: int in [7, 8]:
-		var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 		scatter.seed = seed
 		await settle(scatter)
 		scatter.remove_instance(scatter.query_nearest(Vector3.ZERO, 50.0).id)
 		scatters.push_back(scatter)
 		bytes.push_back(scatter.state.to_bytes())
 	check_equal(scatters[0].state.save_to_file(PATH), OK, "saved")
-	check_equal(scatters[1].state.load_from_file(PATH), ERR_INVALID_DATA, "a foreign state")
-	check_error(["cannot load " + PATH, "another seed"], "a foreign state")
+	check_equal(scatters[1].state.load_from_file(PATH), ERR_INVALID_DATA, "a state of a different world")
+	check_error(["cannot load " + PATH, "a different seed"], "a state of a different world")
 	check_equal(scatters[1].state.to_bytes(), bytes[1], "nothing has changed")
 
 
@@ -245,40 +245,40 @@ func test_masks() -> void:
 		check_equal(mask.save_to_file(path), OK, "saved")
 		var loaded := ScatterMask.new()
 		loaded.paint(Vector2(-50, 3), 4.0, 1.0, 0.5, ScatterMask.MODE_ERASE)
-		var heard: Array = []
-		loaded.changed.connect(func() -> void: heard.push_back(true))
+		var emitted: Array = []
+		loaded.changed.connect(func() -> void: emitted.push_back(true))
 		check_equal(loaded.load_from_file(path), OK, "loaded")
-		check_equal(heard.size(), 1, "told once")
+		check_equal(emitted.size(), 1, "one signal")
 		check_equal([loaded.pixel_size, loaded.background, loaded.data], [mask.pixel_size, mask.background, mask.data], "the same mask")
 	check_equal(files_there(), ["lanes.mask"], "no other file is left")
 
 
-## A state that load() returns again is warned of, once; others are not.
-func test_a_state_that_load_returns_again_is_warned_of() -> void:
+## Using a state from the resource cache causes one warning. Other states cause none.
+func test_cached_states_cause_a_warning() -> void:
 	make_folder()
 	var path := FOLDER + "/cut_trees.res"
 	ResourceSaver.save(make_state(), path)
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	scatter.state = load(path)
-	check_error(["TerrainScatter3D.state", path, "save_to_file()", "load_from_file()", "designed"], "a cached state")
+	check_error(["TerrainScatter3D.state", path, "save_to_file()", "load_from_file()", "copy_at_runtime"], "a cached state")
 	var cached := scatter.state
 	scatter.state = ScatterState.new()
 	scatter.state = cached
-	check_no_error("once for a state")
+	check_no_error("one warning per state")
 	scatter.state = ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
-	check_no_error("a copy that is not kept")
+	check_no_error("a copy that is not cached")
 	scatter.state = null
 	cached = null
 
 
-## What a designer has made is kept in a file, or in the scene, and nobody is warned of it.
-func test_no_warning_of_states_of_scenes() -> void:
+## States made by a designer, in a file or in the scene, cause no warning.
+func test_states_of_scenes_cause_no_warning() -> void:
 	make_folder()
 	var designed := make_state()
-	designed.designed = true
+	designed.copy_at_runtime = true
 	ResourceSaver.save(designed, FOLDER + "/designed.res")
 	for state: ScatterState in [load(FOLDER + "/designed.res"), make_state()]:
-		var made := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+		var made := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 		made.state = state
 		var scene := PackedScene.new()
 		made.owner = null
@@ -287,11 +287,11 @@ func test_no_warning_of_states_of_scenes() -> void:
 		made.free()
 		var level: Node = (ResourceLoader.load(FOLDER + "/level.tscn", "", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene).instantiate()
 		root.add_child(level)
-		check_equal((level as TerrainScatter3D).state.get_removed_count(), 20, "it is there")
+		check_equal((level as TerrainScatter3D).state.get_removed_count(), 20, "the state is in the scene")
 		check_no_error("a state of a scene")
 
 
-## Files that version 0.2.0 wrote, as resources and as bytes.
+## Files of version 0.2.0, as resources and as bytes.
 func test_states_of_earlier_versions_are_read() -> void:
 	var folder := (get_script() as Script).resource_path.get_base_dir().path_join("data")
 	for name: String in ["state_0.2.0.res", "state_0.2.0.tres"]:

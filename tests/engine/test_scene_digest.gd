@@ -1,12 +1,12 @@
 extends "harness.gd"
-## Which changes of a scene a bake notices: those that instances follow from, and no others.
+## The digest of a scene, by which a bake notices changes: it depends on all properties that affect instances, and on no others.
 
 const SceneDigest := preload("res://addons/thicket/baking/scene_digest.gd")
 
 const RECT := Rect2(-32.0, -32.0, 64.0, 64.0)
-## Stored properties that are the engine's, not a layer's.
+## Stored properties of every resource.
 const OF_RESOURCES: Array[StringName] = [&"script", &"resource_name", &"resource_path", &"resource_local_to_scene", &"resource_scene_unique_id"]
-## For properties of which a changed value has to be a particular one.
+## Changed values for properties that need a specific one.
 const CHANGED: Dictionary[StringName, Variant] = {
 	&"layer_id": 5, &"meshes": [], &"spacing": {"Other": 1.0}, &"proximity_layer": "Other", &"color_source_layer": "Other",
 	&"variation_source_layer": "Other", &"ground_textures": [1], &"mesh_weights": [2.0], &"lod_distances": [10.0],
@@ -18,7 +18,7 @@ func layer_part(scatter: TerrainScatter3D) -> String:
 	return SceneDigest.parts_of(scatter, RECT)["layer 0 ()"]
 
 
-## Another value than that of a property, which its setter takes.
+## Returns a valid value of a property that differs from its current one.
 func other_value(layer: ScatterLayer, property: Dictionary) -> Variant:
 	var value: Variant = layer.get(property.name)
 	if CHANGED.has(property.name):
@@ -52,12 +52,12 @@ func stored_properties(layer: ScatterLayer) -> Array[Dictionary]:
 		return property.usage & PROPERTY_USAGE_STORAGE and not property.name in OF_RESOURCES)
 
 
-## Each property by itself: the digest follows it exactly if the layer says that instances do, and where it says that they do not,
-## the rows of a tile stay as they are to the bit.
-func test_each_property_counts_if_instances_follow_from_it() -> void:
+## Checks each property alone: the digest changes exactly if the layer reports that the property affects placement. If it does not, the
+## rows of a tile stay bit-identical.
+func test_properties_that_affect_placement_change_the_digest() -> void:
 	var layer := make_layer()
 	layer.thin_end = 100.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var placement := 0
 	var properties := stored_properties(layer)
@@ -66,7 +66,7 @@ func test_each_property_counts_if_instances_follow_from_it() -> void:
 		var digest := layer_part(scatter)
 		var rows := scatter.build_tile(0, Vector2i.ZERO).get_rows()
 		layer.set(property.name, other_value(layer, property))
-		check(layer.get(property.name) != before, "%s takes another value" % property.name)
+		check(layer.get(property.name) != before, "%s accepts a new value" % property.name)
 		var counts := layer.affects_placement(property.name)
 		placement += int(counts)
 		check_equal(layer_part(scatter) != digest, counts, "the digest and %s" % property.name)
@@ -75,12 +75,12 @@ func test_each_property_counts_if_instances_follow_from_it() -> void:
 		layer.set(property.name, before)
 		errors.take()
 	check(placement > 40 and properties.size() - placement > 30, "%d of %d properties" % [placement, properties.size()])
-	check(not layer.affects_placement(&"regrowth_time") and layer.affects_placement(&"tile_size"), "two of them")
-	check(layer.affects_placement(&"of_a_script"), "what the layer does not know counts")
+	check(not layer.affects_placement(&"regrowth_time") and layer.affects_placement(&"tile_size"), "examples of both")
+	check(layer.affects_placement(&"of_a_script"), "unknown properties count")
 
 
-## What the layer says of the properties of the engine's instances holds for both: they are there, of one type, and drawing alone follows from them.
-func test_geometry_properties_are_the_engines() -> void:
+## Checks that geometry properties have counterparts in the engine, of the same type, and only affect drawing.
+func test_geometry_properties_match_the_engine() -> void:
 	var layer := make_layer()
 	var instance := MultiMeshInstance3D.new()
 	var types := {}
@@ -88,9 +88,9 @@ func test_geometry_properties_are_the_engines() -> void:
 		types.get_or_add(property.name, []).append(property.type)
 	var properties := layer.get_geometry_properties()
 	for own: StringName in properties:
-		check(types.has(String(own)) and types.has(String(properties[own])), "%s and %s are there" % [own, properties[own]])
+		check(types.has(String(own)) and types.has(String(properties[own])), "%s and %s exist" % [own, properties[own]])
 		check_equal(types[String(own)][0], types[String(properties[own])][-1], "the type of %s" % own)
-		check(not layer.affects_placement(own), "%s is how a layer is drawn" % own)
-		check(layer.get(own) == instance.get(properties[own]), "%s is at first as the engine's" % own)
-	check_equal(properties.get(&"render_layers"), &"layers", "the one with another name")
+		check(not layer.affects_placement(own), "%s only affects drawing" % own)
+		check(layer.get(own) == instance.get(properties[own]), "%s has the engine's default" % own)
+	check_equal(properties.get(&"render_layers"), &"layers", "a property with a different name")
 	instance.free()

@@ -1,16 +1,16 @@
 extends "harness.gd"
-## Files that the editor's tools cannot write or read are reported, and written once that can be.
+## Files that the editor's tools cannot write or read are reported, and written as soon as possible.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
-const Presets := preload("res://addons/thicket/editor/presets.gd")
-const LayerEdits := preload("res://addons/thicket/editor/layer_edits.gd")
+const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
+const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
 
 const FOLDER := "user://scene_files"
 const PATH := FOLDER + "/mask.res"
 
 
 ## A file that could not be written is written by the next call.
-func test_what_was_not_written_is_written_later() -> void:
+func test_failed_writes_are_repeated() -> void:
 	DirAccess.remove_absolute(PATH)
 	DirAccess.remove_absolute(FOLDER)
 	var mask := ScatterMask.new()
@@ -18,13 +18,13 @@ func test_what_was_not_written_is_written_later() -> void:
 	var files := SceneFiles.new()
 	files.mark(mask)
 	files.save()
-	check(not errors.take().is_empty(), "the folder is missing: an error")
+	check(not errors.take().is_empty(), "an error: the folder is missing")
 	DirAccess.make_dir_absolute(FOLDER)
 	files.save()
-	check(FileAccess.file_exists(PATH), "the folder is there: the file is written")
+	check(FileAccess.file_exists(PATH), "the file is written when the folder exists")
 	DirAccess.remove_absolute(PATH)
 	files.save()
-	check(not FileAccess.file_exists(PATH), "and written once")
+	check(not FileAccess.file_exists(PATH), "and only once")
 
 
 func test_a_preset_that_is_missing_is_reported() -> void:
@@ -32,8 +32,8 @@ func test_a_preset_that_is_missing_is_reported() -> void:
 	check_error(["moor", "forest, meadow, scree"], "no such preset")
 
 
-## Of what is dropped, each resource that became no layer is named.
-func test_what_is_left_out_is_named() -> void:
+## Errors name each dropped resource that did not become a layer.
+func test_skipped_resources_are_named() -> void:
 	var drawn := BoxMesh.new()
 	var empty := ArrayMesh.new()
 	empty.resource_path = "res://empty.res"
@@ -41,4 +41,4 @@ func test_what_is_left_out_is_named() -> void:
 	layer.meshes = [drawn]
 	var sentence := LayerEdits.left_out([drawn, empty, layer], [layer])
 	check("res://empty.res" in sentence and not "BoxMesh" in sentence and not "ScatterLayer" in sentence, sentence)
-	check_equal(LayerEdits.left_out([drawn], [layer]), "", "none")
+	check_equal(LayerEdits.left_out([drawn], [layer]), "", "nothing is skipped")

@@ -1,5 +1,5 @@
 extends "scenes_harness.gd"
-## Scenes in place of meshes: what comes and goes when, and that nothing ever stands twice or not at all.
+## Scenes that replace meshes: when they are shown and hidden, and that each instance is visible exactly once.
 
 func test_swap_at_the_distance() -> void:
 	var scatter := make_garden([make_plants()], Vector3(-60, 0, 3))
@@ -10,7 +10,7 @@ func test_swap_at_the_distance() -> void:
 	var places: PackedVector3Array = forest["positions"]
 	check(ids.size() > 1000, "%d instances" % ids.size())
 	var near: Dictionary[int, bool] = {}
-	var came: Dictionary[int, int] = {}
+	var shown_ids: Dictionary[int, int] = {}
 	for step in 132:
 		viewer.global_position.x = -60.0 + (step if step <= 90 else 180 - step)
 		await frames(1)
@@ -20,20 +20,20 @@ func test_swap_at_the_distance() -> void:
 			var is_near := away <= (LEAVE if near.has(ids[index]) else ENTER)
 			if is_near and not near.has(ids[index]):
 				near[ids[index]] = true
-				came[ids[index]] = came.get(ids[index], 0) + 1
+				shown_ids[ids[index]] = shown_ids.get(ids[index], 0) + 1
 			elif not is_near:
 				near.erase(ids[index])
 			if (scatter.get_scene(ids[index]) != null) != near.has(ids[index]):
 				check(false, "step %d: %d at %f m has %s" % [step, ids[index], away, scatter.get_scene(ids[index])])
 				return
 		check_equal(scatter.get_stats()["scenes"], near.size(), "scenes")
-	check(came.values().max() == 2 and came.size() > 200, "the walk goes there and back: %d" % came.size())
-	check_equal(shown, came, "scenes came")
+	check(shown_ids.values().max() == 2 and shown_ids.size() > 200, "the walk goes back and forth: %d" % shown_ids.size())
+	check_equal(shown, shown_ids, "shown scenes")
 	for id in shown:
-		check_equal(hidden.get(id, 0), shown[id] - (1 if near.has(id) else 0), "and went")
+		check_equal(hidden.get(id, 0), shown[id] - (1 if near.has(id) else 0), "hidden scenes")
 
 
-func test_stands_as_the_instance() -> void:
+func test_a_scene_has_its_instances_transform() -> void:
 	var layer := make_plants()
 	var scatter := make_garden([null, layer])
 	scatter.position = Vector3(5, 6, 7)  # Does not move instances.
@@ -48,23 +48,23 @@ func test_stands_as_the_instance() -> void:
 		check(scene.global_transform.is_equal_approx(expected), "%s is at %s" % [scene.global_transform, expected])
 		check_equal(scene.layer, 1, "layer")
 		check_equal(scene.data, null, "data")
-	check(near["ids"].size() > 50, "many")
+	check(near["ids"].size() > 50, "many scenes")
 	check_equal(scatter.get_child_count(), 0, "all are internal")
 	scatter.position = Vector3(9, 9, 9)
 	await frames(2)
 	var id: int = near["ids"][0]
-	check(scatter.get_scene(id).global_transform.is_equal_approx(scatter.get_instance(id).transform), "still there")
+	check(scatter.get_scene(id).global_transform.is_equal_approx(scatter.get_instance(id).transform), "it does not follow the node")
 	scatter.set_instance_data(id, {"age": 70})
 	viewer.position.x = 1000.0
 	await settle(scatter)
-	check(scatter.get_scene(id) == null, "left")
+	check(scatter.get_scene(id) == null, "out of range")
 	viewer.position.x = 0.0
 	await settle(scatter)
 	check_equal((scatter.get_scene(id) as Plant).data, {"age": 70}, "data of the instance")
 
 
-## In every frame of a walk with jumps, edits of the ground, felling, thinning: everything once.
-func test_everything_once_in_every_frame() -> void:
+## In every frame of a walk with jumps, ground edits, removals and thinning, each instance is visible exactly once.
+func test_each_instance_is_visible_once_in_every_frame() -> void:
 	var layer := make_plants(3.0)
 	layer.view_distance = 48.0
 	var scatter := make_garden([layer])
@@ -98,12 +98,12 @@ func test_everything_once_in_every_frame() -> void:
 		for tile: Vector2i in tiles:
 			for id: int in scatter.query_rect(Rect2(Vector2(tile) * 32.0, Vector2(32, 32)))["ids"]:
 				standing[id] = true
-		check_once(scatter, standing, "step %d, of those that stand" % step)
+		check_once(scatter, standing, "step %d, all instances" % step)
 		for id in felled:
-			check(scatter.get_scene(id) == null and not scenes_of(scatter).has(id), "a felled one has no scene")
-	check(shown.size() > 200, "%d scenes came" % shown.size())
+			check(scatter.get_scene(id) == null and not scenes_of(scatter).has(id), "a removed instance has no scene")
+	check(shown.size() > 200, "%d scenes were shown" % shown.size())
 	await settle(scatter)
-	check_equal(scatter.get_stats()["scenes"], standing_scenes.size(), "scenes by their signals")
+	check_equal(scatter.get_stats()["scenes"], standing_scenes.size(), "scenes according to their signals")
 
 
 func test_budget_and_order() -> void:
@@ -120,8 +120,8 @@ func test_budget_and_order() -> void:
 	while before_frame < 0 or not scatter.is_settled():
 		before_frame = shown.size() + hidden.size()
 		await process_frame
-		check(shown.size() + hidden.size() - before_frame <= 1, "one a frame")
-	check(order.size() > 50, "%d came" % order.size())
+		check(shown.size() + hidden.size() - before_frame <= 1, "one per frame")
+	check(order.size() > 50, "%d scenes were shown" % order.size())
 	for index in range(1, order.size()):
 		var before := places[order[index - 1]].distance_to(viewer.position)
 		check(places[order[index]].distance_to(viewer.position) >= before - 1e-3, "the nearest first")
@@ -136,7 +136,7 @@ func test_pool() -> void:
 	check(at_once > 100, "more than the pool holds")
 	viewer.position.x = 500.0
 	await settle(scatter)
-	check(Plant.made <= 2 * at_once, "some are used again")
+	check(Plant.made <= 2 * at_once, "some are reused")
 	layer.scene_distance = 3.0
 	await settle(scatter)
 	check_equal(scatter.get_stats()["scenes_pooled"], 64, "the pool is full")
@@ -147,20 +147,20 @@ func test_pool() -> void:
 		await settle(scatter)
 		for plant: Plant in scenes_of(scatter).values():
 			often = maxi(often, plant.times_shown)
-			check_equal(plant.times_hidden, plant.times_shown - 1, "told each time")
-	check_equal(Plant.made, made, "nothing is made where a pool has some")
-	check(often > 5, "used again and again: %d times" % often)
+			check_equal(plant.times_hidden, plant.times_shown - 1, "one call each time")
+	check_equal(Plant.made, made, "nothing is created while the pool has scenes")
+	check(often > 5, "reused many times: %d" % often)
 	layer.scene = pack(Plant.new())
 	await settle(scatter)
-	check_equal(scatter.get_stats()["scenes_pooled"], 0, "scenes of another kind are freed")
-	check(Plant.made > made + 1 and scatter.get_stats()["scenes"] > 0, "and made anew")
+	check_equal(scatter.get_stats()["scenes_pooled"], 0, "scenes of a different kind are freed")
+	check(Plant.made > made + 1 and scatter.get_stats()["scenes"] > 0, "and new ones are created")
 	layer.scene = null
 	await settle(scatter)
 	check_equal(scatter.get_stats()["scenes"], 0, "no scene")
 	check_once(scatter, drawn(scatter), "meshes instead")
 
 
-func test_tile_made_anew() -> void:
+func test_regenerated_tiles_keep_their_scenes() -> void:
 	var layer := make_plants()
 	var scatter := make_garden([layer])
 	await settle(scatter)
@@ -170,30 +170,30 @@ func test_tile_made_anew() -> void:
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
 	for frame in 30:
 		await process_frame
-		check_once(scatter, everything, "made anew")
+		check_once(scatter, everything, "regenerated")
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "the same scenes")
-	check(hidden.is_empty(), "none of them went")
+	check(hidden.is_empty(), "none was hidden")
 	layer.min_scale = 1.0  # Moves nothing, but changes every instance.
 	layer.max_scale = 1.0
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "still the same scenes")
 	for id in before:
-		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "as the instance is")
+		check(before[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "the scene follows its instance")
 		if before[id].global_transform != before[id].ready_at:
 			break
-	check(hidden.is_empty(), "none of them went")
+	check(hidden.is_empty(), "none was hidden")
 	layer.density = 0.5
 	await settle(scatter)
-	check(not hidden.is_empty() and shown.size() == before.size(), "what stands no longer goes")
-	check_once(scatter, {}, "half of it")
+	check(not hidden.is_empty() and shown.size() == before.size(), "scenes of removed instances are hidden")
+	check_once(scatter, {}, "half of the instances")
 
 
 func test_recentered() -> void:
 	var scatter := make_garden([make_plants()], Vector3(40, 0, 0))
 	await settle(scatter)
 	var before := scenes_of(scatter)
-	var came := shown.size()
+	var shown_ids := shown.size()
 	var places: Dictionary[int, Vector3] = {}
 	for id in before:
 		places[id] = before[id].global_position
@@ -204,13 +204,13 @@ func test_recentered() -> void:
 		check(before[id].global_position.distance_to(places[id] - shift) < 1e-3, "moved at once")
 	await settle(scatter)
 	check_equal(scenes_of(scatter), before, "the same scenes")
-	check(hidden.is_empty() and shown.size() == came, "none came, none went")
+	check(hidden.is_empty() and shown.size() == shown_ids, "none was shown or hidden")
 	viewer.global_position.x += 30.0
 	await settle(scatter)
-	check(shown.size() > came, "others came")
+	check(shown.size() > shown_ids, "new scenes are shown")
 	for id in standing_scenes:
-		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "in its place")
-	check_once(scatter, everything_of(scatter), "elsewhere")
+		check(standing_scenes[id].global_transform.is_equal_approx(scatter.get_instance(id).transform), "at its instance")
+	check_once(scatter, everything_of(scatter), "at a new position")
 
 
 func test_around_bodies() -> void:
@@ -226,4 +226,4 @@ func test_around_bodies() -> void:
 	body.free()
 	await frames(2)
 	await settle(scatter)
-	check(scatter.get_scene(scatter.query_nearest(Vector3(50, 0, 0), 10.0).id) == null, "nobody is there any more")
+	check(scatter.get_scene(scatter.query_nearest(Vector3(50, 0, 0), 10.0).id) == null, "no scene without a viewer")

@@ -1,7 +1,7 @@
 extends "scenes_harness.gd"
-## Scenes that scripts take, free and fell, and bad ones: nothing crashes, nothing is left.
+## Scripts take, free and remove scenes, and scenes are invalid: nothing crashes, nothing leaks.
 
-var meddled: TerrainScatter3D
+var changed_scatter: TerrainScatter3D
 
 
 func show_walk_and_free() -> void:
@@ -19,7 +19,7 @@ func show_walk_and_free() -> void:
 	await clean()
 
 
-func test_nothing_is_left() -> void:
+func test_nothing_leaks() -> void:
 	var nodes: Array[float] = []
 	var orphans: Array[float] = []
 	for round in 3:
@@ -31,7 +31,7 @@ func test_nothing_is_left() -> void:
 	check_equal(orphans[2], 0.0, "orphans")
 
 
-func test_out_of_the_tree() -> void:
+func test_outside_of_the_tree() -> void:
 	var scatter := make_garden([make_plants()])
 	await settle(scatter)
 	check(not standing_scenes.is_empty(), "scenes")
@@ -39,31 +39,31 @@ func test_out_of_the_tree() -> void:
 	root.remove_child(scatter)
 	check_equal(scatter.get_stats()["scenes"], 0, "scenes outside of the tree")
 	check_equal(scatter.get_child_count(true), 0, "children")
-	check(hidden.is_empty(), "nobody is told")
+	check(hidden.is_empty(), "no signal")
 	root.add_child(scatter)
 	await settle(scatter)
 	check(not standing_scenes.is_empty(), "scenes again")
-	scatter.terrain = null # The node stays, so scenes leave as ever: step by step, each with its signal.
+	scatter.ground = null # The node stays in the tree, so scenes are hidden as usual: step by step, each with its signal.
 	await settle(scatter)
 	check_equal(scatter.get_child_count(true), 0, "children without ground")
-	check_equal(standing_scenes.size(), 0, "scenes without ground, by their signals")
+	check_equal(standing_scenes.size(), 0, "scenes without ground, according to their signals")
 
 
-func test_felled_and_taken() -> void:
+func test_removing_and_taking_scenes() -> void:
 	var scatter := make_garden([make_plants()])
 	await settle(scatter)
 	var near: PackedInt64Array = scatter.query_sphere(Vector3.ZERO, 15.0).ids
 	var everything := everything_of(scatter)
 	var scene: Plant = scatter.get_scene(near[0])
-	check(scatter.remove_instance(near[0]), "felled")
-	check(scatter.get_scene(near[0]) == null, "gone at once")
+	check(scatter.remove_instance(near[0]), "removed")
+	check(scatter.get_scene(near[0]) == null, "hidden at once")
 	await process_frame
 	check(not scene.is_inside_tree() and scene.times_hidden == 1 and hidden[near[0]] == 1, "back in the pool")
 	everything.erase(near[0])
-	check_once(scatter, everything, "felled")
+	check_once(scatter, everything, "after the removal")
 
 	var taken: Array[Node3D] = []
-	for turn in 2:  # Taken and felled, in either order.
+	for turn in 2:  # Taken and removed, in either order.
 		var id := near[1 + turn]
 		var before: Transform3D = scatter.get_scene(id).global_transform
 		if turn == 1:
@@ -72,18 +72,18 @@ func test_felled_and_taken() -> void:
 		if turn == 0:
 			scatter.remove_instance(id)
 		check(taken[turn] is Plant and taken[turn].is_inside_tree(), "in the tree")
-		check(scatter.take_scene(id) == null and scatter.get_scene(id) == null, "once")
+		check(scatter.take_scene(id) == null and scatter.get_scene(id) == null, "only once")
 		taken[turn].reparent(root)
-		check(taken[turn].global_transform.is_equal_approx(before), "where it was")
-		check(not taken[turn].top_level, "an ordinary node")
+		check(taken[turn].global_transform.is_equal_approx(before), "it does not move")
+		check(not taken[turn].top_level, "it is an ordinary node")
 		everything.erase(id)
 		for frame in 3:
 			await process_frame
-			check_once(scatter, everything, "taken")
-		check_equal((taken[turn] as Plant).times_hidden, 0, "not told to hide")
+			check_once(scatter, everything, "after taking")
+		check_equal((taken[turn] as Plant).times_hidden, 0, "no call of _scatter_hidden")
 		check(not hidden.has(id), "no signal")
 
-	var kept := scatter.take_scene(near[3])  # Taken, and the instance stands.
+	var kept := scatter.take_scene(near[3])  # Taken, while the instance stays.
 	standing_scenes.erase(near[3])
 	for frame in 3:
 		await process_frame
@@ -93,14 +93,14 @@ func test_felled_and_taken() -> void:
 	await settle(scatter)
 	viewer.position.x = 0.0
 	await settle(scatter)
-	check(scatter.get_scene(near[3]) != null, "a scene again, after it was out of range")
-	check(scatter.get_scene(near[1]) == null, "a felled one stays away when its tile comes again")
+	check(scatter.get_scene(near[3]) != null, "a new scene after it was out of range")
+	check(scatter.get_scene(near[1]) == null, "a removed instance has none when its tile returns")
 	scatter.restore_instance(near[1])
 	standing_scenes.erase(near[1])
 	await settle(scatter)
-	check(scatter.get_scene(near[1]) != null, "a restored one gets a scene")
+	check(scatter.get_scene(near[1]) != null, "a restored instance has a scene")
 	everything[near[1]] = true
-	check_once(scatter, everything, "in the end")
+	check_once(scatter, everything, "finally")
 	check(scatter.take_scene(0) == null and scatter.get_scene(-5) == null, "no such id")
 
 
@@ -111,12 +111,12 @@ func test_hand_placed() -> void:
 	var id := scatter.add_instance(0, at)
 	await settle(scatter)
 	var scene := scatter.get_scene(id)
-	check(scene != null and scene.global_transform.is_equal_approx(at), "a scene where it was placed")
-	check(not drawn(scatter).has(id), "and no mesh")
+	check(scene != null and scene.global_transform.is_equal_approx(at), "a scene at its position")
+	check(not drawn(scatter).has(id), "no mesh")
 	scatter.remove_instance(id)
-	check(scatter.get_scene(id) == null, "gone at once")
+	check(scatter.get_scene(id) == null, "removed at once")
 	await process_frame
-	check(not drawn(scatter).has(id), "all of it")
+	check(not drawn(scatter).has(id), "no mesh either")
 
 
 func test_bad_scenes() -> void:
@@ -124,23 +124,23 @@ func test_bad_scenes() -> void:
 	layer.scene = pack(Node.new())
 	var scatter := make_garden([layer])
 	await settle(scatter)
-	check_error(["Plants", "Node3D"], "a root that is no Node3D")
+	check_error(["Plants", "Node3D"], "a root that is not a Node3D")
 	check_equal(scatter.get_stats()["scenes"], 0, "no scene")
 	var everything := drawn(scatter)
 	check(everything.size() > 1000, "meshes")
 	viewer.position.x = 5.0
 	await settle(scatter)
-	check_no_error("said once")
+	check_no_error("one error")
 	layer.scene = PackedScene.new()
 	await settle(scatter)
 	check_error(["Plants", "Node3D"], "an empty scene")
 	layer.scene = pack(Plant.new())
 	await settle(scatter)
-	check(scatter.get_stats()["scenes"] > 100, "a good one")
+	check(scatter.get_stats()["scenes"] > 100, "a valid scene")
 	var fresh := pack(Node3D.new())
 	layer.scene = fresh
 	await settle(scatter)
-	check(scatter.get_stats()["scenes"] > 100, "one without a script")
+	check(scatter.get_stats()["scenes"] > 100, "a scene without a script")
 
 
 func count_of(scatter: TerrainScatter3D) -> int:
@@ -161,7 +161,7 @@ func test_scenes_that_free_themselves() -> void:
 		standing_scenes.erase(ids[index])
 	for frame in 5:
 		await process_frame
-		check_once(scatter, everything, "scenes that were taken away")
+		check_once(scatter, everything, "after scenes were removed")
 		for index in 4:
 			check(drawn(scatter).has(ids[index]), "its mesh is back")
 	viewer.position.x += 500.0
@@ -170,55 +170,55 @@ func test_scenes_that_free_themselves() -> void:
 	standing_scenes.clear()
 	for frame in 5:
 		await process_frame
-		check_once(scatter, drawn(scatter), "scenes that are gone again")
+		check_once(scatter, drawn(scatter), "after scenes freed themselves")
 	check_equal(count_of(scatter), 0, "no scene is left")
 
 
-func test_meddling_scenes() -> void:
-	var near := func() -> PackedInt64Array: return meddled.query_sphere(viewer.position, 18.0).ids
-	var deeds: Array[Callable] = [
-		func(plant: Plant) -> void: meddled.remove_instance(plant.id),
-		func(_plant: Plant) -> void: meddled.remove_instance(near.call()[0]),
-		func(_plant: Plant) -> void: meddled.remove_in_sphere(viewer.position, 30.0),
+func test_scenes_that_change_the_node() -> void:
+	var near := func() -> PackedInt64Array: return changed_scatter.query_sphere(viewer.position, 18.0).ids
+	var actions: Array[Callable] = [
+		func(plant: Plant) -> void: changed_scatter.remove_instance(plant.id),
+		func(_plant: Plant) -> void: changed_scatter.remove_instance(near.call()[0]),
+		func(_plant: Plant) -> void: changed_scatter.remove_in_sphere(viewer.position, 30.0),
 		func(plant: Plant) -> void:
-			var taken := meddled.take_scene(plant.id)
+			var taken := changed_scatter.take_scene(plant.id)
 			if taken != null:
 				taken.reparent(root),
 		func(plant: Plant) -> void: plant.queue_free(),
-		func(_plant: Plant) -> void: meddled.layers = [],
-		func(_plant: Plant) -> void: meddled.terrain = null,
-		func(_plant: Plant) -> void: meddled.layers[0].scene = null,
-		func(_plant: Plant) -> void: root.remove_child(meddled),
-		func(_plant: Plant) -> void: meddled.queue_free(),
-		func(_plant: Plant) -> void: meddled.free(),
+		func(_plant: Plant) -> void: changed_scatter.layers = [],
+		func(_plant: Plant) -> void: changed_scatter.ground = null,
+		func(_plant: Plant) -> void: changed_scatter.layers[0].scene = null,
+		func(_plant: Plant) -> void: root.remove_child(changed_scatter),
+		func(_plant: Plant) -> void: changed_scatter.queue_free(),
+		func(_plant: Plant) -> void: changed_scatter.free(),
 	]
 	for place: StringName in [&"_init", &"_ready", &"_scatter_shown", &"_scatter_hidden"]:
-		for deed in deeds.size():
-			if place == &"_ready" and deed in [8, 10]:
-				continue  # No parent may go while a child enters the tree.
-			meddled = TerrainScatter3D.new()
-			meddled.seed = 7
-			meddled.layers = [make_plants(4.0)]
-			meddled.terrain = ScatterTerrainFlat.new()
-			root.add_child(meddled)
+		for action in actions.size():
+			if place == &"_ready" and action in [8, 10]:
+				continue  # A parent cannot be removed while a child enters the tree.
+			changed_scatter = TerrainScatter3D.new()
+			changed_scatter.seed = 7
+			changed_scatter.layers = [make_plants(4.0)]
+			changed_scatter.ground = ScatterGroundFlat.new()
+			root.add_child(changed_scatter)
 			viewer = make_viewer()
-			meddled.viewers = [meddled.get_path_to(viewer)]
+			changed_scatter.viewers = [changed_scatter.get_path_to(viewer)]
 			var calls := [0]
 			Plant.hooks[place] = func(plant: Plant) -> void:
 				calls[0] += 1
-				if calls[0] == 5 and is_instance_valid(meddled):
-					deeds[deed].call(plant)
+				if calls[0] == 5 and is_instance_valid(changed_scatter):
+					actions[action].call(plant)
 			for frame in 40:
 				if frame == 20 and place == &"_scatter_hidden":
 					viewer.position.x += 400.0
 				await process_frame
 			Plant.hooks.clear()
 			var kept := was_kept_from_being_freed()
-			check(not kept or deed == 10, "%s: deed %d: kept from being freed" % [place, deed])
-			if is_instance_valid(meddled):
-				check_once(meddled, {}, "%s: after deed %d" % [place, deed])
-			check(calls[0] >= 5, "%s: deed %d is done" % [place, deed])
-			if is_instance_valid(meddled):
-				meddled.free()
+			check(not kept or action == 10, "%s: action %d: the engine refuses to free the node" % [place, action])
+			if is_instance_valid(changed_scatter):
+				check_once(changed_scatter, {}, "%s: after action %d" % [place, action])
+			check(calls[0] >= 5, "%s: action %d is done" % [place, action])
+			if is_instance_valid(changed_scatter):
+				changed_scatter.free()
 			await clean()
 	check_equal(Performance.get_monitor(Performance.OBJECT_ORPHAN_NODE_COUNT), 0.0, "orphans")

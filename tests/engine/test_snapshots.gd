@@ -1,30 +1,31 @@
 extends "threads_harness.gd"
-## What games ask on worker threads: queries of a ScatterSnapshot, and requests.
+## Calls on worker threads: queries of a ScatterSnapshot, and requests.
 
 
-## The answers to some questions, by a node or by its snapshot.
-func answers_of(asked: Variant, ids: PackedInt64Array) -> Array:
+## Returns the results of some queries by a node or by its snapshot.
+func answers_of(target: Variant, ids: PackedInt64Array) -> Array:
 	var answers := []
 	for question: Callable in [
-			func() -> Variant: return asked.query_rect(Rect2(-50, -50, 100, 100)),
-			func() -> Variant: return asked.query_rect(Rect2(700, -300, 60, 60), "trees"),
-			func() -> Variant: return asked.query_sphere(Vector3(10, 0, 5), 40.0, [0, 1]),
-			func() -> Variant: return asked.query_sphere(Vector3(0, 0, 0), 40.0, 0, func(id: int, _layer: int, at: Transform3D) -> bool:
+			func() -> Variant: return target.query_rect(Rect2(-50, -50, 100, 100)),
+			func() -> Variant: return target.query_rect(Rect2(700, -300, 60, 60), "trees"),
+			func() -> Variant: return target.query_sphere(Vector3(10, 0, 5), 40.0, [0, 1]),
+			func() -> Variant: return target.query_sphere(Vector3(0, 0, 0), 40.0, 0, func(id: int, _layer: int, at: Transform3D) -> bool:
 				return id % 2 == 0 and at.origin.x > 0.0)]:
 		var found: ScatterInstances = question.call()
 		answers.append_array([found.ids, found.layers, found.meshes, found.transforms])
-	answers.push_back(asked.query_ray(Vector3(-60, 1, -3), Vector3(60, 1, 8)))
+	var hit: ScatterInstance = target.query_ray(Vector3(-60, 1, -3), Vector3(60, 1, 8))
+	answers.append_array([hit.id, hit.transform, hit.distance, hit.hit_position, hit.data] if hit else [null])
 	for at: Vector3 in [Vector3.ZERO, Vector3(400, 0, 20)]:
-		var nearest: ScatterInstance = asked.query_nearest(at, 60.0)
+		var nearest: ScatterInstance = target.query_nearest(at, 60.0)
 		answers.append_array([nearest.id, nearest.transform, nearest.distance, nearest.data] if nearest else [null])
 	for id in ids:
-		var instance: ScatterInstance = asked.get_instance(id)
-		answers.append_array([asked.has_instance(id), asked.get_instance_data(id)])
+		var instance: ScatterInstance = target.get_instance(id)
+		answers.append_array([target.has_instance(id), target.get_instance_data(id)])
 		answers.append_array([instance.transform, instance.mesh, instance.added, instance.data] if instance else [null])
 	return answers
 
 
-func test_a_snapshot_answers_as_the_node_did() -> void:
+func test_a_snapshot_returns_what_the_node_did() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer)
 	scatter.state = ScatterState.new()
@@ -36,7 +37,7 @@ func test_a_snapshot_answers_as_the_node_did() -> void:
 	var ids := some.slice(0, 8) + PackedInt64Array([placed, 12345])
 	var expected := answers_of(scatter, ids)
 	var snapshots: Array[ScatterSnapshot] = [scatter.make_snapshot()]
-	# What comes after it makes no difference.
+	# Later changes have no effect on the snapshot.
 	scatter.remove_in_sphere(Vector3.ZERO, 50.0)
 	scatter.remove_instance(placed)
 	var next := answers_of(scatter, ids)
@@ -57,8 +58,8 @@ func test_a_snapshot_answers_as_the_node_did() -> void:
 	for index in threads.size():
 		check_equal(threads[index].wait_to_finish(), [expected, next][index % 2], "on thread %d" % index)
 	scatter.free()
-	check_equal(answers_of(snapshots[0], ids), expected, "once the node is gone")
-	check(expected != next, "both moments differ")
+	check_equal(answers_of(snapshots[0], ids), expected, "after the node was freed")
+	check(expected != next, "the snapshots differ")
 
 
 func test_a_snapshot_refuses_as_the_node_does() -> void:
@@ -75,21 +76,21 @@ func test_a_snapshot_refuses_as_the_node_does() -> void:
 	check_error(["ScatterSnapshot.query_sphere", "predicate"], "a predicate")
 	var empty := TerrainScatter3D.new()
 	var nothing := empty.make_snapshot()
-	check_error(["TerrainScatter3D.make_snapshot", "terrain"], "a node without ground")
-	check_equal(nothing.query_sphere(Vector3.ZERO, 9.0).size(), 0, "nothing to ask")
-	check_error(["ScatterSnapshot.query_sphere", "missing"], "nothing to ask")
+	check_error(["TerrainScatter3D.make_snapshot", "ground"], "a node without ground")
+	check_equal(nothing.query_sphere(Vector3.ZERO, 9.0).size(), 0, "an empty snapshot")
+	check_error(["ScatterSnapshot.query_sphere", "missing"], "an empty snapshot")
 	empty.free()
 
 
-class Plateau extends ScatterTerrain:
+class Plateau extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		heights.resize(positions.size())
 		return heights
 
 
-## Ground that the main thread alone can sample gives a snapshot the loaded tiles, and an error that says so for others.
-func test_a_snapshot_of_ground_that_only_the_main_thread_knows() -> void:
+## A snapshot of ground that only the main thread can sample contains the loaded tiles, and returns an error for others.
+func test_a_snapshot_of_ground_for_the_main_thread_only() -> void:
 	var scatter := make_scatter([make_layer(4.0)], Plateau.new(), make_viewer())
 	await settle(scatter)
 	var near := scatter.query_sphere(Vector3.ZERO, 20.0).ids
@@ -112,45 +113,45 @@ func test_requests_from_other_threads() -> void:
 		threads.push_back(thread)
 	for thread in threads:
 		for request: ScatterRequest in thread.wait_to_finish():
-			check(not request.is_completed() and request.get_result().is_empty(), "not at once")
+			check(not request.is_completed() and request.get_result().is_empty(), "not completed at once")
 			requests.push_back(request)
 	layers[0] = "no such layer"
-	var told: Array[int] = [0]
+	var signal_count: Array[int] = [0]
 	for request in requests:
-		request.completed.connect(func(found: ScatterInstances) -> void: told[0] += int(found.size() > 0))
-	await until(func() -> bool: return requests.all(func(request: ScatterRequest) -> bool: return request.is_completed()), "answers")
-	check_equal(told[0], 8, "signals with a result")
+		request.completed.connect(func(found: ScatterInstances) -> void: signal_count[0] += int(found.size() > 0))
+	await until(func() -> bool: return requests.all(func(request: ScatterRequest) -> bool: return request.is_completed()), "all requests are completed")
+	check_equal(signal_count[0], 8, "signals with a result")
 	check_equal(requests[0].get_result().ids, scatter.query_rect(rect, "trees").ids, "the same as a query")
 	check_equal(requests[1].get_result().ids, scatter.query_sphere(Vector3(0, 0, 300), 30.0).ids, "the same as a query")
 
 
-func test_requests_that_come_to_nothing() -> void:
+func test_failed_and_canceled_requests() -> void:
 	var scatter := make_wood(make_viewer())
 	await settle(scatter)
 	var request: ScatterRequest = on_thread(func() -> ScatterRequest: return scatter.request_rect(Rect2(0, 0, 9, 9), "bushes"))
-	await until(request.is_completed, "a layer that is not there")
-	check_error(["TerrainScatter3D.request_rect", "bushes"], "a layer that is not there")
-	check_equal(request.get_result().size(), 0, "nothing found")
+	await until(request.is_completed, "a missing layer")
+	check_error(["TerrainScatter3D.request_rect", "bushes"], "a missing layer")
+	check_equal(request.get_result().size(), 0, "an empty result")
 	var canceled: Array = on_thread(func() -> Array:
 		var mine := scatter.request_sphere(Vector3(2000, 0, 0), 50.0)
 		return [mine, mine.cancel(), mine.cancel()])
-	check_equal(canceled.slice(1), [true, false], "canceled where it was made")
+	check_equal(canceled.slice(1), [true, false], "canceled on the thread of the request")
 	var later := scatter.request_sphere(Vector3(3000, 0, 0), 50.0)
-	check_equal(on_thread(later.cancel), true, "canceled on another thread")
-	var told: Array[int] = [0]
-	later.completed.connect(func(found: ScatterInstances) -> void: told[0] += 1 + found.size())
+	check_equal(on_thread(later.cancel), true, "canceled on a different thread")
+	var signal_count: Array[int] = [0]
+	later.completed.connect(func(found: ScatterInstances) -> void: signal_count[0] += 1 + found.size())
 	await frames(5)
-	check(later.is_canceled() and later.is_completed() and (canceled[0] as ScatterRequest).is_completed(), "both are over")
-	check_equal(told[0], 1, "and told, with nothing found")
+	check(later.is_canceled() and later.is_completed() and (canceled[0] as ScatterRequest).is_completed(), "both are completed")
+	check_equal(signal_count[0], 1, "one signal with an empty result")
 	var left: ScatterRequest = on_thread(func() -> ScatterRequest: return scatter.request_sphere(Vector3(4000, 0, 0), 50.0))
 	root.remove_child(scatter)
 	await frames(2)
-	check(left.is_completed() and not left.is_canceled(), "a node that leaves completes what was requested")
+	check(left.is_completed() and not left.is_canceled(), "leaving the tree completes requests")
 	scatter.free()
 
 
-## Requests, snapshots and their queries on threads, beside a game that streams, fells and edits.
-func test_threads_beside_a_game() -> void:
+## Requests, snapshots and queries on threads, while a game streams, removes and edits.
+func test_threads_during_a_game() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer)
 	scatter.state = ScatterState.new()
@@ -183,4 +184,4 @@ func test_threads_beside_a_game() -> void:
 		shared[0] = scatter.make_snapshot()
 		mutex.unlock())
 	check(open.size() > 10, "%d requests" % open.size())
-	await until(func() -> bool: return open.all(func(made: ScatterRequest) -> bool: return made.is_completed()), "answers")
+	await until(func() -> bool: return open.all(func(made: ScatterRequest) -> bool: return made.is_completed()), "all requests are completed")

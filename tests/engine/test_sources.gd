@@ -1,13 +1,13 @@
 extends "edits_harness.gd"
-## Colors and variations that follow height, slope, noise, rank or the distance to another layer: read back from the buffers,
-## and compared with what stands there.
+## Colors and variations that follow height, slope, noise, rank or the distance to a second layer: read back from the buffers,
+## and compared with the instances.
 
 const STRIDE := 20
-const STEP := 0.0027 # Of a gradient of 256 colors, as halves.
+const STEP := 0.0027 # One step of a gradient of 256 colors, stored with half precision.
 
 
-## Waves on one side, a plane that rises by a half on the other.
-class Banks extends ScatterTerrain:
+## Waves on one side, a plane with a slope of one half on the other.
+class Banks extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -18,14 +18,14 @@ class Banks extends ScatterTerrain:
 		return true
 
 
-## The instances of a layer on show: where they stand in the world, red of the color, and custom data.
+## A visible instance of a layer: position in the world, red of the color, and custom data.
 class Seen:
 	var place: Vector3
 	var color: float
 	var custom: Color
 
 
-## From black to white, so that a color says where on the gradient it is.
+## From black to white, so that a color gives the position on the gradient.
 func gray() -> Gradient:
 	var gradient := Gradient.new()
 	gradient.colors = PackedColorArray([Color.BLACK, Color.WHITE])
@@ -62,8 +62,8 @@ func seen(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Seen]:
 	return result
 
 
-## Checks colors and variations of all instances against a function of them. `slack` is how far off its share may be.
-func check_shares(all: Dictionary[int, Seen], share: Callable, what: String, slack := 0.0) -> void:
+## Checks colors and variations of all instances against a function. `slack` is the tolerance of the expected fraction.
+func check_shares(all: Dictionary[int, Seen], share: Callable, context: String, slack := 0.0) -> void:
 	var worst := 0.0
 	var least := 1.0
 	var most := 0.0
@@ -72,9 +72,9 @@ func check_shares(all: Dictionary[int, Seen], share: Callable, what: String, sla
 		worst = maxf(worst, maxf(absf(all[id].color - expected) - STEP, absf(all[id].custom.r - expected) - 0.001))
 		least = minf(least, expected)
 		most = maxf(most, expected)
-	check(all.size() > 300, "%s: %d stand" % [what, all.size()])
-	check(worst <= slack, "%s: off by %f" % [what, worst])
-	check(least < 0.1 and most > 0.9, "%s: from %f to %f" % [what, least, most])
+	check(all.size() > 300, "%s: %d instances" % [context, all.size()])
+	check(worst <= slack, "%s: off by %f" % [context, worst])
+	check(least < 0.1 and most > 0.9, "%s: from %f to %f" % [context, least, most])
 
 
 func set_source(layer: ScatterLayer, source: ScatterLayer.ValueSource, from: float, to: float) -> void:
@@ -99,7 +99,7 @@ func test_sources_of_the_ground_and_of_ranks() -> void:
 	set_source(layer, ScatterLayer.SOURCE_SLOPE, 2.0, 20.0)
 	await settle(scatter)
 	var ground := func(one: Seen) -> float:
-		var normal := scatter.terrain.get_normal(one.place)
+		var normal := scatter.ground.get_normal(one.place)
 		return (rad_to_deg(normal.angle_to(Vector3.UP)) - 2.0) / 18.0
 	check_shares(seen(scatter, 0), ground, "slope", 1e-3)
 	for one: Seen in seen(scatter, 0).values():
@@ -112,7 +112,7 @@ func test_sources_of_the_ground_and_of_ranks() -> void:
 
 func test_a_noise() -> void:
 	var layer := make_colored()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	set_source(layer, ScatterLayer.SOURCE_NOISE, 0.3, 0.7)
 	await settle(scatter)
 	var random := seen(scatter, 0)
@@ -125,24 +125,24 @@ func test_a_noise() -> void:
 	var share := func(one: Seen) -> float:
 		return (0.5 + 0.5 * noise.get_noise_2d(one.place.x, one.place.z) - 0.3) / 0.4
 	check_shares(seen(scatter, 0), share, "noise", 1e-4)
-	check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
+	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	var before := digests(scatter, 0)
 	noise.frequency = 0.05
 	await settle(scatter)
 	check_shares(seen(scatter, 0), share, "the same noise, edited", 1e-4)
-	check(digests(scatter, 0) != before, "other colors")
+	check(digests(scatter, 0) != before, "new colors")
 	layer.color_source_noise = null
 	layer.variation_source_noise = null
 	await settle(scatter)
 	var again := seen(scatter, 0)
 	for id in random:
 		if again[id].color != random[id].color:
-			check(false, "random colors are another's")
+			check(false, "random colors have changed")
 			break
 
 
-## Oaks, and ferns whose look follows them, on a terrain that may be asked on any thread, or on the main one.
-func make_followed(terrain: ScatterTerrain) -> TerrainScatter3D:
+## Oaks, and ferns that follow them, on ground that is queried on any thread or only on the main thread.
+func make_followed(terrain: ScatterGround) -> TerrainScatter3D:
 	var oak := named_layer("oak", 1, 9.0)
 	oak.density = 0.7
 	oak.view_distance = 100.0
@@ -158,16 +158,16 @@ func distance_share(oaks: PackedVector2Array) -> Callable:
 	return func(one: Seen) -> float: return (nearest(Vector2(one.place.x, one.place.z), oaks) - 1.0) / 7.0
 
 
-func test_the_distance_to_another_layer() -> void:
-	var told: Array[Dictionary] = []
-	for terrain: ScatterTerrain in [Mound.new(), MainMound.new()]:
+func test_the_distance_to_a_second_layer() -> void:
+	var all_digests: Array[Dictionary] = []
+	for terrain: ScatterGround in [Mound.new(), MainMound.new()]:
 		var scatter := make_followed(terrain)
 		await settle(scatter)
-		check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
+		check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 		var oaks := map_positions(scatter, OAK)
 		check_shares(seen(scatter, FERN), distance_share(oaks), "distance", 1e-4)
-		told.push_back(digests(scatter, FERN))
-		# Windows, and tiles of another size, have the same colors.
+		all_digests.push_back(digests(scatter, FERN))
+		# Windows, and tiles of a different size, have the same colors.
 		var built := seen_in(scatter.build_rect(FERN, Rect2(-17.0, 3.0, 40.0, 21.0)))
 		var shown := seen(scatter, FERN)
 		scatter.layers[FERN].tile_size = 21.0
@@ -175,14 +175,14 @@ func test_the_distance_to_another_layer() -> void:
 		var small := seen(scatter, FERN)
 		for id in built:
 			if built[id].color != shown[id].color or small[id].color != shown[id].color or small[id].custom != shown[id].custom:
-				check(false, "a window has other colors: %f, %f, %f" % [built[id].color, small[id].color, shown[id].color])
+				check(false, "a window has different colors: %f, %f, %f" % [built[id].color, small[id].color, shown[id].color])
 				break
-		check(built.size() > 40, "%d in the window" % built.size())
+		check(built.size() > 40, "%d instances in the window" % built.size())
 		scatter.free()
-	check(told[0] == told[1], "the same tiles, wherever the ground is asked")
+	check(all_digests[0] == all_digests[1], "the same tiles for both kinds of ground")
 
 
-func test_an_edit_of_the_other_layer_stays_local() -> void:
+func test_an_edit_of_the_second_layer_stays_local() -> void:
 	var scatter := make_followed(Mound.new())
 	var fern := scatter.layers[FERN]
 	var shown := Shown.new(scatter)
@@ -194,14 +194,14 @@ func test_an_edit_of_the_other_layer_stays_local() -> void:
 		await settle(scatter)
 		var made: Dictionary = shown.take()[FERN]
 		for tile: Vector2i in scatter.get_shown_tiles(FERN):
-			check_equal(made.has(tile), tile_rect(scatter, FERN, tile).intersects(area.grow(8.0)), "tile %s is made anew" % tile)
+			check_equal(made.has(tile), tile_rect(scatter, FERN, tile).intersects(area.grow(8.0)), "tile %s is regenerated" % tile)
 			if not made.has(tile):
 				check_equal(scatter.get_tile(FERN, tile).get_digest(), before[tile], "tile %s" % tile)
 		check_shares(seen(scatter, FERN), distance_share(map_positions(scatter, OAK)), "after an edit", 1e-4)
 	var whole := digests(scatter, FERN)
 	scatter.layers[OAK].min_scale = 0.5
 	await settle(scatter)
-	check(shown.take()[FERN].is_empty() and digests(scatter, FERN) == whole, "how the oaks look does not matter")
+	check(shown.take()[FERN].is_empty() and digests(scatter, FERN) == whole, "the look of the oaks has no effect")
 	fern.color_source = ScatterLayer.SOURCE_RANDOM
 	fern.variation_source = ScatterLayer.SOURCE_RANDOM
 	await settle(scatter)
@@ -211,11 +211,11 @@ func test_an_edit_of_the_other_layer_stays_local() -> void:
 	fern.color_source_min = 2.0
 	fern.color_randomness = 0.5
 	await settle(scatter)
-	check(shown.take()[FERN].is_empty(), "nor do oaks that nothing follows, nor a range of nothing")
+	check(shown.take()[FERN].is_empty(), "oaks that no source uses have no effect, and neither does an unused range")
 
 
 func test_references() -> void:
-	var scatter := make_followed(ScatterTerrainFlat.new())
+	var scatter := make_followed(ScatterGroundFlat.new())
 	var oak := scatter.layers[OAK]
 	var fern := scatter.layers[FERN]
 	await settle(scatter)
@@ -224,24 +224,24 @@ func test_references() -> void:
 		fern.color_source_layer = reference
 		fern.variation_source_layer = reference
 		await settle(scatter)
-		check(digests(scatter, FERN) == followed, "the same by %s" % [reference])
+		check(digests(scatter, FERN) == followed, "the same for %s" % [reference])
 	oak.resource_name = "elm"
-	check_equal([fern.color_source_layer, fern.variation_source_layer], ["elm", "elm"], "it follows a renamed layer")
-	check_equal(scatter.get_problems(), PackedStringArray(), "no problem")
+	check_equal([fern.color_source_layer, fern.variation_source_layer], ["elm", "elm"], "the reference follows a renamed layer")
+	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	for bad: Variant in [2.5, BoxMesh.new()]:
 		fern.color_source_layer = bad
 		check_error(["ScatterLayer.color_source_layer", "A layer is meant by"], "%s" % [bad])
 		fern.variation_source_layer = bad
 		check_error(["ScatterLayer.variation_source_layer", "A layer is meant by"], "%s" % [bad])
-	check_equal(fern.color_source_layer, "elm", "what was there stays")
+	check_equal(fern.color_source_layer, "elm", "the old reference stays")
 	fern.color_source_layer = null
-	check_equal(fern.color_source_layer, "", "none")
+	check_equal(fern.color_source_layer, "", "no layer")
 	check("color_source is Distance, but names no layer" in "\n".join(scatter.get_problems()), "a warning")
 	scatter.layers = [fern, oak]
 	var problems := "\n".join(scatter.get_problems())
-	check("variation_source_layer is \"elm\", which does not stand before" in problems, "another: %s" % problems)
+	check("variation_source_layer is \"elm\", which is not before" in problems, "a second warning: %s" % problems)
 	fern.color_source_layer = "ash"
-	check("color_source_layer is \"ash\", and no layer has that name" in "\n".join(scatter.get_problems()), "a third")
+	check("color_source_layer is \"ash\", and no layer has that name" in "\n".join(scatter.get_problems()), "a third warning")
 	fern.resource_name = ""
 	fern.color_source_layer = ""
 	oak.resource_name = ""
@@ -250,14 +250,14 @@ func test_references() -> void:
 	check_error(["ScatterLayer.variation_source_layer", "circle"], "layers without names in a circle")
 
 
-func test_ranges_that_cannot_be() -> void:
-	var scatter := make_followed(ScatterTerrainFlat.new())
+func test_invalid_ranges() -> void:
+	var scatter := make_followed(ScatterGroundFlat.new())
 	var fern := scatter.layers[FERN]
 	await settle(scatter)
 	var before := digests(scatter, FERN)
 	fern.color_source_max = 0.5
 	await settle(scatter)
-	check_error(["layers[1]: ScatterLayer.color_source_max", "0.5"], "it ends before it starts")
+	check_error(["layers[1]: ScatterLayer.color_source_max", "0.5"], "the end before the start")
 	fern.color_source_max = 1001.0
 	await settle(scatter)
 	check_error(["layers[1]: ScatterLayer.color_source_max must be between", "1001"], "too far")
@@ -266,19 +266,19 @@ func test_ranges_that_cannot_be() -> void:
 	scatter.layers[OAK].tile_size = 10.0
 	scatter.layers[OAK].view_distance = 5.0
 	await settle(scatter)
-	check_error(["layers[1]: ScatterLayer.color_source_max", "points"], "too many oaks as far as that")
-	check(digests(scatter, FERN) == before, "what stood stays")
+	check_error(["layers[1]: ScatterLayer.color_source_max", "points"], "too many oaks in that distance")
+	check(digests(scatter, FERN) == before, "the instances stay")
 	scatter.layers[OAK].radius = 9.0
 	fern.color_source_max = 8.0
 	await settle(scatter)
-	check(digests(scatter, FERN) == before, "all is well again")
-	check_no_error("and nothing is said")
+	check(digests(scatter, FERN) == before, "the same with valid values")
+	check_no_error("no error")
 
 
-## What is placed by hand has what its position tells.
+## Hand-placed instances use their position.
 func test_hand_placed() -> void:
 	var layer := make_colored()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	set_source(layer, ScatterLayer.SOURCE_HEIGHT, 0.0, 10.0)
 	await settle(scatter)
 	var id := scatter.add_instance(0, Transform3D(Basis.IDENTITY, Vector3(3.0, 7.5, 4.0)))
@@ -287,7 +287,7 @@ func test_hand_placed() -> void:
 	var buffer: PackedFloat32Array = scatter.get_tile(0, Vector2i.ZERO).get_buffer(0)
 	var ids: PackedInt64Array = scatter.get_tile(0, Vector2i.ZERO).get_ids(0)
 	var at := ids.find(id) * STRIDE
-	if check(at >= 0, "it stands"):
+	if check(at >= 0, "it exists"):
 		check(absf(buffer[at + 12] - 0.75) < STEP and absf(buffer[at + 16] - 0.75) < 0.001, "at 7.5 of 10 m: %f, %f" % [buffer[at + 12], buffer[at + 16]])
 	set_source(layer, ScatterLayer.SOURCE_SLOPE, 0.0, 45.0)
 	await settle(scatter)
@@ -307,4 +307,4 @@ func test_some_randomness() -> void:
 		offsets.push_back(one.color - 0.75 * clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0))
 	offsets.sort()
 	check(offsets[0] > -STEP and offsets[-1] < 0.25 + STEP, "within a quarter: %f to %f" % [offsets[0], offsets[-1]])
-	check(absf(offsets[offsets.size() / 2] - 0.125) < 0.02, "evenly: %f" % offsets[offsets.size() / 2])
+	check(absf(offsets[offsets.size() / 2] - 0.125) < 0.02, "uniform: %f" % offsets[offsets.size() / 2])

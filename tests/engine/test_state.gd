@@ -1,13 +1,13 @@
 extends "harness.gd"
-## ScatterState: what it keeps, tells, gives to peers and to files, and refuses.
+## ScatterState: changes, signals, diffs for peers, files, and refused input.
 
 const LAYER := 3
 
-## A file of this run alone: the same tests may run at once in engines that share user://.
+## A file for this run only: the same tests may run at the same time in engines that share user://.
 var _spot := "user://thicket_state_%d" % randi()
 
-## What a state has emitted, in order.
-class Heard:
+## Records the signals of a state in order.
+class SignalLog:
 	var events: Array = []
 
 	func _init(state: ScatterState) -> void:
@@ -20,7 +20,7 @@ class Heard:
 		return taken
 
 
-## The id of a cell.
+## Returns the id of a cell.
 func point(x: int, y := 0) -> int:
 	return LAYER << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
 
@@ -35,37 +35,37 @@ func make_state(count := 20) -> ScatterState:
 	return state
 
 
-func check_same(got: ScatterState, expected: ScatterState, what: String) -> void:
-	check_equal(got.get_digest(), expected.get_digest(), what + ": digest")
-	check_equal(got.to_bytes(), expected.to_bytes(), what + ": bytes")
-	check_equal(got.get_removed(), expected.get_removed(), what + ": removed")
-	check_equal(got.get_time(), expected.get_time(), what + ": time")
-	check_equal(got.get_instance_data(point(1, 1)), expected.get_instance_data(point(1, 1)), what + ": data")
+func check_same(got: ScatterState, expected: ScatterState, context: String) -> void:
+	check_equal(got.get_digest(), expected.get_digest(), context + ": digest")
+	check_equal(got.to_bytes(), expected.to_bytes(), context + ": bytes")
+	check_equal(got.get_removed(), expected.get_removed(), context + ": removed")
+	check_equal(got.get_time(), expected.get_time(), context + ": time")
+	check_equal(got.get_instance_data(point(1, 1)), expected.get_instance_data(point(1, 1)), context + ": data")
 
 
-func test_what_is_changed_is_told() -> void:
+func test_changes_emit_signals() -> void:
 	var state := ScatterState.new()
-	var heard := Heard.new(state)
+	var signals := SignalLog.new(state)
 	check(state.remove(point(5)), "removed")
-	check_equal(heard.take(), [PackedInt64Array([point(5)]), "changed"], "the ids, then the resource")
-	check(state.is_removed(point(5)) and not state.is_removed(point(6)), "it alone")
+	check_equal(signals.take(), [PackedInt64Array([point(5)]), "changed"], "the ids, then changed")
+	check(state.is_removed(point(5)) and not state.is_removed(point(6)), "only this instance")
 	check(not state.remove(point(5)), "only once")
 	check(not state.restore(point(6)), "nothing to restore")
 	check(state.set_instance_data(point(6), "x"), "data")
-	check_equal(heard.take(), [PackedInt64Array([point(6)]), "changed"], "data are told")
+	check_equal(signals.take(), [PackedInt64Array([point(6)]), "changed"], "data are reported")
 	check(state.set_instance_data(point(6), "x"), "the same data")
-	check_equal(heard.take(), [], "nothing has changed")
+	check_equal(signals.take(), [], "nothing has changed")
 	check(state.restore(point(5)), "restored")
-	heard.take()
+	signals.take()
 	state.clear()
-	check_equal(heard.take(), [PackedInt64Array([point(6)]), "changed"], "clearing")
+	check_equal(signals.take(), [PackedInt64Array([point(6)]), "changed"], "clearing")
 	check_equal([state.get_removed_count(), state.get_added_count()], [0, 0], "counts")
 
 
 func test_ids_by_layer() -> void:
 	var state := make_state()
 	check_equal(state.get_removed_count(), 20, "removed")
-	check_equal(state.get_removed(LAYER), state.get_removed(), "all are of one layer")
+	check_equal(state.get_removed(LAYER), state.get_removed(), "all belong to one layer")
 	for other: int in [0, 4, 32768, -2, 1 << 40, LAYER + (1 << 32)]:
 		check(state.get_removed(other).is_empty() and state.get_added(other).is_empty(), "none of layer %d" % other)
 	var sorted := state.get_removed()
@@ -73,20 +73,20 @@ func test_ids_by_layer() -> void:
 	check_equal(state.get_removed(), sorted, "ascending")
 
 
-func test_data_are_any_value() -> void:
+func test_data_can_be_any_value() -> void:
 	var state := ScatterState.new()
 	for value: Variant in [true, 7, 2.5, "text", Vector3(1, 2, 3), [1, [2, 3]], {"a": {"b": PackedByteArray([1, 2])}}, &"name"]:
-		check(state.set_instance_data(point(0), value), "%s can be kept" % [value])
-		check_equal(state.get_instance_data(point(0)), value, "comes back")
-	check(state.set_instance_data(point(0), null) and state.get_instance_data(point(0)) == null, "nothing is kept of null")
-	check_equal(state.get_digest(), ScatterState.new().get_digest(), "nothing at all")
+		check(state.set_instance_data(point(0), value), "%s can be stored" % [value])
+		check_equal(state.get_instance_data(point(0)), value, "it reads back")
+	check(state.set_instance_data(point(0), null) and state.get_instance_data(point(0)) == null, "null stores nothing")
+	check_equal(state.get_digest(), ScatterState.new().get_digest(), "no trace is left")
 	var large := PackedByteArray()
 	large.resize(65536 - 8)
-	check(state.set_instance_data(point(0), large), "as large as can be")
+	check(state.set_instance_data(point(0), large), "the maximum size")
 	large.resize(65536)
 	check(not state.set_instance_data(point(0), large), "too large")
 	check_error(["ScatterState.set_instance_data: data", "wrong size", "65544"], "too large")
-	check_equal((state.get_instance_data(point(0)) as PackedByteArray).size(), 65536 - 8, "data before that")
+	check_equal((state.get_instance_data(point(0)) as PackedByteArray).size(), 65536 - 8, "the data before that")
 	check(not state.set_instance_data(point(0), RefCounted.new()), "an object")
 	check_error(["ScatterState.set_instance_data: data"], "an object")
 	for id: int in [0, -5]:
@@ -98,12 +98,12 @@ func test_times() -> void:
 	var state := ScatterState.new()
 	state.remove(point(0), 10.0)
 	state.remove(point(1))
-	var heard := Heard.new(state)
+	var signals := SignalLog.new(state)
 	state.advance(9.0)
-	check_equal(heard.take(), [], "too early")
+	check_equal(signals.take(), [], "too early")
 	state.advance(1.0)
-	check_equal(heard.take(), [PackedInt64Array([point(0)]), "changed"], "it has grown again")
-	check_equal(state.get_removed(), PackedInt64Array([point(1)]), "the other has not")
+	check_equal(signals.take(), [PackedInt64Array([point(0)]), "changed"], "it has regrown")
+	check_equal(state.get_removed(), PackedInt64Array([point(1)]), "the second one has not")
 	for wrong: float in [NAN, -1.0, 2e12]:
 		check(not state.remove(point(2), wrong), "removed until %f" % wrong)
 		check_error(["ScatterState.remove: until"], "until %f" % wrong)
@@ -113,31 +113,31 @@ func test_times() -> void:
 	check(not state.remove(0) and not state.remove(-77), "no instances")
 
 
-func test_peers_follow() -> void:
+func test_peers_follow_by_diffs() -> void:
 	var server := make_state()
 	var client := ScatterState.new()
-	check_equal(client.apply_diff(server.diff_since(0)), OK, "all")
+	check_equal(client.apply_diff(server.diff_since(0)), OK, "a complete diff")
 	check_same(client, server, "a new peer")
 	var known := server.get_revision()
 	server.restore(point(1, 1))
 	server.remove(point(1000))
 	var diff := server.diff_since(known)
 	check(diff.size() < 160, "a small diff: %d bytes" % diff.size())
-	var heard := Heard.new(client)
-	check_equal(client.apply_diff(diff), OK, "what is new")
-	var told := heard.take()
-	check_equal(told.size(), 2, "told once")
-	check_equal(Array(told[0] as PackedInt64Array).size(), 2, "two ids")
+	var signals := SignalLog.new(client)
+	check_equal(client.apply_diff(diff), OK, "a diff of the changes")
+	var emitted := signals.take()
+	check_equal(emitted.size(), 2, "signals")
+	check_equal(Array(emitted[0] as PackedInt64Array).size(), 2, "two ids")
 	check_same(client, server, "the peer")
 	client.apply_diff(diff)
-	check_equal(heard.take(), [], "the same again is no change")
+	check_equal(signals.take(), [], "the same diff again changes nothing")
 	var other := ScatterState.new()
 	other.remove(point(-50))
 	check_equal(client.merge(other), OK, "merged")
-	check_equal(heard.take(), [PackedInt64Array([point(-50)]), "changed"], "what came")
-	check_equal(client.merge(null), ERR_INVALID_DATA, "none")
-	check_error(["ScatterState.merge: other is missing"], "none")
-	# A server that has loaded a state does not know what was before: it sends all, and that replaces all.
+	check_equal(signals.take(), [PackedInt64Array([point(-50)]), "changed"], "the merged change")
+	check_equal(client.merge(null), ERR_INVALID_DATA, "no state")
+	check_error(["ScatterState.merge: other is missing"], "no state")
+	# A server that has loaded a state knows no earlier revision: it sends everything, and that replaces everything.
 	server.from_bytes(make_state(3).to_bytes())
 	client.apply_diff(server.diff_since(known))
 	check_same(client, server, "after the server has loaded")
@@ -154,11 +154,11 @@ func test_files() -> void:
 		check_same(state.duplicate(), state, "a copy")
 		check_same(state.duplicate(true), state, "a deep copy")
 	var blank := ScatterState.new()
-	check_equal(blank.data, PackedByteArray(), "nothing is stored of a blank state")
+	check_equal(blank.data, PackedByteArray(), "a blank state stores nothing")
 	blank.data = make_state().data
-	check_same(blank, make_state(), "by its property")
+	check_same(blank, make_state(), "set by its property")
 	blank.data = PackedByteArray()
-	check_equal(blank.get_removed_count(), 0, "no bytes are no changes")
+	check_equal(blank.get_removed_count(), 0, "no bytes mean no changes")
 
 
 func test_a_million_removals_take_less_than_4_mb() -> void:
@@ -177,18 +177,18 @@ func test_a_million_removals_take_less_than_4_mb() -> void:
 	DirAccess.remove_absolute(_spot + ".res")
 
 
-func refuse(state: ScatterState, bytes: PackedByteArray, what: String) -> void:
+func refuse(state: ScatterState, bytes: PackedByteArray, context: String) -> void:
 	var before := state.to_bytes()
 	var revision := state.get_revision()
-	var heard := Heard.new(state)
-	check(state.from_bytes(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], what + " is refused")
-	check_error(["ScatterState.from_bytes: "], what)
-	check(state.apply_diff(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], what + " is refused as a diff")
-	check_error(["ScatterState.apply_diff: "], what)
-	check(state.to_bytes() == before and state.get_revision() == revision and heard.take().is_empty(), what + " has changed nothing")
+	var signals := SignalLog.new(state)
+	check(state.from_bytes(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], context + " is refused")
+	check_error(["ScatterState.from_bytes: "], context)
+	check(state.apply_diff(bytes) in [ERR_FILE_CORRUPT, ERR_INVALID_DATA], context + " is refused as a diff")
+	check_error(["ScatterState.apply_diff: "], context)
+	check(state.to_bytes() == before and state.get_revision() == revision and signals.take().is_empty(), context + " changes nothing")
 
 
-func test_what_is_damaged_is_refused() -> void:
+func test_damaged_bytes_are_refused() -> void:
 	var state := make_state(5)
 	var bytes := make_state(8).to_bytes()
 	for at in bytes.size():
@@ -196,15 +196,15 @@ func test_what_is_damaged_is_refused() -> void:
 		damaged[at] ^= 1 << at % 8
 		refuse(state, damaged, "byte %d" % at)
 		refuse(state, bytes.slice(0, at), "the first %d bytes" % at)
-	refuse(state, (var_to_bytes([1, 2, 3])), "something else")
-	check_equal(state.from_bytes(state.diff_since(2)), ERR_FILE_CORRUPT, "a diff is no state")
+	refuse(state, (var_to_bytes([1, 2, 3])), "unrelated bytes")
+	check_equal(state.from_bytes(state.diff_since(2)), ERR_FILE_CORRUPT, "a diff is not a state")
 	check_error(["ScatterState.from_bytes: data", "damaged"], "a diff")
 	state.data = bytes.slice(0, 30)
 	check_error(["ScatterState.from_bytes: data"], "the property")
 
 
 func test_a_damaged_file_leaves_the_running_state() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var id: int = scatter.query_nearest(Vector3.ZERO, 50.0).id
 	scatter.remove_instance(id)
@@ -218,22 +218,22 @@ func test_a_damaged_file_leaves_the_running_state() -> void:
 	file.close()
 	var loaded := ResourceLoader.load(_spot + ".res", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
 	check_error(["ScatterState.from_bytes: data"], "a damaged file")
-	check_equal(loaded.get_removed_count(), 0, "nothing came of it")
-	check(scatter.state == state and state.is_removed(id) and not scatter.has_instance(id), "the running state is as it was")
-	# What another world has changed is refused as well, and taken in again where it belongs.
+	check_equal(loaded.get_removed_count(), 0, "nothing was loaded")
+	check(scatter.state == state and state.is_removed(id) and not scatter.has_instance(id), "the running state is unchanged")
+	# A state of a different world is refused, and accepted where it belongs.
 	var bytes := state.to_bytes()
-	var elsewhere := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var elsewhere := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	elsewhere.seed = 8
 	await settle(elsewhere)
 	elsewhere.remove_instance(elsewhere.query_nearest(Vector3.ZERO, 50.0).id)
-	check_equal(state.from_bytes(elsewhere.state.to_bytes()), ERR_INVALID_DATA, "a foreign state")
-	check_error(["ScatterState.from_bytes: layer", "another seed"], "a foreign state")
-	check_equal(state.merge(elsewhere.state), ERR_INVALID_DATA, "a foreign state")
-	check_error(["ScatterState.merge: layer", "another seed"], "a foreign state")
-	check_equal(digests(scatter, 0), shown, "the picture")
+	check_equal(state.from_bytes(elsewhere.state.to_bytes()), ERR_INVALID_DATA, "a state of a different world")
+	check_error(["ScatterState.from_bytes: layer", "a different seed"], "a state of a different world")
+	check_equal(state.merge(elsewhere.state), ERR_INVALID_DATA, "a state of a different world")
+	check_error(["ScatterState.merge: layer", "a different seed"], "a state of a different world")
+	check_equal(digests(scatter, 0), shown, "the visible tiles")
 	state.clear()
-	check(scatter.has_instance(id), "it stands again")
-	check_equal(state.from_bytes(bytes), OK, "its own")
-	check(not scatter.has_instance(id), "and is gone again")
-	check_equal(digests(scatter, 0), shown, "the picture")
+	check(scatter.has_instance(id), "the instance is back")
+	check_equal(state.from_bytes(bytes), OK, "its own state")
+	check(not scatter.has_instance(id), "the instance is removed again")
+	check_equal(digests(scatter, 0), shown, "the visible tiles")
 	DirAccess.remove_absolute(_spot + ".res")

@@ -1,17 +1,17 @@
 extends "harness.gd"
-## Diffs that a thread applies: what comes of them, what is seen meanwhile, and what callbacks may do.
+## Diffs that a thread applies: the result, the state in the meantime, and callbacks that change it.
 
 const LAYER := 5 << 48
 const MANY := 200_000
 
-var told: Array[Error] = []
+var results: Array[Error] = []
 
 
 func note(error: Error) -> void:
-	told.push_back(error)
+	results.push_back(error)
 
 
-## Removals of a layer, from a number on.
+## Returns a diff of `count` removals of a layer, starting at a number.
 func removals(count: int, first := 0) -> PackedByteArray:
 	var state := ScatterState.new()
 	for index in count:
@@ -19,18 +19,18 @@ func removals(count: int, first := 0) -> PackedByteArray:
 	return state.diff_since(0)
 
 
-func all_told(count: int) -> void:
-	await until(func() -> bool: return told.size() == count, "%d callbacks" % count)
+func wait_for_callbacks(count: int) -> void:
+	await until(func() -> bool: return results.size() == count, "%d callbacks" % count)
 	await frames(2)
-	check_equal(told.size(), count, "callbacks")
+	check_equal(results.size(), count, "callbacks")
 
 
 func clean() -> void:
-	told.clear()
+	results.clear()
 	await super()
 
 
-func test_a_diff_comes_whole_and_later() -> void:
+func test_a_diff_is_applied_later_and_completely() -> void:
 	var state := ScatterState.new()
 	var signals := []
 	state.instances_changed.connect(func(ids: PackedInt64Array) -> void: signals.push_back(ids.size()))
@@ -38,27 +38,27 @@ func test_a_diff_comes_whole_and_later() -> void:
 	state.apply_diff_async(removals(MANY), func(error: Error) -> void:
 		signals.push_back("callback")
 		note(error))
-	check_equal(state.get_removed_count(), 0, "nothing at once")
-	check_equal(state.get_revision(), 0, "not even a number")
-	check(state.remove(LAYER | 7), "a change of its own")
-	check(state.remove(3), "and another")
+	check_equal(state.get_removed_count(), 0, "no change at once")
+	check_equal(state.get_revision(), 0, "no new revision either")
+	check(state.remove(LAYER | 7), "a change in the meantime")
+	check(state.remove(3), "and a second one")
 	var seen := {}
-	while told.is_empty():
+	while results.is_empty():
 		seen[state.get_removed_count()] = true
 		await process_frame
-	check_equal(seen.keys(), [2], "what is seen before the callback")
-	check_equal(told, [OK] as Array[Error], "the callback")
-	check_equal(state.get_removed_count(), MANY + 1, "all of it")
+	check_equal(seen.keys(), [2], "the removals before the callback")
+	check_equal(results, [OK] as Array[Error], "the callback")
+	check_equal(state.get_removed_count(), MANY + 1, "all removals")
 	check_equal(signals.slice(4), [MANY, "changed", "callback"], "one signal of each kind, then the callback")
 	var at_once := ScatterState.new()
 	at_once.apply_diff(removals(MANY))
 	at_once.remove(3)
-	check_equal(state.to_bytes(), at_once.to_bytes(), "the same as at once")
+	check_equal(state.to_bytes(), at_once.to_bytes(), "the same as apply_diff")
 	state.apply_diff_async(removals(3, MANY))
 	await until(func() -> bool: return state.get_removed_count() == MANY + 4, "without a callback")
 
 
-func test_what_is_done_meanwhile_comes_after_it() -> void:
+func test_changes_in_the_meantime_are_applied_after_it() -> void:
 	var server := ScatterState.new()
 	for index in 50:
 		server.remove(LAYER | index, 100.0 if index % 2 else 0.0)
@@ -73,15 +73,15 @@ func test_what_is_done_meanwhile_comes_after_it() -> void:
 		state.set_instance_data(LAYER | 5, "mine")
 		state.set_instance_data(LAYER | 70, "mine, too")
 		state.advance(30.0)
-	check_equal(states[1].get_time(), 30.0, "the clock goes on")
-	await all_told(1)
-	check_equal(states[1].to_bytes(), states[0].to_bytes(), "the same as at once")
-	check(not states[1].is_removed(LAYER | 3) and not states[1].is_removed(LAYER | 4), "restored, and grown again")
+	check_equal(states[1].get_time(), 30.0, "the time continues")
+	await wait_for_callbacks(1)
+	check_equal(states[1].to_bytes(), states[0].to_bytes(), "the same as apply_diff")
+	check(not states[1].is_removed(LAYER | 3) and not states[1].is_removed(LAYER | 4), "restored, and regrown")
 	check_equal(states[1].get_instance_data(LAYER | 5), "mine", "data")
 	check_equal(states[1].get_instance_data(LAYER | 6), 6, "data of the diff")
 
 
-func test_several_come_in_order() -> void:
+func test_several_diffs_are_applied_in_order() -> void:
 	var server := ScatterState.new()
 	var state := ScatterState.new()
 	var order := []
@@ -95,12 +95,12 @@ func test_several_come_in_order() -> void:
 		state.apply_diff_async(server.diff_since(revision), func(error: Error) -> void:
 			order.push_back(round)
 			note(error))
-	await all_told(6)
+	await wait_for_callbacks(6)
 	check_equal(order, range(6), "the order")
 	check_equal(state.get_digest(), server.get_digest(), "the state")
 	var peer := ScatterState.new()
 	peer.apply_diff(state.diff_since(0))
-	check_equal(peer.get_digest(), server.get_digest(), "what it passes on")
+	check_equal(peer.get_digest(), server.get_digest(), "the diffs that it returns")
 
 
 func test_a_bad_diff_changes_nothing() -> void:
@@ -112,8 +112,8 @@ func test_a_bad_diff_changes_nothing() -> void:
 	for bytes: PackedByteArray in [bad, PackedByteArray(), removals(9).slice(0, 40)]:
 		state.apply_diff_async(bytes, note)
 	state.apply_diff_async(removals(20), note)
-	await until(func() -> bool: return told.size() == 4, "callbacks")
-	check_equal(told, [ERR_FILE_CORRUPT, ERR_FILE_CORRUPT, ERR_FILE_CORRUPT, OK] as Array[Error], "errors")
+	await until(func() -> bool: return results.size() == 4, "callbacks")
+	check_equal(results, [ERR_FILE_CORRUPT, ERR_FILE_CORRUPT, ERR_FILE_CORRUPT, OK] as Array[Error], "errors")
 	var messages := errors.take()
 	check_equal(messages.size(), 3, "messages")
 	for message in messages:
@@ -121,7 +121,7 @@ func test_a_bad_diff_changes_nothing() -> void:
 	state.restore(LAYER | 0)
 	for index in range(2, 20):
 		state.restore(LAYER | index)
-	check_equal(state.to_bytes(), before, "but for the good one")
+	check_equal(state.to_bytes(), before, "only the valid diff is applied")
 
 
 func test_the_array_may_be_changed_after_the_call() -> void:
@@ -129,35 +129,35 @@ func test_the_array_may_be_changed_after_the_call() -> void:
 	var diff := removals(MANY)
 	state.apply_diff_async(diff, note)
 	diff.fill(0)
-	await all_told(1)
-	check_equal(told, [OK] as Array[Error], "the bytes of the call")
+	await wait_for_callbacks(1)
+	check_equal(results, [OK] as Array[Error], "the bytes at the time of the call")
 
 
-func test_what_replaces_everything_waits_for_it() -> void:
+func test_methods_that_replace_everything_wait_for_it() -> void:
 	var other := ScatterState.new()
 	other.remove(LAYER | (1 << 40))
 	var bytes := other.to_bytes()
-	for what: Array in [
+	for case: Array in [
 		["apply_diff", func(state: ScatterState) -> void: state.apply_diff(other.diff_since(0)), MANY + 1],
 		["merge", func(state: ScatterState) -> void: state.merge(other), MANY + 1],
 		["from_bytes", func(state: ScatterState) -> void: state.from_bytes(bytes), 1],
 		["data", func(state: ScatterState) -> void: state.data = bytes, 1],
 		["clear", func(state: ScatterState) -> void: state.clear(), 0],
 	]:
-		told.clear()
+		results.clear()
 		var state := ScatterState.new()
 		state.apply_diff_async(removals(10), note)
 		state.apply_diff_async(removals(MANY), note)
-		(what[1] as Callable).call(state)
-		check_equal(state.get_removed_count(), what[2], what[0])
-		check_equal(told.size(), 2, "%s: both callbacks" % what[0])
+		(case[1] as Callable).call(state)
+		check_equal(state.get_removed_count(), case[2], case[0])
+		check_equal(results.size(), 2, "%s: both callbacks" % case[0])
 		await frames(5)
-		check_equal(told.size(), 2, "%s: not again" % what[0])
-		check_equal(state.get_removed_count(), what[2], what[0])
+		check_equal(results.size(), 2, "%s: no second call" % case[0])
+		check_equal(state.get_removed_count(), case[2], case[0])
 
 
-## What is read or saved meanwhile is what is seen.
-func test_what_is_read_meanwhile() -> void:
+## Reading and saving return the state without the pending diff.
+func test_reading_in_the_meantime() -> void:
 	var state := ScatterState.new()
 	state.remove(9)
 	var bytes := state.to_bytes()
@@ -170,19 +170,19 @@ func test_what_is_read_meanwhile() -> void:
 	var peer := ScatterState.new()
 	peer.apply_diff(state.diff_since(0))
 	check_equal(peer.get_digest(), digest, "diff_since")
-	await all_told(1)
+	await wait_for_callbacks(1)
 	peer.apply_diff(state.diff_since(revision))
-	check_equal(peer.get_digest(), state.get_digest(), "a peer that has asked meanwhile gets the rest")
+	check_equal(peer.get_digest(), state.get_digest(), "a peer that has read in the meantime gets the rest")
 
 
 func test_callbacks_may_do_anything() -> void:
-	# Free the state.
+	# The callback frees the state.
 	var held: Array[ScatterState] = [ScatterState.new()]
 	held[0].apply_diff_async(removals(100), func(error: Error) -> void:
 		held.clear()
 		note(error))
-	await all_told(1)
-	# Call again, what waits included.
+	await wait_for_callbacks(1)
+	# The callback calls methods again, including those that wait.
 	var state := ScatterState.new()
 	state.apply_diff_async(removals(100), func(_error: Error) -> void:
 		state.apply_diff_async(removals(50, 1000), func(error: Error) -> void:
@@ -191,9 +191,9 @@ func test_callbacks_may_do_anything() -> void:
 			note(error))
 		state.apply_diff_async(removals(5, 2000), note)
 		check_equal(state.get_removed_count(), 100, "not yet"))
-	await all_told(3)
+	await wait_for_callbacks(3)
 	check_equal(state.get_removed_count(), 7, "in order")
-	# Handlers, too.
+	# So may signal handlers.
 	var once := [true]
 	state.instances_changed.connect(func(_ids: PackedInt64Array) -> void:
 		if once[0]:
@@ -201,19 +201,19 @@ func test_callbacks_may_do_anything() -> void:
 			state.apply_diff_async(removals(30, 300), note)
 			state.clear())
 	state.apply_diff_async(removals(9, 100), note)
-	await all_told(5)
+	await wait_for_callbacks(5)
 	check_equal(state.get_removed_count(), 0, "cleared by a handler")
 
 
 func test_callbacks_that_cannot_be_called() -> void:
 	var state := ScatterState.new()
 	var gone := Node.new()
-	state.apply_diff_async(removals(10), gone.set_meta.bind("told"))
+	state.apply_diff_async(removals(10), gone.set_meta.bind("called"))
 	state.apply_diff_async(removals(10), gone.queue_free.unbind(1))
 	gone.free()
 	await until(func() -> bool: return state.get_removed_count() == 10, "applied")
 	await frames(3)
-	check_no_error("a callback of what is gone")
+	check_no_error("a callback of a freed object")
 	state.apply_diff_async(removals(20), func() -> void: pass)
 	await until(func() -> bool: return state.get_removed_count() == 20, "applied")
 	await frames(3)
@@ -221,7 +221,7 @@ func test_callbacks_that_cannot_be_called() -> void:
 	check("callback must take (error: Error)" in messages[-1], str(messages))
 
 
-func test_states_that_go_meanwhile() -> void:
+func test_states_freed_in_the_meantime() -> void:
 	var diff := removals(MANY)
 	for round in 12:
 		var state := ScatterState.new()
@@ -232,7 +232,7 @@ func test_states_that_go_meanwhile() -> void:
 			await process_frame
 		state = null
 	await frames(10)
-	check(told.size() < 24, "%d callbacks of states that are gone" % told.size())
+	check(results.size() < 24, "%d callbacks of freed states" % results.size())
 
 
 func test_nodes_follow() -> void:
@@ -243,7 +243,7 @@ func test_nodes_follow() -> void:
 	layer.collision_distance = 10.0
 	var nodes: Array[TerrainScatter3D] = []
 	for index in 2:
-		nodes.push_back(make_scatter([layer], ScatterTerrainFlat.new(), viewer))
+		nodes.push_back(make_scatter([layer], ScatterGroundFlat.new(), viewer))
 		nodes[index].state = nodes[0].state if index else ScatterState.new()
 	for node in nodes:
 		await settle(node)
@@ -256,17 +256,17 @@ func test_nodes_follow() -> void:
 		server.remove((standing[0] & ~0xffffffffffff) | (index << 3))
 	var removed := {}
 	nodes[0].instance_removed.connect(func(id: int, _layer: int, _at: Transform3D) -> void:
-		check(not removed.has(id), "told once")
+		check(not removed.has(id), "one signal")
 		removed[id] = true)
 	nodes[0].state.apply_diff_async(server.diff_since(0), note)
 	check(nodes[1].has_instance(standing[0]), "not yet")
-	check(nodes[0].remove_instance(standing[2]), "by hand meanwhile, as the diff does")
-	check(nodes[0].remove_instance(standing[3]), "and what it leaves")
+	check(nodes[0].remove_instance(standing[2]), "removed by hand and by the diff")
+	check(nodes[0].remove_instance(standing[3]), "removed only by hand")
 	var added := nodes[1].add_instance(0, Transform3D(Basis(), Vector3(1.0, 0.0, 1.0)))
-	await all_told(1)
+	await wait_for_callbacks(1)
 	server.remove(standing[3])
-	check(not nodes[1].has_instance(standing[0]) and not nodes[0].has_instance(standing[3]), "queries know it at once")
-	check(nodes[0].has_instance(standing[1]) and nodes[0].has_instance(added), "what is left")
+	check(not nodes[1].has_instance(standing[0]) and not nodes[0].has_instance(standing[3]), "queries are up to date at once")
+	check(nodes[0].has_instance(standing[1]) and nodes[0].has_instance(added), "remaining instances")
 	for node in nodes:
 		await settle(node)
 	@warning_ignore("integer_division")
@@ -275,18 +275,18 @@ func test_nodes_follow() -> void:
 	for id in standing:
 		gone += 1 if removed.has(id) else 0
 	check_equal(gone, expected, "signals")
-	var fresh := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var fresh := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	fresh.state = nodes[0].state
 	await settle(fresh)
 	for node in nodes:
-		check_equal(digests(node, 0), digests(fresh, 0), "the picture")
+		check_equal(digests(node, 0), digests(fresh, 0), "the visible tiles")
 		check_equal(node.get_stats()["bodies"], fresh.get_stats()["bodies"], "bodies")
 
 
-## Of another set of points: refused, also where the node has come after the call.
+## A diff of a different world is refused, even if the node is assigned after the call.
 func test_a_diff_of_other_points() -> void:
 	var layer := make_layer(1.0)
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var id: int = scatter.query_rect(Rect2(-5, -5, 10, 10)).ids[0]
 	scatter.remove_instance(id)
@@ -297,20 +297,20 @@ func test_a_diff_of_other_points() -> void:
 	var state := ScatterState.new()
 	state.apply_diff_async(diff, note)
 	scatter.state = state
-	await until(func() -> bool: return told.size() == 1, "told")
-	check_equal(told, [ERR_INVALID_DATA] as Array[Error], "refused")
-	check_error(["ScatterState.apply_diff_async", "layer"], "other points")
+	await until(func() -> bool: return results.size() == 1, "the callback")
+	check_equal(results, [ERR_INVALID_DATA] as Array[Error], "refused")
+	check_error(["ScatterState.apply_diff_async", "layer"], "different points")
 	check_equal(state.get_removed_count(), 0, "nothing changed")
 
 
-## The scene file's own state is not touched by what a copy of it takes over.
-func test_designed_states_are_copied_as_they_are_seen() -> void:
+## A copy of the scene file's state does not share its pending diffs.
+func test_copied_states_do_not_share_pending_diffs() -> void:
 	var state := ScatterState.new()
-	state.designed = true
+	state.copy_at_runtime = true
 	state.apply_diff_async(removals(100), note)
-	var scatter := make_scatter([make_layer(2.0)], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer(2.0)], ScatterGroundFlat.new(), make_viewer())
 	scatter.state = state
 	check(scatter.state != state, "a copy")
-	await all_told(1)
+	await wait_for_callbacks(1)
 	check_equal(state.get_removed_count(), 100, "applied")
-	check_equal(scatter.state.get_removed_count(), 0, "to the one that was asked")
+	check_equal(scatter.state.get_removed_count(), 0, "not to the copy")

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Very many changes at once: answers are exact from then on; pictures, bodies, scenes and signals follow over the frames.
+## Very many changes at once: queries are up to date immediately. Tiles, bodies, scenes and signals follow over several frames.
 
 
 func make_wood(viewer: Node3D, collide := true) -> TerrainScatter3D:
@@ -8,11 +8,11 @@ func make_wood(viewer: Node3D, collide := true) -> TerrainScatter3D:
 	if collide:
 		layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
 		layer.collision_distance = 10.0
-	return make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	return make_scatter([layer], ScatterGroundFlat.new(), viewer)
 
 
-## Removes a part of what stands, and as many more points of the layer that are nowhere near.
-func fell_everywhere(scatter: TerrainScatter3D, standing: PackedInt64Array, far: int) -> ScatterState:
+## Removes half of these instances, and many more points of the layer that are far away.
+func remove_many(scatter: TerrainScatter3D, standing: PackedInt64Array, far: int) -> ScatterState:
 	var server := ScatterState.new()
 	server.from_bytes(scatter.state.to_bytes())
 	for index in range(0, standing.size(), 2):
@@ -22,30 +22,30 @@ func fell_everywhere(scatter: TerrainScatter3D, standing: PackedInt64Array, far:
 	return server
 
 
-func test_very_many_changes() -> void:
+func test_many_changes_at_once() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer)
 	scatter.state = ScatterState.new()
 	await settle(scatter)
 	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
-	var server := fell_everywhere(scatter, standing, 300_000)
-	var told := {}
-	scatter.instance_removed.connect(func(id: int, _layer: int, _at: Transform3D) -> void: told[id] = true)
+	var server := remove_many(scatter, standing, 300_000)
+	var reported_ids := {}
+	scatter.instance_removed.connect(func(id: int, _layer: int, _at: Transform3D) -> void: reported_ids[id] = true)
 	var diff := server.diff_since(0)
 	check_equal(scatter.state.apply_diff(diff), OK, "the diff")
-	check_equal(scatter.state.get_digest(), server.get_digest(), "the state is exact at once")
+	check_equal(scatter.state.get_digest(), server.get_digest(), "the state is up to date at once")
 	var left: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
-	check_equal(left.size(), standing.size() / 2, "and so are queries")
-	check(not scatter.has_instance(standing[0]) and scatter.has_instance(standing[1]), "by id, too")
-	check(told.size() < 5000, "%d signals in one call" % told.size())
-	# What is done by hand meanwhile is told at once.
+	check_equal(left.size(), standing.size() / 2, "so are queries")
+	check(not scatter.has_instance(standing[0]) and scatter.has_instance(standing[1]), "also by id")
+	check(reported_ids.size() < 5000, "%d signals in one call" % reported_ids.size())
+	# Changes by hand are reported at once.
 	check(scatter.remove_instance(standing[1]), "by hand")
-	check(told.has(standing[1]), "told at once")
-	check(scatter.restore_instance(standing[2]), "restored before it was told that it was removed")
+	check(reported_ids.has(standing[1]), "reported at once")
+	check(scatter.restore_instance(standing[2]), "restored before its removal was reported")
 	scatter.frame_budget_usec = 1000
 	var longest := 0
 	var waited := 0
-	while not (scatter.is_settled() and told.size() >= standing.size() / 2):
+	while not (scatter.is_settled() and reported_ids.size() >= standing.size() / 2):
 		await process_frame
 		longest = maxi(longest, scatter.get_stats()["frame_usec"])
 		waited += 1
@@ -53,19 +53,19 @@ func test_very_many_changes() -> void:
 			break
 	print("very many changes: %d frames, the longest %d us" % [waited, longest])
 	check(waited > 2, "over several frames")
-	check(not told.has(standing[2]), "what stands by then is not told as removed")
+	check(not reported_ids.has(standing[2]), "a restored instance is not reported as removed")
 	for index in range(4, standing.size(), 2):
-		if not told.has(standing[index]):
-			check(false, "told of all that were known")
+		if not reported_ids.has(standing[index]):
+			check(false, "every removal of a loaded instance is reported")
 			break
 	var fresh := make_wood(viewer)
 	fresh.state = scatter.state
 	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture")
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles")
 	check_equal(scatter.get_stats()["bodies"], fresh.get_stats()["bodies"], "bodies")
 
 
-func test_everything_comes_back() -> void:
+func test_clearing_restores_everything() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer)
 	await settle(scatter)
@@ -74,22 +74,22 @@ func test_everything_comes_back() -> void:
 	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
 	scatter.remove_in_sphere(Vector3.ZERO, 50.0)
 	await settle(scatter)
-	check(digests(scatter, 0) != before, "another picture")
+	check(digests(scatter, 0) != before, "the tiles have changed")
 	scatter.state.clear()
-	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids, standing, "all stand at once")
+	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids, standing, "all are back at once")
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "the picture is what it was")
-	check_equal(scatter.get_stats()["bodies"], bodies, "bodies, too")
+	check_equal(digests(scatter, 0), before, "the tiles are the same as before")
+	check_equal(scatter.get_stats()["bodies"], bodies, "the bodies, too")
 
 
-## So many that the picture follows over frames, and so few that only tiles near them are drawn anew.
-func test_many_changes_in_some_places() -> void:
+## So many changes that tiles follow over several frames, but so few that only nearby tiles are updated.
+func test_many_changes_in_a_few_areas() -> void:
 	var viewer := make_viewer()
 	var scatter := make_wood(viewer, false)
 	await settle(scatter)
 	var places: Array[Vector3] = [Vector3(-45.0, 0.0, 20.0), Vector3(50.0, 0.0, -50.0), Vector3(-40.0, 0.0, 45.0)]
 	var removed := PackedInt64Array()
-	for place in places: # No frame lies between them.
+	for place in places: # All in one frame.
 		var ids := scatter.remove_in_sphere(place, 16.0)
 		check(ids.size() > 1024 and ids.size() < 16384, "%d removed" % ids.size())
 		removed.append_array(ids)
@@ -97,7 +97,7 @@ func test_many_changes_in_some_places() -> void:
 	var fresh := make_wood(viewer, false)
 	fresh.state = scatter.state
 	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture")
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles")
 	var back := ScatterState.new()
 	back.from_bytes(scatter.state.to_bytes())
 	var revision := back.get_revision()
@@ -107,16 +107,16 @@ func test_many_changes_in_some_places() -> void:
 	await settle(scatter)
 	fresh.state = null
 	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture once all came back")
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles after the restoration")
 
 
-## How a peer joins late: nobody waits for a million changes.
+## As when a peer joins late: a million changes do not block the main thread.
 func test_a_whole_state_is_read_on_a_thread() -> void:
 	var scatter := make_wood(make_viewer())
 	scatter.state = ScatterState.new()
 	await settle(scatter)
 	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
-	var server := fell_everywhere(scatter, standing, 300_000)
+	var server := remove_many(scatter, standing, 300_000)
 	var whole := ScatterState.new()
 	var thread_ids := []
 	var bytes := server.to_bytes()
@@ -126,14 +126,14 @@ func test_a_whole_state_is_read_on_a_thread() -> void:
 	while not WorkerThreadPool.is_task_completed(task):
 		await process_frame
 	WorkerThreadPool.wait_for_task_completion(task)
-	check(thread_ids[0] != OS.get_main_thread_id(), "on another thread")
+	check(thread_ids[0] != OS.get_main_thread_id(), "on a worker thread")
 	check_equal(thread_ids[1], OK, "the bytes")
 	scatter.state = whole
 	check_equal(scatter.state.get_digest(), server.get_digest(), "the same state")
 	@warning_ignore("integer_division")
-	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids.size(), standing.size() / 2, "queries know it at once")
+	check_equal(scatter.query_rect(Rect2(-60, -60, 120, 120)).ids.size(), standing.size() / 2, "queries are up to date at once")
 	await settle(scatter)
-	check(scatter.remove_instance(standing[1]), "what stands can be removed")
+	check(scatter.remove_instance(standing[1]), "remaining instances can be removed")
 
 
 func test_changes_outside_of_the_tree() -> void:
@@ -142,14 +142,14 @@ func test_changes_outside_of_the_tree() -> void:
 	scatter.state = ScatterState.new()
 	await settle(scatter)
 	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
-	var server := fell_everywhere(scatter, standing, 20_000)
+	var server := remove_many(scatter, standing, 20_000)
 	scatter.state.apply_diff(server.diff_since(0))
 	root.remove_child(scatter)
-	check(not scatter.has_instance(standing[0]), "answers outside of the tree")
+	check(not scatter.has_instance(standing[0]), "queries work outside of the tree")
 	scatter.state.clear()
-	check(scatter.has_instance(standing[0]), "and after all came back")
+	check(scatter.has_instance(standing[0]), "also after the restoration")
 	root.add_child(scatter)
 	await settle(scatter)
 	var fresh := make_wood(viewer, false)
 	await settle(fresh)
-	check_equal(digests(scatter, 0), digests(fresh, 0), "the picture")
+	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles")

@@ -1,38 +1,38 @@
 extends "harness.gd"
-## What handlers of the signals of changes may do: change more, or take the state away that has told them.
+## Handlers of the signals of changes make more changes, or remove the state that emitted the signal.
 
 
 func make_wood() -> TerrainScatter3D:
-	return make_scatter([make_layer(3.0), make_layer(1.5)], ScatterTerrainFlat.new(), make_viewer())
+	return make_scatter([make_layer(3.0), make_layer(1.5)], ScatterGroundFlat.new(), make_viewer())
 
 
-## The ids that stand within some meters of the origin, of the first layer.
+## Returns the ids of the first layer's instances near the origin.
 func near_ids(scatter: TerrainScatter3D, radius := 20.0) -> PackedInt64Array:
 	return scatter.query_sphere(Vector3.ZERO, radius, [0]).ids
 
 
-func test_a_handler_takes_the_state_away() -> void:
+func test_a_handler_removes_the_state() -> void:
 	for other: ScatterState in [null, ScatterState.new()]:
 		var scatter := make_wood()
 		await settle(scatter)
 		var ids := near_ids(scatter)
-		var told := [0]
+		var signal_count := [0]
 		scatter.instance_removed.connect(func(_id: int, _layer: int, _at: Transform3D) -> void:
-			told[0] += 1
+			signal_count[0] += 1
 			scatter.state = other)
-		check(scatter.remove_instance(ids[0]), "it stood")
-		check_equal(told[0], 1, "told once")
-		check(scatter.state == other and scatter.has_instance(ids[0]), "it stands in the other state")
+		check(scatter.remove_instance(ids[0]), "removed")
+		check_equal(signal_count[0], 1, "one signal")
+		check(scatter.state == other and scatter.has_instance(ids[0]), "the instance exists in the other state")
 		check_equal(scatter.remove_in_sphere(Vector3.ZERO, 10.0, [0]).size() > 2, true, "removed in a sphere")
 		await settle(scatter)
-		check(other != null or scatter.state == null, "the state is away")
+		check(other != null or scatter.state == null, "the state is removed")
 
 
-func test_a_handler_takes_the_only_reference_of_a_state() -> void:
+func test_a_handler_releases_the_last_reference_to_a_state() -> void:
 	var held: Array[ScatterState] = [ScatterState.new()]
 	held[0].instances_changed.connect(func(_ids: PackedInt64Array) -> void: held.clear())
 	check(held[0].remove(5 << 48 | 77), "removed")
-	check(held.is_empty(), "gone")
+	check(held.is_empty(), "the state is freed")
 
 
 func test_each_second_counts_once() -> void:
@@ -48,15 +48,15 @@ func test_each_second_counts_once() -> void:
 		await process_frame
 		seconds += root.get_process_delta_time()
 	var share := (scatter.state.get_time() - before) / seconds
-	check(share > 0.8 and share < 1.2, "two nodes move the clock of their state at %f of its speed" % share)
+	check(share > 0.8 and share < 1.2, "two nodes advance the time of their state at %f of the normal speed" % share)
 	root.remove_child(scatter)
 	before = scatter.state.get_time()
 	await frames(3)
-	check(scatter.state.get_time() > before, "the other goes on alone")
+	check(scatter.state.get_time() > before, "the second node continues alone")
 	scatter.free()
 
 
-func test_a_handler_that_removes_again_is_told_in_order() -> void:
+func test_nested_removals_emit_signals_in_order() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
 	var ids := near_ids(scatter, 60.0)
@@ -68,22 +68,22 @@ func test_a_handler_that_removes_again_is_told_in_order() -> void:
 		depth[0] += 1
 		depth[1] = maxi(depth[1], depth[0])
 		events.push_back(["removed", id])
-		check(not scatter.has_instance(id), "gone at once")
+		check(not scatter.has_instance(id), "removed at once")
 		var next := ids.find(id) + 1
 		if next < ids.size():
-			check(scatter.remove_instance(ids[next]) and not scatter.has_instance(ids[next]), "so is the next")
+			check(scatter.remove_instance(ids[next]) and not scatter.has_instance(ids[next]), "the next one is removed at once")
 		depth[0] -= 1)
 	scatter.state.instances_changed.connect(func(changed: PackedInt64Array) -> void:
 		events.push_back(["changed", changed[0]]))
 	scatter.remove_instance(ids[0])
-	check_equal(depth[1], 1, "handlers within handlers")
+	check_equal(depth[1], 1, "nested handlers")
 	var expected: Array[Array] = []
 	for id in ids:
 		expected.append_array([["removed", id], ["changed", id]])
-	check_equal(events, expected, "one after the other, each wholly")
+	check_equal(events, expected, "the events are in order and not interleaved")
 
 
-func test_a_handler_that_restores_is_told_afterwards() -> void:
+func test_nested_restorations_emit_signals_afterwards() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
 	var id := near_ids(scatter)[0]
@@ -95,4 +95,4 @@ func test_a_handler_that_restores_is_told_afterwards() -> void:
 	scatter.instance_restored.connect(func(_id: int, _layer: int, _at: Transform3D) -> void: events.push_back("restored"))
 	scatter.remove_instance(id)
 	check_equal(events, PackedStringArray(["removed", "handled", "restored"]), "events")
-	check(scatter.has_instance(id), "it stands")
+	check(scatter.has_instance(id), "it is back")

@@ -1,10 +1,10 @@
 extends "harness.gd"
-## States that follow an authority, states that are joined, and what a receiver lets others do.
+## States that follow an authority, merged states, and limits that a receiver sets for diffs.
 
 const LAYER := 3
 
 
-## The id of a cell.
+## Returns the id of a cell.
 func point(x: int, y := 0) -> int:
 	return LAYER << 48 | (x + (1 << 23)) << 24 | (y + (1 << 23))
 
@@ -16,8 +16,8 @@ func removals(count: int, first := 0) -> ScatterState:
 	return state
 
 
-## A diff of few bytes that names very many points, by hand: the points of neighboring codes from the first on.
-func bomb(count: int) -> PackedByteArray:
+## Returns a hand-made diff of few bytes that names very many points: those of consecutive codes, starting at the first.
+func oversized_diff(count: int) -> PackedByteArray:
 	var bytes := "TSTA".to_ascii_buffer()
 	bytes.append_array(PackedByteArray([2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0]))
 	bytes.append_array(PackedByteArray([1, 0, 0, 0, 0, 0, 0, 0, 0, 0]))
@@ -36,7 +36,7 @@ func bomb(count: int) -> PackedByteArray:
 func test_order() -> void:
 	var server := ScatterState.new()
 	var client := ScatterState.new()
-	check(server.get_origin() != 0 and server.get_origin() != client.get_origin(), "each state has a name")
+	check(server.get_origin() != 0 and server.get_origin() != client.get_origin(), "each state has its own origin")
 	var diffs: Array[PackedByteArray] = []
 	for x in 3:
 		var known := server.get_revision()
@@ -44,23 +44,23 @@ func test_order() -> void:
 		diffs.push_back(server.diff_since(known))
 	check_equal(client.get_missing_since(diffs[0]), -1, "the first can be applied")
 	check_equal(client.get_missing_since(diffs[1]), 0, "the second cannot")
-	check_equal(client.apply_diff(diffs[1]), ERR_UNAVAILABLE, "one is missing")
-	check_error(["ScatterState.apply_diff: base_revision must be at most 0", "got 1", "get_missing_since"], "one is missing")
+	check_equal(client.apply_diff(diffs[1]), ERR_UNAVAILABLE, "a diff is missing")
+	check_error(["ScatterState.apply_diff: base_revision must be at most 0", "got 1", "get_missing_since"], "a diff is missing")
 	check_equal(client.get_removed_count(), 0, "nothing has changed")
 	check_equal(client.apply_diff(diffs[0]), OK, "in order")
-	check_equal(client.get_known_revision(server.get_origin()), 1, "known")
-	check_equal(client.get_missing_since(diffs[2]), 1, "what to ask for")
-	check_equal(client.apply_diff(server.diff_since(1)), OK, "what was asked for")
+	check_equal(client.get_known_revision(server.get_origin()), 1, "the known revision")
+	check_equal(client.get_missing_since(diffs[2]), 1, "the revision to request")
+	check_equal(client.apply_diff(server.diff_since(1)), OK, "the requested diff")
 	check_equal(client.get_digest(), server.get_digest(), "the same")
 	client.restore(point(0))
-	check_equal(client.apply_diff(diffs[0]), OK, "late")
-	check_equal(client.get_removed_count(), 2, "what is late changes nothing")
-	check_equal(client.apply_diff(server.diff_of([point(0)])), OK, "a refused prediction")
-	check_equal(client.get_digest(), server.get_digest(), "is corrected")
-	check_equal(client.get_missing_since(PackedByteArray([1, 2])), -1, "no diff")
-	check_error(["ScatterState.get_missing_since: data"], "no diff")
+	check_equal(client.apply_diff(diffs[0]), OK, "a late diff")
+	check_equal(client.get_removed_count(), 2, "a late diff changes nothing")
+	check_equal(client.apply_diff(server.diff_of([point(0)])), OK, "an authoritative diff")
+	check_equal(client.get_digest(), server.get_digest(), "corrects a wrong prediction")
+	check_equal(client.get_missing_since(PackedByteArray([1, 2])), -1, "not a diff")
+	check_error(["ScatterState.get_missing_since: data"], "not a diff")
 	client.clear()
-	check_equal(client.get_known_revision(server.get_origin()), 0, "forgotten")
+	check_equal(client.get_known_revision(server.get_origin()), 0, "cleared")
 	check_equal(client.apply_diff(server.diff_since(1, false)), OK, "a save of changes applies to any state")
 	check_equal(client.get_removed_count(), 2, "its changes")
 
@@ -89,29 +89,29 @@ func test_limits() -> void:
 		[65536, 1_000_000, 65536, 4096, false, 0.0], "for a server")
 	var state := removals(3, 1000)
 	var before := state.to_bytes()
-	var large := bomb(8_000_000)
+	var large := oversized_diff(8_000_000)
 	check(large.size() < 1_100_000, "%d bytes" % large.size())
-	check_equal(state.apply_diff(large), ERR_UNAUTHORIZED, "a bomb")
-	check_error(["ScatterState.apply_diff: changes must be at most 2097152 (max_changes of diff_limits), got 8000000"], "a bomb")
+	check_equal(state.apply_diff(large), ERR_UNAUTHORIZED, "a diff with too many changes")
+	check_error(["ScatterState.apply_diff: changes must be at most 2097152 (max_changes of diff_limits), got 8000000"], "a diff with too many changes")
 	state.diff_limits = limits
-	check_equal(state.merge_diff(large), ERR_UNAUTHORIZED, "a bomb for a server")
-	check_error(["ScatterState.merge_diff: changes must be at most 65536"], "a bomb for a server")
+	check_equal(state.merge_diff(large), ERR_UNAUTHORIZED, "too many changes for the limits")
+	check_error(["ScatterState.merge_diff: changes must be at most 65536"], "too many changes for the limits")
 	var errors: Array[Error] = []
 	state.apply_diff_async(large, func(error: Error) -> void: errors.push_back(error))
 	while errors.is_empty():
 		await process_frame
 	check_equal(errors, [ERR_UNAUTHORIZED], "on a thread")
 	check_error(["ScatterState.apply_diff_async: changes"], "on a thread")
-	check_equal(state.apply_diff(removals(2).to_bytes()), ERR_UNAUTHORIZED, "everything")
-	check_error(["ScatterState.apply_diff: replaces_everything must be 0 (allow_replacement of diff_limits)"], "everything")
+	check_equal(state.apply_diff(removals(2).to_bytes()), ERR_UNAUTHORIZED, "a diff that replaces everything")
+	check_error(["ScatterState.apply_diff: replaces_everything must be 0 (allow_replacement of diff_limits)"], "a diff that replaces everything")
 	var ahead := removals(1)
 	ahead.advance(1e12)
-	check_equal(state.apply_diff(ahead.diff_since(0)), OK, "a clock ahead")
-	check_equal(state.get_time(), 0.0, "moves nothing")
+	check_equal(state.apply_diff(ahead.diff_since(0)), OK, "a diff with a later time")
+	check_equal(state.get_time(), 0.0, "the time does not change")
 	state.restore(point(0))
 	check_equal(state.get_removed_count(), 3, "nothing else has changed")
-	check_equal(state.to_bytes(), before, "to the byte")
-	# It can be saved with a scene, and a property ignores what is out of its range.
+	check_equal(state.to_bytes(), before, "byte for byte")
+	# Limits can be saved with a scene. Their properties refuse values outside of the range.
 	limits.max_changes = -1
 	check_error(["ScatterDiffLimits.max_changes must be between 0"], "a count")
 	limits.area = Rect2(0.0, 0.0, NAN, 1.0)
@@ -120,7 +120,7 @@ func test_limits() -> void:
 	check_error(["ScatterDiffLimits.area.size must be at least 0", "got -5"], "an area")
 	limits.max_clock_advance = INF
 	check_error(["ScatterDiffLimits.max_clock_advance"], "a clock")
-	check_equal([limits.max_changes, limits.area, limits.max_clock_advance], [65536, Rect2(), 0.0], "ignored")
+	check_equal([limits.max_changes, limits.area, limits.max_clock_advance], [65536, Rect2(), 0.0], "the last valid values stay")
 	check_equal(ResourceSaver.save(limits, "user://limits.tres"), OK, "saved")
 	limits.max_changes = 7
 	var loaded: ScatterDiffLimits = ResourceLoader.load("user://limits.tres", "", ResourceLoader.CACHE_MODE_IGNORE)
@@ -129,7 +129,7 @@ func test_limits() -> void:
 
 
 func test_area() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var near: int = scatter.query_nearest(Vector3.ZERO, 30.0).id
 	var far: int = scatter.query_nearest(Vector3(200.0, 0.0, 0.0), 30.0).id
@@ -137,25 +137,25 @@ func test_area() -> void:
 	limits.area = Rect2(-50.0, -50.0, 100.0, 100.0)
 	var wishes := ScatterState.new()
 	wishes.remove(near)
-	# Without a node nobody knows where the points of a layer are.
+	# Without a node, the positions of a layer's points are unknown.
 	var alone := ScatterState.new()
 	alone.diff_limits = limits
-	check_equal(alone.apply_diff(wishes.diff_since(0)), ERR_UNAUTHORIZED, "where is it?")
-	check_error(["ScatterState.apply_diff: the position of points of a layer is missing. Assign the state"], "where is it?")
+	check_equal(alone.apply_diff(wishes.diff_since(0)), ERR_UNAUTHORIZED, "unknown positions")
+	check_error(["ScatterState.apply_diff: the position of points of a layer is missing. Assign the state"], "unknown positions")
 	scatter.state = ScatterState.new()
 	scatter.state.diff_limits = limits
 	await settle(scatter)
-	check_equal(scatter.state.apply_diff(wishes.diff_since(0)), OK, "within")
-	check(not scatter.has_instance(near), "it is felled")
+	check_equal(scatter.state.apply_diff(wishes.diff_since(0)), OK, "within the area")
+	check(not scatter.has_instance(near), "it is removed")
 	var bounds: Rect2 = scatter.state.inspect_diff(wishes.diff_since(0)).layers[near >> 48].bounds
 	check(limits.area.encloses(bounds), "its cell: %s" % bounds)
 	wishes.remove(far)
-	check_equal(scatter.state.apply_diff(wishes.diff_since(0)), ERR_UNAUTHORIZED, "outside")
-	check_error(["ScatterState.apply_diff: x must be between -50 and 50 (area of diff_limits)"], "outside")
-	check(scatter.has_instance(far), "it stands")
+	check_equal(scatter.state.apply_diff(wishes.diff_since(0)), ERR_UNAUTHORIZED, "outside of the area")
+	check_error(["ScatterState.apply_diff: x must be between -50 and 50 (area of diff_limits)"], "outside of the area")
+	check(scatter.has_instance(far), "it stays")
 
 
-func test_what_a_diff_names() -> void:
+func test_inspect_diff() -> void:
 	var state := removals(4)
 	state.set_instance_data(point(9), "oak")
 	state.advance(2.5)
@@ -164,35 +164,35 @@ func test_what_a_diff_names() -> void:
 	check_equal([seen.origin, seen.base_revision, seen.revision], [state.get_origin(), 0, state.get_revision()], "its order")
 	var layer: Dictionary = seen.layers[LAYER]
 	check_equal([layer.removed, layer.restored, layer.added, layer.taken_away, layer.with_data], [4, 1, 0, 0, 1], "its layer")
-	check(layer.data_bytes > 3 and not layer.bounds_are_complete and not layer.has("bounds"), "nobody has claimed the layer")
+	check(layer.data_bytes > 3 and not layer.bounds_are_complete and not layer.has("bounds"), "without a node, the bounds are unknown")
 	check(ScatterState.new().inspect_diff(state.to_bytes()).replaces_everything, "a whole state")
-	var refused := ScatterState.new().inspect_diff(bomb(8_000_000))
-	check_equal([refused.error, refused.changes, refused.layers], [ERR_UNAUTHORIZED, 8_000_000, {}], "a bomb is not read")
+	var refused := ScatterState.new().inspect_diff(oversized_diff(8_000_000))
+	check_equal([refused.error, refused.changes, refused.layers], [ERR_UNAUTHORIZED, 8_000_000, {}], "a diff with too many changes is not read")
 	check((refused.message as String).begins_with("changes must be at most"), refused.message)
-	check_equal(ScatterState.new().inspect_diff(PackedByteArray()).error, ERR_FILE_CORRUPT, "no diff")
+	check_equal(ScatterState.new().inspect_diff(PackedByteArray()).error, ERR_FILE_CORRUPT, "not a diff")
 
 
-func test_joined_states_are_the_same() -> void:
+func test_merged_states_are_equal() -> void:
 	var a := removals(5)
 	var b := removals(5, 3)
 	a.set_instance_data(point(1), "early")
 	b.advance(10.0)
 	b.set_instance_data(point(1), "late")
 	var a_before := a.to_bytes()
-	check_equal([a.merge(b), b.merge_diff(a_before)], [OK, OK], "joined")
-	check_equal(a.get_digest(), b.get_digest(), "both hold the same")
+	check_equal([a.merge(b), b.merge_diff(a_before)], [OK, OK], "merged")
+	check_equal(a.get_digest(), b.get_digest(), "both are equal")
 	check_equal([a.get_instance_data(point(1)), b.get_instance_data(point(1))], ["late", "late"], "the last write wins")
-	check_equal(a.get_removed_count(), 8, "all that either has removed")
+	check_equal(a.get_removed_count(), 8, "all removals of both")
 	check_equal(a.merge_diff(b.diff_since(b.get_revision())), OK, "in any order")
 
 
 func test_many_equal_instances() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var equal := PackedFloat32Array()
 	for index in 20_000:
 		equal.append_array([1, 0, 0, 5.0, 0, 1, 0, 0, 0, 0, 1, 7.0])
 	var ids := scatter.add_instances(0, equal)
-	check_equal(ids.size(), 20_000, "placed")
-	check_equal(ids[-1], ids[0] + 19_999, "one id after the other")
-	check_equal(scatter.state.get_added_count(), 20_000, "held")
+	check_equal(ids.size(), 20_000, "added")
+	check_equal(ids[-1], ids[0] + 19_999, "consecutive ids")
+	check_equal(scatter.state.get_added_count(), 20_000, "stored")

@@ -1,23 +1,23 @@
 extends "streaming_harness.gd"
-## What is shown: where it should, as often as it should, the same whichever way it got there.
+## Visible tiles: they cover the view, appear once, and do not depend on the viewer's path.
 
 
 func test_view_is_covered_and_counted() -> void:
 	var shown := {}
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer(Vector3(5.0, 0.0, -70.0)))
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer(Vector3(5.0, 0.0, -70.0)))
 	scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: shown[[layer, tile]] = true)
 	await settle(scatter)
 	var tiles := scatter.get_shown_tiles(0)
-	check_equal(shown.size(), tiles.size(), "a signal for each tile")
+	check_equal(shown.size(), tiles.size(), "one signal per tile")
 	for x in range(-3, 4):
 		for y in range(-6, 2):
 			var rect := Rect2(x * 32.0, y * 32.0, 32.0, 32.0)
 			var nearest := Vector2(5.0, -70.0).clamp(rect.position, rect.end)
 			if nearest.distance_to(Vector2(5.0, -70.0)) < 63.9:
-				check(Vector2i(x, y) in tiles, "tile %s lies in view" % Vector2i(x, y))
+				check(Vector2i(x, y) in tiles, "tile %s is visible" % Vector2i(x, y))
 	var count := all_transforms(scatter, 0).size()
-	check_equal(scatter.get_stats()["instances"], count, "instances in the figures")
-	# Random sequential adsorption jams at a coverage of 0.547; a few thousand points come close.
+	check_equal(scatter.get_stats()["instances"], count, "instances in the stats")
+	# Random sequential adsorption jams at a coverage of 0.547. A few thousand points come close.
 	var coverage := count * PI / (tiles.size() * 32.0 * 32.0)
 	check(absf(coverage - 0.547) < 0.01, "coverage is %f" % coverage)
 
@@ -25,7 +25,7 @@ func test_view_is_covered_and_counted() -> void:
 func test_tiles_follow_the_viewer() -> void:
 	var hidden := []
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	scatter.tile_hidden.connect(func(_layer: int, tile: Vector2i) -> void: hidden.push_back(tile))
 	await settle(scatter)
 	var before := digests(scatter, 0)
@@ -37,35 +37,35 @@ func test_tiles_follow_the_viewer() -> void:
 	check(Vector2i(31, 31) in scatter.get_shown_tiles(0), "the new tile is there")
 	viewer.global_position = Vector3.ZERO
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "the same instances after coming back")
+	check_equal(digests(scatter, 0), before, "the same instances after returning")
 
 
-func test_what_is_taken_away_goes() -> void:
+func test_removed_layers_and_grounds() -> void:
 	var hidden := []
 	var layer := make_layer()
-	var scatter := make_scatter([layer, make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer, make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.tile_hidden.connect(func(of_layer: int, _tile: Vector2i) -> void: hidden.push_back(of_layer))
 	await settle(scatter)
 	var count := scatter.get_shown_tiles(1).size()
 	scatter.layers = [layer]
 	await settle(scatter)
-	check_equal(hidden.count(1), count, "signals for the tiles of a layer that was taken away")
-	check_equal(hidden.count(0), 0, "signals for the tiles of the other")
+	check_equal(hidden.count(1), count, "signals for the tiles of the removed layer")
+	check_equal(hidden.count(0), 0, "signals for the tiles of the remaining layer")
 	check_equal(scatter.get_stats()["tiles"], count, "tiles of one layer")
 	scatter.layers = []
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles"], 0, "tiles of no layer")
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles without layers")
 	check_equal(hidden.count(0), count, "signals for the last tiles")
 	scatter.layers = [layer]
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles"], count, "tiles of the layer set again")
-	scatter.terrain = null
+	check_equal(scatter.get_stats()["tiles"], count, "tiles of the restored layer")
+	scatter.ground = null
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles without ground")
-	check_equal(hidden.count(0), 2 * count, "signals for tiles that lost their ground")
+	check_equal(hidden.count(0), 2 * count, "signals for tiles without ground")
 
 
-func test_order_of_tiles_changes_nothing() -> void:
+func test_the_order_of_tiles_has_no_effect() -> void:
 	var direct := make_scatter([make_layer()], Hills.new(), make_viewer(Vector3(300.0, 0.0, 0.0)))
 	var viewer := make_viewer(Vector3(300.0, 0.0, 400.0))
 	var wandering := make_scatter([make_layer()], Hills.new(), viewer)
@@ -85,7 +85,7 @@ func test_spacing_across_tile_borders() -> void:
 	var layer := make_layer(2.0)
 	layer.tile_size = 20.0
 	layer.progressive_levels = 3
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var grid := {}
 	var closest := INF
@@ -136,11 +136,11 @@ func test_script_normals_and_holes() -> void:
 	var scatter := make_scatter([layer], LeaningHills.new(), make_viewer())
 	await settle(scatter)
 	var standing := all_transforms(scatter, 0)
-	check(standing.size() > 1000, "instances stand on a slope below the limit")
+	check(standing.size() > 1000, "there are instances on a slope below the limit")
 	for transform in standing:
 		if Vector2(transform.origin.x, transform.origin.z).length() < 10.0:
-			check(false, "an instance stands in a hole, at %s" % transform.origin)
-	check(standing[0].basis.y.angle_to(Vector3(1.0, 1.0, 0.0)) < 0.01, "leans as the script says")
+			check(false, "an instance is in a hole, at %s" % transform.origin)
+	check(standing[0].basis.y.angle_to(Vector3(1.0, 1.0, 0.0)) < 0.01, "tilted along the script's normal")
 	layer.max_slope_degrees = 44.0
 	await settle(scatter)
 	check_equal(scatter.get_stats()["instances"], 0, "instances on a slope above the limit")
@@ -164,18 +164,18 @@ func test_rules_and_placement() -> void:
 		var scale := transform.basis.get_scale()
 		scales = [minf(scales[0], scale.x), maxf(scales[1], scale.x)]
 		if not (height > 1.99 and height < 9.01 and slope < 20.3):
-			check(false, "stands at height %f, slope %f" % [height, slope])
+			check(false, "an instance at height %f, slope %f" % [height, slope])
 		if not (absf(transform.origin.y - height + 0.25) < 0.01 and transform.basis.y.normalized().y > 0.9999):
-			check(false, "does not stand upright and sunk by 0.25 m: %s" % transform)
+			check(false, "an instance is not upright and 0.25 m below the ground: %s" % transform)
 	check(scales[0] >= 0.4999 and scales[0] < 0.51, "the smallest scale is %f" % scales[0])
 	check(scales[1] <= 1.5001 and scales[1] > 1.49, "the largest scale is %f" % scales[1])
 
 
-func test_meshes_share_by_weight() -> void:
+func test_mesh_weights() -> void:
 	var layer := make_layer(1.0)
 	layer.meshes = [BoxMesh.new(), null, SphereMesh.new()]
 	layer.mesh_weights = PackedFloat32Array([1.0, 2.0])
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var counts := [0, 0, 0]
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -192,7 +192,7 @@ func test_meshes_share_by_weight() -> void:
 
 func test_density_is_a_prefix() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var all := {}
 	for tile: Vector2i in scatter.get_shown_tiles(0):
@@ -206,62 +206,62 @@ func test_density_is_a_prefix() -> void:
 		check(absf(ids.size() - 0.5 * whole) < 25.0, "tile %s has %d of %d" % [tile, ids.size(), whole])
 
 
-func test_a_change_keeps_old_tiles_until_new_ones_stand() -> void:
+func test_a_change_keeps_old_tiles_until_new_ones_are_ready() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var count: int = scatter.get_stats()["tiles"]
 	var before := digests(scatter, 0)
 	scatter.seed = 8
 	while true:
 		await process_frame
-		check_equal(scatter.get_stats()["tiles"], count, "tiles on show while all are made anew")
+		check_equal(scatter.get_stats()["tiles"], count, "visible tiles while all are regenerated")
 		if scatter.is_settled():
 			break
 	for tile: Vector2i in before:
-		check(before[tile] != scatter.get_tile(0, tile).get_digest(), "tile %s is another one" % tile)
+		check(before[tile] != scatter.get_tile(0, tile).get_digest(), "tile %s has changed" % tile)
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
 	var made: int = scatter.get_stats()["tiles_made"]
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles made for another shadow setting")
+	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for a new shadow setting")
 
 
 func test_a_mesh_that_grows_is_noticed() -> void:
 	var mesh := BoxMesh.new()
 	var layer := make_layer()
 	layer.meshes = [mesh, mesh]
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var made: int = scatter.get_stats()["tiles_made"]
 	mesh.size = Vector3(1.0, 30.0, 1.0)
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "tiles get larger boxes")
+	check(scatter.get_stats()["tiles_made"] > made, "tiles with larger boxes")
 	made = scatter.get_stats()["tiles_made"]
 	layer.meshes = [SphereMesh.new()]
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "tiles of another mesh")
+	check(scatter.get_stats()["tiles_made"] > made, "tiles with a new mesh")
 	made = scatter.get_stats()["tiles_made"]
 	mesh.size = Vector3.ONE
 	await settle(scatter)
-	check_equal(scatter.get_stats()["tiles_made"], made, "tiles made for a mesh that is no longer used")
+	check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated for an unused mesh")
 
 
 func test_tile_size_may_change() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	layer.tile_size = 25.0
 	await settle(scatter)
 	await frames(10)
 	var fresh_layer := make_layer()
 	fresh_layer.tile_size = 25.0
-	var fresh := make_scatter([fresh_layer], ScatterTerrainFlat.new(), make_viewer())
+	var fresh := make_scatter([fresh_layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
 	check_equal(digests(scatter, 0), digests(fresh, 0), "after a change of tile size")
 
 
 func test_layers_do_not_share_random_numbers() -> void:
-	var scatter := make_scatter([make_layer(), make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer(), make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var first := {}
 	for transform in transforms(scatter, 0, Vector2i.ZERO):
@@ -275,7 +275,7 @@ func test_layer_id_survives_reordering() -> void:
 	pinned.layer_id = 40
 	var other := make_layer(3.0)
 	other.layer_id = 41
-	var scatter := make_scatter([pinned, other], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([pinned, other], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	scatter.layers = [other, pinned]
@@ -283,8 +283,8 @@ func test_layer_id_survives_reordering() -> void:
 	check_equal(digests(scatter, 1), before, "instances of the moved layer")
 
 
-func test_what_is_set_again_is_not_done_again() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+func test_setting_the_same_value_has_no_effect() -> void:
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.biomes = ScatterBiomeMap.new()
 	scatter.state = ScatterState.new()
 	scatter.world_offset = Vector3(64.0, 0.0, 0.0)
@@ -292,9 +292,9 @@ func test_what_is_set_again_is_not_done_again() -> void:
 	var before := digests(scatter, 0)
 	var stats := scatter.get_stats()
 	check(before.size() > 10, "%d tiles" % before.size())
-	for property: StringName in [&"terrain", &"biomes", &"state", &"world_offset", &"visible"]:
+	for property: StringName in [&"ground", &"biomes", &"state", &"world_offset", &"visible"]:
 		scatter.set(property, scatter.get(property))
-		check(scatter.is_settled(), "%s: nothing is left to do" % property)
+		check(scatter.is_settled(), "%s: still settled" % property)
 	await frames(3)
 	for figure: String in ["tiles_made", "uploads", "redrawn"]:
 		check_equal(scatter.get_stats()[figure], stats[figure], figure)
@@ -302,18 +302,18 @@ func test_what_is_set_again_is_not_done_again() -> void:
 
 
 func test_moving_the_node_moves_nothing() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	scatter.global_transform = Transform3D(Basis().scaled(Vector3(2.0, 2.0, 2.0)), Vector3(500.0, 5.0, 5.0))
 	await frames(3)
-	check(scatter.is_settled(), "nothing is made anew")
+	check(scatter.is_settled(), "nothing is regenerated")
 	check_equal(digests(scatter, 0), before, "instances after the node moved")
 
 
 func test_pausing_stops_the_stream() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	paused = true
 	viewer.global_position.x = 500.0
@@ -321,10 +321,10 @@ func test_pausing_stops_the_stream() -> void:
 	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "a paused stream keeps its tiles")
 	paused = false
 	await settle(scatter)
-	check(Vector2i(15, 0) in scatter.get_shown_tiles(0), "and goes on afterwards")
+	check(Vector2i(15, 0) in scatter.get_shown_tiles(0), "and continues afterwards")
 
 
-func test_terrain_answers_scripts() -> void:
+func test_grounds_can_be_queried_by_scripts() -> void:
 	var hills := Hills.new()
 	check(absf(hills.get_height(Vector3(13.0, 99.0, 7.0)) - Hills.height(Vector2(13.0, 7.0))) < 1e-4, "height")
 	var normal := Vector3(-0.5 * cos(13.0 * 0.05), 1.0, 0.4 * sin(7.0 * 0.08)).normalized()
@@ -335,11 +335,11 @@ func test_terrain_answers_scripts() -> void:
 	var slope := Vector3(-1.0, 1.0, 0.0)
 	check(slope.angle_to(Cliff.new().get_normal(Vector3(-9.0, 0.0, 0.0))) < 0.001, "normal on a slope")
 	check(slope.angle_to(Cliff.new().get_normal(Vector3(-0.1, 0.0, 0.0))) < 0.001, "normal beside a hole")
-	check(is_nan(ScatterTerrain.new().get_height(Vector3.ZERO)), "no height without a script")
+	check(is_nan(ScatterGround.new().get_height(Vector3.ZERO)), "no height without a script")
 
 
-func test_what_a_frame_was_spent_on() -> void:
-	var scatter := make_scatter([make_layer()], ScatterTerrainFlat.new(), make_viewer())
+func test_frame_parts() -> void:
+	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	var seen := {}
 	var unlike := []
 	for frame in 200:
@@ -350,28 +350,28 @@ func test_what_a_frame_was_spent_on() -> void:
 		for part: String in parts:
 			sum += parts[part]
 			seen[part] = true
-		# Signals come after the end of the frame's time; each part is rounded down.
+		# Signals are emitted after the measured time. Each part is rounded down.
 		var spent: int = stats["frame_usec"]
 		if sum - parts.get("signals", 0) > spent + 1 or sum + 14 + 20 < spent:
 			unlike.push_back([parts, spent])
-	check(unlike.size() < 20, "not the time of the frame: %s" % [unlike]) # The machine may stop a thread between two looks at the clock.
+	check(unlike.size() < 20, "parts that do not add up: %s" % [unlike]) # The system may interrupt a thread between two measurements.
 	check(seen.has("upload") and seen.has("made"), "seen: %s" % [seen.keys()])
 
 
-func test_the_main_memory_of_what_is_on_show() -> void:
+func test_instance_bytes() -> void:
 	var upright := make_layer()
 	upright.align_to_normal = 0.0
 	var leaning := make_layer()
 	leaning.align_to_normal = 1.0
 	for case: Array in [[upright, 20.0], [leaning, 32.0]]:
-		var scatter := make_scatter([case[0]], ScatterTerrainFlat.new(), make_viewer())
+		var scatter := make_scatter([case[0]], ScatterGroundFlat.new(), make_viewer())
 		await settle(scatter)
 		var stats := scatter.get_stats()
 		check(stats.instances > 1000, "instances: %d" % stats.instances)
 		var each: float = float(stats.instance_bytes) / stats.instances
-		# These tiles are small, so what each takes once counts; and they are drawn in cells, each a list of its instances.
-		check(each > 16.0 and each < case[1] + 16.0, "bytes an instance: %.1f" % each)
+		# These tiles are small, so the constant memory per tile matters. They are drawn in cells, each with a list of its instances.
+		check(each > 16.0 and each < case[1] + 16.0, "bytes per instance: %.1f" % each)
 		scatter.layers = []
 		await settle(scatter)
-		check_equal(scatter.get_stats().instance_bytes, 0, "bytes of nothing")
+		check_equal(scatter.get_stats().instance_bytes, 0, "bytes without instances")
 		scatter.free()

@@ -1,5 +1,5 @@
 extends "models_harness.gd"
-## What an export as a dedicated server leaves: placeholders in place of meshes and textures. Collision, masks, heights and biomes stay.
+## Exports for dedicated servers contain placeholders instead of meshes and textures. Collision, masks, heights and biomes must not change.
 
 const AREA := Rect2(-64, -64, 128, 128)
 
@@ -26,7 +26,7 @@ func solid_layer(entry: Resource, shape: ScatterLayer.CollisionShape) -> Scatter
 	return layer
 
 
-## As the engine's export does it: through the list itself, and through the nodes of a scene.
+## Strips a layer like the engine's export: through the list itself, and through the nodes of a scene.
 func strip(layer: ScatterLayer) -> void:
 	for index in layer.meshes.size():
 		if layer.meshes[index] is Mesh:
@@ -40,8 +40,8 @@ func strip(layer: ScatterLayer) -> void:
 		layer.mask_texture = layer.mask_texture.create_placeholder()
 
 
-## The heights that rays from above meet, at each instance near the middle.
-func met(scatter: TerrainScatter3D) -> PackedInt64Array:
+## Returns the heights that rays from above hit, at each instance near the middle.
+func hit_heights(scatter: TerrainScatter3D) -> PackedInt64Array:
 	await settle(scatter)
 	await physics_frame
 	await physics_frame
@@ -54,18 +54,18 @@ func met(scatter: TerrainScatter3D) -> PackedInt64Array:
 	return heights
 
 
-## What rays meet as it is, and after a copy was exported.
-func check_same(layer: ScatterLayer, what: String) -> void:
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
-	var before := await met(scatter)
-	check(before.size() > 20 and before.count(-1) < before.size(), "%s: %d instances, %d free" % [what, before.size(), before.count(-1)])
+## Checks that rays hit the same before and after exporting a copy.
+func check_same(layer: ScatterLayer, context: String) -> void:
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
+	var before := await hit_heights(scatter)
+	check(before.size() > 20 and before.count(-1) < before.size(), "%s: %d instances, %d not hit" % [context, before.size(), before.count(-1)])
 	var exported := layer.duplicate() as ScatterLayer
 	exported.embed_stripped_data()
 	strip(exported)
 	ResourceSaver.save(exported, "user://exported.res")
 	scatter.layers = [ResourceLoader.load("user://exported.res", "", ResourceLoader.CACHE_MODE_IGNORE)]
-	check_equal(await met(scatter), before, what + ": the same is met")
-	check_equal(scatter.get_problems(), PackedStringArray(), what + ": no problem")
+	check_equal(await hit_heights(scatter), before, context + ": the same hits")
+	check_equal(scatter.get_problems(), PackedStringArray(), context + ": no problems")
 	scatter.free()
 
 
@@ -85,29 +85,29 @@ func test_the_image_of_a_mask_is_stored() -> void:
 	await check_same(layer, "mask")
 
 
-func test_images_of_grounds_and_biomes_take_the_place_of_textures() -> void:
-	var ground := ScatterTerrainHeightmap.new()
+func test_images_of_grounds_and_biomes_replace_textures() -> void:
+	var ground := ScatterGroundHeightmap.new()
 	ground.image = stripes(true)
 	ground.weight_image = stripes(false)
-	check(ground.embed_stripped_data(), "a ground")
-	check(ground.image is Image and ground.weight_image is Image, "has images")
-	check(not ground.embed_stripped_data(), "which no export strips")
+	check(ground.embed_stripped_data(), "the ground stores its images")
+	check(ground.image is Image and ground.weight_image is Image, "both are images")
+	check(not ground.embed_stripped_data(), "images are not stripped")
 	var map := ScatterBiomeMap.new()
 	map.map_image = stripes(true)
-	check(map.embed_stripped_data() and map.map_image is Image, "a biome map has one, too")
+	check(map.embed_stripped_data() and map.map_image is Image, "a biome map stores its image, too")
 
 
-func test_what_was_not_stored_is_a_problem() -> void:
+func test_missing_data_is_a_problem() -> void:
 	var convex := solid_layer(rock(), ScatterLayer.COLLISION_CONVEX)
 	var masked := solid_layer(BoxMesh.new(), ScatterLayer.COLLISION_BOX)
 	masked.mask_texture = stripes(false)
 	strip(convex)
 	strip(masked)
-	var ground := ScatterTerrainHeightmap.new()
+	var ground := ScatterGroundHeightmap.new()
 	ground.image = PlaceholderTexture2D.new()
 	var scatter := make_scatter([convex, masked], ground, make_viewer())
 	await frames(3)
-	var told := "\n".join(scatter.get_problems())
-	for words: String in ["ScatterTerrainHeightmap.image was stripped", "ScatterLayer.meshes[0] was stripped", "ScatterLayer.mask_texture was stripped"]:
-		check(words in told, "told: %s, got %s" % [words, told])
-	check_no_error("nothing is printed here; a server prints one warning")
+	var problems := "\n".join(scatter.get_problems())
+	for words: String in ["ScatterGroundHeightmap.image was stripped", "ScatterLayer.meshes[0] was stripped", "ScatterLayer.mask_texture was stripped"]:
+		check(words in problems, "reported: %s, got %s" % [words, problems])
+	check_no_error("no errors here; a server prints one warning")

@@ -1,7 +1,7 @@
 extends "terrain3d_harness.gd"
-## Terrain3D's ground, copied: heights, holes, normals and textures as it has them, and no call for a single place.
+## A copy of Terrain3D's ground: its heights, holes, normals and textures, without calls for single positions.
 
-func test_heights_holes_and_normals_are_its_own() -> void:
+func test_heights_holes_and_normals() -> void:
 	for spacing: float in [1.0, 2.5, 0.5]:
 		var node := make_terrain3d(spacing)
 		for post: Vector2 in [Vector2(5.0, 7.0), Vector2(-20.0, 3.0), Vector2(-1.0, -1.0)]:
@@ -15,7 +15,7 @@ func test_heights_holes_and_normals_are_its_own() -> void:
 			var at := Vector3(random.randf_range(-68.0, 68.0), 0.0, random.randf_range(-68.0, 68.0)) * spacing
 			if i % 3 == 0:
 				at = Vector3(random.randf_range(2.0, 8.0), 0.0, random.randf_range(4.0, 10.0)) * spacing
-			var height := scatter.terrain.get_height(at)
+			var height := scatter.ground.get_height(at)
 			if node.data.is_open(at):
 				holes += int(node.data.region_at(at) != null)
 				wrong += int(not is_nan(height))
@@ -25,9 +25,9 @@ func test_heights_holes_and_normals_are_its_own() -> void:
 				wrong += int(not (absf(height - node.data.height_at(at)) < 1e-4))
 				var normal := node.data.get_normal(at)
 				if normal.is_finite():
-					wrong += int(not (scatter.terrain.get_normal(at).distance_to(normal) < 1e-3))
-		check_equal(wrong, 0, "places that differ, at a spacing of %s m" % spacing)
-		check(holes > 50, "holes were met %d times" % holes)
+					wrong += int(not (scatter.ground.get_normal(at).distance_to(normal) < 1e-3))
+		check_equal(wrong, 0, "positions that differ, at a spacing of %s m" % spacing)
+		check(holes > 50, "%d samples in holes" % holes)
 		scatter.free()
 		node.free()
 
@@ -35,38 +35,38 @@ func test_heights_holes_and_normals_are_its_own() -> void:
 func test_limits_have_no_effect_on_a_copy() -> void:
 	var node := make_terrain3d()
 	var scatter := make_on(node)
-	var terrain := scatter.terrain as ScatterTerrainObject
+	var terrain := scatter.ground as ScatterGroundNode
 	await settle(scatter)
 	var before := digests(scatter, 0)
-	check_equal(scatter.get_problems().size(), 0, "no problem")
+	check_equal(scatter.get_problems().size(), 0, "no problems")
 	terrain.bounds = Rect2(-4.0, -4.0, 8.0, 8.0)
-	check("bounds and no_ground_height have no effect" in "\n".join(scatter.get_problems()), "a warning of bounds")
+	check("bounds and no_ground_height have no effect" in "\n".join(scatter.get_problems()), "a warning for bounds")
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the ground is the same")
 	terrain.bounds = Rect2()
-	check_equal(scatter.get_problems().size(), 0, "no problem without bounds")
+	check_equal(scatter.get_problems().size(), 0, "no problems without bounds")
 	terrain.no_ground_enabled = true
-	check("bounds and no_ground_height have no effect" in "\n".join(scatter.get_problems()), "a warning of a height")
+	check("bounds and no_ground_height have no effect" in "\n".join(scatter.get_problems()), "a warning for no_ground_enabled")
 	scatter.free()
 	node.free()
 
 
-func test_no_place_is_asked_for() -> void:
+func test_the_copy_makes_no_calls_for_single_positions() -> void:
 	for thread_safe: bool in [false, true]:
 		var node := make_terrain3d()
 		var scatter := make_on(node, thread_safe)
 		await settle(scatter)
 		check_ground(scatter, node, "thread_safe %s" % thread_safe)
-		check_equal(node.data.asked, 0, "calls for single places")
-		var terrain: ScatterTerrainObject = scatter.terrain
+		check_equal(node.data.point_calls, 0, "calls for single positions")
+		var terrain: ScatterGroundNode = scatter.ground
 		for word: String in ["Terrain3D", "4 regions", "64 x 64"]:
 			check(word in terrain.recognized, "'%s' in '%s'" % [word, terrain.recognized])
-		check_equal(scatter.get_problems().size(), 0, "nothing to say: %s" % [scatter.get_problems()])
+		check_equal(scatter.get_problems().size(), 0, "no problems: %s" % [scatter.get_problems()])
 		scatter.free()
 		node.free()
 
 
-func test_the_same_instances_as_when_it_is_asked() -> void:
+func test_the_copy_has_the_same_instances_as_queries_by_point() -> void:
 	var node := make_terrain3d()
 	for row in 40:
 		for column in 40:
@@ -77,23 +77,23 @@ func test_the_same_instances_as_when_it_is_asked() -> void:
 	for textures: Array in [[], [0], [1], [3], [7, 1], [20]]:
 		var found: Array[Dictionary] = []
 		for bulk: bool in [true, false]:
-			var asked := Asked.new()
-			asked.of = node
+			var queried := QueriedNode.new()
+			queried.of = node
 			var layer := make_layer(1.0)
 			layer.view_distance = 24.0
 			layer.max_slope_degrees = 60.0
 			layer.layer_id = 2
 			layer.ground_textures = PackedInt32Array(textures)
-			var scatter := make_on(node if bulk else asked, false, layer)
+			var scatter := make_on(node if bulk else queried, false, layer)
 			await settle(scatter)
 			found.push_back(by_id(scatter))
 			scatter.free()
-			asked.free()
+			queried.free()
 		var differ := 0
 		for id: int in found[0]:
 			differ += int(not found[1].has(id) or found[1][id].distance_to(found[0][id]) > 0.01)
 		check(differ <= 2, "%s: %d of %d instances differ" % [textures, differ, found[0].size()])
-		check(absi(found[0].size() - found[1].size()) <= 2, "%s: as many: %d, %d" % [textures, found[0].size(), found[1].size()])
+		check(absi(found[0].size() - found[1].size()) <= 2, "%s: about as many: %d, %d" % [textures, found[0].size(), found[1].size()])
 		check_equal(found[0].is_empty(), textures == [20], "%s: instances" % [textures])
 
 
@@ -108,14 +108,14 @@ func test_without_the_auto_shader() -> void:
 					column % 64, row % 64, Color(as_float(AUTO), 0.0, 0.0))
 	var scatter := make_on(node, false, layer)
 	await settle(scatter)
-	check_equal(all_transforms(scatter).size(), 0, "without the auto shader all is of texture 0")
+	check_equal(all_transforms(scatter).size(), 0, "without the auto shader, all ground has texture 0")
 	node.material.auto = true
 	node.material_changed.emit()
 	await settle(scatter)
-	check(all_transforms(scatter).size() > 100, "with it level ground is of texture 1")
+	check(all_transforms(scatter).size() > 100, "with it, level ground has texture 1")
 
 
-## A server has to find the same as the games that it serves.
+## A server must find the same instances as its clients.
 func test_the_auto_shader_without_a_renderer() -> void:
 	var found: Array[Dictionary] = []
 	for with_renderer: bool in [true, false]:
@@ -141,17 +141,17 @@ func test_empty() -> void:
 	var scatter := make_on(node)
 	await settle(scatter)
 	check_equal(scatter.get_stats()["instances"], 0, "instances without a region")
-	check("no regions" in "\n".join(scatter.get_problems()), "said: %s" % [scatter.get_problems()])
+	check("no regions" in "\n".join(scatter.get_problems()), "reported: %s" % [scatter.get_problems()])
 	check_no_error("an empty terrain")
 	var region := Terrain3DRegionDouble.new()
 	fill_region(region)
 	node.data.add_region(region)
 	await settle(scatter)
 	check_ground(scatter, node, "with its first region")
-	check_equal(scatter.get_problems().size(), 0, "nothing to say any more")
+	check_equal(scatter.get_problems().size(), 0, "no problems")
 
 
-func test_wrong_maps_are_named_and_it_is_asked_instead() -> void:
+func test_invalid_maps_are_reported_and_not_used() -> void:
 	var small := Image.create_empty(32, 32, false, Image.FORMAT_RF)
 	var gray := Image.create_empty(64, 64, false, Image.FORMAT_L8)
 	var wrong: Dictionary[String, Image] = {"height map of a region": small, "format": gray, "no height map": null}
@@ -164,24 +164,24 @@ func test_wrong_maps_are_named_and_it_is_asked_instead() -> void:
 		node.data.add_region(region)
 		await settle(scatter)
 		var problems := "\n".join(scatter.get_problems())
-		check(words in problems and "place by place" in problems, "%s: %s" % [words, problems])
-		check("place by place" in (scatter.terrain as ScatterTerrainObject).recognized, "recognized")
+		check(words in problems and "position by position" in problems, "%s: %s" % [words, problems])
+		check("position by position" in (scatter.ground as ScatterGroundNode).recognized, "recognized")
 		check_ground(scatter, node, words)
-		check(node.data.asked > 500, "it is asked")
+		check(node.data.point_calls > 500, "it is queried point by point")
 		node.data.remove_region(region)
 		await settle(scatter)
-		check_equal(scatter.get_problems().size(), 0, "%s: good again: %s" % [words, scatter.get_problems()])
-		node.data.asked = 0
+		check_equal(scatter.get_problems().size(), 0, "%s: valid again: %s" % [words, scatter.get_problems()])
+		node.data.point_calls = 0
 		scatter.regenerate()
 		await settle(scatter)
-		check_ground(scatter, node, words + ": good again")
-		check_equal(node.data.asked, 0, "calls for single places")
+		check_ground(scatter, node, words + ": valid again")
+		check_equal(node.data.point_calls, 0, "calls for single positions")
 		check_no_error(words)
 		scatter.free()
 		node.free()
 
 
-func test_wrong_answers() -> void:
+func test_wrong_results() -> void:
 	var node := make_terrain3d()
 	var wrong := WrongTerrain3D.new()
 	root.add_child(wrong)
@@ -191,9 +191,9 @@ func test_wrong_answers() -> void:
 		scatter.regenerate()
 		await settle(scatter)
 		var problems := "\n".join(scatter.get_problems())
-		check("like Terrain3D" in problems, "an answer of %s: %s" % [answer, problems])
-		check_no_error("an answer of %s" % [answer])
-	check(scatter.get_stats()["instances"] > 500, "it is asked for heights instead")
+		check("like Terrain3D" in problems, "a result of %s: %s" % [answer, problems])
+		check_no_error("a result of %s" % [answer])
+	check(scatter.get_stats()["instances"] > 500, "its heights are queried instead")
 	node.free()
 
 

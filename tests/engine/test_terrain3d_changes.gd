@@ -1,7 +1,7 @@
 extends "terrain3d_harness.gd"
-## What becomes of Terrain3D while its ground is in use: edits of all kinds, and nodes that come late, go, or are exchanged.
+## Terrain3D's ground while it is in use: edits of all kinds, and nodes that are added late, removed or replaced.
 
-## Tiles of 32 m that a rect of posts, 1 m apart, may have changed.
+## Returns the tiles of 32 m that change when posts in a rect, 1 m apart, change.
 func tiles_of(rect: Rect2) -> Array[Vector2i]:
 	var tiles: Array[Vector2i] = []
 	var grown := rect.grow(3.5)
@@ -11,11 +11,11 @@ func tiles_of(rect: Rect2) -> Array[Vector2i]:
 	return tiles
 
 
-func check_made(made: Array[Vector2i], rect: Rect2, what: String) -> void:
+func check_regenerated(made: Array[Vector2i], rect: Rect2, context: String) -> void:
 	var expected := tiles_of(rect)
-	check(not made.is_empty() and made.size() <= expected.size(), "%s: %d tiles made, at most %d" % [what, made.size(), expected.size()])
+	check(not made.is_empty() and made.size() <= expected.size(), "%s: %d tiles regenerated, at most %d" % [context, made.size(), expected.size()])
 	for tile in made:
-		check(tile in expected, "%s: tile %s lies elsewhere" % [what, tile])
+		check(tile in expected, "%s: tile %s is outside of the edit" % [context, tile])
 
 
 func test_a_stroke_in_the_editor() -> void:
@@ -30,7 +30,7 @@ func test_a_stroke_in_the_editor() -> void:
 					node.data.set_height(Vector3(40.5 + x, 0.0, 40.5 + z), 20.0 + step)
 			node.data.height_maps_changed.emit()
 			node.data.maps_edited.emit(AABB(Vector3(40.0, 0.0, 40.0), Vector3(6.0, 50.0, 6.0)))
-	check_made(await made_again(scatter, stroke), rect, "a stroke")
+	check_regenerated(await regenerated_by(scatter, stroke), rect, "a stroke")
 	check_ground(scatter, node, "a stroke")
 
 
@@ -38,9 +38,9 @@ func test_a_game_script() -> void:
 	var node := make_terrain3d()
 	var scatter := make_on(node)
 	await settle(scatter)
-	var act := func(edit: Callable, rect: Rect2, what: String) -> void:
-		check_made(await made_again(scatter, edit), rect, what)
-		check_ground(scatter, node, what)
+	var act := func(edit: Callable, rect: Rect2, context: String) -> void:
+		check_regenerated(await regenerated_by(scatter, edit), rect, context)
+		check_ground(scatter, node, context)
 	await act.call(func() -> void:
 		node.data.set_height(Vector3(-20.5, 0.0, 45.5), 9.0)
 		node.data.update_maps(HEIGHT), Rect2(-21.0, 45.0, 1.0, 1.0), "a height")
@@ -52,8 +52,8 @@ func test_a_game_script() -> void:
 		node.data.set_height(Vector3(-12.5, 0.0, -45.5), -5.0)
 		node.data.regions[Vector2i(-1, -1)].edited = true
 		node.data.update_maps(HEIGHT, false), Rect2(-13.0, -46.0, 1.0, 1.0), "an edited region")
-	var nothing := await made_again(scatter, func() -> void: node.data.update_maps())
-	check_equal(nothing.size(), 0, "tiles made where nothing has changed")
+	var nothing := await regenerated_by(scatter, func() -> void: node.data.update_maps())
+	check_equal(nothing.size(), 0, "tiles regenerated without a change")
 
 
 func test_textures_that_are_painted() -> void:
@@ -62,7 +62,7 @@ func test_textures_that_are_painted() -> void:
 	layer.ground_textures = PackedInt32Array([4])
 	var scatter := make_on(node, false, layer)
 	await settle(scatter)
-	check_equal(all_transforms(scatter).size(), 0, "nothing is of texture 4")
+	check_equal(all_transforms(scatter).size(), 0, "no ground has texture 4")
 	for x in 20:
 		for z in 20:
 			node.data.set_control(Vector3(0.5 + x, 0.0, 0.5 + z), control_of(4, 0, 0))
@@ -70,26 +70,26 @@ func test_textures_that_are_painted() -> void:
 	await settle(scatter)
 	var stand := all_transforms(scatter)
 	check(stand.size() > 20, "%d instances" % stand.size())
-	check(stand.all(func(one: Transform3D) -> bool: return Rect2(0, 0, 20, 20).has_point(Vector2(one.origin.x, one.origin.z))), "where it is")
+	check(stand.all(func(one: Transform3D) -> bool: return Rect2(0, 0, 20, 20).has_point(Vector2(one.origin.x, one.origin.z))), "on the painted area")
 
 
-func test_regions_that_come_and_go() -> void:
+func test_regions_are_added_and_removed() -> void:
 	var node := make_terrain3d()
 	var scatter := make_on(node)
 	await settle(scatter)
 	var before := by_id(scatter)
 	var region := node.data.regions[Vector2i(0, -1)]
-	var made := await made_again(scatter, func() -> void: node.data.remove_region(region))
+	var made := await regenerated_by(scatter, func() -> void: node.data.remove_region(region))
 	check(made.all(func(tile: Vector2i) -> bool: return tile in tiles_of(Rect2(0.0, -64.0, 64.0, 64.0))), "removed: %s" % [made])
 	check_ground(scatter, node, "removed")
-	check(by_id(scatter).size() < 0.85 * before.size(), "a quarter is gone")
-	await made_again(scatter, func() -> void: node.data.add_region(region))
+	check(by_id(scatter).size() < 0.85 * before.size(), "a quarter is removed")
+	await regenerated_by(scatter, func() -> void: node.data.add_region(region))
 	check_equal(by_id(scatter), before, "added again")
 	var higher := func() -> void:
 		for at in node.data.regions:
 			fill_region(node.data.regions[at], func(post: Vector2i) -> float: return 5.0 + hill(post))
 		node.data.update_maps()
-	await made_again(scatter, higher)
+	await regenerated_by(scatter, higher)
 	check_ground(scatter, node, "imported")
 	check(all_transforms(scatter)[0].origin.y > 0.0, "higher")
 
@@ -99,7 +99,7 @@ func test_vertex_spacing() -> void:
 	var scatter := make_on(node)
 	await settle(scatter)
 	for spacing: float in [2.0, 0.7]:
-		await made_again(scatter, func() -> void: node.vertex_spacing = spacing)
+		await regenerated_by(scatter, func() -> void: node.vertex_spacing = spacing)
 		check_ground(scatter, node, "a spacing of %s m" % spacing)
 
 
@@ -115,12 +115,12 @@ func test_an_auto_shader_is_read_again() -> void:
 	node.material.parameters["auto_overlay_texture"] = 9
 	scatter.regenerate()
 	await settle(scatter)
-	check(all_transforms(scatter).size() > 100, "level ground is of texture 9")
+	check(all_transforms(scatter).size() > 100, "level ground has texture 9")
 
 
-func test_it_comes_late() -> void:
-	for how: String in ["joins", "replaces", "is moved in", "gets data"]:
-		var terrain := ScatterTerrainObject.new()
+func test_it_is_added_late() -> void:
+	for how: String in ["joins", "replaces", "is reparented", "gets data"]:
+		var terrain := ScatterGroundNode.new()
 		terrain.node = ^"../Ground"
 		var node := make_terrain3d()
 		node.name = "Ground"
@@ -133,15 +133,15 @@ func test_it_comes_late() -> void:
 		var scatter := make_scatter([make_layer()], terrain, make_viewer())
 		await settle(scatter)
 		match how:
-			"joins", "is moved in":
-				check("../Ground" in "\n".join(scatter.get_problems()), "%s: said" % how)
+			"joins", "is reparented":
+				check("../Ground" in "\n".join(scatter.get_problems()), "%s: reported" % how)
 				check_error(["../Ground"], how)
-				if how == "is moved in":
+				if how == "is reparented":
 					var elsewhere := Node3D.new()
 					root.add_child(elsewhere)
 					elsewhere.add_child(node)
 					await frames(3)
-					check_equal(scatter.get_stats()["instances"], 0, "not there yet")
+					check_equal(scatter.get_stats()["instances"], 0, "not found yet")
 					node.reparent(root)
 				else:
 					root.add_child(node)
@@ -153,54 +153,54 @@ func test_it_comes_late() -> void:
 				node.name = "Ground"
 				root.add_child(node)
 			"gets data":
-				check("get_height" in "\n".join(scatter.get_problems()), "%s: said: %s" % [how, scatter.get_problems()])
+				check("get_height" in "\n".join(scatter.get_problems()), "%s: reported: %s" % [how, scatter.get_problems()])
 				check_error(["Ground"], how)
 				node.make_data()
 				var region := Terrain3DRegionDouble.new()
 				fill_region(region)
 				node.data.add_region(region)
-		# Nobody asks for it, but the next frame sees it.
+		# No signal reports it, but the next frame finds it.
 		await settle(scatter)
 		await settle(scatter)
-		check_equal(scatter.get_problems().size(), 0, "%s: nothing to say: %s" % [how, scatter.get_problems()])
+		check_equal(scatter.get_problems().size(), 0, "%s: no problems: %s" % [how, scatter.get_problems()])
 		check_ground(scatter, node, how)
 		check_no_error(how)
 		scatter.free()
 		node.free()
 
 
-func test_asking_for_problems_does_not_hide_what_came() -> void:
-	var terrain := ScatterTerrainObject.new()
+func test_get_problems_does_not_hide_a_new_node() -> void:
+	var terrain := ScatterGroundNode.new()
 	terrain.node = ^"../Ground"
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
-	check_error(["../Ground"], "not there")
+	check_error(["../Ground"], "a missing node")
 	var node := make_terrain3d()
 	node.name = "Ground"
 	root.add_child(node)
 	check_equal(scatter.get_problems().size(), 0, "found at once")
 	await settle(scatter)
 	await settle(scatter)
-	check_ground(scatter, node, "told")
+	check_ground(scatter, node, "found by get_problems")
 
 
-func test_it_leaves_and_comes_back() -> void:
+func test_it_leaves_and_reenters_the_tree() -> void:
 	var node := make_terrain3d()
 	var scatter := make_on(node)
 	await settle(scatter)
 	var before := by_id(scatter)
 	root.remove_child(node)
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node"], "gone")
-	check_equal(by_id(scatter), before, "what stands stays")
+	check_error(["ScatterGroundNode.node"], "gone")
+	check_equal(by_id(scatter), before, "the instances stay")
 	node.data.set_height(Vector3(3.5, 0.0, 3.5), 12.0)
 	root.add_child(node)
 	await settle(scatter)
 	check_no_error("back")
-	check_ground(scatter, node, "changed while it was away")
+	check_ground(scatter, node, "changed while it was outside of the tree")
 
 
-func test_it_is_freed_and_edited_while_workers_make_tiles() -> void:
+func test_it_is_freed_and_edited_while_workers_generate_tiles() -> void:
 	for round in 12:
 		var node := make_terrain3d()
 		var layer := make_layer(0.4)
@@ -219,12 +219,12 @@ func test_it_is_freed_and_edited_while_workers_make_tiles() -> void:
 				await process_frame
 		node.free()
 		await frames(2)
-		check_error(["ScatterTerrainObject.node"], "round %d" % round)
+		check_error(["ScatterGroundNode.node"], "round %d" % round)
 		scatter.free()
 		check_no_error("round %d" % round)
 
 
-func test_a_recenter_moves_its_ground() -> void:
+func test_a_recenter_that_it_does_not_follow() -> void:
 	var node := make_terrain3d()
 	var scatter := make_on(node)
 	await settle(scatter)
@@ -233,4 +233,4 @@ func test_a_recenter_moves_its_ground() -> void:
 	await settle(scatter)
 	await settle(scatter)
 	check(all_transforms(scatter).size() > 0.6 * before, "instances")
-	check_equal(off_the_ground(scatter, node), 0, "on the ground that has stayed in the scene")
+	check_equal(off_the_ground(scatter, node), 0, "on the ground, which did not move")

@@ -1,7 +1,7 @@
 extends "terrain_likes_harness.gd"
-## Ground that another node gives: nodes that go, come, or give the wrong things.
+## Ground that a node provides: nodes that are removed or added, or return invalid values.
 
-## Has the right names and gives the wrong things.
+## Has the right methods, but returns invalid values.
 class Wrong extends Node3D:
 	var answer: Variant = "high"
 
@@ -9,71 +9,71 @@ class Wrong extends Node3D:
 		return answer
 
 
-func test_textures_that_a_node_has_not() -> void:
+func test_nodes_without_textures() -> void:
 	for node: Node3D in [Terrain3DLike.new(), HTerrainLike.new(), Slope.new()]:
 		var scatter := make_on(node)
 		scatter.layers[0].ground_textures = PackedInt32Array([0])
 		await settle(scatter)
 		var problems := "\n".join(scatter.get_problems())
-		check_equal("ground_textures has no effect" in problems, not node is Terrain3DLike, "a warning of %s" % node)
+		check_equal("ground_textures has no effect" in problems, not node is Terrain3DLike, "a warning for %s" % node)
 
 
 func test_any_object() -> void:
 	var node := Slope.new()
 	var slow := make_on(node)
 	await settle(slow)
-	check(not node.asked_elsewhere, "asked on the main thread")
+	check(not node.called_on_worker, "called on the main thread")
 	var fast := make_on(node, true)
 	await settle(fast)
-	check(node.asked_elsewhere, "asked on workers")
-	check_equal(digests(slow, 0), digests(fast, 0), "both ways")
+	check(node.called_on_worker, "called on workers")
+	check_equal(digests(slow, 0), digests(fast, 0), "the same on workers")
 	check(slow.get_stats()["instances"] > 1000, "instances")
-	check(slow.terrain.get_normal(Vector3.ZERO).distance_to(Vector3(-1.0, 1.0, 0.0).normalized()) < 1e-5, "slope")
+	check(slow.ground.get_normal(Vector3.ZERO).distance_to(Vector3(-1.0, 1.0, 0.0).normalized()) < 1e-5, "slope")
 	node.rise = 0.0
 	slow.regenerate()
 	await settle(slow)
-	check(absf(all_transforms(slow)[0].origin.y) < 1e-5, "made anew")
+	check(absf(all_transforms(slow)[0].origin.y) < 1e-5, "regenerated")
 
 
-func test_objects_do_not_know_tiles() -> void:
+func test_objects_do_not_depend_on_tiles() -> void:
 	for thread_safe: bool in [false, true]:
 		var scatter := make_on(Terrain3DLike.new(), thread_safe)
-		var node := scatter.get_node((scatter.terrain as ScatterTerrainObject).node)
-		await check_tiling(scatter.terrain, "an object")
+		var node := scatter.get_node((scatter.ground as ScatterGroundNode).node)
+		await check_tiling(scatter.ground, "an object")
 		scatter.free()
 		node.free()
 
 
-func test_an_edit_makes_its_tiles_anew() -> void:
+func test_an_edit_regenerates_its_tiles() -> void:
 	for thread_safe: bool in [false, true]:
 		var node := Terrain3DLike.new()
 		var scatter := make_on(node, thread_safe)
-		scatter.terrain.recheck_enabled = false # It is raised everywhere, and says so of a part.
+		scatter.ground.recheck_enabled = false # The ground is raised everywhere, but only a part is reported.
 		await settle(scatter)
 		var before := digests(scatter, 0)
 		var edit := func() -> void:
 			node.data.lift = 2.0
 			node.data.maps_edited.emit(AABB(Vector3(34.0, -5.0, 34.0), Vector3(8.0, 50.0, 8.0)))
-		var made := await made_again(scatter, edit)
-		check_equal(made, [Vector2i(1, 1)] as Array[Vector2i], "tiles made anew")
+		var made := await regenerated_by(scatter, edit)
+		check_equal(made, [Vector2i(1, 1)] as Array[Vector2i], "regenerated tiles")
 		var after := digests(scatter, 0)
 		for tile: Vector2i in before:
 			check_equal(after[tile] == before[tile], tile != Vector2i(1, 1), "tile %s" % tile)
-		var everything := func() -> void: scatter.terrain.terrain_changed.emit(Rect2())
-		made = await made_again(scatter, everything)
-		check_equal(made.size(), before.size(), "an empty rect stands for everything")
+		var everything := func() -> void: scatter.ground.ground_changed.emit(Rect2())
+		made = await regenerated_by(scatter, everything)
+		check_equal(made.size(), before.size(), "an empty rect regenerates everything")
 		scatter.free()
 		node.free()
 		errors.take()
 
 
-func test_object_goes_and_comes() -> void:
+func test_the_node_is_removed_and_added() -> void:
 	for thread_safe: bool in [false, true]:
 		var node := Slope.new()
 		node.name = "Ground"
 		var viewer := make_viewer()
 		root.add_child(node)
-		var terrain := ScatterTerrainObject.new()
+		var terrain := ScatterGroundNode.new()
 		terrain.thread_safe = thread_safe
 		var scatter := make_scatter([make_layer()], terrain, viewer)
 		terrain.node = ^"../Ground"
@@ -82,8 +82,8 @@ func test_object_goes_and_comes() -> void:
 		check(before.size() > 10, "tiles")
 		root.remove_child(node)
 		await settle(scatter)
-		check_error(["ScatterTerrainObject.node", "../Ground"], "the node is gone")
-		check_equal(digests(scatter, 0), before, "what stands when the node is gone")
+		check_error(["ScatterGroundNode.node", "../Ground"], "the node is gone")
+		check_equal(digests(scatter, 0), before, "instances after the node was removed")
 		check("../Ground" in "\n".join(scatter.get_problems()), "a warning")
 		viewer.global_position.x = 40.0
 		await settle(scatter)
@@ -92,18 +92,18 @@ func test_object_goes_and_comes() -> void:
 		root.add_child(node)
 		await settle(scatter)
 		check_no_error("the node is back")
-		check_equal(scatter.get_problems().size(), 0, "no warning")
-		check_equal(shared(digests(scatter, 0), before), before, "what stands when the node is back")
+		check_equal(scatter.get_problems().size(), 0, "no problems")
+		check_equal(shared(digests(scatter, 0), before), before, "instances after the node was added again")
 		node.free()
 		await settle(scatter)
-		check_error(["ScatterTerrainObject.node", "../Ground"], "the node is freed")
-		check_equal(shared(digests(scatter, 0), before), before, "what stands when the node is freed")
+		check_error(["ScatterGroundNode.node", "../Ground"], "the node is freed")
+		check_equal(shared(digests(scatter, 0), before), before, "instances after the node was freed")
 		check(is_nan(terrain.get_height(Vector3.ZERO)), "no height without the node")
 		errors.take()
 		scatter.free()
 
 
-func test_object_goes_in_mid_work() -> void:
+func test_the_node_is_freed_during_the_work() -> void:
 	for thread_safe: bool in [false, true]:
 		for wait in [1, 2, 3, 5, 8]:
 			var node := Terrain3DLike.new()
@@ -112,7 +112,7 @@ func test_object_goes_in_mid_work() -> void:
 			await frames(wait)
 			node.queue_free()
 			await settle(scatter)
-			check_error(["ScatterTerrainObject.node"], "freed after %d frames" % wait)
+			check_error(["ScatterGroundNode.node"], "freed after %d frames" % wait)
 			scatter.free()
 
 
@@ -122,15 +122,15 @@ func test_wrong_objects() -> void:
 	root.add_child(plain)
 	var scatter := make_on(plain)
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node", "Plain", "Node3D", "get_height"], "a node without heights")
-	check_equal(scatter.get_stats()["tiles"], 0, "tiles on nothing")
-	var terrain: ScatterTerrainObject = scatter.terrain
+	check_error(["ScatterGroundNode.node", "Plain", "Node3D", "get_height"], "a node without heights")
+	check_equal(scatter.get_stats()["tiles"], 0, "tiles without ground")
+	var terrain: ScatterGroundNode = scatter.ground
 	terrain.node = ^"../Nobody"
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node", "../Nobody"], "no node")
+	check_error(["ScatterGroundNode.node", "../Nobody"], "no node")
 	terrain.node = ^""
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node is missing"], "an empty path")
+	check_error(["ScatterGroundNode.node is missing"], "an empty path")
 	var node := Slope.new()
 	root.add_child(node)
 	terrain.node = scatter.get_path_to(node)
@@ -139,15 +139,15 @@ func test_wrong_objects() -> void:
 	check(before.size() > 10, "tiles on a slope")
 	terrain.node = ^"../Plain"
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node", "Plain"], "a node without heights after a good one")
-	check_equal(digests(scatter, 0), before, "what stands stays")
+	check_error(["ScatterGroundNode.node", "Plain"], "a node without heights after a valid one")
+	check_equal(digests(scatter, 0), before, "the instances stay")
 	for thread_safe: bool in [false, true]:
 		for answer: Variant in ["high", null, Vector3.ONE, plain]:
 			var wrong := Wrong.new()
 			wrong.answer = answer
 			var on_wrong := make_on(wrong, thread_safe)
 			await settle(on_wrong)
-			check_error(["ScatterTerrainObject.node", "number", "missing"], "an answer of %s" % answer)
+			check_error(["ScatterGroundNode.node", "number", "missing"], "a result of %s" % answer)
 			check_equal(on_wrong.get_stats()["instances"], 0, "instances")
 			wrong.answer = 5
 			on_wrong.regenerate()
@@ -156,7 +156,7 @@ func test_wrong_objects() -> void:
 			on_wrong.free()
 
 
-func test_a_failure_leaves_what_stands() -> void:
+func test_a_failure_keeps_the_instances() -> void:
 	var node := Wrong.new()
 	node.answer = 1.0
 	var scatter := make_on(node)
@@ -166,25 +166,25 @@ func test_a_failure_leaves_what_stands() -> void:
 	node.answer = "low"
 	scatter.regenerate()
 	await settle(scatter)
-	check_error(["ScatterTerrainObject.node"], "a wrong answer")
-	check_equal(digests(scatter, 0), before, "what stands after a wrong answer")
+	check_error(["ScatterGroundNode.node"], "a wrong result")
+	check_equal(digests(scatter, 0), before, "instances after a wrong result")
 	await frames(60)
-	check_no_error("a re-check does not report it once more")
+	check_no_error("a re-check does not report it again")
 
 
-func test_shared_terrain_has_another_host_when_the_first_goes() -> void:
+func test_a_shared_ground_survives_its_first_node() -> void:
 	var node := Slope.new()
 	var first := make_on(node)
-	var second := make_scatter([make_layer()], first.terrain, make_viewer())
+	var second := make_scatter([make_layer()], first.ground, make_viewer())
 	await settle(first)
 	await settle(second)
-	check_equal(digests(first, 0), digests(second, 0), "both on one ground")
+	check_equal(digests(first, 0), digests(second, 0), "both on the same ground")
 	var before := digests(second, 0)
 	first.free()
 	await settle(second)
-	check_equal(digests(second, 0), before, "after the first has gone")
+	check_equal(digests(second, 0), before, "after the first one was freed")
 	node.rise = 2.0
 	second.regenerate()
 	await settle(second)
-	check_no_error("the ground has a host")
-	check(digests(second, 0) != before, "asked again")
+	check_no_error("regenerate after the first node was freed")
+	check(digests(second, 0) != before, "read again")

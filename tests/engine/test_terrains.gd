@@ -1,9 +1,9 @@
 extends "terrain_harness.gd"
-## Ground of noise, scripts with textures, meshes and colliders: where it should be, with holes where it has them, the
-## same whichever way it is asked.
+## Ground from noise, scripts with textures, meshes and colliders: correct heights, holes, and the same results for any way
+## to query it.
 
-## Hills with textures by thirds of the world, and weights that depend on them.
-class Textured extends ScatterTerrain:
+## Hills with a texture for each side of the world, and weights that depend on it.
+class Textured extends ScatterGround:
 	var extra := 0
 
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -25,8 +25,8 @@ class ThreadedTextured extends Textured:
 		return true
 
 
-func make_hills() -> ScatterTerrainNoise:
-	var terrain := ScatterTerrainNoise.new()
+func make_hills() -> ScatterGroundNoise:
+	var terrain := ScatterGroundNoise.new()
 	var noise := FastNoiseLite.new()
 	noise.seed = 5
 	noise.frequency = 0.02
@@ -47,11 +47,11 @@ func test_noise_heights_and_normals() -> void:
 		var z: float = height.call(at.x, at.z + 0.5) - height.call(at.x, at.z - 0.5)
 		check(terrain.get_normal(at).distance_to(Vector3(-x, 1.0, -z).normalized()) < 1e-3, "normal at %s" % at)
 	check(is_nan(terrain.get_height(Vector3(INF, 0.0, 0.0))), "no ground at infinity")
-	check(is_finite(terrain.get_height(Vector3(3e9, 0.0, -3e9))), "ground far out")
-	check(terrain.get_normal(Vector3(3e9, 0.0, -3e9)).y > 0.0, "a normal far out")
+	check(is_finite(terrain.get_height(Vector3(3e9, 0.0, -3e9))), "ground far away")
+	check(terrain.get_normal(Vector3(3e9, 0.0, -3e9)).y > 0.0, "a normal far away")
 
 
-func test_noise_stands_and_follows() -> void:
+func test_noise_as_ground() -> void:
 	var terrain := make_hills()
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
@@ -64,39 +64,39 @@ func test_noise_stands_and_follows() -> void:
 	var before := digests(scatter, 0)
 	(terrain.noise as FastNoiseLite).frequency = 0.05
 	await settle(scatter)
-	check(digests(scatter, 0) != before, "an edited noise shows")
+	check(digests(scatter, 0) != before, "an edited noise has an effect")
 	(terrain.noise as FastNoiseLite).frequency = 0.02
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "the old noise gives the old instances")
+	check_equal(digests(scatter, 0), before, "the old noise restores the old instances")
 	terrain.amplitude = 30.0
 	terrain.base_height = -5.0
 	await settle(scatter)
-	check(digests(scatter, 0) != before, "an edited height shows")
+	check(digests(scatter, 0) != before, "an edited height has an effect")
 	var old: Noise = terrain.noise
 	terrain.noise = null
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles without a noise")
-	check("ScatterTerrainNoise.noise" in "\n".join(scatter.get_problems()), "a warning without a noise")
+	check("ScatterGroundNoise.noise" in "\n".join(scatter.get_problems()), "a warning without noise")
 	terrain.noise = old
 	await settle(scatter)
-	check_equal(scatter.get_problems().size(), 0, "no warning with a noise")
-	check(scatter.get_stats()["tiles"] > 0, "tiles with a noise again")
+	check_equal(scatter.get_problems().size(), 0, "no problems with noise")
+	check(scatter.get_stats()["tiles"] > 0, "tiles with noise again")
 
 
-func test_noise_does_not_know_tiles() -> void:
+func test_noise_does_not_depend_on_tiles() -> void:
 	await check_tiling(make_hills(), "noise")
 
 
-func test_noise_refuses() -> void:
+func test_noise_refuses_invalid_values() -> void:
 	var terrain := make_hills()
 	for property: String in ["amplitude", "base_height"]:
 		for value: float in [NAN, INF, 1e9, -2e6]:
 			var good: float = terrain.get(property)
 			terrain.set(property, value)
-			check_error(["ScatterTerrainNoise." + property], "%s = %s" % [property, value])
+			check_error(["ScatterGroundNoise." + property], "%s = %s" % [property, value])
 			check_equal(terrain.get(property), good, property)
 	terrain.amplitude = -1.0
-	check_error(["ScatterTerrainNoise.amplitude", "-1"], "a negative amplitude")
+	check_error(["ScatterGroundNoise.amplitude", "-1"], "a negative amplitude")
 
 
 func test_weights_of_scripts() -> void:
@@ -109,7 +109,7 @@ func test_weights_of_scripts() -> void:
 		var stand := all_transforms(scatter)
 		check(stand.size() > 300, "instances: %d" % stand.size())
 		check(stand.all(func(one: Transform3D) -> bool: return one.origin.x >= 0.0 and one.origin.z <= 40.0),
-				"all stand on their texture")
+				"all are on their texture")
 		found.push_back(digests(scatter, 0))
 		layer.ground_textures = PackedInt32Array()
 		await settle(scatter)
@@ -119,33 +119,33 @@ func test_weights_of_scripts() -> void:
 		terrain.extra = 3
 		await settle(scatter)
 		check_error(["_get_weights()", "wrong size"], "three weights too many")
-		check_equal(digests(scatter, 0), before, "what stands stays")
-	check_equal(found[0], found[1], "asked on the main thread and on workers")
+		check_equal(digests(scatter, 0), before, "the instances stay")
+	check_equal(found[0], found[1], "the same on the main thread and on workers")
 
 
-## Puts a node into the tree, at its position in the world.
+## Adds a node to the tree at a position in the world.
 func put(node: Node3D, at: Transform3D) -> void:
 	root.add_child(node)
 	node.global_transform = at
 
 
-func test_textures_that_a_ground_has_not() -> void:
+func test_grounds_without_textures() -> void:
 	var layer := make_layer()
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var image := Image.create_empty(4, 4, false, Image.FORMAT_RF)
-	var plain_map := ScatterTerrainHeightmap.new()
+	var plain_map := ScatterGroundHeightmap.new()
 	plain_map.image = image
-	var weighed_map := plain_map.duplicate() as ScatterTerrainHeightmap
+	var weighed_map := plain_map.duplicate() as ScatterGroundHeightmap
 	weighed_map.weight_image = image
-	var warns := func(terrain: ScatterTerrain) -> bool:
-		scatter.terrain = terrain
+	var warns := func(terrain: ScatterGround) -> bool:
+		scatter.ground = terrain
 		return "ScatterLayer.ground_textures has no effect" in "\n".join(scatter.get_problems())
-	for terrain: ScatterTerrain in [ScatterTerrainFlat.new(), make_hills(), plain_map, Textured.new(), weighed_map]:
+	for terrain: ScatterGround in [ScatterGroundFlat.new(), make_hills(), plain_map, Textured.new(), weighed_map]:
 		layer.ground_textures = PackedInt32Array()
-		check(not warns.call(terrain), "no textures are asked of %s" % terrain)
+		check(not warns.call(terrain), "no warning for %s without textures in the layer" % terrain)
 		layer.ground_textures = PackedInt32Array([0])
-		check_equal(warns.call(terrain), not (terrain is Textured or terrain == weighed_map), "a warning of %s" % terrain)
-	check(not warns.call(null), "without a ground there is another warning")
+		check_equal(warns.call(terrain), not (terrain is Textured or terrain == weighed_map), "a warning for %s" % terrain)
+	check(not warns.call(null), "without a ground there is a different warning")
 
 
 func make_collider(shape: Shape3D, at: Transform3D, layers := 1) -> void:
@@ -157,7 +157,7 @@ func make_collider(shape: Shape3D, at: Transform3D, layers := 1) -> void:
 	put(body, at)
 
 
-## A floor of 80 m with its top at 2, with a gap in x from 10 to 20, and a ramp of 30 degrees above it in -x.
+## A floor of 80 m with its top at height 2 and a gap from x = 10 to 20, a ramp of 30 degrees above it at negative x, and a roof.
 func make_colliders() -> void:
 	for part: Array in [[-40.0, 10.0], [20.0, 40.0]]:
 		var floor_box := BoxShape3D.new()
@@ -173,7 +173,7 @@ func make_colliders() -> void:
 
 func test_colliders() -> void:
 	make_colliders()
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
 	var stand := all_transforms(scatter)
@@ -186,7 +186,7 @@ func test_colliders() -> void:
 			on_ramp += 1
 			wrong += int(absf(at.x + 20.0) > 10.0 or absf(at.z) > 10.01 or at.y < 9.0)
 		wrong += int((at.x > 10.001 and at.x < 19.999) or absf(at.x) > 40.001 or absf(at.z) > 40.001)
-	check_equal(wrong, 0, "instances in the gap, beside the floor or in the air")
+	check_equal(wrong, 0, "instances in the gap, outside of the floor or in the air")
 	check(on_ramp > 20, "instances on the ramp: %d" % on_ramp)
 	check(is_nan(terrain.get_height(Vector3(15.0, 0.0, 0.0))), "no ground in the gap")
 	check(absf(terrain.get_height(Vector3(5.0, 0.0, 0.0)) - 2.0) < 0.001, "the floor")
@@ -196,7 +196,7 @@ func test_colliders() -> void:
 	terrain.rays_per_frame = 37
 	scatter.regenerate()
 	await settle(scatter)
-	check_equal(digests(scatter, 0), before, "in other slices")
+	check_equal(digests(scatter, 0), before, "the same with fewer rays per frame")
 	terrain.collision_mask = 2
 	await settle(scatter)
 	var heights := all_transforms(scatter).map(func(one: Transform3D) -> float: return one.origin.y)
@@ -208,14 +208,14 @@ func test_colliders() -> void:
 	check(heights.size() > 500 and heights.max() < 10.0, "below the top of the rays")
 
 
-func test_colliders_do_not_know_tiles() -> void:
+func test_colliders_do_not_depend_on_tiles() -> void:
 	make_colliders()
-	await check_tiling(ScatterTerrainColliders.new(), "colliders")
+	await check_tiling(ScatterGroundColliders.new(), "colliders")
 
 
-func test_rays_wait_for_physics_frames() -> void:
+func test_rays_are_limited_per_physics_frame() -> void:
 	make_colliders()
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	terrain.rays_per_frame = 100
 	var scatter := make_scatter([make_layer(1.0)], terrain, make_viewer())
 	var start := Engine.get_physics_frames()
@@ -226,14 +226,14 @@ func test_rays_wait_for_physics_frames() -> void:
 	check(passed >= 0.9 * sampled / 100.0, "%d points took %d physics frames" % [sampled, passed])
 
 
-func test_colliders_refuse() -> void:
+func test_colliders_refuse_invalid_values() -> void:
 	make_colliders()
-	var terrain := ScatterTerrainColliders.new()
+	var terrain := ScatterGroundColliders.new()
 	for wrong: Array in [["collision_mask", -1], ["collision_mask", 1 << 32], ["rays_per_frame", 0],
 			["rays_per_frame", 1 << 40], ["ray_top", NAN], ["ray_top", 2e6], ["ray_bottom", INF], ["ray_bottom", -2e6]]:
 		var good: Variant = terrain.get(wrong[0])
 		terrain.set(wrong[0], wrong[1])
-		check_error(["ScatterTerrainColliders." + wrong[0]], "%s = %s" % wrong)
+		check_error(["ScatterGroundColliders." + wrong[0]], "%s = %s" % wrong)
 		check_equal(terrain.get(wrong[0]), good, wrong[0])
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
@@ -241,8 +241,8 @@ func test_colliders_refuse() -> void:
 	check(before.size() > 10, "tiles")
 	terrain.ray_bottom = 2000.0
 	await settle(scatter)
-	check_error(["ScatterTerrainColliders.ray_bottom", "2000"], "a bottom above the top")
-	check_equal(digests(scatter, 0), before, "what stands stays")
+	check_error(["ScatterGroundColliders.ray_bottom", "2000"], "a bottom above the top")
+	check_equal(digests(scatter, 0), before, "the instances stay")
 	check("ray_bottom" in "\n".join(scatter.get_problems()), "a warning")
 	terrain.ray_bottom = -1000.0
 	await settle(scatter)
@@ -274,7 +274,7 @@ func make_meshes() -> Array[MeshInstance3D]:
 func test_meshes() -> void:
 	var instances := make_meshes()
 	make_mesh(BoxMesh.new(), Transform3D(Basis().scaled(Vector3.ONE * 90.0), Vector3.ZERO), &"other")
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	var scatter := make_scatter([make_layer()], terrain, make_viewer())
 	await settle(scatter)
@@ -293,11 +293,11 @@ func test_meshes() -> void:
 		wrong += int(absf(one.origin.y - height) > 0.01)
 	check(stand.size() > 300 and on_box > 10, "instances: %d, on the box %d" % [stand.size(), on_box])
 	check_equal(wrong, 0, "instances off the meshes")
-	check(is_nan(terrain.get_height(Vector3(0.0, 0.0, 25.0))), "no ground beside the meshes")
+	check(is_nan(terrain.get_height(Vector3(0.0, 0.0, 25.0))), "no ground outside of the meshes")
 	var leaning := Vector3.UP.rotated(Vector3.BACK, deg_to_rad(20.0))
 	check(terrain.get_normal(Vector3(-60.0, 0.0, 0.0)).distance_to(leaning) < 1e-4, "normal")
 	var rects: Array[Rect2] = []
-	terrain.terrain_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
+	terrain.ground_changed.connect(func(rect: Rect2) -> void: rects.push_back(rect))
 	terrain.refresh()
 	check_equal(rects.size(), 0, "nothing has changed")
 	instances[2].global_position = Vector3(0.0, 0.0, 5.0)
@@ -307,7 +307,7 @@ func test_meshes() -> void:
 		for from: Vector2 in [Vector2(20.0, 0.0), Vector2(0.0, 5.0)]:
 			var around := Rect2(from.x - reach, from.y - reach, 2.0 * reach, 2.0 * reach)
 			check(rects.any(around.is_equal_approx), "%s is among the areas: %s" % [around, rects])
-	check(absf(terrain.get_height(Vector3(0.0, 0.0, 5.0)) - 5.0) < 1e-5, "the box is there now")
+	check(absf(terrain.get_height(Vector3(0.0, 0.0, 5.0)) - 5.0) < 1e-5, "the box is at its new position")
 	await settle(scatter)
 	var top := Vector3(0.0, 5.0, 5.0)
 	var distances := all_transforms(scatter).map(func(one: Transform3D) -> float: return one.origin.distance_to(top))
@@ -315,17 +315,17 @@ func test_meshes() -> void:
 	for instance in instances:
 		instance.free()
 	terrain.refresh()
-	check(rects.size() > 2, "all are gone")
+	check(rects.size() > 2, "all are freed")
 	await settle(scatter)
-	check_equal(scatter.get_stats()["instances"], 0, "instances on no mesh")
-	check("\"ground\"" in "\n".join(scatter.get_problems()), "a warning of a group without meshes")
+	check_equal(scatter.get_stats()["instances"], 0, "instances without meshes")
+	check("\"ground\"" in "\n".join(scatter.get_problems()), "a warning for a group without meshes")
 	terrain.group = &""
-	check("ScatterTerrainMeshes.group" in "\n".join(scatter.get_problems()), "a warning without a group")
+	check("ScatterGroundMeshes.group" in "\n".join(scatter.get_problems()), "a warning without a group")
 
 
-func test_nodes_share_what_was_read_of_meshes() -> void:
+func test_nodes_share_the_data_of_meshes() -> void:
 	var instances := make_meshes()
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	var both: Array[TerrainScatter3D] = []
 	for index in 2:
@@ -337,15 +337,15 @@ func test_nodes_share_what_was_read_of_meshes() -> void:
 	var expected := digests(later, 0)
 	check(later.get_stats()["instances"] > 300, "%d instances" % later.get_stats()["instances"])
 	for scatter in both:
-		check_equal(digests(scatter, 0), expected, "what stands for another node")
+		check_equal(digests(scatter, 0), expected, "the instances of a node that was added later")
 	var meshes := {}
 	for instance: MeshInstance3D in instances:
 		meshes[instance.mesh] = true
 	check_equal(later.get_stats()["ground_reads"], meshes.size(), "each mesh is read once")
 
 
-func test_meshes_do_not_know_tiles() -> void:
+func test_meshes_do_not_depend_on_tiles() -> void:
 	make_meshes()
-	var terrain := ScatterTerrainMeshes.new()
+	var terrain := ScatterGroundMeshes.new()
 	terrain.group = &"ground"
 	await check_tiling(terrain, "meshes")

@@ -1,8 +1,8 @@
 extends "threads_harness.gd"
-## Calls on other threads than the main one: each method keeps its thread rule, the class reference states it, and nothing a
-## script does breaks the engine.
+## Calls on other threads than the main thread: each method follows its thread rule, the class reference states it, and no
+## script can break the engine.
 
-## Values for arguments, by their types.
+## Values for arguments by type.
 var samples := {
 	TYPE_BOOL: true, TYPE_INT: 1, TYPE_FLOAT: 1.0, TYPE_STRING: "x", TYPE_STRING_NAME: &"x", TYPE_NODE_PATH: NodePath("x"),
 	TYPE_VECTOR2: Vector2.ONE, TYPE_VECTOR2I: Vector2i.ONE, TYPE_RECT2: Rect2(0, 0, 8, 8), TYPE_RECT2I: Rect2i(0, 0, 2, 2),
@@ -10,7 +10,7 @@ var samples := {
 }
 
 
-## An object of each class: those that a scene uses, and those that nothing uses.
+## Creates an object of each class. With `in_scene`, the scene tree uses them.
 func make_objects(in_scene: bool) -> Array[Object]:
 	var layer := make_layer(6.0)
 	layer.mask = ScatterMask.new()
@@ -22,12 +22,14 @@ func make_objects(in_scene: bool) -> Array[Object]:
 	var map := ScatterBiomeMap.new()
 	map.biomes = [biome]
 	var objects: Array[Object] = [layer, layer.mask, model, model.lods[0], biome, map, biome.layers[0]]
-	for type in ClassDB.get_inheriters_from_class("ScatterTerrain"):
+	for type in ClassDB.get_inheriters_from_class("ScatterGround"):
+		if type.begins_with("ScatterTerrain"):
+			continue # A hidden class for files of version 0.2.
 		objects.push_back(ClassDB.instantiate(type))
 	var scatters: Array[TerrainScatter3D] = []
-	for terrain: ScatterTerrain in objects.filter(func(object: Object) -> bool: return object is ScatterTerrain):
+	for terrain: ScatterGround in objects.filter(func(object: Object) -> bool: return object is ScatterGround):
 		var scatter := TerrainScatter3D.new()
-		scatter.terrain = terrain
+		scatter.ground = terrain
 		scatter.state = ScatterState.new()
 		scatter.layers = [layer]
 		scatter.biomes = map
@@ -43,7 +45,7 @@ func make_objects(in_scene: bool) -> Array[Object]:
 	return objects
 
 
-## Calls every method of an object's own class on another thread. Returns the names of those that its thread rule refused.
+## Calls every method of a class on a worker thread. Returns the names of the methods that the thread rule refused.
 func refused_methods(object: Object, type: String) -> PackedStringArray:
 	var calls: Array[Dictionary] = []
 	for method in ClassDB.class_get_method_list(type, true):
@@ -71,13 +73,13 @@ func refused_methods(object: Object, type: String) -> PackedStringArray:
 
 func own_classes(object: Object) -> PackedStringArray:
 	var types := PackedStringArray([object.get_class()])
-	if object is ScatterTerrain and types[0] != "ScatterTerrain":
-		types.push_back("ScatterTerrain")
+	if object is ScatterGround and types[0] != "ScatterGround":
+		types.push_back("ScatterGround")
 	return types
 
 
-## Every method, on an object that the scene uses and on one that nothing uses, is allowed or refused as the class reference states.
-func test_every_method_keeps_the_rule_that_its_page_states() -> void:
+## Every method is allowed or refused as the class reference states, on an object that the scene uses and on one that it does not.
+func test_every_method_follows_its_documented_rule() -> void:
 	var pages := read_pages()
 	for in_scene: bool in [true, false]:
 		var objects := make_objects(in_scene)
@@ -96,7 +98,7 @@ func check_rules(object: Object, type: String, page: Dictionary, in_scene: bool)
 		var name: String = method["name"]
 		if method["flags"] & METHOD_FLAG_VIRTUAL or name.begins_with("_"):
 			continue
-		var rule: String = page.get(name, page[""]) # Setters and getters have the rule of the class's properties.
+		var rule: String = page.get(name, page[""]) # Setters and getters follow the rule of the class's properties.
 		if not page.has(name):
 			check("may use the properties" in rule, "%s.%s: the page of the class states a rule" % [type, name])
 		else:
@@ -111,7 +113,7 @@ func test_results_may_be_read_on_any_thread() -> void:
 	var pages := read_pages()
 	var results: Array[RefCounted] = [scatter.query_sphere(Vector3.ZERO, 30.0), scatter.query_nearest(Vector3.ZERO, 60.0),
 			scatter.build_rect(0, Rect2(0, 0, 32, 32)), scatter.explain_position(Vector3.ZERO)[0], PoissonSampler.new(),
-			PoissonSampler.new().sample(Rect2(0, 0, 9, 9)), ScatterTileGrid.new(), ImpostorBaker.new(), scatter.make_snapshot(),
+			PoissonSampler.new().sample(Rect2(0, 0, 9, 9)), ScatterTileGrid.new(), ScatterImpostorBaker.new(), scatter.make_snapshot(),
 			scatter.request_sphere(Vector3.ZERO, 9.0)]
 	for result in results:
 		check_rules(result, result.get_class(), pages[result.get_class()], false)
@@ -120,7 +122,7 @@ func test_results_may_be_read_on_any_thread() -> void:
 
 
 ## Internal methods are connected to signals, which any thread may emit.
-func test_no_internal_method_does_harm() -> void:
+func test_internal_methods_are_harmless() -> void:
 	var objects := make_objects(true)
 	await frames(3)
 	var count: Array[int] = [0]
@@ -138,10 +140,10 @@ func test_no_internal_method_does_harm() -> void:
 	errors.take()
 	for object in objects:
 		if object is TerrainScatter3D:
-			check(not (object as TerrainScatter3D).get_stats().is_empty(), "the node is there")
+			check(not (object as TerrainScatter3D).get_stats().is_empty(), "the node still works")
 
 
-func test_the_error_names_the_rule_and_what_to_do() -> void:
+func test_errors_name_the_rule_and_the_remedy() -> void:
 	var scatter := make_wood(make_viewer())
 	var state := ScatterState.new()
 	scatter.state = state
@@ -152,39 +154,39 @@ func test_the_error_names_the_rule_and_what_to_do() -> void:
 	on_thread(func() -> bool: return state.remove(5))
 	check_error(["ScatterState.remove()", "while the scene tree uses", "call_deferred()"], "a state in use")
 	check_equal(state.get_removed_count(), 0, "nothing has changed")
-	check_equal(on_thread(func() -> Error: return state.from_bytes(PackedByteArray())), ERR_BUSY, "as an error")
+	check_equal(on_thread(func() -> Error: return state.from_bytes(PackedByteArray())), ERR_BUSY, "an error code")
 	errors.take()
 	scatter.state = null
-	check_equal(on_thread(func() -> bool: return state.remove(5)), true, "a state that the scene uses no longer")
+	check_equal(on_thread(func() -> bool: return state.remove(5)), true, "a state that the scene does not use any more")
 
 
-func test_what_a_layer_uses_is_in_use_with_it() -> void:
+func test_resources_of_a_layer_in_use() -> void:
 	var scatter := make_wood(make_viewer())
 	var layer := scatter.layers[0]
 	var mask := ScatterMask.new()
 	var read := func() -> float: return mask.sample(Vector2.ZERO)
-	check_equal(on_thread(read), 1.0, "before it is set")
+	check_equal(on_thread(read), 1.0, "before the layer uses it")
 	layer.mask = mask
 	check_equal(on_thread(read), 0.0, "a mask of a layer in use")
 	check_error(["ScatterMask.sample()", "scene tree uses"], "a mask of a layer in use")
 	scatter.layers = [scatter.layers[1]]
-	check_equal(on_thread(read), 1.0, "of a layer that went")
+	check_equal(on_thread(read), 1.0, "after the layer was removed")
 	scatter.layers = [layer]
-	check_equal(on_thread(read), 0.0, "of a layer that came back")
-	check_error(["ScatterMask.sample()"], "of a layer that came back")
+	check_equal(on_thread(read), 0.0, "after the layer was added again")
+	check_error(["ScatterMask.sample()"], "after the layer was added again")
 	scatter.layers.clear()
 	await frames(2)
-	check_equal(on_thread(read), 1.0, "of a list that was changed in place")
+	check_equal(on_thread(read), 1.0, "after the list was changed in place")
 	scatter.layers = [layer]
 	root.remove_child(scatter)
-	check_equal(on_thread(read), 1.0, "of a node outside of the tree")
+	check_equal(on_thread(read), 1.0, "after the node left the tree")
 	on_thread(func() -> void: scatter.seed = 12)
-	check_equal(scatter.seed, 12, "so is the node itself")
+	check_equal(scatter.seed, 12, "the node itself can be changed, too")
 	scatter.free()
 
 
-## What the case scripts of users did: two threads that call, and a main thread that does, too.
-func test_threads_that_call_what_the_scene_uses() -> void:
+## As in scripts of users: two worker threads call, and the main thread calls at the same time.
+func test_threads_that_call_objects_in_use() -> void:
 	var scatter := make_wood(make_viewer())
 	var layer := scatter.layers[0]
 	var mask := ScatterMask.new()
@@ -211,16 +213,16 @@ func test_threads_that_call_what_the_scene_uses() -> void:
 			scatter.query_sphere(at.call(), 5.0))
 		check(calls > 2, "%s: %d calls" % [name, calls])
 		check_only_errors(["worker thread"], name)
-	check_equal(scatter.state.get_removed_count(), removed, "the state is as it was")
-	check_equal(layer.density, 1.0, "the layer is as it was")
+	check_equal(scatter.state.get_removed_count(), removed, "the state is unchanged")
+	check_equal(layer.density, 1.0, "the layer is unchanged")
 
 
-## One object for several threads, which no scene uses: each call is made, or refused.
-func test_threads_that_share_a_free_object() -> void:
+## Several threads use an object that no scene uses. Each call either runs or is refused.
+func test_threads_that_share_an_unused_object() -> void:
 	var state := ScatterState.new()
 	var mask := ScatterMask.new()
 	var sampler := PoissonSampler.new()
-	var terrain := ScatterTerrainFlat.new()
+	var terrain := ScatterGroundFlat.new()
 	var layer := make_layer()
 	var works: Array[Callable] = [
 		func() -> void:
@@ -251,8 +253,8 @@ func test_threads_that_share_a_free_object() -> void:
 		var calls := await on_threads_for(400, [work, work, work], work)
 		check(calls > 2, "%d calls" % calls)
 		for message in take_kinds():
-			check("under way" in message, message)
-	check(state.to_bytes().size() > 0 and state.from_bytes(state.to_bytes()) == OK, "the state is whole")
+			check("a different thread" in message, message)
+	check(state.to_bytes().size() > 0 and state.from_bytes(state.to_bytes()) == OK, "the state is valid")
 
 
 ## Const methods do not exclude each other.
@@ -266,7 +268,7 @@ func test_threads_that_read_one_object() -> void:
 		if not state.is_removed(5) or state.get_removed_count() != 1 or mask.sample(Vector2.ZERO) != 1.0 or mask.background != 1.0:
 			wrong[0] += 1
 	await on_threads_for(300, [read, read, read], read)
-	check_equal(wrong[0], 0, "wrong answers")
+	check_equal(wrong[0], 0, "wrong results")
 	check_no_error("several readers")
 
 
@@ -274,7 +276,7 @@ class Handler:
 	var state: ScatterState
 	var depth := 0
 
-	func hear(_ids: PackedInt64Array) -> void:
+	func record(_ids: PackedInt64Array) -> void:
 		depth += 1
 		if depth < 5:
 			state.remove(100 + depth)
@@ -284,34 +286,34 @@ class Handler:
 			state = null
 
 
-## Handlers may call the object that has called them, on whatever thread, and let go of it.
-func test_calls_within_a_call() -> void:
+## Signal handlers may call the emitting object on any thread, and release it.
+func test_nested_calls() -> void:
 	var removed: int = on_thread(func() -> int:
 		var handler := Handler.new()
 		handler.state = ScatterState.new()
 		var watched: WeakRef = weakref(handler.state)
-		handler.state.instances_changed.connect(handler.hear)
+		handler.state.instances_changed.connect(handler.record)
 		handler.state.remove(1)
 		return handler.depth if watched.get_ref() == null else -1)
-	check_equal(removed, 5, "calls, and the state is gone")
+	check_equal(removed, 5, "all calls ran, and the state is freed")
 	var scatter := make_wood(make_viewer())
 	await settle(scatter)
 	var inner: Array[int] = []
 	scatter.query_sphere(Vector3.ZERO, 20.0, "trees", func(id: int, _layer: int, _transform: Transform3D) -> bool:
 		inner.push_back(scatter.query_sphere(Vector3.ZERO, 5.0).size())
 		return scatter.has_instance(id) and scatter.remove_instance(id))
-	check(inner.size() > 3, "%d queries within a query" % inner.size())
+	check(inner.size() > 3, "%d nested queries" % inner.size())
 
 
-## An engine's resource that a thread changes is told to the main thread.
-func test_changes_that_another_thread_reports() -> void:
+## A resource of the engine that a thread changes reaches the main thread.
+func test_changes_reported_by_a_thread() -> void:
 	var scatter := make_wood(make_viewer())
-	var noise := (scatter.terrain as ScatterTerrainNoise).noise as FastNoiseLite
+	var noise := (scatter.ground as ScatterGroundNoise).noise as FastNoiseLite
 	await settle(scatter)
 	var before := tile_buffers(scatter, 0, Vector2i.ZERO)
 	on_thread(func() -> void: noise.seed = 99)
-	check_no_error("a signal on another thread")
+	check_no_error("a signal on a worker thread")
 	await settle(scatter)
 	var after := tile_buffers(scatter, 0, Vector2i.ZERO)
-	check(before != after, "the ground has followed")
-	check_equal(after, buffers_of(scatter.build_tile(0, Vector2i.ZERO)), "with all that stands on it")
+	check(before != after, "the ground follows")
+	check_equal(after, buffers_of(scatter.build_tile(0, Vector2i.ZERO)), "and its instances, too")

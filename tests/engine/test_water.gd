@@ -1,11 +1,11 @@
 extends "biomes_harness.gd"
-## Water: layers know how deep it is, that of the node and that of a biome.
+## Water: layers have a range of water depths. The water level is the node's or a biome's.
 
-## Ground that rises from -12.8 m on the left to 12.8 m on the right: a meter in ten.
-func slope() -> ScatterTerrain:
+## Ground that rises from -12.8 m on the left to 12.8 m on the right, one meter in ten.
+func slope() -> ScatterGround:
 	var image := Image.create_empty(2, 2, false, Image.FORMAT_RF)
 	image.fill_rect(Rect2i(1, 0, 1, 2), Color(1, 0, 0))
-	var terrain := ScatterTerrainHeightmap.new()
+	var terrain := ScatterGroundHeightmap.new()
 	terrain.image = image
 	terrain.rect = EXTENT
 	terrain.min_height = -12.8
@@ -26,7 +26,7 @@ func make_shore() -> TerrainScatter3D:
 	return make_scatter([named("grass", 2.0), reeds, lilies, kelp], slope(), make_viewer())
 
 
-## The least and the greatest height of the ground on which a layer stands.
+## Returns the lowest and the highest ground height among a layer's instances.
 func heights(scatter: TerrainScatter3D, layer: String) -> Vector2:
 	var range := Vector2(INF, -INF)
 	for at: Vector2 in places_in(scatter, layer, Rect2(-100, -60, 200, 120)).values():
@@ -40,7 +40,7 @@ func check_heights(scatter: TerrainScatter3D, layer: String, least: float, great
 	check(found.x < least + 0.3 and found.y > greatest - 0.3, "%s all over %s to %s: %s" % [layer, least, greatest, found])
 
 
-func test_without_water_all_is_as_ever() -> void:
+func test_without_water_nothing_changes() -> void:
 	var scatter := make_shore()
 	await settle(scatter)
 	check_equal(scatter.water_enabled, false, "no water by default")
@@ -48,11 +48,11 @@ func test_without_water_all_is_as_ever() -> void:
 	check(everywhere.values().any(func(at: Vector2) -> bool: return at.x < -100), "grass below any sea")
 	for layer in ["reeds", "lilies", "kelp"]:
 		check_equal(places_in(scatter, layer, EXTENT).size(), 0, layer + " need water")
-	check_equal(scatter.get_problems().size(), 3, "told: %s" % scatter.get_problems())
+	check_equal(scatter.get_problems().size(), 3, "a problem for each layer that needs water: %s" % scatter.get_problems())
 	check("water_enabled" in scatter.get_problems()[0], scatter.get_problems()[0])
 	scatter.water_enabled = true
 	scatter.water_level = -12.8
-	check_equal(places_in(scatter, "grass", EXTENT), everywhere, "nor below it")
+	check_equal(places_in(scatter, "grass", EXTENT), everywhere, "the same grass above the water")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 
 
@@ -67,17 +67,17 @@ func test_layers_keep_to_their_depth_and_follow_the_level() -> void:
 		check_heights(scatter, "lilies", level - 2.0, level - 0.5)
 		check_heights(scatter, "kelp", -10.0, level - 3.0)
 		var shown := places(scatter, "reeds")
-		check(all_within(shown, func(at: Vector2) -> bool: return absf(at.x / 10 - level + 0.25) < 0.76), "what is shown follows")
+		check(all_within(shown, func(at: Vector2) -> bool: return absf(at.x / 10 - level + 0.25) < 0.76), "visible reeds follow the level")
 
 
-func test_what_stays_keeps_its_id() -> void:
+func test_remaining_instances_keep_their_ids() -> void:
 	var scatter := make_shore()
 	await settle(scatter)
 	var dry := places_in(scatter, "grass", EXTENT)
 	scatter.water_enabled = true
 	scatter.water_level = 1.0
 	var left := places_in(scatter, "grass", EXTENT)
-	check(left.size() < dry.size(), "fewer")
+	check(left.size() < dry.size(), "water removes instances")
 	check(left.keys().all(func(id: int) -> bool: return dry[id] == left[id]), "none moved")
 
 
@@ -90,7 +90,7 @@ func test_a_falloff_thins_towards_the_limit() -> void:
 	var counts := [0, 0]
 	for at: Vector2 in places_in(scatter, "grass", Rect2(10, -60, 40, 120)).values():
 		counts[int((at.x - 10) / 20)] += 1
-	check(counts[0] > 20 and counts[0] < 0.5 * counts[1], "fewer at the water: %s" % [counts])
+	check(counts[0] > 20 and counts[0] < 0.5 * counts[1], "fewer near the water: %s" % [counts])
 	check_equal(places_in(scatter, "grass", Rect2(-50, -60, 59.9, 120)).size(), 0, "none nearer")
 
 
@@ -114,7 +114,7 @@ func test_water_of_a_biome() -> void:
 	check(reeds.any(func(at: Vector2) -> bool: return absf(at.x - 50) < 6 and at.y < 64), "reeds at the lake")
 
 
-func test_the_water_of_a_biome_changes_only_there() -> void:
+func test_the_water_of_a_biome_changes_only_that_biome() -> void:
 	var scatter := make_shore()
 	var lake := make_biome(SWAMP, [])
 	scatter.biomes = make_map([make_biome(MEADOW, []), make_biome(FOREST, []), lake])
@@ -124,7 +124,7 @@ func test_the_water_of_a_biome_changes_only_there() -> void:
 		lake.water_mode = ScatterBiome.WATER_MODE_OWN)
 	for layer: String in shown:
 		check(shown[layer].keys().all(func(tile: Vector2i) -> bool: return tile.y >= 1), "%s: %s" % [layer, shown[layer].keys()])
-	check(shown["grass"].size() > 2, "tiles of the swamp are made anew")
+	check(shown["grass"].size() > 2, "tiles of the swamp are regenerated")
 	check_equal(scatter.get_problems().size(), 0, "there is water now: %s" % scatter.get_problems())
 
 
@@ -135,21 +135,21 @@ func test_bad_input() -> void:
 		check_error(["TerrainScatter3D.water_level"], str(value))
 		scatter.layers[0].max_water_depth = value
 		check_error(["ScatterLayer.max_water_depth"], str(value))
-	check_equal(scatter.water_level, 0.0, "as before")
+	check_equal(scatter.water_level, 0.0, "the last valid value stays")
 	scatter.water_enabled = true
 	await settle(scatter)
 	var grass := places(scatter, "grass")
 	scatter.layers[0].min_water_depth = 1.0
 	await settle(scatter)
 	check_error(["layers[0]: ScatterLayer.max_water_depth", 0], "a minimum above the maximum")
-	check_equal(places(scatter, "grass"), grass, "what stands stays")
+	check_equal(places(scatter, "grass"), grass, "the instances stay")
 
 
-## Biome and water are among the rules that are explained: each with its value, and by name where it says no.
+## Biome and water are among the explained rules. Each has its value, and its name if it refuses.
 func test_water_and_biomes_are_explained() -> void:
 	var map := three_biomes()
 	var scatter := make_world(map)
-	scatter.terrain = slope()
+	scatter.ground = slope()
 	scatter.water_enabled = true
 	map.biomes[2].layers[0].min_water_depth = 0.5
 	map.biomes[2].layers[0].max_water_depth = 2.0
@@ -160,9 +160,9 @@ func test_water_and_biomes_are_explained() -> void:
 	check_equal(dry.refused_by, &"water_depth", "4 m above the water: " + dry.reason)
 	check("Depth of the water is -4" in dry.reason and "0.5 m to 2 m" in dry.reason, dry.reason)
 	var rules := range(dry.get_rule_count()).map(dry.get_rule_name)
-	check(&"biome" in rules and &"water_depth" in rules, "both are told: %s" % [rules])
+	check(&"biome" in rules and &"water_depth" in rules, "both rules are listed: %s" % [rules])
 	var depth := rules.find(&"water_depth")
-	check_equal([dry.get_rule_min(depth), dry.get_rule_max(depth)], [0.5, 2.0], "what is asked for")
+	check_equal([dry.get_rule_min(depth), dry.get_rule_max(depth)], [0.5, 2.0], "the required range")
 	check(absf(dry.get_rule_value(depth) + 4.0) < 0.01, "the depth: %f" % dry.get_rule_value(depth))
 	check_equal(dry.get_rule_density(rules.find(&"biome")), 1.0, "the weight of the swamp")
 	var wet := scatter.explain_position(Vector3(-10, 0, 90), "reed")[0]

@@ -12,17 +12,17 @@ func make_rock(radius := 2.0) -> ScatterLayer:
 	return layer
 
 
-func make_noise() -> ScatterTerrainNoise:
-	var terrain := ScatterTerrainNoise.new()
+func make_noise() -> ScatterGroundNoise:
+	var terrain := ScatterGroundNoise.new()
 	var noise := FastNoiseLite.new()
 	noise.frequency = 0.01
 	terrain.noise = noise
 	return terrain
 
 
-func test_a_recenter_moves_what_stands_and_makes_nothing() -> void:
+func test_a_recenter_moves_instances_and_regenerates_nothing() -> void:
 	var viewer := make_viewer(Vector3(300.0, 0.0, 100.0))
-	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var before := instances(scatter, 0)
 	var digest := digests(scatter, 0)
@@ -36,10 +36,10 @@ func test_a_recenter_moves_what_stands_and_makes_nothing() -> void:
 	check_equal(scatter.world_offset, shift, "the property")
 	var at_once := instances(scatter, 0)
 	await frames(20)
-	check(scatter.is_settled(), "nothing to do")
-	check_equal(scatter.get_stats()["tiles_made"], stats["tiles_made"], "tiles made for a recenter")
+	check(scatter.is_settled(), "no work to do")
+	check_equal(scatter.get_stats()["tiles_made"], stats["tiles_made"], "tiles generated for a recenter")
 	check_equal(scatter.get_stats()["uploads"], stats["uploads"], "uploads for a recenter")
-	check_equal(events.size(), 0, "tiles that came or went")
+	check_equal(events.size(), 0, "tiles that were shown or hidden")
 	check_equal(digests(scatter, 0), digest, "digests")
 	for state: Dictionary[int, Transform3D] in [at_once, instances(scatter, 0)]:
 		var worst := 0.0
@@ -47,18 +47,18 @@ func test_a_recenter_moves_what_stands_and_makes_nothing() -> void:
 		for id in before:
 			worst = maxf(worst, state[id].origin.distance_to(before[id].origin - shift))
 			if state[id].basis != before[id].basis:
-				check(false, "instance %d has another basis" % id)
+				check(false, "instance %d has a different basis" % id)
 		check(worst < 1e-3, "an instance is off by %f m" % worst)
 	for tile: Vector2i in scatter.get_shown_tiles(0):
 		check_equal(scatter.get_tile(0, tile).get_origin().x, (tile.x + 0.5) * 32.0 - shift.x, "origin of tile %s" % tile)
 
 
-func test_a_recenter_in_flight() -> void:
+func test_a_recenter_during_a_flight() -> void:
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_rock()], make_noise(), viewer)
 	var made := {}
 	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: made[tile] = made.get(tile, 0) + 1)
-	var at := Vector3.ZERO # In the world.
+	var at := Vector3.ZERO # Position in the world.
 	for step in 60:
 		at.x += 9.0
 		if step % 7 == 3:
@@ -68,7 +68,7 @@ func test_a_recenter_in_flight() -> void:
 	await settle(scatter)
 	for tile: Vector2i in made:
 		if made[tile] != 1:
-			check(false, "tile %s came %d times" % [tile, made[tile]])
+			check(false, "tile %s was shown %d times" % [tile, made[tile]])
 	check(made.size() > 60, "%d tiles" % made.size())
 	var still := make_scatter([make_rock()], make_noise(), make_viewer(at))
 	await settle(still)
@@ -81,16 +81,16 @@ func test_a_recenter_in_flight() -> void:
 			var off := got[id].origin.distance_to(expected[id].origin - scatter.world_offset)
 			if off > 1e-3:
 				check(false, "instance %d is off by %f m" % [id, off])
-	check_equal(found, expected.size(), "instances that both have")
+	check_equal(found, expected.size(), "instances in both")
 
 
-func test_a_thousand_kilometers_out_all_is_as_exact_as_here() -> void:
-	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), make_viewer())
+func test_a_thousand_kilometers_out_is_as_exact_as_the_origin() -> void:
+	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), make_viewer())
 	scatter.world_offset = FAR
 	await settle(scatter)
 	var standing := instances(scatter, 0)
 	check(standing.size() > 2000, "%d instances" % standing.size())
-	# Nobody closer than the radius, across tiles, and everywhere as many: no seams.
+	# No two instances are closer than the radius, across tiles, and the density is the same everywhere: no seams.
 	var closest := INF
 	var grid := {}
 	for id in standing:
@@ -112,15 +112,15 @@ func test_a_thousand_kilometers_out_all_is_as_exact_as_here() -> void:
 					for other: Vector2 in grid.get(Vector2i(cx, cy), []):
 						nearest = minf(nearest, other.distance_to(Vector2(x, y) * 2.0))
 			gap = maxf(gap, nearest)
-	check(gap < 2.0, "nothing stands within %f m of a position" % gap)
-	# Near the viewer the engine's floats tell a tenth of a millimeter apart, as at the origin.
+	check(gap < 2.0, "no instance within %f m of a position" % gap)
+	# Near the viewer, the engine's floats resolve a tenth of a millimeter, as at the origin.
 	var fine := 0
 	for id in standing:
 		fine += 1 if absf(fmod(standing[id].origin.x, 0.0625)) > 1e-4 else 0
 	check(fine > standing.size() * 9 / 10, "positions are not multiples of 6 cm: %d" % fine)
 
 
-func test_the_same_bits_whatever_the_offset() -> void:
+func test_tiles_are_bit_identical_at_any_offset() -> void:
 	var here := make_scatter([make_rock()], make_noise(), make_viewer(FAR))
 	var there := make_scatter([make_rock()], make_noise(), make_viewer())
 	there.world_offset = FAR
@@ -133,9 +133,9 @@ func test_the_same_bits_whatever_the_offset() -> void:
 	check(expected.size() > 10, "there are tiles to compare")
 
 
-func test_queries_and_changes_are_in_the_engine_space() -> void:
+func test_queries_and_changes_use_the_engines_space() -> void:
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)
 	scatter.world_offset = FAR
 	await settle(scatter)
 	var found := scatter.query_sphere(Vector3(5.0, 0.0, 5.0), 20.0)
@@ -156,26 +156,26 @@ func test_queries_and_changes_are_in_the_engine_space() -> void:
 	for index in ids.size():
 		var local := Vector3(buffer[12 * index + 3], buffer[12 * index + 7], buffer[12 * index + 11])
 		check(standing[ids[index]].origin.distance_to(local + built.get_origin()) < 1e-3, "build_rect's position")
-	# A felled one stays felled when the game recenters, and a planted one stays where it is in the world.
+	# A removed instance stays removed when the game recenters, and an added one keeps its position in the world.
 	var nearest := scatter.query_nearest(Vector3.ZERO, 10.0)
-	check(scatter.remove_instance(nearest["id"]), "felled")
+	check(scatter.remove_instance(nearest["id"]), "removed")
 	var planted := scatter.add_instance(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)))
 	var shift := Vector3(128.0, 0.0, 64.0)
 	viewer.global_position -= shift
 	scatter.world_offset = FAR + shift
 	await frames(3)
-	check(not scatter.has_instance(nearest["id"]), "still felled")
+	check(not scatter.has_instance(nearest["id"]), "still removed")
 	var seen: Transform3D = scatter.get_instance(planted).transform
-	check(seen.origin.distance_to(Vector3(1.0, 0.0, 2.0) - shift) < 1e-3, "planted at %s" % seen.origin)
+	check(seen.origin.distance_to(Vector3(1.0, 0.0, 2.0) - shift) < 1e-3, "added at %s" % seen.origin)
 	check(instances(scatter, 0)[planted].origin.distance_to(seen.origin) < 1e-3, "drawn there")
 
 
-func test_regions_move_along_and_are_no_edit() -> void:
+func test_regions_that_move_along_are_no_edit() -> void:
 	var world := Node3D.new()
 	root.add_child(world)
 	var layer := make_rock()
 	var viewer := make_viewer(Vector3(3.3, 0.0, 1.1))
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.reparent(world)
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	var box := ScatterRegion3D.new()
@@ -202,7 +202,7 @@ func test_regions_move_along_and_are_no_edit() -> void:
 		scatter.world_offset = shift
 		await settle(scatter)
 		await frames(5)
-		check_equal(scatter.get_stats()["tiles_made"], made, "tiles made after a recenter to %s" % shift)
+		check_equal(scatter.get_stats()["tiles_made"], made, "tiles generated after a recenter to %s" % shift)
 		check_equal(digests(scatter, 0), before, "digests after a recenter to %s" % shift)
 	box.global_position.x += 4.0
 	await settle(scatter)
@@ -210,7 +210,7 @@ func test_regions_move_along_and_are_no_edit() -> void:
 	made = scatter.get_stats()["tiles_made"]
 	scatter.world_offset += Vector3(64.0, 0.0, 0.0) # Without the scene.
 	await settle(scatter)
-	check(scatter.get_stats()["tiles_made"] > made, "and so is one that stays behind")
+	check(scatter.get_stats()["tiles_made"] > made, "so is a region that does not move along")
 
 
 func test_ground_in_the_scene_moves_along() -> void:
@@ -222,7 +222,7 @@ func test_ground_in_the_scene_moves_along() -> void:
 	root.add_child(ground)
 	ground.global_position.y = 6.0 # Its top is at 7 m.
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_rock()], ScatterTerrainColliders.new(), viewer)
+	var scatter := make_scatter([make_rock()], ScatterGroundColliders.new(), viewer)
 	await settle(scatter)
 	var before := instances(scatter, 0)
 	check(before.size() > 1000, "%d instances" % before.size())
@@ -237,24 +237,24 @@ func test_ground_in_the_scene_moves_along() -> void:
 	check_equal(after.size(), before.size(), "instances on ground that moved along")
 	for id in before:
 		if not after.has(id) or after[id].origin.distance_to(before[id].origin - shift) > 2e-3:
-			check(false, "an instance stands somewhere else: %s" % before[id].origin)
+			check(false, "an instance is at a different position: %s" % before[id].origin)
 			break
 
 
-## A node with heights of the engine's space.
+## A node with heights in the engine's space.
 class Slope extends Node3D:
 	func get_height(at: Vector3) -> float:
 		return 0.5 * at.x - 0.25 * at.z
 
 
-## Each kind of ground that is found in the scene, as the same slope: 0.5 x - 0.25 z in the engine's space.
-func make_slopes() -> Dictionary[String, ScatterTerrain]:
-	var result: Dictionary[String, ScatterTerrain] = {}
+## Returns each kind of ground that is found in the scene, as the same slope: 0.5 x - 0.25 z in the engine's space.
+func make_slopes() -> Dictionary[String, ScatterGround]:
+	var result: Dictionary[String, ScatterGround] = {}
 	var node := Slope.new()
 	node.name = "Slope"
 	root.add_child(node)
 	for thread_safe: bool in [false, true]:
-		var of_object := ScatterTerrainObject.new()
+		var of_object := ScatterGroundNode.new()
 		of_object.node = ^"../Slope"
 		of_object.thread_safe = thread_safe
 		result["an object, thread_safe %s" % thread_safe] = of_object
@@ -272,53 +272,53 @@ func make_slopes() -> Dictionary[String, ScatterTerrain]:
 	instance.add_to_group(&"slope")
 	root.add_child(instance)
 	instance.create_trimesh_collision()
-	result["meshes"] = ScatterTerrainMeshes.new()
-	(result["meshes"] as ScatterTerrainMeshes).group = &"slope"
-	result["colliders"] = ScatterTerrainColliders.new()
-	(result["colliders"] as ScatterTerrainColliders).rays_per_frame = 5000
+	result["meshes"] = ScatterGroundMeshes.new()
+	(result["meshes"] as ScatterGroundMeshes).group = &"slope"
+	result["colliders"] = ScatterGroundColliders.new()
+	(result["colliders"] as ScatterGroundColliders).rays_per_frame = 5000
 	return result
 
 
-func check_on_slope(scatter: TerrainScatter3D, what: String) -> void:
+func check_on_slope(scatter: TerrainScatter3D, context: String) -> void:
 	var wrong := 0
 	var stand := instances(scatter, 0)
 	for id in stand:
 		var at := stand[id].origin
 		wrong += int(absf(at.y - (0.5 * at.x - 0.25 * at.z)) > 0.02)
-	check(stand.size() > 1000, "%s: %d instances" % [what, stand.size()])
-	check_equal(wrong, 0, what + ": instances off the ground")
+	check(stand.size() > 1000, "%s: %d instances" % [context, stand.size()])
+	check_equal(wrong, 0, context + ": instances off the ground")
 
 
-## Each node that shares a ground sees it in a world of its own.
-func test_nodes_with_other_offsets_share_a_ground() -> void:
+## Nodes that share a ground see it at their own offsets.
+func test_nodes_with_different_offsets_share_a_ground() -> void:
 	var slopes := make_slopes()
-	for what in slopes:
-		var terrain := slopes[what]
+	for kind in slopes:
+		var terrain := slopes[kind]
 		var here := make_scatter([make_layer()], terrain, make_viewer())
 		var there := make_scatter([make_layer()], terrain, make_viewer())
 		there.world_offset = Vector3(64.0, 16.0, -32.0)
 		await settle(here)
 		await settle(there)
-		check_on_slope(here, what + ", here")
-		check_on_slope(there, what + ", there")
+		check_on_slope(here, kind + ", here")
+		check_on_slope(there, kind + ", there")
 		here.regenerate()
-		await frames(2) # Tiles of one are under way while the other recenters, alone: it asks about other parts of the scene.
+		await frames(2) # Tiles of one node are pending while the other recenters alone, so that it covers a different part of the scene.
 		there.world_offset = Vector3(-96.0, 0.0, 0.0)
 		there.regenerate()
-		if terrain is ScatterTerrainMeshes:
-			terrain.refresh() # It was read where it stood, and has stayed behind.
+		if terrain is ScatterGroundMeshes:
+			terrain.refresh() # The mesh was read at its old position, and has not moved along.
 		await settle(here)
 		await settle(there)
-		check_on_slope(here, what + ", here, while the other recentered")
-		check_on_slope(there, what + ", recentered")
+		check_on_slope(here, kind + ", here, after the other node recentered")
+		check_on_slope(there, kind + ", recentered")
 		var built := here.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
-		check(absf(built.get_origin().y) < 10.0, what + ": built at once, about %s" % built.get_origin())
+		check(absf(built.get_origin().y) < 10.0, kind + ": build_rect, around %s" % built.get_origin())
 		here.free()
 		there.regenerate()
 		await settle(there)
-		check_on_slope(there, what + ", alone")
+		check_on_slope(there, kind + ", alone")
 		there.free()
-		check_no_error(what)
+		check_no_error(kind)
 
 
 func test_bodies_move_along() -> void:
@@ -326,7 +326,7 @@ func test_bodies_move_along() -> void:
 	var layer := make_rock(4.0)
 	layer.collision_shape = ScatterLayer.COLLISION_CAPSULE
 	layer.collision_distance = 30.0
-	var scatter := make_scatter([layer], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	scatter.world_offset = FAR
 	await settle(scatter)
 	var shift := Vector3(-64.0, 0.0, 32.0)
@@ -343,11 +343,11 @@ func test_bodies_move_along() -> void:
 		check_equal(scatter.get_body_instance(hit["rid"]), near["id"], "the instance that was hit")
 
 
-func test_how_far_out_a_radius_reaches() -> void:
-	# Base squares of side r / sqrt 2 are counted from -2^23: a radius of 2 m ends at some 11,863 km.
+func test_the_largest_distance_for_a_radius() -> void:
+	# Base squares of side r / sqrt 2 are counted from -2^23, so a radius of 2 m ends at about 11,863 km.
 	var edge := 8388608.0 * 2.0 / sqrt(2.0)
 	var viewer := make_viewer()
-	var scatter := make_scatter([make_rock()], ScatterTerrainFlat.new(), viewer)
+	var scatter := make_scatter([make_rock()], ScatterGroundFlat.new(), viewer)
 	scatter.world_offset = Vector3(11.0e6, 0.0, 0.0)
 	await settle(scatter)
 	check(instances(scatter, 0).size() > 2000, "instances 11,000 km out")
@@ -360,9 +360,9 @@ func test_how_far_out_a_radius_reaches() -> void:
 
 
 func test_bad_values() -> void:
-	var scatter := make_scatter([], ScatterTerrainFlat.new(), make_viewer())
+	var scatter := make_scatter([], ScatterGroundFlat.new(), make_viewer())
 	scatter.world_offset = Vector3(NAN, 0.0, 0.0)
 	check_error(["TerrainScatter3D", "world_offset"], "not a number")
 	scatter.world_offset = Vector3(0.0, 2e12, 0.0)
 	check_error(["TerrainScatter3D", "world_offset"], "too far")
-	check_equal(scatter.world_offset, Vector3.ZERO, "refused values change nothing")
+	check_equal(scatter.world_offset, Vector3.ZERO, "refused values have no effect")

@@ -1,19 +1,19 @@
 extends "queries_harness.gd"
-## For tests of threads: calls on worker threads, and the thread rules that the class reference states.
+## Base class of the tests of threads: calls on worker threads, and the thread rules that the class reference states.
 
 const ANY := "Any thread may call this method"
 const MAIN := "Only the main thread may call this method"
 const OWNER := "One thread at a time may call this method"
 
 
-## What a callable returns on a thread of its own, while the main thread waits for it.
+## Runs a callable on its own thread while the main thread waits, and returns the result.
 func on_thread(work: Callable) -> Variant:
 	var thread := Thread.new()
 	thread.start(work)
 	return thread.wait_to_finish()
 
 
-## Runs each callable on a thread of its own, again and again, and `meanwhile` on the main thread in each frame.
+## Runs each callable repeatedly on its own thread, and `meanwhile` on the main thread in each frame. Returns the number of calls.
 func on_threads_for(milliseconds: int, works: Array[Callable], meanwhile := Callable()) -> int:
 	var stop: Array[bool] = [false]
 	var threads: Array[Thread] = []
@@ -38,7 +38,7 @@ func on_threads_for(milliseconds: int, works: Array[Callable], meanwhile := Call
 	return sum
 
 
-## The errors since the last look, each once.
+## Returns the errors since the last check, each once.
 func take_kinds() -> PackedStringArray:
 	var kinds := PackedStringArray()
 	for message in errors.take():
@@ -47,15 +47,15 @@ func take_kinds() -> PackedStringArray:
 	return kinds
 
 
-## All errors since the last look have one of these words in them, and there was one.
-func check_only_errors(words: Array, what: String) -> void:
+## Checks that there were errors since the last check, and that each contains one of these words.
+func check_only_errors(words: Array, context: String) -> void:
 	var kinds := take_kinds()
-	check(not kinds.is_empty(), what + ": refused")
+	check(not kinds.is_empty(), context + ": refused")
 	for message in kinds:
-		check(words.any(func(word: String) -> bool: return word in message), "%s: %s" % [what, message])
+		check(words.any(func(word: String) -> bool: return word in message), "%s: %s" % [context, message])
 
 
-## The pages of the class reference, by class: {method: its description}; "" for the class's own description.
+## Reads the class reference. Returns by class: {method: its description}; "" is the key of the class's own description.
 func read_pages() -> Dictionary[String, Dictionary]:
 	var pages: Dictionary[String, Dictionary] = {}
 	var folder := (get_script() as Script).resource_path.get_base_dir().path_join("../../extension/doc_classes")

@@ -1,10 +1,10 @@
 extends RefCounted
-## Writes down what a scatter shows, for build/.../analysis/tile_digests to make again without the engine.
+## Writes the tiles that a scatter shows to a file. build/.../analysis/tile_digests generates them again without the engine.
 
 var _lines: PackedStringArray
 
 
-## A number by its bits: decimals would have to be long to be exact.
+## Writes a number as its bits, because an exact decimal would be long.
 func _exact(value: float) -> String:
 	var bytes := PackedByteArray()
 	bytes.resize(8)
@@ -12,8 +12,8 @@ func _exact(value: float) -> String:
 	return str(bytes.decode_s64(0))
 
 
-func add_terrain(terrain: ScatterTerrain) -> void:
-	if terrain is ScatterTerrainFlat:
+func add_terrain(terrain: ScatterGround) -> void:
+	if terrain is ScatterGroundFlat:
 		_lines.push_back("flat " + _exact(terrain.height))
 		return
 	var rect: Rect2 = terrain.rect
@@ -23,7 +23,7 @@ func add_terrain(terrain: ScatterTerrain) -> void:
 
 
 func add_layer(index: int, scatter_seed: int, layer: ScatterLayer) -> void:
-	var numbers := [layer.radius, layer.density, layer.min_slope_degrees, layer.max_slope_degrees, layer.slope_falloff,
+	var numbers := [layer.radius, layer.density, layer.min_slope_degrees, layer.max_slope_degrees, layer.slope_falloff_degrees,
 			layer.min_height, layer.max_height, layer.height_falloff, layer.min_yaw_degrees, layer.max_yaw_degrees, layer.min_scale,
 			layer.max_scale, layer.align_to_normal, layer.height_offset]
 	for mesh in layer.meshes.size():

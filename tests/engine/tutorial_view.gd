@@ -1,5 +1,5 @@
 extends RefCounted
-## Makes a picture of the game of a tutorial whose trees are plain cylinders: trees of a preset in their places, ground and sky.
+## Takes a picture of a tutorial's game whose trees are plain cylinders: replaces them with trees of a preset, and adds ground and sky.
 
 const SIZE := Vector2i(800, 600)
 
@@ -15,7 +15,7 @@ static func take(game: Node3D, scatter: TerrainScatter3D, file: String) -> void:
 	scatter.layers[0].max_yaw_degrees = 360.0
 	scatter.layers[0].view_distance = 400.0
 	for material: ShaderMaterial in scatter.layers[0].get_materials():
-		material.set_shader_parameter(&"wind_strength", 0.0) # Two pictures of the same are the same.
+		material.set_shader_parameter(&"wind_strength", 0.0) # Makes two pictures identical.
 	preset.free()
 	var ground := MeshInstance3D.new()
 	ground.mesh = PlaneMesh.new()

@@ -9,7 +9,7 @@
 
 namespace thicket::fuzz {
 
-/// Turns a fuzzer's bytes into arguments. Past the end it gives zeros.
+/// Converts a fuzzer's bytes to arguments. Returns zeros past the end.
 class Bytes {
 public:
 	Bytes(const std::uint8_t *data, std::size_t size) : rest_(data, size) {}
@@ -26,7 +26,7 @@ public:
 	bool chance(int one_in) { return raw<std::uint8_t>() % one_in == 0; }
 	std::uint32_t below(std::uint32_t count) { return raw<std::uint32_t>() % count; }
 
-	/// A number of [from, to] in most cases, now and then one that hurts: a special value or any bits at all.
+	/// Usually a number in [from, to], occasionally a special value or random bits.
 	double number(double from, double to) {
 		static constexpr double inf = std::numeric_limits<double>::infinity();
 		static constexpr std::array<double, 14> nasty = {0.0, -0.0, 1.0, -1.0, inf, -inf,

@@ -1,4 +1,4 @@
-// Any domain and method at all: the sampler refuses or delivers, and what it delivers keeps its promises.
+// Any domain and method: the sampler either refuses or returns a set that keeps its promises.
 
 #include "tests/analysis/domain_check.hpp"
 #include "tests/fuzz/bytes.hpp"
@@ -26,7 +26,7 @@ DomainRequest read_request(Bytes &r_bytes) {
 	request.toroidal = r_bytes.chance(2);
 	const double scale = std::isfinite(request.radius) ? request.radius : 1.0;
 	for (int axis = 0; axis < 2; ++axis) {
-		// Now and then a side that is small beside a base square, or wide.
+		// Occasionally a side that is wide, or small compared to a base square.
 		const double widest = r_bytes.chance(8) ? 0.1 : r_bytes.chance(32) ? 2000.0 : 24.0;
 		request.size[axis] = scale * r_bytes.number(request.toroidal ? 3.9 : 0.0, widest);
 	}
@@ -35,7 +35,7 @@ DomainRequest read_request(Bytes &r_bytes) {
 	return request;
 }
 
-/// A domain of few points, which the checks can walk over; larger ones are legal and slow.
+/// A domain with few points, so that the checks are fast. Larger ones are valid but slow.
 bool is_small(const DomainRequest &request) {
 	const glm::dvec2 radii = request.size / request.radius;
 	return (radii.x + 1.0) * (radii.y + 1.0) < 5000.0 &&
@@ -51,10 +51,10 @@ void check_points(const DomainRequest &request, const std::vector<glm::vec<2, Re
 	promise(report.points > 0, "no domain is empty");
 	promise(report.outside == 0, "a point lies in its domain");
 	promise(report.too_close == 0, "points keep their distance");
-	promise(report.uncovered == 0, "no room is left");
+	promise(report.uncovered == 0, "no gap is left");
 }
 
-/// A set that is like this one but for how it is made.
+/// Checks that a request that differs only in its implementation produces the same set.
 template <typename Real>
 void check_twin(DomainRequest request, const std::vector<glm::vec<2, Real>> &points) {
 	request.cell_size = request.cell_size == 0.0 ? 1.7 : 0.0;
@@ -65,7 +65,7 @@ void check_twin(DomainRequest request, const std::vector<glm::vec<2, Real>> &poi
 	std::vector<glm::vec<2, Real>> twin;
 	promise(DomainSampler<Real>().sample(request, twin).ok() && twin == points, "cells and variants change no point");
 	DomainSampler<Real> sampler;
-	promise(sampler.fill(request).ok(), "what can be sampled can be filled");
+	promise(sampler.fill(request).ok(), "a domain that can be sampled can be filled");
 	std::size_t visited = 0;
 	sampler.visit([&](std::span<const Real> x, std::span<const Real>) { visited += x.size(); });
 	promise(visited == points.size(), "every point is visited");
@@ -87,7 +87,7 @@ void sample_one(const DomainRequest &request) {
 	} else {
 		promise(points == before, "a failed call changes nothing");
 		promise(status.code == ErrorCode::cancelled || describe(status).find(status.property) == 0,
-				"a refusal names the property");
+				"an error names the property");
 		promise(validate(request).ok() || validate(request).code == status.code, "a bad request is refused as such");
 	}
 }

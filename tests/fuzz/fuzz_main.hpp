@@ -6,7 +6,7 @@
 //       extension/core/*/*.cpp extension/core/*/*/*.cpp tests/fuzz/fuzz_sampler.cpp -lhwy -o build/fuzz_sampler
 // Without it, the main below feeds it random bytes:
 //   fuzz_sampler [seconds = 10] [seed = 1]      many inputs
-//   fuzz_sampler - SEED                         the one input that a failure has named
+//   fuzz_sampler - SEED                         the one input that a failure printed
 
 #include <chrono>
 #include <csignal>
@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 
 namespace thicket::fuzz {
 
-inline std::uint64_t current_seed = 0; ///< Of the input in work, for the message of a failure.
+inline std::uint64_t current_seed = 0; ///< The seed of the current input, for the message of a failure.
 
 /// Ends the program with a message unless `held`.
 inline void promise(bool held, const char *what) {
@@ -50,7 +50,7 @@ inline void run_one(std::uint64_t seed) {
 	LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
 }
 
-/// An input that takes longer than this hangs.
+/// An input that takes longer than this is considered a hang.
 inline constexpr unsigned hang_seconds = 20;
 
 } // namespace thicket::fuzz

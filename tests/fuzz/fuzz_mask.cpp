@@ -1,4 +1,4 @@
-// Any bytes as a painted mask, and any dabs on one: they are refused, or leave a mask that is whole.
+// Any bytes as a painted mask, and any dabs on one: they are either refused or leave a consistent mask.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -20,23 +20,23 @@ using Pixels = std::vector<std::uint8_t>;
 
 void check_refusal(const Status &status, const PaintedMask &mask, const PaintedMask &before) {
 	promise(mask == before, "a refused call changes nothing");
-	promise(describe(status).find(status.property) == 0, "a refusal names the property");
+	promise(describe(status).find(status.property) == 0, "an error names the property");
 }
 
-/// Takes what was written, and only that.
+/// Checks that exactly the written bytes can be loaded.
 void check_bytes(const PaintedMask &mask) {
 	const Pixels bytes = mask.to_bytes();
 	PaintedMask loaded;
-	promise(loaded.from_bytes(bytes).ok() && loaded == mask, "a mask is loaded as it was");
+	promise(loaded.from_bytes(bytes).ok() && loaded == mask, "a loaded mask equals the saved one");
 	promise(loaded.to_bytes() == bytes, "equal masks have equal bytes");
 }
 
-/// Bytes of a mask that were damaged in a few places, with a right checksum or not.
+/// Loads a mask's bytes with damage at a few positions, with or without a valid checksum.
 void load_damaged(const PaintedMask &mask, Bytes &r_bytes) {
 	Pixels bytes = mask.to_bytes();
 	const std::uint32_t changes = r_bytes.below(4);
 	for (std::uint32_t i = 0; i < changes && !bytes.empty(); ++i) {
-		// Mostly the header and the first block's.
+		// Mostly in the header and in the first block's.
 		const auto size = static_cast<std::uint32_t>(bytes.size());
 		const std::uint32_t place = r_bytes.below(r_bytes.chance(2) ? size : std::min(size, 40u));
 		switch (r_bytes.below(4)) {
@@ -57,7 +57,7 @@ void load_damaged(const PaintedMask &mask, Bytes &r_bytes) {
 	PaintedMask loaded = mask;
 	const Status status = loaded.from_bytes(bytes);
 	if (status.ok()) {
-		promise(loaded.to_bytes() == bytes, "what is taken is what would be written");
+		promise(loaded.to_bytes() == bytes, "loaded bytes are written back identically");
 	} else {
 		check_refusal(status, loaded, mask);
 	}
@@ -75,13 +75,13 @@ Brush read_brush(Bytes &r_bytes, double pixel_size) {
 
 std::vector<float> densities(const PaintedMask &mask, const std::vector<glm::dvec2> &places) {
 	std::vector<float> result(places.size());
-	promise(mask.sample(places, result).ok(), "any place can be asked for");
+	promise(mask.sample(places, result).ok(), "any position can be sampled");
 	promise(std::ranges::all_of(result, [](float density) { return density >= 0.0f && density <= 1.0f; }),
 			"a density lies between 0 and 1");
 	return result;
 }
 
-/// One dab, and what holds for it: the rest of the plane stays, and it can be undone.
+/// Paints one dab and checks that the rest of the plane is unchanged, and that the dab can be undone.
 void dab(PaintedMask &r_mask, Bytes &r_bytes) {
 	const PaintedMask before = r_mask;
 	const Brush brush = read_brush(r_bytes, r_mask.pixel_size());
@@ -101,18 +101,18 @@ void dab(PaintedMask &r_mask, Bytes &r_bytes) {
 	const std::vector<float> was = densities(before, places);
 	const std::vector<float> is = densities(r_mask, places);
 	for (std::size_t i = 0; i < places.size(); ++i) {
-		promise(changed.contains(places[i]) || was[i] == is[i], "nothing changes outside of what a dab has changed");
+		promise(changed.contains(places[i]) || was[i] == is[i], "nothing changes outside of a dab's rectangle");
 	}
 	const PixelRect region = before.pixels_of({brush.center - brush.radius, brush.center + brush.radius});
 	Pixels pixels;
 	Rect undone;
 	PaintedMask back = r_mask;
 	if (before.read(region, pixels).ok()) {
-		promise(back.write(region, pixels, undone).ok() && back == before, "a dab is undone by its pixels");
+		promise(back.write(region, pixels, undone).ok() && back == before, "writing back its pixels undoes a dab");
 	}
 }
 
-/// Reads and writes a region that may be any four numbers.
+/// Reads and writes a region of any four numbers.
 void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 	const auto near = [&] {
 		return r_bytes.chance(24) ? r_bytes.raw<std::int32_t>() : static_cast<int>(r_bytes.below(300)) - 150;
@@ -135,17 +135,17 @@ void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 		return;
 	}
 	if (pixels.size() > 1 << 16) {
-		return; // Right, but slow.
+		return; // Valid, but slow.
 	}
 	Rect changed;
 	promise(r_mask.write(region, pixels, changed).ok() && changed.empty() && r_mask == before,
-			"what was read is written back without a change");
+			"writing back the pixels changes nothing");
 	if (r_bytes.chance(2)) {
 		std::ranges::fill(pixels, r_bytes.raw<std::uint8_t>());
 		promise(r_mask.write(region, pixels, changed).ok(), "a region that can be read can be written");
 	} else {
 		pixels.push_back(0);
-		promise(r_mask.write(region, pixels, changed).code == ErrorCode::wrong_size, "a byte too many is refused");
+		promise(r_mask.write(region, pixels, changed).code == ErrorCode::wrong_size, "an extra byte is refused");
 	}
 }
 
@@ -154,7 +154,7 @@ void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {
 	PaintedMask raw;
 	if (raw.from_bytes({data, size}).ok()) {
-		promise(raw.to_bytes() == Pixels(data, data + size), "what is taken is what would be written");
+		promise(raw.to_bytes() == Pixels(data, data + size), "loaded bytes are written back identically");
 	}
 	Bytes bytes(data, size);
 	PaintedMask mask;

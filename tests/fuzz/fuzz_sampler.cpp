@@ -1,4 +1,4 @@
-// Any point set and rectangle at all: the sampler refuses or delivers, and what it delivers keeps its promises.
+// Any point set and rectangle: the sampler either refuses or returns points that keep its promises.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -72,7 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	const PointSet set = read_set(bytes);
 	const Rect rect = read_rect(bytes, set.radius);
 
-	// Large requests are legal and slow: those are cancelled at once.
+	// Large requests are valid but slow, so they are cancelled immediately.
 	const std::atomic<bool> raised{true};
 	const double expected = rect.size().x * rect.size().y * point_density(set);
 	const bool small = expected < 3000.0 && std::max(rect.size().x, rect.size().y) < 1000.0 * set.radius;
@@ -80,13 +80,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	const std::vector<SamplePoint> before = points;
 	const Status status = sampler.sample(set, rect, points, {.cancel = small ? nullptr : &raised, .report = {}});
 	if (status.ok()) {
-		promise(!rect.empty() || points.empty(), "nothing lies in an empty rectangle");
+		promise(!rect.empty() || points.empty(), "an empty rectangle has no points");
 		check_points(set, rect, points);
 		std::vector<SamplePoint> again;
-		promise(TileSampler().sample(set, rect, again).ok() && again == points, "the same call gives the same points");
+		promise(TileSampler().sample(set, rect, again).ok() && again == points,
+				"the same call returns the same points");
 	} else if (status.code != ErrorCode::cancelled) {
 		promise(points == before, "a refused call changes nothing");
-		promise(describe(status).find(status.property) == 0, "a refusal names the property");
+		promise(describe(status).find(status.property) == 0, "an error names the property");
 	}
 	return 0;
 }

@@ -1,4 +1,4 @@
-// Random shapes and triangles, sound and unsound, asked at random places and at their own corners.
+// Random shapes and triangles, valid and invalid, evaluated at random positions and at their own corners.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -16,7 +16,7 @@ using namespace thicket::fuzz;
 
 namespace {
 
-/// Small whole numbers, so that lines meet and run along each other, or any.
+/// Any number, or small whole numbers, with which lines meet and overlap.
 double coordinate(Bytes &r_bytes) {
 	return r_bytes.chance(2) ? static_cast<double>(r_bytes.below(9)) - 4.0 : r_bytes.number(-5.0, 5.0);
 }
@@ -27,7 +27,7 @@ glm::dvec3 read_vector(Bytes &r_bytes) {
 	return {x, y, coordinate(r_bytes)};
 }
 
-/// One of a few turns that are orthonormal, or nearly, or anything.
+/// A rotation that is orthonormal, nearly orthonormal, or random.
 glm::dmat3 read_axes(Bytes &r_bytes) {
 	glm::dmat3 axes(1.0);
 	switch (r_bytes.below(4)) {
@@ -70,7 +70,7 @@ void check_shapes(Bytes &r_bytes) {
 	for (std::uint32_t count = r_bytes.below(5); count > 0; --count) {
 		Shape shape = read_shape(r_bytes);
 		const bool sound = validate(shape).ok();
-		promise(ShapeSet().set({shape}).ok() == sound, "a set takes what is valid and nothing else");
+		promise(ShapeSet().set({shape}).ok() == sound, "a set accepts exactly the valid shapes");
 		if (sound) {
 			const Rect reach = bounds(shape);
 			promise(reach.finite() && reach.min.x <= reach.max.x && reach.min.y <= reach.max.y,
@@ -79,7 +79,7 @@ void check_shapes(Bytes &r_bytes) {
 		}
 	}
 	ShapeSet set;
-	promise(set.set(shapes).ok(), "valid shapes are taken");
+	promise(set.set(shapes).ok(), "valid shapes are accepted");
 	const Rect all{{-1e12, -1e12}, {1e12, 1e12}};
 	std::vector<std::uint32_t> every;
 	static_cast<void>(set.near(all, every));
@@ -96,7 +96,7 @@ void check_shapes(Bytes &r_bytes) {
 		for (Shape shape : shapes) {
 			shape.exclude = false;
 			ShapeSet alone;
-			promise(alone.set({shape}).ok(), "a valid shape is taken alone");
+			promise(alone.set({shape}).ok(), "a valid shape is accepted alone");
 			promise(alone.density({}, place) == 0.0, "an including shape that is not near includes nothing");
 			promise(density_of(alone, place) == 0.0 || bounds(shape).contains({place.x, place.z}),
 					"outside of its bounds a shape has no influence");
@@ -131,14 +131,14 @@ void check_triangles(Bytes &r_bytes) {
 	}
 	for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
 		TriangleTerrain alone;
-		promise(alone.set(std::span(corners).subspan(i, 3)).ok(), "a triangle of a sound mesh is sound");
+		promise(alone.set(std::span(corners).subspan(i, 3)).ok(), "a triangle of a valid mesh is valid");
 		if (alone.area().empty()) {
 			continue;
 		}
 		for (std::size_t corner = i; corner < i + 3; ++corner) {
 			const glm::dvec2 place(corners[corner].x, corners[corner].z);
 			const float height = terrain.at(place).height;
-			promise(height >= alone.at(place).height, "a corner has ground, and no triangle more puts it lower");
+			promise(height >= alone.at(place).height, "a corner has ground, and adding triangles never lowers it");
 		}
 	}
 }

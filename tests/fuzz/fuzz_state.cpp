@@ -1,4 +1,5 @@
-// Any bytes as a state or a diff, and any changes to one: they are refused, or leave a state that is whole and within limits.
+// Any bytes as a state or a diff, and any changes to one: they are either refused or leave a consistent state within
+// limits.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -30,19 +31,20 @@ Stored saved(const InstanceState &state) {
 
 Stored diff(const InstanceState &state, std::uint64_t revision) {
 	Stored bytes;
-	promise(state.diff_since(revision, bytes).ok(), "a difference is told");
+	promise(state.diff_since(revision, bytes).ok(), "a diff can be written");
 	return bytes;
 }
 
 InstanceState copy_of(const InstanceState &state) {
 	InstanceState copy;
 	Changes changes;
-	promise(copy.load(saved(state), changes).ok() && saved(copy) == saved(state), "a state is loaded as it was");
-	promise(changes.size() >= state.removed_count() + state.added_count(), "what comes is told");
+	promise(copy.load(saved(state), changes).ok() && saved(copy) == saved(state),
+			"a loaded state equals the saved one");
+	promise(changes.size() >= state.removed_count() + state.added_count(), "loading reports every instance");
 	return copy;
 }
 
-/// Mostly one of few ids, so that they meet again.
+/// Mostly one of few ids, so that calls often use the same one.
 std::uint64_t read_id(Bytes &r_bytes, const InstanceState &state) {
 	if (r_bytes.chance(8)) {
 		return r_bytes.raw<std::uint64_t>();
@@ -72,11 +74,12 @@ AddedInstance read_instance(Bytes &r_bytes) {
 
 void check_place(const InstanceState &state, std::uint64_t id) {
 	const AddedInstance *added = state.added(id);
-	promise(added != nullptr && is_added(id) && layer_of(id) == added->layer, "what was placed is there");
+	promise(added != nullptr && is_added(id) && layer_of(id) == added->layer, "a placed instance exists");
 	const glm::dvec2 place(added->position.x, added->position.z);
 	std::vector<std::uint64_t> found;
-	promise(state.added_in(added->layer, {place - 1.0, place + 1.0}, found).ok(), "what stands there is told");
-	promise(std::ranges::is_sorted(found) && std::ranges::binary_search(found, id), "it is found where it stands");
+	promise(state.added_in(added->layer, {place - 1.0, place + 1.0}, found).ok(), "instances in an area can be listed");
+	promise(std::ranges::is_sorted(found) && std::ranges::binary_search(found, id),
+			"an instance is found at its position");
 }
 
 void change(InstanceState &r_state, Bytes &r_bytes) {
@@ -86,12 +89,13 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 		case 0: {
 			const bool was = is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id);
 			promise(r_state.remove(id, r_bytes.number(0.0, 50.0)) != was, "a removal removes");
-			promise(is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id), "what is removed is removed");
+			promise(is_added(id) ? r_state.added(id) == nullptr : r_state.removed(id),
+					"a removed instance stays removed");
 			break;
 		}
 		case 1: {
 			const bool was = r_state.removed(id);
-			promise(r_state.restore(id) == was && !r_state.removed(id), "what is restored stands");
+			promise(r_state.restore(id) == was && !r_state.removed(id), "a restored instance is not removed");
 			break;
 		}
 		case 2: {
@@ -101,14 +105,14 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 				check_place(r_state, placed);
 			} else {
 				promise(r_state.revision() == revision, "a refused instance changes nothing");
-				promise(describe(status).find(status.property) == 0, "a refusal names the property");
+				promise(describe(status).find(status.property) == 0, "an error names the property");
 			}
 			break;
 		}
 		case 3: {
 			const Stored data(r_bytes.chance(16) ? max_instance_data + r_bytes.below(2) : r_bytes.below(4), 7);
 			if (r_state.set_data(id, data).ok()) {
-				promise(std::ranges::equal(r_state.data(id), data), "data are what was set");
+				promise(std::ranges::equal(r_state.data(id), data), "the stored data are those that were set");
 			}
 			break;
 		}
@@ -116,14 +120,14 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 		default: {
 			Changes changes;
 			const double time = r_state.time();
-			promise(r_state.advance(r_bytes.number(0.0, 20.0), changes).ok(), "the clock is moved");
-			promise(r_state.time() >= time && r_state.time() <= max_state_time, "the clock goes on");
+			promise(r_state.advance(r_bytes.number(0.0, 20.0), changes).ok(), "the clock advances");
+			promise(r_state.time() >= time && r_state.time() <= max_state_time, "the clock never goes back");
 		}
 	}
 	promise(r_state.revision() >= revision, "revisions rise");
 }
 
-/// Stored bytes that were damaged in a few places, with a right checksum or not.
+/// Damages stored bytes at a few positions, with or without a valid checksum.
 void damage(Stored &r_stored, Bytes &r_bytes) {
 	for (std::uint32_t changes = r_bytes.below(4); changes > 0 && !r_stored.empty(); --changes) {
 		const auto size = static_cast<std::uint32_t>(r_stored.size());
@@ -143,7 +147,7 @@ void damage(Stored &r_stored, Bytes &r_bytes) {
 	}
 }
 
-/// Limits that bytes mostly keep to, and sometimes not.
+/// Limits that the bytes usually satisfy, but not always.
 DiffLimits read_limits(Bytes &r_bytes) {
 	DiffLimits limits;
 	if (r_bytes.chance(2)) {
@@ -161,7 +165,8 @@ DiffLimits read_limits(Bytes &r_bytes) {
 	return limits;
 }
 
-/// Gives bytes to a state that has limits. What is refused changes nothing; what is applied or joined keeps to them, and counts once.
+/// Passes bytes to a state with limits. A refused diff must change nothing. An accepted one must respect the limits,
+/// and have no effect a second time.
 void feed_within(const InstanceState &state, const Stored &stored, const DiffLimits &limits) {
 	for (const bool joining : {false, true}) {
 		InstanceState fed = copy_of(state);
@@ -175,28 +180,29 @@ void feed_within(const InstanceState &state, const Stored &stored, const DiffLim
 			promise(saved(fed) == saved(state) && changes.empty(), "a refused diff changes nothing");
 			continue;
 		}
-		promise(seen && summary.changes <= limits.max_changes, "what is taken was seen before");
+		promise(seen && summary.changes <= limits.max_changes, "an accepted diff can be inspected");
 		promise(fed.added_count() <= std::max<std::size_t>(limits.max_added, state.added_count()),
-				"not too many are placed");
+				"instances are placed up to the limit");
 		promise(joining || summary.replaces_everything || fed.time() <= state.time() + limits.max_clock_advance,
-				"the clock moves by what is allowed");
+				"the clock advances up to the limit");
 		const Stored after = saved(copy_of(fed));
 		const double time = fed.time();
 		changes.clear();
-		promise(give(changes).ok() && (changes.empty() || fed.time() > time), "a diff counts once");
-		promise(limits.max_clock_advance > 0.0 || saved(fed) == after, "a diff counts once, to the byte");
+		promise(give(changes).ok() && (changes.empty() || fed.time() > time), "a repeated diff changes nothing");
+		promise(limits.max_clock_advance > 0.0 || saved(fed) == after, "a repeated diff leaves equal bytes");
 	}
 }
 
-/// Gives bytes to a state; refused, they change nothing, and taken as a whole state, they are what it would write.
+/// Passes bytes to a state. Refused bytes must change nothing. An accepted whole state must be written back
+/// identically.
 void feed(const InstanceState &state, const Stored &stored) {
 	InstanceState fed = copy_of(state);
 	Changes changes;
 	StateHeader header;
 	if (fed.load(stored, changes).ok()) {
-		promise(read_header(stored, header).ok() && header.whole, "what is taken has a front");
+		promise(read_header(stored, header).ok() && header.whole, "accepted bytes have a header");
 		const bool is_as_saved = header.format == state_format && header.origin.name == 0;
-		promise(!is_as_saved || saved(fed) == stored, "what is taken is what would be written");
+		promise(!is_as_saved || saved(fed) == stored, "loaded bytes are written back identically");
 		copy_of(fed);
 	} else {
 		promise(saved(fed) == saved(state) && changes.empty(), "a refused state changes nothing");
@@ -206,7 +212,8 @@ void feed(const InstanceState &state, const Stored &stored) {
 	if (fed.apply(stored, changes).ok()) {
 		const Stored after = saved(copy_of(fed));
 		changes.clear();
-		promise(fed.apply(stored, changes).ok() && changes.empty() && saved(fed) == after, "a diff counts once");
+		promise(fed.apply(stored, changes).ok() && changes.empty() && saved(fed) == after,
+				"a repeated diff changes nothing");
 	} else {
 		promise(saved(fed) == saved(state) && changes.empty(), "a refused diff changes nothing");
 	}
@@ -233,9 +240,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	Stored missing = state.origin() != 0 ? diff(state, 0) : some;
 	const Status status = peer.apply(some, changes);
 	promise(status.ok() || status.code == ErrorCode::out_of_order || status.code == ErrorCode::foreign,
-			"a diff is taken, or one is missing");
+			"a diff is accepted, or an earlier one is missing");
 	if (status.ok() || peer.apply(missing, changes).ok()) {
-		promise(peer.digest() == state.digest(), "a peer that gets the diff holds the same");
+		promise(peer.digest() == state.digest(), "a peer that receives the diff has the same content");
 	}
 	const DiffLimits limits = read_limits(bytes);
 	Stored all = saved(state);

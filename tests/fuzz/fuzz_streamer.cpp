@@ -1,4 +1,4 @@
-// Any sequence of layers, viewers and answers at all: the streamer refuses or keeps its books.
+// Any sequence of layers, viewers and results: the streamer either refuses or stays consistent.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -20,10 +20,10 @@ using Key = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
 Key key_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
 
-/// The caller's own books, kept by what the streamer says.
+/// The caller's own record of tiles, based on the streamer's changes.
 struct Books {
 	std::vector<TileRequest> pending;
-	std::set<std::uint64_t> refused; ///< Answers that came too late; word of their cancellation may still come.
+	std::set<std::uint64_t> refused; ///< Results that came too late; their cancellation may still be reported.
 	std::set<Key> shown;
 
 	void apply(const StreamChanges &changes) {
@@ -31,10 +31,10 @@ struct Books {
 			const std::size_t before = pending.size();
 			std::erase_if(pending, [&](const TileRequest &one) { return one.ticket == cancelled.ticket; });
 			promise(pending.size() + 1 == before || refused.contains(cancelled.ticket),
-					"only work under way is cancelled");
+					"only pending requests are cancelled");
 		}
 		for (const TileKey &dropped : changes.drop) {
-			promise(shown.erase(key_of(dropped)) == 1, "only what is shown is dropped");
+			promise(shown.erase(key_of(dropped)) == 1, "only visible tiles are dropped");
 		}
 		for (const TileRequest &request : changes.request) {
 			for (const TileRequest &other : pending) {
@@ -64,7 +64,7 @@ void update(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
 	StreamChanges changes;
 	const std::size_t most = r_bytes.below(20);
 	if (streamer.update(viewers, most, changes).ok()) {
-		promise(changes.request.size() <= most, "no more is requested than asked for");
+		promise(changes.request.size() <= most, "no more tiles are requested than the limit");
 		r_books.apply(changes);
 		const StreamCounts counts = streamer.counts();
 		promise(counts.pending == r_books.pending.size(), "pending tiles are counted");
@@ -79,10 +79,10 @@ void answer(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
 		return;
 	}
 	if (const auto next = streamer.next_ready()) {
-		promise(streamer.may_show(*next), "what comes next may be shown");
+		promise(streamer.may_show(*next), "the next tile may be shown");
 		promise(std::ranges::any_of(
 						r_books.pending, [&](const TileRequest &one) { return one.ticket == next->ticket; }),
-				"what comes next is pending");
+				"the next tile is pending");
 	}
 	const std::size_t which = r_bytes.below(static_cast<std::uint32_t>(r_books.pending.size()));
 	const TileRequest request = r_books.pending[which];
@@ -96,7 +96,7 @@ void answer(TileStreamer &streamer, Bytes &r_bytes, Books &r_books) {
 	} else {
 		r_books.refused.insert(request.ticket);
 	}
-	promise(!streamer.finish(request), "an answer counts once");
+	promise(!streamer.finish(request), "a request is finished only once");
 }
 
 } // namespace

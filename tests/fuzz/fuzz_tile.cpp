@@ -1,4 +1,4 @@
-// Any heightfield and any layer at all: they are refused or make tiles that an engine can show.
+// Any heightfield and any layer: they are either refused or produce tiles that an engine can show.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -17,11 +17,12 @@ using namespace thicket;
 using fuzz::Bytes;
 using fuzz::promise;
 
-/// A field of at most 40 x 40 posts around the origin, mostly; a wrong one is refused and leaves the flat one before it.
+/// A field of at most 40 x 40 posts around the origin in most cases. A refused one must leave the previous flat field.
 Heightfield read_field(Bytes &r_bytes) {
 	Heightfield field;
 	const std::vector<std::uint16_t> flat(4, 1000);
-	promise(field.set({{2, 2}, {{-100.0, -100.0}, {100.0, 100.0}}, 0.0, 100.0}, flat).ok(), "a good field is taken");
+	promise(field.set({{2, 2}, {{-100.0, -100.0}, {100.0, 100.0}}, 0.0, 100.0}, flat).ok(),
+			"a valid field is accepted");
 	HeightfieldFrame frame;
 	frame.posts = {static_cast<int>(r_bytes.below(42)) - 1, static_cast<int>(r_bytes.below(42)) - 1};
 	if (r_bytes.chance(32)) {
@@ -52,7 +53,7 @@ void check_field(const Heightfield &field, Bytes &r_bytes) {
 	positions.push_back(field.frame().area.min);
 	positions.push_back(field.frame().area.max);
 	std::vector<Ground> ground(positions.size());
-	promise(field.sample(positions, ground).ok(), "places without ground are no error");
+	promise(field.sample(positions, ground).ok(), "positions without ground are no error");
 	const HeightfieldFrame &frame = field.frame();
 	const double slack = 1e-6 * (1.0 + std::abs(frame.min_height) + std::abs(frame.max_height));
 	for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -68,7 +69,7 @@ void check_field(const Heightfield &field, Bytes &r_bytes) {
 	}
 }
 
-/// Rules that look around a point.
+/// Rules that read the surroundings of a point.
 void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
 	if (r_bytes.chance(2)) {
 		r_layer.rules.clumping = {r_bytes.number(0.1, 50.0), r_bytes.number(0.0, 1.0), r_bytes.number(0.0, 1.0)};
@@ -82,7 +83,7 @@ void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
 	}
 }
 
-/// Biomes and water, for some layers; a map that is refused leaves the layer without.
+/// Biomes and water, for some layers. If the map is refused, the layer has none.
 void read_biomes(LayerSettings &r_layer, Bytes &r_bytes) {
 	r_layer.rules.min_water_depth = r_bytes.chance(2) ? -unlimited_height : r_bytes.number(-100.0, 0.0);
 	r_layer.rules.max_water_depth = r_bytes.number(0.0, 100.0);
@@ -110,7 +111,7 @@ void read_biomes(LayerSettings &r_layer, Bytes &r_bytes) {
 	r_layer.rules.water = std::make_shared<WaterLevels>(map, levels);
 }
 
-/// A color and a variation that follow something, for some layers.
+/// A color and a variation with sources, for some layers.
 void read_look(LayerSettings &r_layer, Bytes &r_bytes) {
 	const auto read_source = [&](InstanceSource &r_source) {
 		r_source.kind = static_cast<SourceKind>(r_bytes.below(6));
@@ -137,7 +138,7 @@ LayerSettings read_layer(Bytes &r_bytes) {
 	layer.rules.density = r_bytes.number(0.0, 1.0);
 	layer.rules.min_slope_degrees = r_bytes.chance(2) ? 0.0 : r_bytes.number(0.0, 45.0);
 	layer.rules.max_slope_degrees = r_bytes.chance(2) ? 90.0 : r_bytes.number(45.0, 90.0);
-	layer.rules.slope_falloff = r_bytes.number(0.0, 30.0);
+	layer.rules.slope_falloff_degrees = r_bytes.number(0.0, 30.0);
 	layer.rules.min_height = r_bytes.chance(2) ? -unlimited_height : r_bytes.number(0.0, 300.0);
 	layer.rules.max_height = r_bytes.chance(2) ? unlimited_height : r_bytes.number(300.0, 900.0);
 	layer.rules.height_falloff = r_bytes.number(0.0, 100.0);
@@ -164,7 +165,7 @@ void check_tile(const LayerSettings &layer, const TileInstances &tile) {
 		placed += mesh.size();
 		const std::size_t stride = floats_per_instance(layer.instance_data);
 		promise(mesh.buffer.size() == stride * mesh.size() && mesh.ranks.size() == mesh.size(),
-				"buffers fit each other");
+				"the sizes of buffers match");
 		promise(std::is_sorted(mesh.ranks.begin(), mesh.ranks.end()), "ranks ascend");
 		promise(std::all_of(mesh.buffer.begin(), mesh.buffer.end(), [](float value) { return std::isfinite(value); }),
 				"transforms are finite");
@@ -198,10 +199,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	if (status.ok()) {
 		check_tile(layer, tile);
 		promise(TileBuilder().build(layer, field, rect, again).ok() && digest(tile) == digest(again),
-				"the same call gives the same tile");
+				"the same call produces the same tile");
 	} else if (status.code != ErrorCode::cancelled) {
 		promise(tile.meshes.empty(), "a refused call changes nothing");
-		promise(describe(status).find(status.property) == 0, "a refusal names the property");
+		promise(describe(status).find(status.property) == 0, "an error names the property");
 	}
 	return 0;
 }

@@ -1,4 +1,4 @@
-"""The point sets and domains of tests/analysis/golden.cpp, for those who ask for them in other languages, and their digests."""
+"""The point sets and domains of tests/analysis/golden.cpp, for tests in other languages, and their digests."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Set:
 
     @property
     def digests(self) -> tuple[int, int]:
-        """Of the places, and of the ranks."""
+        """The digests of the positions and of the ranks."""
         return int(DIGESTS[self.name], 16), int(DIGESTS[f"{self.name}: ranks"], 16)
 
 
@@ -39,7 +39,7 @@ class Domain:
     cell_size: float = 0.0
 
     def digest(self, precision: str) -> int:
-        """precision: single or double."""
+        """`precision` is single or double."""
         return int(DIGESTS[f"domain, {self.name}, {precision}"], 16)
 
 

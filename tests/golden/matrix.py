@@ -1,10 +1,11 @@
-"""The matrix of the same bits: analysis/golden from every compiler at every level for every platform, run on every instruction
-set that the processor has, in an emulator where the platform is not this machine's.
+"""The matrix of bit-identical results: analysis/golden from every compiler at every level for every platform. Runs on every instruction set
+of the processor, in an emulator if the platform is not this machine's.
 
-    bash tests/golden/matrix.sh                    prints it as a table, in Markdown; installs what that takes
-    bash tests/golden/matrix.sh aarch64 wasm       these platforms only
+    bash tests/golden/matrix.sh                    prints it as a Markdown table; installs the required packages
+    bash tests/golden/matrix.sh aarch64 wasm       only these platforms
 
-tests/test_golden.py runs the same cells. What was compiled is kept in build/golden until one of its sources changes."""
+tests/test_golden.py runs the same cells. Compiled objects are kept in build/golden until one of their sources changes.
+"""
 
 from __future__ import annotations
 
@@ -33,40 +34,39 @@ ZIG = Path(installed.zig_program())
 BUILT = REPO / "build/golden"
 GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
 
-# What the digests come from; streaming and impostor decide nothing that stands anywhere. The room that takes longest to
-# compile goes first.
+# The rooms that determine the digests; streaming and impostor affect no instance. The room that takes longest to compile is first.
 ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near"]
 COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
-# Where a release is built its warnings stop it, and -O3 sees others than -O2.
+# Release builds treat warnings as errors, and -O3 finds other ones than -O2.
 RELEASE = ["-DNDEBUG", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
 
 
 @dataclass(frozen=True)
 class Platform:
     name: str
-    zig: str  # zig's name of it, with a C library to link in
+    zig: str  # zig's name of it, including a C library to link
     emulator: str  # a function of emulators.py
-    gnu: str = ""  # what the names of Debian's g++ for it begin with
+    gnu: str = ""  # the prefix of Debian's g++ for it
     flags: tuple[str, ...] = ()
-    sources: tuple[str, ...] = ()  # more of them
+    sources: tuple[str, ...] = ()  # additional ones
     suffix: str = ""
 
 
 PLATFORMS = [
     Platform("x86_64", "x86_64-linux-musl", "qemu"),
-    # By itself 32-bit x86 computes with the 80 bits of its old unit.
+    # By default, 32-bit x86 computes with the 80 bits of its old floating-point unit.
     Platform("i386", "x86-linux-musl", "qemu", "i686-linux-gnu-", ("-msse2", "-mfpmath=sse")),
     Platform("aarch64", "aarch64-linux-musl", "qemu", "aarch64-linux-gnu-"),
     Platform("riscv64", "riscv64-linux-musl", "qemu", "riscv64-linux-gnu-"),
-    # Its C++ library has no exceptions; none is thrown on the way to a digest.
+    # Its C++ library has no exceptions, and computing a digest throws none.
     Platform("wasm", "wasm32-wasi", "node", "", ("-msimd128", "-fignore-exceptions"), ("tests/golden/no_exceptions.cpp",), ".wasm"),
     Platform("Windows", "x86_64-windows-gnu", "wine", suffix=".exe"),
 ]
 NATIVE = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
 
-# Processors with fused multiply-add offer a temptation; the others here have it anyway, or never.
+# Compilers may use fused multiply-add only on processors that have it. The other platforms here always have it, or never.
 LEVELS = {level: [level] for level in ("-O0", "-O1", "-O2", "-O3", "-Os")} | {"-O3 fused": ["-O3", "-march=x86-64-v3"]}
-ZIG_LEVELS = LEVELS | {"-O3 fused": ["-O3", "-march=x86_64_v3"]}  # It has names of its own for processors.
+ZIG_LEVELS = LEVELS | {"-O3 fused": ["-O3", "-march=x86_64_v3"]}  # It has its own names for processors.
 
 
 @dataclass(frozen=True)
@@ -85,17 +85,17 @@ class Cell:
 
     @property
     def native(self) -> bool:
-        """Whether its programs are for this machine's processor."""
+        """True if its programs are for this machine's processor."""
         return self.platform.name == NATIVE
 
     @property
     def own(self) -> bool:
-        """Whether its compiler is the machine's own, with what lies in its folders."""
+        """True if its compiler is the machine's own, with the machine's include folders."""
         return self.native and self.compiler != "zig"
 
 
 def cells() -> list[Cell]:
-    """All of the matrix."""
+    """All cells of the matrix."""
     found = []
     for each in PLATFORMS:
         native = each.name == NATIVE
@@ -109,12 +109,12 @@ def cells() -> list[Cell]:
 
 @dataclass
 class Outcome:
-    """What became of a cell."""
+    """The result of a cell."""
 
     digests: dict[str, str] = field(default_factory=dict)
     instruction_sets: list[str] = field(default_factory=list)  # best first
-    absent: str = ""  # why the cell cannot be had here
-    failure: str = ""  # what a compiler or the program said
+    absent: str = ""  # why the cell is unavailable here
+    failure: str = ""  # the error of a compiler or of the program
 
     @property
     def differing(self) -> list[str]:
@@ -122,7 +122,7 @@ class Outcome:
 
     def text(self) -> str:
         if self.absent:
-            return "not had"
+            return "unavailable"
         if self.failure:
             return "**failed**"
         return f"**{len(self.differing)} differ**" if self.differing else "same"
@@ -130,12 +130,12 @@ class Outcome:
 
 @cache
 def header_folder() -> str:
-    """Holds GLM, for compilers that must not see what lies beside it."""
+    """Contains GLM, for compilers that must not see the other headers beside it."""
     return libraries.copied_headers(str(REPO / "build/headers"))
 
 
 def compiler_of(cell: Cell) -> tuple[list[str], str]:
-    """The command that compiles, or why there is none."""
+    """The command that compiles, and why there is none."""
     if cell.compiler == "zig":
         return [str(ZIG), "c++", "-target", cell.platform.zig, "-fno-sanitize=undefined", "-g0"], "" if ZIG.is_file() else "zig is not installed"
     name = cell.compiler if cell.native else cell.platform.gnu + cell.compiler
@@ -143,7 +143,7 @@ def compiler_of(cell: Cell) -> tuple[list[str], str]:
 
 
 def absence(cell: Cell) -> str:
-    """Why a cell cannot be had here; nothing if it can."""
+    """Why a cell is unavailable here. Empty if it is available."""
     return compiler_of(cell)[1] or ("" if cell.own else emulators.absence(cell.platform.emulator, cell.platform.name, NATIVE))
 
 
@@ -172,12 +172,12 @@ def call(command: list[str]) -> None:
 
 @cache
 def version_of(compiler: str) -> str:
-    """Zig's is in its folder's name."""
+    """Zig's version is in its folder's name."""
     return subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False).stdout if "zig" not in compiler else ""
 
 
 def fingerprint(command: list[str], needed: list[Path]) -> str:
-    """Changes with everything that an object is made of."""
+    """Changes with everything that an object depends on."""
     digest = hashlib.sha256("\0".join([version_of(command[0]), *command]).encode())
     for path in needed:
         digest.update(path.read_bytes() if path.is_file() else b"")
@@ -185,12 +185,12 @@ def fingerprint(command: list[str], needed: list[Path]) -> str:
 
 
 def compiled(cell: Cell, source: Path) -> Path:
-    """The object of a source, compiled if something that it is made of has changed."""
+    """The object of a source, compiled if any of its dependencies changed."""
     foreign = source.suffix == ".cc"
     name = source.name if foreign else source.relative_to(REPO).as_posix()
     out = BUILT / re.sub(r"[ +]+", "_", cell.name) / name.replace("/", "-")
     made, known = out.with_suffix(".o"), out.with_suffix(".needed")
-    # Highway's own sources are for the same processors as ours; their warnings are not shown.
+    # Highway's own sources are for the same processors as ours. Their warnings are hidden.
     theirs = ["-w", "-include", "extension/core/base/instruction_sets.hpp"] if foreign else []
     command = [*compiler_of(cell)[0], *flags_of(cell), *theirs, "-c", str(source if foreign else name)]
     if made.is_file() and known.is_file():
@@ -208,7 +208,7 @@ def compiled(cell: Cell, source: Path) -> Path:
 
 
 def program_of(cell: Cell, pool: ThreadPoolExecutor) -> Path:
-    """The program `analysis/golden` of a cell; `pool` compiles."""
+    """The program `analysis/golden` of a cell. `pool` compiles."""
     objects = list(pool.map(lambda source: compiled(cell, source), sources(cell)))
     program = objects[0].parent / f"golden{cell.platform.suffix}"
     if not program.is_file() or program.stat().st_mtime < max(each.stat().st_mtime for each in objects):

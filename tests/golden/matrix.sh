@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prints the matrix of the same bits as a table; see matrix.py. Takes about an hour on two cores where nothing is compiled yet.
+# Prints the matrix of bit-identical results as a table; see matrix.py. Takes about an hour on two cores if nothing is compiled yet.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh

@@ -1,4 +1,4 @@
-// For programs whose C++ library has no exceptions: to throw one ends the program.
+// For programs whose C++ library has no exceptions: throwing one ends the program.
 
 #include <cstddef>
 #include <cstdlib>

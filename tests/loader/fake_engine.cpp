@@ -13,7 +13,7 @@ bool is_double = false;
 
 // --- Types ---------------------------------------------------------------------------------------------------------------
 
-/// A String, StringName or NodePath holds a pointer to one of these, or null where it is empty. They are never freed.
+/// A String, StringName or NodePath stores a pointer to one of these, or null if it is empty. They are never freed.
 const std::string &text(GDExtensionConstTypePtr value) {
 	static const std::string empty;
 	const std::string *const held = *static_cast<const std::string *const *>(value);
@@ -29,7 +29,7 @@ bool is_text(GDExtensionVariantType type) {
 			type == GDEXTENSION_VARIANT_TYPE_NODE_PATH;
 }
 
-/// Bytes of a type's value.
+/// The size of a type's value in bytes.
 std::size_t size_of(GDExtensionVariantType type) {
 	const std::size_t real = is_double ? 8 : 4;
 	switch (type) {
@@ -75,7 +75,7 @@ static_assert(sizeof(Value) <= 24);
 
 Value &value(void *variant) { return *static_cast<Value *>(variant); }
 
-/// One function for each type, as the engine has them: `Make<N>::function`.
+/// Selects the function for a type at run time: `Make<N>::function`, as the engine has one for each type.
 template <template <std::size_t> class Make, class Function, std::size_t... Types>
 Function choose(GDExtensionVariantType type, std::index_sequence<Types...>) {
 	static constexpr std::array<Function, sizeof...(Types)> all{Make<Types>::function...};
@@ -94,7 +94,7 @@ struct Constructor {
 	}
 };
 
-/// From a value of the same type, or from one text to another.
+/// From a value of the same type, or from any text type to another.
 template <std::size_t Type>
 struct CopyConstructor {
 	static void function(GDExtensionUninitializedTypePtr r_value, const GDExtensionConstTypePtr *arguments) {
@@ -151,7 +151,7 @@ GDExtensionPtrOperatorEvaluator get_operator(
 			*static_cast<GDExtensionBool *>(r_result) = text(a) < text(b);
 		};
 	}
-	if (is_text(left)) { // A sum, or a format, whose text nobody reads.
+	if (is_text(left)) { // A sum, or a format, whose result is never read.
 		return [](GDExtensionConstTypePtr a, GDExtensionConstTypePtr, GDExtensionTypePtr r_result) {
 			set_text(r_result, text(a));
 		};
@@ -214,7 +214,7 @@ void free_binding(GDExtensionObjectPtr object, void *library) {
 	}
 }
 
-/// An object is of the class that it was made as, and of no other.
+/// An object can only be cast to the class that it was created as.
 GDExtensionObjectPtr cast_to(GDExtensionConstObjectPtr object, void *tag) {
 	auto *const target = static_cast<Object *>(const_cast<void *>(object));
 	return target->engine_class == *static_cast<std::string *>(tag) ? target : nullptr;
@@ -281,10 +281,10 @@ void print_error(const char *what, const char *, const char *, int32_t, GDExtens
 	record().errors.emplace_back(what);
 }
 
-/// Any method of the engine: the answer is left as the caller has made it.
+/// Implements any method of the engine. The return value keeps the caller's initial value.
 void call_method(GDExtensionMethodBindPtr, GDExtensionObjectPtr, const GDExtensionConstTypePtr *, GDExtensionTypePtr) {}
 
-/// Stands for a function that no library calls here. WebAssembly traps where it is called with arguments.
+/// Replaces a function that the library does not call here. WebAssembly would trap on a call with arguments.
 void do_nothing() {}
 
 template <class Function>
@@ -326,8 +326,7 @@ const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 			{"classdb_construct_object2", erase(construct)},
 			{"classdb_get_method_bind",
 					erase(+[](GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr, GDExtensionInt) {
-						return reinterpret_cast<GDExtensionMethodBindPtr>(
-								&is_double); // Not null is all that it has to be.
+						return reinterpret_cast<GDExtensionMethodBindPtr>(&is_double); // Only has to be non-null.
 					})},
 			{"classdb_get_class_tag",
 					erase(+[](GDExtensionConstStringNamePtr name) -> void * { return new std::string(text(name)); })},

@@ -1,7 +1,8 @@
 #pragma once
 
-// As much of the engine's interface as a library needs to load, register its classes, make one of each, and go: strings are
-// strings, objects are numbers with a name, methods of the engine do nothing and answer with zeros.
+// The part of the engine's interface that a library needs to load, register its classes, create one object of each, and
+// unload. Strings are real strings, objects are numbers with a name, and methods of the engine do nothing and return
+// zeros.
 
 #include <gdextension_interface.h>
 
@@ -12,7 +13,7 @@
 
 namespace thicket::loader {
 
-/// A class that the library has registered, as it told it.
+/// A class that the library has registered, with its reported members.
 struct RegisteredClass {
 	std::string name;
 	std::string parent;
@@ -21,23 +22,23 @@ struct RegisteredClass {
 	bool registered = true;
 };
 
-/// What happened so far.
+/// Everything recorded so far.
 struct Record {
 	std::vector<RegisteredClass> classes;
-	std::vector<std::string> errors;       ///< What the library has printed, and what it did that no library may.
-	std::map<std::string, bool> functions; ///< Functions that were asked for; true for those that this engine has.
-	std::size_t objects = 0;               ///< Objects that live.
+	std::vector<std::string> errors;       ///< Errors printed by the library, and its violations of the interface.
+	std::map<std::string, bool> functions; ///< Functions that the library requested. True if this engine has them.
+	std::size_t objects = 0;               ///< Objects alive.
 };
 
 Record &record();
 
-/// Whether the engine computes with double precision. Single by itself.
+/// Sets whether the engine uses double precision. The default is single.
 void set_double_precision(bool on);
 
-/// What a library has given to an object that it made.
+/// The instance that a library assigned to an object that it created.
 GDExtensionClassInstancePtr instance_of(void *object);
 
-/// What a library gets from its engine. Null for a function that this one lacks.
+/// Looks up a function of the engine. Null if this engine lacks it.
 GDExtensionInterfaceFunctionPtr get_proc_address(const char *name);
 
 } // namespace thicket::loader

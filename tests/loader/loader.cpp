@@ -1,6 +1,6 @@
-// Loads a library of the extension as an engine would, on systems for which there is no engine at hand: calls its entry with a
-// fake interface, lets it register its classes, makes one of each, takes all down and closes it. Prints what was registered, a
-// line each, so that two libraries can be compared; fails where something is missing.
+// Loads a library of the extension as an engine would, on systems without an engine: calls its entry with a fake
+// interface, lets it register its classes, creates one object of each, unregisters everything and closes the library.
+// Prints the registered members, one per line, so that two libraries can be compared. Fails if anything is missing.
 //   loader LIBRARY [double]
 
 #include "tests/loader/fake_engine.hpp"
@@ -41,7 +41,7 @@ int fail(const std::string &sentence) {
 	return 1;
 }
 
-/// Makes an instance of each class, and frees it.
+/// Creates an instance of each class, and frees it.
 void make_one_of_each() {
 	for (const RegisteredClass &known : record().classes) {
 		if (known.info.is_abstract) {

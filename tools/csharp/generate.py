@@ -1,11 +1,11 @@
 """Writes C# classes that wrap those of the extension, from its class reference (extension/doc_classes/*.xml).
 
-An engine with .NET knows an extension's classes by name alone: it hands out a Resource where a script sees a ScatterLayer.
-A wrapper holds such an object and reaches its properties, methods and signals by their names, with types, in PascalCase, and
-with the text of the class reference. The build calls this and puts the files into the add-on.
+In C#, an engine with .NET shows objects of an extension's classes as their engine base class: a Resource where a script sees a
+ScatterLayer. A wrapper holds such an object and accesses its properties, methods and signals by name, with types, in PascalCase, and
+with the text of the class reference. The build runs this script and puts the files into the add-on.
 
-    python3 tools/csharp/generate.py --out FOLDER PAGE.xml...     writes the files, and removes others that it wrote once
-    python3 tools/csharp/generate.py --list PAGE.xml...           prints their names only"""
+    python3 tools/csharp/generate.py --out FOLDER PAGE.xml...     writes the files, and removes outdated ones
+    python3 tools/csharp/generate.py --list PAGE.xml...           only prints their names"""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from xml.sax.saxutils import escape
 from types_of_godot import STRUCTS, VALUES, camel, members_of_enum, pascal, plain
 
 BASE = "ThicketObject"
-NOTE = "// Written by tools/csharp/generate.py from the class reference. What is changed here is lost at the next build.\n"
+WRITTEN_BY = "// Written by tools/csharp/generate.py"
+NOTE = f"{WRITTEN_BY} from the class reference. The next build overwrites all changes.\n"
 Element = ElementTree.Element
 
 
@@ -31,18 +32,18 @@ class Reference:
         self.classes = {root.get("name"): root for root in sorted(roots, key=lambda root: root.get("name"))}
 
     def parent(self, name: str) -> str | None:
-        """The class that this one inherits from, if it is wrapped too."""
+        """The parent class, if it is wrapped too."""
         parent = self.classes[name].get("inherits")
         return parent if parent in self.classes else None
 
     def engine_base(self, name: str) -> str:
-        """The engine's class that the object shows itself as in C#."""
+        """The engine class that represents the object in C#."""
         while name in self.classes:
             name = self.classes[name].get("inherits")
         return "GodotObject" if name == "Object" else name
 
     def enum(self, name: str, owner: str) -> str:
-        """An enum's name as seen from anywhere. One that is called like a property has another name in C#."""
+        """An enum's qualified name. An enum with the same name as a property is renamed in C#."""
         owner, _, short = name.rpartition(".") if "." in name else (owner, ".", name)
         if owner in self.classes:
             taken = {pascal(member.get("name")) for member in self.classes[owner].iter("member")}
@@ -51,7 +52,7 @@ class Reference:
         return short if not owner or name == "Error" else f"{owner}.{short}"
 
     def type(self, element: Element, owner: str) -> str:
-        """The C# type of a property, a parameter or what a method returns."""
+        """The C# type of a property, a parameter or a return value."""
         named = element.get("type")
         if element.get("enum"):
             enum = element.get("enum")
@@ -66,7 +67,7 @@ class Reference:
         return "GodotObject" if named == "Object" else named
 
     def from_variant(self, value: str, type_: str) -> str:
-        """An expression for a Variant as this type."""
+        """An expression that converts a Variant to this type."""
         if type_ == "Variant":
             return value
         if type_ in self.classes:
@@ -76,7 +77,7 @@ class Reference:
         return f"{value}.As<{type_}>()"
 
     def to_variant(self, value: str, type_: str) -> str:
-        """An expression for a value of this type as a Variant, where C# does not convert it by itself."""
+        """An expression that converts a value of this type to a Variant, where C# has no implicit conversion."""
         if type_.removesuffix("[]") in self.classes and type_.endswith("[]"):
             return f"Wrapped({value})"
         if "." in type_ and type_ not in VALUES.values() or type_ == "Error":
@@ -93,7 +94,7 @@ def summary(text: str | None, indent: str = "\t") -> str:
 
 
 def parameter(reference: Reference, element: Element, owner: str) -> tuple[str, str]:
-    """(declaration, expression of its Variant) of a parameter."""
+    """(declaration, expression that makes its Variant) of a parameter."""
     name, type_, given = camel(element.get("name")), reference.type(element, owner), element.get("default")
     variant = reference.to_variant(name, type_)
     if given is None:
@@ -115,7 +116,7 @@ def parameter(reference: Reference, element: Element, owner: str) -> tuple[str, 
         return f"{type_}? {name} = null", f"{name} ?? new {type_}({value})"
     if reference.enum(element.get("enum") or "", owner) == type_:
         return f"{type_} {name} = ({type_}){given}", variant
-    return f"{type_} {name} = default", variant  # Callable(), null, RID(): nothing.
+    return f"{type_} {name} = default", variant  # Callable(), null and RID() are all empty.
 
 
 def joined(parts: list[str], glue: str) -> str:
@@ -123,7 +124,7 @@ def joined(parts: list[str], glue: str) -> str:
 
 
 def names(kind: str, elements: list[Element], hides: bool) -> str:
-    """A class of StringNames, as the engine's own classes have them."""
+    """A class of StringNames, like those of the engine's own classes."""
     if not elements:
         return ""
     head = f"\tpublic {'new ' if hides else ''}static class {kind}\n\t{{\n"
@@ -170,7 +171,7 @@ def method(reference: Reference, element: Element, owner: str) -> str:
 
 
 def signal(reference: Reference, element: Element, owner: str) -> str:
-    """An event; connects the handler itself, or one in between that wraps what the signal hands over."""
+    """An event. It connects the handler itself, or a function that wraps the signal's arguments for it."""
     name = pascal(element.get("name"))
     types = [reference.type(one, owner) for one in element.findall("param")]
     handler = f"Action<{', '.join(types)}>" if types else "Action"
@@ -190,21 +191,21 @@ def signal(reference: Reference, element: Element, owner: str) -> str:
 
 
 def head(reference: Reference, name: str) -> str:
-    """The name, the constructors and the way in and out."""
+    """The start of a wrapper: its name, its constructors and the conversions from and to the engine's object."""
     parent, engine = reference.parent(name), reference.engine_base(name)
     hides = "new " if parent else ""
     parts = [
         f'\tpublic {hides}static readonly StringName NativeName = "{name}";\n',
-        f"\t/// <summary>Makes a new {name}.</summary>\n\tpublic {name}() : base(Made(NativeName), NativeName) {{ }}\n",
-        f"\t/// <summary>Wraps an object that is a {name}; another one is refused by an exception.</summary>\n"
+        f"\t/// <summary>Creates a new {name}.</summary>\n\tpublic {name}() : base(Made(NativeName), NativeName) {{ }}\n",
+        f"\t/// <summary>Wraps an object that is a {name}; throws for any other object.</summary>\n"
         f"\tpublic {name}(GodotObject instance) : base(instance, NativeName) {{ }}\n",
         f"\tprotected {name}(GodotObject instance, StringName nativeName) : base(instance, nativeName) {{ }}\n",
-        f"\t/// <summary>The same; null for null.</summary>\n"
+        f"\t/// <summary>Like the constructor, but returns null for null.</summary>\n"
         f"\tpublic static {hides}{name} Wrap(GodotObject instance) => instance == null ? null : new {name}(instance);\n",
     ]
     if not parent:
         parts += [
-            f"\t/// <summary>The object as the engine shows it.</summary>\n\tpublic {engine} Instance => ({engine})Object;\n",
+            f"\t/// <summary>The wrapped object, as its engine class.</summary>\n\tpublic {engine} Instance => ({engine})Object;\n",
             f"\tpublic static implicit operator {engine}({name} wrapper) => wrapper?.Instance;\n" if engine != "GodotObject" else "",
         ]
     return joined(parts, "\n")
@@ -254,7 +255,7 @@ def main() -> None:
         return
     given.out.mkdir(parents=True, exist_ok=True)
     for old in given.out.glob("*.cs"):
-        if old.name not in files and old.read_text(encoding="utf-8").startswith(NOTE):
+        if old.name not in files and old.read_text(encoding="utf-8").startswith(WRITTEN_BY):
             old.unlink()
     for file, text in files.items():
         (given.out / file).write_text(text(), encoding="utf-8")

@@ -1,10 +1,10 @@
-"""How Godot's types read in C#, and the words that the wrappers are written with."""
+"""The C# names of Godot's types and members, and the text of descriptions."""
 
 from __future__ import annotations
 
 import re
 
-# Types of a Variant and their names in C#. Other names that the class reference holds are classes.
+# Types of a Variant and their names in C#. All other names in the class reference are classes.
 VALUES = {
     "void": "void",
     "bool": "bool",
@@ -57,7 +57,7 @@ KEYWORDS = set(
 
 
 def pascal(name: str) -> str:
-    """max_slope_degrees and COLLISION_BOX as MaxSlopeDegrees and CollisionBox."""
+    """MaxSlopeDegrees for max_slope_degrees, CollisionBox for COLLISION_BOX."""
     return "".join(word[:1].upper() + word[1:].lower() for word in name.strip("_").split("_"))
 
 
@@ -68,12 +68,12 @@ def camel(name: str) -> str:
 
 
 def members_of_enum(names: list[str]) -> dict[str, str]:
-    """The names of an enum's values in C#: without the words that they all begin with."""
+    """The C# names of an enum's values, without the words that all of them begin with."""
     words = [name.split("_") for name in names]
     same = 0
     while len(words) > 1 and all(len(one) > same + 1 and one[same] == words[0][same] for one in words):
         same += 1
-    while same > 0 and any(one[same][:1].isdigit() for one in words):  # No name begins with a digit.
+    while same > 0 and any(one[same][:1].isdigit() for one in words):  # A name cannot begin with a digit.
         same -= 1
     return {name: pascal("_".join(one[same:])) for name, one in zip(names, words, strict=True)}
 

@@ -1,16 +1,16 @@
-"""Zips whose bytes follow from their content alone."""
+"""Reproducible zips: their bytes depend only on the content."""
 
 import hashlib
 import os
 import stat
 import zipfile
 
-# The oldest time that a zip can hold: files have no other, so that two zips of the same files are the same.
+# The oldest time that a zip can hold. All files have it, so that two zips of the same files are identical.
 TIME = (1980, 1, 1, 0, 0, 0)
 
 
 def write(folder, path):
-    """Packs all files of a folder, in the order of their names; returns the zip's path."""
+    """Packs all files of a folder, sorted by name. Returns the zip's path."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
         for source in sorted(each for each in folder.rglob("*") if each.is_file()):

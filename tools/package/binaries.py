@@ -1,4 +1,4 @@
-"""From linked libraries to shipped ones: symbols apart, architectures of macOS joined, nothing in them that is not used."""
+"""Turns linked libraries into shipped ones: splits off symbols, strips unused parts and joins the architectures of macOS."""
 
 import plistlib
 import shutil
@@ -10,7 +10,7 @@ TARGETS = ("template_debug", "template_release")
 
 
 def tool(name):
-    """LLVM's tools know the files of all platforms. Debian names them with or without a version."""
+    """The path of one of LLVM's tools, which support the files of all platforms. In Debian, their names may end with a version."""
     found = shutil.which(name) or next(filter(None, (shutil.which("%s-%d" % (name, number)) for number in range(30, 13, -1))), None)
     if found is None:
         raise SystemExit("thicket: no %s: run bash tools/package.sh, which installs LLVM" % name)
@@ -22,7 +22,7 @@ def run(*command):
 
 
 def collect(builds, folder, symbols):
-    """Strips the libraries of all builds into a folder; those with symbols go into another. builds: (build, its folder)."""
+    """Strips the libraries of all builds into `folder`, and copies them with symbols into `symbols`. `builds` are (build, its folder)."""
     folder.mkdir(parents=True, exist_ok=True)
     symbols.mkdir(parents=True, exist_ok=True)
     frameworks = {}
@@ -51,8 +51,8 @@ def find(folder, target):
 
 
 def framework(target, precision, libraries, folder):
-    """A folder with one library for all processors, as macOS wants it. The linker has signed each part for nobody in
-    particular, which suffices to run it; whoever downloads it has to allow it once."""
+    """Writes a framework with one library for all processors, as macOS requires. The linker has given each part an ad-hoc signature.
+    That is enough to run it, but users who download it must allow it once."""
     name = "libthicket.macos." + target + (".double" if precision == "double" else "")
     inside = folder / (name + ".framework")
     (inside / "Resources").mkdir(parents=True, exist_ok=True)

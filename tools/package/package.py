@@ -1,4 +1,4 @@
-"""Builds what is shipped, and packs it: see tools/package.sh, which installs what this needs."""
+"""Builds and packs a release: see tools/package.sh, which installs the required tools."""
 
 import argparse
 import os
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import archive
 import binaries
-import contents  # Also lets the next be found.
+import contents  # Also extends sys.path, for the next import.
 import platforms
 
 REPO = Path(__file__).resolve().parents[2]
@@ -19,7 +19,7 @@ DIST = REPO / "build/dist"
 
 @dataclass(frozen=True)
 class Build:
-    """A call of scons, whose libraries are shipped."""
+    """A call of scons whose libraries are shipped."""
 
     platform: str
     arch: str
@@ -28,23 +28,23 @@ class Build:
 
     @property
     def name(self):
-        """As its libraries are called."""
+        """The part of the libraries' names that identifies the build."""
         parts = [self.platform, self.arch]
         parts += ["double"] if self.precision == "double" else []
         return ".".join(parts + ([] if self.threads else ["nothreads"]))
 
     @property
     def compiler(self):
-        """As platforms.folder_name wants it."""
+        """The compiler's name for platforms.folder_name."""
         return "" if self.platform == "web" else "zig"
 
     def options(self):
-        """What scons is told."""
+        """The options for scons."""
         options = ["%s=%s" % (name, {True: "yes", False: "no"}.get(value, value)) for name, value in asdict(self).items()]
         return ["ship=yes", "use_zig=" + ("yes" if self.compiler else "no"), *options]
 
     def folder(self):
-        """Where scons puts the libraries."""
+        """The folder into which scons puts the libraries."""
         return REPO / "build" / platforms.folder_name(asdict(self), "ship", self.compiler) / "addon/bin"
 
 
@@ -59,10 +59,10 @@ BUILDS = [
 
 def arguments():
     parser = argparse.ArgumentParser(prog="tools/package.sh", description=__doc__)
-    parser.add_argument("names", nargs="*", help="what to build; everything by itself")
+    parser.add_argument("names", nargs="*", help="the builds to make; all by default")
     parser.add_argument("--list", action="store_true", help="print these names and build nothing")
-    parser.add_argument("--built", action="store_true", help="pack what was built before, and build nothing")
-    parser.add_argument("--out", type=Path, default=DIST, help="the folder of the zips")
+    parser.add_argument("--built", action="store_true", help="pack the existing builds, and build nothing")
+    parser.add_argument("--out", type=Path, default=DIST, help="the folder for the zips")
     options = parser.parse_args()
     names = [build.name for build in BUILDS]
     unknown = [name for name in options.names if name not in names]
@@ -72,14 +72,14 @@ def arguments():
 
 
 def build(wanted):
-    """Runs scons for each. The extension alone: tests are for those who build it for themselves."""
+    """Runs scons for each build. Only builds the extension: users who want the tests build them themselves."""
     for each in wanted:
         print("thicket: building for %s" % each.name, file=sys.stderr)
         subprocess.run(["scons", "-Q", "-j%d" % (os.cpu_count() or 1), *each.options(), "extension"], cwd=REPO, check=True)
 
 
 def pack(wanted, out):
-    """Strips the libraries, puts the add-on together and writes the zips."""
+    """Strips the libraries, assembles the add-on and writes the zips."""
     stage = out / "stage"
     shutil.rmtree(stage, ignore_errors=True)
     addon = stage / "addon/addons/thicket"

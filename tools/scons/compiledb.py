@@ -1,14 +1,14 @@
-"""compile_commands.json, which editors and clang's tools read. SCons has a tool of its own for it, but that writes the
-file again at every build, and a build with nothing to do should do nothing."""
+"""Writes compile_commands.json for editors and clang's tools. SCons' own tool for this writes the file on every build, but a build
+with nothing to do should do nothing."""
 
 import json
 
 
 def database(env, targets):
-    """The node of the file: the command of each object that the targets are made of. It is written again when there are
-    other objects or other flags."""
+    """The node of the file, which holds the command of each object that the targets are built from. It is rewritten when the
+    objects or their flags change."""
     objects = sorted(set(compiled(env.Flatten(targets), set())), key=str)
-    # Objects of one environment differ in their names alone.
+    # Objects in the same environment differ only in their names.
     flags = {id(each): each for each in (node.get_build_env() for node in objects)}.values()
     summary = [env.Dir("#").abspath, *map(str, objects)]
     summary += [each.subst("$CXX $CXXFLAGS $CCFLAGS $_CCCOMCOM") for each in flags]
@@ -24,7 +24,7 @@ def database(env, targets):
 
 
 def compiled(nodes, seen):
-    """The objects among what nodes are made of, made from C++."""
+    """Yields the objects that nodes are built from, as far as they are compiled from C++."""
     for node in nodes:
         if node in seen:
             continue

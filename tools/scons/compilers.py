@@ -1,4 +1,4 @@
-"""What each compiler is told: g++ and clang as they come, zig's clang for any platform, emscripten, and Microsoft's."""
+"""Flags for each compiler: g++ and clang, zig's clang for any platform, emscripten, and Microsoft's."""
 
 import os
 import re
@@ -8,18 +8,18 @@ import platforms
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion"]
 
-# g++ 12 finds that `"text" + string` copies a string onto itself, at -O3 and depending on what it inlines (GCC's bug 105651).
+# g++ 12 warns that `"text" + string` copies a string onto itself: a false alarm at -O3 (GCC bug 105651).
 GNU_WARNINGS = WARNINGS + ["-Wno-restrict"]
 
-# Contraction is off because a fused multiply-add rounds once where the source rounds twice: the same seed would give
-# other points on another processor.
+# Contraction is off because a fused multiply-add rounds once where the source rounds twice: one seed would then produce
+# different points on different processors.
 EXACT = ["-ffp-contract=off"]
-# On 32-bit x86 the compiler would compute with the old unit's 80 bits.
+# On 32-bit x86 the compiler would otherwise compute with the 80 bits of the x87 unit.
 EXACT_ON = {"x86_32": ["-msse2", "-mfpmath=sse"]}
 
 
 def name(env):
-    """What the compiler is called: g++, clang++, zig."""
+    """The compiler's name: g++, clang++, zig, em++."""
     if env["platform"] == "web":
         return "em++"
     return "zig" if env["use_zig"] else os.path.basename(env["CXX"])
@@ -34,8 +34,7 @@ def is_gnu(env):
 
 
 def choose(env):
-    """Sets the programs that compile, archive and link; returns what the compiler is called in a build folder's name, ""
-    for g++."""
+    """Sets the programs that compile, archive and link. Returns the compiler's name in a build folder's name, "" for g++."""
     if env["platform"] == "web":
         run = env.File("#tools/emscripten").abspath
         env.Replace(CXX=[run, "em++"], LINK=[run, "em++"], SHLINK=[run, "em++"], AR=[run, "emar"], RANLIB=[run, "emranlib"])
@@ -54,7 +53,7 @@ def is_release(env):
 
 
 def configure(env):
-    """The flags of all our code."""
+    """Adds the flags for all of our code."""
     release = is_release(env)
     env.Append(CPPDEFINES=["NDEBUG" if release else "DEBUG_ENABLED"])
     if env["target"] == "editor":
@@ -78,7 +77,7 @@ def configure_gnu(env, release):
         CCFLAGS=(GNU_WARNINGS if is_gnu(env) else WARNINGS) + (["-Werror"] if env["werror"] else []) + EXACT + EXACT_ON.get(env["arch"], []),
     )
     env.Append(CCFLAGS=["-fvisibility=hidden"] + (["-fPIC"] if env["platform"] != "windows" else []))
-    # Objects of programs and of the extension are the same: position-independent, hidden by default.
+    # Programs and the extension share their objects: position-independent, with hidden symbols by default.
     env["STATIC_AND_SHARED_OBJECTS_ARE_THE_SAME"] = 1
     env["OBJSUFFIX"] = env["SHOBJSUFFIX"] = ".o"
     env["SHCCFLAGS"] = ["$CCFLAGS"]
@@ -89,8 +88,8 @@ def configure_gnu(env, release):
     if env["platform"] == "web":
         env.Append(CCFLAGS=["-msimd128", "-sSUPPORT_LONGJMP=wasm"])
     if env["use_zig"]:
-        # zig checks for undefined behavior unless it is told otherwise; that has a build of its own. Paths of this
-        # machine are of no use to others.
+        # zig checks for undefined behavior by default; a build with sanitize=undefined does that instead. The prefix map keeps
+        # this machine's paths out of the binaries.
         env.Append(CCFLAGS=["-fno-sanitize=undefined", "-ffile-prefix-map=%s=." % env.Dir("#").abspath])
     if env["dev_build"]:
         env.Append(CCFLAGS=["-Og", "-g3"])
@@ -104,18 +103,18 @@ def configure_gnu(env, release):
         env.Append(CCFLAGS=["-g1"])
 
 
-# Code that runs when a property is set or a scene is read: there is much of it, and its speed is nobody's matter.
+# Code that runs when a property is set or a scene is read. There is a lot of it, and its speed does not matter.
 RARE = re.compile(
     r"extension/nodes/(?:biome|impostor|layer|model|region|sampler)/"
     r"|extension/nodes/gameplay/(?:collision_shapes|instance_answers|navigation_parse|scene_ring|scatter_gameplay_navigation|scatter_instances|scatter_request)"
     r"|extension/nodes/scatter/(?:build_at_once|draw_figures|layer_|node_layers|scatter_explanation|scatter_problems|scatter_tile|terrain_scatter_3d\.cpp$)"
-    r"|extension/nodes/terrain/(?:ground_watch|scatter_terrain)"
+    r"|extension/nodes/ground/(?:ground_watch|scatter_ground)"
     r"|_(?:binding|explain|properties|types)\.cpp$"
 )
 
 
 def object_of(env, source):
-    """The object of a source of the extension, small where that is what matters."""
+    """The object of one of the extension's sources, optimized for size where speed does not matter."""
     if not RARE.search(str(source)) or is_msvc(env):
         return source
     flags = ["-Os" if flag in ("-O2", "-O3") else flag for flag in env["CCFLAGS"]]
@@ -123,7 +122,7 @@ def object_of(env, source):
 
 
 def configure_msvc(env, release):
-    """Written from Microsoft's documentation; nobody has run it yet (README.md, "Build")."""
+    """Follows Microsoft's documentation, and has not been tried yet (README.md, "Build")."""
     env.Append(
         CXXFLAGS=["/std:c++20", "/EHsc", "/permissive-", "/Zc:__cplusplus", "/Zc:preprocessor", "/utf-8", "/bigobj"],
         CCFLAGS=["/W4"] + (["/WX"] if env["werror"] else []) + ["/fp:precise", "/GS", "/guard:cf"],
@@ -132,44 +131,44 @@ def configure_msvc(env, release):
     )
     env["STATIC_AND_SHARED_OBJECTS_ARE_THE_SAME"] = 1
     env.Append(CCFLAGS=["/Od", "/Zi"] if env["dev_build"] else ["/O2"])
-    # The C++ library goes in, as everywhere else.
+    # Links the C++ library statically, as on all platforms.
     env.Append(CCFLAGS=["/MT"])
 
 
 def shared_flags(env):
-    """What turns our objects into a library that a running Godot can load, unload and load again."""
+    """Adds the flags that make a library which a running Godot can load, unload and reload."""
     if is_msvc(env):
         return
     platform, release = env["platform"], is_release(env)
     if platform in ("linux", "android"):
-        # Templates of the standard library are visible whatever -fvisibility says; the map hides them too, so that
-        # Godot sees its entry and nothing that could be taken for its own.
+        # Templates of the standard library are visible regardless of -fvisibility. The map hides them too, so that Godot sees
+        # the entry point and nothing that it could confuse with a symbol of its own.
         exports = env.File("#tools/scons/exports.map")
         env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
         env.Append(LINKFLAGS=["-Wl,-z,relro", "-Wl,-z,now", "-Wl,-z,noexecstack", "-Wl,--build-id=sha1", "-Wl,--gc-sections"])
     if platform == "windows":
-        # Else a library's time of birth is written into it.
+        # Otherwise the linker writes the build time into the library.
         env.Append(LINKFLAGS=["-Wl,/Brepro" if env["use_zig"] else "-Wl,--no-insert-timestamp"])
     if platform == "macos":
         env.Append(LINKFLAGS=["-Wl,-dead_strip", "-Wl,-install_name,@rpath/${TARGET.file}"])
     if platform == "web":
         env.Append(LINKFLAGS=["-sSIDE_MODULE=2", "-sEXPORTED_FUNCTIONS=_thicket_library_init", "-sWASM_BIGINT"])
-        # A function that two objects declare otherwise is a warning to this linker, and a trap to who calls it.
+        # If two objects declare a function differently, this linker only warns, and a call to the function traps.
         env.Append(LINKFLAGS=["-sSUPPORT_LONGJMP=wasm", "-Wl,--fatal-warnings"])
         return
     if env["use_zig"]:
-        return  # It brings its own C++ library along, and has no unique symbols.
+        return  # zig links its own C++ library, and emits no unique symbols.
     gnu = is_gnu(env)
     if gnu:
-        # A unique symbol pins its library in memory for ever, and a reload would then find the old code.
+        # A unique symbol keeps its library in memory forever, and a reload would then run the old code.
         env.Append(CXXFLAGS=["-fno-gnu-unique"])
     if gnu and platform == "windows":
-        env.Append(LINKFLAGS=["-static"])  # Its library of threads too, which no other Windows has.
+        env.Append(LINKFLAGS=["-static"])  # Includes the threading library, which Windows lacks.
     elif release and not env["sanitize"] and (gnu or platform == "linux"):
         env.Append(LINKFLAGS=["-static-libstdc++", "-static-libgcc"])
 
 
 def extra_sources(env):
-    """Sources that the extension needs on this platform and with this compiler."""
-    # zig's start files call no destructors when a library is closed: its static objects would outlive its code.
+    """Sources that the extension needs on this platform with this compiler."""
+    # zig's start files call no destructors when a library is closed, so its static objects would outlive its code.
     return ["tools/scons/unload.cpp"] if env["use_zig"] and env["platform"] == "linux" else []

@@ -1,11 +1,11 @@
-"""The C# wrappers in the add-on, written from the class reference by tools/csharp."""
+"""The add-on's C# wrappers, which tools/csharp generates from the class reference."""
 
 import subprocess
 import sys
 
 
 def wrappers(env, addon):
-    """The nodes of the wrappers. Which there are is asked when the build starts."""
+    """The nodes of the wrappers. The build queries the generator for their names when it starts."""
     pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
     command = [sys.executable, env.File("#tools/csharp/generate.py").abspath, *[page.srcnode().abspath for page in pages]]
     listed = subprocess.run([*command, "--list"], capture_output=True, text=True, check=False)

@@ -1,5 +1,5 @@
-"""What engine code is compiled against: the godot-cpp that the user names, or the stand-in made from a description of the
-oldest engine that is supported."""
+"""The bindings that engine code is compiled against: either the godot-cpp that the user names, or our stand-in, which is generated
+from a description of the oldest supported engine."""
 
 import glob
 import os
@@ -12,13 +12,12 @@ DUMPED = ("extension_api.json", "gdextension_interface.h")
 
 
 def bind(env, out, sources):
-    """Prepares env for engine code; returns the objects that it must be linked with."""
+    """Prepares env for engine code. Returns the objects to link with it."""
     return external(env, env["godot_cpp"]) if env["godot_cpp"] else stand_in(env, out, sources)
 
 
 def external(env, folder):
-    """godot-cpp as its users have it: a built checkout, or an installed prefix. Its headers are not ours, so their
-    warnings are not shown."""
+    """Uses a godot-cpp: a built checkout or an installed prefix. Its headers are third-party code, so their warnings are off."""
     folder = os.path.abspath(folder)
     roots = [os.path.join(folder, part) for part in ("include", "gen/include", "gdextension")]
     archives = [
@@ -35,7 +34,7 @@ def external(env, folder):
     for root in roots:
         if os.path.isdir(root):
             env.Append(CCFLAGS=["-isystem", root])
-    # As godot-cpp's own build defines them for the code that links with it.
+    # The same definitions that godot-cpp's own build sets for code that links with it.
     env.Append(CPPDEFINES=["GDEXTENSION"], LIBS=[env.File(fitting[0])])
     if supports_reload(fitting[0]):
         env.Append(CPPDEFINES=["HOT_RELOAD_ENABLED"])
@@ -43,17 +42,16 @@ def external(env, folder):
 
 
 def supports_reload(archive):
-    """Whether a godot-cpp was built with use_hot_reload=yes. What is linked with it must be compiled alike: they share a
-    record for each thread that holds one more pointer then (or, before godot-cpp 4.5, a record of its own)."""
+    """Whether a godot-cpp was built with use_hot_reload=yes. Code linked with it must be compiled with the same setting, because
+    both share a thread-local record whose size depends on it (before godot-cpp 4.5: a different record)."""
     listed = subprocess.run(["nm", "-S", archive], capture_output=True, text=True, check=False).stdout
     sizes = re.findall(r"^[0-9a-f]+ ([0-9a-f]+) \w _ZZN5godot7Wrapped19_get_construct_infoEvE4info$", listed, re.MULTILINE)
     return any(int(size, 16) > 16 for size in sizes) or "5godot7Wrapped17recreate_instanceE" in listed
 
 
 def stand_in(env, out, sources):
-    """Our own stand-in: its hand-written part, and what its generator makes of the description. The interface header is the
-    engine's own. The generator tells beforehand which files it will write, so the engine is asked only when something that
-    needs them is built."""
+    """Uses our stand-in: its hand-written part, and the sources generated from the description. The interface header comes from
+    the engine itself. The generator lists its files beforehand, so that the engine runs only when a target needs them."""
     root = env.Dir("#").abspath
     generated = env.Dir(out + "/gen").abspath
     generator = [sys.executable, os.path.join(root, BINDINGS, "generate.py"), "--out", generated, "--used", used_api(root)]
@@ -65,7 +63,7 @@ def stand_in(env, out, sources):
     inputs = [path for path in inputs if "__pycache__" not in path]
     command = [*generator, "--api", description(root), "--interface", interface.abspath]
     action = env.Action([command], "write   %s/gen" % out.lstrip("#"))
-    # The generator reads headers as text: what they include, its own output among it, is no input of it.
+    # The generator reads headers as text. The files that they include, some of which it generates itself, are not its inputs.
     written = env.Command(
         listed.stdout.splitlines(),
         [interface, *sorted({*inputs, used_api(root), description(root)})],
@@ -78,7 +76,7 @@ def stand_in(env, out, sources):
 
 
 def class_reference(env, out, target):
-    """The object that gives the editor our class reference. Release builds have none: no editor loads them."""
+    """The object with our class reference for the editor. Release builds have none, because the editor does not load them."""
     pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
     if target == "template_release" or not pages:
         return []
@@ -91,7 +89,7 @@ def class_reference(env, out, target):
 
 
 def version_source(env):
-    """The file in which the oldest engine that the bindings know tells its version."""
+    """The file that contains the version of the oldest engine that the bindings support."""
     if not env["godot_cpp"]:
         return env.File(description(env.Dir("#").abspath))
     for part in ("gen/include", "include"):
@@ -102,17 +100,17 @@ def version_source(env):
 
 
 def version(text):
-    """Major and minor version, as "4.6", from the text of version_source."""
+    """Major and minor version, such as "4.6", from the text of version_source."""
     return ".".join(re.search(r'(?i)version_%s"?:? +([0-9]+)' % part, text).group(1) for part in ("major", "minor"))
 
 
 def used_api(root):
-    """The list of what engine code uses; it lies with that code or with the bindings."""
+    """The list of the API that engine code uses. It is either beside that code or beside the bindings."""
     return only(root, "used_api.toml")
 
 
 def description(root):
-    """What describe.py wrote of the oldest engine that is supported."""
+    """The description of the oldest supported engine, written by describe.py."""
     return only(root, "description_*.json")
 
 
@@ -124,7 +122,7 @@ def only(root, name):
 
 
 def find(env):
-    """(path, time) of the Godot that will be asked for its dump, or None."""
+    """(path, time) of the Godot that provides the dump, or None."""
     script = env.File("#tools/godot").abspath
     answer = subprocess.run([script, "--where"], capture_output=True, text=True, check=False)
     path = answer.stdout.strip()
@@ -132,7 +130,7 @@ def find(env):
 
 
 def dump(env):
-    """Nodes of the two files in which Godot describes itself, written anew whenever another Godot is found."""
+    """Nodes of the two files in which Godot describes itself. They are rewritten when a different Godot is found."""
     folder = "#build/engine/"
     found = find(env)
 
@@ -151,5 +149,5 @@ def dump(env):
             return 1
         return 0
 
-    action = env.Action(run, "ask     Godot what it offers")
+    action = env.Action(run, "query   Godot's API")
     return env.Command([folder + name for name in DUMPED], env.Value(found or "no Godot"), action)

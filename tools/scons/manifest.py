@@ -1,4 +1,4 @@
-"""The extension's file names, and the .gdextension manifest, written from the binaries that are really there."""
+"""The file names of the extension, and its .gdextension manifest, which lists the binaries that exist."""
 
 import os
 import re
@@ -16,8 +16,8 @@ BINARY = re.compile(
 
 
 def addon_folder(env, out):
-    """Where the extension is built: into the demo's addon if it runs here, else into the build folder, with sanitizers too,
-    which a plain Godot cannot load."""
+    """The folder that the extension is built into: the demo's add-on if a plain Godot on this machine can load it, otherwise the
+    build folder. A plain Godot cannot load a build with sanitizers."""
     here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["ship"])
     return "#" + ADDON if here else out + "/addon"
 
@@ -27,8 +27,8 @@ def binary_name(env, target):
 
 
 def manifest(env, addon, binaries):
-    """The node of the manifest, rewritten after the binaries are linked. What it says depends on which other binaries lie
-    there, built by other runs, so they are listed when the build starts."""
+    """The node of the manifest, which is rewritten after the binaries are linked. It also lists binaries that other runs have
+    built, so the folder is read when the build starts."""
     folder = env.Dir(addon)
     there = os.path.join(folder.abspath, "bin")
     names = set(os.listdir(there) if os.path.isdir(there) else [])
@@ -42,7 +42,7 @@ def manifest(env, addon, binaries):
 
 
 def write_text(target, source, env):
-    """What was built knows the engine of this version and all later ones, and promises nothing about older ones."""
+    """Writes the manifest. The binaries support the version that they were built for and all later ones, but no older one."""
     text = source[0].get_text_contents().replace("@MINIMUM@", engine.version(source[1].get_text_contents()))
     with open(target[0].abspath, "w", encoding="utf-8") as file:
         file.write(text)
@@ -51,20 +51,20 @@ def write_text(target, source, env):
 def write(names, icons):
     """The manifest's text for these files in bin/ and these in icons/."""
     binaries = sorted((match for match in map(BINARY.match, names) if match), key=lambda match: match.group(0))
-    kinds = {}  # What was built of each: {target: file}.
+    kinds = {}  # The binaries of each kind: {target: file}.
     for match in binaries:
         kinds.setdefault(match.group("platform", "arch", "double", "nothreads"), {})[match.group("target")] = match.group(0)
     several = {platform for platform, _, _, nothreads in kinds if nothreads}
     libraries = []
     for (platform, arch, double, nothreads), built in sorted(kinds.items(), key=str):
-        # Without a release binary an exported game still runs, and the other way round.
+        # Without a release binary, an exported game runs the debug binary, and vice versa.
         features = {
             "editor": built.get("editor"),
             "debug": built.get("template_debug") or built.get("editor") or built.get("template_release"),
             "release": built.get("template_release") or built.get("template_debug") or built.get("editor"),
         }
         tags = [arch] if arch else []
-        # One that is alone is offered to engines of both precisions: it refuses the wrong one and says why.
+        # A binary without a counterpart is offered to engines of both precisions. It refuses the wrong one and reports why.
         other = (platform, arch, None if double else ".double", nothreads)
         tags += ["double" if double else "single"] if other in kinds else []
         tags += ["nothreads" if nothreads else "threads"] if platform in several else []

@@ -1,4 +1,4 @@
-"""The platforms that Thicket is built for, named as godot-cpp names them, and how compilers call them."""
+"""The platforms that Thicket is built for, named as in godot-cpp, and their names in compilers."""
 
 import platform as host
 from dataclasses import dataclass
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Platform:
-    """What tells a platform from another."""
+    """The properties of a platform."""
 
     archs: tuple[str, ...]
-    suffix: str  # of a library
-    program: str = ""  # of a program's name
-    defines: tuple[str, ...] = ()  # as godot-cpp has them for the code that links with it
+    suffix: str  # The suffix of a library.
+    program: str = ""  # The suffix of a program.
+    defines: tuple[str, ...] = ()  # As in godot-cpp, for code that links with it.
 
 
 PLATFORMS = {
@@ -22,8 +22,8 @@ PLATFORMS = {
     "android": Platform(("arm64", "x86_64"), ".so", defines=("ANDROID_ENABLED", "UNIX_ENABLED")),
 }
 
-# What zig's compiler calls a platform and an architecture, with the oldest system that the result asks for. glibc 2.17 is
-# of 2012; for riscv64 there is none before 2.27.
+# zig's names for a platform and an architecture, with the oldest system that the result supports. glibc 2.17 is from 2012.
+# riscv64 needs 2.27.
 ZIG_TARGETS = {
     ("linux", "x86_64"): "x86_64-linux-gnu.2.17",
     ("linux", "arm64"): "aarch64-linux-gnu.2.17",
@@ -47,7 +47,7 @@ def native_arch():
 
 
 def problem(env):
-    """Why these options name nothing that can be built, as a sentence; None if they do."""
+    """A sentence that explains why nothing can be built with these options, or None if it can."""
     platform, arch = env["platform"], env["arch"]
     if platform not in PLATFORMS:
         return "platform=%s is none of %s" % (platform, ", ".join(PLATFORMS))
@@ -68,12 +68,12 @@ def zig_target(env):
 
 
 def is_native(env):
-    """Whether what is built runs on this machine as it is."""
+    """Whether the result runs on this machine."""
     return (env["platform"], env["arch"]) == (native_platform(), native_arch())
 
 
 def folder_name(env, kind, compiler):
-    """The build folder's name, of a target or of what is shipped; compiler: "" for the usual one."""
+    """The build folder's name, for a target or for a release. `compiler` is "" for the default compiler."""
     name = "%s.%s.%s" % (env["platform"], kind, env["arch"])
     name += ".double" if env["precision"] == "double" else ""
     name += "" if env["threads"] else ".nothreads"
@@ -81,7 +81,7 @@ def folder_name(env, kind, compiler):
 
 
 def library_name(env, target):
-    """godot-cpp's name for a library with these options, without `lib` and its end: thicket.linux.template_debug.x86_64."""
+    """godot-cpp's name for a library with these options, without `lib` and the suffix: thicket.linux.template_debug.x86_64."""
     name = "%s.%s" % (env["platform"], target)
     name += ".double" if env["precision"] == "double" else ""
     name += "" if env["arch"] == "universal" else ".%s" % env["arch"]

@@ -1,28 +1,42 @@
-"""The rooms of the sources, which room may include which, and the tests that belong to a room of the core."""
+"""The rooms of the sources, the rooms that each may include, and the tests that belong to each room of the core."""
 
 import os
 import re
 
-# Each room, and the rooms that it may include besides itself. A room stands behind all that it may include.
+# Each room, and the rooms whose headers it includes. A room comes after all that it includes. Tests compare the sources, README.md
+# and ARCHITECTURE.md with this table.
 ROOMS = {
     "core/base": [],
     "core/sampling": ["core/base"],
     "core/terrain": ["core/base"],
-    "core/model": ["core/base"],
-    "core/rules": ["core/base", "core/sampling", "core/terrain"],
+    "core/model": [],
+    "core/rules": ["core/base", "core/terrain"],
     "core/placement": ["core/base", "core/sampling", "core/terrain", "core/rules"],
-    "core/state": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
-    "core/query": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state"],
-    "core/near": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement", "core/state", "core/query"],
+    "core/state": ["core/base", "core/sampling"],
+    "core/query": ["core/base", "core/sampling", "core/placement", "core/state"],
+    "core/near": ["core/base", "core/placement", "core/state", "core/query"],
     "core/streaming": ["core/base"],
     "core/impostor": ["core/base"],
     "core/c_api": ["core/base", "core/sampling"],
     "bindings": [],
-    "nodes": ["core", "bindings"],
-}
+    "nodes/common": ["core/base"],
+    "nodes/impostor": ["core/impostor", "nodes/common"],
+    "nodes/ground": ["core/base", "core/terrain", "nodes/common"],
+    "nodes/sampler": ["core/base", "core/sampling", "nodes/common"],
+    "nodes/model": ["core/base", "core/model", "core/near", "nodes/common"],
+    "nodes/layer": ["core/base", "core/model", "core/rules", "core/placement", "core/state", "core/query", "core/streaming", "nodes/common", "nodes/model"],
+    "nodes/biome": ["core/rules", "nodes/common", "nodes/ground", "nodes/layer"],
+    "nodes/region": ["core/base", "core/rules", "nodes/common", "nodes/layer"],
+    "nodes/gameplay": ["core/base", "core/placement", "core/state", "core/query", "core/near", "nodes/common", "nodes/model", "nodes/layer"],
+    "nodes/scatter": [
+        "core/base", "core/sampling", "core/terrain", "core/placement", "core/state", "core/near", "core/streaming",
+        "nodes/common", "nodes/ground", "nodes/model", "nodes/layer", "nodes/biome", "nodes/region", "nodes/gameplay",
+    ],
+    "nodes": ["nodes"],  # Registers the classes of all rooms.
+}  # fmt: skip
 CORE = [room for room in ROOMS if room.startswith("core/")]
 
-# A part of a room that has tests of its own.
+# Parts of rooms that have tests of their own.
 PARTS = {"core/domain": "core/sampling/domain"}
 TESTED = ["core/base", "core/sampling", *PARTS, *CORE[2:]]
 
@@ -31,14 +45,24 @@ PREFIX = "core_tests_"
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
+def reached_from(room):
+    """The rooms that a room includes, directly or indirectly, in the order of the table."""
+    found, left = set(), [room]
+    while left:
+        new = set(ROOMS.get(left.pop(), [])) - found
+        found |= new
+        left += new
+    return [each for each in ROOMS if each in found]
+
+
 def asked_for(targets):
-    """Which of the targets are programs with the tests of one room: core_tests_rules, core_tests_query, ..."""
+    """The targets that are programs with the tests of one room: core_tests_rules, core_tests_query, ..."""
     return [name for name in targets if name.startswith(PREFIX)]
 
 
 def tests_of(root, name):
-    """Sources of the program core_tests_ROOM, and the rooms of the core that it is linked with. A test belongs to the last
-    room that it includes something of, by way of its fixtures too."""
+    """Sources of the program core_tests_ROOM, and the rooms of the core that it is linked with. A test belongs to the last room
+    that it includes, directly or through its fixtures."""
     wanted = "core/" + name[len(PREFIX) :]
     if wanted not in TESTED:
         raise SystemExit("thicket: %s: no such room; there are %s" % (name, ", ".join(room[5:] for room in TESTED)))
@@ -48,17 +72,17 @@ def tests_of(root, name):
             continue
         path = TESTS + "/" + file
         included = rooms_included(root, path, set())
-        # What is no test, the main function above all, is part of every program.
+        # Files that contain no tests, such as the main function, are part of every program.
         if not file.startswith("test_") or max(included, key=TESTED.index, default="") == wanted:
             files.append(path)
             needed |= included
     needed.update(os.path.dirname(PARTS[part]) for part in PARTS if part in needed)
-    needed.update(*(ROOMS.get(room, []) for room in needed))
+    needed.update(*(reached_from(room) for room in needed))
     return files, [room for room in CORE if room in needed]
 
 
 def rooms_included(root, path, seen):
-    """The rooms of the core that a file of the tests includes, also through other files of the tests."""
+    """The rooms of the core that a file of the tests includes, directly or through other files of the tests."""
     found = set()
     seen.add(path)
     with open(os.path.join(root, path), encoding="utf-8") as file:

@@ -10,12 +10,12 @@ from SCons.Script import BoolVariable, EnumVariable, PathVariable, Variables
 
 try:
     import fcntl
-except ImportError:  # not on Windows
+except ImportError:  # Windows has none.
     fcntl = None
 
 TARGETS = ("template_debug", "template_release", "editor")
 SANITIZERS = ("address", "undefined", "thread")
-# What a build takes from the environment, and what a compiler cache asks for.
+# The environment variables that a build passes on, for itself and for a compiler cache.
 INHERITED = ("PATH", "HOME", "TERM", "TMPDIR", "THICKET_CACHE", "XDG_CACHE_HOME")
 
 
@@ -23,16 +23,16 @@ def options():
     """The options of this build, as `scons --help` prints them."""
     known = Variables()
     known.AddVariables(
-        EnumVariable("target", "what to build for", "template_debug", allowed_values=TARGETS),
+        EnumVariable("target", "the kind of build", "template_debug", allowed_values=TARGETS),
         ("platform", "the system to build for: " + ", ".join(platforms.PLATFORMS), platforms.native_platform()),
-        ("arch", "its processor; by itself this machine's, or wasm32 for the web", ""),
-        EnumVariable("precision", "the engine's own: single, or double for one built so", "single", allowed_values=("single", "double")),
+        ("arch", "its processor; by default this machine's, or wasm32 for the web", ""),
+        EnumVariable("precision", "the engine's precision: double for an engine built with precision=double", "single", allowed_values=("single", "double")),
         BoolVariable("threads", "platform=web: for export templates with threads", True),
         BoolVariable("use_zig", "compile with zig, for this or another platform", False),
-        BoolVariable("ship", "what tools/package.sh needs: libraries for debug and release, with symbols to split off", False),
+        BoolVariable("ship", "for tools/package.sh: debug and release libraries, with symbols to split off", False),
         (
             "godot_cpp",
-            "a godot-cpp that was built or installed there; without it, the stand-in in extension/bindings is used",
+            "the folder of a built or installed godot-cpp; without it, the stand-in in extension/bindings is used",
             "",
             lambda key, value, env: value and PathVariable.PathIsDir(key, value, env),
         ),
@@ -57,13 +57,12 @@ def sanitizers(env):
 
 
 def targets(env):
-    """The targets that libraries are linked for. What is shipped is compiled once: its libraries differ by the class
-    reference alone."""
+    """The targets that libraries are linked for. A release is compiled once: its libraries differ only in the class reference."""
     return ("template_debug", "template_release") if env["ship"] else (env["target"],)
 
 
 def lock(env):
-    """Waits until no other build runs in this tree: two would write the same files. The lock ends with its process."""
+    """Waits until no other build runs in this tree, because both would write the same files. The lock ends with this process."""
     folder = env.Dir("#build").abspath
     os.makedirs(folder, exist_ok=True)
     file = open(os.path.join(folder, ".lock"), "w", encoding="utf-8")
@@ -77,8 +76,7 @@ def lock(env):
 
 
 def configure(env):
-    """Sets the flags that all our code is compiled with; returns the name of the build folder, one for each set of
-    options that gives other objects."""
+    """Sets the flags for all of our code. Returns the name of the build folder; options that change the objects change the name."""
     env["ENV"] = {name: value for name, value in os.environ.items() if name in INHERITED or name.startswith("CCACHE_")}
     env["arch"] = env["arch"] or ("wasm32" if env["platform"] == "web" else platforms.native_arch())
     env["CXX"] = env["CXX"] or os.environ.get("CXX") or "g++"
@@ -101,7 +99,7 @@ def configure(env):
         name += ".steps"
     name += ".dev" if env["dev_build"] else ""
     name += ".godot-cpp" if env["godot_cpp"] else ""
-    # Short lines while building: a compiler's own messages stay, compile_commands.json has the full commands.
+    # Short lines during a build. Compiler messages are unaffected, and compile_commands.json has the full commands.
     env.Replace(CXXCOMSTR="compile $SOURCE", SHCXXCOMSTR="compile $SOURCE", ARCOMSTR="archive $TARGET")
     env.Replace(LINKCOMSTR="link    $TARGET", SHLINKCOMSTR="link    $TARGET")
     env.Replace(ARFLAGS="rcsD", RANLIBCOM="")
@@ -109,7 +107,7 @@ def configure(env):
 
 
 def program_flags(env):
-    """What the extension, tests and benches have besides."""
+    """Adds the flags of the extension, tests and benchmarks."""
     if sanitizers(env):
-        # To compile so many checks would take longer than to run them. What they check, the core, keeps its level.
+        # Optimizing so many checks would take longer than running them. The core, which the checks are for, keeps its level.
         env.Append(CCFLAGS=["-O1"])

@@ -1,30 +1,31 @@
 extends RefCounted
-## Writes what stands in a rectangle as resources of the engine: a [MultiMesh] for each layer, mesh and tile, the meshes
-## that have no file of their own, and a scene of [MultiMeshInstance3D]s, each at the center of its tile.
+## Writes the instances in a rectangle as Godot resources: a [MultiMesh] for each layer, mesh and tile, and the meshes that have
+## no file of their own. It also writes a scene with a [MultiMeshInstance3D] for each [MultiMesh], at the center of its tile.
 ##
-## For scatter that never changes, and for tools that read scenes. Needs no editor:
+## For scatter that never changes, and for tools that read scenes. It works without the editor:
 ## [codeblock]
 ## var bake := preload("res://addons/thicket/bake.gd").new()
 ## if bake.begin($TerrainScatter3D, Rect2(0, 0, 512, 512), "res://baked", "valley") == OK:
 ##     while bake.step(20.0):
 ##         await get_tree().process_frame
 ## [/codeblock]
-## All files are written beside their final paths first and moved there at the end, so whoever cancels finds what was there before.
+## All files are first written beside their final paths and moved there at the end, so canceling leaves the previous files
+## unchanged.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
 const UNFINISHED := ".bake_unfinished/"
-## Most tiles of all layers together.
+## The largest number of tiles of all layers together.
 const MOST_TILES := 100000
-const UNWRITABLE := "Cannot write %s: %s. Check that the folder has room and may be written."
+const UNWRITABLE := "Cannot write %s: %s. Check that the folder is writable and the disk has room."
 
-## What went wrong, in a sentence; empty while nothing has.
+## The error as a sentence; empty if there is none.
 var problem := ""
 ## From 0 to 1.
 var progress := 0.0
-## Instances written so far.
+## Instances written by the current or the last bake.
 var instances := 0
-## Where the scene lies once [method step] has returned false without a [member problem].
+## The path of the scene, once [method step] has returned false without a [member problem].
 var scene_path := ""
 
 var _scatter: Node3D
@@ -39,9 +40,9 @@ var _written: PackedStringArray = []
 var _mesh_files: Dictionary[Mesh, Mesh] = {}
 
 
-## Begins to bake [param rect] (world x, z in meters) into [param folder], which is made if need be, with a scene of the
-## name [param name]. [param layers] are indices in the scatter's list; empty for all. Returns an error, and says why in
-## [member problem], where that cannot be.
+## Begins to bake [param rect] (world x, z in meters) into [param folder], which is created if it does not exist. The scene is
+## named [param name]. [param layers] are indices in the scatter's list; an empty array means all layers. On failure, returns an
+## error and explains it in [member problem].
 func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers := PackedInt32Array()) -> Error:
 	cancel()
 	problem = ""
@@ -55,22 +56,22 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 		return _refuse(ERR_INVALID_PARAMETER, "The rectangle must be finite and have an area, got %s." % rect)
 	if name.is_empty() or not name.is_valid_filename():
 		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without / : ? * and the like, got '%s'." % name)
-	if scatter.get(&"terrain") == null:
-		return _refuse(ERR_UNCONFIGURED, "%s has no terrain: set TerrainScatter3D.terrain." % scatter.name)
+	if scatter.get(&"ground") == null:
+		return _refuse(ERR_UNCONFIGURED, "%s has no ground: set TerrainScatter3D.ground." % scatter.name)
 	var error := _list_tiles(layers)
 	if error != OK:
 		return error
 	error = DirAccess.make_dir_recursive_absolute(_folder + UNFINISHED)
 	if error != OK:
-		return _refuse(error, "Cannot make the folder %s: %s. Choose a folder that may be written." % [_folder, error_string(error)])
+		return _refuse(error, "Cannot create the folder %s: %s. Choose a writable folder." % [_folder, error_string(error)])
 	_empty_unfinished()
 	_name = name
 	_running = true
 	return OK
 
 
-## Goes on for about [param msec] milliseconds, at least by one tile. Returns true while there is more to do; false at
-## the end, after [method cancel], and where something went wrong.
+## Continues for about [param msec] milliseconds, and bakes at least one tile. Returns true while there is more to do. Returns
+## false at the end, after [method cancel], and on an error.
 func step(msec: float) -> bool:
 	if not _running:
 		return false
@@ -89,7 +90,7 @@ func step(msec: float) -> bool:
 	return false
 
 
-## Gives up what has been begun and leaves nothing of it. Without effect when nothing is under way.
+## Stops a bake in progress and removes its unfinished files. Does nothing if no bake is in progress.
 func cancel() -> void:
 	if not _running:
 		return
@@ -115,7 +116,7 @@ func _refuse(error: Error, why: String) -> Error:
 
 
 func _list_tiles(chosen: PackedInt32Array) -> Error:
-	# World x and z in double precision, as the tiles have them.
+	# World x and z in double precision, as tiles use them.
 	var offset: Vector3 = _scatter.get(&"world_offset")
 	var low := [_rect.position.x + offset.x, _rect.position.y + offset.z]
 	var bounds := PackedFloat64Array([low[0], low[1], low[0] + _rect.size.x, low[1] + _rect.size.y])
@@ -148,7 +149,7 @@ func _bake_tile(tile: Vector3i) -> bool:
 	var layer: Resource = _scatter.get(&"layers")[tile.x]
 	var built: RefCounted = _scatter.call(&"build_tile", tile.x, Vector2i(tile.y, tile.z), _rect)
 	if built.get_mesh_count() == 0:
-		problem = "Layer %d cannot be baked; the error that was printed says why." % tile.x
+		problem = "Layer %d cannot be baked; the printed error has the reason." % tile.x
 		return false
 	for mesh_index: int in built.get_mesh_count():
 		var buffer: PackedFloat32Array = built.get_buffer(mesh_index)
@@ -178,7 +179,7 @@ func _multimesh(layer: Resource, buffer: PackedFloat32Array, count: int, mesh: M
 	return multimesh
 
 
-## The mesh itself if it has a file of its own, else a copy that gets one.
+## The mesh itself if it has its own file, else a copy that is saved to one.
 func _in_file(mesh: Mesh, layer: int, mesh_index: int) -> Mesh:
 	if not mesh.resource_path.is_empty() and not "::" in mesh.resource_path:
 		return mesh
@@ -200,13 +201,13 @@ func _instance(layer: Resource, tile: Vector3i, origin: Vector3, multimesh: Mult
 	return instance
 
 
-## In names of files: the layer's index and its name, if it has one.
+## The part of a file name that stands for a layer: its index, and its name if it has one.
 func _file_part(layer: int) -> String:
 	var name: String = _scatter.get(&"layers")[layer].resource_name.to_snake_case().validate_filename()
 	return "%d_%s" % [layer, name] if not name.is_empty() else str(layer)
 
 
-## Writes a resource to its unfinished path. Whoever refers to it then names its final path.
+## Writes a resource to its unfinished path. Resources that refer to it are then saved with its final path.
 func _save(resource: Resource, file: String) -> bool:
 	var error := WholeFile.save_new(resource, _folder + UNFINISHED + file)
 	resource.set_path_cache(_folder + file)
@@ -233,7 +234,7 @@ func _write_scene() -> bool:
 	return _save(packed, scene_path.get_file())
 
 
-## Moves all files to their final paths, the scene last. Files of an earlier bake that this one has not written are removed.
+## Moves all files to their final paths, the scene last. Removes files of an earlier bake that this one did not write.
 func _move_all() -> bool:
 	var stale := _files_of_scene()
 	for file in _written:
@@ -252,7 +253,7 @@ func _move_all() -> bool:
 	return true
 
 
-## What an earlier bake of this name wrote here.
+## The files that an earlier bake of this name wrote here.
 func _files_of_scene() -> PackedStringArray:
 	var files := PackedStringArray()
 	if FileAccess.file_exists(scene_path):

@@ -1,6 +1,6 @@
 extends RefCounted
-## Bakes the impostors of a layer: one for each of its meshes, as a last LOD, each in a file of its own. The editor's button does
-## this; here it is for scripts, headless too:
+## Bakes the impostors of a layer: one for each of its meshes, as the last LOD, each in its own file. The editor's button uses this
+## class. Scripts can use it too, also headless:
 ## [codeblock]
 ## var bake := preload("res://addons/thicket/bake_impostors.gd").new()
 ## if bake.begin(layer, "res://forest_impostors", "oaks") == OK:
@@ -9,45 +9,45 @@ extends RefCounted
 ##     layer.lod_meshes = bake.lod_meshes
 ##     layer.lod_distances = bake.lod_distances
 ## [/codeblock]
-## Nothing is written before all of them are baked, and the layer stays as it is: what it should have is in [member lod_meshes] and
-## [member lod_distances].
+## Nothing is written before all of them are baked, and the layer is not changed. [member lod_meshes] and [member lod_distances]
+## have the values to set on it.
 
 const Impostor := preload("res://addons/thicket/impostor.gd")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
-## What lay in a file before an impostor was written into it.
+## The content of a file before an impostor replaced it.
 class Replaced:
 	var bytes: PackedByteArray
-	## What was loaded from it and is in use; null for nothing.
+	## The resource that was loaded from the file and is in use; null if there is none.
 	var resource: Resource
 
-## How each impostor is baked; set it up before [method begin].
+## The settings of each impostor's bake. Change them before [method begin].
 var impostor := Impostor.new()
-## What went wrong, in a sentence; empty while nothing has.
+## The error as a sentence; empty if there is none.
 var problem := ""
-## What could not be taken over from materials, in sentences.
+## Warnings about material properties that impostors cannot reproduce, a sentence each.
 var warnings := PackedStringArray()
 ## From 0 to 1.
 var progress := 0.0
-## The layer's LODs with the impostors as their last row, once [method step] has returned false without a [member problem]. A row of
-## impostors that was the last one before is replaced.
+## The layer's LODs with the impostors as the last row, once [method step] has returned false without a [member problem]. If the
+## last row was impostors already, they are replaced.
 var lod_meshes: Array[Mesh] = []
-## The distances to go with them, in meters.
+## The distances for [member lod_meshes], in meters.
 var lod_distances := PackedFloat32Array()
-## The files that were written.
+## The paths of the files that were written.
 var files := PackedStringArray()
-## What lay in those of them that were there before: for undo.
+## The previous contents of those [member files] that existed before, for undo.
 var replaced: Dictionary[String, Replaced] = {}
 
 var _layer: Resource
-var _meshes: Array[Mesh] = [] # Of its entries, null for those of which nothing is drawn.
+var _meshes: Array[Mesh] = [] # Of the layer's entries; null for entries that draw nothing.
 var _stem := ""
 var _baked: Array[Mesh] = []
 var _running := false
 
 
-## Begins to bake the impostors of [param layer] into [param folder], which is made if need be; names of files begin with
-## [param name]. Returns an error, and says why in [member problem], where that cannot be.
+## Begins to bake the impostors of [param layer] into [param folder], which is created if it does not exist. File names begin with
+## [param name]. On failure, returns an error and explains it in [member problem].
 func begin(layer: Resource, folder: String, name: String) -> Error:
 	cancel()
 	problem = ""
@@ -66,15 +66,16 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 		return _refuse(ERR_UNCONFIGURED, "The layer has no mesh to bake: add one to ScatterLayer.meshes.")
 	var error := DirAccess.make_dir_recursive_absolute(folder)
 	if error != OK:
-		return _refuse(error, "Cannot make the folder %s: %s. Choose a folder that may be written." % [folder, error_string(error)])
+		return _refuse(error, "Cannot create the folder %s: %s. Choose a writable folder." % [folder, error_string(error)])
 	_stem = folder.path_join(name)
 	impostor.material_override = layer.get(&"material_override")
 	_running = true
 	return _begin_next()
 
 
-## Looks whether there is something to go on with, which takes a moment after each impostor and none while one is baked on another
-## thread. Returns true while there is more to do; false at the end, after [method cancel], and where something went wrong.
+## Checks whether an impostor is finished, and begins the next one. This takes a moment after each impostor, and no time while
+## another thread bakes one. Returns true while there is more to do. Returns false at the end, after [method cancel], and on an
+## error.
 func step() -> bool:
 	if not _running:
 		return false
@@ -99,14 +100,14 @@ func step() -> bool:
 	return false
 
 
-## Gives up what has been begun. Without effect when nothing is under way.
+## Stops a bake in progress. Does nothing if none is in progress.
 func cancel() -> void:
 	if _running:
 		impostor.cancel()
 		_running = false
 
 
-## What is baked of an entry of [member ScatterLayer.meshes]: its finest LOD; null for nothing.
+## The mesh that is baked for an entry of [member ScatterLayer.meshes]: its finest LOD; null if there is none.
 func _finest(entry: int) -> Mesh:
 	var lods: Array = _layer.call(&"get_mesh_lods", entry)
 	var lod: Resource = lods[0] if not lods.is_empty() else null
@@ -118,7 +119,7 @@ func _refuse(error: Error, why: String) -> Error:
 	return error
 
 
-## A missing mesh draws nothing, and so has no impostor.
+## Begins the next impostor. A missing mesh draws nothing, so it has no impostor.
 func _begin_next() -> Error:
 	while _baked.size() < _meshes.size() and _meshes[_baked.size()] == null:
 		_baked.append(null)
@@ -137,21 +138,21 @@ func _save() -> bool:
 		if FileAccess.file_exists(path):
 			replaced[path] = Replaced.new()
 			replaced[path].bytes = FileAccess.get_file_as_bytes(path)
-			if FileAccess.get_open_error() != OK: # Undo could not bring it back.
-				problem = "Cannot read %s, which is to be replaced: %s. Make it readable, or remove it." % [
+			if FileAccess.get_open_error() != OK: # Undo could not restore the file.
+				problem = "Cannot read %s, which would be replaced: %s. Make it readable, or remove it." % [
 					path, error_string(FileAccess.get_open_error())]
 				return false
 			replaced[path].resource = load(path) if ResourceLoader.has_cached(path) else null
 		var error := WholeFile.save(_baked[index], path)
 		if error != OK:
-			problem = "Cannot write %s: %s. Check that its folder has room and may be written." % [path, error_string(error)]
+			problem = "Cannot write %s: %s. Check that its folder is writable and the disk has room." % [path, error_string(error)]
 			return false
 		_baked[index].take_over_path(path)
 		files.append(path)
 	return true
 
 
-## An instance may be larger than its mesh, and all meshes change at one distance: the largest decides.
+## Instances may be larger than their meshes, and all meshes switch at one distance, so the largest one decides.
 func _set_lods() -> void:
 	var count := _baked.size()
 	var distance := 0.0
@@ -165,7 +166,7 @@ func _set_lods() -> void:
 	if not distances.is_empty() and _is_impostor_row(meshes.slice(-count)):
 		distances.resize(distances.size() - 1)
 		meshes.resize(distances.size() * count)
-	# Distances ascend: a level that begins farther away than the impostor would stays where it is.
+	# Distances must ascend: if the last LOD begins beyond the impostors' distance, it stays, and they begin behind it.
 	if not distances.is_empty():
 		distance = maxf(distance, distances[-1] * 1.25)
 	distances.append(snappedf(distance, 1.0))

@@ -1,10 +1,10 @@
 extends SceneTree
-## Makes tiles of a scene's [code]TerrainScatter3D[/code], into a folder, or for a driver in another program:
+## Generates tiles of a scene's [code]TerrainScatter3D[/code], into a folder or for a driver in a different program:
 ## [codeblock]
 ## godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER rect=-512,-512,1024,1024
 ## godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn connect=PORT token=WORD
 ## [/codeblock]
-## Without arguments it prints all that it takes. Without the native library it ends with 2.
+## Without arguments it prints a list of its arguments. Without the native library it exits with code 2.
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 

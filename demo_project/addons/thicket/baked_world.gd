@@ -1,51 +1,54 @@
-class_name BakedWorld
+class_name ScatterBakedWorld
 extends Node3D
-## Streams the tiles of a baked world around the current camera. Plain GDScript: it needs no extension, so it runs where none can be loaded.
+## Streams the tiles of a baked world around the current camera. It is plain GDScript and needs no extension, so it also runs on platforms that cannot load
+## one.
 ##
-## [code]bash demo_project/bake_export.sh OUT godot FOLDER[/code] writes the tiles of a bake, and [code]baked_world.scn[/code] with one such node.
-## Files are read on threads, and at most [member frame_budget_usec] of a frame go into tiles that come or go, or one tile where that takes longer. What is
-## baked stands as it is: for rules, felling and queries use [code]TerrainScatter3D[/code].
+## [code]bash demo_project/bake_export.sh OUT godot FOLDER[/code] writes the tiles of a bake, and [code]baked_world.scn[/code] with one such node. Files are
+## read on threads. Adding tiles takes at most [member frame_budget_usec] of each frame, or one tile where that takes longer. Baked instances cannot change:
+## for rules, felling and queries use [code]TerrainScatter3D[/code].
 ##
-## The index and the tiles are data: reading them runs no code that they contain, so they may come from players. The index has the SHA-256 of
-## each tile, and a tile with a different one is not shown. Meshes and materials are loaded as the game's own files, and only from [code]res://[/code].
+## The index and the tiles are data: reading them runs no code that they contain, so they may come from players. The index has the SHA-256 of each tile, and
+## a tile with a different one is not shown. Meshes and materials are loaded as the game's own files, and only from [code]res://[/code].
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 const Tile := preload("res://addons/thicket/baked_world_tile.gd")
 const Models := preload("res://addons/thicket/baked_world_models.gd")
 
-## A tile is in the tree from now on.
+## Emitted when a tile was added to the tree.
 signal tile_shown(tile: Vector2i)
-## A tile is gone.
+## Emitted when a tile was removed.
 signal tile_freed(tile: Vector2i)
-## A tile cannot be loaded; an error says why. It is not tried again until [member index_file] is set.
+## Emitted when a tile cannot be loaded; the printed error gives the reason. The tile is not tried again until [member index_file] is set.
 signal tile_failed(tile: Vector2i)
 
-## Files that are read at once.
+## The largest number of files that are read at the same time.
 const MOST_LOADING := 4
-const UNUSABLE := "BakedWorld.index_file is %s, which must be the index of a baked world: %s. Nothing is shown. Export the bake again (bake_export.sh)."
-const OUTDATED := "BakedWorld.index names %s, which an earlier version exported, with scenes for tiles. Scenes may run code, so nothing is shown. " \
-		+ "Export the bake again (bake_export.sh); the bake itself is still good."
+const UNUSABLE := "ScatterBakedWorld.index_file is %s, which must be the index of a baked world: %s. Nothing is shown. Export the bake again (bake_export.sh)."
+const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version exported, with scenes for tiles. Scenes may run code, so nothing is shown. " \
+		+ "Export the bake again (bake_export.sh); the bake itself is still valid."
 
-## The index of the world, [code]baked_world.baked[/code]. The tiles lie beside it. Empty for nothing.
+## The index of the world, [code]baked_world.baked[/code]. The tiles are in a folder beside it. Empty for no world.
 @export_file("*.baked") var index_file := "":
 	set(value):
 		_drop_all()
 		index_file = value
 		_look_up()
-## Tiles that are nearer to the camera than this are shown, in meters in the plane of x and z. A tile goes when it is farther away by a quarter of its side.
+## Tiles that are nearer to the camera than this are shown, in meters in the plane of x and z. A tile is removed when it is farther away than this by a
+## quarter of its side.
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
 	set(value):
 		if not (value >= 0.0 and value < 1e6):
-			push_error("BakedWorld.view_distance must be between 0 and 1000000 m, got %s. The last valid value stays; set one in this range." % value)
+			push_error("ScatterBakedWorld.view_distance must be between 0 and 1000000 m, got %s. The last valid value is kept; set one in this range." % value)
 			return
 		view_distance = value
 		_is_stale = true
-## How much of a frame may go into tiles that come or go, in microseconds. At least one tile comes in a frame where one is ready.
+## The time in each frame for loading models and adding tiles, in microseconds. In each frame in which a tile is ready, at least one is added.
 @export_range(100, 20000, 100, "suffix:µs") var frame_budget_usec := 2000
-## Whose surroundings are shown; the current camera of the viewport where there is none.
+## The node around which tiles are shown; if null, the current camera of the viewport.
 @export var viewer: Node3D
 
-## Where the engine's origin is in the world, in meters, as [code]TerrainScatter3D.world_offset[/code]. At first, as the baked scene had it.
+## The position of the engine's origin in the world, in meters, as [code]TerrainScatter3D.world_offset[/code]. Setting [member index_file] sets it to the
+## offset of the baked scene.
 var world_offset := Vector3.ZERO:
 	set(value):
 		world_offset = value
@@ -53,16 +56,16 @@ var world_offset := Vector3.ZERO:
 		for tile in _shown:
 			_shown[tile].position = _place_of(_numbers[tile])
 
-var _index: Index # Null for none, and for one that cannot be used.
+var _index: Index # Null if there is none or it cannot be used.
 var _models: Models
-var _numbers: Dictionary[Vector2i, int] = {} # Of each tile in the index.
+var _numbers: Dictionary[Vector2i, int] = {} # The number of each tile in the index.
 var _shown: Dictionary[Vector2i, Node3D] = {}
 var _loading: Dictionary[Vector2i, Tile] = {}
 var _failed: Dictionary[Vector2i, bool] = {}
-var _wanted: Array[Vector2i] = [] # Neither shown nor being read, the nearest last.
-# Most builds for the web have no threads.
+var _wanted: Array[Vector2i] = [] # Neither shown nor being read; the nearest is last.
+# Most web builds have no threads.
 var _has_threads: bool = OS.has_feature("threads") and ProjectSettings.get_setting("threading/worker_pool/max_threads", -1) != 0
-# Without a display the engine has a stand-in for a renderer, which several threads may not use for multimeshes.
+# Without a display the engine uses a dummy renderer, and multimeshes must not be built on several threads with it.
 var _builds_on_threads: bool = _has_threads and DisplayServer.get_name() != "headless"
 var _is_stale := true
 var _looked_from := Vector2.INF # World x, z.
@@ -73,7 +76,7 @@ func _exit_tree() -> void:
 	_is_stale = true
 
 
-## Worlds that earlier versions exported set an index that was a resource.
+## Reports worlds that earlier versions exported: they set an index that was a resource.
 func _set(property: StringName, value: Variant) -> bool:
 	if property != &"index":
 		return false
@@ -90,23 +93,23 @@ func _process(_delta: float) -> void:
 	if _is_stale or here.distance_to(_looked_from) > _index.tile_size / 16.0:
 		_look_around(here)
 	var deadline := Time.get_ticks_usec() + frame_budget_usec
-	# Whoever hears a signal may have changed anything.
+	# Handlers of a signal may have changed anything.
 	if _index != null and _has_models(deadline):
 		_request()
 		_take(deadline)
 
 
-## The tiles that are in the tree, in no order.
+## Returns the tiles that are in the tree, in no particular order.
 func get_shown_tiles() -> Array[Vector2i]:
 	return _shown.keys()
 
 
-## The root of a tile, which has a [MultiMeshInstance3D] for each layer and model. Null while it is not shown.
+## Returns the root of a tile, which has a [MultiMeshInstance3D] for each layer and model. Null while the tile is not shown.
 func get_tile(tile: Vector2i) -> Node3D:
 	return _shown.get(tile)
 
 
-## How many instances stand in the tiles that are shown.
+## Returns the number of instances in the tiles that are shown.
 func get_instance_count() -> int:
 	var sum := 0
 	for tile in _shown:
@@ -114,7 +117,7 @@ func get_instance_count() -> int:
 	return sum
 
 
-## Whether everything that is near enough is shown, but for what cannot be loaded.
+## Returns true if everything near enough is shown, except for tiles that cannot be loaded.
 func is_settled() -> bool:
 	return _index != null and not _is_stale and _wanted.is_empty() and _loading.is_empty()
 
@@ -142,7 +145,7 @@ func _look_up() -> void:
 	_is_stale = true
 
 
-## In double precision up to the last step.
+## The position of a tile's root. Computed in double precision until the last step.
 func _place_of(number: int) -> Vector3:
 	return Vector3(
 		_index.centers[3 * number] - world_offset.x,
@@ -151,7 +154,7 @@ func _place_of(number: int) -> Vector3:
 	)
 
 
-## Meters from a place to the square of a tile.
+## The distance in meters from a position to the square of a tile.
 func _distance(tile: Vector2i, here: Vector2) -> float:
 	var least := Vector2(tile) * _index.tile_size
 	return here.distance_to(here.clamp(least, least + Vector2.ONE * _index.tile_size))
@@ -182,7 +185,7 @@ func _tiles_near(here: Vector2) -> Array[Vector2i]:
 	var least := Vector2i(((here - Vector2.ONE * view_distance) / _index.tile_size).floor())
 	var greatest := Vector2i(((here + Vector2.ONE * view_distance) / _index.tile_size).floor())
 	var near: Array[Vector2i] = []
-	# Whichever are fewer: the squares around, or the tiles that there are.
+	# Iterates over the smaller set: the squares in range, or all tiles of the index.
 	if float(greatest.x - least.x + 1) * (greatest.y - least.y + 1) > _numbers.size():
 		near.assign(_numbers.keys())
 		return near
@@ -193,7 +196,7 @@ func _tiles_near(here: Vector2) -> Array[Vector2i]:
 	return near
 
 
-## Whether the meshes and materials are there, which tiles need to be read.
+## Whether the meshes and materials that tiles need are loaded. Continues to load them.
 func _has_models(deadline: int) -> bool:
 	if _models == null:
 		_models = Models.new(_index, _builds_on_threads)
@@ -205,13 +208,13 @@ func _request() -> void:
 		var wanted: Vector2i = _wanted.pop_back()
 		var tile := Tile.new(_index, _numbers[wanted], _models.meshes, _models.materials)
 		if _has_threads:
-			tile.task = WorkerThreadPool.add_task(tile.run if _builds_on_threads else tile.read, false, "Read a tile of a BakedWorld")
+			tile.task = WorkerThreadPool.add_task(tile.run if _builds_on_threads else tile.read, false, "Read a tile of a ScatterBakedWorld")
 		_loading[wanted] = tile
 
 
 func _take(deadline: int) -> void:
 	for at: Vector2i in _loading.keys():
-		# A signal may have dropped all.
+		# A handler of a signal may have dropped all tiles.
 		if not _loading.has(at):
 			return
 		var tile := _loading[at]
@@ -229,7 +232,7 @@ func _take(deadline: int) -> void:
 			return
 
 
-## Frees the task of a tile that was read, and does what no thread has done.
+## Frees the task of a tile that was read, and does the work that no thread has done.
 func _finish(tile: Tile) -> void:
 	if _has_threads:
 		WorkerThreadPool.wait_for_task_completion(tile.task)
@@ -253,7 +256,7 @@ func _show(at: Vector2i, tile: Tile) -> void:
 
 func _fail(tile: Vector2i, why: String) -> void:
 	_failed[tile] = true
-	push_error("BakedWorld: the tile %s cannot be shown: %s. Export the bake again." % [tile, why])
+	push_error("ScatterBakedWorld: the tile %s cannot be shown: %s. Export the bake again." % [tile, why])
 	tile_failed.emit(tile)
 
 

@@ -1,32 +1,32 @@
 extends RefCounted
-## A file of a baked world: a JSON object and bytes, behind a SHA-256 of both. Reading one runs no code from it.
+## A file of a baked world: a JSON object and bytes, preceded by the SHA-256 of both. Reading one runs no code from it.
 ##
-## A file never goes through the engine's [ResourceLoader], which runs scripts that a resource holds. It begins with 48 bytes: [constant MAGIC],
-## the version (32 bits, little-endian like all numbers), the SHA-256 of everything after it (32 bytes), the length of the JSON text, and the size of
-## the unpacked bytes. Then come the text and the bytes, packed with Zstandard.
+## A file is never loaded with the engine's [ResourceLoader], which runs the scripts that a resource contains. It begins with 48 bytes:
+## [constant MAGIC], the version (32 bits, little-endian like all numbers), the SHA-256 of everything after it (32 bytes), the length of the JSON
+## text, and the size of the unpacked bytes. The text and the bytes, packed with Zstandard, follow.
 
 const MAGIC := "THBW"
 const VERSION := 1
-## The ending of these files' names.
+## The extension of these files.
 const EXTENSION := "baked"
-## Bytes that a file may have, and may unpack to.
+## The largest size of a file, and of its unpacked bytes.
 const MOST_BYTES := 1 << 30
 const MOST_CHARACTERS := 1000
-const _START := 48 # Where the text begins.
+const _START := 48 # Where the JSON text begins.
 const _HASHED_FROM := 40
 const _HASHED_AT_ONCE := 1 << 16
 
-## The error of the file, or of a field of it that was read; empty if there is none.
+## The error of the file, or of a field that was read from it; empty if there is none.
 var problem := ""
 ## The JSON object.
 var header: Dictionary = {}
-## The bytes, unpacked.
+## The unpacked bytes.
 var payload := PackedByteArray()
 ## The SHA-256 of the text and the packed bytes.
 var digest := PackedByteArray()
 
 
-## The content of a file with this header and payload, which [method read] takes.
+## The content of a file with this header and payload, as [method read] expects it.
 static func packed(content: Dictionary, bytes: PackedByteArray) -> PackedByteArray:
 	var text := JSON.stringify(content, "", true, true).to_utf8_buffer()
 	var body := PackedByteArray()
@@ -44,12 +44,12 @@ static func packed(content: Dictionary, bytes: PackedByteArray) -> PackedByteArr
 	return result
 
 
-## The SHA-256 that [method packed] put into a file's content.
+## The SHA-256 that [method packed] wrote into a file's content.
 static func digest_in(content: PackedByteArray) -> PackedByteArray:
 	return content.slice(8, _HASHED_FROM)
 
 
-## Reads a file and checks that it is whole. Returns false with a [member problem]. Any thread may call it.
+## Reads a file and checks that it is complete and undamaged. Otherwise returns false and sets [member problem]. May be called from any thread.
 func read(path: String) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ)
 	if file == null:
@@ -59,7 +59,7 @@ func read(path: String) -> bool:
 		return _refuse("it must have %d to %d bytes, got %d" % [_START, MOST_BYTES, length])
 	var bytes := file.get_buffer(length)
 	if bytes.size() != length or bytes.slice(0, 4) != MAGIC.to_ascii_buffer():
-		return _refuse("it is no file of a baked world")
+		return _refuse("it is not a file of a baked world")
 	if bytes.decode_u32(4) != VERSION:
 		return _refuse("its version must be %d, got %d" % [VERSION, bytes.decode_u32(4)])
 	digest = _sha256(bytes, _HASHED_FROM)
@@ -82,7 +82,7 @@ func _unpack(bytes: PackedByteArray) -> bool:
 	return payload.size() == size or _refuse("its bytes must unpack to %d, got %d" % [size, payload.size()])
 
 
-## A field of a JSON object that is a number in this range, which is finite; [param least] and a [member problem] for any other.
+## Reads a field that must be a finite number in this range. Otherwise returns [param least] and sets [member problem].
 func number(of: Dictionary, field: String, least: float, most: float) -> float:
 	var value: Variant = of.get(field)
 	if _is_number(value) and value >= least and value <= most:
@@ -91,7 +91,7 @@ func number(of: Dictionary, field: String, least: float, most: float) -> float:
 	return least
 
 
-## As [method number], for whole numbers.
+## Like [method number], for whole numbers.
 func whole(of: Dictionary, field: String, least: int, most: int) -> int:
 	var value := number(of, field, least, most)
 	if value != floorf(value):
@@ -99,7 +99,7 @@ func whole(of: Dictionary, field: String, least: int, most: int) -> int:
 	return int(value)
 
 
-## A field of a JSON object that is a text; an empty one and a [member problem] for any other.
+## Reads a field that must be a string. Otherwise returns an empty one and sets [member problem].
 func text(of: Dictionary, field: String) -> String:
 	var value: Variant = of.get(field)
 	if value is String and (value as String).length() <= MOST_CHARACTERS:
@@ -108,13 +108,13 @@ func text(of: Dictionary, field: String) -> String:
 	return ""
 
 
-## A field of a JSON object that is true or false; false and a [member problem] for any other.
+## Reads a field that must be true or false. Otherwise returns false and sets [member problem].
 func flag(of: Dictionary, field: String) -> bool:
 	var value: Variant = of.get(field)
 	return value if value is bool else _refuse("%s must be true or false, got %s" % [field, _shown(value)])
 
 
-## A field of a JSON object that is an array whose elements all have this type; an empty one and a [member problem] for any other.
+## Reads a field that must be an array whose elements all have this type. Otherwise returns an empty one and sets [member problem].
 func list(of: Dictionary, field: String, type: Variant.Type) -> Array:
 	var value: Variant = of.get(field)
 	if value is Array and (value as Array).all(func(element: Variant) -> bool: return typeof(element) == type):
@@ -123,7 +123,7 @@ func list(of: Dictionary, field: String, type: Variant.Type) -> Array:
 	return []
 
 
-## As [method list], for so many finite numbers; zeros for any other.
+## Reads a field that must be an array of [param count] finite numbers. Otherwise returns zeros and sets [member problem].
 func numbers(of: Dictionary, field: String, count: int) -> PackedFloat64Array:
 	var value: Variant = of.get(field)
 	if value is Array and (value as Array).size() == count and (value as Array).all(_is_number):
@@ -151,7 +151,7 @@ static func _sha256(bytes: PackedByteArray, from: int) -> PackedByteArray:
 	return hashing.finish()
 
 
-## Notes the first of all problems.
+## Keeps the first problem only.
 func _refuse(why: String) -> bool:
 	problem = problem if problem else why
 	return false

@@ -1,7 +1,7 @@
-class_name BakedWorldIndex
+class_name ScatterBakedWorldIndex
 extends RefCounted
-## Which tiles a baked world has, and the meshes and materials that they name. [code]demo_project/bake_export.sh[/code] writes it as
-## [code]baked_world.baked[/code], [BakedWorld] reads it.
+## The list of the tiles of a baked world, and of the meshes and materials that they use. [code]demo_project/bake_export.sh[/code]
+## writes it as [code]baked_world.baked[/code]. [ScatterBakedWorld] reads it.
 
 const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 
@@ -9,25 +9,25 @@ const _DIGEST_BYTES := 32
 const _TILE_BYTES := 36 + _DIGEST_BYTES
 const MOST_METERS := 1e12
 
-## The file that it was read from.
+## The path of the file that it was read from.
 var path := ""
-## What names the settings that all instances follow from.
+## Identifies the settings that determine all instances.
 var scene_digest := ""
 ## The side of a tile in meters.
 var tile_size := 0.0
-## By how much places in the world differ from places in the scene that was baked: x, y, z in meters.
+## The world position of the origin of the baked scene: x, y, z in meters.
 var world_offset := PackedFloat64Array([0.0, 0.0, 0.0])
-## The layers, in the order of the bake.
+## The names of the layers, in the order of the bake.
 var layer_names := PackedStringArray()
-## Paths of the meshes that tiles number, all in [code]res://[/code].
+## The paths of the meshes, all in [code]res://[/code]. Tiles refer to them by index.
 var meshes := PackedStringArray()
-## Paths of the materials that tiles number, all in [code]res://[/code].
+## The paths of the materials, all in [code]res://[/code]. Tiles refer to them by index.
 var materials := PackedStringArray()
-## Column and row of each tile: tile (i, j) begins at i and j times [member tile_size] in the world's x and z.
+## The column and row of each tile: tile (i, j) begins at i and j times [member tile_size] in the world's x and z.
 var tiles := PackedInt32Array()
-## How many instances each tile has.
+## The number of instances in each tile.
 var instances := PackedInt32Array()
-## Where each tile's transforms start from in the world: x, y, z in meters.
+## The origin of each tile's transforms in the world: x, y, z in meters.
 var centers := PackedFloat64Array()
 ## The SHA-256 of each tile's file, 32 bytes each; see [code]baked_world_file.gd[/code].
 var digests := PackedByteArray()
@@ -36,7 +36,7 @@ var digests := PackedByteArray()
 var problem := ""
 
 
-## Reads the index in a file. Returns false with a [member problem] for any other file.
+## Reads the index from a file. Returns false and sets [member problem] if the file is no index.
 func read(from: String) -> bool:
 	path = from
 	var file := BakedFile.new()
@@ -46,7 +46,7 @@ func read(from: String) -> bool:
 	return problem.is_empty()
 
 
-## The content of the file that [method read] takes.
+## The content of a file that [method read] can read.
 func packed() -> PackedByteArray:
 	var header := {
 		"kind": "index", "scene_digest": scene_digest, "tile_size": tile_size, "world_offset": Array(world_offset), "count": instances.size(),
@@ -58,7 +58,7 @@ func packed() -> PackedByteArray:
 	return BakedFile.packed(header, payload)
 
 
-## The file of the tile with this column and row, beside the file of the index.
+## The path of the file of the tile with this column and row, in a folder beside the file of the index.
 func tile_path(tile: Vector2i) -> String:
 	return "%s/tiles/tile_%d_%d.%s" % [path.get_base_dir(), tile.x, tile.y, BakedFile.EXTENSION]
 
@@ -71,7 +71,7 @@ func digest_of(number: int) -> PackedByteArray:
 func _take(file: BakedFile) -> void:
 	var header := file.header
 	if file.text(header, "kind") != "index":
-		problem = "it is no index of a baked world"
+		problem = "it is not an index of a baked world"
 		return
 	scene_digest = file.text(header, "scene_digest")
 	tile_size = file.number(header, "tile_size", 0.01, MOST_METERS)
@@ -81,7 +81,7 @@ func _take(file: BakedFile) -> void:
 	materials = PackedStringArray(file.list(header, "materials", TYPE_STRING))
 	for resource in meshes + materials:
 		if not is_in_project(resource):
-			problem = "its meshes and materials must lie in res://, got %s" % resource.left(80)
+			problem = "its meshes and materials must be in res://, got %s" % resource.left(80)
 	var count := file.whole(header, "count", 0, BakedFile.MOST_BYTES / _TILE_BYTES)
 	if file.payload.size() != count * _TILE_BYTES:
 		problem = "it must have %d bytes for %d tiles, got %d" % [count * _TILE_BYTES, count, file.payload.size()]
@@ -93,6 +93,6 @@ func _take(file: BakedFile) -> void:
 	digests = file.payload.slice(count * 36)
 
 
-## Whether a path can only mean a file of the game itself: loading a resource from elsewhere may run foreign scripts.
+## Whether a path can only refer to a file of the game itself. Loading a resource from elsewhere may run foreign scripts.
 static func is_in_project(resource: String) -> bool:
 	return resource.begins_with("res://") and not ".." in resource

@@ -1,30 +1,31 @@
 extends RefCounted
-## Loads the meshes and materials that the tiles of a baked world number, on the engine's threads where it has a renderer.
+## Loads the meshes and materials that the tiles of a baked world refer to, on the engine's threads if it has a renderer.
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 
-const _MISSING := "BakedWorld: %s %s. What is drawn with it stays hidden. Put it into the project, or export the bake again."
+const _MISSING := "ScatterBakedWorld: %s %s. Instances that need it stay hidden. Add it to the project, or export the bake again."
 
-## By their numbers; null for those that cannot be loaded, once [method load_step] returned true.
+## The loaded meshes, in the order of the index, once [method load_step] has returned true; null for those that cannot be loaded.
 var meshes: Array[Mesh] = []
-## By their numbers; null for those that cannot be loaded.
+## The loaded materials, in the order of the index; null for those that cannot be loaded.
 var materials: Array[Material] = []
 
-var _waiting := PackedStringArray() # Paths, in the order of both.
+var _waiting := PackedStringArray() # Paths: the meshes, then the materials.
 var _next := 0
 var _mesh_count := 0
 var _on_threads: bool
 var _is_requested := false
 
 
-## Loads the models of an index. Without [param on_threads] each is loaded by the caller of [method load_step].
+## Prepares to load the models of an index. Without [param on_threads], [method load_step] loads each in its caller's thread.
 func _init(index: Index, on_threads: bool) -> void:
 	_on_threads = on_threads
 	_waiting = index.meshes + index.materials
 	_mesh_count = index.meshes.size()
 
 
-## Begins to load what is missing, and takes what is there, until [param deadline] in microseconds of the engine's clock. Returns whether all is there.
+## Requests missing models, and takes those that are loaded, until [param deadline] in microseconds of the engine's clock. Returns whether all are
+## loaded.
 func load_step(deadline: int) -> bool:
 	if _on_threads and not _is_requested:
 		_is_requested = true
@@ -41,7 +42,7 @@ func load_step(deadline: int) -> bool:
 	return _next == _waiting.size()
 
 
-## Takes what was requested, which the engine keeps otherwise.
+## Takes the models that were requested, because otherwise the engine keeps them.
 func drop() -> void:
 	while _is_requested and _next < _waiting.size():
 		_load(_waiting[_next])
@@ -64,4 +65,4 @@ func _take(resource: Resource, path: String) -> void:
 	if resource == null:
 		push_error(_MISSING % [path, "cannot be loaded"])
 	elif (meshes if is_mesh else materials).back() == null:
-		push_error(_MISSING % [path, "is a %s, where a %s is expected" % [resource.get_class(), "Mesh" if is_mesh else "Material"]])
+		push_error(_MISSING % [path, "is a %s, but must be a %s" % [resource.get_class(), "Mesh" if is_mesh else "Material"]])

@@ -1,32 +1,34 @@
 @tool
 extends RefCounted
-## Makes hand-placed instances of a scatter out of what a scene or a file has: [MultiMeshInstance3D]s (so what ProtonScatter has made, and
-## what this add-on has baked), the copies of scenes that ProtonScatter makes in its other mode, the instances of a Terrain3D, and tables of
-## transforms. Every transform is taken over to the float. What was imported stays: hide or free it after that.
+## Converts instances of a scene or a file to hand-placed instances of a scatter. It reads [MultiMeshInstance3D]s (which include the output
+## of ProtonScatter and of this add-on's bakes), the copies of scenes that ProtonScatter creates in its other mode, the instances of a
+## Terrain3D, and tables of transforms. All transforms keep their exact float values. The imported nodes are not changed: hide or free them
+## afterwards.
 ##
-## Needs no editor:
+## It works without the editor:
 ## [codeblock]
 ## const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 ## ImportInstances.from_node($TerrainScatter3D, null, $OldTrees)
 ## ImportInstances.from_csv($TerrainScatter3D, "Rocks", "res://rocks.csv")
 ## [/codeblock]
-## An import is whole or nothing: where a part of it cannot be, an error says which, and nothing has changed.
+## An import is all or nothing: if a part of it cannot be imported, an error names the part, and nothing has changed.
 
 const Table := preload("res://addons/thicket/transform_table.gd")
 
-## Floats that a transform has: the rows of its basis, each with a number of the origin after it, as in [member MultiMesh.buffer].
+## The floats of a transform: the rows of its basis, each followed by a coordinate of the origin, as in [member MultiMesh.buffer].
 const FLOATS := 12
-## Where ProtonScatter puts what it has made.
+## The node under which ProtonScatter puts its output.
 const PROTON_OUTPUT := "ScatterOutput"
-## Meters: a layer that has hand-placed instances alone looks for no other ones, the less often the larger its radius is.
+## The smallest radius of a new layer in meters. The layer has hand-placed instances only, and a larger radius means fewer sampled points
+## that it discards.
 const LEAST_RADIUS := 2.0
 
 
 ## Instances of one mesh or scene.
 class Batch:
-	var mesh: Resource ## Null for the first mesh of the layer that they are for.
+	var mesh: Resource ## Null for the first mesh of the target layer.
 	var name := ""
-	var look: Dictionary[StringName, Variant] = {} ## Properties of a layer.
+	var look: Dictionary[StringName, Variant] = {} ## Values for properties of a layer.
 	var transforms := PackedFloat32Array()
 
 	func size() -> int:
@@ -34,7 +36,7 @@ class Batch:
 		return transforms.size() / FLOATS
 
 
-## What a node or a file has, and what of it cannot be imported: a sentence each.
+## The instances of a node or a file, and a sentence for each part that cannot be imported.
 class Reading:
 	var batches: Array[Batch] = []
 	var problems := PackedStringArray()
@@ -45,7 +47,7 @@ class Reading:
 			sum += batch.size()
 		return sum
 
-	## The batch of a mesh that is drawn in a way.
+	## The batch for a mesh with these layer properties.
 	func batch_of(mesh: Resource, name: String, look: Dictionary[StringName, Variant]) -> Batch:
 		for batch in batches:
 			if batch.mesh == mesh and batch.look == look:
@@ -58,20 +60,20 @@ class Reading:
 		return batch
 
 
-## Imports what is in a node and below it. [param layer] is a [ScatterLayer], its name or its index, for all of it; with
-## [code]null[/code] each mesh gets the layer that has it, a new one where there is none. Returns how many instances were placed; 0,
-## with errors, for none.
+## Imports the instances of a node and of all nodes below it. [param layer] is a [ScatterLayer], its name or its index, and receives all of
+## them. With [code]null[/code], the instances of each mesh go into the layer that has the mesh, or into a new layer if there is none.
+## Returns the number of placed instances, or 0, with errors printed, if nothing was placed.
 static func from_node(scatter: Node3D, layer: Variant, node: Node) -> int:
 	return _import(scatter, layer, read_node(node))
 
 
-## Imports a table, a line for each instance, into a layer: see [code]transform_table.gd[/code] for its columns. Returns as
+## Imports a table into a layer, with a line for each instance. See [code]transform_table.gd[/code] for its columns. Returns the same as
 ## [method from_node].
 static func from_csv(scatter: Node3D, layer: Variant, path: String) -> int:
 	return _import(scatter, layer, read_csv(path))
 
 
-## What is in a node and below it.
+## Reads the instances of a node and of all nodes below it.
 static func read_node(node: Node) -> Reading:
 	var reading := Reading.new()
 	if node == null:
@@ -85,7 +87,7 @@ static func read_node(node: Node) -> Reading:
 	return reading
 
 
-## What a table has.
+## Reads the instances of a table.
 static func read_csv(path: String) -> Reading:
 	var reading := Reading.new()
 	var file := FileAccess.open(path, FileAccess.READ)
@@ -103,7 +105,7 @@ static func read_csv(path: String) -> Reading:
 	return reading
 
 
-## Places what was read, and adds the layers that are missing. Returns the ids; none, with an error, if that cannot be.
+## Places the instances that were read, and adds the missing layers. Returns their ids. On an error, changes nothing and returns none.
 static func place(scatter: Node3D, layer: Variant, reading: Reading) -> PackedInt64Array:
 	var before: Array = scatter.get(&"layers")
 	var layers := before.duplicate()
@@ -127,7 +129,7 @@ static func place(scatter: Node3D, layer: Variant, reading: Reading) -> PackedIn
 	return ids
 
 
-## The layer of a list that has a mesh and draws it alike; else a new one at the end of the list.
+## The layer in a list that has the batch's mesh and the same material override; else a new one, added at the end of the list.
 static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 	for layer: Resource in r_layers:
 		if layer != null and (layer.get(&"meshes") as Array).has(batch.mesh) and \
@@ -149,7 +151,7 @@ static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 	return layer
 
 
-## Which of a layer's meshes a mesh is; the first if it is none of them.
+## The index of a mesh in a layer; 0 if the layer does not have it.
 static func _mesh_index(scatter: Node3D, layer: Variant, mesh: Resource) -> int:
 	var layers: Array = scatter.get(&"layers")
 	var found: Resource = null
@@ -176,7 +178,7 @@ static func _read_below(node: Node, r_reading: Reading) -> void:
 		_read_multimesh(node as MultiMeshInstance3D, r_reading)
 	if is_terrain_3d(node):
 		_read_terrain_3d(node, r_reading)
-		return # Its children draw the same instances.
+		return # The children draw the same instances.
 	for child in node.get_children():
 		if node.name == PROTON_OUTPUT and not child is MultiMeshInstance3D:
 			_read_proton_item(child, r_reading)
@@ -197,17 +199,17 @@ static func _read_multimesh(node: MultiMeshInstance3D, r_reading: Reading) -> vo
 		_append(node, _buffer_of(multimesh), r_reading.batch_of(multimesh.mesh, name, _look_of(node)))
 
 
-## What a new layer is called: as the file of its mesh, the mesh, or the node.
+## The name of a new layer: the name of the mesh's file, the mesh, or the node.
 static func _name_of(mesh: Resource, node: Node) -> String:
 	if not mesh.resource_path.is_empty() and not "::" in mesh.resource_path:
 		return mesh.resource_path.get_file().get_basename()
 	var name := mesh.resource_name if not mesh.resource_name.is_empty() else String(node.name)
-	# Nodes that were not given a name, as ProtonScatter's, are all called alike; what they are below of is not.
+	# Nodes without a name of their own, such as ProtonScatter's, all have the same name; their parents' names differ.
 	var nameless := name.begins_with(node.get_class()) or name.begins_with("@" + node.get_class())
 	return String(node.get_parent().name) if nameless and node.get_parent() != null else name
 
 
-## What differs from how a mesh is drawn usually.
+## The geometry properties that differ from their defaults, by their names in a layer.
 static func _look_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant]:
 	var look: Dictionary[StringName, Variant] = {}
 	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
@@ -219,13 +221,13 @@ static func _look_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant
 	return look
 
 
-## The transforms of a multimesh, without colors and data.
+## The transforms of a multimesh, without colors and custom data.
 static func _buffer_of(multimesh: MultiMesh) -> PackedFloat32Array:
 	var count := multimesh.visible_instance_count if multimesh.visible_instance_count >= 0 else multimesh.instance_count
 	var stride := FLOATS + 4 * int(multimesh.use_colors) + 4 * int(multimesh.use_custom_data)
 	var buffer := multimesh.buffer
 	var result := PackedFloat32Array()
-	if buffer.size() < count * stride: # The renderer keeps none.
+	if buffer.size() < count * stride: # The renderer keeps no buffer.
 		for index in count:
 			_append_transform(multimesh.get_instance_transform(index), result)
 	elif stride == FLOATS:
@@ -236,7 +238,7 @@ static func _buffer_of(multimesh: MultiMesh) -> PackedFloat32Array:
 	return result
 
 
-## Adds transforms of a node's space to a batch, in that of the world.
+## Adds transforms to a batch, converted from a node's space to world space.
 static func _append(node: Node3D, transforms: PackedFloat32Array, r_batch: Batch) -> void:
 	var space := _space_of(node)
 	if space == Transform3D.IDENTITY:
@@ -260,7 +262,7 @@ static func _append_transform(transform: Transform3D, r_floats: PackedFloat32Arr
 	]))
 
 
-## From a node's space to the world's, in a tree or not.
+## The transform from a node's space to world space, inside or outside of the tree.
 static func _space_of(node: Node) -> Transform3D:
 	if not node is Node3D:
 		return Transform3D.IDENTITY
@@ -271,7 +273,7 @@ static func _space_of(node: Node) -> Transform3D:
 	return node_3d.transform if above == null or node_3d.top_level else _space_of(above) * node_3d.transform
 
 
-## An item of ProtonScatter: multimeshes, with bodies besides, or copies of a scene.
+## Reads an item of ProtonScatter: multimeshes, possibly with bodies, or copies of a scene.
 static func _read_proton_item(item: Node, r_reading: Reading) -> void:
 	var drawn := false
 	for child in item.get_children():
@@ -286,12 +288,12 @@ static func _read_proton_item(item: Node, r_reading: Reading) -> void:
 			_read_copy(child as Node3D, item.name, r_reading)
 
 
-## A copy of a scene is an instance of that; of any other node, each mesh in it is one.
+## A copy of a scene becomes an instance of that scene. For any other node, each mesh in it becomes an instance.
 static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> void:
 	if not node.scene_file_path.is_empty():
 		var scene := load(node.scene_file_path) as PackedScene
 		if scene == null:
-			r_reading.problems.append("%s cannot be loaded; the error that was printed says why." % node.scene_file_path)
+			r_reading.problems.append("%s cannot be loaded; the printed error has the reason." % node.scene_file_path)
 			return
 		_append_transform(_space_of(node), r_reading.batch_of(scene, item_name, {}).transforms)
 		return
@@ -303,7 +305,7 @@ static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> v
 			_append_transform(_space_of(each), r_reading.batch_of(each.mesh, item_name, _look_of(each)).transforms)
 
 
-## Whether a node keeps instances as Terrain3D does.
+## Whether a node stores instances in the way of Terrain3D.
 static func is_terrain_3d(node: Node) -> bool:
 	var data: Variant = node.get(&"data")
 	var assets: Variant = node.get(&"assets")
@@ -311,7 +313,7 @@ static func is_terrain_3d(node: Node) -> bool:
 			and assets is Object and is_instance_valid(assets) and assets.has_method(&"get_mesh_asset")
 
 
-## Each region has, for each mesh and each cell, transforms that count from the region's corner, colors, and whether they were changed.
+## Each region has, for each mesh and each cell, transforms relative to the region's corner, colors, and a flag for changes.
 static func _read_terrain_3d(terrain: Node, r_reading: Reading) -> void:
 	var data: Object = terrain.get(&"data")
 	var spacing: Variant = terrain.get(&"vertex_spacing")

@@ -1,8 +1,8 @@
 extends RefCounted
-## Bakes an octahedral impostor of a model: a mesh of two triangles with a material of its own that shows the model from wherever
-## one looks, lit by the lights that are there. For the last entry of a layer's [member ScatterLayer.lod_meshes].
+## Bakes an octahedral impostor of a model: a mesh of two triangles with its own material, which shows the model from any direction,
+## in the light of the scene. Use it as the last entry of a layer's [member ScatterLayer.lod_meshes].
 ##
-## Needs neither an editor nor a renderer, so it works headless as well:
+## It needs neither an editor nor a renderer, so it also works headless:
 ## [codeblock]
 ## var impostor := preload("res://addons/thicket/impostor.gd").new()
 ## var far := impostor.bake([load("res://oak.res")])
@@ -11,34 +11,36 @@ extends RefCounted
 ## else:
 ##     ResourceSaver.save(far, "res://oak_impostor.res")
 ## [/codeblock]
-## [method bake] waits for the pictures, which takes seconds; [method begin] leaves them to another thread.
+## [method bake] waits for the pictures, which takes seconds. [method begin] renders them on a different thread.
 
 const Reader := preload("res://addons/thicket/impostor_materials.gd")
 const SHADER := preload("res://addons/thicket/shaders/impostor.gdshader")
 
-## Pixels of an impostor for one of the screen where it takes over: pictures that are mixed lose some sharpness.
+## Impostor pixels per screen pixel at the switch distance. More than 1, because mixing pictures loses some sharpness.
 const DETAIL := 1.75
 
-## Pictures on a side of the atlas, 2 to 32, taken from all directions above the ground, or from all with
-## [member full_sphere]. More of them follow a model's shape more closely.
+## The number of pictures along each side of the atlas, 2 to 32. They show the model from all directions above the ground, or from all
+## directions with [member full_sphere]. More pictures reproduce a model's shape more closely.
 var frames := 16
-## Pixels on a side of a picture: a power of two, 16 to 512. The side of the atlas, [code]frames * frame_size[/code], is 8192 at most.
+## The side of a picture in pixels: a power of two, 16 to 512. The side of the atlas, [code]frames * frame_size[/code], is at most
+## 8192.
 var frame_size := 128
-## Samples on a side of a pixel, 1 to 8. Time grows with their square.
+## The number of samples along each side of a pixel, 1 to 8. The time grows with its square.
 var samples := 2
-## Also from below, for what floats or can be looked at from underneath; the same pictures are shared out over more directions then.
+## Also shows the model from below, for models that float or can be seen from underneath. The same number of pictures then covers more
+## directions.
 var full_sphere := false
-## Replaces all materials; as [member ScatterLayer.material_override].
+## Replaces all materials, like [member ScatterLayer.material_override].
 var material_override: Material
-## Materials to bake instead of others: for shaders whose colors cannot be known without a renderer.
+## Materials to bake instead of those in the keys, for shaders whose colors cannot be determined without a renderer.
 var stand_ins: Dictionary[Material, BaseMaterial3D] = {}
 
-## What went wrong, in a sentence; empty while nothing has.
+## The error as a sentence; empty if there is none.
 var problem := ""
-## What could not be taken over from materials, in sentences.
+## Warnings about material properties that the impostor cannot reproduce, a sentence each.
 var warnings := PackedStringArray()
 
-var _baker: RefCounted # An ImpostorBaker; the editor reads this script where the library is missing, too.
+var _baker: RefCounted # An ScatterImpostorBaker. Untyped, because the editor compiles this script without the library, too.
 var _reader: Reader
 var _task := -1
 
@@ -49,20 +51,20 @@ func _notification(what: int) -> void:
 		WorkerThreadPool.wait_for_task_completion(_task)
 
 
-## Bakes meshes, each moved by the transform of the same index, if there is one, as one model. Returns null, with the reason in
-## [member problem], where that cannot be.
+## Bakes meshes as one model, each moved by the transform with the same index, if there is one. On failure, returns null and sets
+## [member problem].
 func bake(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> ArrayMesh:
 	if begin(meshes, transforms) != OK:
 		return null
 	return finish()
 
 
-## Begins what [method bake] does, on another thread. Ask [method is_baking], then call [method finish].
+## Starts [method bake] on a different thread. Call [method is_baking] until it returns false, then [method finish].
 func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 	cancel()
 	problem = ""
 	warnings.clear()
-	_baker = ClassDB.instantiate(&"ImpostorBaker")
+	_baker = ClassDB.instantiate(&"ScatterImpostorBaker")
 	_baker.frames = frames
 	_baker.frame_size = frame_size
 	_baker.samples = samples
@@ -84,17 +86,17 @@ func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 	return OK
 
 
-## Whether pictures are still being taken.
+## Returns true while pictures are being rendered.
 func is_baking() -> bool:
 	return _task >= 0 and not WorkerThreadPool.is_task_completed(_task)
 
 
-## Of the pictures that [method begin] asked for: 0 to 1.
+## Returns the part of the pictures of [method begin] that is finished, 0 to 1.
 func get_progress() -> float:
 	return _baker.get_progress() if _baker != null else 0.0
 
 
-## Waits for the pictures and returns the impostor; null, with the reason in [member problem], where there is none.
+## Waits for the pictures and returns the impostor. On failure, returns null and sets [member problem].
 func finish() -> ArrayMesh:
 	if _task < 0:
 		return null
@@ -102,12 +104,12 @@ func finish() -> ArrayMesh:
 	_task = -1
 	var albedo: Image = _baker.get_albedo_image()
 	if albedo == null:
-		_refuse(FAILED, "The impostor cannot be baked; the error that was printed says why.")
+		_refuse(FAILED, "The impostor cannot be baked; the printed error has the reason.")
 		return null
 	return _mesh_of(albedo, _baker.get_normal_image())
 
 
-## Gives up what has been begun. Without effect when nothing is under way.
+## Stops a bake in progress. Does nothing if none is in progress.
 func cancel() -> void:
 	if _task >= 0:
 		_baker.cancel()
@@ -115,8 +117,9 @@ func cancel() -> void:
 		_task = -1
 
 
-## The distance in meters from which on an impostor can stand for its model: a pixel of the screen is [constant DETAIL] of its own
-## there. [param fov] is the camera's vertical angle in degrees, [param height] that of the picture in pixels. 0 for any other mesh.
+## Returns the distance in meters from which on an impostor can replace its model: at that distance, [constant DETAIL] pixels of the
+## impostor cover one pixel of the screen. [param fov] is the camera's vertical field of view in degrees, [param height] the height of
+## the viewport in pixels. Returns 0 for any other mesh.
 static func switch_distance(impostor: Mesh, fov := 75.0, height := 1080.0) -> float:
 	var material := impostor.surface_get_material(0) as ShaderMaterial if impostor.get_surface_count() == 1 else null
 	if material == null or material.shader != SHADER:
@@ -136,7 +139,7 @@ func _add(mesh: Mesh, transform: Transform3D) -> Error:
 		return _refuse(ERR_INVALID_PARAMETER, "A mesh is missing: an entry of meshes is null. Remove it, or set a mesh.")
 	for surface in mesh.get_surface_count():
 		if mesh is ArrayMesh and (mesh as ArrayMesh).surface_get_primitive_type(surface) != Mesh.PRIMITIVE_TRIANGLES:
-			_reader.warnings.append("Surface %d of %s has no triangles and is left out: impostors show triangles only." % [surface, _name_of(mesh)])
+			_reader.warnings.append("Surface %d of %s has no triangles and is skipped: impostors show only triangles." % [surface, _name_of(mesh)])
 			continue
 		var material := material_override if material_override != null else mesh.surface_get_material(surface)
 		var arrays := mesh.surface_get_arrays(surface)
@@ -144,7 +147,7 @@ func _add(mesh: Mesh, transform: Transform3D) -> Error:
 		var error: Error = _baker.add_surface(look.arrays, transform, look.albedo, look.texture, look.alpha_threshold,
 				look.cull_mode, look.vertex_colors)
 		if error != OK:
-			return _refuse(error, "Surface %d of %s cannot be baked; the error that was printed says why." % [surface, _name_of(mesh)])
+			return _refuse(error, "Surface %d of %s cannot be baked; the printed error has the reason." % [surface, _name_of(mesh)])
 	return OK
 
 
@@ -152,7 +155,7 @@ static func _name_of(mesh: Mesh) -> String:
 	return mesh.resource_path if not mesh.resource_path.is_empty() else "the mesh '%s'" % mesh.resource_name
 
 
-## A quad whose box is the model's, so that nothing that is culled by it is missed; the shader turns it to the camera.
+## Builds a quad with the model's bounding box, so that culling by the box hides no visible part. The shader turns it to the camera.
 func _mesh_of(albedo: Image, normal: Image) -> ArrayMesh:
 	var box: AABB = _baker.get_box()
 	var arrays := []
@@ -182,9 +185,9 @@ func _mesh_of(albedo: Image, normal: Image) -> ArrayMesh:
 	return mesh
 
 
-## Stored without loss, and small; [ImageTexture] would be stored as it lies in memory.
+## The texture is stored lossless and compressed; an [ImageTexture] would be stored uncompressed.
 static func _texture_of(image: Image) -> Texture2D:
 	var texture := PortableCompressedTexture2D.new()
-	texture.keep_compressed_buffer = true # Without an editor it could not be stored otherwise.
+	texture.keep_compressed_buffer = true # Without an editor, the texture could not be stored otherwise.
 	texture.create_from_image(image, PortableCompressedTexture2D.COMPRESSION_MODE_LOSSLESS)
 	return texture

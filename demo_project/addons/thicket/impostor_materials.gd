@@ -1,27 +1,27 @@
 extends RefCounted
-## Reads from materials what [ImpostorBaker] needs to know of them, and sums up what holds for a whole impostor.
+## Reads the material properties that [ScatterImpostorBaker] needs, and averages those that apply to the whole impostor.
 
 const Parameters := preload("res://addons/thicket/shader_parameters.gd")
 
-## What a surface is drawn with.
+## How a surface is drawn.
 class Look:
 	var arrays: Array
 	var albedo := Color.WHITE
 	var texture: Image
 	var alpha_threshold := 0.0
-	var cull_mode := 0 # An ImpostorBaker.CullMode.
-	var vertex_colors := 0 # An ImpostorBaker.VertexColorMode.
+	var cull_mode := 0 # An ScatterImpostorBaker.CullMode.
+	var vertex_colors := 0 # An ScatterImpostorBaker.VertexColorMode.
 	var roughness := 1.0
 	var specular := 0.5
 	var backlight := Color.BLACK
 
-## Where a material is transparent by degrees, an impostor is from here on.
+## The alpha threshold for materials with gradual transparency: an impostor is either opaque or transparent.
 const HALF := 0.5
 
 var stand_ins: Dictionary[Material, BaseMaterial3D] = {}
 var warnings := PackedStringArray()
 
-## Of all triangles, in square meters; those that follow are sums over it.
+## The area of all triangles in square meters. The following values are sums weighted by area.
 var area := 0.0
 var roughness := 0.0
 var specular := 0.0
@@ -30,7 +30,7 @@ var backlight := Color(0.0, 0.0, 0.0, 0.0)
 var _images: Dictionary[Texture2D, Image] = {}
 
 
-## How to draw a surface that has these arrays and a material, or none.
+## Reads how to draw a surface with these arrays and this material, which may be null.
 func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	var look := Look.new()
 	look.arrays = arrays
@@ -51,9 +51,10 @@ func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	return look
 
 
-## One of ImpostorBaker's constants, which cannot be named: the editor compiles this script where the library is missing, too.
+## Returns one of ScatterImpostorBaker's constants. The class cannot be named here, because the editor also compiles this script
+## where the library is missing.
 static func _constant(name: StringName) -> int:
-	return ClassDB.class_get_integer_constant(&"ImpostorBaker", name)
+	return ClassDB.class_get_integer_constant(&"ScatterImpostorBaker", name)
 
 
 func _read_material(material: BaseMaterial3D, look: Look) -> void:
@@ -83,7 +84,7 @@ func _read_material(material: BaseMaterial3D, look: Look) -> void:
 		look.arrays[Mesh.ARRAY_TEX_UV] = moved * (uvs as PackedVector2Array)
 
 
-## A shader of the user's own: what its parameters are called, and what its modes say.
+## Reads a custom shader: the parameters with usual names, and the render modes.
 func _read_shader(material: ShaderMaterial, look: Look) -> void:
 	if material.shader == null:
 		return

@@ -1,15 +1,16 @@
 @tool
 extends EditorPlugin
-## Gives the editor Thicket's tools once the native library is loaded. Without it, the plugin warns once and leaves the editor as it is.
+## Adds Thicket's tools to the editor once the native library is loaded. Without the library, the plugin warns once and does not change the
+## editor.
 ##
 ## The editor compiles this script in either case, so it names none of the library's classes: [code]editor/workspace.gd[/code] does the work.
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 
-## The tools, an object of [code]editor/workspace.gd[/code]; null while there are none.
+## The tools, an object of [code]editor/workspace.gd[/code]; null if they are not loaded.
 var workspace: RefCounted
 
-var _tried := false ## To open the tools, with the library.
+var _tried := false ## True if opening the tools was tried with the library loaded.
 
 
 func _enter_tree() -> void:
@@ -22,7 +23,7 @@ func _exit_tree() -> void:
 		workspace = null
 
 
-## The library may come while the editor runs: once it is built, or once the whole add-on is copied into the project.
+## The library may be loaded while the editor runs: once it is built, or once the whole add-on is copied into the project.
 func _process(delta: float) -> void:
 	if workspace != null:
 		workspace.process(delta)
@@ -64,12 +65,12 @@ func _save_external_data() -> void:
 
 
 func _get_state() -> Dictionary:
-	return workspace.desk.state() if workspace != null else {}
+	return workspace.dock.state() if workspace != null else {}
 
 
 func _set_state(state: Dictionary) -> void:
 	if workspace != null:
-		workspace.desk.set_state(state)
+		workspace.dock.set_state(state)
 
 
 func _forward_3d_gui_input(camera: Camera3D, event: InputEvent) -> int:

@@ -1,7 +1,7 @@
 extends RefCounted
-## What shaders of a user's own call what every material has: for what reads materials without drawing them.
+## The usual parameter names of custom shaders, for code that reads materials without drawing them.
 
-## Names of a color, of a picture of colors, and of the alpha below which nothing is drawn, the usual ones first.
+## Names of a color, of a color texture, and of the alpha below which nothing is drawn, the most usual first.
 const COLORS: Array[StringName] = [&"albedo", &"albedo_color", &"base_color", &"color", &"tint"]
 const TEXTURES: Array[StringName] = [
 	&"texture_albedo", &"albedo_texture", &"albedo_map", &"base_color_texture", &"color_texture", &"main_texture", &"diffuse_texture",
@@ -11,11 +11,11 @@ const THRESHOLDS: Array[StringName] = [
 ]
 
 
-## The first parameter of a material with one of these names that is set, or has a default that is known, of the type; null if there is none. A vector of
-## three counts as a color, and of objects textures alone.
+## Returns the first parameter with one of these names that has the type and is set or has a known default; null if there is none. A three-component
+## vector counts as a color. Of objects, only textures count.
 static func value_of(material: ShaderMaterial, names: Array[StringName], type: Variant.Type) -> Variant:
 	for name in names:
-		# A material keeps what was set for another shader. What an include has cannot be told from here.
+		# A material keeps parameters that were set for a different shader. The parameters of an include cannot be read from this code.
 		if not has_word(material.shader.code, name) and not material.shader.code.contains("#include"):
 			continue
 		var value: Variant = material.get_shader_parameter(name)

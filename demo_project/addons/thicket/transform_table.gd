@@ -1,19 +1,19 @@
 @tool
 extends RefCounted
-## Reads transforms from a table in text: a line for each, values parted by commas, semicolons or tabs.
+## Reads transforms from a text table: a line for each transform, with values separated by commas, semicolons or tabs.
 ##
-## Without a header, or with one whose names say nothing, the number of columns says what they are:
+## Without a header, or if none of its names is known, the number of columns determines their meaning:
 ## [br]- 3: a position, in meters;
 ## [br]- 6: a position and a rotation, in degrees around x, y and z, as [member Node3D.rotation_degrees] has it;
-## [br]- 7: the same and a scale;
-## [br]- 9: the same with a scale for each axis;
-## [br]- 12: the rows of the basis, each with a number of the origin after it, as in [member MultiMesh.buffer].
+## [br]- 7: a position, a rotation and a scale;
+## [br]- 9: a position, a rotation and a scale for each axis;
+## [br]- 12: the rows of the basis, each followed by a coordinate of the origin, as in [member MultiMesh.buffer].
 ## [br]A header may name these, in any order: x, y, z (or position_x, ...), rotation_x, ... (or rx, ...), scale, or scale_x, ...
-## (or sx, ...). What is not there is a rotation of 0 or a scale of 1. Lines that are empty or begin with # are passed over.
+## (or sx, ...). Missing columns mean a rotation of 0 or a scale of 1. Lines that are empty or begin with # are skipped.
 
 const FLOATS := 12
 const MOST_PROBLEMS := 5
-## Numbers beyond are taken for mistakes.
+## Numbers beyond this are treated as mistakes.
 const MOST := 1e9
 const PARTS: PackedStringArray = [
 	"position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z", "scale_x", "scale_y", "scale_z",
@@ -25,14 +25,14 @@ const SYNONYMS: Dictionary[String, String] = {
 const ONE_SCALE := "scale"
 const COUNTS: Array[int] = [3, 6, 7, 9, 12]
 
-## 12 floats for each line, as in [member MultiMesh.buffer]. None if there are problems.
+## 12 floats for each line, as in [member MultiMesh.buffer]. Empty if there are problems.
 var transforms := PackedFloat32Array()
-## What is wrong, with line and value; the first few.
+## The first few errors, with line and value.
 var problems := PackedStringArray()
 
 var _separator := ","
-var _numbers := RegEx.new() ## A line of numbers, as nearly all are.
-## What each column is: an index in PARTS; -1 for the scale of all axes.
+var _numbers := RegEx.new() ## Matches a line of plain numbers, as nearly all are.
+## The meaning of each column: an index in PARTS; -1 for the scale of all axes.
 var _columns: Array[int] = []
 var _names: PackedStringArray = []
 
@@ -61,7 +61,7 @@ func read(text: String) -> void:
 		transforms = PackedFloat32Array()
 
 
-## Finds out what the columns are. True for a header, which has no transform.
+## Determines the meaning of the columns. Returns true for a header, which has no transform.
 func _take_first(line: String, number: int) -> bool:
 	_separator = "\t" if "\t" in line else ";" if ";" in line else ","
 	var number_form := "\\s*[+-]?(\\d+\\.?\\d*|\\.\\d+)([eE][+-]?\\d+)?\\s*"
@@ -77,7 +77,7 @@ func _take_first(line: String, number: int) -> bool:
 	elif COUNTS.has(fields.size()):
 		_take_count(fields.size())
 	else:
-		problems.append("line %d: %d columns, where 3, 6, 7, 9 or 12 are expected" % [number, fields.size()])
+		problems.append("line %d: %d columns, but must have 3, 6, 7, 9 or 12" % [number, fields.size()])
 	return header
 
 
@@ -87,12 +87,12 @@ func _take_names(fields: Array[String], number: int) -> void:
 		if not PARTS.has(part) and part != ONE_SCALE:
 			problems.append("line %d: no column is called '%s'; known are %s and scale" % [number, field, ", ".join(PARTS)])
 		elif _names.has(part):
-			problems.append("line %d: '%s' comes twice; name each column once" % [number, field])
+			problems.append("line %d: '%s' appears twice; name each column once" % [number, field])
 		_names.append(part)
 		_columns.append(PARTS.find(part))
 	for part in PARTS.slice(0, 3):
 		if not _names.has(part):
-			problems.append("line %d: there is no column '%s'; x, y and z are needed" % [number, part])
+			problems.append("line %d: there is no column '%s'; x, y and z are required" % [number, part])
 
 
 func _take_count(count: int) -> void:
@@ -108,7 +108,7 @@ func _fields(line: String) -> Array[String]:
 	return result
 
 
-## The numbers of a line; none, and a problem, for a line that has others than it should.
+## Returns the numbers of a line. If it has an error, returns none and adds a problem.
 func _values_of(line: String, number: int) -> PackedFloat64Array:
 	if _numbers.search(line) != null:
 		var values := line.split_floats(_separator)
@@ -119,16 +119,16 @@ func _values_of(line: String, number: int) -> PackedFloat64Array:
 	return _values_one_by_one(line, number)
 
 
-## The same for a line with quotes in it, or with a mistake.
+## The same for a line that contains quotes or has an error.
 func _values_one_by_one(line: String, number: int) -> PackedFloat64Array:
 	var fields := _fields(line)
 	if fields.size() != _columns.size():
-		problems.append("line %d: %d values, where %d are expected" % [number, fields.size(), _columns.size()])
+		problems.append("line %d: %d values, but must have %d" % [number, fields.size(), _columns.size()])
 		return PackedFloat64Array()
 	var values := PackedFloat64Array()
 	for index in fields.size():
 		if not fields[index].is_valid_float():
-			problems.append("line %d: %s is '%s', which is no number; write it with a decimal point" % [number, _names[index], fields[index]])
+			problems.append("line %d: %s is '%s', which is not a number; write it with a decimal point" % [number, _names[index], fields[index]])
 			return PackedFloat64Array()
 		values.append(fields[index].to_float())
 		if not absf(values[-1]) <= MOST:

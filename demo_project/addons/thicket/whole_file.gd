@@ -1,14 +1,14 @@
 extends RefCounted
-## Replaces files of a project whole or not at all: what is written goes into a file beside the old one, and takes its place once the disk
-## has all of it. After an error the old file is as it was. The library does the same for [ScatterState] and [ScatterMask].
+## Replaces files of a project completely or not at all. The new content is written to a file beside the old one, and replaces it once the
+## disk holds all of it. After an error, the old file is unchanged. The library does the same for [ScatterState] and [ScatterMask].
 
-## Added after a file to find out whether the disk has room left: more than the blocks in which disks are usually divided.
+## The number of bytes appended to a file to find out whether the disk has room left: more than a usual disk block.
 const PROBE_BYTES := 1 << 14
-## How files begin and end that ResourceSaver writes as binary.
+## The first and the last bytes of files that ResourceSaver writes as binary.
 const MARKS: Array[String] = ["RSRC", "RSCC"]
 
 
-## Makes a file hold [param bytes].
+## Writes [param bytes] to a file.
 static func store(path: String, bytes: PackedByteArray) -> Error:
 	if not _may_be_replaced(path):
 		return ERR_FILE_NO_PERMISSION
@@ -18,36 +18,37 @@ static func store(path: String, bytes: PackedByteArray) -> Error:
 		return FileAccess.get_open_error()
 	var stored := file.store_buffer(bytes)
 	file.close()
-	# What was kept back until now may have found no room.
+	# Closing the file writes the last buffered bytes, and the disk may have been full by then.
 	return _put(partial, path, OK if stored and _length(partial) == bytes.size() else ERR_FILE_CANT_WRITE)
 
 
-## Makes a file hold a resource, which keeps its path. [param flags] are [enum ResourceSaver.SaverFlags].
+## Writes a resource to a file. The resource keeps its path. [param flags] are [enum ResourceSaver.SaverFlags].
 static func save(resource: Resource, path: String, flags := 0) -> Error:
 	if not _may_be_replaced(path):
 		return ERR_FILE_NO_PERMISSION
 	var partial := beside(path)
 	var error := OK
 	if Engine.is_editor_hint() and FileAccess.file_exists(path):
-		# The id by which scenes find the file is in it, and the editor takes over what a file has.
+		# The old file contains the id by which scenes find it, and the editor keeps the id of an existing file.
 		error = DirAccess.copy_absolute(path, partial)
 	return _put(partial, path, save_new(resource, partial, flags) if error == OK else error)
 
 
-## Saves a resource to a file that is in use by nothing. Unlike [method ResourceSaver.save] it has an error where the disk is full.
+## Saves a resource to a file that is not in use. Unlike [method ResourceSaver.save], it returns an error if the disk is full.
 static func save_new(resource: Resource, path: String, flags := 0) -> Error:
 	var error := ResourceSaver.save(resource, path, flags)
 	return ERR_FILE_CANT_WRITE if error == OK and not _is_whole(path) else error
 
 
-## Where a file is written before it takes its place. Hidden from the editor's file system, with the extension that tells its format.
+## The path where a file is written before it replaces the final one. It is hidden from the editor's file system and has the same
+## extension, which determines the format.
 static func beside(path: String) -> String:
 	var name := path.get_file()
 	var extension := name.get_extension()
 	return path.get_base_dir().path_join(".%s.part%s" % [name.get_basename(), "." + extension if not extension.is_empty() else ""])
 
 
-## A file that may not be written stays as it is, though its folder would let another take its place.
+## A read-only file must not be replaced, even if its folder would allow it.
 static func _may_be_replaced(path: String) -> bool:
 	return not FileAccess.file_exists(path) or FileAccess.open(path, FileAccess.READ_WRITE) != null
 
@@ -58,14 +59,14 @@ static func _put(partial: String, path: String, error: Error) -> Error:
 	if error != OK and FileAccess.file_exists(partial):
 		DirAccess.remove_absolute(partial)
 	if Engine.is_editor_hint() and path.begins_with("res://"):
-		# Scripts of the add-on that games export cannot name the editor's singleton.
+		# Scripts of the add-on that are exported with games must not name the editor's singleton.
 		var files: Object = Engine.get_singleton(&"EditorInterface").call(&"get_resource_filesystem")
 		files.call(&"update_file", partial)
 		files.call(&"update_file", path)
 	return error
 
 
-## ResourceSaver returns OK for what found no room on the disk. Where it has found none, there is none now.
+## ResourceSaver returns OK even if the disk had no room. If there was no room then, there is none now, so appending bytes fails.
 static func _is_whole(path: String) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ_WRITE)
 	if file == null:

@@ -20,15 +20,15 @@ struct Override {
 	GDExtensionClassCallVirtual call;
 };
 
-/// What has to live for as long as the engine knows a class of ours.
+/// Data that must live as long as the engine knows one of our classes.
 struct ClassRecord {
 	StringName name;
-	const ClassRecord *parent = nullptr; ///< Null where the engine's own classes begin.
+	const ClassRecord *parent = nullptr; ///< Null if the parent is one of the engine's classes.
 	std::vector<Override> overrides;
 	std::vector<std::unique_ptr<MethodBind>> methods;
 };
 
-// In order of registration: parents come first. Changed only while the engine registers and unregisters.
+// In order of registration, so parents come first. Changes only while the engine registers and unregisters classes.
 std::vector<std::unique_ptr<ClassRecord>> records;
 
 ClassRecord *find_record(const StringName &p_name) {
@@ -40,7 +40,7 @@ ClassRecord *find_record(const StringName &p_name) {
 	return nullptr;
 }
 
-/// The engine asks once for each object and method.
+/// The engine calls this once for each object and method.
 GDExtensionClassCallVirtual find_override(void *p_record, GDExtensionConstStringNamePtr p_name, uint32_t p_hash) {
 	const StringName &name = *static_cast<const StringName *>(p_name);
 	for (auto *record = static_cast<const ClassRecord *>(p_record); record; record = record->parent) {
@@ -134,7 +134,7 @@ StringName enum_class_name(std::string_view p_cpp_name) {
 	const std::size_t before = last == std::string_view::npos ? last : p_cpp_name.rfind("::", last - 1);
 	std::string name(before == std::string_view::npos ? p_cpp_name : p_cpp_name.substr(before + 2));
 	if (const std::string_view engine = "godot::"; name.starts_with(engine)) {
-		name.erase(0, engine.size()); // One of no class: Error.
+		name.erase(0, engine.size()); // A global enumeration, such as Error.
 	}
 	if (const std::size_t scope = name.find("::"); scope != std::string::npos) {
 		name.replace(scope, 2, 1, '.');
@@ -157,7 +157,7 @@ MethodDefinition define_method(const StringName &p_name, std::initializer_list<c
 PropertyInfo::PropertyInfo(Variant::Type p_type, const StringName &p_name, PropertyHint p_hint,
 		const String &p_hint_string, uint32_t p_usage, const StringName &p_class_name) :
 		type(p_type), name(p_name),
-		// The class of a resource is what the inspector lets one choose from.
+		// The inspector lists the resources of this class.
 		class_name(p_hint == PROPERTY_HINT_RESOURCE_TYPE ? StringName(p_hint_string) : p_class_name), hint(p_hint),
 		hint_string(p_hint_string), usage(p_usage) {}
 

@@ -25,14 +25,14 @@ namespace {
 
 thread_local GodotObject *next_owner = nullptr;
 
-/// A class of the engine that is offered.
+/// A class of the engine that the bindings provide.
 struct EngineClass {
 	EngineClass(LazyName &p_name, const GDExtensionInstanceBindingCallbacks &p_callbacks) :
 			name(p_name), callbacks(p_callbacks) {}
 
 	LazyName &name;
 	const GDExtensionInstanceBindingCallbacks &callbacks;
-	std::atomic<void *> tag = nullptr; ///< Known to the engine only after the library is loaded.
+	std::atomic<void *> tag = nullptr; ///< The engine has it only after it has loaded the library.
 
 	/// True for an object of the class or of one derived from it.
 	bool wraps(GodotObject *p_object) {
@@ -77,9 +77,9 @@ void report_exception(const char *p_entry) noexcept {
 	try {
 		throw;
 	} catch (const std::bad_alloc &) {
-		why = "needs more memory than there is";
+		why = "needs more memory than is available";
 	} catch (const std::length_error &) {
-		why = "needs more memory than there is";
+		why = "needs more memory than is available";
 	} catch (...) {
 		why = "failed within";
 	}
@@ -102,7 +102,7 @@ Object *wrapper_of(GodotObject *p_object) {
 				[p_object](EngineClass &engine_class) { return engine_class.wraps(p_object); });
 		wrapper = gdextension_interface::object_get_instance_binding(p_object, library, &nearest->callbacks);
 		if (!wrapper) {
-			// The engine keeps even a binding that could not be made, and would make no other.
+			// The engine keeps even a failed binding, and would never request a new one.
 			gdextension_interface::object_free_instance_binding(p_object, library);
 			throw std::bad_alloc();
 		}
@@ -119,7 +119,7 @@ Object *find_singleton(const StringName &p_name) {
 	return wrapper_of(object);
 }
 
-// The engine frees these objects after it has closed the library, when it could no longer call us to free a wrapper.
+// The engine frees these objects after it has closed the library. It could then no longer call us to free a wrapper.
 void release_wrappers() {
 	for (const GDObjectInstanceID id : singleton_ids) {
 		if (GodotObject *object = gdextension_interface::object_get_instance_from_id(id)) {

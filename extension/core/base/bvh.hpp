@@ -32,14 +32,14 @@ public:
 	}
 
 	bool empty() const { return count_ == 0; }
-	std::size_t nodes() const { return level_begin_.back(); } ///< Of all levels.
+	std::size_t nodes() const { return level_begin_.back(); } ///< On all levels.
 	std::size_t levels() const { return level_begin_.size() - 1; }
 	std::size_t nodes(std::size_t level) const { return level_begin_[level + 1] - level_begin_[level]; }
 
-	/// The node that holds all items. There must be one item at least.
+	/// The node that holds all items. There must be at least one item.
 	Node root() const { return {static_cast<std::uint32_t>(levels() - 1), 0}; }
 
-	/// Calls `visit` with every node, the two halves of a node before the node itself.
+	/// Calls `visit` with every node. Both halves of a node are visited before the node itself.
 	template <typename Visit>
 	void each(Visit visit) const {
 		for (std::uint32_t level = 0; level < levels(); ++level) {

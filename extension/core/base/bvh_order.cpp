@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// `half_runs`: the leaves of the first half.
+/// `half_runs` is the number of leaves in the first half.
 void arrange(std::span<BvhKey> keys, std::size_t half_runs, const std::atomic<bool> *cancel) {
 	if (half_runs == 0 || is_cancelled(cancel)) {
 		return;

@@ -10,15 +10,16 @@
 
 namespace thicket {
 
-/// What an item's place in the order is found by.
+/// The sort key of an item.
 struct BvhKey {
 	glm::dvec2 position; ///< In the plane, finite, at any scale.
 	std::uint32_t item;
 };
 
-/// Puts items that lie near each other next to each other, for a tree over as many items as there are keys: the lower ones along
-/// the longer axis into the first half of the tree's leaves, the others behind them, and so on within both. One order whatever
-/// the library's nth_element. O(n log n). Once `cancel` is raised it returns within some milliseconds, with any order.
+/// Sorts items so that neighbors in space become neighbors in the list, for a tree over as many items as there are keys. The lower items
+/// along the longer axis fill the first half of the tree's leaves, the others follow, and both halves are divided in the same way. The
+/// order does not depend on the library's nth_element. O(n log n). Once `cancel` is raised, it returns within some milliseconds with an
+/// unspecified order.
 void put_in_order(const Bvh &tree, std::span<BvhKey> r_keys, const std::atomic<bool> *cancel = nullptr);
 
 } // namespace thicket

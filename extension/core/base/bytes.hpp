@@ -9,9 +9,9 @@
 
 namespace thicket {
 
-// Stored forms are bytes; all their numbers are little-endian.
+// Stored data is a sequence of bytes. All numbers in it are little-endian.
 
-/// FNV-1a of some bytes. Byte strings of one length that differ in a single byte never have the same.
+/// The FNV-1a hash of some bytes. Byte strings of equal length that differ in a single byte never have the same checksum.
 inline std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
 	WordHash hash;
 	for (const std::uint8_t byte : bytes) {
@@ -20,7 +20,7 @@ inline std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
 	return hash.value();
 }
 
-/// Adds an unsigned number.
+/// Appends an unsigned number.
 template <typename Number>
 void append(std::vector<std::uint8_t> &r_bytes, Number number) {
 	for (std::size_t byte = 0; byte < sizeof number; ++byte) {
@@ -28,7 +28,7 @@ void append(std::vector<std::uint8_t> &r_bytes, Number number) {
 	}
 }
 
-/// Takes numbers off the front of some bytes. Past the end it gives zeros, and is no longer good.
+/// Reads numbers from the front of some bytes. Past the end it returns zeros and `good` becomes false.
 class ByteReader {
 public:
 	explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -43,7 +43,7 @@ public:
 		return number;
 	}
 
-	/// None if there are not as many.
+	/// Empty if fewer than `count` bytes are left.
 	std::span<const std::uint8_t> take_bytes(std::size_t count) {
 		good_ = good_ && count <= rest_.size();
 		if (!good_) {
@@ -57,7 +57,7 @@ public:
 	bool good() const { return good_; }
 	bool at_end() const { return rest_.empty(); }
 
-	/// What has not been taken yet.
+	/// The bytes that have not been read yet.
 	std::span<const std::uint8_t> rest() const { return rest_; }
 
 private:

@@ -31,11 +31,11 @@ inline Status check_positive(const char *property, double value) {
 	return {};
 }
 
-/// Remedies that several rooms name.
+/// Remedies that several modules share.
 inline constexpr const char *negative_size = "Use a size that is not negative";
 inline constexpr const char *newer_version = "A different version of Thicket wrote it: update this one";
 
-/// Refuses a range whose end lies before its start, under the name of its end.
+/// Refuses a range whose end lies before its start. The status names the end of the range.
 inline Status check_order(const char *max_property, double min, double max) {
 	if (max < min) {
 		return {ErrorCode::inverted, max_property, max, {}, at_least(min, "where its range begins"),
@@ -44,7 +44,7 @@ inline Status check_order(const char *max_property, double min, double max) {
 	return {};
 }
 
-/// The first of several checks that failed, or ok.
+/// The first failure of several checks; ok if there is none.
 template <typename... Statuses>
 Status first_failure(const Statuses &...statuses) {
 	Status result;

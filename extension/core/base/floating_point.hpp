@@ -3,9 +3,9 @@
 #include <cfloat>
 #include <limits>
 
-/// The core gives the same bits everywhere because it uses nothing but IEEE 754 additions, multiplications, divisions
-/// and square roots, each rounded once. Include this where such a result decides something: it stops a build that would
-/// break the promise. Contraction (-ffp-contract=off) cannot be seen from here; the golden tests see it.
+/// The core computes the same bits everywhere because it uses only IEEE 754 additions, multiplications, divisions and square roots, each
+/// rounded once. Include this where such a result decides something: it stops a build whose results would differ. Contraction
+/// (-ffp-contract=off) cannot be detected from here; the golden tests detect it.
 
 #ifdef __FAST_MATH__
 #error "Thicket's core must not be compiled with -ffast-math: its results would depend on the compiler"

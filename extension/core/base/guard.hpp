@@ -9,12 +9,12 @@
 
 namespace thicket {
 
-/// The border of the core: every function that is called from outside and takes memory does its work in here. Runs `work`,
-/// which returns a Status or nothing. Where memory ends, that becomes ErrorCode::out_of_memory, which names what was asked
-/// for and how large that was: a request so large that no container can hold it counts as well.
+/// The border of the core: every public function that allocates memory does its work in here. Runs `work`, which returns a Status or
+/// nothing. If memory runs out, the result is ErrorCode::out_of_memory, with the name and the size of the request. A request that no
+/// container can hold counts as out of memory as well.
 ///
-/// `work` takes all the memory that it needs before it changes anything that outlives the call, so that a failure leaves
-/// everything as it was. What else is promised of a failed call, its docstring says.
+/// `work` allocates all the memory it needs before it changes anything that outlives the call, so a failure leaves everything unchanged.
+/// Functions that promise more than this document it.
 template <typename Work>
 Status guarded(const char *asked_for, double value, Work &&work) {
 	try {
@@ -29,7 +29,7 @@ Status guarded(const char *asked_for, double value, Work &&work) {
 	return {ErrorCode::out_of_memory, asked_for, value};
 }
 
-/// As above, for an answer that is put together in `r_answer`: after a failure of any kind that is empty.
+/// As above, for an answer that is collected in `r_answer`: after a failure of any kind, `r_answer` is empty.
 template <typename Answer, typename Work>
 Status guarded_answer(const char *asked_for, double value, Answer &r_answer, Work &&work) {
 	const Status status = guarded(asked_for, value, std::forward<Work>(work));
@@ -39,8 +39,8 @@ Status guarded_answer(const char *asked_for, double value, Answer &r_answer, Wor
 	return status;
 }
 
-/// The way back, for code within the core that calls a guarded function and has no status to return: throws if memory ended
-/// there, to be caught at the border of its own caller.
+/// The reverse, for code within the core that calls a guarded function and has no status to return. It throws if the call ran out of
+/// memory, and the guard of its own caller catches that.
 inline void throw_if_out_of_memory(const Status &status) {
 	if (status.code == ErrorCode::out_of_memory) {
 		throw std::bad_alloc();

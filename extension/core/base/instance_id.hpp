@@ -9,11 +9,11 @@ namespace thicket {
 /// Cells lie in [-cell_limit, cell_limit) on both axes of a layer's base square lattice.
 inline constexpr std::int32_t cell_limit = 1 << 23;
 
-/// The layer and the base square of a point. A base square holds at most one point of a set, so this names the
-/// point for ever, whatever is loaded: 16 bits of layer, 24 of cell x, 24 of cell y.
+/// The layer and the base square of a point. A base square holds at most one point of a set, so the id names the point permanently,
+/// whatever is loaded: 16 bits of layer, 24 of cell x, 24 of cell y.
 struct InstanceId {
 	std::uint16_t layer = 0;
-	glm::ivec2 cell{0}; ///< In [-cell_limit, cell_limit); anything else does not survive `pack`.
+	glm::ivec2 cell{0}; ///< In [-cell_limit, cell_limit); other values do not survive `pack`.
 
 	friend bool operator==(const InstanceId &, const InstanceId &) = default;
 };

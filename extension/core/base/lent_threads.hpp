@@ -5,16 +5,16 @@
 
 namespace thicket {
 
-/// Threads that a caller lends to a call: the core makes none.
+/// Threads that a caller lends to a call. The core starts no threads.
 class LentThreads {
 public:
 	virtual ~LentThreads() = default;
 
-	/// How many there are besides the calling one.
+	/// The number of threads besides the calling one.
 	virtual std::size_t count() const = 0;
 
-	/// Calls work(0) on the calling thread and work(1) to work(count()) on others, and returns when all have. Some may begin late,
-	/// one after the other, or not at all, so whoever comes first does all there is to do. `work` does not throw.
+	/// Calls work(0) on the calling thread and work(1) to work(count()) on other threads, and returns when all have returned. Some may
+	/// start late, one after the other, or not at all, so each call takes on all the work that is left. `work` does not throw.
 	virtual void run(const std::function<void(std::size_t index)> &work) = 0;
 
 protected:

@@ -5,7 +5,7 @@
 namespace thicket {
 
 #if defined(__wasi__) && !defined(_REENTRANT)
-/// WebAssembly outside of browsers has one thread, and its C++ library no mutex.
+/// WebAssembly outside of browsers has one thread, and its C++ library has no mutex.
 class Mutex {
 public:
 	void lock() {}

@@ -33,7 +33,7 @@ public:
 		add(product);
 	}
 
-	/// The sum, rounded; of the exact sum's sign, as the last part outweighs all before it.
+	/// The rounded sum. It has the sign of the exact sum, because the last part outweighs all parts before it.
 	double value() const {
 		double sum = 0.0;
 		for (std::size_t i = 0; i < size_; ++i) {

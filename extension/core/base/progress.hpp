@@ -6,17 +6,17 @@
 
 namespace thicket {
 
-/// Whether somebody has raised the flag, on any thread; null for nobody.
+/// Whether the flag was raised, on any thread. A null pointer means that the call cannot be cancelled.
 inline bool is_cancelled(const std::atomic<bool> *cancel) {
 	return cancel != nullptr && cancel->load(std::memory_order_relaxed);
 }
 
-/// Lets a long call be watched and ended.
+/// Lets a caller watch and cancel a long call.
 struct Progress {
-	/// Raised from any thread, it ends the call with ErrorCode::cancelled: soon, the call says how soon.
+	/// If it is raised, on any thread, the call soon ends with ErrorCode::cancelled. Each call documents how soon.
 	const std::atomic<bool> *cancel = nullptr;
-	/// Called on the calling thread, at least every few milliseconds, with the finished fraction (0 to 1, never falling) and
-	/// the points so far. May raise `cancel`. Must not throw.
+	/// Called on the calling thread at least every few milliseconds, with the finished fraction (0 to 1, never falling) and the number of
+	/// points generated until then. May raise `cancel`. Must not throw.
 	std::function<void(double fraction, std::uint64_t points)> report;
 
 	bool cancelled() const { return is_cancelled(cancel); }

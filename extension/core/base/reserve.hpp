@@ -5,8 +5,8 @@
 
 namespace thicket {
 
-/// Takes the memory for `more` entries of a list: until they are there, adding takes none. It grows by doubling, so that
-/// single entries do not move the list each time.
+/// Allocates the memory for `more` entries of a list, so that adding them allocates nothing. Capacity grows by doubling, so that adding
+/// single entries does not move the list each time.
 template <typename List>
 void reserve_more(List &r_list, std::size_t more) {
 	if (r_list.capacity() - r_list.size() < more) {

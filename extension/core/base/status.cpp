@@ -31,7 +31,7 @@ std::string text_of(const AllowedRange &allowed) {
 	return *allowed.note == '\0' ? text : text + " (" + allowed.note + ")";
 }
 
-/// What is demanded of a property, up to its value. `allowed` is empty for no known range.
+/// The requirement that a property failed, without its value. `allowed` is empty if no range is known.
 std::string demand(ErrorCode code, const std::string &allowed) {
 	const bool known = !allowed.empty();
 	switch (code) {
@@ -40,12 +40,12 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 		case ErrorCode::not_positive: return "must be positive";
 		case ErrorCode::out_of_range: return known ? "must be " + allowed : "is out of range";
 		case ErrorCode::inverted: return known ? "must be " + allowed : "ends before it starts";
-		case ErrorCode::too_many_points: return "asks for too many points";
+		case ErrorCode::too_many_points: return "requires too many points";
 		case ErrorCode::missing: return "is missing";
 		case ErrorCode::wrong_size: return known ? "has the wrong size, must be " + allowed : "has the wrong size";
-		case ErrorCode::out_of_memory: return "needs more memory than there is";
-		case ErrorCode::corrupt: return "is truncated, damaged or of another kind";
-		case ErrorCode::foreign: return "was made for another seed, radius or number of levels";
+		case ErrorCode::out_of_memory: return "needs more memory than is available";
+		case ErrorCode::corrupt: return "is truncated, damaged or of a different kind";
+		case ErrorCode::foreign: return "belongs to a different seed, radius or number of levels";
 		case ErrorCode::not_allowed: return known ? "must be " + allowed : "is missing";
 		case ErrorCode::out_of_order: return known ? "must be " + allowed : "is out of order";
 		case ErrorCode::margin_too_wide: return "needs a wider margin of cells than is allowed";
@@ -54,13 +54,13 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 	return "is invalid";
 }
 
-/// The remedy where a call site names none.
+/// The remedy for a status that has none of its own.
 const char *usual_remedy(ErrorCode code) {
 	switch (code) {
 		case ErrorCode::too_many_points: return "Make the area smaller or the radius larger";
-		case ErrorCode::out_of_memory: return "Ask for less at once, or free memory";
+		case ErrorCode::out_of_memory: return "Request less in one call, or free memory";
 		case ErrorCode::corrupt: return "Use an undamaged copy that this version wrote";
-		case ErrorCode::foreign: return "Restore those that it was made for, or start with a new state";
+		case ErrorCode::foreign: return "Restore the values that it belongs to, or start with a new state";
 		case ErrorCode::margin_too_wide: return "Choose a different seed, and report this one as a bug";
 		default: return "";
 	}
@@ -88,7 +88,7 @@ std::string describe(const Status &status) {
 		text += as_text(status.value);
 	}
 	if (status.code == ErrorCode::too_many_points && status.allowed.has_max()) {
-		text += "; at most " + as_text(status.allowed.max) + " are made at once";
+		text += "; at most " + as_text(status.allowed.max) + " are allowed in one call";
 	}
 	if (const PointSetSite &site = status.site; site.radius > 0.0) {
 		text += " (seed " + std::to_string(site.seed) + ", radius " + as_text(site.radius) + ", position (" +

@@ -8,37 +8,37 @@
 
 namespace thicket {
 
-/// Why a call was refused.
+/// The reason why a call was refused.
 enum class ErrorCode : std::uint8_t {
 	none,
 	not_finite,      ///< NAN or infinite where a finite number is needed.
 	not_positive,    ///< Zero or negative where a positive number is needed.
-	out_of_range,    ///< Finite, but outside the range that the property's docstring gives.
+	out_of_range,    ///< Finite, but outside the range that the property documents.
 	inverted,        ///< A range whose end lies before its start.
-	too_many_points, ///< The request would give more points than one call makes.
+	too_many_points, ///< The request would generate more points than one call allows.
 	missing,         ///< A needed object or buffer is absent.
-	wrong_size,      ///< A buffer or an image of the wrong size.
-	out_of_memory,   ///< The machine has not enough memory for the request.
-	corrupt,         ///< Stored bytes that are truncated, damaged or of another kind.
-	foreign,         ///< Ids of another point set than those that are there.
-	not_allowed,     ///< More than the limits that a receiver has set, or what they cannot be checked for.
-	out_of_order,    ///< What begins after all that was received: something is missing before it.
-	margin_too_wide, ///< Points that no margin in the limit decides; Status::site says where.
+	wrong_size,      ///< A buffer or an image has the wrong size.
+	out_of_memory,   ///< The machine does not have enough memory for the request.
+	corrupt,         ///< Stored bytes are truncated, damaged or of a different kind.
+	foreign,         ///< Ids belong to a different point set.
+	not_allowed,     ///< More than the receiver's limits allow, or data that cannot be checked against them.
+	out_of_order,    ///< Data that starts after all that was received: something before it is missing.
+	margin_too_wide, ///< No margin within the limit decides some points; Status::site holds the position.
 	cancelled,       ///< The caller's cancel flag was raised; outputs are unspecified but valid.
 };
 
 /// A position in a point set.
 struct PointSetSite {
 	std::uint64_t seed = 0;
-	double radius = 0.0;      ///< Meters; 0 for no site.
+	double radius = 0.0;      ///< Meters; 0 if there is no site.
 	glm::dvec2 position{0.0}; ///< World meters.
 };
 
-/// What would have been accepted, both ends included; infinite ends are no limits, and two of them name no range at all.
+/// The accepted values, both ends included. An infinite end is no limit; two infinite ends mean that no range is known.
 struct AllowedRange {
 	double min = -std::numeric_limits<double>::infinity();
 	double max = std::numeric_limits<double>::infinity();
-	const char *note = ""; ///< Where a limit comes from or what it counts, such as "64 x tile_size"; a string literal.
+	const char *note = ""; ///< The source of a limit, or what it counts, such as "64 x tile_size"; a string literal.
 
 	constexpr bool has_min() const { return min > std::numeric_limits<double>::lowest(); }
 	constexpr bool has_max() const { return max < std::numeric_limits<double>::max(); }
@@ -64,19 +64,18 @@ constexpr AllowedRange exactly(Number number, const char *note = "") {
 	return between(number, number, note);
 }
 
-/// The outcome of a call across the core's border: the core throws nothing there (see core/base/guard.hpp). A failed call
-/// has no effect on the state it was called on. Two kinds of functions have no room for a status and throw std::bad_alloc
-/// where memory ends: constructors, and those that return what they work out by value (a list of ids, a digest). They change
-/// nothing then.
+/// The outcome of a call across the core's border, where the core throws nothing (see core/base/guard.hpp). A failed call does not change
+/// the object that it was called on. Two kinds of functions have no room for a status and throw std::bad_alloc if memory runs out:
+/// constructors, and functions that return their result by value (a list of ids, a digest). They change nothing in that case.
 struct [[nodiscard]] Status {
 	ErrorCode code = ErrorCode::none;
 	const char *property = ""; ///< The property that was refused; a string literal.
-	double value = 0.0;        ///< The value that it had.
-	PointSetSite site{};       ///< Where it happened, of errors that depend on where.
-	AllowedRange
-			allowed{}; ///< Of out_of_range, wrong_size, too_many_points, not_finite, inverted, not_allowed and out_of_order.
-	const char *remedy =
-			""; ///< What to do about it, as a sentence without its period; a string literal. Empty for what the code suggests.
+	double value = 0.0;        ///< The refused value.
+	PointSetSite site{};       ///< The position, for errors that depend on one.
+	/// Set for out_of_range, wrong_size, too_many_points, not_finite, inverted, not_allowed and out_of_order.
+	AllowedRange allowed{};
+	/// The remedy, as a sentence without its period; a string literal. If it is empty, `describe` uses the usual remedy of the code.
+	const char *remedy = "";
 
 	constexpr bool ok() const { return code == ErrorCode::none; }
 
@@ -103,8 +102,8 @@ struct [[nodiscard]] Status {
 	}
 };
 
-/// A sentence that names property, value, allowed range and site, as far as they are known, and one with the remedy, for a log or an
-/// editor warning; without the last period: "view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Lower it or raise
+/// A sentence with property, value, allowed range and site, as far as they are known, and a sentence with the remedy, for a log or an
+/// editor warning. The last period is left out: "view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Lower it or raise
 /// tile_size".
 std::string describe(const Status &status);
 

@@ -9,7 +9,7 @@ glm::ivec2 tile_at(double tile_size, glm::dvec2 position) {
 	const auto coordinate = [tile_size](double along) {
 		constexpr double outermost = max_tile_coordinate;
 		double tile = std::floor(along / tile_size);
-		// The division rounds; the edges of tile_rect decide.
+		// The division rounds, so the edges of tile_rect decide.
 		if (along < tile * tile_size) {
 			tile -= 1.0;
 		} else if (along >= (tile + 1.0) * tile_size) {
@@ -21,7 +21,7 @@ glm::ivec2 tile_at(double tile_size, glm::dvec2 position) {
 }
 
 Rect tile_rect(double tile_size, glm::ivec2 tile) {
-	// A product, not a sum: the end of one tile and the start of the next are the same expression.
+	// A product, not a sum, so that the end of one tile and the start of the next are the same expression.
 	return {glm::dvec2(tile) * tile_size, glm::dvec2(tile + 1) * tile_size};
 }
 

@@ -18,25 +18,24 @@ struct TileRange {
 
 	bool empty() const { return first.x > last.x || first.y > last.y; }
 
-	/// A double: an integer may be too small for it.
+	/// A double, because the count may not fit an integer.
 	double count() const { return empty() ? 0.0 : (1.0 + last.x - first.x) * (1.0 + last.y - first.y); }
 
 	friend bool operator==(const TileRange &, const TileRange &) = default;
 };
 
-/// The tile that a position lies in: rounds down, so tile -1 ends where tile 0 begins. `tile_size` is meters, above 0,
-/// and `position` is finite; what lies beyond max_tile_coordinate gets the outermost tile.
+/// The tile that a position lies in. It rounds down, so tile -1 ends where tile 0 begins. `tile_size` is in meters and above 0, and
+/// `position` is finite. Positions beyond max_tile_coordinate belong to the outermost tile.
 glm::ivec2 tile_at(double tile_size, glm::dvec2 position);
 
-/// The half-open square of a tile. Neighbors share their edges to the bit, so their tiles share no point and leave
-/// none out.
+/// The half-open square of a tile. Neighbors have bit-identical shared edges, so no point lies in two tiles or in none.
 Rect tile_rect(double tile_size, glm::ivec2 tile);
 
-/// The tiles that have points of a half-open rectangle, none for an empty one. A tile that only shares an edge with the end of the rectangle is not
-/// among them. `rect` is finite; what lies beyond max_tile_coordinate gets the outermost tiles.
+/// The tiles that contain points of a half-open rectangle; none for an empty one. A tile that only touches the end of the rectangle is left
+/// out. `rect` is finite. Parts beyond max_tile_coordinate belong to the outermost tiles.
 TileRange tiles_in(double tile_size, const Rect &rect);
 
-/// The square of the distance from a position to the nearest point of a rectangle; 0 inside. Meters squared.
+/// The squared distance from a position to the nearest point of a rectangle, in square meters; 0 inside.
 double distance_squared(const Rect &rect, glm::dvec2 position);
 
 } // namespace thicket

@@ -49,13 +49,13 @@ constexpr std::array<Rotation, 4> quarter_turns{{{1.0, 0.0}, {0.0, 1.0}, {-1.0, 
 } // namespace
 
 Rotation rotation_by(double turns) {
-	// The nearest quarter; 8 more keep the cast, which cuts towards 0, on the positive side.
+	// The nearest quarter turn. The cast rounds towards 0, so 8 is added first to keep its argument positive.
 	const double quarters = turns * 4.0;
 	const int nearest = static_cast<int>(quarters + 8.5) - 8;
 	const double rest = (quarters - nearest) * (std::numbers::pi / 2.0);
 	const Rotation small{cosine_small(rest), sine_small(rest)};
 	const Rotation quarter = quarter_turns[static_cast<std::size_t>(nearest & 3)];
-	// Exact, as every factor of the quarter is 0 or 1; a branch here would be guessed wrong three times in four.
+	// Exact, because every factor of the quarter is 0 or 1. A branch here would be mispredicted three times in four.
 	return {small.cosine * quarter.cosine - small.sine * quarter.sine,
 			small.sine * quarter.cosine + small.cosine * quarter.sine};
 }
@@ -65,7 +65,7 @@ double slope_degrees(glm::vec3 normal) {
 	constexpr double reach = std::numbers::sqrt2 - 1.0; // tan(pi / 8)
 	const double x = normal.x;
 	const double z = normal.z;
-	// From both legs of the triangle: the height alone says little about an angle near 0.
+	// From both legs of the triangle, because the height alone determines a small angle poorly.
 	const double across = std::sqrt(x * x + z * z);
 	const double up = std::abs(static_cast<double>(normal.y));
 	// atan(across / up) is 0, 45 or 90 degrees, whichever is nearest, and an angle within the reach of the series.

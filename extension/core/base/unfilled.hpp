@@ -7,8 +7,8 @@
 
 namespace thicket {
 
-/// For elements that are written before they are read: what a vector adds without a value is left as the memory was, so that its pages
-/// are first touched by whoever fills them, on as many threads as do.
+/// An allocator for elements that are written before they are read. Elements that a vector adds without a value stay uninitialized, so the
+/// threads that fill them are the first to touch their pages.
 template <class Value>
 struct UnfilledAllocator : std::allocator<Value> {
 	UnfilledAllocator() = default;

@@ -8,21 +8,22 @@
 
 namespace thicket {
 
-/// How near and how far a box is from the viewer that is nearest to it, as sight_distance measures. Meters.
+/// The distances of the nearest and the farthest point of a box from the viewer nearest to it, as sight_distance measures. Meters.
 struct DistanceRange {
 	double near = 0.0;
 	double far = 0.0;
-	double sight = 0.0; ///< As `far`, for the end of sight: less what a viewer sees farther than others.
+	double sight = 0.0; ///< Like `far`, for the end of sight: minus the meters that a viewer sees farther than others.
 
 	DistanceRange() = default;
 	DistanceRange(double its_near, double its_far) : DistanceRange(its_near, its_far, its_far) {}
 	DistanceRange(double its_near, double its_far, double its_sight) : near(its_near), far(its_far), sight(its_sight) {}
 };
 
-/// What a camera sees: the space between six planes. World meters.
+/// The space that a camera sees, bounded by six planes. World meters.
 class ViewVolume {
 public:
-	/// The corners of the near side, in turn, then those of the far side, in the same turn: of a perspective or orthogonal camera.
+	/// Takes the corners of the near side, in order around it, then those of the far side, in the same order. For perspective and
+	/// orthogonal cameras.
 	explicit ViewVolume(const std::array<glm::dvec3, 8> &corners) {
 		glm::dvec3 middle(0.0);
 		for (const glm::dvec3 &corner : corners) {
@@ -32,7 +33,7 @@ public:
 				{{0, 1, 2}, {4, 5, 6}, {0, 1, 5}, {1, 2, 6}, {2, 3, 7}, {3, 0, 4}}};
 		for (std::size_t side = 0; side < sides.size(); ++side) {
 			const auto &[a, b, c] = sides[side];
-			// The far corners make long edges, and a normal from these that is as exact as can be.
+			// The far corners span long edges, which make the most exact normal.
 			Plane &plane = planes_[side];
 			plane.normal = glm::cross(corners[b] - corners[a], corners[c] - corners[a]);
 			plane.offset = glm::dot(plane.normal, corners[c]);
@@ -43,7 +44,8 @@ public:
 		}
 	}
 
-	/// False if a box lies outside of one of the planes altogether, which is how renderers cull. A box beside an edge may count as seen.
+	/// False if a box lies entirely outside of one of the planes, which is how renderers cull. A box beside an edge may still count as
+	/// visible.
 	bool touches(glm::dvec3 min, glm::dvec3 max) const {
 		for (const Plane &plane : planes_) {
 			const glm::dvec3 inmost{plane.normal.x > 0.0 ? max.x : min.x, plane.normal.y > 0.0 ? max.y : min.y,
@@ -56,7 +58,7 @@ public:
 	}
 
 private:
-	/// What is seen lies on the side to which the normal points.
+	/// The visible side is the one to which the normal points.
 	struct Plane {
 		glm::dvec3 normal{0.0};
 		double offset = 0.0;

@@ -26,16 +26,16 @@ using thicket::at_most;
 
 struct thicket_sampler {
 	thicket::TileSampler tiles;
-	/// Of the last call: points of a set, or positions of a whole domain.
+	/// The points of the last call: of a set, or positions of a whole domain.
 	std::variant<std::vector<SamplePoint>, std::vector<glm::dvec2>, std::vector<glm::vec2>> held;
 	std::array<char, 512> message{};
 	std::atomic<bool> busy = false;
-	std::atomic<bool> cancelled = false; ///< The call under way.
+	std::atomic<bool> cancelled = false; ///< Set for the call in progress.
 };
 
 namespace {
 
-// Points are copied as they are.
+// Points are copied without conversion, so both structs have the same layout.
 static_assert(sizeof(thicket_point) == sizeof(SamplePoint));
 static_assert(offsetof(thicket_point, x) == offsetof(SamplePoint, position));
 static_assert(offsetof(thicket_point, id) == offsetof(SamplePoint, id));
@@ -64,7 +64,8 @@ void tell(thicket_sampler &r_sampler, const char *text) {
 	r_sampler.message[length] = '\0';
 }
 
-/// A call of a sampler, which is refused while another one is under way. `work(sampler)` gives a Status; `request` is a domain's.
+/// Runs a call of a sampler. It is refused while a different call is in progress. `work(sampler)` returns a Status; `request` is that of a
+/// domain.
 template <typename Work>
 thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::DomainRequest *request = nullptr) {
 	if (sampler == nullptr) {
@@ -79,18 +80,18 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 		const Status told = thicket::guarded("message", 0.0,
 				[&] { tell(*sampler, (request != nullptr ? describe(*request, status) : describe(status)).c_str()); });
 		if (!told.ok()) {
-			tell(*sampler, "there is not even memory to say what went wrong");
+			tell(*sampler, "there is not enough memory for an error message");
 		}
 	}
 	sampler->busy.store(false, std::memory_order_release);
 	return code_of(status.code);
 }
 
-/// The sampler's points, as a list of its own kind. One of another kind gives its memory back.
+/// The sampler's points, as a list of `Point`. A list of a different type is freed.
 template <typename Point>
 std::vector<Point> &held_as(thicket_sampler &r_sampler) {
 	if (auto *known = std::get_if<std::vector<Point>>(&r_sampler.held)) {
-		// Fast path: a list of the same kind keeps its memory; whoever asks clears it.
+		// Fast path: a list of the same type keeps its memory; the caller clears it.
 		return *known;
 	}
 	return r_sampler.held.emplace<std::vector<Point>>();
@@ -100,7 +101,7 @@ std::uint64_t count_of(const thicket_sampler &sampler) {
 	return std::visit([](const auto &points) { return std::uint64_t{points.size()}; }, sampler.held);
 }
 
-/// Runs `sample(progress, points)`; after a failure of any kind there are no points.
+/// Runs `sample(progress, points)`. After a failure of any kind there are no points.
 template <typename Point, typename Sample>
 Status make(thicket_sampler &r_sampler, const thicket_watch *watch, std::uint64_t *r_count, const Sample &sample) {
 	const thicket_watch watcher = watch != nullptr ? *watch : thicket_watch{};
@@ -155,11 +156,11 @@ thicket::DomainRequest request_of(const thicket_domain &domain) {
 	return request;
 }
 
-/// Whether the sampler holds `count` points from `first` on, and there is a buffer for them.
+/// Checks that the sampler holds `count` points from `first` on, and that there is a buffer for them.
 Status check_part(const thicket_sampler &sampler, std::uint64_t first, std::uint64_t count, const void *buffer) {
 	const std::uint64_t held = count_of(sampler);
 	if (first > held) {
-		return Status::out_of_range("first", first, at_most(held, "the points that are held"));
+		return Status::out_of_range("first", first, at_most(held, "the points in the sampler"));
 	}
 	if (count > held - first) {
 		return Status::out_of_range("count", count, at_most(held - first, "the points from first on"));
@@ -194,7 +195,7 @@ const char *thicket_message(const thicket_sampler *sampler) noexcept {
 	if (sampler == nullptr) {
 		return "sampler is missing";
 	}
-	return sampler->busy.load(std::memory_order_acquire) ? "another call of this sampler is under way"
+	return sampler->busy.load(std::memory_order_acquire) ? "a different call of this sampler is running"
 														 : sampler->message.data();
 }
 

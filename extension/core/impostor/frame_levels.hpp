@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// A pixel of a picture.
+/// A pixel of a frame.
 struct FramePixel {
 	glm::vec3 color{0.0F}; ///< In linear light.
 	glm::vec3 normal{0.0F};
@@ -16,14 +16,14 @@ struct FramePixel {
 	float coverage = 0.0F; ///< 0 to 1.
 };
 
-/// A picture and its mip maps, made of samples. Pixels where there is nothing take over what is near, from coarser levels, so that no
-/// filter mixes in a color of nowhere.
+/// A frame and its mip maps, averaged from samples. Empty pixels take over nearby values from coarser levels, so that no filter mixes in a
+/// meaningless color.
 class FrameLevels {
 public:
-	/// `side` in pixels, a power of two. Throws std::bad_alloc where memory ends.
+	/// `side` is in pixels, a power of two. Throws std::bad_alloc if memory runs out.
 	explicit FrameLevels(int side);
 
-	/// Takes a picture whose side is a multiple of this one's.
+	/// Reads a raster whose side is a multiple of this frame's side.
 	void take(const FrameRaster &raster);
 
 	int count() const { return static_cast<int>(levels_.size()); }

@@ -10,15 +10,15 @@ namespace thicket {
 
 namespace {
 
-constexpr std::int64_t unit = 256; // Steps of a sample.
+constexpr std::int64_t unit = 256; // Steps per sample.
 
-/// Twice the area of a triangle in the picture, where y goes down: positive if its corners go round clockwise.
+/// Twice the area of a triangle in the frame, where y points down: positive if its corners go clockwise.
 template <class Corner>
 std::int64_t double_area_of(const Corner &a, const Corner &b, const Corner &c) {
 	return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// The first sample whose middle is not before a coordinate.
+/// The first sample whose center is not before a coordinate.
 int first_sample(std::int64_t coordinate) { return static_cast<int>((coordinate + unit / 2 - 1) >> 8); }
 
 template <class Value>
@@ -53,7 +53,7 @@ void FrameRaster::project(std::span<const glm::vec3> positions, const FrameView 
 	corners_.reserve(positions.size());
 	const float half = 0.5F * static_cast<float>(side_);
 	const auto step_of = [&](float radii) {
-		// Positive for the cast, which cuts towards 0. Vertices that no triangle uses may lie far outside.
+		// Positive, because the cast rounds towards 0. Vertices that no triangle uses may lie far outside.
 		return static_cast<std::int64_t>(std::clamp((radii + 1.0F) * half, 0.0F, 2.0F * half) * 256.0F + 0.5F);
 	};
 	for (const glm::vec3 &position : positions) {
@@ -63,7 +63,7 @@ void FrameRaster::project(std::span<const glm::vec3> positions, const FrameView 
 	}
 }
 
-/// False for a triangle that has no area, or shows the side that is not drawn.
+/// False for a triangle that has no area, or shows the culled side.
 bool FrameRaster::set_up(const ImpostorSurface &surface, std::size_t first_index, Triangle &r_triangle) const {
 	std::array<std::size_t, 3> &vertices = r_triangle.vertices;
 	std::copy_n(surface.indices.begin() + static_cast<std::ptrdiff_t>(first_index), 3, vertices.begin());
@@ -78,7 +78,7 @@ bool FrameRaster::set_up(const ImpostorSurface &surface, std::size_t first_index
 	}
 	if (surface.normals.empty()) {
 		const glm::vec3 &a = surface.positions[vertices[0]];
-		// Towards the viewer, as the corners go round clockwise now; `shade` turns the back's normal.
+		// Towards the viewer, because the corners now go clockwise; `shade` flips the normal of the back.
 		const glm::vec3 toward =
 				unit_vector(glm::cross(surface.positions[vertices[2]] - a, surface.positions[vertices[1]] - a));
 		r_triangle.flat_normal = r_triangle.shows_back ? -toward : toward;
@@ -112,7 +112,7 @@ void FrameRaster::fill(const ImpostorSurface &surface, std::span<const glm::vec4
 		FrameSample *sample = samples_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
 				static_cast<std::size_t>(first_x);
 		for (int x = first_x; x < end_x; ++x, ++sample) {
-			if ((a | b | c) >= 0) { // No sign bit in any.
+			if ((a | b | c) >= 0) { // No sign bit is set.
 				const glm::vec3 weights =
 						glm::vec3(static_cast<float>(a), static_cast<float>(b), static_cast<float>(c)) * scale;
 				const float depth =

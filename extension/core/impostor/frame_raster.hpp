@@ -14,33 +14,33 @@
 
 namespace thicket {
 
-/// What a sample of a picture shows.
+/// The content of one sample of a frame.
 struct FrameSample {
-	float depth = -2.0F; ///< Towards the viewer, in radii, -1 to 1; below -1 where there is nothing.
+	float depth = -2.0F; ///< Towards the viewer, in radii, -1 to 1; below -1 where it is empty.
 	glm::vec3 color{0.0F};
 	glm::vec3 normal{0.0F};
 
 	bool is_covered() const { return depth >= -1.0F; }
 };
 
-/// The square that a picture shows.
+/// The square that a frame covers.
 struct FrameView {
 	PictureAxes axes;
 	glm::vec3 center{0.0F};
-	float radius = 1.0F; ///< Meters; above 0, and large enough that nothing lies outside.
-	int samples = 1;     ///< On a side of a pixel: textures are as fine as pixels, as in the engine.
+	float radius = 1.0F; ///< Meters; above 0, and large enough to enclose everything.
+	int samples = 1;     ///< Per side of a pixel: texture resolution follows pixels, as in the engine.
 };
 
-/// Draws triangles into a square of samples with a depth buffer. Corners are rounded to 1/256 of a sample, and whether a sample lies
-/// in a triangle is decided in whole numbers: neighbors leave no gap.
+/// Draws triangles into a square of samples with a depth buffer. Corners are rounded to 1/256 of a sample, and integers decide whether a
+/// sample lies in a triangle, so neighboring triangles leave no gap.
 class FrameRaster {
 public:
-	/// `side` in samples, 1 to 4096. Throws std::bad_alloc where memory ends.
+	/// `side` is in samples, 1 to 4096. Throws std::bad_alloc if memory runs out.
 	explicit FrameRaster(int side);
 
 	void clear();
 
-	/// Draws a surface that has passed its check. `tints` is what to multiply the texture by, for each vertex, in linear light.
+	/// Draws a surface that has passed its check. The texture is multiplied by `tints`, one for each vertex, in linear light.
 	void draw(const ImpostorSurface &surface, std::span<const glm::vec4> tints, const FrameView &view);
 
 	int side() const { return side_; }
@@ -48,7 +48,7 @@ public:
 	std::span<const FrameSample> samples() const { return samples_; }
 
 private:
-	/// A vertex in the picture: in 1/256 samples from the left and from the top.
+	/// A vertex in the frame: in 1/256 samples from the left and from the top.
 	struct Corner {
 		std::int64_t x = 0;
 		std::int64_t y = 0;
@@ -56,10 +56,10 @@ private:
 	};
 
 	struct Triangle {
-		std::array<std::size_t, 3> vertices{}; ///< Clockwise in the picture.
+		std::array<std::size_t, 3> vertices{}; ///< Clockwise in the frame.
 		std::int64_t double_area = 0;          ///< Above 0.
 		bool shows_back = false;
-		glm::vec3 flat_normal{0.0F}; ///< Where the surface has no normals.
+		glm::vec3 flat_normal{0.0F}; ///< For surfaces without normals.
 		int texture_level = 0;
 	};
 
@@ -71,8 +71,8 @@ private:
 
 	int side_;
 	std::vector<FrameSample> samples_;
-	std::vector<Corner> corners_; ///< Of the surface that is drawn.
-	double pixel_area_ = 0.0;     ///< Twice the area of a pixel of the picture that is drawn, in steps of corners.
+	std::vector<Corner> corners_; ///< Corners of the surface that is being drawn.
+	double pixel_area_ = 0.0;     ///< Twice the area of a pixel of the current frame, in units of the corners.
 };
 
 } // namespace thicket

@@ -8,7 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// The least alpha that counts as covered.
+/// The smallest alpha that counts as covered.
 constexpr std::size_t half = 128;
 
 using Histogram = std::array<std::size_t, 256>;
@@ -21,7 +21,7 @@ Histogram alphas_of(std::span<const std::uint8_t> rgba) {
 	return counts;
 }
 
-/// The alpha that about a share of all pixels reaches: of two that are next to it, the one that comes nearer.
+/// The alpha that about a share of all pixels reaches: of the two nearest candidates, the closer one.
 std::size_t threshold_for(const Histogram &counts, std::size_t pixels, double share) {
 	const double wanted = share * static_cast<double>(pixels);
 	double reached = 0.0;

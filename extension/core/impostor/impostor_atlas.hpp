@@ -11,17 +11,17 @@
 
 namespace thicket {
 
-/// Both atlases of an impostor while they are put together, with all mip maps.
+/// Both atlases of an impostor while they are assembled, with all mip maps.
 class ImpostorAtlas {
 public:
-	/// For settings that are valid. Throws std::bad_alloc where memory ends.
+	/// The settings must be valid. Throws std::bad_alloc if memory runs out.
 	explicit ImpostorAtlas(const ImpostorSettings &settings);
 
-	/// Writes the picture in a column and a row.
+	/// Writes a frame into a column and a row.
 	void put(int column, int row, const FrameLevels &frame);
 
-	/// Once all pictures are there: makes the levels in which pictures are smaller than a pixel, and gives all levels the coverage
-	/// of the finest.
+	/// Call it once all frames are written. It generates the levels in which frames are smaller than a pixel, and gives all levels the
+	/// coverage of the finest.
 	void finish();
 
 	std::vector<std::uint8_t> &albedo() { return albedo_; }
@@ -36,7 +36,7 @@ private:
 	std::span<std::uint8_t> albedo_of(const Level &level);
 	static void shrink(std::vector<std::uint8_t> &r_bytes, const Level &from, const Level &to);
 
-	int whole_levels_ = 0; ///< Those in which a picture has a pixel at least.
+	int whole_levels_ = 0; ///< Those in which a frame has at least one pixel.
 	std::vector<Level> levels_;
 	std::vector<std::uint8_t> albedo_;
 	std::vector<std::uint8_t> normal_;

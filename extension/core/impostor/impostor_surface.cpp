@@ -37,7 +37,7 @@ void ImpostorSurface::transform(const glm::mat3 &basis, glm::vec3 offset) {
 	for (glm::vec3 &position : positions) {
 		position = basis * position + offset;
 	}
-	// The cofactors: the inverse transposed, but for a factor whose sign is the determinant's, and there for flat bases too.
+	// The cofactors: the inverse transposed, except for a factor with the sign of the determinant. They exist for flat bases too.
 	const glm::mat3 cofactors(
 			glm::cross(basis[1], basis[2]), glm::cross(basis[2], basis[0]), glm::cross(basis[0], basis[1]));
 	const bool mirrors = glm::dot(basis[0], cofactors[0]) < 0.0F;

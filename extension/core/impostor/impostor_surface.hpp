@@ -14,30 +14,30 @@
 
 namespace thicket {
 
-/// Which side of a triangle is not drawn. The front is where the corners go round clockwise, as in the engine.
+/// The side of a triangle that is not drawn. On the front, corners go clockwise, as in the engine.
 enum class CulledSide : std::uint8_t {
 	back,
 	front,
-	none, ///< Both are drawn; the back with its normals turned round.
+	none, ///< Both are drawn; the back with reversed normals.
 };
 
-/// What the colors of vertices mean for a surface.
+/// How a surface uses its vertex colors.
 enum class VertexColors : std::uint8_t {
 	unused,
 	linear, ///< Albedo is multiplied by them.
-	srgb,   ///< As linear, once they are made linear.
+	srgb,   ///< As `linear`, after conversion to linear light.
 };
 
 struct ImpostorMaterial {
 	glm::vec4 albedo{1.0F};                        ///< In linear light, with alpha; 0 or more.
 	std::shared_ptr<const SurfaceTexture> texture; ///< Null for a plain color.
-	float alpha_threshold = 0.0F;                  ///< 0 to 1: where alpha is below there is nothing. 0 ignores alpha.
+	float alpha_threshold = 0.0F;                  ///< 0 to 1: pixels with an alpha below are empty. 0 ignores alpha.
 	CulledSide culled = CulledSide::back;
 	VertexColors vertex_colors = VertexColors::unused;
 };
 
-/// A part of a model with one material: triangles of three indices each. Normals, texture coordinates and colors are empty, or one
-/// for each position; without normals a triangle is flat.
+/// A part of a model with one material: triangles of three indices each. Normals, texture coordinates and colors are empty, or have one
+/// entry for each position. Without normals, triangles are shaded flat.
 struct ImpostorSurface {
 	std::vector<glm::vec3> positions; ///< Meters.
 	std::vector<glm::vec3> normals;   ///< Unit vectors.
@@ -46,11 +46,11 @@ struct ImpostorSurface {
 	std::vector<std::uint32_t> indices;
 	ImpostorMaterial material;
 
-	/// Moves positions and normals by a basis and an offset. A basis that mirrors turns the triangles round, so that their fronts stay
-	/// fronts.
+	/// Transforms positions and normals by a basis and an offset. A basis that mirrors also reverses the triangles, so that their fronts
+	/// stay fronts.
 	void transform(const glm::mat3 &basis, glm::vec3 offset);
 
-	/// Refuses numbers that are not finite, lists of different sizes, indices of no vertex, and values out of their ranges.
+	/// Refuses numbers that are not finite, lists of different sizes, indices without a vertex, and values outside their ranges.
 	Status check() const;
 };
 

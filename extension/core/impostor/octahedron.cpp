@@ -8,7 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// Of the direction's horizontal part, squared: below it there is no telling where `up` leans to.
+/// The squared length of the direction's horizontal part. Below it, the direction of `up` is undetermined.
 constexpr float least_horizontal = 1e-6F;
 
 float signed_one(float value) { return value < 0.0F ? -1.0F : 1.0F; }

@@ -7,7 +7,7 @@ namespace thicket {
 
 namespace {
 
-/// The fifth root of a number in (0, 1], by Newton's method: from 1 it falls to the root without ever passing it.
+/// The fifth root of a number in (0, 1], by Newton's method: from 1 it descends to the root without ever passing it.
 double fifth_root(double number) {
 	double root = 1.0;
 	for (int step = 0; step < 64; ++step) {

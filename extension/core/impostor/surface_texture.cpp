@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-/// A coordinate in pixels, in [0, count). What is too far away for a float to tell pixels apart, or not finite, is 0.
+/// A coordinate in pixels, in [0, count). It is 0 for coordinates that are not finite, or too large for a float to distinguish pixels.
 float wrapped(float coordinate, int count) {
 	constexpr float farthest = 1e6F;
 	if (!(coordinate > -farthest && coordinate < farthest)) {
@@ -55,7 +55,7 @@ Status SurfaceTexture::set(int width, int height, std::span<const std::uint8_t> 
 					const std::array<std::size_t, 4> pixels{from.place(2 * x, 2 * y), from.place(right, 2 * y),
 							from.place(2 * x, below), from.place(right, below)};
 					for (std::size_t channel = 0; channel < 4; ++channel) {
-						int sum = 2; // To round.
+						int sum = 2; // For rounding.
 						for (const std::size_t pixel : pixels) {
 							sum += made.pixels_[pixel + channel];
 						}

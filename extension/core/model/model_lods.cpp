@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view mark = "lod";
 constexpr std::size_t max_digits = 2;
 
-// Of ASCII, whatever the locale.
+// ASCII only, whatever the locale.
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
 bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
@@ -24,13 +24,13 @@ bool has_mark_at(std::string_view name, std::size_t at) {
 					[](char a, char b) { return a == lower(b); });
 }
 
-/// True where a word begins: after what is no letter, or at a capital after a small one ("TrunkLOD1").
+/// True where a word begins: after a character that is not a letter, or at a capital after a lower-case letter ("TrunkLOD1").
 bool begins_word(std::string_view name, std::size_t at) {
 	const char before = at > 0 ? name[at - 1] : '_';
 	return !(is_upper(before) || is_lower(before)) || (is_lower(before) && is_upper(name[at]));
 }
 
-/// The name without [from, to), and without a separator that is left at the seam.
+/// The name without [from, to), and without a separator that remains at the seam.
 std::string without(std::string_view name, std::size_t from, std::size_t to) {
 	while (from > 0 && is_separator(name[from - 1])) {
 		--from;
@@ -43,7 +43,7 @@ std::string without(std::string_view name, std::size_t from, std::size_t to) {
 	return std::string(name.substr(0, from)) + std::string(name.substr(to));
 }
 
-/// The number of each part; nothing for those that are drawn in all LODs.
+/// The number of each part; none for parts that are drawn in all LODs.
 std::vector<std::optional<int>> numbers_of(std::span<const PartRange> parts) {
 	std::set<std::string_view> numbered;
 	for (const PartRange &part : parts) {
@@ -138,8 +138,8 @@ std::vector<ModelLod> model_lods(std::span<const PartRange> parts) {
 }
 
 double usual_lod_distance(double size, std::size_t lod) {
-	constexpr double first =
-			2.5; // Where a model is about half as high as the screen, at the engine's usual field of view.
+	// In sizes: at this distance, a model is about half as high as the screen at the engine's default field of view.
+	constexpr double first = 2.5;
 	constexpr double step = 2.0;
 	double distance = first * size;
 	for (std::size_t at = 1; at < lod; ++at) {

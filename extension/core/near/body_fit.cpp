@@ -18,14 +18,14 @@ namespace {
 constexpr double min_body_scale = 1e-4;
 constexpr double max_body_scale = 1e4;
 
-/// A shear that leaves less than this of an axis makes the instance flat.
+/// If a shear leaves less than this of an axis, the instance counts as flat.
 constexpr double flat = 1e-4;
 
 /// body_scale_step to the power of max_scale_step is just above max_body_scale.
 constexpr int max_scale_step = 466;
 
-/// The powers of body_scale_step from -max_scale_step to max_scale_step. Made by multiplication: the C library's powers and
-/// logarithms round differently from machine to machine, and two players would then bump into bodies of different sizes.
+/// The powers of body_scale_step from -max_scale_step to max_scale_step. They are computed by multiplication, because the C library's
+/// powers and logarithms round differently from machine to machine, and two players would then collide with bodies of different sizes.
 constexpr auto scale_powers = [] {
 	std::array<double, 2 * max_scale_step + 1> powers{};
 	double power = 1.0;
@@ -39,9 +39,9 @@ constexpr auto scale_powers = [] {
 static_assert(scale_powers.back() > max_body_scale && scale_powers[2 * max_scale_step - 1] < max_body_scale);
 static_assert(scale_powers.front() < min_body_scale);
 
-/// The power of body_scale_step that is nearest to a scale, by their ratio.
+/// The power of body_scale_step whose ratio to a scale is nearest to 1.
 int nearest_step(double scale) {
-	// Between two powers, their geometric mean parts what is nearer to the one from what is nearer to the other.
+	// Between two powers, their geometric mean is the border.
 	int low = 0;
 	int high = 2 * max_scale_step;
 	while (low < high) {

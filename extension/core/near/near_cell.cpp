@@ -39,7 +39,7 @@ bool same_within(double slack, std::span<const glm::dvec3> now, std::span<const 
 
 namespace {
 
-/// The part of a cell that the centers reach.
+/// The part of a cell that the centers have in reach.
 Rect reached(const Rect &cell, std::span<const glm::dvec3> centers, double reach) {
 	glm::dvec2 lowest{std::numeric_limits<double>::infinity()};
 	glm::dvec2 highest = -lowest;
@@ -81,7 +81,7 @@ std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange 
 void NearCell::follow(std::uint32_t layer, const Rect &of, const InstanceWorld &world, const NearVersion &now) {
 	if (version_.world != 0 && version_.queue == now.queue && version_.world != now.world &&
 			!world.changed_since(version_.world, layer, of)) {
-		// Fast path: a look would find the same.
+		// Fast path: a new check would find the same.
 		version_ = now;
 	}
 }

@@ -14,18 +14,18 @@
 
 namespace thicket {
 
-/// Something that is held and has to go.
+/// A held instance that has to leave.
 struct Leaving {
 	std::uint32_t layer = 0;
 	std::uint64_t id = 0;
-	glm::dvec3 position{
-			0.0}; ///< As held. An instance that has moved into a different cell meanwhile is held there, and stays.
+	/// The position at which it is held. An instance that has meanwhile moved into a different cell is held there, and stays.
+	glm::dvec3 position{0.0};
 };
 
-/// What a look has found holds for. Both are 0 for nothing.
+/// The versions for which the result of a check is valid. Both are 0 if there is none.
 struct NearVersion {
 	std::uint64_t world = 0; ///< InstanceWorld::version.
-	std::uint64_t queue = 0; ///< Rises with what else makes it useless: different distances, released instances.
+	std::uint64_t queue = 0; ///< Rises with other changes that invalidate it: different distances, released instances.
 
 	friend bool operator==(const NearVersion &, const NearVersion &) = default;
 };
@@ -33,54 +33,55 @@ struct NearVersion {
 /// The squared distance from a position to the nearest of some centers; infinite without any.
 double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers);
 
-/// The same on the map, from the nearest position in a rectangle.
+/// The same on the map, to the nearest position in a rectangle.
 double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers);
 
-/// True if as many centers are where they were, each to `slack` meters.
+/// True if there are as many centers as before, each within `slack` meters of its old position.
 bool same_within(double slack, std::span<const glm::dvec3> now, std::span<const glm::dvec3> then);
 
-/// What is near in one cell of a square grid, of one layer: small enough to be looked at in one go. Some centers, far from each other,
-/// have cells in many regions, which are looked at one after the other.
+/// The near instances of one layer in one cell of a square grid. A cell is small enough to be checked in one go. Centers that are far from
+/// each other have cells in many regions, and these are checked one after the other.
 class NearCell {
 public:
-	/// A look at least every so many frames: tiles that are missed have to be missed again.
+	/// A cell is checked at least once in this many frames, because requests for missing tiles have to be repeated.
 	static constexpr int look_frames = 32;
 
-	/// From the centers within whose reach the cell lies, before `add_center` says which they are now.
+	/// Clears the centers that have the cell in reach. `add_center` then adds the current ones.
 	void forget_centers() { centers_.clear(); }
 	void add_center(glm::dvec3 center) { centers_.push_back(center); }
 	std::span<const glm::dvec3> centers() const { return centers_; }
 
-	/// Counts the frames since the last look.
+	/// Counts the frames since the last check.
 	void begin_frame() { ++frames_; }
 
-	/// True if it has to be looked at: a center has moved by more than `slack` meters since, or another one came, or the world changed.
+	/// True if the cell has to be checked: since the last check a center has moved by more than `slack` meters, centers were added or
+	/// removed, or the world changed.
 	bool outdated(double slack, const NearVersion &now) const;
 
-	/// Frames since the last look.
+	/// Frames since the last check.
 	int frames() const { return frames_; }
 
-	/// True if nothing of that is so, and yet the last look is long ago.
+	/// True if the last check is long ago, whether or not the cell is outdated.
 	bool due() const { return frames_ >= look_frames; }
 
-	/// Finds out anew what has to come and go in the square `of`, which is half-open. The cost in instances.
+	/// Finds the instances that have to enter and leave in the half-open square `of`. Returns the cost in instances.
 	std::size_t look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
 			const NearVersion &now, std::vector<PlacedInstance> &r_standing);
 
-	/// What was found still holds.
+	/// Whether the result of the last check is still valid.
 	bool fresh(const NearVersion &now) const { return version_ == now; }
 
-	/// If the world has changed since the last look, but not in the square `of`, what was found holds for it as it is now.
+	/// If the world has changed since the last check, but not in the square `of`, marks the result as valid for the current world.
 	void follow(std::uint32_t layer, const Rect &of, const InstanceWorld &world, const NearVersion &now);
 
-	/// No center reaches it, and nothing is held.
+	/// True if no center has the cell in reach, and nothing is held.
 	bool idle() const { return centers_.empty() && holds_nothing(); }
 	bool holds_nothing() const { return near_.size() == 0; }
 
-	/// Fresh, with nothing to be taken out.
+	/// True if the result is valid and nothing is left to be taken out.
 	bool settled(const NearVersion &now) const { return fresh(now) && !again_ && !any_change(); }
 
-	/// How many looks of its queue came before its last one: who waits longest is next.
+	/// The number of checks of the queue at this cell's last check. The cell that has waited longest is next.
 	std::uint64_t looked = 0;
 
 	bool any_gone() const { return left_ < changes_.gone; }
@@ -89,27 +90,27 @@ public:
 	bool any_entering() const { return entered_ < changes_.enter.size(); }
 	bool any_change() const { return change_count() > 0; }
 
-	/// How much there is to take out.
+	/// The number of instances to be taken out.
 	std::size_t change_count() const {
 		return changes_.leave.size() - left_ + changes_.changed.size() - changed_ + changes_.enter.size() - entered_;
 	}
 
-	/// The squared distance of the next that enters, or leaves.
+	/// The squared distance of the next instance that enters, or leaves, respectively.
 	double away_entering() const { return away_[entered_]; }
 	double away_leaving() const { return changes_.leave[left_].distance_squared; }
 
-	// As in NearQueue; only where there is one to take out.
+	// As in NearQueue. Call them only if there is one to take out.
 	NearLeaving take_leaving();
 	PlacedInstance take_changed();
 	PlacedInstance take_entering();
 
 	bool holds(std::uint64_t id) const { return near_.holds(id); }
 
-	/// False where memory does not suffice.
+	/// False if memory runs out.
 	bool hold(const PlacedInstance &instance) { return near_.hold(instance); }
 	std::vector<PlacedInstance> held() const { return near_.held(); }
 
-	/// What else is to come and go still does.
+	/// Other pending changes remain.
 	void release(std::uint64_t id) { again_ = near_.release(id) || again_; }
 
 private:
@@ -118,15 +119,15 @@ private:
 	NearSet near_;
 	NearChanges changes_;
 	std::vector<double> away_; ///< Squared distances of changes_.enter.
-	std::size_t left_ = 0;     ///< How many of changes_.leave are out,
+	std::size_t left_ = 0;     ///< The number of changes_.leave that were taken out,
 	std::size_t changed_ = 0;  ///< of changes_.changed,
 	std::size_t entered_ = 0;  ///< and of changes_.enter.
 
-	bool again_ = false;  ///< The cell has to be looked at, whatever has moved; `changes_` are of use until then.
-	int frames_ = 0;      ///< Since the last look.
-	NearVersion version_; ///< Of the last look, or what `follow` has made of it.
-	std::vector<glm::dvec3> centers_;   ///< As they are now,
-	std::vector<glm::dvec3> looked_at_; ///< and as they were at the last look.
+	bool again_ = false;  ///< The cell has to be checked, whatever has moved; `changes_` stay valid until then.
+	int frames_ = 0;      ///< Since the last check.
+	NearVersion version_; ///< Set by the last check, or updated by `follow`.
+	std::vector<glm::dvec3> centers_;   ///< The current centers,
+	std::vector<glm::dvec3> looked_at_; ///< and those at the last check.
 };
 
 } // namespace thicket

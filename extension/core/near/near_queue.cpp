@@ -12,10 +12,10 @@ namespace thicket {
 
 namespace {
 
-/// Cells that are smaller than this would be many for little, meters.
+/// The smallest side of a cell, in meters. Smaller cells would be too many for too few instances.
 constexpr double least_side = 4.0;
 
-/// Nothing stands farther from the origin than this, meters; NAN is no position either.
+/// No instance is placed farther from the origin than this, in meters. NAN is not a valid position either.
 bool possible(glm::dvec3 center) { return std::abs(center.x) < 1e12 && std::abs(center.z) < 1e12; }
 
 } // namespace
@@ -30,7 +30,7 @@ Rect NearQueue::Layer::rect(const Key &key) const {
 	return {corner, corner + side};
 }
 
-/// Gives the cells another size. What is held stays held. False where memory does not suffice: they stay as they are.
+/// Changes the size of the cells. Held instances stay held. False if memory runs out: the cells are then unchanged.
 bool NearQueue::Layer::divide(double new_side) {
 	Layer next;
 	next.side = new_side;
@@ -50,9 +50,9 @@ bool NearQueue::Layer::divide(double new_side) {
 	return status.ok();
 }
 
-/// Tells each cell which centers reach it; those that nobody reaches, and that hold nothing, go.
+/// Updates the centers of each cell. Cells that no center has in reach and that hold nothing are removed.
 void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
-	stale = true; // Should memory not suffice.
+	stale = true; // In case memory runs out.
 	for (auto &[at, cell] : cells) {
 		cell.forget_centers();
 	}
@@ -64,7 +64,7 @@ void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
 		if (!possible(center)) {
 			continue;
 		}
-		if (distance == 0.0) { // What is still held goes, the nearest first.
+		if (distance == 0.0) { // All instances that are still held leave, the nearest first.
 			for (auto &[at, cell] : cells) {
 				cell.add_center(center);
 			}
@@ -89,7 +89,7 @@ void NearQueue::set_distances(std::span<const double> distances) {
 	for (std::size_t i = 0; i < distances.size(); ++i) {
 		Layer &layer = layers_[i];
 		if (layer.distance == distances[i]) {
-			// Fast path: with the same distance the cells are the same, and what was found holds.
+			// Fast path: with the same distance the cells are the same, and their results are still valid.
 			continue;
 		}
 		++changes_;
@@ -153,7 +153,7 @@ void NearQueue::find_outdated(std::uint32_t index) {
 			busy_.emplace_back(away, cell.change_count());
 		}
 		if (!outdated && !cell.due()) {
-			// Fast path: what was found still holds.
+			// Fast path: the last result is still valid.
 			continue;
 		}
 		const bool late = cell.frames() > most_waiting;
@@ -171,7 +171,7 @@ void NearQueue::look(const Visit &visit) {
 
 namespace {
 
-/// The visit to the cell with the least `away`, of those cells that have `any`; null for none.
+/// The visit to the cell with the smallest `away` among the cells that have `any`; null if there is none.
 template <class Visit>
 const Visit *nearest_of(
 		const std::vector<Visit> &visits, bool (NearCell::*any)() const, double (NearCell::*away)() const) {

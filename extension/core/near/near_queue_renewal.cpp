@@ -1,5 +1,5 @@
-// What a NearQueue holds and has to be rebuilt: nearest first, a few at a time. Lists are made of one cell at a time, for no frame has time
-// for all that is held.
+// The held instances of a NearQueue that have to be rebuilt: nearest first, a few at a time. Lists are built for one cell at a time,
+// because no frame has time for all held instances.
 
 #include "core/near/near_queue.hpp"
 
@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// The centers that reach a cell; all of them until the next look has found which.
+/// The centers that have a cell in reach; all centers until the next check has determined them.
 std::span<const glm::dvec3> NearQueue::centers_of(const NearCell &cell) const {
 	return cell.centers().empty() ? std::span(centers_) : cell.centers();
 }
@@ -24,7 +24,7 @@ void NearQueue::renew(std::uint32_t layer) {
 	std::ranges::make_heap(due_cells_, farther);
 }
 
-/// What was due in a cell lies in several others now.
+/// Instances that were due in one cell may now lie in several cells.
 void NearQueue::renew_divided(std::uint32_t layer) {
 	if (std::ranges::any_of(due_cells_, [layer](const Renewal &renewal) { return renewal.layer == layer; })) {
 		renew(layer);

@@ -12,59 +12,59 @@
 
 namespace thicket {
 
-/// How near is near.
+/// The distances at which instances enter and leave.
 struct NearRange {
-	double enter = 0.0; ///< Meters from the nearest center to the instance's origin, in space; 0 for never.
-	double leave = 0.0; ///< At least `enter`: in between, what is held stays held, so nothing comes and goes twice.
+	double enter = 0.0; ///< Meters from the nearest center to the instance's origin, in space; 0 to disable.
+	double leave = 0.0; ///< At least `enter`. In between, held instances stay held, so nothing flickers.
 };
 
-/// Something that is held and has to leave.
+/// A held instance that has to leave.
 struct NearLeaving {
 	std::uint64_t id = 0;
-	glm::dvec3 position{0.0};      ///< As held.
+	glm::dvec3 position{0.0};      ///< The position at which it is held.
 	double distance_squared = 0.0; ///< To the nearest center.
 
 	friend bool operator==(const NearLeaving &, const NearLeaving &) = default;
 };
 
-/// The difference between what is held and what should be. An instance is in one of the lists, and once.
+/// The difference between the instances that are held and those that should be. An instance is in at most one list, and only once.
 struct NearChanges {
 	std::vector<PlacedInstance> enter;   ///< Not held, nearest first.
 	std::vector<PlacedInstance> changed; ///< Held in a different position, basis, mesh or layer; nearest first.
 
-	/// First the `gone` ones, nearest first: instances that are removed, or all for a range of 0. A player must not run into what
-	/// is no longer there. Then those that are only too far away, farthest first.
+	/// First the `gone` instances, nearest first: those that are removed, or all for a range of 0. A player must not collide with an
+	/// instance that no longer exists. Then instances that are only too far away, farthest first.
 	std::vector<NearLeaving> leave;
 	std::size_t gone = 0;
 
 	void clear();
 };
 
-/// Which instances of a layer are near enough to some centers to be worth a body or a scene. It says what should come and go; its owner
-/// says what has come and gone, when there was time for it.
+/// The instances of a layer that are near enough to some centers to need a body or a scene. It determines what should enter and leave. Its
+/// owner reports what has entered and left, when there was time for it.
 class NearSet {
 public:
-	/// Replaces `r_changes` by the difference between what is held and what is near. `standing` holds everything that stands
-	/// within range.leave of a center, in any order, and possibly more; an instance may be in it several times. What is equally far
-	/// is in the order of the ids. False where memory does not suffice: nothing is to be done then.
+	/// Replaces `r_changes` by the difference between held and near instances. `standing` holds all instances within range.leave of a
+	/// center, in any order, and possibly more. It may contain an instance several times. Instances at equal distances are ordered by id.
+	/// False if memory runs out: nothing must be done then.
 	bool look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
 			NearChanges &r_changes);
 
 	bool holds(std::uint64_t id) const { return held_.contains(id); }
 
-	/// False where memory does not suffice: the instance is not held then.
+	/// False if memory runs out: the instance is not held then.
 	bool hold(const PlacedInstance &instance);
 
 	/// True if it was held.
 	bool release(std::uint64_t id) { return held_.erase(id) > 0; }
 
-	/// All that is held, in no order.
+	/// All held instances, in no particular order.
 	std::vector<PlacedInstance> held() const;
 	std::size_t size() const { return held_.size(); }
 	void clear() { held_.clear(); }
 
-	/// How far an instance may stand from where it stood, in meters, and how much an entry of its basis may differ, before it counts
-	/// as another one: a tile that is made anew with another origin rounds its positions by less.
+	/// How far an instance may be from its old position, in meters, and how much an entry of its basis may differ, before it counts as
+	/// changed. A tile that is regenerated with a different origin rounds its positions by less.
 	static constexpr double same_position = 1e-3;
 	static constexpr float same_basis = 1e-4f;
 
@@ -74,8 +74,8 @@ private:
 		glm::mat3 basis{1.0f};
 		std::uint32_t layer = 0;
 		std::uint32_t mesh = 0;
-		std::uint64_t seen = 0;    ///< The last look that found it standing as it did.
-		std::uint64_t changed = 0; ///< The last look that found it near, but standing otherwise.
+		std::uint64_t seen = 0;    ///< The last check that found it unchanged.
+		std::uint64_t changed = 0; ///< The last check that found it near, but changed.
 		std::size_t center = 0;    ///< A center that it was near.
 
 		bool is_near(std::span<const glm::dvec3> centers, double reach_squared);
@@ -88,14 +88,14 @@ private:
 	struct Distant {
 		double distance_squared = 0.0;
 		std::uint64_t id = 0;
-		std::size_t index = 0; ///< In `standing`.
+		std::size_t index = 0; ///< The index in `standing`.
 	};
 
 	static void sort_nearest(std::vector<Distant> &r_distant);
 	static void take(
 			std::span<const Distant> from, std::span<const PlacedInstance> standing, std::vector<PlacedInstance> &r_to);
 
-	std::unordered_map<std::uint64_t, Held> held_; ///< Whatever comes out of it is sorted.
+	std::unordered_map<std::uint64_t, Held> held_; ///< Results taken from it are always sorted.
 	std::uint64_t looks_ = 0;
 	std::vector<Distant> entering_;
 	std::vector<Distant> changed_;

@@ -34,19 +34,19 @@ void write_added(const AddedInstance &added, std::uint64_t id, const LayerSettin
 	r_mesh.max_scale = std::max(r_mesh.max_scale, largest_scale(added.basis));
 }
 
-/// `mesh` without what is covered, behind what was added.
-std::shared_ptr<const KeptMesh> rebuilt(const KeptMesh &mesh, const LayerSettings &layer, glm::dvec3 origin,
+/// `mesh` without its covered instances, after the added ones.
+std::shared_ptr<const CompactMesh> rebuilt(const CompactMesh &mesh, const LayerSettings &layer, glm::dvec3 origin,
 		const Overlay &overlay, const Ids &added_ids, std::span<const std::uint32_t> standing) {
 	MeshInstances added;
 	added.resize(added_ids.size(), floats_per_instance(layer.instance_data));
 	for (std::size_t at = 0; at < added_ids.size(); ++at) {
 		write_added(*overlay.state->added(added_ids[at]), added_ids[at], layer, origin, at, added);
 	}
-	return std::make_shared<const KeptMesh>(added, mesh, standing);
+	return std::make_shared<const CompactMesh>(added, mesh, standing);
 }
 
-/// What is not covered.
-std::vector<std::uint32_t> standing_of(const KeptMesh &mesh, const Overlay &overlay, bool any_removed) {
+/// The instances that are neither removed nor hidden.
+std::vector<std::uint32_t> standing_of(const CompactMesh &mesh, const Overlay &overlay, bool any_removed) {
 	std::vector<std::uint32_t> standing;
 	standing.reserve(mesh.size());
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> standing_of(const KeptMesh &mesh, const Overlay &over
 	return standing;
 }
 
-/// The ids that were added in a tile and are not hidden, by mesh.
+/// The ids of instances that were added in a tile and are not hidden, by mesh.
 std::vector<Ids> added_by_mesh(
 		std::size_t meshes, const LayerSettings &layer, const Rect &rect, const Overlay &overlay) {
 	std::vector<Ids> result(meshes);
@@ -76,22 +76,22 @@ std::vector<Ids> added_by_mesh(
 }
 
 /// Throws std::bad_alloc.
-void add_overlaid(const std::shared_ptr<const KeptTile> &tile, const LayerSettings &layer, const Rect &rect,
+void add_overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay, OverlaidMeshes &r_meshes) {
 	const bool any_removed = overlay.state != nullptr && overlay.state->any_removed(layer.set.layer);
 	const bool any_hidden = overlay.hidden != nullptr && !overlay.hidden->empty();
 	const std::vector<Ids> added = added_by_mesh(tile->meshes.size(), layer, rect, overlay);
 	for (std::size_t at = 0; at < tile->meshes.size(); ++at) {
-		const KeptMesh &mesh = tile->meshes[at];
+		const CompactMesh &mesh = tile->meshes[at];
 		const bool any_covered = any_removed || any_hidden;
 		if (!any_covered && added[at].empty()) {
-			// Fast path: nothing applies to it, so it is the tile's own.
+			// Fast path: the mesh has no changes, so it is shared with the tile.
 			r_meshes.emplace_back(tile, &mesh);
 			continue;
 		}
 		const std::vector<std::uint32_t> standing = standing_of(mesh, overlay, any_removed);
 		if (standing.size() == mesh.size() && added[at].empty()) {
-			// Fast path: all of it stands, so it is the tile's own.
+			// Fast path: all its instances are kept, so it is shared with the tile.
 			r_meshes.emplace_back(tile, &mesh);
 		} else {
 			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing));
@@ -101,7 +101,7 @@ void add_overlaid(const std::shared_ptr<const KeptTile> &tile, const LayerSettin
 
 } // namespace
 
-Status overlaid(const std::shared_ptr<const KeptTile> &tile, const LayerSettings &layer, const Rect &rect,
+Status overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay, OverlaidMeshes &r_meshes) {
 	OverlaidMeshes meshes;
 	const Status status = guarded(

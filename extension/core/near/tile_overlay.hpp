@@ -2,7 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/placement/layer.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/state/instance_state.hpp"
 
 #include <cstddef>
@@ -13,19 +13,19 @@
 
 namespace thicket {
 
-/// What lies over the tiles that a layer's rules give. Null for nothing.
+/// A game's changes, applied over generated tiles. Null if there are none.
 struct Overlay {
 	const InstanceState *state = nullptr;
-	const std::unordered_set<std::uint64_t> *hidden = nullptr; ///< Ids that stand, but are shown by other means.
+	const std::unordered_set<std::uint64_t> *hidden = nullptr; ///< Ids of instances that are displayed by other means.
 };
 
-using OverlaidMeshes = std::vector<std::shared_ptr<const KeptMesh>>;
+using OverlaidMeshes = std::vector<std::shared_ptr<const CompactMesh>>;
 
-/// Replaces `r_meshes` by what is drawn of each mesh of a tile: what was placed by hand in the half-open `rect` of the tile, by id, then what its rules give,
-/// in the same order and with the same bits, without what is removed or hidden. Hand-placed instances have thinning rank 0: no
-/// density above 0 takes them away; of what their color follows, see share_by_hand. A mesh to which nothing applies is the tile's own; no copy is made of it.
-/// Where memory does not suffice, `r_meshes` stays as it was.
-Status overlaid(const std::shared_ptr<const KeptTile> &tile, const LayerSettings &layer, const Rect &rect,
+/// Replaces `r_meshes` by the instances that are drawn for each mesh of a tile. First come those that were placed by hand in the half-open
+/// `rect` of the tile, by id. Then come the generated ones, in the same order and with the same bits, without those that are removed or
+/// hidden. Hand-placed instances have thinning rank 0, so no density above 0 removes them. For the inputs of their color, see
+/// share_by_hand. A mesh without changes is shared with the tile, not copied. If memory runs out, `r_meshes` is unchanged.
+Status overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSettings &layer, const Rect &rect,
 		const Overlay &overlay, OverlaidMeshes &r_meshes);
 
 } // namespace thicket

@@ -12,11 +12,11 @@ namespace thicket {
 
 namespace {
 
-constexpr double cell_per_distance = 0.25; ///< The smallest cell for the distance of a change.
+constexpr double cell_per_distance = 0.25; ///< The size of the smallest cell, as a share of the distance of a change.
 constexpr double hysteresis = 0.1;         ///< Tiles.
 constexpr double look_again = 0.125;       ///< Tiles.
 
-/// Where the meshes or the thinning change first between two distances; infinite where they do not. Meters.
+/// The first distance in a range at which the meshes or the thinning change; infinite if they do not. Meters.
 double first_change(const LodSettings &lod, double near, double far) {
 	double first = std::numeric_limits<double>::infinity();
 	for (const double begin : lod.lod_distances) {
@@ -30,7 +30,7 @@ double first_change(const LodSettings &lod, double near, double far) {
 	return first;
 }
 
-/// The division for a distance, whatever is shown.
+/// The division for a distance, regardless of the current one.
 std::uint32_t division_for(const CellSettings &cells, const LodSettings &lod, double distance) {
 	const double size = cells.tile_size;
 	const double least = cell_per_distance * first_change(lod, distance, distance + std::numbers::sqrt2 * size);
@@ -58,7 +58,7 @@ double usual_cell_size(double reach, double density) {
 
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown) {
 	if (cells.most_across < 2) {
-		// Fast path: there is nothing to choose from.
+		// Fast path: there is only one division.
 		return 1;
 	}
 	const double slack = hysteresis * cells.tile_size;
@@ -75,7 +75,7 @@ double division_margin(const CellSettings &cells, const LodSettings &lod, double
 	if (cells.most_across < 2 || (lod.lod_distances.empty() && !thins)) {
 		return std::numeric_limits<double>::infinity();
 	}
-	// Beyond either, tiles are whole: where half of one, the largest cell that there is, is too small, and where nothing changes.
+	// Beyond either distance, tiles are drawn whole: where even the largest cell, half a tile, is too small, and where nothing changes.
 	const double too_small = 0.5 / cell_per_distance * cells.tile_size;
 	const double last_change =
 			std::max(lod.lod_distances.empty() ? 0.0 : lod.lod_distances.back(), thins ? lod.thin_end : 0.0);

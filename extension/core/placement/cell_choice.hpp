@@ -7,35 +7,35 @@
 
 namespace thicket {
 
-/// How finely the tiles of a layer may be divided for drawing.
+/// Limits for dividing the tiles of a layer into cells for drawing.
 struct CellSettings {
 	double tile_size = 64.0;       ///< Meters.
-	std::uint32_t most_across = 1; ///< Cells along a side of a tile near a viewer; 1 for tiles that are never divided.
+	std::uint32_t most_across = 1; ///< Cells along a side of a tile near a viewer; 1 if tiles are never divided.
 
 	friend bool operator==(const CellSettings &, const CellSettings &) = default;
 };
 
-/// Into how many cells along its side a tile is divided so that they come nearest to a size, 1 to max_cells_across. Meters; 1 for a
-/// size that is not below the tile's, or is 0 or less, or NAN.
+/// The number of cells along a side of a tile, 1 to max_cells_across, that brings their size closest to `cell_size`. Sizes are in meters.
+/// Returns 1 for a cell size that is not smaller than the tile, is 0 or less, or is NAN.
 std::uint32_t cells_across(double tile_size, double cell_size);
 
-/// A size of cells, meters, for a layer that names none. `reach` is the meters from a model's origin to its farthest corner, and
-/// `density` the instances of a model per square meter. 32 m for a reach of 4 to 16 m, down to 24 m for smaller models, twice the
-/// reach for larger ones; more where a cell would hold fewer than `fewest_in_cell` instances.
+/// The default cell size, in meters, for a layer that sets none. `reach` is the distance in meters from a model's origin to its farthest
+/// corner, and `density` is the number of instances of a model per square meter. The size is 32 m for a reach of 4 to 16 m, down to 24 m
+/// for smaller models, and twice the reach for larger ones. It is larger where a cell would hold fewer than `fewest_in_cell` instances.
 double usual_cell_size(double reach, double density);
 inline constexpr double fewest_in_cell = 16.0;
 
-/// Into how many cells along its side a tile is divided whose box is `distance` meters from the nearest viewer; 1 for a tile that is
-/// drawn as a whole. A tile is divided only where that changes the picture: where the meshes or the thinning change between its near
-/// and its far end. The farther away they do, the larger a cell may be: cells are as small as the settings allow, and twice as large
-/// whenever they would be smaller than a quarter of the distance of the first such change.
+/// The number of cells along a side of a tile whose box is `distance` meters from the nearest viewer; 1 if the tile is drawn as a whole. A
+/// tile is divided only where that changes the picture: where the meshes or the thinning change between its near and its far end. The
+/// farther away they change, the larger a cell may be. Cells are as small as the settings allow, and double in size as long as they are
+/// smaller than a quarter of the distance of the first such change.
 ///
-/// `shown` is how it is divided now, 0 for a tile that is not shown: that stays until the distance is a tenth of the tile's size
-/// beyond where it should end, so that who walks to and fro sees nothing uploaded.
+/// `shown` is the current division, 0 for a tile that is not displayed. It is kept until the distance is a tenth of the tile's size past
+/// the point where it should change. So a viewer who moves back and forth causes no uploads.
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown);
 
-/// How much the distance may change, either way, before `division_at` is to be asked again. Meters, above 0; infinite where it is
-/// always 1. An answer may come late by an eighth of a tile.
+/// How much the distance may change, in either direction, before `division_at` must be called again. Meters, above 0; infinite where the
+/// division is always 1. The new division may be late by an eighth of a tile.
 double division_margin(const CellSettings &cells, const LodSettings &lod, double distance);
 
 } // namespace thicket

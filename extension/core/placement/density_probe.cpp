@@ -16,14 +16,14 @@ struct DensityProbe::Workspace {
 	std::vector<glm::dvec2> positions;
 	std::vector<GroundQuery> queries;
 	std::vector<Ground> ground;
-	std::span<const Ground> own_ground; ///< Of the places, and then of what lies around them.
+	std::span<const Ground> own_ground; ///< The ground of the positions, and then of their surroundings.
 };
 
 Status DensityProbe::Workspace::find(
 		const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect, bool explains) {
 	LayerSettings rules = layer;
-	rules.instance_data = {}; // Layers that colors follow take time, and decide nothing.
-	rules.placement = {};     // Nor does how an instance is placed.
+	rules.instance_data = {}; // Layers that colors depend on take time and do not affect the density.
+	rules.placement = {};     // Neither does the placement of an instance.
 	filter.set(rules);
 	if (const double points = filter.points_around(rect); points > max_probed_points) {
 		return Status::too_many_points("rect", points, max_probed_points);
@@ -35,7 +35,7 @@ Status DensityProbe::Workspace::find(
 	queries.clear();
 	filter.add_queries(positions, queries);
 	for (GroundQuery &query : queries) {
-		query.needs.normals = query.needs.normals || explains; // An explanation names the slope.
+		query.needs.normals = query.needs.normals || explains; // An explanation includes the slope.
 	}
 	found = true;
 	return {};

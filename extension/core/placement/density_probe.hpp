@@ -15,12 +15,13 @@
 
 namespace thicket {
 
-/// The most points of other layers that a probe looks at, by the density of their sets.
+/// The most points of other layers that a probe may read, estimated from the density of their sets.
 inline constexpr double max_probed_points = 4e6;
 
-/// What density a layer's rules give to any places, points of its set or not, by the code that makes tiles: a point of the set at that
-/// place would stand if its rank were below. Two steps, because a ground may have to be asked elsewhere: `find`, the ground for
-/// `positions()`, then `look`. A reusable workspace, as TileBuilder is. Not thread safe; one per thread.
+/// Evaluates the density of a layer's rules at any positions, whether or not they are points of its set. It runs the same code as tile
+/// generation: a point of the set at such a position would be kept if its rank were below the density. It has two steps, because the ground
+/// may have to be queried on a different thread: call `find`, get the ground for `positions()`, then call `look`. A reusable workspace,
+/// like TileBuilder. Not thread safe; use one per thread.
 class DensityProbe {
 public:
 	explicit DensityProbe(const SampleMargins &margins = {});
@@ -28,21 +29,23 @@ public:
 	DensityProbe(DensityProbe &&) noexcept;
 	DensityProbe &operator=(DensityProbe &&) noexcept;
 
-	/// Takes a layer and some places (world meters), and finds the points of other layers that its rules look at there: in all of the
-	/// rectangle around the places, so they should lie close together. Refuses an invalid layer, places that are not finite, and more than
-	/// max_probed_points as `rect`. `explains`: the ground is to be known with its normals, whatever the rules read.
+	/// Takes a layer and some positions (world meters), and finds the points of other layers that its rules depend on there. It finds them
+	/// in the whole rectangle around the positions, so these should lie close together. Refuses an invalid layer, positions that are not
+	/// finite, and, as `rect`, more than max_probed_points. With `explains`, the ground is queried with its normals, whether or not the
+	/// rules need them.
 	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains = false);
 
-	/// Where the ground has to be known after `find`, and in which portions. Valid until the next call of it.
+	/// The positions at which the ground must be known after `find`, and how they are grouped into queries. Valid until the next call of
+	/// `find`.
 	std::span<const glm::dvec2> positions() const;
 	std::span<const GroundQuery> queries() const;
 
-	/// Takes the ground of all positions; any other length is refused as `ground`, as is a call without `find`. The densities and factors of
-	/// places count from then on.
+	/// Takes the ground of all positions. Any other length is refused as `ground`, and so is a call without `find`. After this call, the
+	/// densities and factors below are available.
 	Status look(std::span<const Ground> ground);
 
-	/// After `look`: of a place, the ground, the density from 0 to 1, and all factors that it is the product of (see product_of). Replaces
-	/// `r_factors`.
+	/// After `look`, for one position: its ground, its density from 0 to 1, and all factors whose product is the density (see product_of).
+	/// `factors_at` replaces `r_factors`.
 	const Ground &ground_at(std::size_t place) const;
 	double density_at(std::size_t place) const;
 	Status factors_at(std::size_t place, std::vector<RuleFactor> &r_factors) const;

@@ -11,18 +11,17 @@ namespace thicket {
 
 namespace {
 
-/// The cell along one axis of a position, in a tile whose lower edge is at `edge`.
+/// The cell of a position along one axis, in a tile whose lower edge is at `edge`.
 std::uint32_t cell_along(double position, double edge, double cell_size, std::uint32_t across) {
 	double cell = std::floor((position - edge) / cell_size);
-	cell -= position < edge + cell * cell_size
-			? 1.0
-			: 0.0; // The difference is rounded: a position just below a line lies on it.
+	// The difference is rounded: a position just below a line may land on it.
+	cell -= position < edge + cell * cell_size ? 1.0 : 0.0;
 	return static_cast<std::uint32_t>(std::clamp(cell, 0.0, static_cast<double>(across - 1)));
 }
 
-/// The number of the cell that each instance is in. Throws std::bad_alloc, as does what follows.
+/// The number of the cell of each instance. Throws std::bad_alloc, like the functions below.
 std::vector<std::uint16_t> cell_numbers(
-		const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
+		const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
 	const glm::dvec2 edge = rect.min - glm::dvec2(origin.x, origin.z);
 	const glm::dvec2 cell_size = rect.size() / static_cast<double>(across);
 	std::vector<std::uint16_t> numbers(mesh.size());
@@ -35,7 +34,7 @@ std::vector<std::uint16_t> cell_numbers(
 	return numbers;
 }
 
-void measure(const KeptMesh &mesh, std::span<const std::uint32_t> order, DrawCell &r_cell) {
+void measure(const CompactMesh &mesh, std::span<const std::uint32_t> order, DrawCell &r_cell) {
 	for (const std::uint32_t i : order) {
 		const glm::vec3 &position = mesh.positions()[i];
 		r_cell.min = i == order.front() ? position : glm::min(r_cell.min, position);
@@ -43,9 +42,10 @@ void measure(const KeptMesh &mesh, std::span<const std::uint32_t> order, DrawCel
 	}
 }
 
-void add_cells(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
+void add_cells(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
 	const std::vector<std::uint16_t> numbers = cell_numbers(mesh, origin, rect, across);
-	std::vector<std::uint32_t> ends(std::size_t{across} * across + 1); // Of each cell, one place behind its number.
+	// The end of each cell, one entry after its number.
+	std::vector<std::uint32_t> ends(std::size_t{across} * across + 1);
 	for (const std::uint16_t number : numbers) {
 		++ends[std::size_t{number} + 1];
 	}
@@ -54,7 +54,8 @@ void add_cells(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::u
 	}
 	r_cells.order.resize(mesh.size());
 	r_cells.ranks.resize(mesh.size());
-	for (std::size_t i = 0; i < mesh.size(); ++i) { // Now each place has its cell's begin, which moves on to its end.
+	// Each entry now holds the begin of its cell, and moves on to its end.
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
 		const std::uint32_t at = ends[numbers[i]]++;
 		r_cells.order[at] = static_cast<std::uint32_t>(i);
 		r_cells.ranks[at] = mesh.ranks()[i];
@@ -72,7 +73,7 @@ void add_cells(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::u
 
 } // namespace
 
-Status divide(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
+Status divide(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
 	r_cells = {};
 	const std::uint32_t allowed = std::clamp(across, std::uint32_t{1}, max_cells_across);
 	DrawCells cells;
@@ -84,7 +85,7 @@ Status divide(const KeptMesh &mesh, glm::dvec3 origin, const Rect &rect, std::ui
 	return status;
 }
 
-void gather(const KeptMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer) {
+void gather(const CompactMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer) {
 	mesh.read(order, r_buffer);
 }
 
@@ -95,7 +96,7 @@ void spread(std::span<const float> buffer, std::span<const std::uint32_t> order,
 	}
 }
 
-bool same_instances(const KeptMesh &a, std::span<const std::uint32_t> order_a, const KeptMesh &b,
+bool same_instances(const CompactMesh &a, std::span<const std::uint32_t> order_a, const CompactMesh &b,
 		std::span<const std::uint32_t> order_b) {
 	return std::ranges::equal(
 			order_a, order_b, [&](std::uint32_t at_a, std::uint32_t at_b) { return a.same(at_a, b, at_b); });

@@ -7,8 +7,8 @@
 
 namespace thicket {
 
-/// Where a layer looks for its edge: two rings of eight positions around a point, at half and at the whole of the distance, in
-/// units of that distance.
+/// Where a layer checks whether it is near its edge: two rings of eight positions around a point, at half of the edge distance and at the
+/// full distance. Offsets are in units of that distance.
 inline constexpr std::size_t edge_probes = 16;
 
 constexpr std::array<glm::dvec2, edge_probes> edge_probe_offsets() {
@@ -27,8 +27,8 @@ constexpr std::array<glm::dvec2, edge_probes> edge_probe_offsets() {
 	return offsets;
 }
 
-/// The density that `allowed` of the probes give: 1 where the layer may stand all around, 0 where half of the surroundings or
-/// more are closed to it, as on a straight edge.
+/// The density of a point for which `allowed` of the probes are open: 1 if the layer is allowed all around. It is 0 if half of the
+/// surroundings or more are closed to the layer, as on a straight edge.
 constexpr double edge_density(std::size_t allowed) {
 	const double share = static_cast<double>(allowed) / static_cast<double>(edge_probes);
 	return share > 0.5 ? 2.0 * share - 1.0 : 0.0;

@@ -8,7 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// Positions in one call of the terrain.
+/// The number of positions in one call of the terrain.
 constexpr std::size_t batch = 2048;
 
 } // namespace

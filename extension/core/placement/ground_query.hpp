@@ -12,15 +12,15 @@
 
 namespace thicket {
 
-/// Positions whose ground is asked for together: `count` of a list of positions, from `first` on.
+/// A group of positions whose ground is queried together: `count` positions of a list, starting at `first`.
 struct GroundQuery {
 	std::size_t first = 0;
 	std::size_t count = 0;
 	GroundNeeds needs;
 };
 
-/// Asks a terrain for the ground of some positions, in portions of far below a millisecond of work. `r_ground` has one entry for each
-/// of the list. Ends with ErrorCode::cancelled when `cancel` is raised. Throws what the terrain throws.
+/// Queries a terrain for the ground of some positions, in batches of far less than a millisecond of work. `r_ground` has one entry for each
+/// position of the list. Returns ErrorCode::cancelled when `cancel` is raised. Exceptions of the terrain pass through.
 Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
 		std::span<Ground> r_ground, const std::atomic<bool> *cancel = nullptr);
 

@@ -13,13 +13,13 @@ namespace thicket {
 
 namespace {
 
-/// Writes four numbers, rounded, and returns what of `r_floats` comes after them.
+/// Writes four numbers, rounded, and returns the rest of `r_floats`.
 std::span<float> write_four(std::initializer_list<float> values, std::span<float> r_floats) {
 	std::transform(values.begin(), values.end(), r_floats.begin(), rounded_to_half);
 	return r_floats.subspan(values.size());
 }
 
-/// All of a word as a float from 0 to 1.
+/// All bits of a word as a float from 0 to 1.
 float unit_float(std::uint32_t word) { return static_cast<float>(unit_interval(word)); }
 
 glm::vec4 color_of(const InstanceData &data, float share, std::uint32_t word) {
@@ -76,7 +76,7 @@ InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position) {
 void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
 		float scale, std::span<float> r_floats, const InstanceShares &shares) {
 	if (!data.use_colors && !data.use_custom_data) {
-		// Fast path: without floats to write no random numbers are needed.
+		// Fast path: without floats to write, no random numbers are needed.
 		return;
 	}
 	const auto random = instance_random(seed, id, Draw::mesh);
@@ -91,8 +91,8 @@ void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint
 }
 
 float rounded_to_half(float value) {
-	// Adding and taking away a number whose last bit is worth as much as a half's last bit rounds to that bit, ties to
-	// even: 2^13 times the power of two below |value|, and at least as much as for the smallest normal half, 2^-14.
+	// Adding and subtracting a number whose last bit has the value of a half float's last bit rounds to that bit, ties to even. That number
+	// is 2^13 times the power of two below |value|, or of the smallest normal half, 2^-14, if that is larger.
 	constexpr std::uint32_t exponent_bits = 0x7f800000;
 	const float power = std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) & exponent_bits);
 	const float magic = std::max(power, 0x1p-14f) * 0x1.8p13f;

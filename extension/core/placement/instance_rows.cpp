@@ -16,8 +16,8 @@ namespace {
 constexpr double shear_limit = 1e-3;
 constexpr double same_scale = 1e-6;
 
-/// Of a matrix with columns of length 1 that are at right angles and no mirror image, by the largest of the four numbers. Not GLM's:
-/// that is free to take other steps in another version.
+/// The quaternion of a matrix with orthogonal columns of length 1 that is no mirror image, computed from the largest of its four numbers.
+/// GLM's function is not used, because other versions may compute it in different steps.
 glm::dvec4 quaternion_of(const glm::dmat3 &turn) {
 	const double trace = turn[0][0] + turn[1][1] + turn[2][2];
 	if (trace > 0.0) {
@@ -54,7 +54,7 @@ glm::dmat3 basis_of(std::span<const float, transform_floats> transform) {
 	return basis;
 }
 
-/// Writes numbers of one column after the other.
+/// Writes the numbers of one column after the other.
 class ColumnWriter {
 public:
 	explicit ColumnWriter(std::span<std::uint8_t> bytes) : at_(bytes.begin()) {}
@@ -72,11 +72,11 @@ private:
 	std::span<std::uint8_t>::iterator at_;
 };
 
-/// What the columns of a tile are written from.
+/// The data of a tile from which its columns are written.
 struct RowSource {
 	glm::dvec3 origin{0.0};
 	std::span<const MeshInstances *const> meshes;
-	std::span<const TurnAndScale> turned; ///< Of all instances, mesh by mesh.
+	std::span<const TurnAndScale> turned; ///< For all instances, mesh by mesh.
 
 	/// Calls `visit(const MeshInstances &, std::size_t instance, std::size_t mesh)` for all instances.
 	template <class Visit>
@@ -93,7 +93,7 @@ float float_of(const MeshInstances &mesh, std::size_t instance, std::size_t at) 
 	return mesh.buffer[instance * mesh.stride + at];
 }
 
-/// A column with what writes it.
+/// A column and the function that writes it.
 struct WrittenColumn {
 	RowColumn column;
 	void (*write)(const RowSource &, ColumnWriter &);
@@ -139,7 +139,7 @@ constexpr std::array leading_columns{
 		WrittenColumn{{"rank", "<u4"}, write_ranks},
 };
 
-/// What write_instance_data writes, in its order.
+/// The columns that write_instance_data fills, in its order.
 constexpr std::array color_columns{RowColumn{"color_r", "<f4"}, RowColumn{"color_g", "<f4"},
 		RowColumn{"color_b", "<f4"}, RowColumn{"color_a", "<f4"}};
 constexpr std::array custom_columns{RowColumn{"variation", "<f4"}, RowColumn{"wind_phase", "<f4"},
@@ -177,7 +177,8 @@ TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform) 
 	}
 	result.sheared = std::max({std::abs(glm::dot(basis[0], basis[1])), std::abs(glm::dot(basis[0], basis[2])),
 							 std::abs(glm::dot(basis[1], basis[2]))}) > shear_limit;
-	// As the engine makes a basis orthonormal: x stays, y stays in its plane with x. What is flat all the same is not turned.
+	// As the engine orthonormalizes a basis: x keeps its direction, and y stays in its plane with x. A basis that is still flat gets no
+	// rotation.
 	const glm::dvec3 y = basis[1] - basis[0] * glm::dot(basis[0], basis[1]);
 	const double length = glm::length(y);
 	if (length > same_scale) {

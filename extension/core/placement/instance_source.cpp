@@ -30,7 +30,7 @@ Status validate(const InstanceSource &source, const SourceNames &names) {
 }
 
 float share_of(const InstanceSource &source, double value) {
-	// The end first: where the range is a step, what lies on it lies beyond it.
+	// The end is checked first: if the range is a step, a value on it counts as beyond it.
 	if (value >= source.max) {
 		return 1.0f;
 	}

@@ -13,17 +13,18 @@ namespace thicket {
 
 namespace {
 
-/// Instances between two looks at the cancel flag: far below a millisecond of work.
+/// Instances between two checks of the cancel flag: far less than a millisecond of work.
 constexpr std::size_t between_looks = 2048;
 
-/// Ranks are sorted into so many classes to find where a part begins.
+/// Ranks are counted in this many classes to find where a part begins.
 constexpr std::size_t rank_classes = 1 << 12;
 constexpr int rank_class_shift = 20;
 
-/// Parts a thread: so many that none waits long for another, so few that each is worth the look at all ranks that it takes.
+/// Parts per thread: enough that no thread waits long for the others, and few enough that each is worth the scan of all ranks that it
+/// takes.
 constexpr std::size_t parts_each = 2;
 
-/// Adds a point that stands to a batch.
+/// Adds a kept point to a batch.
 void add_point(const LayerSettings &layer, const StandingPoints &points, std::uint32_t point, glm::dvec3 origin,
 		TransformBatch &r_batch) {
 	const Ground &ground = points.ground[point];
@@ -35,7 +36,7 @@ void add_point(const LayerSettings &layer, const StandingPoints &points, std::ui
 	r_batch.add(points.ids[point], ground.normal, standing_position(layer.placement, ground.normal, position));
 }
 
-/// Writes an instance of a batch, that of a point that `key` names, to index `at` of its mesh.
+/// Writes an instance of a batch, for the point in `key`, to index `at` of its mesh.
 void write_instance(const LayerSettings &layer, const StandingPoints &points, std::uint64_t key,
 		const TransformBatch &batch, std::size_t in_batch, std::size_t at, MeshInstances &r_mesh,
 		InstanceBounds &r_bounds) {
@@ -61,12 +62,12 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 
 } // namespace
 
-/// Gives each part ranks that about as many points have as those of the others.
+/// Assigns each part a range of ranks, so that all parts have about the same number of points.
 void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
 	constexpr std::uint64_t end_of_ranks = std::uint64_t{1} << 32;
 	parts_.resize(parts);
 	if (parts == 1) {
-		// Fast path: all ranks are in the only part, and need not be counted.
+		// Fast path: all ranks are in the only part, so they need not be counted.
 		parts_.front().first_rank = 0;
 		parts_.front().end_rank = end_of_ranks;
 		return;
@@ -89,7 +90,7 @@ void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
 	}
 }
 
-/// Puts the instances of a part into their order, and gives each its mesh.
+/// Sorts the instances of a part, and assigns each its mesh.
 void InstanceWriter::sort(const LayerSettings &layer, const StandingPoints &points, Part &r_part) const {
 	r_part.order.clear();
 	r_part.order.reserve(points.standing.size() / parts_.size());
@@ -109,7 +110,7 @@ void InstanceWriter::sort(const LayerSettings &layer, const StandingPoints &poin
 	}
 }
 
-/// Gives each mesh the size that it will have, and each part its place in it. All memory is taken before anything changes.
+/// Gives each mesh its final size, and each part its position in it. All memory is allocated before anything changes.
 void InstanceWriter::make_room(const InstanceData &data, std::vector<MeshInstances> &r_meshes) {
 	std::array<std::size_t, max_meshes> sizes{};
 	for (Part &part : parts_) {

@@ -21,15 +21,15 @@
 
 namespace thicket {
 
-/// The points of a tile, and which of them stand. `standing` holds indices of points, `thinning_ranks` an entry for each of
-/// those; all others have an entry for each point.
+/// The points of a tile, and which of them become instances. `standing` holds indices of points, and `thinning_ranks` has one entry for
+/// each of those. All other lists have one entry for each point.
 struct StandingPoints {
 	std::span<const glm::dvec2> positions; ///< World meters.
 	std::span<const Ground> ground;
 	std::span<const std::uint64_t> ids;
 	std::span<const std::uint32_t> standing;
 	std::span<const std::uint32_t> thinning_ranks;
-	std::span<const float> color_shares{};     ///< Of points that stand; empty for colors that are random.
+	std::span<const float> color_shares{};     ///< For points that become instances; empty if colors are random.
 	std::span<const float> variation_shares{}; ///< The same for the variation.
 
 	InstanceShares shares_of(std::uint32_t point) const {
@@ -38,7 +38,7 @@ struct StandingPoints {
 	}
 };
 
-/// Where instances of one mesh stand, and how large the largest is.
+/// The bounds of the positions of one mesh's instances, and their largest scale.
 struct InstanceBounds {
 	glm::vec3 min{std::numeric_limits<float>::max()};
 	glm::vec3 max{-std::numeric_limits<float>::max()};
@@ -51,27 +51,27 @@ struct InstanceBounds {
 	}
 };
 
-/// The last step of a tile: gives every point that stands a mesh, a transform and a look, in the order in which a layer thins. Keeps
-/// its memory.
+/// The last step of generating a tile: gives every kept point a mesh, a transform and a look, in the order in which a layer is thinned.
+/// Reuses its memory.
 class InstanceWriter {
 public:
-	/// Replaces the origin and the meshes of `r_tile`. Valid settings only. Empties them and ends with
-	/// ErrorCode::cancelled when `cancel` is raised. Throws std::bad_alloc, and leaves the tile as it was then.
-	/// `threads`, if there are any, share the work, for the same tile.
+	/// Replaces the origin and the meshes of `r_tile`. Settings must be valid. When `cancel` is raised, it clears the meshes and returns
+	/// ErrorCode::cancelled. Throws std::bad_alloc, and then leaves the tile unchanged. `threads`, if there are any, share the work and do
+	/// not change the result.
 	Status write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin, TileInstances &r_tile,
 			const std::atomic<bool> *cancel, LentThreads *threads = nullptr);
 
 private:
-	/// The instances of some ranks, one after the other: whoever is free takes them on.
+	/// The instances within a range of ranks, stored one after the other. Any free thread takes the next part.
 	struct Part {
 		std::uint64_t first_rank = 0;
 		std::uint64_t end_rank = 0;
-		std::vector<std::uint64_t> order; ///< For each instance its thinning rank and the index of its point, sorted.
+		std::vector<std::uint64_t> order; ///< For each instance, its thinning rank and the index of its point; sorted.
 		std::vector<std::uint64_t> scratch;
-		std::vector<std::uint8_t> mesh_of; ///< For each instance in order.
+		std::vector<std::uint8_t> mesh_of; ///< For each instance, in order.
 		std::array<std::size_t, max_meshes> sizes{};
-		std::array<std::size_t, max_meshes> ends{}; ///< Where its instances go on in each mesh.
-		std::vector<InstanceBounds> bounds;         ///< Of its instances, for each mesh.
+		std::array<std::size_t, max_meshes> ends{}; ///< Where its instances continue in each mesh.
+		std::vector<InstanceBounds> bounds;         ///< The bounds of its instances, for each mesh.
 	};
 
 	void divide(const StandingPoints &points, std::size_t parts);

@@ -14,52 +14,52 @@ namespace thicket {
 
 struct LayerSettings;
 
-/// What another layer's instances mean to the points of a layer. Only the other's own rules decide which of its points are
-/// instances, so layers may be chained but never in a ring: the pointers cannot express one.
+/// How the points of a layer depend on the instances of a different layer. Only that layer's own rules decide which of its points are
+/// instances. So layers can form chains but never cycles: the pointers cannot express one.
 struct Neighbor {
 	std::shared_ptr<const LayerSettings> layer; ///< Never null.
-	double distance =
-			1.0; ///< Meters, above 0, at most max_neighbor_distance: how far the other layer's instances count.
+	/// Meters, above 0, at most max_neighbor_distance: the distance up to which the other layer's instances count.
+	double distance = 1.0;
 
-	/// Density over the distance in meters to the nearest instance of the other layer; where none is within `distance`, the
-	/// density at `distance`. Null: nothing stands nearer than `distance`, in the plane, and the rule does not matter beyond.
+	/// Density over the distance in meters to the nearest instance of the other layer. If none is within `distance`, the density at
+	/// `distance` applies. Null: no instance is placed nearer than `distance`, in the plane, and the rule has no effect beyond.
 	std::shared_ptr<const CurveTable> curve;
 
 	friend bool operator==(const Neighbor &, const Neighbor &) = default;
 };
 
 inline constexpr double max_neighbor_distance = 1e3;
-inline constexpr std::size_t max_neighbors = 16;      ///< Of one layer.
-inline constexpr std::size_t max_neighbor_depth = 16; ///< Layers in a row.
-inline constexpr std::size_t max_graph_layers = 64;   ///< That a layer depends on, itself included.
+inline constexpr std::size_t max_neighbors = 16;      ///< The most neighbors of one layer.
+inline constexpr std::size_t max_neighbor_depth = 16; ///< The most layers in a chain.
+inline constexpr std::size_t max_graph_layers = 64;   ///< The most layers that a layer depends on, itself included.
 
-/// All that makes a layer: one species or family.
+/// The complete settings of a layer, which is one species or family.
 struct LayerSettings {
 	PointSet set;
 	Rules rules;
 	Placement placement;
 	InstanceData instance_data;
-	/// A weight for each mesh, finite and not negative, not all 0; an instance gets a mesh with a probability
-	/// proportional to the weight, from its own hash. None means one mesh. At most max_meshes.
+	/// A weight for each mesh, finite and not negative, not all 0. An instance gets a mesh with a probability proportional to its weight,
+	/// from the instance's own hash. An empty list means one mesh. At most max_meshes.
 	std::vector<float> mesh_weights;
-	/// Spacing and proximity: layers that stand before this one.
+	/// Spacing and proximity: the layers before this one that it depends on.
 	std::vector<Neighbor> neighbors;
 
 	friend bool operator==(const LayerSettings &, const LayerSettings &) = default;
 };
 
-/// Refuses a layer of which any part is refused.
+/// Refuses a layer if any part of it is invalid.
 Status validate(const LayerSettings &layer);
 
-/// Whether transforms or looks of the instances follow the normal of the ground.
+/// Whether transforms or looks of the instances depend on the normal of the ground.
 bool follows_normals(const LayerSettings &layer);
 
-/// How far, in meters, a change of the ground, a mask or a shape may reach for the instances of a valid layer: the distances
-/// of its neighbors' chains, of what its sources look at, and of edge feathers, added up.
+/// How far, in meters, a change of the ground, a mask or a shape may affect the instances of a valid layer. This is the sum of the
+/// distances of its neighbors' chains, of its sources, and of edge feathers.
 double reach(const LayerSettings &layer);
 
-/// About how many points a square tile of `tile_size` meters of a valid layer takes to make: those of the layer, and of its
-/// neighbors and of layers that its sources look at in all the surroundings from which they count. What memory and time grow with.
+/// The approximate number of points that are sampled to generate a square tile of `tile_size` meters of a valid layer. It includes the
+/// points of the layer, and those of neighbors and source layers in the surroundings where they count. Memory and time grow with it.
 double points_to_sample(const LayerSettings &layer, double tile_size);
 
 } // namespace thicket

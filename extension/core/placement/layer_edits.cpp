@@ -16,7 +16,7 @@ bool holds(const Rect &outer, const Rect &inner) {
 			inner.max.y <= outer.max.y;
 }
 
-/// What decides where a layer's instances stand, without its neighbors and without what is edited in place.
+/// Whether two layers keep the same points, apart from their neighbors and from the parts that are edited in place.
 bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 	const auto without_edits = [](const Rules &rules) {
 		Rules result = rules;
@@ -29,7 +29,7 @@ bool same_rules(const LayerSettings &a, const LayerSettings &b) {
 	return a.set == b.set && without_edits(a.rules) == without_edits(b.rules);
 }
 
-/// What decides how an instance looks where it stands, without the layers that its sources look at.
+/// Whether instances look the same, apart from the layers that their sources depend on.
 bool same_look(const LayerSettings &a, const LayerSettings &b) {
 	const auto without_layers = [](const InstanceData &data) {
 		InstanceData result = data;
@@ -56,12 +56,12 @@ bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::v
 	return area.empty() || area.finite();
 }
 
-/// Whether it matters to a layer where water is.
+/// Whether a layer depends on the water.
 bool minds_water(const Rules &rules) {
 	return rules.min_water_depth > -unlimited_height || rules.max_water_depth < unlimited_height;
 }
 
-/// Edits of the layer's own mask and shapes, of its biomes and of the water.
+/// Edits of the layer's own masks and shapes, of its biomes and of the water.
 EditedArea own_edits(const Rules &before, const Rules &after) {
 	std::vector<Rect> areas;
 	EditedArea result;
@@ -112,7 +112,7 @@ const EditedArea &EditSearch::find(const LayerSettings &before, const LayerSetti
 const EditedArea &EditSearch::find_edits(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
 	if (const auto known = found_.find(pair); known != found_.end()) {
-		// Fast path: the settings stay as they are while this lives, and so does what was found.
+		// Fast path: the settings do not change during the search, so the cached result is still valid.
 		return known->second;
 	}
 	EditedArea area = find_standing(before, after);
@@ -149,7 +149,7 @@ const EditedArea &EditSearch::find_standing(const LayerSettings &before, const L
 			area.add(find_standing(*was.layer, *is.layer), is.distance);
 		}
 	}
-	return standing_.emplace(pair, std::move(area)).first->second; // Only when it is whole.
+	return standing_.emplace(pair, std::move(area)).first->second; // Stored only once it is complete.
 }
 
 } // namespace thicket

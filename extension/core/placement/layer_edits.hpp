@@ -9,32 +9,32 @@
 
 namespace thicket {
 
-/// Where a layer's instances may have changed.
+/// The area in which a layer's instances may have changed.
 struct EditedArea {
 	bool everywhere = false;
-	std::vector<Rect> areas; ///< World meters, none within another; of no account if `everywhere`.
+	std::vector<Rect> areas; ///< World meters, none within another; meaningless if `everywhere` is set.
 
 	bool empty() const { return !everywhere && areas.empty(); }
 
-	/// Whether any of it lies in the half-open `rect`, its edges included.
+	/// Whether any part of the area lies in the half-open `rect`, including its edges.
 	bool touches(const Rect &rect) const;
 
-	/// Adds an area, grown by `distance` meters on all sides.
+	/// Adds an area, expanded by `distance` meters on all sides.
 	void add(const Rect &area, double distance = 0.0);
 	void add(const EditedArea &other, double distance = 0.0);
 };
 
-/// An area and all that lies within `distance` meters (0 or more) of it, and a hair more, for what rounding may do.
+/// An area expanded by `distance` meters (0 or more), plus a small margin for rounding.
 Rect grown(const Rect &area, double distance);
 
-/// Tells from the settings of layers before and after, on the same ground, where their instances may have changed:
-/// under the shapes and the pixels of masks that are not the same as before, and as far around as a layer looks for its
-/// edge or for the instances of other layers, as a rule or for the look of its own. Remembers what it found, so that layers which share neighbors cost
-/// little more than one; so the settings must live as long as the search.
+/// Compares layer settings before and after a change, on the same ground, and finds where their instances may have changed. That is under
+/// changed shapes, mask pixels, biomes and water, and around these. Each area is expanded by the distance up to which a layer checks for
+/// its edge. It is also expanded by the distance up to which a layer depends on other layers, by a rule or for the look of its instances.
+/// The search caches its results, so layers that share neighbors cost little more than one. The settings must therefore outlive the search.
 class EditSearch {
 public:
-	/// For the layer itself: its instances, how they stand and which mesh they have. All of it, if anything but masks
-	/// and shapes has changed, in the layer or in a rule of its neighbors; or if memory does not suffice to tell.
+	/// The area for the layer itself: its instances, their transforms and their meshes. It is everywhere if anything but the mask, shapes,
+	/// biomes and water has changed, in the layer or in a rule of its neighbors, or if memory runs out.
 	const EditedArea &find(const LayerSettings &before, const LayerSettings &after);
 
 private:
@@ -44,7 +44,7 @@ private:
 	const EditedArea &find_standing(const LayerSettings &before, const LayerSettings &after);
 
 	std::map<Pair, EditedArea> found_;    ///< For the layer itself.
-	std::map<Pair, EditedArea> standing_; ///< For its neighbors: where something stands, no matter how.
+	std::map<Pair, EditedArea> standing_; ///< For its neighbors: where instances may appear or vanish.
 };
 
 } // namespace thicket

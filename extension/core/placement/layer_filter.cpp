@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-/// Points between two looks at the cancel flag: below a millisecond of work.
+/// Points between two checks of the cancel flag: less than a millisecond of work.
 constexpr std::size_t batch = 2048;
 
 constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets();
@@ -20,7 +20,8 @@ constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets
 } // namespace
 
 void LayerFilter::set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors) {
-	throw_if_out_of_memory(rules_.set(layer.rules, layer.set.seed)); // Valid, so there is no other reason.
+	// The rules are valid, so memory is the only possible failure.
+	throw_if_out_of_memory(rules_.set(layer.rules, layer.set.seed));
 	layer_ = &layer;
 	neighbors_.assign(neighbors.begin(), neighbors.end());
 }
@@ -29,7 +30,7 @@ Status LayerFilter::sample(
 		TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads) {
 	window_ = window;
 	if (rules_.closed_in(window)) {
-		// Fast path: where rules let nothing pass, nothing need be sampled.
+		// Fast path: if the rules let nothing pass, nothing needs to be sampled.
 		points_.clear();
 	} else if (const Status status =
 					   sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads);
@@ -56,7 +57,7 @@ Status LayerFilter::take(std::span<const glm::dvec2> places, const Rect &window)
 	return look_around();
 }
 
-/// Asks the rules of position about all points.
+/// Evaluates the rules of position at all points.
 Status LayerFilter::ask_position() {
 	sampled_ = points_.size();
 	sampled_positions_.resize(sampled_);
@@ -66,7 +67,7 @@ Status LayerFilter::ask_position() {
 	return rules_.place_densities(sampled_positions_, sampled_densities_, scratch_);
 }
 
-/// Splits the points, or those that the rules of position let pass, into one array for each part.
+/// Splits the points, or those that pass the rules of position, into separate arrays.
 void LayerFilter::keep_points(bool all) {
 	const auto resize = [this](std::size_t count) {
 		positions_.resize(count);
@@ -75,7 +76,7 @@ void LayerFilter::keep_points(bool all) {
 		densities_.resize(count);
 	};
 	resize(sampled_);
-	// Without a branch, which densities would often mislead: the next one takes the place of one that goes.
+	// Without a branch, which densities would often mispredict: a removed point is overwritten by the next one.
 	std::size_t kept = 0;
 	for (std::size_t i = 0; i < sampled_; ++i) {
 		positions_[kept] = points_[i].position;
@@ -90,7 +91,7 @@ void LayerFilter::keep_points(bool all) {
 Status LayerFilter::look_around() {
 	near_shapes_.clear();
 	if (const ShapeSet *shapes = rules_.rules().shapes.get()) {
-		// Probes lie outside the window, too.
+		// Probes may lie outside the window.
 		const double around = rules_.rules().edge_feather;
 		throw_if_out_of_memory(shapes->near({window_.min - around, window_.max + around}, near_shapes_));
 	}
@@ -124,7 +125,7 @@ void LayerFilter::add_queries(
 	if (slope || !normals || probes_.empty()) {
 		r_queries.push_back({r_positions.size(), position_count(), {textures, slope || normals}});
 	} else {
-		// Fast path: of the probes nobody looks at the normals.
+		// Fast path: the normals of the probes are not needed.
 		r_queries.push_back({r_positions.size(), positions_.size(), {textures, true}});
 		r_queries.push_back({r_positions.size() + positions_.size(), probes_.size(), {textures, false}});
 	}
@@ -160,19 +161,19 @@ double LayerFilter::neighbor_density(std::size_t neighbor, glm::dvec2 position, 
 	return record(RuleKind::neighbor, distance, density, static_cast<std::uint32_t>(neighbor));
 }
 
-/// Of the rules that look at nothing but a point's position and the ground there.
+/// The density of the rules that depend only on a point's position and the ground there.
 template <class Record>
 double LayerFilter::density_alone(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	return densities_[point] * rules_.ground_density(ground[point], positions_[point], record);
 }
 
-/// In the order of what the rules cost; a point that has fallen below its rank is not asked further.
+/// Evaluates the rules in the order of their cost, and stops once a point's density has fallen below its rank.
 template <class Record>
 double LayerFilter::product(std::size_t point, std::span<const Ground> ground, const Record &record) const {
 	const Ground &here = ground[point];
 	double density = density_alone(point, ground, record);
 	if (Record::complete && !std::isfinite(here.height)) {
-		return density; // 0, and without ground there is nothing that the others could tell.
+		return density; // It is 0, and without ground the other rules have nothing to evaluate.
 	}
 	const auto goes_on = [&] {
 		return Record::complete || stands(ranks_[point], density);

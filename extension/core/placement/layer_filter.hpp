@@ -18,42 +18,42 @@
 
 namespace thicket {
 
-/// Finds out which points of one layer stand in a window: `sample`, then `filter` once the ground is known. A tile has one
-/// for its own layer and one for each layer that its rules look at. Keeps its memory.
+/// Decides which points of one layer become instances in a window: call `sample`, then `filter` once the ground is known. A tile has one
+/// filter for its own layer and one for each layer that its rules depend on. Reuses its memory.
 class LayerFilter {
 public:
-	/// Prepares for a layer of valid settings, which has to stay until the points are filtered. `neighbors` are the filters of
-	/// layer.neighbors, in their order.
+	/// Prepares for a layer with valid settings, which must stay alive until the points are filtered. `neighbors` are the filters of
+	/// layer.neighbors, in the same order.
 	void set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors);
 
-	/// The points of the half-open `window` that the rules of position let pass. Ends with ErrorCode::cancelled when
-	/// `cancel` is raised.
+	/// Finds the points of the half-open `window` that pass the rules of position. Returns ErrorCode::cancelled when `cancel` is raised.
 	Status sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads);
 
-	/// In place of `sample`: places of the caller's, in `window`, that need not be points of the set. All of them stay, by their index as
-	/// id, with the rank 0.
+	/// Used instead of `sample`: takes positions from the caller, in `window`, that need not be points of the set. All of them are kept,
+	/// with their index as id and the rank 0.
 	Status take(std::span<const glm::dvec2> places, const Rect &window);
 
-	/// Where the ground has to be known: the points' positions, then edge_probes for each point if the layer looks at its edge. Adds to
-	/// both. Nobody looks at the normals of a layer without a rule for the slope, or at those of the points if `normals`.
+	/// The positions at which the ground must be known: those of the points, then edge_probes for each point if the layer checks for its
+	/// edge. Appends to both lists. Normals are queried only if the layer has a rule for the slope, or, at the points, if `normals` is
+	/// true.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 	std::size_t position_count() const { return positions_.size() + probe_open_.size(); }
 
-	/// Finds out which points stand; `ground` has one entry for each of these positions. The neighbors have been filtered before.
+	/// Decides which points are kept. `ground` has one entry for each of these positions. The neighbors must have been filtered before.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
 
-	/// The product of all rules at a point or place, in the order of what they cost; `ground` as above. Once it has fallen to the point's
-	/// rank, no further rule is asked.
+	/// The product of all rules at a point or position, evaluated in the order of their cost; `ground` as above. Once the product has
+	/// fallen to the point's rank, no further rule is evaluated.
 	double density_at(std::size_t point, std::span<const Ground> ground) const;
 
 	/// The same with all factors, whatever the rank. Throws std::bad_alloc. Adds to `r_factors`.
 	Status factors_at(std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const;
 
-	/// Prepares the points that stand for layers that look at them, from at most `distance` meters away.
+	/// Indexes the kept points for layers that depend on them, for distances of at most `distance` meters.
 	void index_standing(double distance);
 
-	/// The square of the distance to the nearest point that stands, if it is below `distance` meters, at most those of
-	/// index_standing; the square of `distance` otherwise. `position` lies as far within the window at least.
+	/// The squared distance to the nearest kept point, if it is below `distance` meters, else the square of `distance`. `distance` is at
+	/// most that of index_standing. `position` must lie at least that far within the window.
 	double nearest_squared(glm::dvec2 position, double distance) const {
 		return grid_.nearest_squared(position, distance);
 	}
@@ -64,7 +64,7 @@ public:
 	std::span<const glm::dvec2> positions() const { return positions_; }
 	std::span<const std::uint64_t> ids() const { return ids_; }
 
-	/// Indices of the points that stand, ascending; and for each its thinning_rank.
+	/// Indices of the kept points, ascending, and the thinning_rank of each.
 	std::span<const std::uint32_t> standing() const { return standing_; }
 	std::span<const std::uint32_t> thinning_ranks() const { return thinning_ranks_; }
 
@@ -93,9 +93,9 @@ private:
 	UnfilledVector<glm::dvec2> positions_;
 	UnfilledVector<std::uint64_t> ids_;
 	UnfilledVector<std::uint32_t> ranks_;
-	UnfilledVector<double> densities_;     ///< Of the rules of position.
-	std::vector<glm::dvec2> probes_;       ///< edge_probes for each point, or none.
-	std::vector<std::uint8_t> probe_open_; ///< Whether the rules of position allow them.
+	UnfilledVector<double> densities_;     ///< The density of the rules of position.
+	std::vector<glm::dvec2> probes_;       ///< edge_probes for each point, or empty.
+	std::vector<std::uint8_t> probe_open_; ///< Whether the rules of position allow the probes.
 	std::vector<std::uint32_t> near_shapes_;
 
 	UnfilledVector<std::uint32_t> standing_;

@@ -18,7 +18,7 @@ Status check(const Neighbor &neighbor) {
 			check_range("neighbor distance", neighbor.distance, 0.0, max_neighbor_distance));
 }
 
-/// What layers that are looked at look like does not matter.
+/// The looks of layers that this one depends on do not matter.
 std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &layer, std::size_t depth) {
 	return depth == 0 ? distance_sources(layer.instance_data) : std::array<const InstanceSource *, 2>{};
 }
@@ -44,7 +44,7 @@ std::size_t LayerGraph::index_of(const LayerSettings *layer) const {
 	return static_cast<std::size_t>(found - nodes_.begin());
 }
 
-/// Adds the layer behind those that it looks at.
+/// Adds the layer after the layers that it depends on.
 void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 	if (!status_.ok() || index_of(&layer) < size_) {
 		return;
@@ -75,7 +75,7 @@ void LayerGraph::add(const LayerSettings &layer, std::size_t depth) {
 	}
 }
 
-/// From the layer itself back to those that look at nothing: all that look at a layer stand behind it.
+/// Goes from the layer itself back to layers without dependencies: all layers that depend on a layer come after it.
 void LayerGraph::find_margins() {
 	for (std::size_t at = size_; at-- > 0;) {
 		const Node &node = nodes_[at];

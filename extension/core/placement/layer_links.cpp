@@ -12,7 +12,7 @@ namespace {
 
 using Links = std::span<const LayerLinks *const>;
 
-/// The index of the layer that is meant, or the number of layers.
+/// The index of the referenced layer, or the number of layers if there is none.
 std::size_t find(Links layers, const LayerReference &reference) {
 	const auto is_meant = [&reference](const LayerLinks *layer) {
 		return layer != nullptr &&
@@ -29,7 +29,7 @@ std::size_t find(Links layers, const LayerReference &reference) {
 /// The references of a layer as indices.
 struct Found {
 	std::map<std::size_t, double> spacing;
-	std::size_t proximity_layer = 0; ///< The number of layers for none.
+	std::size_t proximity_layer = 0; ///< The number of layers if there is none.
 	std::size_t color_layer = 0;     ///< The same.
 	std::size_t variation_layer = 0; ///< The same.
 };
@@ -56,7 +56,7 @@ double asked_spacing(const Found &asking, std::size_t other) {
 	return found != asking.spacing.end() ? found->second : 0.0;
 }
 
-/// Those of the layers before the one at `index` that are its neighbors.
+/// The neighbors of the layer at `index`, among the layers before it.
 std::vector<Neighbor> neighbors(
 		Links layers, std::span<const Found> found, std::size_t index, std::span<const LinkedLayer> earlier) {
 	const LayerLinks &layer = *layers[index];
@@ -76,12 +76,12 @@ std::vector<Neighbor> neighbors(
 	return result;
 }
 
-/// The layer that stands at `index`, if that is before those that are not linked yet.
+/// The layer at `index`, if it is already linked.
 SharedLayer layer_at(std::span<const LinkedLayer> earlier, std::size_t index) {
 	return index < earlier.size() ? earlier[index].settings : nullptr;
 }
 
-/// How a problem speaks of a layer that a property refers to.
+/// The text for a referenced layer in a problem sentence.
 std::string quoted(const LayerReference &reference) {
 	if (!reference.name.empty()) {
 		return '"' + reference.name + '"';
@@ -89,8 +89,8 @@ std::string quoted(const LayerReference &reference) {
 	return reference.index >= 0 ? "layer " + std::to_string(reference.index) : "a layer without a name";
 }
 
-/// Why the reference means no layer. Users try it with layers of a second node.
-std::string nobody(const LayerReference &reference) {
+/// Why the reference matches no layer. Users try to refer to layers of a different node.
+std::string unknown_layer_note(const LayerReference &reference) {
 	return std::string(reference.name.empty() ? ", which is not in the list of this node. "
 											  : ", and no layer has that name in this node. ") +
 			"Layers of different TerrainScatter3D nodes cannot refer to each other: move both layers into one node.";
@@ -143,9 +143,9 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 	const LayerLinks &layer = *layers[index];
 	for (const auto &[reference, distance] : layer.spacing) {
 		const std::size_t other = find(layers, reference);
-		// That there is no name at all is told by the layer itself.
+		// The layer itself reports an empty name.
 		if (!reference.empty() && other == layers.size()) {
-			problems.push_back(("spacing names " + quoted(reference)).append(nobody(reference)));
+			problems.push_back(("spacing names " + quoted(reference)).append(unknown_layer_note(reference)));
 		} else if (other == index) {
 			problems.push_back("spacing names the layer itself; its own instances keep its radius.");
 		}
@@ -154,16 +154,16 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		const std::size_t other = find(layers, reference);
 		const std::string start = property + " is " + quoted(reference);
 		if (!reference.empty() && other == layers.size()) {
-			problems.push_back(std::string(start).append(nobody(reference)));
+			problems.push_back(std::string(start).append(unknown_layer_note(reference)));
 		} else if (!reference.empty() && other >= index) {
-			problems.push_back(start + ", which does not stand before this layer in the list: it has no effect.");
+			problems.push_back(start + ", which is not before this layer in the list: it has no effect.");
 		}
 	};
 	check_earlier("proximity_layer", layer.proximity_layer);
 	check_earlier("color_source_layer", layer.color_layer);
 	check_earlier("variation_source_layer", layer.variation_layer);
 	if (!layer.name.empty() && find(layers, layer.name) != index) {
-		problems.push_back("has the same name as another: \"" + layer.name + "\" means the first of them.");
+		problems.push_back("has the name of an earlier layer: \"" + layer.name + "\" refers to the earlier one.");
 	}
 	return problems;
 }

@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// How many of the steps from thin_begin to thin_end lie at or before a distance.
+/// The number of steps from thin_begin to thin_end that lie at or before a distance.
 double steps_done(const LodSettings &settings, double distance) {
 	if (distance >= settings.thin_end) {
 		return thin_steps;
@@ -67,8 +67,8 @@ double compensating_scale(const LodSettings &settings, double share) {
 }
 
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most) {
-	constexpr double filled = 0.9;     // What a new share aims at,
-	constexpr double too_little = 0.7; // and below which it is given up.
+	constexpr double filled = 0.9;     // The target of a new share,
+	constexpr double too_little = 0.7; // and the limit below which a share is replaced.
 	const auto all = static_cast<double>(wanted);
 	const auto limit = static_cast<double>(most);
 	const bool keep = share * all <= limit && (share >= 1.0 || share * all >= too_little * limit);

@@ -9,63 +9,65 @@
 
 namespace thicket {
 
-inline constexpr std::size_t max_lods = 15;           ///< Meshes for the distance, the one for near by not counted.
-inline constexpr double max_lod_distance = 1e6;       ///< Meters.
-inline constexpr double max_scale_compensation = 4.0; ///< What is left makes up for 15 in 16 that are gone, at most.
+inline constexpr std::size_t max_lods = 15;     ///< Meshes for the distance, not counting the nearest one.
+inline constexpr double max_lod_distance = 1e6; ///< Meters.
+/// The remaining instances can make up for at most 15 in 16 removed ones.
+inline constexpr double max_scale_compensation = 4.0;
 
 inline constexpr double max_lod_fade = 0.5;
 inline constexpr double usual_lod_fade = 0.1;
 
-inline constexpr double lod_hysteresis =
-		0.95; ///< A finer mesh comes back at this share of the distance at which it went.
+/// A finer mesh returns at this share of the distance at which it was replaced.
+inline constexpr double lod_hysteresis = 0.95;
 
-/// How a layer's tiles and their cells are drawn with distance. Distances are meters from a viewer to the box of what is drawn
-/// as one, as sight_distance measures, 0 inside it.
+/// How a layer's tiles and their cells are drawn with distance. Distances are in meters, as sight_distance measures, from a viewer to the
+/// box of whatever is drawn as one; 0 inside it.
 struct LodSettings {
-	/// Where the next coarser mesh begins, ascending, 0 to max_lod_distance; at most max_lods.
+	/// The distances at which each coarser mesh begins, ascending, 0 to max_lod_distance; at most max_lods.
 	std::vector<double> lod_distances;
 
-	/// All instances stand up to `thin_begin`, the share `thin_density` from `thin_end` on, in between the share falls
-	/// evenly. Meters, begin <= end; a density of 1 thins nothing.
+	/// All instances are drawn up to `thin_begin`, and the share `thin_density` from `thin_end` on. In between, the share falls linearly.
+	/// Meters, begin <= end; a density of 1 disables thinning.
 	double thin_begin = 0.0;
 	double thin_end = 0.0;
 	double thin_density = 1.0;
 
-	/// Enlarges what is left of thinned instances, so that they cover as much as all of them did.
+	/// Enlarges the instances that remain after thinning, so that they cover as much as all of them did.
 	bool scale_compensation = false;
 
-	/// The share of a distance, up to it, over which a mesh becomes the next one, or the last one goes at `sight_end`; 0 for at once.
+	/// The share of a distance, up to it, over which a mesh fades into the next one, or the last one fades out at `sight_end`; 0 for an
+	/// abrupt change.
 	double fade = usual_lod_fade;
-	double sight_end = 0.0; ///< Where nothing is drawn any more. Meters; 0 for nowhere.
+	double sight_end = 0.0; ///< The distance beyond which nothing is drawn. Meters; 0 for no limit.
 
 	Sight sight() const { return {sight_end, fade}; }
 
 	friend bool operator==(const LodSettings &, const LodSettings &) = default;
 };
 
-/// Refuses what is not finite or out of range, distances that do not ascend, an end before its beginning.
+/// Refuses values that are not finite or out of range, distances that do not ascend, and an end before its beginning.
 Status validate(const LodSettings &settings);
 
-/// The mesh for a distance: 0 near by, i from lod_distances[i - 1] on. `shown` is the one that is shown now: it gives way to
-/// a finer one only 5 % nearer than where it began, so that who walks to and fro sees no flicker. For what is not
-/// shown yet, pass 0.
+/// The mesh for a distance: 0 is the nearest, and mesh i is drawn from lod_distances[i - 1] on. `shown` is the mesh that is displayed now.
+/// It is replaced by a finer one only 5 % nearer than where it began, so that a viewer who moves back and forth sees no flicker. Pass 0 if
+/// nothing is displayed yet.
 std::size_t lod_at(const LodSettings &settings, double distance, std::size_t shown);
 
-/// The share of instances that stands at a distance, 0 to 1. It falls in `thin_steps` steps: a tile changes that often and
-/// not with every step of a viewer.
+/// The share of instances that is drawn at a distance, 0 to 1. It falls in `thin_steps` steps, so a tile changes only that often and not
+/// with every step of a viewer.
 double thinned_density(const LodSettings &settings, double distance);
 inline constexpr double thin_steps = 64.0;
 
-/// What to scale the instances by where this share is left: 1 / sqrt(share), at most max_scale_compensation, or 1 for a layer
-/// that does not compensate.
+/// The scale factor for instances at which this share remains: 1 / sqrt(share), at most max_scale_compensation. It is 1 for a layer without
+/// compensation.
 double compensating_scale(const LodSettings &settings, double share);
 
-/// The share of what is wanted that keeps what is drawn below `most`, given the share so far: it changes only where too much
-/// would be drawn, or far less than may be, and then leaves room for a tenth more. 0 to 1.
+/// The share of the `wanted` instances to draw so that there are at most `most`, given the current share. It changes only when too many
+/// would be drawn, or far fewer than allowed, and then leaves room for a tenth more. 0 to 1.
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most);
 
-/// How much the distance may change, either way, before anything above may answer otherwise. Meters, 0 or more, infinite
-/// where nothing depends on the distance.
+/// How much the distance may change, in either direction, before any function above may return a different result. Meters, 0 or more;
+/// infinite if nothing depends on the distance.
 double distance_margin(const LodSettings &settings, double distance);
 
 } // namespace thicket

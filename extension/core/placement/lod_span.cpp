@@ -8,8 +8,8 @@ namespace thicket {
 
 namespace {
 
-// Shares of the distance at which a mesh is needed: where it comes, and where it goes again. A mesh for the distance is asked for while instances
-// draw near to where it begins, and one for near by where they draw near to where it ends.
+// Shares of the distance at which a mesh is needed: where it appears, and where it is removed. A coarser mesh is requested while instances
+// approach the distance at which it begins, and a finer one while they approach the distance at which it ends.
 constexpr double finer_comes = 1.02;
 constexpr double finer_goes = 1.05;
 constexpr double coarser_comes = 0.98;

@@ -15,20 +15,20 @@ namespace {
 
 double mix(double min, double max, double t) { return min + (max - min) * t; }
 
-/// The instance's up axis, of unit length: between straight up and the normal.
+/// The instance's up axis, of unit length, between straight up and the normal.
 glm::dvec3 up_axis(glm::vec3 normal, double align) {
 	const glm::dvec3 up{align * normal.x, mix(1.0, normal.y, align), align * normal.z};
 	return up * (1.0 / std::sqrt(up.x * up.x + up.y * up.y + up.z * up.z));
 }
 
-/// What the shortest rotation from straight up to `up` makes of a vector (x, 0, z). `up` is not straight down.
+/// Applies the shortest rotation from straight up to `up` to a vector (x, 0, z). `up` is not straight down.
 glm::dvec3 tilted(glm::dvec3 up, double x, double z) {
 	const double toward = up.x * x + up.z * z;
 	const double share = toward / (1.0 + up.y);
 	return {x - up.x * share, -toward, z - up.z * share};
 }
 
-/// What the same rotation makes of any vector.
+/// Applies the same rotation to any vector.
 glm::dvec3 tilted(glm::dvec3 up, glm::dvec3 v) { return tilted(up, v.x, v.z) + v.y * up; }
 
 /// The three axes of an instance, of unit length.
@@ -38,7 +38,7 @@ struct Axes {
 	glm::dvec3 z;
 };
 
-/// The axes after the yaw, which leaves y where it is, and a rotation from straight up to `up`.
+/// The axes after the yaw, which keeps y, and a rotation from straight up to `up`.
 Axes turned(const Rotation &turn, glm::dvec3 up) {
 	return {tilted(up, turn.cosine, -turn.sine), up, tilted(up, turn.sine, turn.cosine)};
 }
@@ -97,7 +97,7 @@ float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t 
 		axes = turned(turn, leaning_axis(placement, unit_interval(random[2]), unit_interval(random[3])));
 		axes = {tilted(up, axes.x), tilted(up, axes.y), tilted(up, axes.z)};
 	} else {
-		// Fast path: what leans by nothing is turned once.
+		// Fast path: an instance that does not lean is rotated once.
 		axes = turned(turn, up);
 	}
 	for (int row = 0; row < 3; ++row) {
@@ -111,12 +111,6 @@ float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t 
 
 glm::vec3 moved_along(glm::vec3 normal, double offset, glm::vec3 position) {
 	return position + glm::vec3(up_axis(normal, 1.0) * offset);
-}
-
-float write_transform(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
-		glm::vec3 position, std::span<float, transform_floats> r_transform) {
-	write_position(standing_position(placement, normal, position), r_transform);
-	return write_basis(placement, seed, id, normal, r_transform);
 }
 
 } // namespace thicket

@@ -10,13 +10,13 @@ namespace thicket {
 
 namespace {
 
-/// More cells than this help nobody: they would be empty.
+/// More cells than this do not help, because they would be empty.
 constexpr double max_cells_on_side = 2048.0;
 
-/// Where points are evenly spread, a cell holds four of them, or fewer.
+/// If points are evenly spread, a cell holds at most four of them.
 constexpr double spacings_per_cell = 2.0;
 
-/// Up to so many cells on a side, all of them are searched: their order would cost more than it spares.
+/// If there are at most this many cells on a side, all of them are searched: visiting them by distance would cost more than it saves.
 constexpr int few_cells = 6;
 
 } // namespace
@@ -47,14 +47,14 @@ void PointGrid::set(std::span<const glm::dvec2> points, const Rect &area, double
 		end += begin;
 		begin = end;
 	}
-	// Filled from the end of each cell, so that in the end every entry says where its cell begins.
+	// Filled from the end of each cell, so that finally every entry is the begin of its cell.
 	points_.resize(points.size());
 	for (const glm::dvec2 point : points) {
 		points_[--begin_[index(point)]] = point;
 	}
 }
 
-/// The smaller of `nearest` and the squares of the distances to the points of some cells of a row.
+/// The smaller of `nearest` and the squared distances to the points of some cells of a row.
 double PointGrid::nearest_in_row(glm::dvec2 position, int y, int first, int last, double nearest) const {
 	const auto row = static_cast<std::size_t>(y) * static_cast<std::size_t>(cells_.x);
 	const std::uint32_t begin = begin_[row + static_cast<std::size_t>(first)];
@@ -66,12 +66,12 @@ double PointGrid::nearest_in_row(glm::dvec2 position, int y, int first, int last
 	return nearest;
 }
 
-/// The same for all cells from `first` to `last`, in rings around the position, until no further one can hold a nearer point.
+/// The same for all cells from `first` to `last`, in rings around the position, until no further cell can hold a nearer point.
 double PointGrid::nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
 	const glm::ivec2 own = cell_of(position);
 	const glm::ivec2 most = glm::max(own - first, last - own);
 	for (int ring = 0; ring <= std::max(most.x, most.y); ++ring) {
-		// What lies in this ring is a cell less away than the ring says; one more leaves no question about rounding.
+		// Points in this ring may be one cell nearer than its number. One more cell covers rounding.
 		const double beyond = static_cast<double>(ring - 2) / cells_per_meter_;
 		if (ring > 2 && beyond * beyond >= nearest) {
 			// Fast path: no further ring holds a nearer point.
@@ -101,11 +101,11 @@ double PointGrid::nearest_squared(glm::dvec2 position, double distance) const {
 		// Fast path: no cell holds a point.
 		return nearest;
 	}
-	// A cell more than the distance needs on each side costs little and leaves no question about rounding.
+	// One more cell on each side than the distance requires costs little and covers rounding.
 	const glm::ivec2 first = glm::max(cell_of(position - distance) - 1, glm::ivec2(0));
 	const glm::ivec2 last = glm::min(cell_of(position + distance) + 1, cells_ - 1);
 	if (last.x - first.x >= few_cells || last.y - first.y >= few_cells) {
-		// Fast path: of many cells those that are farther away than a point need not be searched.
+		// Fast path: among many cells, those that are farther away than a point need not be searched.
 		return nearest_outwards(position, first, last, nearest);
 	}
 	for (int y = first.y; y <= last.y; ++y) {

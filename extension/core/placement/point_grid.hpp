@@ -11,15 +11,15 @@
 
 namespace thicket {
 
-/// Points in buckets, to find the nearest. Keeps its memory for the next set of points.
+/// A grid of buckets for finding the nearest point. Reuses its memory for the next set of points.
 class PointGrid {
 public:
-	/// Takes points that lie in `area`; `cell_size` (meters, above 0) is about the distance that will be asked for. Where the
-	/// points are denser, cells are smaller, so that a long distance does not cost its square.
+	/// Takes points that lie in `area`. `cell_size` (meters, above 0) is about the distance of later queries. Where points are denser,
+	/// cells are smaller, so that the cost of a long distance does not grow with its square.
 	void set(std::span<const glm::dvec2> points, const Rect &area, double cell_size);
 
-	/// The square of the distance to the nearest point that is closer than `distance` meters; the square of `distance` if
-	/// there is none. Independent of the order of the points, and of the area, to the bit.
+	/// The squared distance to the nearest point that is closer than `distance` meters; the square of `distance` if there is none. The
+	/// result does not depend on the order of the points or on the area, bit for bit.
 	double nearest_squared(glm::dvec2 position, double distance) const;
 
 private:
@@ -30,8 +30,8 @@ private:
 	Rect area_;
 	double cells_per_meter_ = 1.0;
 	glm::ivec2 cells_{0};
-	std::vector<std::uint32_t> begin_; ///< One more than cells; into points_.
-	std::vector<glm::dvec2> points_;   ///< By cell.
+	std::vector<std::uint32_t> begin_; ///< One more than there are cells; indices into points_.
+	std::vector<glm::dvec2> points_;   ///< Sorted by cell.
 };
 
 } // namespace thicket

@@ -9,7 +9,7 @@ namespace thicket {
 
 namespace {
 
-/// Three digits cover the upper 32 bits; 2,048 counters a digit stay in the first-level cache.
+/// Three digits cover the upper 32 bits; 2,048 counters per digit stay in the first-level cache.
 constexpr std::array<int, 3> shifts{32, 43, 54};
 constexpr std::size_t digit_values = 1 << 11;
 
@@ -18,7 +18,7 @@ constexpr std::size_t few = 128;
 
 std::size_t digit(std::uint64_t key, int shift) { return key >> shift & (digit_values - 1); }
 
-/// By rank alone; keys that share one come in any order.
+/// Sorts by rank alone; keys of equal rank may end in any order.
 void radix_sort(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &scratch) {
 	std::array<std::array<std::uint32_t, digit_values>, shifts.size()> counts{};
 	for (const std::uint64_t key : keys) {
@@ -44,7 +44,7 @@ void radix_sort(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &sc
 void sort_by_rank(
 		std::vector<std::uint64_t> &keys, std::span<const std::uint64_t> ids, std::vector<std::uint64_t> &scratch) {
 	if (keys.size() < few) {
-		// Fast path: few are sorted sooner than counted.
+		// Fast path: a few keys are sorted faster than counted.
 		std::sort(keys.begin(), keys.end());
 	} else {
 		// Fast path: digit by digit, for the same order of ranks.

@@ -23,7 +23,7 @@ std::string fixed(double number, int digits) {
 }
 
 std::string percent(double share) {
-	// Hardly anything is not nothing, and nearly all is not all.
+	// A tiny share is not displayed as 0 %, nor a share just below 1 as 100 %.
 	const double shown = std::clamp(share * 100.0, share > 0.0 ? 0.1 : 0.0, share < 1.0 ? 99.9 : 100.0);
 	return fixed(shown, shown < 1.0 || shown > 99.0 ? 1 : 0) + " %";
 }
@@ -32,7 +32,7 @@ std::string name_at(const std::vector<std::string> &names, std::size_t index, co
 	return index < names.size() && !names[index].empty() ? names[index] : std::string(otherwise);
 }
 
-/// What a range asks for, in words, near a value that may be just beyond it.
+/// The required range in words, with enough digits to distinguish it from a value just beyond it.
 std::string range_text(const RuleSentence &range, double value, const char *unit) {
 	const std::string low = number_text(range.min, value) + unit;
 	const std::string high = number_text(range.max, value) + unit;
@@ -42,13 +42,13 @@ std::string range_text(const RuleSentence &range, double value, const char *unit
 	return std::isinf(range.max) ? "at least " + low : low + " to " + high;
 }
 
-/// For a rule that lets pass a part only.
+/// The note for a rule that keeps only a part of the points.
 std::string leaves(double density) { return density > 0.0 && density < 1.0 ? " Leaves " + percent(density) + "." : ""; }
 
 void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleSentence &r_sentence) {
 	const double limit = factor.value < r_sentence.min ? r_sentence.min : r_sentence.max;
 	r_sentence.sentence = std::string(what) + " is " + number_text(factor.value, limit) + unit +
-			", the layer asks for " + range_text(r_sentence, factor.value, unit) + "." + leaves(factor.density);
+			"; the layer requires " + range_text(r_sentence, factor.value, unit) + "." + leaves(factor.density);
 }
 
 void describe_height(const RuleFactor &factor, const Rules &rules, RuleSentence &r_sentence) {
@@ -62,7 +62,7 @@ void describe_water_depth(const RuleFactor &factor, const Rules &rules, RuleSent
 	r_sentence.max = rules.max_water_depth >= unlimited_height ? infinity : rules.max_water_depth;
 	if (std::isinf(factor.value)) {
 		r_sentence.sentence =
-				"There is no water here, the layer asks for a depth of " + range_text(r_sentence, 0.0, " m") + ".";
+				"There is no water here; the layer requires a depth of " + range_text(r_sentence, 0.0, " m") + ".";
 		return;
 	}
 	describe_range("Depth of the water", " m", factor, r_sentence);
@@ -90,7 +90,7 @@ std::string textures_text(const RuleFactor &factor, const Rules &rules) {
 std::string shapes_text(const RuleFactor &factor, const Rules &rules, const RuleNames &names) {
 	if (factor.index == no_index) {
 		return rules.shapes->includes() && factor.density <= 0.0 ? "Outside of all regions that include the layer."
-																 : "No region takes anything away here.";
+																 : "No region excludes anything here.";
 	}
 	const bool exclude = rules.shapes->shapes()[factor.index].exclude;
 	const std::string region = "Region " + name_at(names.shapes, factor.index, "without a name");
@@ -105,16 +105,16 @@ void describe_neighbor(
 		r_sentence.rule = "spacing";
 		r_sentence.min = rule.distance;
 		r_sentence.sentence = far ? "No " + name + " is nearer than the spacing of " + distance + "."
-								  : name + " stands " + number_text(factor.value, rule.distance) +
-						" m away, the layer keeps " + distance + ".";
+								  : "The nearest " + name + " is " + number_text(factor.value, rule.distance) +
+						" m away; the spacing requires " + distance + ".";
 		return;
 	}
 	r_sentence.rule = "proximity";
 	r_sentence.sentence = far ? "No " + name + " within " + distance + "."
-							  : "The nearest " + name + " stands " + number_text(factor.value) + " m away.";
+							  : "The nearest " + name + " is " + number_text(factor.value) + " m away.";
 	r_sentence.sentence += factor.density > 0.0 ? leaves(factor.density)
-			: far                               ? " The layer stands near it only."
-												: " The layer does not stand so near.";
+			: far                               ? " The layer is placed only near it."
+												: " The layer is not placed that near.";
 }
 
 std::string density_sentence(const RuleFactor &factor) {
@@ -147,15 +147,15 @@ std::string clumps_sentence(const RuleFactor &factor) {
 
 std::string edge_sentence(const RuleFactor &factor, const Rules &rules) {
 	return percent(factor.value) + " of the surroundings within " + number_text(rules.edge_feather) +
-			" m are open to the layer" + (factor.density > 0.0 ? "." : ", the edge feather asks for more than half.") +
+			" m are open to the layer" + (factor.density > 0.0 ? "." : "; the edge feather requires more than half.") +
 			leaves(factor.density);
 }
 
 std::string rank_text(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
 	const double density = explanation.at_point.density;
 	const double rank = explanation.point.rank * 0x1p-32;
-	std::string text = "Left out by the density: the point of the set " + distance_text(explanation.distance) +
-			" has the rank " + number_text(rank, density) + ", the density there is " + number_text(density, rank) +
+	std::string text = "Left out by the density: the nearest point of the set, " + distance_text(explanation.distance) +
+			", has rank " + number_text(rank, density) + ", and the density there is " + number_text(density, rank) +
 			".";
 	if (const RuleFactor *least = strictest(explanation.at_point.factors); least != nullptr) {
 		text += ' ';
@@ -235,15 +235,15 @@ RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &laye
 		return {false, no.rule, no.sentence};
 	}
 	if (explanation.stands()) {
-		return {true, "", "Stands " + distance_text(explanation.distance) + "."};
+		return {true, "", "Placed " + distance_text(explanation.distance) + "."};
 	}
 	if (explanation.at_point.density > 0.0) {
 		return {false, "rank", rank_text(explanation, layer, names)};
 	}
 	const RuleSentence no = refused_by(explanation.at_point);
 	return {false, no.rule,
-			"May stand here, but the point of the set " + distance_text(explanation.distance) +
-					" may not: " + no.sentence};
+			"Allowed here, but not at the nearest point of the set, " + distance_text(explanation.distance) + ": " +
+					no.sentence};
 }
 
 } // namespace thicket

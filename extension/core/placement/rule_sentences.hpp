@@ -11,39 +11,39 @@
 
 namespace thicket {
 
-/// How sentences call what a layer refers to.
+/// The names that sentences use for the objects that a layer refers to.
 struct RuleNames {
-	std::vector<std::string> fields;    ///< As rule names, "noise" say; of each of Rules::fields.
-	std::vector<std::string> neighbors; ///< Of the layer behind each of LayerSettings::neighbors.
-	std::vector<std::string> shapes;    ///< Of each of Rules::shapes.
+	std::vector<std::string> fields;    ///< Rule names of Rules::fields, such as "noise".
+	std::vector<std::string> neighbors; ///< Names of the layers in LayerSettings::neighbors.
+	std::vector<std::string> shapes;    ///< Names of Rules::shapes.
 };
 
-/// One factor as a designer reads it.
+/// One factor, as text for a designer.
 struct RuleSentence {
-	std::string rule; ///< A short name that stays the same: "slope".
-	double min = -std::numeric_limits<
-			double>::infinity(); ///< What the rule asks its value to be in, infinite where it is open.
+	std::string rule; ///< A short name that never changes, such as "slope".
+	/// The range that the rule requires, infinite at an open end.
+	double min = -std::numeric_limits<double>::infinity();
 	double max = std::numeric_limits<double>::infinity();
-	std::string sentence; ///< Value and what is asked for: "Slope is 42°, the layer asks for at most 30°."
+	std::string sentence; ///< The value and the requirement: "Slope is 42°; the layer requires at most 30°."
 };
 
 /// `factor` is one of `layer`.
 RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
 
-/// Why something of the layer stands there or does not, by its rules alone.
+/// Why an instance of the layer is placed there or not, judged by its rules alone.
 struct RuleVerdict {
-	bool yes = false;   ///< Something may stand at the place, and the point nearest to it stands.
-	std::string rule;   ///< The rule that says no, "rank" where the density leaves the point out; empty for yes.
+	bool yes = false;   ///< An instance is allowed at the position, and the point nearest to it is kept.
+	std::string rule;   ///< The rule that refuses it, or "rank" if the density excludes the point; empty for yes.
 	std::string reason; ///< A sentence.
 };
 
 RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names);
 
-/// A number for a sentence: two digits after the point, fewer for large ones, none that are 0; more where it would look like `other`
-/// and is not.
+/// A number for a sentence: two digits after the decimal point, fewer for large numbers, and no trailing zeros. It gets more digits if it
+/// would otherwise read the same as `other` although they differ.
 std::string number_text(double number, double other = std::numeric_limits<double>::quiet_NaN());
 
-/// "1.2 m away", or "here" for what is nearer than a centimeter.
+/// "1.2 m away", or "here" for anything nearer than a centimeter.
 std::string distance_text(double meters);
 
 } // namespace thicket

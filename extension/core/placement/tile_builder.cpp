@@ -2,7 +2,7 @@
 
 #include "core/base/guard.hpp"
 #include "core/placement/instance_writer.hpp"
-#include "core/placement/source_shares.hpp"
+#include "core/placement/source_values.hpp"
 #include "core/placement/tile_filter.hpp"
 #include "core/placement/tile_pieces.hpp"
 
@@ -16,12 +16,12 @@ namespace thicket {
 
 namespace {
 
-/// Where the height of a tile's origin is taken from, in tile sizes from its center. Several positions, because one may be
-/// a hole.
+/// The positions at which the height of a tile's origin is measured, in tile sizes from its center. There are several, because one may be a
+/// hole.
 constexpr std::array<glm::dvec2, 5> origin_probes{
 		{{0.0, 0.0}, {-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
 
-/// The mean of the heights that there are, in whole meters; 0 for none.
+/// The mean of the known heights, in whole meters; 0 if there are none.
 double origin_height(std::span<const Ground> ground) {
 	double sum = 0.0;
 	double count = 0.0;
@@ -48,7 +48,7 @@ void choose_probes(
 
 } // namespace
 
-/// What stays between the steps, and the memory that stays between tiles.
+/// The data that is kept between the steps, and the memory that is kept between tiles.
 struct TileBuilder::Workspace {
 	Workspace(const SampleMargins &p_margins, std::shared_ptr<BlockCache> p_cache) :
 			margins(p_margins), cache(std::move(p_cache)), filter(margins, cache) {}
@@ -56,18 +56,18 @@ struct TileBuilder::Workspace {
 	SampleMargins margins;
 	std::shared_ptr<BlockCache> cache;
 	TileFilter filter;
-	SourceShares shares;
+	SourceValues shares;
 	InstanceWriter writer;
 
-	// Of the last successful `find_points`.
+	// From the last successful `find_points`.
 	bool found = false;
 	Rect rect;
-	std::vector<glm::dvec2> positions; ///< Of all layers, then of the origin's probes.
+	std::vector<glm::dvec2> positions; ///< Positions of all layers, then of the origin's probes.
 	std::vector<GroundQuery> queries;
 
 	std::vector<GroundProbe> probes;
-	std::vector<Ground> ground; ///< For `build`, which asks the terrain itself.
-	SampleStats stats;          ///< Of the last call that sampled.
+	std::vector<Ground> ground; ///< For `build`, which queries the terrain itself.
+	SampleStats stats;          ///< From the last call that sampled.
 
 	Status find_points(
 			const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads);
@@ -92,7 +92,7 @@ void TileBuilder::Workspace::gather_positions() {
 	add_origin_probes();
 }
 
-/// All steps at once, on all threads.
+/// Runs all steps in one call, on all threads.
 Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const Terrain &terrain, const Rect &p_rect,
 		const PieceGrid &grid, TileInstances &r_tile, const std::atomic<bool> *cancel, LentThreads &threads) {
 	found = false;
@@ -112,7 +112,7 @@ Status TileBuilder::Workspace::build_together(const LayerSettings &layer, const 
 		return status;
 	}
 	const glm::dvec3 origin{rect.center().x, origin_height(ground), rect.center().y};
-	InstanceWriter large_writer; // Its memory goes with the pieces.
+	InstanceWriter large_writer; // Its memory is freed together with the pieces.
 	status = large_writer.write(layer, pieces.points(), origin, r_tile, cancel, &threads);
 	if (status.ok()) {
 		r_tile.counts = pieces.counts();
@@ -170,7 +170,7 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	}
 	if (threads != nullptr && threads->count() > 0) {
 		if (const PieceGrid grid(rect, LayerGraph(layer)); grid.count() > 1) {
-			// Fast path: pieces on many threads hold the same points.
+			// Fast path: pieces on many threads find the same points.
 			return guarded("tile", std::max(rect.size().x, rect.size().y),
 					[&] { return workspace_->build_together(layer, terrain, rect, grid, r_tile, cancel, *threads); });
 		}

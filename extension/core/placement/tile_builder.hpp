@@ -20,50 +20,50 @@
 
 namespace thicket {
 
-/// Makes tiles: sample, filter, place. The layers that the layer's rules look at are sampled and filtered in as much of
-/// their surroundings as that takes, anew for each tile, so that no tile depends on another; a BlockCache may have their
-/// points. The object is a reusable workspace: once it and the tile handed in are warm, nothing is allocated. Results do not
-/// depend on what it did before. Not thread safe; one per thread.
+/// Generates tiles: sample, filter, place. The layers that the layer's rules depend on are sampled and filtered again for each tile, in the
+/// surroundings that matter, so that no tile depends on other tiles. A BlockCache may provide their points. The object is a reusable
+/// workspace: once it and the given tile have been used, it allocates nothing. Results do not depend on earlier calls. Not thread safe; use
+/// one per thread.
 ///
-/// `build` does all in one call. A terrain that may only be asked on one thread takes the same road in two steps:
-/// `find_points` on a worker, the ground for `positions()` wherever it can be had, then `place` on a worker again.
+/// `build` does everything in one call. For a terrain that may be queried on one thread only, the same work takes two steps: call
+/// `find_points` on a worker, get the ground for `positions()` wherever it is available, then call `place` on a worker.
 class TileBuilder {
 public:
-	/// `margins` and `cache`, which may serve other builders too, change how much is computed, never what comes out.
+	/// `margins` and `cache` change how much is computed, never the result. `cache` may be shared with other builders.
 	explicit TileBuilder(const SampleMargins &margins = {}, std::shared_ptr<BlockCache> cache = nullptr);
 	~TileBuilder();
 	TileBuilder(TileBuilder &&) noexcept;
 	TileBuilder &operator=(TileBuilder &&) noexcept;
 
-	/// Replaces `r_tile` by what stands in the half-open `rect` (world meters; see TileSampler::sample for what is
-	/// refused). The result is a function of the arguments, to the bit. After an error `r_tile` is as it was; after
-	/// ErrorCode::cancelled, which follows within about a millisecond of raising `cancel`, it is valid but unspecified.
+	/// Replaces `r_tile` by the instances in the half-open `rect` (world meters; see TileSampler::sample for rectangles that are refused).
+	/// The result is a function of the arguments, bit for bit. After an error, `r_tile` is unchanged. ErrorCode::cancelled follows within
+	/// about a millisecond of raising `cancel`; after it, `r_tile` is valid but unspecified.
 	///
-	/// `threads`, if there are any, share all that a large rectangle takes (see TilePieces), for the same tile.
+	/// `threads`, if there are any, share all the work for a large rectangle (see TilePieces) and do not change the result.
 	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
 			const std::atomic<bool> *cancel = nullptr, LentThreads *threads = nullptr);
 
-	/// The first step: the points that the rules of position (masks, noise, shapes seen from above) let pass. There are none
-	/// after ErrorCode::cancelled or ErrorCode::out_of_memory. `threads`, if there are any, share the points of a large rectangle.
+	/// The first step: finds the points that pass the rules of position (masks, noise, shapes seen from above). There are none after
+	/// ErrorCode::cancelled or ErrorCode::out_of_memory. `threads`, if there are any, share the points of a large rectangle.
 	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr,
 			LentThreads *threads = nullptr);
 
-	/// Where the ground has to be known after `find_points`: the layer's points and those of its neighbors, the surroundings
-	/// of each if a layer looks at its edge, and a few positions for the tile's origin. Valid until the next call.
+	/// The positions at which the ground must be known after `find_points`: the layer's points and those of its neighbors, the surroundings
+	/// of each if a layer checks for its edge, and a few positions for the tile's origin. Valid until the next call.
 	std::span<const glm::dvec2> positions() const;
 
-	/// All of them, in order, by the textures that count there. Valid as long.
+	/// All positions, in order, grouped by the ground textures that matter for them. Valid as long as `positions()`.
 	std::span<const GroundQuery> queries() const;
 
-	/// The second step: filters and places the points of `find_points`. `ground[i]` belongs to `positions()[i]`; any
-	/// other length is refused as `ground`, and so is a call without points found before. May be repeated. Errors as `build`.
+	/// The second step: filters and places the points of `find_points`. `ground[i]` belongs to `positions()[i]`. Any other length is
+	/// refused as `ground`, and so is a call without points found before. May be repeated. The same errors as `build`.
 	Status place(std::span<const Ground> ground, TileInstances &r_tile, const std::atomic<bool> *cancel = nullptr);
 
-	/// After `build` or `place` without `threads`: some of the layer's own positions, spread over the tile, with the heights that the
-	/// tile was made with; none where there is nothing to place. Valid until the next call.
+	/// After `build` or `place` without `threads`: some of the layer's own positions, spread over the tile, with the heights that the tile
+	/// was generated with; none if there is nothing to place. Valid until the next call.
 	std::span<const GroundProbe> probes() const;
 
-	/// What the sampler did last.
+	/// Statistics of the sampler's last run.
 	const SampleStats &sample_stats() const;
 
 private:

@@ -22,7 +22,7 @@ void TileFilter::set(const LayerSettings &layer) {
 
 Status TileFilter::sample_layer(
 		std::size_t index, const Rect &rect, const std::atomic<bool> *cancel, LentThreads *threads) {
-	// A part in a thousand more, so that rounding far from the origin leaves out nobody who is near enough.
+	// Expanded by one part in a thousand, so that rounding far from the origin excludes no point that is near enough.
 	const double margin = 1.001 * graph_.nodes()[index].margin;
 	return layers_[index]->sample(sampler_, {rect.min - margin, rect.max + margin}, cancel, threads);
 }

@@ -13,33 +13,33 @@
 
 namespace thicket {
 
-/// The instances of one mesh in one tile, sorted by (thinning rank, id): every prefix is a well spaced thinning of the whole,
-/// as if all densities were lower.
+/// The instances of one mesh in one tile, sorted by (thinning rank, id). Every prefix is a well-spaced thinning of the whole, as if all
+/// densities were lower.
 struct MeshInstances {
-	/// `stride` floats an instance: the transform relative to the tile's origin, in meters, then what InstanceData adds.
+	/// `stride` floats per instance: the transform relative to the tile's origin, in meters, then the data that InstanceData adds.
 	UnfilledVector<float> buffer;
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
-	std::vector<std::uint32_t> ranks; ///< thinning_rank of each, ascending.
+	std::vector<std::uint32_t> ranks; ///< The thinning_rank of each, ascending.
 
-	// What else the floats follow from; none for instances that no layer's settings made.
-	UnfilledVector<glm::vec3> normals;  ///< Of the ground.
-	std::vector<InstanceShares> shares; ///< None either where no source is known.
+	// Further inputs of the floats; empty for instances that no layer's settings generated.
+	UnfilledVector<glm::vec3> normals;  ///< Normals of the ground.
+	std::vector<InstanceShares> shares; ///< Also empty if no source is known.
 
-	glm::vec3 min{0.0f};    ///< Smallest and largest position relative to the tile's origin, the size of the
-	glm::vec3 max{0.0f};    ///< mesh not counted; both 0 for no instances.
-	float max_scale = 0.0f; ///< The largest scale there is: grow the box by this times the mesh's reach.
+	glm::vec3 min{0.0f};    ///< Smallest and largest position relative to the tile's origin, without the size of
+	glm::vec3 max{0.0f};    ///< the mesh; both 0 if there are no instances.
+	float max_scale = 0.0f; ///< The largest scale: expand the box by this times the reach of the mesh.
 
 	std::size_t stride = transform_floats; ///< floats_per_instance of the layer's instance data.
 
 	std::size_t size() const { return ids.size(); }
 
-	/// Makes room for `count` instances of `floats` each, without what they follow from. Keeps the memory it has.
+	/// Resizes to `count` instances of `floats` each, without normals and shares. Reuses the memory it has.
 	void resize(std::size_t count, std::size_t floats = transform_floats);
 
-	/// Takes the memory for `count` instances that a layer's settings make.
+	/// Allocates the memory for `count` instances that a layer's settings generate.
 	void reserve(std::size_t count, const InstanceData &data);
 
-	/// Makes room for them, as above. What is new has to be written.
+	/// Resizes to that many, as above. New elements must be written.
 	void resize(std::size_t count, const InstanceData &data);
 
 	/// The floats of one instance.
@@ -49,28 +49,28 @@ struct MeshInstances {
 /// How many points were left after each step.
 struct TileCounts {
 	std::size_t sampled = 0;
-	std::size_t dense = 0;  ///< Passed the density.
-	std::size_t placed = 0; ///< Passed all rules.
+	std::size_t dense = 0;  ///< Kept by the density rules.
+	std::size_t placed = 0; ///< Kept by all rules.
 };
 
-/// Everything that stands in one tile of one layer.
+/// All instances in one tile of one layer.
 struct TileInstances {
-	/// World meters: the center of the tile, and in y a whole number of meters near its ground. A function of the
-	/// rectangle and the terrain alone, so that no rule changes a bit of what it leaves standing.
+	/// World meters: the center of the tile; y is a whole number of meters near its ground. A function of the rectangle and the terrain
+	/// alone, so that a rule changes no bit of the instances that it keeps.
 	glm::dvec3 origin{0.0};
 	std::vector<MeshInstances> meshes; ///< One for each mesh of the layer, empty ones included.
 	TileCounts counts;
 };
 
-/// How many instances of a mesh stand at a density of 0 to 1: a number for `visible_instance_count`. `ranks` ascends.
-/// A density above 1 gives all, one below 0 or NAN none. O(log n).
+/// How many instances of a mesh are visible at a density of 0 to 1, for `visible_instance_count`. `ranks` ascends. A density above 1 shows
+/// all, and one below 0 or NAN shows none. O(log n).
 std::size_t visible_prefix(std::span<const std::uint32_t> ranks, double density);
 
 /// FNV-1a over 32-bit words instead of bytes: starting from 0xcbf29ce484222325, for each float's bits,
 /// hash = (hash xor bits) * 0x100000001b3, modulo 2^64. Simple enough to be repeated in a script.
 std::uint64_t digest(std::span<const float> buffer);
 
-/// Every bit of a tile, origin, ids, ranks and buffers, in order: equal for equal tiles on every machine.
+/// A digest of every bit of a tile: origin, ids, ranks and buffers, in order. Equal tiles have equal digests on every machine.
 std::uint64_t digest(const TileInstances &tile);
 
 } // namespace thicket

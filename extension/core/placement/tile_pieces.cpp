@@ -11,8 +11,8 @@ namespace thicket {
 
 namespace {
 
-/// The width of a piece, at least: in radii, as much as a sampler makes at its full speed; and in margins of the layers around, which are
-/// made anew for each piece.
+/// The minimum width of a piece. It is measured in radii, as much as a sampler needs to reach full speed, and in margins of the surrounding
+/// layers, which are sampled again for each piece.
 constexpr double radii = 64.0;
 constexpr double margins = 8.0;
 
@@ -25,7 +25,7 @@ double points_in(const Rect &rect, const LayerGraph &graph) {
 	return most;
 }
 
-/// Copies what `values` holds to where the points of a piece belong.
+/// Copies `values` to the position of a piece's points.
 template <class Values, class Target>
 void put(Values &r_values, Target &r_target, std::size_t first) {
 	std::ranges::copy(r_values, r_target.begin() + static_cast<std::ptrdiff_t>(first));
@@ -35,7 +35,7 @@ void put(Values &r_values, Target &r_target, std::size_t first) {
 } // namespace
 
 PieceGrid::PieceGrid(const Rect &rect, const LayerGraph &graph) : rect_(rect) {
-	// What a sampler refuses is left whole, for it to say so.
+	// A rectangle that a sampler refuses is not divided, so that the sampler reports it.
 	if (graph.nodes().empty() || !rect.finite() || rect.empty() || points_in(rect, graph) > max_points_per_call) {
 		return;
 	}
@@ -48,7 +48,7 @@ PieceGrid::PieceGrid(const Rect &rect, const LayerGraph &graph) : rect_(rect) {
 	rows_ = static_cast<std::size_t>(std::max(1.0, std::floor(rect.size().y / side)));
 }
 
-/// The same numbers for all pieces that meet there.
+/// Returns identical numbers for all pieces that meet there.
 glm::dvec2 PieceGrid::corner(std::size_t column, std::size_t row) const {
 	const auto along = [](double min, double max, std::size_t at, std::size_t count) {
 		return at == count ? max : min + (max - min) * (static_cast<double>(at) / static_cast<double>(count));
@@ -99,7 +99,7 @@ Status TilePieces::Worker::find(
 	return status;
 }
 
-/// Adds up what was found, and takes the memory for it.
+/// Counts the points of all pieces, and allocates the memory for them.
 void TilePieces::make_room() {
 	std::size_t total = 0;
 	bool colors = false;
@@ -124,7 +124,7 @@ void TilePieces::make_room() {
 	variation_shares_.resize(variations ? total : 0);
 }
 
-/// Moves what a piece has found to where it belongs.
+/// Moves the results of a piece to their position.
 void TilePieces::gather(Found &r_found) {
 	const auto begin = standing_.begin() + static_cast<std::ptrdiff_t>(r_found.first);
 	std::iota(
@@ -158,7 +158,7 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 			failed = failed || !statuses[at].ok();
 		}
 	});
-	// Pieces are begun in order, so the first that failed is the one that a single thread would have met.
+	// Pieces are started in order, so the first that failed is the one that a single thread would have reached first.
 	const auto first = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });
 	if (first != statuses.end()) {
 		throw_if_out_of_memory(*first);

@@ -6,7 +6,7 @@
 #include "core/base/unfilled.hpp"
 #include "core/placement/instance_writer.hpp"
 #include "core/placement/layer.hpp"
-#include "core/placement/source_shares.hpp"
+#include "core/placement/source_values.hpp"
 #include "core/placement/tile_filter.hpp"
 #include "core/terrain/terrain.hpp"
 
@@ -20,10 +20,10 @@
 
 namespace thicket {
 
-/// How a large rectangle is cut into pieces that share nothing: half-open, in rows.
+/// Divides a large rectangle into half-open pieces, in rows, that share no points.
 class PieceGrid {
 public:
-	/// One piece where more are not worth it. The layer's graph says how far around a piece its neighbors have to be known.
+	/// Has a single piece if more are not worthwhile. The layer's graph determines how far around a piece its neighbors must be known.
 	PieceGrid(const Rect &rect, const LayerGraph &graph);
 
 	std::size_t count() const { return columns_ * rows_; }
@@ -37,23 +37,23 @@ private:
 	std::size_t rows_ = 1;
 };
 
-/// What stands in a large rectangle, found on all threads that there are, piece by piece: what a thread works on stays in its caches. The
-/// same points as of the whole, in another order.
+/// Finds the instances of a large rectangle on all available threads, piece by piece, so that the data of each thread stays in its caches.
+/// The points are the same as for the whole rectangle, in a different order.
 class TilePieces {
 public:
 	/// `cache` may be null.
 	TilePieces(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
 			margins_(margins), cache_(std::move(cache)) {}
 
-	/// Valid settings only. The failure is that of the first piece that has one. Throws std::bad_alloc.
+	/// Settings must be valid. The error is that of the first piece that failed. Throws std::bad_alloc.
 	Status find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
 			const std::atomic<bool> *cancel, LentThreads &threads);
 
-	/// All of them stand.
+	/// All of them become instances.
 	StandingPoints points() const;
 	const TileCounts &counts() const { return counts_; }
 
-	/// What the samplers did for the layer itself.
+	/// Statistics of the samplers for the layer itself.
 	const SampleStats &sample_stats() const { return stats_; }
 
 private:
@@ -66,14 +66,14 @@ private:
 		std::vector<float> variation_shares;
 		TileCounts counts;
 		SampleStats stats;
-		std::size_t first = 0; ///< Where its points begin among all.
+		std::size_t first = 0; ///< The index of its first point among all.
 	};
 
 	struct Worker {
 		Worker(const SampleMargins &margins, const std::shared_ptr<BlockCache> &cache) : filter(margins, cache) {}
 
 		TileFilter filter;
-		SourceShares shares;
+		SourceValues shares;
 		std::vector<glm::dvec2> positions;
 		std::vector<GroundQuery> queries;
 		std::vector<Ground> ground;
@@ -90,7 +90,7 @@ private:
 	TileCounts counts_;
 	SampleStats stats_;
 
-	// Of all pieces, one after the other.
+	// The data of all pieces, one after the other.
 	UnfilledVector<glm::dvec2> positions_;
 	UnfilledVector<Ground> ground_;
 	UnfilledVector<std::uint64_t> ids_;

@@ -1,6 +1,6 @@
 // write_basis of placement.cpp, and the position, for as many instances as a vector has doubles. Included once for each instruction set.
 //
-// The same operations in the same order, none of them fused, so the same bits. Kept side by side with it.
+// It uses the same operations in the same order, none of them fused, so the bits are the same. Keep both in sync.
 
 #include "core/base/philox.hpp"
 #include "core/placement/transform_batch.hpp"
@@ -17,7 +17,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // At most as wide as a batch.
 using Doubles = hn::CappedTag<double, TransformBatch::most>;
-using Words = hn::RebindToUnsigned<Doubles>; ///< 64 bits; numbers of 32 in the lower half.
+using Words = hn::RebindToUnsigned<Doubles>; ///< 64 bits; 32-bit numbers are in the lower half.
 using Halves = hn::Repartition<std::uint32_t, Words>;
 using Floats = hn::Rebind<float, Doubles>;
 using D = hn::VFromD<Doubles>;
@@ -41,13 +41,13 @@ HWY_INLINE W low_half(W words) { return hn::And(words, hn::Set(Words(), 0xffffff
 /// The product of the lower halves.
 HWY_INLINE W product(W a, std::uint32_t b) { return hn::MulEven(hn::BitCast(Halves(), a), hn::Set(Halves(), b)); }
 
-/// Words below 2^32 as numbers: exact, as a double has bits enough for 2^52 and the word.
+/// Words below 2^32 as numbers. Exact, because a double has enough bits for 2^52 plus the word.
 HWY_INLINE D number(W words) {
 	const D base = set(0x1p52);
 	return hn::Sub(hn::BitCast(Doubles(), hn::Or(words, hn::BitCast(Words(), base))), base);
 }
 
-/// See philox4x32 and instance_random: the words, as unit_interval.
+/// See philox4x32 and instance_random: the words, converted as unit_interval does.
 struct Random {
 	D yaw;
 	D scale;
@@ -105,7 +105,7 @@ HWY_INLINE D cosine_small(D square) {
 /// See rotation_by.
 HWY_INLINE Turn rotation_by(D turns) {
 	const D quarters = hn::Mul(turns, set(4.0));
-	const D nearest = hn::Floor(hn::Add(quarters, set(8.5))); // And 8, which change no quarter.
+	const D nearest = hn::Floor(hn::Add(quarters, set(8.5))); // Plus 8, which does not change the quarter.
 	const D rest = hn::Mul(hn::Sub(quarters, hn::Sub(nearest, set(8.0))), set(std::numbers::pi / 2.0));
 	const D square = hn::Mul(rest, rest);
 	const D cosine = cosine_small(square);
@@ -145,7 +145,7 @@ HWY_INLINE hn::VFromD<Floats> rounded(D value) { return hn::DemoteTo(Floats(), v
 
 } // namespace
 
-/// Whole vectors, so some instances behind the last one, too. Those have numbers from before.
+/// Processes whole vectors, so it includes some entries after the last instance. These hold numbers from before.
 void make_transforms(const Placement &placement, std::uint64_t seed, TransformBatch &r_batch) {
 	const Doubles doubles;
 	const bool leans = placement.max_tilt_degrees > 0.0;

@@ -12,11 +12,11 @@
 
 namespace thicket {
 
-/// Transforms of many instances at once, by vectors; the same bits as one after the other.
+/// Computes the transforms of many instances with vector instructions; bit-identical to computing them one by one.
 struct TransformBatch {
 	static constexpr std::size_t most = 64; ///< Instances.
 
-	// What they follow from, filled by the caller up to `count`.
+	// The inputs, filled by the caller up to `count`.
 	std::size_t count = 0;
 	alignas(64) std::array<std::uint64_t, most> ids{};
 	alignas(64) std::array<float, most> normal_x{};
@@ -26,7 +26,7 @@ struct TransformBatch {
 	alignas(64) std::array<float, most> position_y{};
 	alignas(64) std::array<float, most> position_z{};
 
-	/// `position` is where it stands, as `standing_position` gives it.
+	/// `position` is that of the instance, as `standing_position` returns it.
 	void add(std::uint64_t id, glm::vec3 normal, glm::vec3 position) {
 		ids[count] = id;
 		normal_x[count] = normal.x;
@@ -40,16 +40,16 @@ struct TransformBatch {
 	glm::vec3 normal(std::size_t i) const { return {normal_x[i], normal_y[i], normal_z[i]}; }
 	glm::vec3 position(std::size_t i) const { return {position_x[i], position_y[i], position_z[i]}; }
 
-	/// Writes, for all of them, what write_basis does, and their positions. `placement` must be valid.
+	/// Computes the result of write_basis and the position for all instances. `placement` must be valid.
 	void make(const Placement &placement, std::uint64_t seed);
 
-	// What they are then.
+	// The outputs.
 	static constexpr std::size_t row_floats = transform_floats / 3;
-	/// For each row of a transform those of all instances.
+	/// For each row of a transform, the rows of all instances.
 	alignas(64) std::array<std::array<float, most * row_floats>, 3> rows{};
 	alignas(64) std::array<float, most> scale{};
 
-	/// Copies one to its transform.
+	/// Copies the transform of one instance.
 	void write(std::size_t i, std::span<float, transform_floats> r_transform) const {
 		for (std::size_t row = 0; row < rows.size(); ++row) {
 			std::memcpy(r_transform.data() + row * row_floats, rows[row].data() + i * row_floats,

@@ -7,33 +7,32 @@
 
 namespace thicket {
 
-/// What may be the answer of a search for the first: on a ray, or by distance.
+/// A possible answer of a search for the first instance, along a ray or by distance.
 struct Candidate {
-	double at = 0.0; ///< The smaller, the earlier.
+	double at = 0.0; ///< Candidates with smaller values come first.
 	PlacedInstance instance;
 };
 
-/// What such a search has found so far. Asks the filter's `accepts` in the order of `at`, layer and id, and only for
-/// those that come before all that is still to be looked at.
+/// The candidates that such a search has found. Calls the filter's `accepts` in the order of `at`, layer and id, and only for candidates
+/// that come before everything that is still to be searched.
 class Candidates {
 public:
 	explicit Candidates(const QueryFilter &filter) : filter_(filter) {}
 
-	/// What comes later than this is no answer.
+	/// A candidate beyond this value cannot be the answer.
 	double limit() const { return limit_; }
 
 	void add(const Candidate &candidate);
 
-	/// Looks for the answer among those before `until`, where everything that was not added yet comes later. True if
-	/// there is one.
+	/// Looks for the answer among the candidates before `until`. Everything that was not added yet must come later. True if there is one.
 	bool settle(double until);
 
-	/// After `settle` was true.
+	/// Valid after `settle` returned true.
 	const Candidate &answer() const { return waiting_.back(); }
 
 private:
 	const QueryFilter &filter_;
-	std::vector<Candidate> waiting_; ///< A heap, the first on top; without `accepts`, the first alone.
+	std::vector<Candidate> waiting_; ///< A heap with the first on top; without `accepts`, only the first.
 	double limit_ = std::numeric_limits<double>::infinity();
 };
 

@@ -17,7 +17,7 @@ namespace {
 
 using Ref = FoundInstances::Ref;
 
-/// The cells that some ids name.
+/// The bounds of the cells in some ids.
 struct CellBounds {
 	glm::ivec2 low{std::numeric_limits<int>::max()};
 	glm::ivec2 high{std::numeric_limits<int>::min()};
@@ -28,8 +28,7 @@ struct CellBounds {
 	}
 };
 
-/// Writes `from` to `r_to`, of the same size, in the order of keys from 0 to `keys` - 1; equal ones stay in their
-/// order.
+/// Writes `from` to `r_to`, of the same size, sorted by keys from 0 to `keys` - 1. Equal ones keep their order.
 template <class Key>
 void count_sort(std::span<const Ref> from, std::int64_t keys, const Key &key_of, std::span<Ref> r_to) {
 	std::vector<std::uint32_t> ends(static_cast<std::size_t>(keys) + 1, 0);
@@ -87,7 +86,7 @@ void FoundInstances::read_all(std::vector<PlacedInstance> &r_found) const {
 }
 
 std::uint32_t FoundInstances::add_part(
-		std::shared_ptr<const KeptMesh> content, glm::dvec3 origin, std::uint32_t layer, std::uint32_t mesh) {
+		std::shared_ptr<const CompactMesh> content, glm::dvec3 origin, std::uint32_t layer, std::uint32_t mesh) {
 	parts_.push_back({std::move(content), origin, layer, mesh});
 	return static_cast<std::uint32_t>(parts_.size() - 1);
 }
@@ -111,7 +110,7 @@ void FoundInstances::sort_from(std::size_t first) {
 		std::ranges::sort(refs, {}, &Ref::id);
 		return;
 	}
-	// Fast path: cells in a crowd are counted, in two passes that keep the order of what is equal to them, by y, then by x.
+	// Fast path: cells in a crowd are counting-sorted, in two passes that keep the order of equal ones: by y, then by x.
 	std::vector<Ref> by_y(refs.size());
 	count_sort(refs, size.y, [&](const Ref &ref) { return unpack(ref.id).cell.y - bounds.low.y; }, by_y);
 	count_sort(by_y, size.x, [&](const Ref &ref) { return unpack(ref.id).cell.x - bounds.low.x; }, refs);

@@ -30,14 +30,14 @@ Status check_sphere(glm::dvec3 center, double radius) {
 	return first_failure(check_position("center", center), check_range("radius", radius, 0.0, max_query_coordinate));
 }
 
-/// All of one layer that stand in tiles that are looked at and, by `inside` of their position, in the area; by id.
+/// Collects all instances of one layer that lie in the searched tiles and, according to `inside` of their position, in the area; by id.
 template <class Inside>
 class Gathering {
 public:
 	Gathering(const InstanceQuery &query, const QueryFilter &filter, const Inside &inside) :
 			query_(query), filter_(filter), inside_(inside) {}
 
-	/// Adds what stands in tiles of one layer.
+	/// Adds the instances in tiles of one layer.
 	Status add(std::span<const InstanceQuery::Tile> tiles, FoundInstances &r_found) {
 		if (tiles.empty()) {
 			return {};
@@ -49,7 +49,7 @@ public:
 		const RemovedPoints removed(query_.state, query_.layers[layer].set.layer);
 		const std::size_t first = r_found.size();
 		r_found.reserve(instances_);
-		for (const std::shared_ptr<const KeptTile> &tile : tiles_) {
+		for (const std::shared_ptr<const CompactTile> &tile : tiles_) {
 			look_at(tile, layer, removed, r_found);
 		}
 		r_found.sort_from(first);
@@ -59,7 +59,7 @@ public:
 		return {};
 	}
 
-	/// Adds what was placed by hand: their ids come after all others of their layer.
+	/// Adds hand-placed instances. Their ids come after all others of their layer.
 	void add_hand_placed(std::uint32_t index, const Rect &rect, FoundInstances &r_found) {
 		for_hand_placed(query_, index, rect, [&](std::uint64_t id, const AddedInstance &added) {
 			if (!inside_(added.position)) {
@@ -73,25 +73,25 @@ public:
 	}
 
 private:
-	/// Gets hold of the tiles, and counts all that they hold.
+	/// Finds the tiles, and counts all their instances.
 	Status find(std::span<const InstanceQuery::Tile> tiles) {
 		instances_ = 0;
 		if (const Status status = query_.tiles.find_tiles(tiles, tiles_); !status.ok()) {
 			return status;
 		}
 		std::erase(tiles_, nullptr);
-		for (const std::shared_ptr<const KeptTile> &tile : tiles_) {
-			for (const KeptMesh &mesh : tile->meshes) {
+		for (const std::shared_ptr<const CompactTile> &tile : tiles_) {
+			for (const CompactMesh &mesh : tile->meshes) {
 				instances_ += mesh.size();
 			}
 		}
 		return {};
 	}
 
-	void look_at(const std::shared_ptr<const KeptTile> &tile, std::uint32_t layer, const RemovedPoints &removed,
+	void look_at(const std::shared_ptr<const CompactTile> &tile, std::uint32_t layer, const RemovedPoints &removed,
 			FoundInstances &r_found) {
 		for (std::uint32_t mesh = 0; mesh < tile->meshes.size(); ++mesh) {
-			const KeptMesh &content = tile->meshes[mesh];
+			const CompactMesh &content = tile->meshes[mesh];
 			const std::span<const glm::vec3> positions = content.positions();
 			inside_here_.clear();
 			for (std::uint32_t i = 0; i < positions.size(); ++i) {
@@ -100,7 +100,7 @@ private:
 				}
 			}
 			if (inside_here_.empty()) {
-				// Fast path: what nothing was found in need not be held.
+				// Fast path: a mesh without results need not be held.
 				continue;
 			}
 			const std::uint32_t part = r_found.add_part({tile, &content}, tile->origin, layer, mesh);
@@ -116,8 +116,8 @@ private:
 	const InstanceQuery &query_;
 	const QueryFilter &filter_;
 	const Inside &inside_;
-	std::size_t instances_ = 0; ///< Of the tiles that are looked at.
-	std::vector<std::shared_ptr<const KeptTile>> tiles_;
+	std::size_t instances_ = 0; ///< The number of instances in the searched tiles.
+	std::vector<std::shared_ptr<const CompactTile>> tiles_;
 	std::vector<std::uint32_t> inside_here_;
 };
 
@@ -164,10 +164,11 @@ Status tiles_in(std::span<const QueryLayer> layers, const QueryFilter &filter, c
 
 } // namespace
 
-Status TileSource::find_tiles(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+Status TileSource::find_tiles(
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	r_tiles.clear();
 	for (const WorldTile &each : tiles) {
-		std::shared_ptr<const KeptTile> content;
+		std::shared_ptr<const CompactTile> content;
 		if (const Status status = find_tile(each.layer, each.tile, content); !status.ok()) {
 			return status;
 		}

@@ -1,4 +1,4 @@
-// The entries of InstanceQuery: where memory ends within, the result is empty and the status says what was asked for.
+// The public functions of InstanceQuery. If memory runs out within them, the result is empty and the status names the request.
 
 #include "core/base/guard.hpp"
 #include "core/query/instance_query.hpp"
@@ -11,7 +11,7 @@ namespace thicket {
 
 namespace {
 
-/// As whole instances. Throws std::bad_alloc.
+/// Converts the results to complete instances. Throws std::bad_alloc.
 template <class Find>
 Status read(const Find &find, std::vector<PlacedInstance> &r_found) {
 	FoundInstances found;

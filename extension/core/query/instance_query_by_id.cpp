@@ -16,11 +16,10 @@ namespace thicket {
 
 namespace {
 
-/// Tiles that a cell of a point set may touch before it is cheaper to ask the set where its point lies.
+/// If a cell of a point set touches more tiles than this, it is cheaper to sample the set to find the position of its point.
 constexpr double most_tiles = 4.0;
 
-/// The tile in which the point of a cell lies, of a layer whose tiles are smaller than its cells; none if the cell
-/// holds none.
+/// Finds the tile in which the point of a cell lies, for a layer whose tiles are smaller than its cells; none if the cell has no point.
 Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	const Rect square = cell_rect(layer.set, id);
 	const double edge = set_extent(layer.set);
@@ -39,20 +38,20 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const Sampl
 	return {};
 }
 
-/// The tiles that may hold a point of the set.
+/// Finds the tiles that may hold a point of the set.
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
 	if (r_tiles.count() > most_tiles) {
-		// Fast path: the set knows in which of very many tiles the point lies.
+		// Fast path: the set itself locates the point among very many tiles.
 		return find_tile_of_point(layer, id, margins, r_tiles);
 	}
 	return {};
 }
 
 /// Adds the instance of that id, if it is in the tile.
-void add_from(const KeptTile &content, std::uint64_t id, std::uint32_t index, std::vector<PlacedInstance> &r_found) {
+void add_from(const CompactTile &content, std::uint64_t id, std::uint32_t index, std::vector<PlacedInstance> &r_found) {
 	for (std::uint32_t mesh = 0; mesh < content.meshes.size() && r_found.empty(); ++mesh) {
-		const KeptMesh &instances = content.meshes[mesh];
+		const CompactMesh &instances = content.meshes[mesh];
 		const std::size_t at = instances.find(id);
 		if (at < instances.size()) {
 			r_found.push_back(placed_instance(index, mesh, content.origin, instances, at));
@@ -85,7 +84,7 @@ Status InstanceQuery::find_by_id(std::uint64_t id, std::vector<PlacedInstance> &
 		}
 		for (std::int32_t y = range.first.y; y <= range.last.y && r_found.empty(); ++y) {
 			for (std::int32_t x = range.first.x; x <= range.last.x && r_found.empty(); ++x) {
-				std::shared_ptr<const KeptTile> content;
+				std::shared_ptr<const CompactTile> content;
 				if (const Status status = tiles.find_tile(index, {x, y}, content); !status.ok()) {
 					return status;
 				}

@@ -24,7 +24,7 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// The order of a heap with the first on top.
 bool later(const SearchTile &a, const SearchTile &b) { return a.from > b.from; }
 
-/// Looks for the first of all that stand in some tiles. `scan(layer, content, candidates)` adds what a tile holds.
+/// Finds the first of all instances in some tiles. `scan(layer, content, candidates)` adds the candidates of a tile.
 template <class Scan>
 Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candidates &candidates, const Scan &scan,
 		bool &r_found) {
@@ -34,12 +34,12 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 		const SearchTile next = tiles.front();
 		r_found = candidates.settle(next.from);
 		if (r_found) {
-			// Fast path: in all further tiles everything comes later.
+			// Fast path: in all further tiles, everything comes later.
 			return {};
 		}
 		std::pop_heap(tiles.begin(), tiles.end(), later);
 		tiles.pop_back();
-		std::shared_ptr<const KeptTile> content;
+		std::shared_ptr<const CompactTile> content;
 		if (const Status status = query.tiles.find_tile(next.layer, next.tile, content); !status.ok()) {
 			return status;
 		}
@@ -51,23 +51,23 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 	return {};
 }
 
-// The nearest.
+// Search for the nearest instance.
 
-/// Looks at instances by their distance from a position; `at` is its square.
+/// Scans instances by their distance from a position; `at` is its square.
 struct NearestScan {
 	const InstanceQuery &query;
 	glm::dvec3 position;
 	double max_squared;
 
-	void operator()(std::uint32_t layer, const KeptTile &content, Candidates &r_candidates) const {
+	void operator()(std::uint32_t layer, const CompactTile &content, Candidates &r_candidates) const {
 		const RemovedPoints removed(query.state, query.layers[layer].set.layer);
 		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
-			const KeptMesh &instances = content.meshes[mesh];
+			const CompactMesh &instances = content.meshes[mesh];
 			const std::span<const glm::vec3> positions = instances.positions();
 			for (std::size_t i = 0; i < positions.size(); ++i) {
 				const double squared = squared_length(position_of(content.origin, positions[i]) - position);
 				if (squared > r_candidates.limit()) {
-					// Fast path: another one is nearer.
+					// Fast path: a different instance is nearer.
 					continue;
 				}
 				if (squared <= max_squared && !removed.holds(instances.id(i))) {
@@ -87,7 +87,7 @@ struct NearestScan {
 	}
 };
 
-// Along a ray.
+// Search along a ray.
 
 Rect rect_along(const Ray &ray, double distance) {
 	const glm::dvec3 to = ray.at(1.0);
@@ -96,16 +96,16 @@ Rect rect_along(const Ray &ray, double distance) {
 	return {glm::min(from.min, until.min), glm::max(from.max, until.max)};
 }
 
-/// What a ray meets of one layer; `at` is a share of its length.
+/// Finds the instances of one layer that a ray meets; `at` is a share of its length.
 struct RayScan {
 	const InstanceQuery &query;
 	Ray ray;
 
-	void operator()(std::uint32_t layer, const KeptTile &content, Candidates &r_candidates) const {
+	void operator()(std::uint32_t layer, const CompactTile &content, Candidates &r_candidates) const {
 		const QueryLayer &settings = query.layers[layer];
 		const RemovedPoints removed(query.state, settings.set.layer);
 		for (std::uint32_t mesh = 0; mesh < content.meshes.size(); ++mesh) {
-			const KeptMesh &instances = content.meshes[mesh];
+			const CompactMesh &instances = content.meshes[mesh];
 			const ReachTest reached(ray, cylinder_reach(settings.shape, double{instances.max_scale()}));
 			if (!reached.box(
 						content.origin + glm::dvec3(instances.min()), content.origin + glm::dvec3(instances.max()))) {
@@ -130,7 +130,7 @@ struct RayScan {
 			return;
 		}
 		const QueryLayer &settings = query.layers[layer];
-		// Their axes may have any lengths and angles.
+		// The axes of hand-placed instances may have any lengths and angles.
 		const double reach = (std::numbers::sqrt2 * settings.shape.radius + settings.shape.height) *
 				query.state->max_added_scale(settings.set.layer);
 		for_hand_placed(query, layer, rect_along(ray, reach), [&](std::uint64_t id, const AddedInstance &added) {

@@ -10,12 +10,12 @@ namespace thicket {
 /// A straight line from one position to another; world meters.
 struct Ray {
 	glm::dvec3 from{0.0};
-	glm::dvec3 along{0.0}; ///< To the other end.
+	glm::dvec3 along{0.0}; ///< The vector to the other end.
 
 	glm::dvec3 at(double share) const { return from + share * along; }
 };
 
-/// A part of a ray, as shares of its length. Empty where the end lies before the start.
+/// A part of a ray, as shares of its length. Empty if the end lies before the start.
 struct RayPart {
 	double start = 0.0;
 	double end = 1.0;
@@ -29,28 +29,27 @@ RayPart clipped(RayPart part, double from, double along, double low, double high
 /// Meters by which rounding may move a position on a ray.
 double rounding_of(const Ray &ray);
 
-/// Meters from an instance's origin at which the cylinder of an instance of that scale ends at the farthest, with what
-/// rounds off.
+/// The largest distance in meters from an instance's origin to the end of its cylinder at that scale, including rounding.
 double cylinder_reach(const InstanceShape &shape, double scale);
 
-/// Tells which positions lie within `reach` meters of a ray. Never misses one.
+/// Tests which positions lie within `reach` meters of a ray. Never misses one.
 class ReachTest {
 public:
 	ReachTest(const Ray &ray, double reach);
 
 	bool position(glm::dvec3 position) const;
 
-	/// Whether any position in a box may do so; may say yes where none does.
+	/// Whether any position in a box may lie within reach. May return true although none does.
 	bool box(glm::dvec3 min, glm::dvec3 max) const;
 
 private:
 	Ray ray_;
 	double reach_;
-	double per_squared_length_; ///< 0 for a ray of no length.
+	double per_squared_length_; ///< 0 for a ray without length.
 };
 
-/// The part of a ray inside a closed cylinder that stands for an instance: its radius and height in the instance's own
-/// space, from its origin along its y axis. Empty where they do not meet, and for a basis that has no inverse.
+/// The part of a ray inside the closed cylinder of an instance. Radius and height of the cylinder are in the instance's own space, from its
+/// origin along its y axis. Empty if they do not meet, and for a basis that has no inverse.
 RayPart inside_cylinder(const Ray &ray, const InstanceShape &shape, glm::dvec3 position, const glm::mat3 &basis);
 
 } // namespace thicket

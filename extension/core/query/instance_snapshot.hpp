@@ -15,12 +15,12 @@
 
 namespace thicket {
 
-/// A world as it was at one moment, for queries on any number of threads at once. Answers are those that the world would have given
-/// then. Holds the tiles that were known, and generates others on the thread of the query.
+/// The state of a world at one moment, for queries on any number of threads at the same time. Queries return the same results as the world
+/// did at that moment. The snapshot holds the tiles that were known then, and generates others on the thread of the query.
 class InstanceSnapshot {
 public:
-	/// `world` is copied. `state` shares the memory of the world's state (InstanceState::share); none if nothing was changed. `maker` is
-	/// called on several threads at once, and may refuse: queries that need the tile are refused then.
+	/// Copies `world`. `state` shares the memory of the world's state (InstanceState::share); none if nothing was changed. `maker` is
+	/// called on several threads at the same time. It may refuse a tile, and queries that need the tile are then refused.
 	InstanceSnapshot(const InstanceWorld &world, std::optional<InstanceState> state, TileMaker maker);
 
 	/// Runs a query, as InstanceWorld::ask does.
@@ -36,11 +36,11 @@ public:
 	/// Null if nothing was changed.
 	const InstanceState *state() const { return state_.has_value() ? &*state_ : nullptr; }
 
-	/// Tiles that queries have generated are forgotten once they have more instances than this.
+	/// Tiles that queries have generated are dropped once they have more instances than this in total.
 	static constexpr std::size_t max_made_instances = 400'000;
 
 private:
-	using Tile = std::shared_ptr<const KeptTile>;
+	using Tile = std::shared_ptr<const CompactTile>;
 
 	class Source : public MakingTileSource {
 	public:
@@ -62,7 +62,7 @@ private:
 	std::vector<KnownTile> known_; ///< Ascending.
 	TileMaker maker_;
 
-	mutable Mutex mutex_; ///< For all that follows, but `state_` once it is complete.
+	mutable Mutex mutex_; ///< Protects all members below, except `state_` once it is complete.
 	mutable std::optional<InstanceState> state_;
 	mutable bool complete_ = false;
 	mutable std::map<WorldTileKey, Tile> made_;

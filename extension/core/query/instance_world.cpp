@@ -39,7 +39,7 @@ bool InstanceWorld::changed_since(std::uint64_t version, std::uint32_t layer, co
 
 void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 	if (area.empty()) {
-		// Fast path: what touches no tile changes no answer, so nobody has to ask again.
+		// Fast path: an empty area changes no result, so no query has to run again.
 		return;
 	}
 	if (layer >= layers_.size()) {
@@ -64,7 +64,7 @@ void InstanceWorld::clear() {
 	touch();
 }
 
-void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances) {
+void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> instances) {
 	const std::size_t size = kept_size(*instances);
 	kept_since_looking_ += size;
 	tiles_.insert_or_assign(Key{layer, tile.x, tile.y}, Entry{std::move(instances), size, ++uses_});
@@ -86,9 +86,11 @@ void InstanceWorld::keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<c
 	}
 }
 
-std::vector<std::shared_ptr<const KeptTile>> InstanceWorld::take_forgotten() { return std::exchange(forgotten_, {}); }
+std::vector<std::shared_ptr<const CompactTile>> InstanceWorld::take_forgotten() {
+	return std::exchange(forgotten_, {});
+}
 
-/// Looks at some more tiles. All at once would hold up a frame.
+/// Checks some more tiles. Checking all in one frame would delay it.
 void InstanceWorld::look_for_idle() {
 	constexpr std::size_t most_at_once = 128;
 	auto next = tiles_.lower_bound(*look_from_);
@@ -104,10 +106,10 @@ void InstanceWorld::look_for_idle() {
 	}
 }
 
-/// Forgets the oldest of the idle tiles.
+/// Drops the oldest of the idle tiles.
 void InstanceWorld::forget_some() {
 	constexpr std::size_t most_at_once = 2;
-	constexpr std::size_t most_kept = 64; // If nobody takes them.
+	constexpr std::size_t most_kept = 64; // If nothing takes them.
 	if (forgotten_.size() > most_kept) {
 		forgotten_.clear();
 	}
@@ -135,7 +137,7 @@ std::vector<KnownTile> InstanceWorld::known_tiles() const {
 	return result;
 }
 
-std::shared_ptr<const KeptTile> InstanceWorld::find(const WorldTile &tile) const {
+std::shared_ptr<const CompactTile> InstanceWorld::find(const WorldTile &tile) const {
 	const auto found = tiles_.find({tile.layer, tile.tile.x, tile.tile.y});
 	if (found == tiles_.end() || found->second.outdated) {
 		return nullptr;
@@ -166,13 +168,13 @@ void InstanceWorld::known_in(std::uint32_t layer, const Rect &rect, std::vector<
 }
 
 Status InstanceWorld::KnownSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
+		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) {
 	r_tile = world_.find({layer, tile});
 	return {};
 }
 
 Status InstanceWorld::NearSource::find_tile(
-		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
+		std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) {
 	r_tile = world_.find({layer, tile});
 	if (r_tile == nullptr) {
 		world_.miss({layer, tile});
@@ -182,16 +184,18 @@ Status InstanceWorld::NearSource::find_tile(
 	return {};
 }
 
-std::shared_ptr<const KeptTile> InstanceWorld::MakingSource::find(const WorldTile &tile) { return world_.find(tile); }
+std::shared_ptr<const CompactTile> InstanceWorld::MakingSource::find(const WorldTile &tile) {
+	return world_.find(tile);
+}
 
 Status InstanceWorld::MakingSource::make(
-		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
-	const TileMaker maker = world_.maker_; // A script that is asked for the ground may replace it.
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
+	const TileMaker maker = world_.maker_; // A copy, because a script that is queried for the ground may replace it.
 	edits_ = world_.edits_;
 	return maker(tiles, r_tiles);
 }
 
-void InstanceWorld::MakingSource::keep(const WorldTile &tile, const std::shared_ptr<const KeptTile> &made) {
+void InstanceWorld::MakingSource::keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) {
 	if (edits_ == world_.edits_) {
 		world_.keep(tile.layer, tile.tile, made);
 	}

@@ -22,31 +22,31 @@
 
 namespace thicket {
 
-/// Makes tiles on the spot, in order; null for one that cannot be had or was not made. After an error, that of the first tile which has
-/// one, some others may be there.
-using TileMaker =
-		std::function<Status(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles)>;
+/// Generates tiles immediately, in order; null for a tile that is not available or was not generated. The error is that of the first tile
+/// that failed; after an error, some other tiles may exist.
+using TileMaker = std::function<Status(
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles)>;
 
 /// A layer, and x and y of a tile.
 using WorldTileKey = std::tuple<std::uint32_t, std::int32_t, std::int32_t>;
 
 inline WorldTileKey key_of(const WorldTile &tile) { return {tile.layer, tile.tile.x, tile.tile.y}; }
 
-/// A tile that is known, for a snapshot.
+/// A known tile, for a snapshot.
 struct KnownTile {
 	WorldTileKey key;
-	std::shared_ptr<const KeptTile> tile; ///< Never null.
+	std::shared_ptr<const CompactTile> tile; ///< Never null.
 };
 
-/// What stands in a world, for all who ask: the tiles that are known (shared with those on show, and some that were made for
-/// queries) and what a game has changed. One thread at a time.
+/// The instances of a world, for all queries: the known tiles (shared with the visible ones, and some that were generated for queries) and
+/// the changes of a game. One thread at a time.
 class InstanceWorld {
 public:
-	/// The layers as they are from now on. Tiles of a layer whose set or tile size is another are forgotten.
+	/// Replaces the layers. Tiles of a layer whose set or tile size has changed are dropped.
 	void set_layers(std::vector<QueryLayer> layers);
 
-	/// The tiles that an edit touches are known no longer. For `known_in` they stand until their successors are there, or all that is
-	/// near would vanish for some frames.
+	/// Marks the tiles that an edit touches as no longer known. `known_in` keeps using them until they are replaced, because otherwise
+	/// everything near would vanish for some frames.
 	void invalidate(std::uint32_t layer, const EditedArea &area);
 	void set_maker(TileMaker maker) { maker_ = std::move(maker); }
 	void set_state(const InstanceState *state) {
@@ -55,40 +55,41 @@ public:
 	}
 	void clear();
 
-	/// Takes a finished tile in. Those that nobody else holds are forgotten, the oldest first and a few for each tile that comes, once
-	/// they have more than `max_idle_instances` together.
-	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> instances);
+	/// Adds a finished tile. Tiles that nothing else holds are dropped once they have more than `max_idle_instances` in total. The oldest
+	/// are dropped first, a few for each tile that is added.
+	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> instances);
 
-	/// The tiles that were forgotten since the last call: to give back their memory takes some time, which another thread may have.
-	std::vector<std::shared_ptr<const KeptTile>> take_forgotten();
+	/// The tiles that were dropped since the last call. Freeing their memory takes some time, so a different thread may do it.
+	std::vector<std::shared_ptr<const CompactTile>> take_forgotten();
 
 	/// All known tiles, ascending.
 	std::vector<KnownTile> known_tiles() const;
 
-	/// A known tile; null for one that is not.
-	std::shared_ptr<const KeptTile> find(const WorldTile &tile) const;
+	/// A known tile; null if it is not known.
+	std::shared_ptr<const CompactTile> find(const WorldTile &tile) const;
 
-	/// Rises with everything that may change an answer: tiles that came or went, layers, the state.
+	/// Increases with everything that may change a result: tiles that are added or dropped, layers, the state.
 	std::uint64_t version() const { return version_; }
 	void touch();
 
-	/// False if `known_in` returns the same for this rectangle as at that version. May be true without need, for what is long ago.
+	/// False if `known_in` returns the same for this rectangle as at that version. It may return true although nothing changed, for old
+	/// versions.
 	bool changed_since(std::uint64_t version, std::uint32_t layer, const Rect &rect) const;
 
 	std::span<const QueryLayer> layers() const { return layers_; }
 	const InstanceState *state() const { return state_; }
 
-	/// What stands within a rectangle, meters of the world, in tiles that are known. Those that are not are missed. Adds to `r_found`.
+	/// Finds the instances within a rectangle, in world meters, in known tiles. Unknown tiles are recorded as missing. Adds to `r_found`.
 	void known_in(std::uint32_t layer, const Rect &rect, std::vector<PlacedInstance> &r_found) const;
 
-	/// Wants a tile that is not known.
+	/// Requests a tile that is not known.
 	void miss(const WorldTile &tile) const;
 
-	/// The tiles that somebody wanted since the last call, once each; who still wants them has to say so again.
+	/// The tiles that were requested since the last call, each once. A caller that still needs them has to request them again.
 	std::vector<WorldTile> take_missing();
 
-	/// Runs a query that may make the tiles it misses, on this thread. Whoever calls it holds the world: a script that is asked for the
-	/// ground may do anything.
+	/// Runs a query that may generate the tiles it misses, on this thread. The caller must keep the world alive, because a script that is
+	/// queried for the ground may do anything.
 	template <class Query>
 	Status ask(Query &&query) {
 		const std::vector<QueryLayer> layers = layers_;
@@ -96,7 +97,7 @@ public:
 		return query(InstanceQuery{layers, source, state_});
 	}
 
-	/// The same on what is known alone; what is not counts as empty.
+	/// The same for known tiles only; unknown tiles count as empty.
 	template <class Query>
 	Status ask_known(Query &&query) const {
 		KnownSource source(*this);
@@ -107,16 +108,16 @@ public:
 
 private:
 	struct Entry {
-		std::shared_ptr<const KeptTile> tile;
+		std::shared_ptr<const CompactTile> tile;
 		std::size_t size = 0;           ///< See kept_size.
-		mutable std::uint64_t used = 0; ///< When it was last asked for.
-		bool outdated = false;          ///< An edit has touched it: good enough for who is near, wrong for who asks.
+		mutable std::uint64_t used = 0; ///< The time of the last query that used it.
+		bool outdated = false;          ///< An edit has touched it: still valid for `known_in`, but not for queries.
 	};
 
 	class KnownSource : public TileSource {
 	public:
 		explicit KnownSource(const InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override;
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override;
 
 	private:
 		const InstanceWorld &world_;
@@ -126,7 +127,7 @@ private:
 	class NearSource : public TileSource {
 	public:
 		explicit NearSource(const InstanceWorld &world) : world_(world) {}
-		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) override;
+		Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) override;
 
 	private:
 		const InstanceWorld &world_;
@@ -137,17 +138,19 @@ private:
 		explicit MakingSource(InstanceWorld &world) : world_(world) {}
 
 	private:
-		std::shared_ptr<const KeptTile> find(const WorldTile &tile) override;
-		Status make(std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) override;
-		void keep(const WorldTile &tile, const std::shared_ptr<const KeptTile> &made) override;
+		std::shared_ptr<const CompactTile> find(const WorldTile &tile) override;
+		Status make(
+				std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) override;
+		void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) override;
 
 		InstanceWorld &world_;
-		std::uint64_t edits_ = 0; ///< Of the world, when tiles were asked for last. After others they are not kept.
+		/// The edits of the world when tiles were last requested. After further edits, generated tiles are not kept.
+		std::uint64_t edits_ = 0;
 	};
 
 	using Key = WorldTileKey;
 
-	/// A tile became known, as the only change of that version.
+	/// A tile that became known, as the only change of that version.
 	struct TileChange {
 		std::uint64_t version = 0;
 		std::uint32_t layer = 0;
@@ -163,16 +166,16 @@ private:
 	TileMaker maker_;
 	const InstanceState *state_ = nullptr;
 	std::uint64_t version_ = 1;
-	std::uint64_t touched_ = 1;        ///< The version of the last change that may be anywhere.
+	std::uint64_t touched_ = 1;        ///< The version of the last change that may affect any position.
 	std::deque<TileChange> new_tiles_; ///< The changes since then, in order.
-	std::uint64_t edits_ = 0;          ///< Rises with everything that makes tiles outdated.
+	std::uint64_t edits_ = 0;          ///< Increases with everything that makes tiles outdated.
 	mutable std::uint64_t uses_ = 0;
 
-	std::size_t kept_since_looking_ = 0;              ///< Instances.
-	std::optional<Key> look_from_;                    ///< The first tile that is still to be looked at for idle ones.
-	std::vector<std::pair<std::uint64_t, Key>> idle_; ///< By when they were used last: a heap, once all were looked at.
+	std::size_t kept_since_looking_ = 0;              ///< Number of instances.
+	std::optional<Key> look_from_;                    ///< The first tile that is still to be checked for being idle.
+	std::vector<std::pair<std::uint64_t, Key>> idle_; ///< By time of last use; a heap, once all are checked.
 	std::size_t idle_instances_ = 0;
-	std::vector<std::shared_ptr<const KeptTile>> forgotten_;
+	std::vector<std::shared_ptr<const CompactTile>> forgotten_;
 	mutable std::set<Key> missing_;
 };
 

@@ -4,8 +4,8 @@
 
 namespace thicket {
 
-Status MakingTileSource::find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const KeptTile> &r_tile) {
-	std::vector<std::shared_ptr<const KeptTile>> tiles;
+Status MakingTileSource::find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) {
+	std::vector<std::shared_ptr<const CompactTile>> tiles;
 	const WorldTile wanted{layer, tile};
 	const Status status = find_tiles({&wanted, 1}, tiles);
 	r_tile = tiles.empty() ? nullptr : tiles.front();
@@ -13,9 +13,9 @@ Status MakingTileSource::find_tile(std::uint32_t layer, glm::ivec2 tile, std::sh
 }
 
 Status MakingTileSource::find_tiles(
-		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) {
+		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	std::vector<WorldTile> missing;
-	std::vector<std::size_t> missed; // Where each is missed in `tiles`.
+	std::vector<std::size_t> missed; // The index of each in `tiles`.
 	r_tiles.clear();
 	for (const WorldTile &tile : tiles) {
 		r_tiles.push_back(find(tile));
@@ -28,7 +28,7 @@ Status MakingTileSource::find_tiles(
 		// Fast path: all tiles are known.
 		return {};
 	}
-	std::vector<std::shared_ptr<const KeptTile>> made;
+	std::vector<std::shared_ptr<const CompactTile>> made;
 	const Status status = make(missing, made);
 	made.resize(missing.size());
 	for (std::size_t i = 0; i < missing.size(); ++i) {
@@ -40,9 +40,9 @@ Status MakingTileSource::find_tiles(
 	return status;
 }
 
-std::size_t kept_size(const KeptTile &tile) {
+std::size_t kept_size(const CompactTile &tile) {
 	std::size_t size = 1;
-	for (const KeptMesh &mesh : tile.meshes) {
+	for (const CompactMesh &mesh : tile.meshes) {
 		size += mesh.size();
 	}
 	return size;

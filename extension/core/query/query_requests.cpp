@@ -30,7 +30,7 @@ bool QueryRequests::cancel(std::int64_t request) {
 	return std::erase_if(open_, [request](const Open &open) { return open.request == request; }) > 0;
 }
 
-/// True if all tiles are there. Looked for anew in every frame: layers and tile sizes may have changed.
+/// True if all tiles are known. It checks again in every frame, because layers and tile sizes may have changed.
 bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	std::vector<InstanceQuery::Tile> tiles;
 	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, r_open, tiles); });
@@ -38,14 +38,14 @@ bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	bool complete = true;
 	for (std::size_t i = 0; status.ok() && i < tiles.size(); ++i) {
 		const WorldTile tile{tiles[i].layer, tiles[i].tile};
-		if (std::shared_ptr<const KeptTile> known = world.find(tile)) {
+		if (std::shared_ptr<const CompactTile> known = world.find(tile)) {
 			r_open.held.push_back(std::move(known));
 		} else if (world.layers()[tile.layer].wanted) {
 			world.miss(tile);
 			complete = false;
 		}
 	}
-	return complete; // One that is refused by now, since its layers have changed, is answered by nothing.
+	return complete; // A request that is refused by now, because its layers have changed, gets an empty answer.
 }
 
 std::vector<QueryRequests::Answer> QueryRequests::frame(const InstanceWorld &world) {

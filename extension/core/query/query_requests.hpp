@@ -12,7 +12,7 @@
 
 namespace thicket {
 
-/// Questions whose tiles somebody else makes, over some frames. One thread at a time.
+/// Queries whose tiles are generated elsewhere, over several frames. One thread at a time.
 class QueryRequests {
 public:
 	struct Sphere {
@@ -25,14 +25,14 @@ public:
 		FoundInstances found;
 	};
 
-	/// A number, from 1 on, for the answer; or refuses what InstanceQuery refuses.
+	/// Returns a number, from 1 on, that identifies the answer; or refuses what InstanceQuery refuses.
 	Status add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area, const QueryFilter &filter,
 			std::int64_t &r_request);
 
-	/// False if there is no such request, or no longer.
+	/// False if there is no such request, or if it is already answered.
 	bool cancel(std::int64_t request);
 
-	/// Once a frame: wants the tiles that are missing, and gives the answers for which none is, in the order of asking.
+	/// Call it once per frame: requests the missing tiles, and returns the answers that miss no tile, in the order of their requests.
 	std::vector<Answer> frame(const InstanceWorld &world);
 
 	void clear() { open_.clear(); }
@@ -43,7 +43,7 @@ private:
 		std::int64_t request = 0;
 		std::variant<Rect, Sphere> area;
 		QueryFilter filter;
-		std::vector<std::shared_ptr<const KeptTile>> held; ///< So that none is forgotten before the last is there.
+		std::vector<std::shared_ptr<const CompactTile>> held; ///< Keeps early tiles alive until the last one arrives.
 	};
 
 	static Status tiles_of(const InstanceQuery &query, const Open &open, std::vector<InstanceQuery::Tile> &r_tiles);

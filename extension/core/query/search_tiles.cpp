@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char *shorter_ray = "Shorten the ray, or name fewer layers";
 
-/// Finds the tiles of one layer after another, row by row, so that only those near the ray are ever looked at.
+/// Finds the tiles layer by layer and row by row, so that only tiles near the ray are ever visited.
 class RayWalk {
 public:
 	RayWalk(const Ray &ray, std::vector<SearchTile> &r_tiles) : ray_(ray), tiles_(r_tiles) {}
@@ -25,7 +25,7 @@ public:
 		if (rows.empty()) {
 			return {};
 		}
-		// There is a tile in every row, save where the ray leaves the set.
+		// There is a tile in every row, except where the ray leaves the set.
 		if (const double most = points_ + (1.0 + rows.last.y - rows.first.y) * window.tile_points();
 				most > InstanceQuery::max_points) {
 			return Status::too_many_points("to", most, InstanceQuery::max_points, shorter_ray);

@@ -11,15 +11,15 @@
 
 namespace thicket {
 
-/// A tile that a search may have to look at, and from where on: nothing in it comes before.
+/// A tile that a search may have to read, and the value before which it contains nothing.
 struct SearchTile {
 	double from = 0.0;
 	std::uint32_t layer = 0;
 	glm::ivec2 tile{0};
 };
 
-/// The tiles of some layers that may hold an instance whose cylinder a ray meets, in any order; `from` is a share of
-/// the ray's length. Replaces `r_tiles`. Refuses, as `to`, more than InstanceQuery::max_points in all of them.
+/// Finds the tiles of some layers that may hold an instance whose cylinder a ray meets, in any order. `from` is a share of the ray's
+/// length. Replaces `r_tiles`. Refuses, as `to`, more than InstanceQuery::max_points in all of them.
 Status find_ray_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const Ray &ray,
 		std::vector<SearchTile> &r_tiles);
 

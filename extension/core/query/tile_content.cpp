@@ -5,7 +5,7 @@
 namespace thicket {
 
 PlacedInstance placed_instance(
-		std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const KeptMesh &content, std::size_t at) {
+		std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const CompactMesh &content, std::size_t at) {
 	PlacedInstance placed{.id = content.id(at),
 			.layer = layer,
 			.mesh = mesh,

@@ -9,22 +9,22 @@
 
 namespace thicket {
 
-/// Where an instance stands; world meters.
+/// The position of an instance; world meters.
 inline glm::dvec3 position_of(glm::dvec3 origin, glm::vec3 in_tile) { return origin + glm::dvec3(in_tile); }
 
-/// An instance of a tile, put together.
+/// Assembles an instance of a tile.
 PlacedInstance placed_instance(
-		std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const KeptMesh &content, std::size_t at);
+		std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const CompactMesh &content, std::size_t at);
 
-/// A hand-placed one.
+/// Assembles a hand-placed instance.
 PlacedInstance placed_instance(std::uint64_t id, std::uint32_t layer, const AddedInstance &added);
 
-/// Whether the state has removed a point of the set. Asks once whether there is anything to ask, not for every point.
+/// Whether the state has removed a point of the set. The constructor checks once whether the layer has any removed points.
 class RemovedPoints {
 public:
 	RemovedPoints(const InstanceState *state, std::uint16_t layer) : state_(state) {
 		if (state != nullptr && !state->any_removed(layer)) {
-			// Fast path: of a layer of which nothing is removed, no point has to be asked for.
+			// Fast path: if no point of a layer is removed, no point has to be looked up.
 			state_ = nullptr;
 		}
 	}
@@ -35,8 +35,8 @@ private:
 	const InstanceState *state_;
 };
 
-/// Calls `visit(id, added)` for every hand-placed instance of a layer in a half-open rectangle, by id. What `visit`
-/// removes is left out.
+/// Calls `visit(id, added)` for every hand-placed instance of a layer in a half-open rectangle, by id. Instances that `visit` removes from
+/// the state are skipped.
 template <class Visit>
 void for_hand_placed(const InstanceQuery &query, std::uint32_t layer, const Rect &rect, const Visit &visit) {
 	if (query.state == nullptr) {

@@ -24,12 +24,12 @@ struct Near {
 	glm::ivec2 tile;
 };
 
-/// Adds the tiles of one layer, and their points to `r_points`.
+/// Adds the tiles of one layer, and adds their points to `r_points`.
 Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles, double &r_points) {
 	const TileWindow window(layer);
 	const TileRange range = window.touching({area.rect.min - window.stray(), area.rect.max + window.stray()});
-	// A circle touches more than half of the tiles around it, so this refuses none that the count below would let pass.
+	// A circle touches more than half of the tiles around it, so this refuses no request that the count below would accept.
 	const double most = r_points + range.count() * window.tile_points();
 	if (most > 2.0 * InstanceQuery::max_points) {
 		return Status::too_many_points(area.property, most, InstanceQuery::max_points, smaller_area);
@@ -39,7 +39,7 @@ Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &
 		for (std::int32_t x = range.first.x; x <= range.last.x; ++x) {
 			const double distance = distance_squared(window.standing_area({x, y}), area.center);
 			if (!(distance <= area.radius * area.radius)) {
-				// Fast path: nothing that stands in a tile in this corner is within the radius.
+				// Fast path: no instance of a tile in this corner is within the radius.
 				continue;
 			}
 			near.push_back({distance, {x, y}});
@@ -122,7 +122,7 @@ Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint3
 	double points = 0.0;
 	r_tiles.clear();
 	if (area.rect.empty()) {
-		// Fast path: nothing stands within it, whatever tiles it touches.
+		// Fast path: the area contains no instance, whatever tiles it touches.
 		return {};
 	}
 	for (const std::uint32_t index : indices) {

@@ -15,35 +15,32 @@
 
 namespace thicket {
 
-/// The largest shares of a number that floats and doubles round off on the way to a position, generously.
+/// Generous upper bounds for the relative rounding errors of floats and doubles in the computation of a position.
 inline constexpr double float_rounding = 1e-6;
 inline constexpr double double_rounding = 1e-15;
 
-/// The cells of a set lie within so many meters of the origin: the same product as where the sampler refuses what lies
-/// beyond.
+/// The cells of a set lie within this many meters of the origin. It is the same product as in the sampler, which refuses anything beyond.
 double set_extent(const PointSet &set);
 
-/// Which tiles of a layer there are, and how far off its tile an instance may stand.
+/// The range of a layer's tiles, and how far from its tile an instance may be placed.
 class TileWindow {
 public:
-	/// `layer` is valid.
+	/// `layer` must be valid.
 	explicit TileWindow(const QueryLayer &layer);
 
-	/// The tiles that touch a rectangle, which may be as large as it likes; those alone that lie within the cells of
-	/// the set.
+	/// The tiles that touch a rectangle of any size. Only tiles that lie within the cells of the set are included.
 	TileRange touching(const Rect &rect) const;
 
-	/// The square of a tile, grown to where its instances may stand.
+	/// The square of a tile, expanded to where its instances may be placed.
 	Rect standing_area(glm::ivec2 tile) const;
 
-	/// Meters from its tile, in the plane, at which an instance may stand: offset_along_normal, and what floats round
-	/// off.
+	/// The largest distance in meters, in the plane, of an instance from its tile: offset_along_normal, plus float rounding.
 	double stray() const { return stray_; }
 
-	/// Points in a tile, by the density of the set; fewest_points at least.
+	/// Points in a tile, estimated from the density of the set; at least fewest_points.
 	double tile_points() const { return tile_points_; }
 
-	/// What a tile costs, however empty it is.
+	/// The minimum cost of a tile, even if it is empty.
 	static constexpr double fewest_points = 16.0;
 
 private:
@@ -54,28 +51,29 @@ private:
 	std::int32_t last_;
 };
 
-/// Refuses a layer with a number outside the range that its docstring gives, and a point set that is refused.
+/// Refuses a layer with a number outside its documented range, and an invalid point set.
 Status validate(const QueryLayer &layer);
 
-/// The wanted layers that a filter names, ascending, once each. Refuses one that is not there, and a wanted one that is
-/// not valid.
+/// Finds the wanted layers that a filter names, ascending, each once. Refuses a layer that does not exist, and a wanted layer that is not
+/// valid.
 Status find_layers(
 		std::span<const QueryLayer> layers, const QueryFilter &filter, std::vector<std::uint32_t> &r_indices);
 
-/// Meters; nothing is asked beyond.
+/// Meters; queries do not reach beyond.
 inline constexpr double max_query_coordinate = 1e15;
 inline constexpr double min_query_tile_size = 1e-2; ///< Meters.
 
-/// Where something is looked for in the plane.
+/// The search area of a query, in the plane.
 struct QueryArea {
-	const char *property = "rect"; ///< What is refused if it is too large.
+	const char *property = "rect"; ///< The name of the refused parameter if the area is too large.
 	Rect rect;
 	glm::dvec2 center{0.0};
-	double radius = std::numeric_limits<double>::infinity(); ///< Only within so many meters of the center.
+	double radius = std::numeric_limits<double>::infinity(); ///< Only within this many meters of the center.
 };
 
-/// The tiles of some layers that have to be looked at for all whose origin lies in an area, by layer and nearest to its
-/// center first. Replaces `r_tiles`; refuses more than InstanceQuery::max_points in all of them, and then leaves none.
+/// Finds the tiles of some layers that must be searched for all instances whose origin lies in an area. They are ordered by layer, and
+/// nearest to the area's center first. Replaces `r_tiles`. Refuses more than InstanceQuery::max_points in all of them, and then leaves
+/// `r_tiles` empty.
 Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles);
 
@@ -84,7 +82,7 @@ Status check_position(const char *property, glm::dvec3 position);
 
 inline double squared_length(glm::dvec3 v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-/// A rectangle that holds all positions within `distance` of another, its border and what rounds off included.
+/// A rectangle that holds all positions within `distance` of another position, including its border and rounding.
 Rect rect_around(glm::dvec2 center, double distance);
 
 } // namespace thicket

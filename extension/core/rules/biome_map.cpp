@@ -19,11 +19,11 @@ namespace {
 /// Pixels on a side of a block.
 constexpr int block = 8;
 
-/// Meters from the map; so far out the clamped border pixels end, which no world reaches.
+/// Distance in meters at which the clamped border pixels end. No world reaches that far.
 constexpr double beyond = 1e12;
 
-/// Where a place is asked, in units of the border's width: the 16 points of Hammersley's set, which fill a square evenly and share no
-/// coordinate, so that a straight border along an axis gives 16 different weights in equal steps.
+/// Sample offsets, in units of the border's width: the 16 points of Hammersley's set. They fill a square evenly and share no coordinate,
+/// so a straight border along an axis yields 16 different weights in equal steps.
 constexpr std::array<glm::dvec2, biome_taps> tap_offsets = [] {
 	std::array<glm::dvec2, biome_taps> offsets{};
 	for (unsigned i = 0; i < biome_taps; ++i) {
@@ -33,7 +33,7 @@ constexpr std::array<glm::dvec2, biome_taps> tap_offsets = [] {
 	return offsets;
 }();
 
-/// The whole part of `value`, held to the indices of `count` things; 0 for NAN.
+/// The integer part of `value`, clamped to the indices of `count` things; 0 for NAN.
 int held_index(double value, int count) {
 	if (!(value > 0.0)) {
 		return 0;
@@ -76,13 +76,13 @@ Status BiomeMap::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, cons
 		next.area_ = area;
 		next.edge_ = edge;
 		next.borders_ = borders;
-		// A hair more, for what rounding may do.
+		// A small margin for rounding.
 		next.reach_ = 1.001 * (borders.noise + 0.5 * borders.width) + 1e-6;
 		next.find_blocks();
 		constexpr double small_part = 0.25;
 		for (std::size_t i = 0; i < next.noise_.size(); ++i) {
 			const double noise_size = i % 2 == 0 ? borders.noise_size : small_part * borders.noise_size;
-			// As soft as can be: even over [0, 1].
+			// As soft as possible: uniform over [0, 1].
 			next.noise_[i].set({.size = noise_size, .coverage = 0.5, .softness = 1.0},
 					split_mix(split_mix(borders.seed) + i * split_mix_gamma));
 		}
@@ -127,7 +127,7 @@ BiomeSet BiomeMap::biomes_in(const Rect &rect) const {
 	return result;
 }
 
-/// How far the border is moved along an axis, from -1 to 1.
+/// The displacement of the border along an axis, from -1 to 1.
 double BiomeMap::waver(glm::dvec2 position, std::size_t axis) const {
 	constexpr double large_share = 0.7;
 	const double large = noise_[2 * axis].at(position);
@@ -150,7 +150,7 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		return;
 	}
 	if (const BiomeSet near = biomes_in({position, position}); std::has_single_bit(near)) {
-		// Fast path: away from borders it is known without noise.
+		// Fast path: away from borders, the biome is known without noise.
 		r_taps.fill(static_cast<std::uint8_t>(std::countr_zero(near)));
 		return;
 	}
@@ -159,7 +159,7 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		moved += borders_.noise * glm::dvec2(waver(position, 0), waver(position, 1));
 	}
 	if (borders_.width <= 0.0) {
-		// Fast path: all positions are one.
+		// Fast path: all taps have the same position.
 		r_taps.fill(pixel_at(moved));
 		return;
 	}
@@ -185,7 +185,7 @@ bool BiomeMap::same_frame(const BiomeMap &other) const {
 
 bool operator==(const BiomeMap &a, const BiomeMap &b) { return a.same_frame(b) && a.pixels_ == b.pixels_; }
 
-/// Whether a value may be another somewhere in a block.
+/// Whether a value may differ somewhere in a block.
 bool BiomeMap::block_differs(const BiomeMap &before, const SameValue &same, glm::ivec2 at) const {
 	const std::size_t index =
 			static_cast<std::size_t>(at.y) * static_cast<std::size_t>(block_count().x) + static_cast<std::size_t>(at.x);
@@ -197,7 +197,7 @@ bool BiomeMap::block_differs(const BiomeMap &before, const SameValue &same, glm:
 	return differs;
 }
 
-/// The pixels among those of whole blocks at which a value is another, as the smallest rectangle.
+/// The smallest rectangle around the pixels with a different value, among those of whole blocks.
 BiomeMap::Pixels BiomeMap::edited_pixels(const BiomeMap &before, const SameValue &same, const Pixels &among) const {
 	Pixels found{size_, {0, 0}};
 	for (int y = among.min.y; y < among.max.y; ++y) {
@@ -211,7 +211,7 @@ BiomeMap::Pixels BiomeMap::edited_pixels(const BiomeMap &before, const SameValue
 	return found;
 }
 
-/// The world outside which no position asks any of these pixels.
+/// The world rectangle outside which no position reads any of these pixels.
 Rect BiomeMap::reached_from(const Pixels &pixels) const {
 	const glm::dvec2 meters = area_.size() / glm::dvec2(size_);
 	Rect rect{
@@ -235,7 +235,7 @@ bool BiomeMap::find_edits(const BiomeMap &before, const SameValue &same, std::ve
 			for (int y = part_y; y < std::min(part_y + part.y, count.y); ++y) {
 				for (int x = part_x; x < std::min(part_x + part.x, count.x); ++x) {
 					if (!block_differs(before, same, {x, y})) {
-						// Fast path: whatever pixel of such a block became another biome, its value is the same.
+						// Fast path: whatever biome a pixel of this block has changed to, the value is the same.
 						continue;
 					}
 					const glm::ivec2 first(x * block, y * block);

@@ -13,11 +13,11 @@ namespace thicket {
 
 namespace {
 
-/// The smallest rectangle that holds all positions; one that is not finite if any of them is not.
+/// The smallest rectangle that contains all positions. Not finite if any of them is not.
 Rect bounds_of(std::span<const glm::dvec2> positions) {
 	Rect bounds{positions.front(), positions.front()};
 	for (const glm::dvec2 position : positions) {
-		// In this order a NAN stays.
+		// This order keeps a NAN.
 		bounds.min = {position.x < bounds.min.x || std::isnan(position.x) ? position.x : bounds.min.x,
 				position.y < bounds.min.y || std::isnan(position.y) ? position.y : bounds.min.y};
 		bounds.max = glm::max(bounds.max, position);
@@ -78,7 +78,7 @@ bool WaterLevels::find_edits(const WaterLevels &before, std::vector<Rect> &r_are
 	if (map == nullptr) {
 		return levels_ == before.levels_;
 	}
-	// A level that is the same everywhere is so on any map.
+	// A level that is the same everywhere is valid on any map.
 	return map->find_edits(before.map_ != nullptr ? *before.map_ : *map, before.levels_, levels_, r_areas);
 }
 

@@ -11,24 +11,24 @@
 
 namespace thicket {
 
-/// How far an impulse of the clump noise reaches, in cells: never beyond the 4 x 4 cells about a position.
+/// How far an impulse of the clump noise reaches, in cells: never beyond the 4 x 4 cells around a position.
 inline constexpr double impulse_reach = 1.5;
 
-/// Knots of clump_table.inc are 1 / clump_knots_per_unit of the noise apart, from 0 on.
+/// The knots of clump_table.inc are 1 / clump_knots_per_unit apart in noise values, starting at 0.
 inline constexpr double clump_knots_per_unit = 16.0;
 inline constexpr std::size_t clump_knots = 54;
 
-/// The clump noise before it is made uniform, at a position in cells, below 2^52 on both axes. Nearly normal, with mean 0.
+/// The clump noise before it is made uniform, at a position in cells, which must be below 2^52 on both axes. Nearly normal, with mean 0.
 ///
-/// Sparse convolution (Lewis, "Algorithms for solid noise synthesis", 1989): each cell has one impulse, at a random position
-/// in it, with a random height and a random slope, which fades out smoothly. As nothing is tied to the corners of the
-/// cells, the lattice does not show.
+/// Sparse convolution (Lewis, "Algorithms for solid noise synthesis", 1989): each cell has one impulse, at a random position in it, with
+/// a random height and a random slope. The impulse fades out smoothly. Nothing is tied to the corners of the cells, so the lattice does
+/// not show.
 inline double clump_impulses(glm::dvec2 position, std::uint64_t seed) {
 	const glm::dvec2 corner(std::floor(position.x - impulse_reach), std::floor(position.y - impulse_reach));
 	const glm::dvec2 from_corner = position - corner;
 	const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(corner.x));
 	const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(corner.y));
-	// Numbers from 16 bits in (0, 1), and in (-1, 1) on either side of 0 alike.
+	// Numbers from 16 bits: in (0, 1), and in (-1, 1), symmetric about 0.
 	const auto unit = [](std::uint64_t bits) {
 		return (static_cast<double>(bits & 0xffff) + 0.5) * 0x1p-16;
 	};

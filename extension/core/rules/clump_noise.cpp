@@ -13,19 +13,19 @@ namespace thicket {
 
 namespace {
 
-/// The noise has one maximum for each square of this many cells on a side, as make_clump_table measures.
+/// The noise has one maximum per square of this side length in cells, as measured by make_clump_table.
 constexpr double cells_per_clump = 2.1747;
 
-/// So far out, in cells, a double still tells positions in a cell apart.
+/// Up to this distance, in cells, a double still distinguishes positions within a cell.
 constexpr double max_cells = 0x1p48;
 
-/// At each knot, the part of the plane where the noise is nearer to 0.
+/// At each knot, the fraction of the plane where the noise is closer to 0.
 constexpr std::array<double, clump_knots> nearer
 #include "core/rules/clump_table.inc"
 		;
 static_assert(nearer.front() == 0.0 && nearer.back() == 1.0);
 
-/// The part of the plane where the noise is below `noise`, 0 to 1: with straight lines between the knots right to 0.0005.
+/// The fraction of the plane where the noise is below `noise`, 0 to 1. Linear interpolation between the knots is accurate to 0.0005.
 double share_below(double noise) {
 	const double knot = std::min(std::abs(noise) * clump_knots_per_unit, static_cast<double>(clump_knots - 1));
 	const std::size_t index = std::min(static_cast<std::size_t>(knot), clump_knots - 2);
@@ -61,7 +61,7 @@ double ClumpNoise::at(glm::dvec2 position) const {
 	if (coverage >= 1.0) {
 		return 1.0;
 	}
-	// Soft edges lie as far inside a clump as outside, in parts of the plane, so that the mean is the coverage.
+	// A soft edge extends equally far into a clump and out of it, measured as a fraction of the plane, so that the mean is the coverage.
 	const double inside = share_below(clump_impulses(cells, seed_)) - (1.0 - coverage);
 	const double half_edge = clumping_.softness * std::min(coverage, 1.0 - coverage);
 	if (half_edge <= 0.0) {

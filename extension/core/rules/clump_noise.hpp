@@ -8,13 +8,13 @@
 
 namespace thicket {
 
-/// How a layer gathers in clumps.
+/// How a layer forms clumps.
 struct Clumping {
-	/// Meters from the middle of one clump to that of the next, on average, where neighbors that grow together count as two; 0
-	/// for no clumping, else min_clump_size to max_clump_size.
+	/// Average distance in meters between the centers of neighboring clumps, where merged neighbors count as two. 0 disables clumping;
+	/// otherwise min_clump_size to max_clump_size.
 	double size = 0.0;
-	double coverage = 0.5;  ///< The part of the plane that clumps cover, 0 to 1, over long distances.
-	double softness = 0.25; ///< How gradually a clump ends: 0 a sharp edge, 1 no edge at all; 0 to 1.
+	double coverage = 0.5;  ///< Fraction of the plane that clumps cover over long distances, 0 to 1.
+	double softness = 0.25; ///< How gradually a clump ends: 0 is a sharp edge, 1 is no edge at all.
 
 	friend bool operator==(const Clumping &, const Clumping &) = default;
 };
@@ -22,11 +22,11 @@ struct Clumping {
 inline constexpr double min_clump_size = 0.1;
 inline constexpr double max_clump_size = 1e5;
 
-/// Refuses what is not finite or outside the ranges above.
+/// Refuses values that are not finite or outside the ranges above.
 Status validate(const Clumping &clumping);
 
-/// The density of a clumped layer: low-frequency noise of its own, a function of seed and position, to the same bits everywhere.
-/// Its values are made uniform over [0, 1], so that `coverage` holds.
+/// The density of a clumped layer: low-frequency noise of its own. A function of seed and position, bit-identical everywhere. Its values
+/// are made uniform over [0, 1], so that `coverage` holds.
 class ClumpNoise {
 public:
 	/// `clumping` must be valid.
@@ -34,8 +34,8 @@ public:
 
 	bool active() const { return clumping_.size > 0.0; }
 
-	/// 0 to 1. 1 everywhere for a size of 0; 0 for a position that is not finite or more than 10^14 sizes away. Its mean over long
-	/// distances is the coverage, whatever the softness.
+	/// The density, 0 to 1. Returns 1 everywhere for a size of 0, and 0 for a position that is not finite or more than 10^14 sizes away.
+	/// The mean over long distances is the coverage, whatever the softness.
 	double at(glm::dvec2 position) const;
 
 private:

@@ -10,20 +10,20 @@ namespace thicket {
 
 inline constexpr std::size_t max_curve_samples = 4096;
 
-/// A density as a function of one number, height in meters say: evenly spaced samples with straight lines between.
-/// Immutable after `set`, so threads may share one.
+/// A density as a function of one number, such as the height in meters: evenly spaced samples, linearly interpolated. Immutable after
+/// `set`, so threads may share one.
 class CurveTable {
 public:
 	CurveTable() = default; ///< 1 everywhere.
 
-	/// `samples` from the value at `min` to the value at `max`, both included: 2 to max_curve_samples numbers from 0 to 1.
-	/// `min` and `max` are finite, and min < max. Anything else is refused and changes nothing.
+	/// `samples` run from the value at `min` to the value at `max`, both included: 2 to max_curve_samples numbers from 0 to 1. `min` and
+	/// `max` are finite, and min < max. Anything else is refused and changes nothing.
 	Status set(double min, double max, std::span<const float> samples);
 
-	/// 0 to 1. Beyond min and max the value at the nearer end; 0 for NAN. The same bits everywhere.
+	/// The density, 0 to 1. Beyond min and max, the value at the nearer end; 0 for NAN. Bit-identical everywhere.
 	double at(double x) const;
 
-	/// The largest value anywhere: 0 means that nothing passes.
+	/// The largest value of the curve. If it is 0, nothing passes.
 	double largest() const;
 
 	friend bool operator==(const CurveTable &, const CurveTable &) = default;

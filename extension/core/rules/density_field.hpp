@@ -9,14 +9,14 @@
 
 namespace thicket {
 
-/// A density over the plane: noise, an image, a painted mask. A pure function of the position: asked twice, in whatever
-/// batch, on whatever thread, it gives the same bits, or tiles that were made apart would not fit.
+/// A density over the plane: noise, an image, a painted mask. Must be a pure function of the position: repeated queries, in any batch and
+/// on any thread, return the same bits. Otherwise, separately generated tiles would not fit together.
 class DensityField {
 public:
 	virtual ~DensityField() = default;
 
-	/// Writes the density at `positions[i]` (world meters, x and z of the engine) to `r_density[i]`; the spans are of equal
-	/// length. The caller holds values to [0, 1] and takes NAN for 0. Called from several threads at once.
+	/// Writes the density at `positions[i]` (world meters, x and z of the engine) to `r_density[i]`. The spans have equal length. The
+	/// caller clamps values to [0, 1] and treats NAN as 0. Called from several threads concurrently.
 	virtual Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const = 0;
 
 protected:
@@ -27,7 +27,7 @@ protected:
 	DensityField &operator=(DensityField &&) = default;
 };
 
-/// What a field says, held to [0, 1]; NAN is 0.
+/// A field's value, clamped to [0, 1]. NAN becomes 0.
 inline double unit_density(float value) { return value > 0.0f ? std::min(double{value}, 1.0) : 0.0; }
 
 } // namespace thicket

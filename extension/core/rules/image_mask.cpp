@@ -15,14 +15,14 @@ namespace thicket {
 
 namespace {
 
-/// The two pixels of a line, on either side of a position, and how far it is from the first to the second.
+/// The two pixels on either side of a position on one axis, and the fraction of the way from the first to the second.
 struct Taps {
 	std::size_t first;
 	std::size_t second;
 	double part;
 };
 
-/// `position` from 0 to `count` in pixels from the border of the first.
+/// `position` is in pixels from the first pixel's border, 0 to `count`.
 Taps taps_at(double position, int count, bool repeat) {
 	const double from_center = position - 0.5;
 	const double below = std::floor(from_center);
@@ -83,7 +83,7 @@ double ImageMask::at(glm::dvec2 position) const {
 	glm::dvec2 part = (position - area_.min) / area_.size();
 	if (repeat) {
 		if (!std::isfinite(part.x) || !std::isfinite(part.y)) {
-			return 0.0; // So many images away that it cannot be told where.
+			return 0.0; // Too many images away to determine the position in an image.
 		}
 		part -= glm::dvec2(std::floor(part.x), std::floor(part.y));
 	}

@@ -17,9 +17,9 @@ enum class Side : std::uint8_t {
 	on,    ///< The position lies on the edge.
 };
 
-/// An edge takes its lower end and leaves its upper one out, so a ray through a corner crosses once or twice as it should.
+/// An edge includes its lower end and excludes its upper end, so that a ray through a corner crosses once or twice as it should.
 Side side(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
-	// One order for both directions: an edge that is walked there and back is crossed twice or not at all.
+	// The same order for both directions, so that an edge traversed in both directions is crossed twice or not at all.
 	if (b.y < a.y || (b.y == a.y && b.x < a.x)) {
 		std::swap(a, b);
 	}
@@ -86,11 +86,12 @@ bool Outline::contains(glm::dvec2 position) const {
 		const Bvh::Node node = stack.pop();
 		const Box &box = boxes_[edge_tree_.index_of(node)];
 		if (position.y < box.min.y || position.y > box.max.y || position.x > box.max.x) {
-			// Fast path: the ray from the position misses all of the node.
+			// Fast path: the ray from the position misses the whole node.
 			continue;
 		}
 		if (position.x < box.min.x) {
-			// Fast path: all of the node lies ahead, so an odd number of crossings if it ends on the other side of the ray.
+			// Fast path: the whole node lies ahead. The ray crosses it an odd number of times if its ends are on different sides of the
+			// ray.
 			const bool above_first = position.y < points_[edge_tree_.begin(node)].y;
 			within ^= above_first != (position.y < points_[edge_tree_.end(node)].y);
 		} else if (node.level > 0) {
@@ -126,7 +127,7 @@ double Outline::distance(glm::dvec2 position, double limit) const {
 	while (!stack.empty()) {
 		const auto [node, node_distance2] = stack.pop();
 		if (node_distance2 >= nearest2) {
-			// Fast path: no edge is nearer than the box around it.
+			// Fast path: no edge is nearer than its bounding box.
 			continue;
 		}
 		if (node.level == 0) {
@@ -141,7 +142,7 @@ double Outline::distance(glm::dvec2 position, double limit) const {
 		if (edge_tree_.has_second(node)) {
 			Candidate far{edge_tree_.second(node), box_distance2(edge_tree_.second(node))};
 			if (far.second < near.second) {
-				// Fast path: what the nearer half holds may rule the other one out.
+				// Fast path: visits the nearer half first, because it may rule out the other half.
 				std::swap(near, far);
 			}
 			stack.push(far);

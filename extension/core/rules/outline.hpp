@@ -11,18 +11,18 @@
 
 namespace thicket {
 
-/// A line through many points, ready for questions about positions: a tree of boxes over runs of consecutive edges, two runs a
-/// box. O(n) memory and time to build; a question looks at about log n boxes where points follow each other as they do on a
-/// drawn line, and at all edges where they jump at random. Meters.
+/// A line through many points, prepared for position queries: a tree of boxes over runs of consecutive edges, two runs per box. Building
+/// takes O(n) memory and time. A query visits about log n boxes if consecutive points are close to each other, as on a drawn line, and
+/// all edges if they jump randomly. Meters.
 class Outline {
 public:
-	/// Through `points`, at least one, finite; `closed` adds the edge from the last to the first.
+	/// A line through `points`: at least one, all finite. `closed` adds the edge from the last to the first.
 	void set(std::span<const glm::dvec2> points, bool closed);
 
-	/// True strictly within a closed outline by the even-odd rule; edges and corners are not within.
+	/// Whether a position lies strictly inside a closed outline by the even-odd rule. Edges and corners are outside.
 	bool contains(glm::dvec2 position) const;
 
-	/// Meters from `position` to the nearest edge, or `limit` if that is less.
+	/// The distance in meters from `position` to the nearest edge, or `limit` if that is less.
 	double distance(glm::dvec2 position, double limit) const;
 
 private:
@@ -35,9 +35,9 @@ private:
 
 	std::size_t edges() const { return points_.size() - 1; }
 
-	std::vector<glm::dvec2> points_; ///< Of a closed one, the first once more at the end.
+	std::vector<glm::dvec2> points_; ///< If closed, the first point repeats at the end.
 	Bvh edge_tree_;                  ///< Over the edges.
-	std::vector<Box> boxes_;         ///< By its slots.
+	std::vector<Box> boxes_;         ///< Indexed by the slots of the tree.
 };
 
 } // namespace thicket

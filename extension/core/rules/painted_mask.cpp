@@ -13,10 +13,10 @@ namespace thicket {
 
 namespace {
 
-/// A position along one axis in pixels from the center of pixel 0. Never falls where `meters` rises.
+/// A position along one axis in pixels from the center of pixel 0. Monotone in `meters`.
 double pixel_position(double meters, double pixel_size) { return meters / pixel_size - 0.5; }
 
-/// The first of the two pixels that a position lies between, held within the limit.
+/// The first of the two pixels around a position, clamped to the limit.
 int first_pixel(double meters, double pixel_size) {
 	const double pixel = std::floor(pixel_position(meters, pixel_size));
 	return static_cast<int>(std::clamp<double>(pixel, -PaintedMask::pixel_limit, PaintedMask::pixel_limit - 2));

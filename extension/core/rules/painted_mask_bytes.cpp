@@ -13,7 +13,7 @@
 //   for each block that is not all background, ascending by (row, column):
 //     i32 row, i32 column, u8 kind, then 1 byte for a block of one value (kind 0) or all its pixels row by row (kind 1);
 //   u64 FNV-1a of all bytes before it.
-// One mask has one such form. Nothing else is taken, so a file that was taken is written again to the byte.
+// Each mask has exactly one such form. No other bytes are accepted, so saving a loaded file reproduces it byte for byte.
 
 namespace thicket {
 
@@ -32,12 +32,12 @@ enum class BlockKind : std::uint8_t {
 
 } // namespace
 
-/// Turns what lies behind the header into blocks.
+/// Parses the bytes after the header into blocks.
 class PaintedMask::BlockParser {
 public:
 	explicit BlockParser(std::uint8_t background) : background_(background) {}
 
-	/// False if these are no blocks as `to_bytes` writes them.
+	/// Returns false if these are not blocks as written by `to_bytes`.
 	bool parse(ByteReader bytes, Blocks &r_blocks) {
 		while (!bytes.at_end()) {
 			const auto row = static_cast<std::int32_t>(bytes.take<std::uint32_t>());
@@ -72,10 +72,10 @@ private:
 		return block;
 	}
 
-	/// The same for all blocks of this value, which take 400 times as much memory as bytes.
+	/// One shared block for all blocks of this value, which would take 400 times as much memory as their bytes.
 	std::shared_ptr<const Block> uniform(std::uint8_t value) {
 		if (uniform_[value]) {
-			// Fast path: blocks do not change, so one serves for all.
+			// Fast path: blocks are immutable, so all can share one.
 			return uniform_[value];
 		}
 		auto block = std::make_shared<Block>();

@@ -12,7 +12,7 @@ namespace thicket {
 inline constexpr int block_bits = 6;
 static_assert(1 << block_bits == PaintedMask::block_side);
 
-/// The block that a pixel lies in, along one axis.
+/// The block that contains a pixel, along one axis.
 constexpr int block_of(int pixel) { return pixel >> block_bits; }
 
 /// The index of a pixel in its block.
@@ -21,22 +21,21 @@ constexpr std::size_t index_in_block(int x, int y) {
 	return static_cast<std::size_t>((y & mask) << block_bits | (x & mask));
 }
 
-/// Columns of a rectangle within pixel_limit that is not inverted.
+/// The number of columns of a rectangle within pixel_limit that is not inverted.
 inline std::size_t pixel_columns(const PixelRect &region) {
 	return static_cast<std::size_t>(std::int64_t{region.max.x} - region.min.x);
 }
 
-/// How many pixels such a rectangle has.
+/// The number of pixels of such a rectangle.
 inline std::size_t pixel_count(const PixelRect &region) {
 	return pixel_columns(region) * static_cast<std::size_t>(std::int64_t{region.max.y} - region.min.y);
 }
 
-/// True if all pixels have the same value.
 inline bool is_uniform(std::span<const std::uint8_t> pixels) {
 	return std::ranges::all_of(pixels, [&](std::uint8_t pixel) { return pixel == pixels.front(); });
 }
 
-/// Reads pixels of a mask that stays as it is. Remembers the last block, which neighbors mostly share.
+/// Reads pixels of an unchanging mask. Caches the last block, because neighboring pixels mostly share it.
 class PaintedMask::Reader {
 public:
 	explicit Reader(const PaintedMask &mask) : mask_(mask), block_(mask.find({0, 0})) {}
@@ -44,7 +43,7 @@ public:
 	std::uint8_t at(int x, int y) {
 		const Key key{block_of(y), block_of(x)};
 		if (key == key_) {
-			// Fast path: most pixels lie in the block of the last one.
+			// Fast path: most pixels lie in the same block as the last one.
 			return pixel(x, y);
 		}
 		block_ = mask_.find(key);
@@ -60,8 +59,8 @@ private:
 	const Block *block_;
 };
 
-/// Changes pixels of a mask. A block is never written to, since copies of the mask may share it: a new one takes its
-/// place. All memory is taken before the mask changes, so where that throws std::bad_alloc, the mask stays as it was.
+/// Changes pixels of a mask. Never writes to an existing block, because copies of the mask may share it, but replaces it with a new one.
+/// Allocates all memory before it changes the mask, so the mask is unchanged after std::bad_alloc.
 class PaintedMask::Edit {
 public:
 	explicit Edit(PaintedMask &r_mask) : mask_(r_mask) {}
@@ -85,7 +84,7 @@ public:
 					block.fill(mask_.background_);
 				}
 				if (!change_part(part, change, block)) {
-					// Fast path: what stays as it was goes on being shared.
+					// Fast path: unchanged blocks stay shared.
 					continue;
 				}
 				const bool background = block.front() == mask_.background_ && is_uniform(block);
@@ -99,7 +98,7 @@ public:
 	Rect changed_area() const;
 
 private:
-	/// Changes a part of a block; true if any pixel has another value now.
+	/// Changes a part of a block. Returns true if the value of any pixel changed.
 	template <typename Change>
 	bool change_part(const PixelRect &part, const Change &change, Block &r_block) {
 		bool any = false;

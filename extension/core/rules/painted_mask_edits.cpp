@@ -1,4 +1,4 @@
-// How two states of a painted mask are told apart.
+// Finds the differences between two states of a painted mask.
 
 #include "core/rules/painted_mask.hpp"
 
@@ -68,7 +68,7 @@ bool PaintedMask::differs(const PaintedMask &other, Rect &r_area) const {
 	if (region.empty()) {
 		return false;
 	}
-	// Between the centers of two pixels the density depends on both.
+	// Between the centers of two pixels, the density depends on both.
 	r_area = {pixel_size_ * (glm::dvec2(region.min) - 0.5), pixel_size_ * (glm::dvec2(region.max) + 0.5)};
 	return true;
 }

@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// The most points that one straight piece replaces; bounds the cost.
+/// The maximum number of points that one straight piece replaces. Limits the cost.
 constexpr std::size_t longest_run = 128;
 
 double distance_squared(glm::dvec2 point, glm::dvec2 from, glm::dvec2 to) {

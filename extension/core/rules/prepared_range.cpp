@@ -10,9 +10,9 @@ namespace thicket {
 
 namespace {
 
-/// Degrees on both sides of a limit in which the angle is asked for: `slope_degrees` is within 1e-7 of the true one.
+/// Degrees on both sides of a limit where the angle itself is computed. `slope_degrees` is accurate to 1e-7.
 constexpr double margin = 1e-5;
-/// Above, the tangent of an angle says little about it.
+/// Above this angle, the tangent is too inaccurate.
 constexpr double last_tangent = 89.9;
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
@@ -22,12 +22,12 @@ double squared_tangent(double degrees) {
 	return tangent * tangent;
 }
 
-/// The square of the tangent from which on a slope is at least `degrees`.
+/// The squared tangent from which on a slope is at least `degrees`.
 double tangent_at_least(double degrees) {
 	return degrees <= 0.0 ? 0.0 : degrees <= last_tangent ? squared_tangent(degrees) : unlimited;
 }
 
-/// The square of the tangent up to which a slope is at most `degrees`; below 0 for none.
+/// The squared tangent up to which a slope is at most `degrees`; below 0 if there is none.
 double tangent_at_most(double degrees) {
 	return degrees < 0.0 ? -1.0 : squared_tangent(std::min(degrees, last_tangent));
 }

@@ -10,18 +10,18 @@
 
 namespace thicket {
 
-/// One range with its falloff, ready to be asked.
+/// One range with its falloff, prepared for queries.
 class PreparedRange {
 public:
-	PreparedRange() = default; ///< Lets all pass.
+	PreparedRange() = default; ///< No limits.
 
-	/// `min_open` and `max_open` switch a limit off, with its falloff.
+	/// `min_open` and `max_open` disable a limit along with its falloff.
 	PreparedRange(double min, bool min_open, double max, bool max_open, double falloff);
 
-	/// The density that it gives a value, 0 to 1; 0 for NAN.
+	/// The density for a value, 0 to 1; 0 for NAN.
 	double density(double value) const;
 
-	/// True when every finite value passes.
+	/// Whether every finite value passes.
 	bool open() const { return min_open_ && max_open_; }
 
 private:
@@ -32,24 +32,24 @@ private:
 	bool max_open_ = true;
 };
 
-/// A range of slopes in degrees. An angle costs as much as all else that is asked about the ground, so it is left out where the
-/// sides of its triangle tell enough.
+/// A range of slopes in degrees. Computing an angle costs as much as all other queries of the ground, so it is skipped where the sides of
+/// its triangle suffice to decide.
 class SlopeRange : public PreparedRange {
 public:
 	static constexpr double steepest = 90.0;
 
-	SlopeRange() = default; ///< Lets all pass.
+	SlopeRange() = default; ///< No limits.
 
-	/// Slopes from `min` to `max`, 0 to 90 degrees, which limit nothing at these ends.
+	/// Slopes from `min` to `max`, 0 to 90 degrees. A limit at its end of this range has no effect.
 	SlopeRange(double min, double max, double falloff);
 
-	/// The density that the slope of a normal which points up has, the same to the bit as for slope_degrees(normal).
+	/// The density for the slope of an upward normal, bit-identical to density(slope_degrees(normal)).
 	double density_of(glm::vec3 normal) const {
 		const std::optional<double> known = density_without_angle(normal);
 		return known.has_value() ? *known : density(slope_degrees(normal));
 	}
 
-	/// The same, where the angle itself is not needed for it.
+	/// The density, if it can be decided without the angle.
 	std::optional<double> density_without_angle(glm::vec3 normal) const {
 		const double x = normal.x;
 		const double y = normal.y;
@@ -57,18 +57,19 @@ public:
 		const double across = x * x + z * z;
 		const double up = y * y;
 		if (across >= all_from_ * up && across <= all_to_ * up) {
-			// Fast path: the angle lies between the limits by more than any rounding.
+			// Fast path: the angle lies between the limits by more than any rounding error.
 			return 1.0;
 		}
 		if (across < none_below_ * up || across > none_above_ * up) {
-			// Fast path: the angle lies beyond a limit by more than any rounding.
+			// Fast path: the angle lies beyond a limit by more than any rounding error.
 			return 0.0;
 		}
 		return std::nullopt;
 	}
 
 private:
-	// Squares of tangents, with a margin that is wider than any rounding: between the first two the density is 1, beyond the others 0.
+	// Squares of tangents, with a margin wider than any rounding error. Between the first two the density is 1, beyond the other two it
+	// is 0.
 	double all_from_ = 0.0;
 	double all_to_ = std::numeric_limits<double>::infinity();
 	double none_below_ = 0.0;

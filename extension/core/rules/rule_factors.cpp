@@ -7,7 +7,7 @@
 namespace thicket {
 
 double product_of(std::span<const RuleFactor> factors) {
-	// The rules of the position and those of the ground are two products, because they are known at different times.
+	// The rules of the position and those of the ground form two products, because they are known at different times.
 	double of_position = 1.0;
 	double of_ground = 1.0;
 	for (const RuleFactor &factor : factors) {

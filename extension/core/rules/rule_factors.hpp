@@ -8,49 +8,49 @@
 
 namespace thicket {
 
-/// A rule of a layer, as far as it gives a factor of the density at a place. In the order in which they are asked.
+/// A rule of a layer that contributes a factor to the density at a position. In order of evaluation.
 enum class RuleKind : std::uint8_t {
-	// Of the position alone.
+	// Depend only on the position.
 	density,
 	field, ///< Noise or an image.
 	mask,
-	biome, ///< The weight of the layer's biomes.
+	biome, ///< Weight of the layer's biomes.
 	clumping,
-	// Of the ground there.
-	ground, ///< That there is any.
+	// Depend on the ground there.
+	ground, ///< Whether there is any ground.
 	height,
 	height_curve,
 	ground_textures,
 	water_depth,
 	slope,
 	slope_curve,
-	// Of what else is there.
+	// Depend on other objects there.
 	shapes,
 	neighbor, ///< Spacing or proximity.
 	edge_feather,
 };
 
-/// For RuleFactor::index where there is nothing to point at.
+/// Value of RuleFactor::index where no index applies.
 inline constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
 
-/// What one rule makes of one place.
+/// The result of one rule at one position.
 struct RuleFactor {
 	RuleKind rule = RuleKind::density;
 
-	/// What the rule looked at: meters of height, depth or distance, degrees of slope, or a density of its own; of an edge feather, the share
-	/// of the surroundings that is open to the layer. NAN for nothing, as where there is no ground.
+	/// The input of the rule: meters of height, depth or distance, degrees of slope, or a density of its own. For an edge feather, the
+	/// share of the surroundings that is open to the layer. NAN if there is none, as where there is no ground.
 	double value = std::numeric_limits<double>::quiet_NaN();
 
 	double density = 1.0; ///< The factor, 0 to 1.
 
-	/// Which of the fields or neighbors; of the shapes, the one that decides: no_index outside all that include.
+	/// Index of the field or neighbor. For shapes, the decisive shape, or no_index outside all including shapes.
 	std::uint32_t index = no_index;
 };
 
-/// What evaluates rules tells a recorder of each factor on the way, and takes the factor back from it. This one keeps nothing, and the
-/// compiler leaves it out: tiles are made with it.
+/// The evaluation of rules passes each factor to a recorder and uses the recorder's return value. This recorder keeps nothing, so the
+/// compiler removes it. Tiles are generated with it.
 struct NoRecord {
-	/// Whether every factor is wanted, also of places of which it is known already that nothing stands there.
+	/// Whether every factor is needed, even where it is already known that no instance can be placed.
 	static constexpr bool complete = false;
 
 	double operator()(RuleKind, double /*value*/, double density, std::uint32_t /*index*/ = no_index) const {
@@ -58,12 +58,12 @@ struct NoRecord {
 	}
 };
 
-/// Keeps all factors of one place. Throws std::bad_alloc.
+/// Keeps all factors of one position. Throws std::bad_alloc.
 class RuleRecord {
 public:
 	static constexpr bool complete = true;
 
-	/// Adds to `r_factors`, which has to live as long.
+	/// Appends to `r_factors`, which must outlive this object.
 	explicit RuleRecord(std::vector<RuleFactor> &r_factors) : factors_(&r_factors) {}
 
 	double operator()(RuleKind rule, double value, double density, std::uint32_t index = no_index) const {
@@ -75,10 +75,10 @@ private:
 	std::vector<RuleFactor> *factors_;
 };
 
-/// The density that all factors of a place give together, multiplied in the order in which tiles are made: the same to the bit.
+/// The product of all factors of a position, multiplied in the order used for tiles, so it is bit-identical.
 double product_of(std::span<const RuleFactor> factors);
 
-/// The factor that takes most: the first of the smallest, if it is below 1; null for none.
+/// The factor that reduces the density most: the first of the smallest, if it is below 1. Null if there is none.
 const RuleFactor *strictest(std::span<const RuleFactor> factors);
 
 } // namespace thicket

@@ -17,7 +17,7 @@ namespace {
 constexpr double max_slope = SlopeRange::steepest;
 
 Status check_height(const char *property, double height) {
-	// Infinity is a fair way to say "no limit" in a computation, but a slip in a setting.
+	// Infinity is a reasonable "no limit" in a computation, but a mistake in a setting.
 	return check_range(property, height, std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
 }
 
@@ -40,7 +40,7 @@ Status validate(const Rules &rules) {
 			check_range("min_slope_degrees", rules.min_slope_degrees, 0.0, max_slope),
 			check_range("max_slope_degrees", rules.max_slope_degrees, 0.0, max_slope),
 			check_order("max_slope_degrees", rules.min_slope_degrees, rules.max_slope_degrees),
-			check_range("slope_falloff", rules.slope_falloff, 0.0, max_slope),
+			check_range("slope_falloff_degrees", rules.slope_falloff_degrees, 0.0, max_slope),
 			check_height("min_height", rules.min_height), check_height("max_height", rules.max_height),
 			check_order("max_height", rules.min_height, rules.max_height),
 			check_range("height_falloff", rules.height_falloff, 0.0, std::numeric_limits<double>::max()),
@@ -60,12 +60,12 @@ Status PreparedRules::set(const Rules &rules, std::uint64_t seed) {
 			guarded("rules", static_cast<double>(rules.fields.size() + rules.ground_textures.size()), [&] {
 				rules_.fields.reserve(rules.fields.size());
 				rules_.ground_textures.reserve(rules.ground_textures.size());
-				rules_ = rules; // Takes no memory now, so it is not left half done.
+				rules_ = rules; // Allocates no memory now, so it cannot fail halfway.
 			});
 	if (!status.ok()) {
 		return status;
 	}
-	slope_ = SlopeRange(rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff);
+	slope_ = SlopeRange(rules.min_slope_degrees, rules.max_slope_degrees, rules.slope_falloff_degrees);
 	height_ = PreparedRange(rules.min_height, rules.min_height <= -unlimited_height, rules.max_height,
 			rules.max_height >= unlimited_height, rules.height_falloff);
 	water_depth_ = PreparedRange(rules.min_water_depth, rules.min_water_depth <= -unlimited_height,
@@ -85,7 +85,7 @@ Status PreparedRules::place_product(std::span<const glm::dvec2> positions, std::
 	if (const Status status = guarded("positions", count, [&] { scratch.resize(positions.size()); }); !status.ok()) {
 		return status;
 	}
-	// One after the other: what rounding makes of a product depends on the order.
+	// Field by field, because the rounding of a product depends on the order.
 	for (std::size_t field = 0; field < rules_.fields.size(); ++field) {
 		const Status status =
 				multiply(*rules_.fields[field], positions, r_densities, scratch, record, RuleKind::field, field);
@@ -106,7 +106,7 @@ Status PreparedRules::place_product(std::span<const glm::dvec2> positions, std::
 	}
 	for (std::size_t i = 0; clumps_.active() && i < positions.size(); ++i) {
 		if (!Record::complete && !(r_densities[i] > 0.0)) {
-			// Fast path: clumps cost more than all else here, and leave 0 as it is.
+			// Fast path: clumps cost more than all other rules here, and 0 stays 0.
 			continue;
 		}
 		const double density = clumps_.at(positions[i]);
@@ -130,7 +130,7 @@ Status PreparedRules::place_factors(glm::dvec2 position, const RuleRecord &recor
 template <class Record>
 double PreparedRules::water_density(double height, glm::dvec2 position, const Record &record) const {
 	if (water_depth_.open()) {
-		// Fast path: any depth will do, so the water's level is not looked up.
+		// Fast path: every depth passes, so the water level is not looked up.
 		return 1.0;
 	}
 	const double level = rules_.water != nullptr ? rules_.water->at(position) : no_water;
@@ -156,19 +156,19 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 		density *= record(RuleKind::ground_textures, ground.weight, unit_density(ground.weight));
 	}
 	if (!Record::complete && !(density > 0.0)) {
-		// Fast path: what is 0 stays so, whatever water and slope there are.
+		// Fast path: 0 stays 0, whatever the water and slope.
 		return density;
 	}
 	density *= water_density(ground.height, position, record);
 	if (!Record::complete && !(density > 0.0)) {
-		// Fast path: and whatever slope.
+		// Fast path: 0 stays 0, whatever the slope.
 		return density;
 	}
 	if (!Record::complete && rules_.slope_curve == nullptr) {
-		// Fast path: most limits of the slope need no angle.
+		// Fast path: most slope limits need no angle.
 		return density * slope_.density_of(ground.normal);
 	}
-	// The angle costs more than all else here, so only where it is asked for.
+	// The angle costs more than everything else here, so it is computed only if needed.
 	if (!slope_.open() || rules_.slope_curve != nullptr) {
 		const double slope = slope_degrees(ground.normal);
 		if (!slope_.open()) {

@@ -34,9 +34,9 @@ void add_areas(const Shape &shape, std::vector<Rect> &r_areas) {
 	}
 }
 
-/// What is in one of two sets and not in the other. Throws std::bad_alloc.
+/// Adds the areas of shapes that are in only one of two sets. Throws std::bad_alloc.
 void add_differences(std::span<const Shape> old_shapes, std::span<const Shape> new_shapes, std::vector<Rect> &r_areas) {
-	// Of shapes that are equal, each stands for one in the other set. Most have the index that they had.
+	// Matches each shape with an equal one in the other set, one to one. Most have kept their index.
 	std::vector<bool> kept(old_shapes.size(), false);
 	for (std::size_t i = 0; i < new_shapes.size(); ++i) {
 		std::size_t found = old_shapes.size();
@@ -57,7 +57,7 @@ void add_differences(std::span<const Shape> old_shapes, std::span<const Shape> n
 	}
 }
 
-/// Adds areas by `add`, or none at all if memory ends.
+/// Adds areas by `add`, or none if memory runs out.
 template <typename Add>
 Status add_all_or_none(std::vector<Rect> &r_areas, double value, const Add &add) {
 	const std::size_t before = r_areas.size();
@@ -78,7 +78,7 @@ bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector
 	const std::span<const Shape> old_shapes = shapes_of(before);
 	const std::span<const Shape> new_shapes = shapes_of(after);
 	if (before == after) {
-		// Fast path: one set on both sides has no edits.
+		// Fast path: the same set on both sides has no edits.
 		return true;
 	}
 	if (includes(old_shapes) != includes(new_shapes)) {

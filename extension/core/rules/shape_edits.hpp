@@ -7,15 +7,15 @@
 
 namespace thicket {
 
-/// The world rectangles outside which a valid shape changes nothing: its bounds, or those of pieces of a path, at most
-/// max_path_pieces, so that a long road does not stand for all the land that it leads around. Adds none where memory ends.
+/// Adds the world rectangles outside which a valid shape changes nothing: its bounds or, for a path, the bounds of at most
+/// max_path_pieces pieces, so that a long road does not cover all the land it encloses. Adds none if memory runs out.
 Status add_touched(const Shape &shape, std::vector<Rect> &r_areas);
 
 inline constexpr std::size_t max_path_pieces = 64;
 
-/// Appends the rectangles outside which two sets (null for none) give the same density everywhere: what shapes touch
-/// that are in one set and not in the other, whatever their order. False, with nothing appended, where the density may
-/// differ anywhere: the first including shape came, or the last one went; or where memory does not suffice to tell.
+/// Appends the rectangles outside which two sets (null if there is none) have the same density everywhere. They cover the shapes that are
+/// in only one of the sets, whatever their order. Returns false and appends nothing if the density may differ anywhere, because the first
+/// including shape was added or the last one removed, or if memory does not suffice.
 bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector<Rect> &r_areas);
 
 } // namespace thicket

@@ -7,18 +7,18 @@
 
 namespace thicket {
 
-/// How a box, sphere or cylinder stands in the world.
+/// The orientation and scale of a box, sphere or cylinder.
 struct ShapeFrame {
-	glm::dmat3 axes{1.0};  ///< Orthonormal, as columns; may be a mirror image.
+	glm::dmat3 axes{1.0};  ///< Orthonormal, as columns. May be mirrored.
 	glm::dvec3 scale{1.0}; ///< Along each axis, above 0.
 };
 
-/// The cosine of the angle between two axes up to which a basis still counts as a rotation with scales.
+/// The largest cosine of the angle between two axes for which a basis still counts as a rotation with scales.
 inline constexpr double max_shape_shear = 1e-3;
 
-/// Takes a basis (columns: where the axes go) apart. The axes are made orthonormal to double precision, whatever they
-/// lost as floats on the way through a scene. Refused: what is not finite, an axis of no length, two axes that are
-/// farther from a right angle than max_shape_shear; then `r_frame` stays as it was.
+/// Decomposes a basis, whose columns are the transformed axes. The axes are made orthonormal to double precision, to correct the
+/// precision that they lost as floats in a scene. Refuses values that are not finite, an axis of no length, and two axes that deviate
+/// from a right angle by more than max_shape_shear. `r_frame` is then unchanged.
 Status take_apart(const glm::dmat3 &basis, ShapeFrame &r_frame);
 
 } // namespace thicket

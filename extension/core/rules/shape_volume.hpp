@@ -10,26 +10,26 @@
 
 namespace thicket {
 
-/// A box, sphere or cylinder made ready to be asked how deep a position lies in it.
+/// A box, sphere or cylinder prepared for depth queries.
 class ShapeVolume {
 public:
 	ShapeVolume() = default;
 
-	/// Of a valid shape of one of the three kinds.
+	/// `shape` is a valid shape of one of the three kinds.
 	explicit ShapeVolume(const Shape &shape);
 
-	/// Meters from `position` (world meters, within the shape) to the border, or to that of the shadow; 0 or less outside, and
-	/// then not a distance. Exact to rounding; for the shadow of a leaning cylinder to 1e-12 of its size.
+	/// The distance in meters from `position` (world meters, inside the shape) to the border or to the border of the shadow. The result
+	/// is 0 or less outside, and then not a distance. Exact to rounding; for the shadow of a leaning cylinder, to 1e-12 of its size.
 	double depth(glm::dvec3 position) const;
 
-	/// Meters from the center to the shadow's last points, along x and along z.
+	/// Meters from the center to the farthest points of the shadow along x and along z.
 	glm::dvec2 reach() const;
 
 private:
-	/// A pair of parallel sides of the shadow of a box.
+	/// A pair of parallel sides of a box's shadow.
 	struct Sides {
-		glm::dvec2 normal{0.0}; ///< 0 for none.
-		double distance = 0.0;  ///< Of each to the center.
+		glm::dvec2 normal{0.0}; ///< 0 if there is none.
+		double distance = 0.0;  ///< Distance of each side from the center.
 	};
 
 	void prepare_shadow();
@@ -44,9 +44,9 @@ private:
 	glm::dmat3 axes_{1.0};
 	glm::dvec3 half_size_{0.0};
 	std::array<Sides, 3> sides_{};
-	glm::dvec2 lean_{0.0};     ///< Unit vector towards which a cylinder leans; 0 if it stands upright.
-	double lean_length_ = 0.0; ///< Of the shadow of half its axis.
-	double upright_ = 1.0;     ///< The cosine of the angle by which it leans.
+	glm::dvec2 lean_{0.0};     ///< Unit vector in the direction in which a cylinder leans; 0 if it is upright.
+	double lean_length_ = 0.0; ///< Length of the shadow of half its axis.
+	double upright_ = 1.0;     ///< Cosine of the angle by which it leans.
 };
 
 } // namespace thicket

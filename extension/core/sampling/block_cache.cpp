@@ -13,7 +13,7 @@ namespace thicket {
 
 namespace {
 
-/// Entries that a cache has at most, most of them only to say that a block was asked for: a few dozen bytes each.
+/// The maximum number of entries. Most of them only record that a block was requested, which takes a few dozen bytes each.
 constexpr std::size_t most_entries = 1024;
 
 static_assert(BlockCache::widest_window(max_levels) <= SettledBlock::width, "a window touches four blocks at most");
@@ -68,7 +68,7 @@ std::size_t BlockCache::bytes() const {
 	return bytes_;
 }
 
-/// Whether a block that shares an edge with this one is made or in work. Called with the lock held.
+/// Whether a block that shares an edge with this one exists or is being computed. Called with the lock held.
 bool BlockCache::is_made_beside(const Key &key) const {
 	for (const glm::ivec2 step : {glm::ivec2(-1, 0), glm::ivec2(1, 0), glm::ivec2(0, -1), glm::ivec2(0, 1)}) {
 		const auto beside = entries_.find({key.set, key.block + step});
@@ -91,7 +91,7 @@ void BlockCache::trim() {
 			}
 		}
 		if (oldest == entries_.end()) {
-			return; // All are in work.
+			return; // All blocks are being computed.
 		}
 		bytes_ -= oldest->second.block != nullptr ? oldest->second.block->bytes() : 0;
 		entries_.erase(oldest);
@@ -128,13 +128,13 @@ SettledWindow::SettledWindow(BlockCache &cache, const PointSet &set, const CellR
 
 SettledWindow::~SettledWindow() {
 	if (std::ranges::none_of(slots_, &Slot::claimed)) {
-		// Fast path: what leaves nothing needs no lock.
+		// Fast path: a window that releases nothing needs no lock.
 		return;
 	}
 	const std::lock_guard lock(cache_.mutex_);
 	for (const Slot &slot : slots_) {
 		if (slot.claimed) {
-			cache_.entries_.at(slot.key).in_work = false; // It is there: what is in work stays.
+			cache_.entries_.at(slot.key).in_work = false; // The entry exists, because entries in work are not removed.
 		}
 	}
 }

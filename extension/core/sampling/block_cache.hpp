@@ -17,15 +17,15 @@ namespace thicket {
 /// All points of a block of cells, by rows.
 class SettledBlock {
 public:
-	/// Cells along each side. The grid of a block of this width, with its margin, stays in the second-level cache.
+	/// Cells along each side. The grid of a block of this width, including its margin, fits in the second-level cache.
 	static constexpr std::int32_t width = 96;
 
 	struct Point {
-		LevelGrid::PointOffset offset; ///< In its cell.
+		LevelGrid::PointOffset offset; ///< Relative to its cell.
 		std::uint32_t rank;
 	};
 
-	/// Of a grid in which `cells`, at most `width` wide and high, are decided. Throws std::bad_alloc.
+	/// Takes the points from a grid in which `cells`, at most `width` wide and high, are decided. Throws std::bad_alloc.
 	SettledBlock(const LevelGrid &grid, const CellRect &cells);
 
 	const CellRect &cells() const { return cells_; }
@@ -52,11 +52,11 @@ private:
 	static_assert(width % 32 == 0);
 
 	struct Row {
-		std::array<std::uint32_t, words> points{}; ///< A bit for each cell: whether it has one.
-		std::uint32_t begin = 0;                   ///< Of its points.
+		std::array<std::uint32_t, words> points{}; ///< A bit for each cell, set if it has a point.
+		std::uint32_t begin = 0;                   ///< Index of the row's first point.
 	};
 
-	/// Bits of the columns of a word before one that may lie beyond it.
+	/// A mask of the bits before a column of a word. The column may lie outside the word.
 	static constexpr std::uint32_t columns_before(std::int32_t column) {
 		return column <= 0 ? 0 : column >= 32 ? ~0u : (1u << column) - 1;
 	}
@@ -66,22 +66,23 @@ private:
 	std::vector<Point> points_;
 };
 
-/// Keeps blocks of sets that were sampled lately, so that tiles which are small beside a block, and layers at which other layers look,
-/// are decided once and share one margin. It saves work and changes no point. Safe for any number of threads.
+/// Keeps recently sampled blocks of point sets. Tiles that are small compared with a block, and layers that other layers read, are then
+/// decided once and share one margin. The cache saves work and changes no point. Safe for any number of threads.
 ///
-/// A block is made for the second window that touches it, or for the first one where a block beside it is there: what is wanted grows.
-/// A single window somewhere costs what it did without a cache.
+/// A block is computed for the second window that touches it, or for the first one if a block beside it is present, because the requested
+/// area usually grows. A single isolated window costs the same as without a cache.
 class BlockCache {
 public:
 	static constexpr std::size_t default_bytes = std::size_t{4} << 20;
-	/// Cells along the longer side of the largest window that is served: tiles of 16 r, of 22 r where a set has coarser levels, whose
-	/// margin is wider. Larger ones have little margin to share, and a block at the edge of what is wanted costs more than it saves.
+	/// Cells along the longer side of the largest window that uses the cache: tiles of 16 r, or of 22 r where a set has coarser levels,
+	/// whose margin is wider. Larger windows have little margin to share, and a block at the edge of the requested area costs more than
+	/// it saves.
 	static constexpr std::int32_t widest_window(std::uint32_t levels) { return levels > 1 ? 32 : 24; }
 
-	/// Keeps at most `bytes` of blocks, the last used ones.
+	/// Keeps at most `bytes` of blocks, the most recently used ones.
 	explicit BlockCache(std::size_t bytes = default_bytes) : limit_(bytes) {}
 
-	/// Bytes of the blocks that it holds.
+	/// Bytes of the blocks that the cache holds.
 	std::size_t bytes() const;
 
 private:
@@ -94,8 +95,8 @@ private:
 	};
 	struct Entry {
 		std::shared_ptr<const SettledBlock> block;
-		bool in_work = false;   ///< Somebody makes it.
-		std::uint64_t used = 0; ///< When it was asked for last.
+		bool in_work = false;   ///< A caller is computing the block.
+		std::uint64_t used = 0; ///< Clock value of the latest request.
 	};
 
 	bool is_made_beside(const Key &key) const;
@@ -103,31 +104,31 @@ private:
 
 	const std::size_t limit_;
 	mutable Mutex mutex_;
-	std::map<Key, Entry> entries_; ///< Without a block, too: of what was asked for once.
+	std::map<Key, Entry> entries_; ///< Includes entries without a block: blocks requested once.
 	std::size_t bytes_ = 0;
 	std::uint64_t clock_ = 0;
 };
 
-/// The blocks of a cache around a window of cells, for as long as the object lives.
+/// The blocks of a cache around a window of cells, held for the lifetime of the object.
 class SettledWindow {
 public:
-	/// Asks for the blocks of a window that is not empty and not wider than SettledBlock::width. Throws std::bad_alloc.
+	/// Requests the blocks of a window that is not empty and not wider than SettledBlock::width. Throws std::bad_alloc.
 	SettledWindow(BlockCache &cache, const PointSet &set, const CellRect &window);
-	/// Leaves to others what was to be made and was not.
+	/// Releases the claimed blocks that were not computed, so that others can compute them.
 	~SettledWindow();
 	SettledWindow(const SettledWindow &) = delete;
 	SettledWindow &operator=(const SettledWindow &) = delete;
 
-	/// Whether the window is to be taken from blocks. If not, it was the first to touch one of them and those beside it, or somebody else
-	/// is at work on one.
+	/// Whether the caller should take the window from blocks. False if this window was the first to touch one of them and the blocks
+	/// beside it, or if another caller is computing one.
 	bool served() const { return served_; }
 
-	/// The next block that the caller has to make for `settle`, clear of the set's last cell; false if all are there.
+	/// Returns the next block that the caller has to compute for `settle`, clear of the set's last cell. False if all blocks are present.
 	bool next_missing(CellRect &r_cells);
-	/// Takes over the block that was asked for last, from a grid in which it is decided. Throws std::bad_alloc.
+	/// Stores the block that next_missing() returned last, from a grid in which it is decided. Throws std::bad_alloc.
 	void settle(const LevelGrid &grid);
 
-	/// Calls `visit(cell, point)` for the points of the window, row by row. All blocks have to be there.
+	/// Calls `visit(cell, point)` for the points of the window, row by row. All blocks must be present.
 	template <class Visit>
 	void for_each(const Visit &visit) const {
 		for (std::int32_t y = window_.min.y; y < window_.max.y; ++y) {
@@ -145,14 +146,14 @@ private:
 	struct Slot {
 		BlockCache::Key key;
 		std::shared_ptr<const SettledBlock> block;
-		bool claimed = false; ///< Ours to make.
+		bool claimed = false; ///< This object has to compute it.
 	};
 
 	BlockCache &cache_;
 	CellRect window_;
-	std::array<Slot, 4> slots_; ///< By rows, so that those of one row stand in order.
+	std::array<Slot, 4> slots_; ///< By rows, so that the blocks of one row are in order.
 	std::size_t count_ = 0;
-	std::size_t missing_ = 0; ///< The slot that `settle` is for.
+	std::size_t missing_ = 0; ///< The slot that `settle` fills.
 	bool served_ = false;
 };
 

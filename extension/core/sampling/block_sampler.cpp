@@ -25,7 +25,7 @@ ResolveResult BlockSampler::resolve(const CellRect &block, const std::atomic<boo
 		const std::span<LevelGrid> levels(grids_.data(), levels_);
 		CellRect needed = block;
 		for (LevelGrid &grid : levels) {
-			// The coarser levels serve the chains in the finest level's margin too.
+			// The coarser levels also serve the chains in the finest level's margin.
 			grid.reset(needed.grown(grid.level == 0 ? margin_ : margin_ + margin_ / 8));
 			needed = coarse_cells_around(needed);
 		}

@@ -9,11 +9,11 @@
 
 namespace thicket {
 
-/// For each choice of a square's children, a bit each: what tells one of them from its siblings, without gaps.
+/// For each subset of a square's four children (one bit each): the values that distinguish each child from its siblings, without gaps.
 struct ChildTable {
 	struct Line {
 		alignas(32) std::uint64_t gamma[4]{};  ///< Added to the parent before it is hashed.
-		alignas(16) std::uint32_t corner[4]{}; ///< All bits of the coordinates in which the child is the upper one.
+		alignas(16) std::uint32_t corner[4]{}; ///< All coordinate bits on the axes where the child is the upper one.
 		std::uint32_t count = 0;
 	};
 	std::array<Line, 16> lines{};

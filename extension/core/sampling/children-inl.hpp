@@ -1,4 +1,4 @@
-// The children of squares that are split, many squares at a time. Compiled once for each instruction set, by resolver.cpp.
+// Computes the children of squares that are split, many squares at a time. Compiled once for each instruction set, by resolver.cpp.
 #if defined(THICKET_CHILDREN_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_CHILDREN_INL
 #undef THICKET_CHILDREN_INL
@@ -18,10 +18,10 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A lane for each square.
+/// One lane per square.
 using SplitLanes = hn::CappedTag<std::uint64_t, 8>;
 
-/// The children, a bit each, of the squares of `places` that have a sub-square that is not known to be covered.
+/// The children that have a sub-square not known to be covered, one bit each, for the squares of `places`.
 template <class V>
 HWY_INLINE V open_children(V places, V open) {
 	const SplitLanes d;
@@ -34,7 +34,7 @@ HWY_INLINE V open_children(V places, V open) {
 	const V side = hn::Shr(set(7), level);
 	const V inside = hn::Or(side, hn::ShiftLeft<3>(side));
 	const V parts = hn::Shr(open, hn::AndNot(inside, hn::Or(x, y)));
-	// A child's sub-squares if its corner is bit 0, and how far the next child is.
+	// The sub-squares of a child whose corner is bit 0, and the offset of the next child.
 	const auto whole = hn::Eq(level, hn::Zero(d));
 	const auto half = hn::Eq(level, set(1));
 	const V child = hn::IfThenElse(whole, set(0x0f0f0f0f), hn::IfThenElse(half, set(0x0303), set(1)));
@@ -80,7 +80,7 @@ HWY_INLINE V mixed(V bits) {
 	return hn::Xor(bits, hn::ShiftRight<31>(bits));
 }
 
-/// `child_dart` of the open children of the squares.
+/// Vector form of `child_dart` for the open children of the squares.
 HWY_INLINE void throw_child_darts(Splits &splits) {
 	const SplitLanes d64;
 	const hn::RepartitionToNarrow<decltype(d64)> d;
@@ -94,7 +94,7 @@ HWY_INLINE void throw_child_darts(Splits &splits) {
 		const auto parent_time = hn::Load(d, splits.time + i);
 		const auto place = hn::Load(d, splits.place + i);
 		const auto level = hn::Add(hn::ShiftRight<2 * lattice_bits>(place), hn::Set(d, 1));
-		// Powers of two by a float's exponent: many processors shift all lanes alike only.
+		// Powers of two built from a float's exponent, because many processors can shift all lanes only by the same amount.
 		const auto scale = hn::BitCast(df, hn::ShiftLeft<23>(hn::Add(hn::Add(level, level), hn::Set(d, 127))));
 		const auto width = hn::BitCast(d,
 				hn::ConvertTo(di, hn::BitCast(df, hn::ShiftLeft<23>(hn::Sub(hn::Set(d, 127 + lattice_bits), level)))));

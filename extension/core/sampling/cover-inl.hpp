@@ -1,4 +1,4 @@
-// What the disk of a point covers. Compiled once for each instruction set, by resolver.cpp.
+// Computes the area that the disk of a point covers. Compiled once for each instruction set, by resolver.cpp.
 #if defined(THICKET_COVER_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_COVER_INL
 #undef THICKET_COVER_INL
@@ -21,12 +21,12 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Distances are cut off here, where their squares still fit 31 bits and exceed radius^2.
+/// Distances are clamped to this value: its square still fits 31 bits and exceeds radius^2.
 constexpr std::int32_t far = 23171;
 
-/// The parts, of 2^part_bits by 2^part_bits units, that the disk of a point at (px, py) covers in the rows from `first_row`
-/// on, as bits of up to 32 columns. A part counts only when all its lattice points lie within the radius: the test of
-/// the paper's section 3.2, by the farthest corner, for a row of squares at once.
+/// The parts, of 2^part_bits by 2^part_bits units, that the disk of a point at (px, py) covers, one value per row from `first_row` on and
+/// one bit per column, up to 32 columns. A part counts as covered only if all its lattice points lie within the radius. This is the test
+/// of the paper's section 3.2, by the farthest corner, for a row of squares at once.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V covered_parts(
 		D di, std::int32_t first_row, std::int32_t px, std::int32_t py, int part_bits, std::int32_t columns) {
@@ -38,7 +38,7 @@ HWY_INLINE V covered_parts(
 	const V far_edge = hn::Add(near_edge, hn::Set(di, last));
 	const V distance = hn::Min(hn::Max(hn::Abs(near_edge), hn::Abs(far_edge)), hn::Set(di, far));
 	const V rest = hn::Sub(hn::Set(di, static_cast<std::int32_t>(radius_squared) - 1), hn::Mul(distance, distance));
-	// The root's rounding error is below 0.01: never too wide.
+	// The root's rounding error is below 0.01, so the result is never too wide.
 	const V half = hn::ConvertTo(di, hn::Sub(hn::Sqrt(hn::ConvertTo(df, hn::Max(rest, zero))), hn::Set(df, 0.01f)));
 	const V from = hn::Max(hn::ShiftRightSame(hn::Sub(hn::Set(di, px + last), half), part_bits), zero);
 	const V to = hn::Min(hn::ShiftRightSame(hn::Add(hn::Set(di, px + 1), half), part_bits), hn::Set(di, columns));
@@ -78,7 +78,7 @@ struct Cover {
 using CoverBytes = hn::CappedTag<std::uint8_t, 64>;
 using CoverCells = hn::RepartitionToWide<hn::RepartitionToWide<hn::RepartitionToWide<CoverBytes>>>;
 
-/// Turns columns of cells, each from the lowest row on, into rows of four.
+/// Transposes columns of cells, each starting at the lowest row, into rows of four.
 template <class V>
 HWY_INLINE void store_by_rows(const V *columns, Cover &r_cover) {
 	const CoverCells d;
@@ -110,7 +110,8 @@ HWY_INLINE void store_by_rows(const V *columns, Cover &r_cover) {
 	}
 }
 
-/// All rows of sub-squares at once, a byte each: where the covered ones begin and end, and, for each column of cells, the bits between.
+/// Handles all rows of sub-squares at once, one byte each. Finds where the covered ones begin and end, then the bits between for each
+/// column of cells.
 HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 	const CoverRows rows(around.x, around.y);
 	if constexpr (is_plain || HWY_TARGET == HWY_SSE2) {
@@ -149,7 +150,7 @@ HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 			const auto part = hn::LoadU(du, rows.part + row);
 			const auto is_less = hn::RebindMask(dh, hn::Eq(hn::Max(part, beyond), beyond));
 			const auto is_not_more = hn::RebindMask(dh, hn::Eq(hn::Min(part, short_of), part));
-			// How many bits, counted from a column's last one, are at or above where the covered ones begin and end.
+			// How many bits, counted from a column's last one, lie at or above the begin and the end of the covered ones.
 			auto from = wide(hn::Add(hn::Add(whole, hn::Set(dh, static_cast<std::int8_t>(8 - rows.column))),
 					hn::VecFromMask(dh, is_less)));
 			auto to = wide(hn::Sub(hn::Sub(hn::Set(dh, static_cast<std::int8_t>(7 - rows.column)), whole),
@@ -168,16 +169,16 @@ HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 	}
 }
 
-/// Finds covered children of many squares of quadtree levels above 3: a square is cut into parts, 8 x 8 where the lattice
-/// allows, and a part is covered when it lies in one disk. Slivers between disks end here that would be split many times.
+/// Finds covered children of many squares of quadtree levels above 3. Each square is cut into parts, 8 x 8 where the lattice allows. A
+/// part is covered when it lies in one disk. This ends slivers between disks that would otherwise be split many times.
 template <std::uint32_t room>
 class DeepCover {
 public:
-	/// `child_level` is that of the children of the square with corner `origin`.
+	/// `child_level` is the level of the children of the square with corner `origin`.
 	HWY_INLINE void add(const LevelGrid &grid, std::uint32_t cell, std::uint32_t child_level, CellPosition origin) {
 		const std::uint32_t half = cell_size >> child_level;
 		const Neighborhood around(grid, cell, origin + half * (1 + cell_size));
-		// A disk that reaches the square comes within its half diagonal of the center.
+		// A disk that reaches the square comes within half the square's diagonal of its center.
 		const std::uint32_t reach = far + half + half / 2;
 		squares_[count_] = {around.first, static_cast<std::int32_t>(half) - around.x,
 				static_cast<std::int32_t>(half) - around.y,
@@ -185,7 +186,7 @@ public:
 		++count_;
 	}
 
-	/// Calls `found` with the index of each square and a bit for each of its children that is known to be covered.
+	/// Calls `found` for each square, with its index and one bit for each child that is known to be covered.
 	template <class Found>
 	HWY_INLINE void finish(const LevelGrid &grid, const Found &found) {
 		const hn::CappedTag<std::int32_t, 8> di;
@@ -202,7 +203,7 @@ public:
 				const auto bit = static_cast<std::uint32_t>(std::countr_zero(near));
 				const CellPosition point =
 						LevelGrid::position_of(grid.point[square.first + (bit >> 2) * grid.stride + (bit & 3)]);
-				// The point, seen from the square's corner.
+				// The point, relative to the square's corner.
 				const std::int32_t px = static_cast<std::int32_t>((bit & 3) * cell_size + position_x(point)) + square.x;
 				const std::int32_t py =
 						static_cast<std::int32_t>((bit >> 2) * cell_size + position_y(point)) + square.y;

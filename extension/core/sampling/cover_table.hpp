@@ -8,15 +8,15 @@
 namespace thicket {
 
 /// Half the width of a point's disk in each row of sub-squares, as far as all lattice points of the row's part lie within the radius: the
-/// test of the paper's section 3.2, by the farthest corner. Whole sub-squares and 256ths, both rounded down, for a point's height
-/// in its own row, rounded so that no row is too wide.
+/// test of the paper's section 3.2, by the farthest corner. Stored as whole sub-squares and 256ths, both rounded down. Lines are indexed
+/// by the point's height in its own row, rounded so that no row is too wide.
 struct CoverTable {
 	static constexpr std::int32_t heights = 128;
 	static constexpr std::int32_t height_bits = sub_bits - 7;
 	static constexpr std::int32_t own_row =
-			19; ///< The farthest a point stands from the lowest row of its neighborhood.
+			19; ///< The largest distance of a point from the lowest row of its neighborhood, in rows.
 	static constexpr std::int32_t rows = 40;
-	static constexpr std::int8_t none = -100; ///< The disk covers nothing of the row.
+	static constexpr std::int8_t none = -100; ///< The disk covers no sub-square of the row.
 
 	struct Line {
 		std::array<std::int8_t, rows> whole{};
@@ -42,7 +42,7 @@ constexpr CoverTable make_cover_table() {
 		CoverTable::Line &line = table.lines[static_cast<std::size_t>(height)];
 		line.whole.fill(CoverTable::none);
 		for (std::int32_t row = -12; row <= 12; ++row) {
-			// The farthest edge of the row, as seen from the point.
+			// The farthest edge of the row, relative to the point.
 			const std::int32_t above = (row + 1) * size - 1 - lowest;
 			const std::int32_t below = highest - row * size;
 			const std::int32_t distance = above > below ? above : below;
@@ -60,12 +60,12 @@ constexpr CoverTable make_cover_table() {
 
 alignas(64) inline constexpr CoverTable cover_table = make_cover_table();
 
-/// The rows of sub-squares around a point, seen from the lowest cell of its neighborhood.
+/// The rows of sub-squares around a point, relative to the lowest cell of its neighborhood.
 struct CoverRows {
-	const std::int8_t *whole; ///< Of 32 rows, from the lowest one.
+	const std::int8_t *whole; ///< 32 rows, from the lowest one.
 	const std::uint8_t *part;
-	std::int32_t column; ///< That the point stands in.
-	std::int32_t beyond; ///< How far beyond the column's edge, in 256ths, rounded down.
+	std::int32_t column; ///< The column that contains the point.
+	std::int32_t beyond; ///< How far the point lies beyond the column's edge, in 256ths, rounded down.
 
 	CoverRows(std::int32_t x, std::int32_t y) : column(x >> sub_bits), beyond(x >> (sub_bits - 8) & 0xff) {
 		constexpr std::int32_t size = 1 << sub_bits;
@@ -75,7 +75,7 @@ struct CoverRows {
 		part = line.part.data() + first;
 	}
 
-	/// The columns of a row that are covered, a bit each.
+	/// The covered columns of a row, one bit each.
 	std::uint32_t bits(std::int32_t row) const {
 		const std::int32_t from = column - whole[row] + (beyond >= part[row] ? 1 : 0);
 		const std::int32_t to = column + whole[row] + (beyond + part[row] >= 256 ? 1 : 0);

@@ -8,8 +8,8 @@
 #include <bit>
 #include <cstdint>
 
-// The law of the process: which darts exist, when and where. Everything that decides placement follows from these
-// functions; the resolver only finds out which darts are accepted. Positions are lattice units within a cell.
+// The definition of the process: which darts exist, when and where. These functions determine every placement. The resolver only finds
+// out which darts are accepted. Positions are lattice units within a cell.
 
 namespace thicket {
 
@@ -24,13 +24,13 @@ inline constexpr std::uint32_t position_mask = (1u << (2 * lattice_bits)) - 1;
 constexpr std::uint32_t position_x(CellPosition position) { return position & cell_mask; }
 constexpr std::uint32_t position_y(CellPosition position) { return position >> lattice_bits & cell_mask; }
 
-/// A moment in the race of clocks: the bits of a positive float, whose order is that of the times, with the low five
-/// bits replaced by the cell's tag.
+/// A time in the race of exponential clocks: the bits of a positive float, which sort like the times, with the low five bits replaced by
+/// the cell's tag.
 using TimeKey = std::uint32_t;
 inline constexpr std::uint32_t tag_bits = 31;
-inline constexpr TimeKey time_unknown = 0;  ///< Before every dart; marks cells outside the workspace.
-inline constexpr TimeKey time_unthrown = 1; ///< Before every dart; marks cells whose first dart nobody has asked for.
-inline constexpr TimeKey time_never = 0x7f800000; ///< After every dart; marks cells that throw no more.
+inline constexpr TimeKey time_unknown = 0;  ///< Before every dart. Marks cells outside the workspace.
+inline constexpr TimeKey time_unthrown = 1; ///< Before every dart. Marks cells whose first dart was not requested yet.
+inline constexpr TimeKey time_never = 0x7f800000; ///< After every dart. Marks cells that throw no more darts.
 
 /// Cells at most two apart on each axis have different tags, so darts that could conflict never tie.
 constexpr std::uint32_t tag_of(std::uint32_t x_mod_5, std::uint32_t y_mod_5) { return x_mod_5 + 5 * y_mod_5; }
@@ -40,8 +40,8 @@ constexpr std::uint32_t mod_5(std::int32_t cell) {
 	return static_cast<std::uint32_t>(remainder < 0 ? remainder + 5 : remainder);
 }
 
-/// Exp(1) from random bits: -ln(u) with u an odd multiple of 2^-24, by ln m = 2 artanh((m - 1) / (m + 1)) for the
-/// mantissa. Only IEEE float operations, in the order written, so every path gives the same bits. Error below 1e-6.
+/// Exp(1) from random bits: -ln(u) with u an odd multiple of 2^-24, by ln m = 2 artanh((m - 1) / (m + 1)) for the mantissa. Uses only
+/// IEEE float operations, in the order written, so every code path returns the same bits. The error is below 1e-6.
 inline float exponential(std::uint32_t random) {
 	const float odd = static_cast<float>(static_cast<std::int32_t>(random >> 8 | 1u));
 	const auto bits = std::bit_cast<std::uint32_t>(odd);
@@ -59,13 +59,13 @@ inline float exponential(std::uint32_t random) {
 	return static_cast<float>(-exponent) * 0.693147180559945f - ln_mantissa;
 }
 
-/// A dart of a cell: its TimeKey above the quadtree level of its square (0 is the whole cell) above its CellPosition. The order of
-/// the keys is the order of a cell's darts.
+/// A dart of a cell. From the high bits to the low bits: its TimeKey, the quadtree level of its square (0 is the whole cell), and its
+/// CellPosition. Sorting by key sorts a cell's darts by time.
 using DartKey = std::uint64_t;
 
 constexpr DartKey make_dart(TimeKey time, std::uint32_t level_position) { return DartKey{time} << 32 | level_position; }
 
-/// Later than every dart, as a signed number too.
+/// Later than every dart, also when compared as a signed number.
 inline constexpr DartKey dart_never = ~DartKey{0} >> 1;
 
 constexpr TimeKey dart_time(DartKey dart) { return static_cast<TimeKey>(dart >> 32); }
@@ -90,7 +90,7 @@ struct DartSource {
 				std::uint32_t{set.layer} | level << 16};
 	}
 
-	/// The first dart of a cell: its clock runs at rate 1, the area of a cell.
+	/// The first dart of a cell. Its clock runs at rate 1, the area of a cell.
 	DartKey base_dart(std::int32_t x, std::int32_t y) const {
 		const auto random = philox4x32({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), stream, 0}, key);
 		const TimeKey time = (std::bit_cast<TimeKey>(exponential(random[0])) & ~tag_bits) | tag_of(mod_5(x), mod_5(y));
@@ -98,8 +98,8 @@ struct DartSource {
 	}
 };
 
-/// The dart of a child square (0 to 3, x first), hashed from its parent's, whose clock starts when the parent was rejected and
-/// runs at rate 4^-level. Never before the parent: float addition is monotone and both keys carry the same tag.
+/// The dart of a child square (0 to 3, x first), hashed from its parent's dart. Its clock starts when the parent was rejected and runs at
+/// rate 4^-level. It is never earlier than the parent: float addition is monotone and both keys carry the same tag.
 inline DartKey child_dart(DartKey parent, std::uint32_t child) {
 	const std::uint64_t random = split_mix(parent + (child + 1) * split_mix_gamma);
 	const std::uint32_t level = dart_level(dart_place(parent)) + 1;

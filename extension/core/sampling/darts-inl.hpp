@@ -1,4 +1,4 @@
-// Vector forms of dart.hpp; the same bits. Compiled once for each instruction set, by resolver.cpp.
+// Vector forms of dart.hpp with bit-identical results. Compiled once for each instruction set, by resolver.cpp.
 #if defined(THICKET_DARTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_DARTS_INL
 #undef THICKET_DARTS_INL
@@ -21,12 +21,12 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Vectors are only emulated: what few of their lanes are needed for is done one by one.
+/// Vectors are only emulated, so work that needs only a few of their lanes is done lane by lane.
 constexpr bool is_plain = HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SCALAR;
 
 template <class D, class M>
 HWY_INLINE std::uint32_t bits_of(D d, M mask) {
-	// Read back as wide as written: a wider load would wait for the store.
+	// Read back with the width of the write, because a wider load would wait for the store.
 	using Bits = std::conditional_t<(hn::MaxLanes(D()) > 8), std::uint16_t, std::uint8_t>;
 	std::uint8_t bytes[8];
 	hn::StoreMaskBits(d, mask, bytes);
@@ -35,7 +35,7 @@ HWY_INLINE std::uint32_t bits_of(D d, M mask) {
 	return bits;
 }
 
-/// The mask whose bits are the lowest of `bits`.
+/// The mask given by the lowest bits of `bits`.
 template <class D>
 HWY_INLINE hn::Mask<D> mask_of(D d, std::uint32_t bits) {
 	std::uint8_t bytes[8];
@@ -82,7 +82,7 @@ HWY_INLINE RandomBits<V> random_bits(D d, V c0, V c1, V c2, V c3, std::array<std
 	return {c0, c1};
 }
 
-/// `exponential` of dart.hpp, operation for operation; multiplies and adds are never fused.
+/// `exponential` of dart.hpp, operation for operation. Multiplies and adds are never fused.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE auto exponentials(D d, V random) {
 	const hn::RebindToSigned<D> di;
@@ -103,7 +103,7 @@ HWY_INLINE auto exponentials(D d, V random) {
 	return hn::Sub(hn::Mul(hn::ConvertTo(df, exponent), hn::Set(df, 0.693147180559945f)), ln_mantissa);
 }
 
-/// 0, 1, 2, 3, 4 again and again: the column's part of the tags of any five columns and those that follow.
+/// The repeating sequence 0, 1, 2, 3, 4: the column's part of the tags, for a vector that starts at any of five columns.
 constexpr auto column_tags = [] {
 	std::array<std::uint32_t, 4 + hn::MaxLanes(hn::ScalableTag<std::uint32_t>())> tags{};
 	for (std::uint32_t column = 0; column < tags.size(); ++column) {
@@ -112,7 +112,7 @@ constexpr auto column_tags = [] {
 	return tags;
 }();
 
-/// Throws the first darts of a row's cells from `begin` to `end` that have none.
+/// Throws the first darts of a row's cells from `begin` to `end`, except where a cell already has one.
 HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t begin, std::int32_t end) {
 	const hn::ScalableTag<std::uint32_t> d;
 	constexpr auto lanes = static_cast<std::int32_t>(hn::MaxLanes(d));
@@ -147,7 +147,7 @@ HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t 
 	}
 }
 
-/// Empties a grid and throws the first darts of those of its cells that lie in `wanted`. The border's time stays unknown.
+/// Empties a grid and throws the first darts of its cells that lie in `wanted`. The border's time stays unknown.
 HWY_INLINE void start_grid(LevelGrid &grid, const CellRect &wanted) {
 	const CellRect thrown{glm::max(wanted.min, grid.cells.min), glm::min(wanted.max, grid.cells.max)};
 	const glm::ivec2 size = grid.cells.size() + 2 * LevelGrid::border;
@@ -167,7 +167,7 @@ HWY_INLINE void start_grid(LevelGrid &grid, const CellRect &wanted) {
 	grid.thrown = thrown;
 }
 
-/// Throws the first darts of all cells that have none.
+/// Throws the first darts of all cells that have none yet.
 HWY_NOINLINE void throw_all(LevelGrid &grid) {
 	for (std::int32_t y = grid.cells.min.y; y < grid.cells.max.y; ++y) {
 		if (grid.thrown.min.y <= y && y < grid.thrown.max.y) {

@@ -6,7 +6,7 @@
 
 namespace thicket {
 
-/// Of each set of eight places, a bit each: the first four, the last one again and again where it has less.
+/// For each set of eight places (one bit each): its first four places. If the set has fewer, its last one repeats.
 inline constexpr auto empty_places = [] {
 	std::array<std::array<std::uint8_t, 4>, 256> table{};
 	for (std::uint32_t empty = 1; empty < 256; ++empty) {
@@ -19,7 +19,7 @@ inline constexpr auto empty_places = [] {
 	return table;
 }();
 
-/// Of each set of eight places: how many of the set come before each place.
+/// For each set of eight places: how many places of the set precede each place.
 alignas(64) inline constexpr auto places_before = [] {
 	std::array<std::array<std::uint8_t, 8>, 256> table{};
 	for (std::uint32_t set = 0; set < 256; ++set) {

@@ -19,7 +19,7 @@ void LevelGrid::reset(const CellRect &p_cells) {
 	const glm::ivec2 size = cells.size() + 2 * border;
 	stride = static_cast<std::uint32_t>(size.x);
 	const std::size_t count = std::size_t{stride} * static_cast<std::size_t>(size.y) + overread;
-	// The last of them tells: where memory ended halfway, the first ones are larger than the others.
+	// Checks the last array, because after a failed allocation the first arrays may be larger than the others.
 	if (open.size() < count) {
 		time.resize(count);
 		dart.resize(count);
@@ -28,11 +28,11 @@ void LevelGrid::reset(const CellRect &p_cells) {
 		requester.resize(count);
 		open.resize(count);
 	}
-	nobody = static_cast<std::uint32_t>(count) - 1;
-	time[nobody] = time_never;
-	dart[nobody] = 0;
-	waiting[nobody] = 0;
-	open[nobody] = 0;
+	sentinel = static_cast<std::uint32_t>(count) - 1;
+	time[sentinel] = time_never;
+	dart[sentinel] = 0;
+	waiting[sentinel] = 0;
+	open[sentinel] = 0;
 	if (coarser != nullptr) {
 		ready.assign(count, 0);
 	}

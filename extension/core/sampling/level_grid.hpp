@@ -24,7 +24,7 @@ struct CellRect {
 	friend constexpr bool operator==(const CellRect &, const CellRect &) = default;
 };
 
-/// The cells of the next coarser level that hold all points which can lie within its radius of the given cells.
+/// The cells of the next coarser level that contain all points that can lie within that level's radius of the given cells.
 constexpr CellRect coarse_cells_around(const CellRect &cells) {
 	return {(cells.min >> 1) - 1, ((cells.max - 1) >> 1) + 2};
 }
@@ -32,10 +32,10 @@ constexpr CellRect coarse_cells_around(const CellRect &cells) {
 /// Maps an accepted dart to its rank in the progressive order.
 using RankFunction = std::uint32_t (*)(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
-/// The state of the race over a rectangle of cells of one level of the progressive order. Cells are stored by rows, with a border
-/// of `border` cells whose time is unknown: a chain that asks for one must start again in a larger grid.
+/// The state of the race over a rectangle of cells of one level of the progressive order. Cells are stored by rows, with a border of
+/// `border` cells whose time is unknown. A chain that needs a border cell must start again in a larger grid.
 struct LevelGrid {
-	static constexpr std::int32_t border = 2; ///< Cells that a disk can reach beyond its own cell.
+	static constexpr std::int32_t border = 2; ///< How many cells a disk can reach beyond its own cell.
 
 	/// A point's offset from the center of its cell: x in the low 16 bits, y in the high ones, both signed.
 	using PointOffset = std::int32_t;
@@ -52,14 +52,14 @@ struct LevelGrid {
 		return ((bits + half) & cell_mask) | (((bits >> 16) + half) & cell_mask) << lattice_bits;
 	}
 
-	/// Who sees to it that a cell is looked at again.
+	/// The reason why a cell is visited again.
 	enum Listing : std::uint8_t {
 		unlisted,
-		requested, ///< It stands in `wanted`, for a cell that it blocks.
+		requested, ///< It is in `wanted`, for a cell that it blocks.
 		in_region, ///< It belongs to the region that is being decided.
 	};
 
-	/// A cell whose darts are asked for up to a time, and a cell that had an earlier one in the way; `nobody` for none.
+	/// A cell whose darts must be decided up to a time, and a cell whose earlier dart blocked it, or `sentinel`.
 	struct Wanted {
 		std::uint32_t cell;
 		TimeKey until;
@@ -72,37 +72,37 @@ struct LevelGrid {
 	std::uint32_t level = 0;
 	std::uint32_t levels = 1;
 	RankFunction rank = nullptr;
-	LevelGrid *coarser = nullptr; ///< The level whose points stand here from the start; null for the coarsest.
+	LevelGrid *coarser = nullptr; ///< The level whose points are placed here from the start. Null for the coarsest.
 
 	CellRect cells;           ///< Without the border.
-	std::uint32_t stride = 0; ///< Cells from one row to the next.
-	CellRect thrown;          ///< Cells whose first darts are thrown; outside, time_unthrown stands for them.
+	std::uint32_t stride = 0; ///< Offset from one row to the next, in cells.
+	CellRect thrown;          ///< Cells whose first darts are thrown. All other cells have time_unthrown.
 
 	std::vector<TimeKey> time;          ///< Time of the cell's next dart; time_never once the cell is decided.
-	std::vector<std::uint32_t> dart;    ///< The next dart; the rank once a point stands.
+	std::vector<std::uint32_t> dart;    ///< The next dart; the rank once the cell has a point.
 	std::vector<PointOffset> point;     ///< The accepted position, or no_point.
-	std::vector<std::uint32_t> waiting; ///< The cell's slot in `waiting_squares`; 0 for none.
-	std::vector<std::uint64_t> open;    ///< A bit for each of 8 x 8 sub-squares, by rows: not known to be covered.
-	/// All points of coarser levels near the cell stand. Not in use without a coarser level.
+	std::vector<std::uint32_t> waiting; ///< The cell's slot in `waiting_squares`; 0 if it has none.
+	std::vector<std::uint64_t> open;    ///< 8 x 8 sub-squares by rows, one bit each: not known to be covered.
+	/// Whether all points of coarser levels near the cell are placed. Unused without a coarser level.
 	std::vector<std::uint8_t> ready;
 
 	WaitingSquares waiting_squares;
-	std::uint32_t nobody = 0; ///< An entry beyond all cells that throws no darts.
+	std::uint32_t sentinel = 0; ///< An entry beyond all cells that throws no darts.
 
 	std::vector<Listing> listed;
-	std::vector<std::uint32_t> requester; ///< Of a requested cell: the cell that it blocks.
-	std::vector<Wanted> wanted;           ///< What the next round looks at.
-	std::vector<Wanted> round;            ///< What this round looks at.
-	std::vector<std::uint32_t> due;       ///< Cells to look at in a pass.
+	std::vector<std::uint32_t> requester; ///< For a requested cell: the cell that it blocks.
+	std::vector<Wanted> wanted;           ///< Cells to check in the next round.
+	std::vector<Wanted> round;            ///< Cells to check in this round.
+	std::vector<std::uint32_t> due;       ///< Cells to check in a pass.
 	Splits splits;
-	std::uint32_t undecided = nowhere; ///< The cell that a dart outside the grid could decide.
+	std::uint32_t undecided = nowhere; ///< The cell that depends on a dart outside the grid.
 	static constexpr std::uint32_t nowhere = 0;
 
 	std::uint64_t accepted = 0;
 	std::uint64_t darts = 0;
 	std::uint64_t squares = 0;
 
-	/// Prepares for `p_cells`, reusing memory. The arrays' contents are set by the resolver.
+	/// Prepares the grid for `p_cells`, reusing memory. The resolver sets the contents of the arrays.
 	void reset(const CellRect &p_cells);
 
 	std::uint32_t index_of(glm::ivec2 cell) const {

@@ -15,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-/// Points in square buckets with sides of a radius.
+/// Points in square buckets with sides of one radius.
 class Buckets {
 public:
 	Buckets(const std::vector<SamplePoint> &points, const Rect &area, double side) :
@@ -32,7 +32,7 @@ public:
 		}
 	}
 
-	/// The point nearest to a place that has one within a radius.
+	/// The point nearest to a position. A point must lie within a radius of it.
 	const SamplePoint &nearest(glm::dvec2 place) const {
 		double squared = std::numeric_limits<double>::infinity();
 		std::size_t best = 0;
@@ -70,8 +70,8 @@ private:
 	double side_;
 	std::ptrdiff_t across_ = 1;
 	std::ptrdiff_t down_ = 1;
-	std::vector<std::size_t> first_; ///< Of each bucket, the first of its points,
-	std::vector<std::size_t> next_;  ///< and of each point the next one.
+	std::vector<std::size_t> first_; ///< The first point of each bucket.
+	std::vector<std::size_t> next_;  ///< The next point after each point.
 };
 
 Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
@@ -80,7 +80,7 @@ Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec
 	if (!area.finite()) {
 		return {ErrorCode::not_finite, "places", std::isfinite(area.min.x) ? area.min.y : area.min.x};
 	}
-	const glm::dvec2 reach(1.001 * set.radius); // A part in a thousand more for what is rounded.
+	const glm::dvec2 reach(1.001 * set.radius); // 0.1 % more, for rounding.
 	area = {area.min - reach, area.max + reach};
 	std::vector<SamplePoint> points;
 	if (const Status status = sampler.sample(set, area, points); !status.ok()) {

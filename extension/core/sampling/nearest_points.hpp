@@ -12,12 +12,14 @@
 
 namespace thicket {
 
-/// The smallest rectangle that holds all places, its far edges included; one that is not finite if a place is not. At least one place.
+/// The smallest rectangle that contains all positions, including its far edges. Not finite if a position is not. Requires at least one
+/// position.
 Rect enclosing_rect(std::span<const glm::dvec2> places);
 
-/// The points of a set that are nearest to some places (world meters), one for each: closer than the radius, or there would be room for
-/// one more. Of two at the same distance that with the smaller id. Replaces `r_points`; after an error they are none. The places should
-/// lie close together: all points around them are sampled. Fails as TileSampler::sample does, and refuses places that are not finite.
+/// Finds the nearest point of a set for each of some positions (world meters). Each is closer than the radius, because otherwise a
+/// further point would fit. Of two points at the same distance, the one with the smaller id is chosen. Replaces `r_points`, which is
+/// empty after an error. The positions should lie close together, because all points around them are sampled. Fails like
+/// TileSampler::sample, and refuses positions that are not finite.
 Status nearest_points(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
 		std::vector<SamplePoint> &r_points);
 

@@ -1,4 +1,4 @@
-// The cells that a disk can reach, all at a glance. Compiled once for each instruction set, by resolver.cpp.
+// Reads all cells that a disk can reach together. Compiled once for each instruction set, by resolver.cpp.
 #if defined(THICKET_NEIGHBORHOOD_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_NEIGHBORHOOD_INL
 #undef THICKET_NEIGHBORHOOD_INL
@@ -22,11 +22,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::int32_t side = static_cast<std::int32_t>(cell_size);
 
-/// A disk's radius is less than one and a half cells, so it reaches two cells beyond its own on the near side and one on the
-/// far side of each axis: 4 x 4 cells, which fill one vector of 16 lanes or a few smaller ones, row by row.
+/// A disk's radius is less than one and a half cells. It therefore reaches, on each axis, two cells beyond its own on the near side and
+/// one on the far side: 4 x 4 cells, which fill one vector of 16 lanes or a few smaller ones, row by row.
 struct Neighborhood {
 	std::uint32_t first; ///< Index of the lowest cell.
-	std::int32_t x;      ///< The disk's center, seen from the lowest cell's corner: 1.5 to 2.5 cells.
+	std::int32_t x;      ///< The disk's center, relative to the lowest cell's corner: 1.5 to 2.5 cells.
 	std::int32_t y;
 
 	Neighborhood(const LevelGrid &grid, std::uint32_t cell, CellPosition center) {
@@ -46,7 +46,7 @@ using BlockMask = hn::Mask<BlockLanes>;
 constexpr std::size_t block_lanes = hn::MaxLanes(BlockLanes());
 constexpr std::int32_t radius2 = static_cast<std::int32_t>(radius_squared);
 
-/// Centers of the 16 cells, seen from the lowest cell's corner: x in the low half, y in the high one.
+/// Centers of the 16 cells, relative to the lowest cell's corner: x in the low half, y in the high one.
 alignas(64) constexpr auto block_centers = [] {
 	std::array<std::uint32_t, 16> centers{};
 	for (std::uint32_t cell = 0; cell < 16; ++cell) {
@@ -67,8 +67,8 @@ HWY_INLINE hn::Vec<D> load_rows(D d, const T *from, std::size_t stride) {
 	}
 }
 
-/// The cells' centers from `lane` on, seen from the disk's center. Offsets fit 16 bits but for one lane in thousands, which
-/// wraps to the other side, as far away.
+/// The cells' centers from `lane` on, relative to the disk's center. Offsets fit 16 bits except for one lane in thousands, which wraps to
+/// the other side at the same distance.
 HWY_INLINE BlockHalves centers_from(const Neighborhood &around, std::size_t lane) {
 	const BlockLanes d;
 	const HalfLanes d16;
@@ -81,8 +81,8 @@ HWY_INLINE BlockWords squared_length(BlockHalves offset) {
 	return hn::WidenMulPairwiseAdd(BlockLanes(), offset, offset);
 }
 
-/// The cells, other than its own, that the disk of a dart reaches, where a vector has a lane for each of them: computed, which then is
-/// faster than `reached_cells`.
+/// The cells, other than its own, that the disk of a dart reaches. Used where a vector has a lane for each of them, because computing
+/// them is then faster than `reached_cells`.
 HWY_INLINE BlockMask all_reached_cells(BlockHalves centers) {
 	const BlockLanes d;
 	const HalfLanes d16;
@@ -94,14 +94,14 @@ HWY_INLINE BlockMask all_reached_cells(BlockHalves centers) {
 	return hn::And(hn::Lt(distance2, hn::Set(d, radius2)), hn::Gt(distance2, hn::Zero(d)));
 }
 
-/// Squared distances, as far as they fit, of the points of the cells; nonsense where there is none.
+/// Squared distances of the points of the cells, as far as they fit. The value is meaningless where a cell has no point.
 HWY_INLINE BlockWords distances_to(BlockWords points, BlockHalves centers) {
 	const HalfLanes d16;
 	const auto offset = hn::SaturatedAdd(hn::BitCast(d16, points), centers);
 	return squared_length(hn::Max(offset, hn::Set(d16, -32767)));
 }
 
-/// Looks around a dart of `cell`.
+/// Checks the cells and points around a dart of `cell`.
 HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position, TimeKey time) {
 	const BlockLanes d;
 	const Neighborhood around(grid, cell, position);
@@ -149,7 +149,7 @@ HWY_INLINE TimeKey earliest_around(const LevelGrid &grid, std::uint32_t cell, Ce
 	return static_cast<TimeKey>(hn::GetLane(hn::MinOfLanes(d, earliest)));
 }
 
-/// The points of the neighborhood whose squared distance to its center is below `limit`: a bit a cell.
+/// The points of the neighborhood whose squared distance to its center is below `limit`, one bit per cell.
 HWY_INLINE std::uint32_t points_near(const LevelGrid &grid, const Neighborhood &around, std::int32_t limit) {
 	const BlockLanes d;
 	std::uint32_t near = 0;

@@ -10,8 +10,8 @@ constexpr std::uint32_t stage_table[rank_stages][rank_knots] = {
 #include "core/sampling/rank_tables.inc"
 };
 
-/// Points in radius^2 of a set of so many levels: 4 / pi times the jamming coverage 0.547070 for the first, then as measured with
-/// rank_tables.inc.
+/// Points per radius^2 of a set, by number of levels: 4 / pi times the jamming coverage 0.547070 for one level, otherwise as measured
+/// along with rank_tables.inc.
 constexpr std::array<double, max_levels> densities = {
 		0.696551,
 		0.710752,
@@ -42,7 +42,7 @@ constexpr auto make_level_ends() {
 
 constexpr auto level_ends = make_level_ends();
 
-/// Share of a stage, in 2^-32, whose time lies before `time`: linear between the knots, below the first one too.
+/// Share of a stage, in 2^-32, whose time lies before `time`. Linear between the knots, and also below the first one.
 std::uint32_t share_before(std::uint32_t stage, TimeKey time) {
 	const auto &table = stage_table[stage < rank_stages ? stage : rank_stages - 1];
 	const std::uint32_t knot = rank_knot(time);

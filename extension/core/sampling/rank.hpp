@@ -6,23 +6,23 @@
 
 namespace thicket {
 
-/// The position of an accepted dart in the progressive order, as a fraction of 2^32: the share of the whole set whose
-/// (level, time) comes before. Levels go from coarse (levels - 1) to fine (0). From tables that hold for every seed
-/// and radius, because the process has no scale. Never falls along that order.
+/// The position of an accepted dart in the progressive order, as a fraction of 2^32: the share of the whole set whose (level, time) comes
+/// before. Levels go from coarse (levels - 1) to fine (0). Read from tables that hold for every seed and radius, because the process has
+/// no scale. Never decreases along that order.
 std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
 /// The level at which a point of this rank was placed.
 std::uint32_t level_of_rank(std::uint32_t levels, std::uint32_t rank);
 
-/// The tables have a stage for each of the coarsest levels; later ones are alike.
+/// The tables have a stage for each of the coarsest levels. Finer levels use the last stage.
 inline constexpr std::uint32_t rank_stages = 4;
 
-/// Knots stand 32 to the octave of time from 2^-16 to 2^33, beyond which no clock of a lattice square runs.
+/// There are 32 knots per octave of time, from 2^-16 to 2^33. No clock of a lattice square runs longer.
 inline constexpr std::uint32_t rank_knot_shift = 18;
 inline constexpr TimeKey first_rank_knot = (127u - 16u) << 23;
 inline constexpr std::uint32_t rank_knots = (33u + 16u) << (23 - rank_knot_shift);
 
-/// The first knot that lies after `time`; rank_knots when none does.
+/// The first knot after `time`, or rank_knots if there is none.
 constexpr std::uint32_t rank_knot(TimeKey time) {
 	if (time < first_rank_knot) {
 		return 0;

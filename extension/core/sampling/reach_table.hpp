@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-/// The cells of a neighborhood of 4 x 4, other than a dart's own, that the disk of a dart may reach: a bit each, by rows, for 32 x 32 parts of
-/// the dart's cell. A cell too many makes a dart wait where it need not, and changes no result.
+/// The cells of a 4 x 4 neighborhood, other than a dart's own, that the disk of a dart may reach: one bit each, by rows, for 32 x 32
+/// parts of the dart's cell. A superfluous cell only makes a dart wait longer than necessary; it changes no result.
 struct ReachTable {
 	static constexpr std::uint32_t part_bits = lattice_bits - 5;
 	std::array<std::uint16_t, 32 * 32> cells{};
@@ -22,8 +22,8 @@ struct ReachTable {
 constexpr ReachTable make_reach_table() {
 	constexpr auto side = static_cast<std::int32_t>(cell_size);
 	constexpr std::int32_t part = 1 << ReachTable::part_bits;
-	// The gap on one axis between the part and a cell of the neighborhood, which begins two cells below the dart's own where the dart
-	// is in the lower half of that.
+	// The gap on one axis between the part and a cell of the neighborhood. The neighborhood begins two cells below the dart's own if the
+	// dart is in the lower half of its cell, else one.
 	const auto gap = [](std::int32_t first, std::int32_t cell) {
 		const std::int32_t corner = (cell - (first < side / 2 ? 2 : 1)) * side;
 		const std::int32_t before = first - (corner + side - 1);
@@ -48,7 +48,6 @@ constexpr ReachTable make_reach_table() {
 
 alignas(64) inline constexpr ReachTable reach_table = make_reach_table();
 
-/// See ReachTable.
 inline std::uint32_t reached_cells(CellPosition dart) { return reach_table.cells[ReachTable::index_of(dart)]; }
 
 } // namespace thicket

@@ -21,20 +21,22 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Cells around a region for which the coarser level is decided with the region's own: most chains that leave the region then find
-/// what they ask of that level, where they would follow chains of it in each of their rounds.
+/// Cells around a region for which the coarser level is decided along with the region itself. Most chains that leave the region then find
+/// the required points of that level. Otherwise they would have to follow chains of it in each of their rounds.
 constexpr std::int32_t most_ahead = 4;
 
-/// Cells around a region whose first darts are thrown from the start. Chains seldom go farther: those that do throw all of the grid's.
+/// Cells around a region whose first darts are thrown from the start. Chains rarely go farther. A chain that does throws all of the
+/// grid's.
 constexpr std::int32_t thrown_around = 12;
 
 struct Pass {
 	float end;           ///< The time up to which it decides.
-	std::int32_t around; ///< Cells around the region that it decides with the region's own; at most `most_ahead`.
+	std::int32_t around; ///< Cells around the region that are decided along with it; at most `most_ahead`.
 };
 
-/// The passes of `resolve_region`. Their ends double while there is much left to cover, and then grow faster: each looks at all cells.
-/// Nearly all early darts around a region are wanted by some chain, and cost less in a row than one chain after the other.
+/// The passes of `resolve_region`. Their ends double while much is left to cover, and then grow faster, because each pass visits all
+/// cells. Some chain needs nearly all early darts around a region. Deciding them in a row costs less than following one chain after the
+/// other.
 constexpr Pass passes[] = {{0.125f, 4}, {0.25f, 4}, {0.5f, 3}, {1.0f, 2}, {2.0f, 1}, {4.0f, 1}, {8.0f, 0}, {32.0f, 0},
 		{std::numeric_limits<float>::infinity(), 0}};
 static_assert(std::ranges::all_of(
@@ -66,7 +68,7 @@ HWY_INLINE std::span<const std::uint32_t> find_due(
 	return {grid.due.data(), found};
 }
 
-/// Marks the cells that a pass looks at by itself, of those that the pass before it looked at; outside them nothing is listed.
+/// Marks the cells that a pass visits in any case, after clearing the marks of the pass before. Nothing outside these cells is listed.
 HWY_INLINE void list_region(LevelGrid &grid, const CellRect &before, const CellRect &region) {
 	const auto mark = [&](const CellRect &cells, LevelGrid::Listing listing) {
 		for (std::int32_t y = cells.min.y; y < cells.max.y; ++y) {
@@ -77,7 +79,7 @@ HWY_INLINE void list_region(LevelGrid &grid, const CellRect &before, const CellR
 	mark(region, LevelGrid::in_region);
 }
 
-/// Decides the darts up to `until` of all cells of a region. False when the grid is too small.
+/// Decides the darts up to `until` of all cells of a region. Returns false if the grid is too small.
 inline bool resolve_pass(LevelGrid *levels, std::uint32_t level, const CellRect &region, TimeKey until,
 		const std::atomic<bool> *cancel) {
 	LevelGrid &grid = levels[level];
@@ -104,15 +106,15 @@ inline bool resolve_pass(LevelGrid *levels, std::uint32_t level, const CellRect 
 	return resolve_wanted(levels, level);
 }
 
-/// Decides all cells of a region of one level, the early darts of all cells first: the points that they leave cover most of
-/// the rest, which then need not be looked at. The order changes no result.
+/// Decides all cells of a region of one level, starting with the early darts of all cells. The resulting points cover most of the
+/// remaining area, which then needs no check. The order changes no result.
 inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, const CellRect &region, std::int32_t ahead,
 		const std::atomic<bool> *cancel) {
 	LevelGrid &grid = levels[level];
 	grid.listed.assign(grid.open.size(), LevelGrid::unlisted);
 	grid.wanted.clear();
 	if (grid.coarser != nullptr) {
-		// Fast path: for all cells at once what make_ready would bring for each that is asked for.
+		// Fast path: does for all cells together the work that make_ready would do for each requested cell.
 		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
 	CellRect listed;
@@ -137,7 +139,7 @@ inline ResolveResult resolve_block(
 		std::span<LevelGrid> levels, const CellRect &block, const std::atomic<bool> *cancel) {
 	const std::int32_t margin = block.min.x - levels.front().cells.min.x;
 	const std::int32_t ahead =
-			std::min(most_ahead, margin / 2); // Half the margin of each level holds what is ahead on all finer ones.
+			std::min(most_ahead, margin / 2); // Half of each level's margin holds the cells ahead on all finer ones.
 	for (std::size_t level = levels.size(); level-- > 0;) {
 		CellRect region = block;
 		for (std::size_t finer = 0; finer < level; ++finer) {

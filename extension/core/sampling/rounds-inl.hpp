@@ -19,9 +19,9 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The neighbor that carries the tag of `key`, as an offset in cells.
+/// The neighbor that carries the tag of `key`, as an index.
 HWY_INLINE std::uint32_t tagged_neighbor(const LevelGrid &grid, std::uint32_t cell, TimeKey own, TimeKey key) {
-	static constexpr std::int8_t offset[9] = {1, 2, -2, -1, 0, 1, 2, -2, -1}; // of (difference mod 5), from -4
+	static constexpr std::int8_t offset[9] = {1, 2, -2, -1, 0, 1, 2, -2, -1}; // Indexed by (difference mod 5), from -4.
 	static constexpr std::uint8_t tag_x[32] = {
 			0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4};
 	static constexpr std::uint8_t tag_y[32] = {
@@ -33,7 +33,7 @@ HWY_INLINE std::uint32_t tagged_neighbor(const LevelGrid &grid, std::uint32_t ce
 	return cell + static_cast<std::uint32_t>(dy * static_cast<std::int32_t>(grid.stride) + dx);
 }
 
-/// Marks what a new point's disk covers, and closes the cells that are left without an open sub-square.
+/// Marks the area that a new point's disk covers, and closes the cells that are left without an open sub-square.
 HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position) {
 	const Neighborhood around(grid, cell, position);
 	Cover cover;
@@ -50,7 +50,7 @@ HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position
 			std::uint64_t *open = grid.open.data() + index;
 			const auto after = hn::AndNot(hn::Load(d, cover.cells + 4 * row + lane), hn::LoadU(d, open));
 			hn::StoreU(after, d, open);
-			// The border is closed from the start, at a time that stays unknown.
+			// The border is closed from the start. Its time must stay unknown.
 			const auto time = hn::LoadU(d32, grid.time.data() + index);
 			const auto closed =
 					hn::And(hn::DemoteMaskTo(d32, d, hn::Eq(after, hn::Zero(d))), hn::Ne(time, hn::Zero(d32)));
@@ -65,17 +65,17 @@ HWY_INLINE void place_point(LevelGrid &grid, std::uint32_t cell, CellPosition po
 	stamp(grid, cell, position);
 }
 
-/// Decides what is wanted of a level. False when a dart outside its grid could be in the way.
+/// Decides the wanted cells of a level. Returns false if a dart outside its grid could interfere.
 bool resolve_wanted(LevelGrid *levels, std::uint32_t level);
 
 HWY_INLINE void want(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	if (grid.listed[cell] == LevelGrid::unlisted) {
 		grid.listed[cell] = LevelGrid::requested;
-		grid.wanted.push_back({cell, until, grid.nobody});
+		grid.wanted.push_back({cell, until, grid.sentinel});
 	}
 }
 
-/// Copies the point of a decided coarse cell, if it has one, to where it stands in the finer grid.
+/// Copies the point of a decided coarse cell, if it has one, to its position in the finer grid.
 HWY_INLINE void hand_down(const LevelGrid &coarse, glm::ivec2 cell, LevelGrid &grid) {
 	const std::uint32_t source = coarse.index_of(cell);
 	if (coarse.point[source] == LevelGrid::no_point) {
@@ -95,8 +95,8 @@ HWY_INLINE void hand_down(const LevelGrid &coarse, glm::ivec2 cell, LevelGrid &g
 	}
 }
 
-/// Brings all points of the coarser levels that can reach the cells of `region`, around which the coarser level is decided, into
-/// the grid.
+/// Copies all points of the coarser levels that can reach the cells of `region` into the grid. The coarser level must be decided around
+/// them.
 inline void make_region_ready(const LevelGrid &coarse, LevelGrid &grid, const CellRect &region) {
 	const CellRect parents = coarse_cells_around(region);
 	for (std::int32_t y = parents.min.y; y < parents.max.y; ++y) {
@@ -109,8 +109,8 @@ inline void make_region_ready(const LevelGrid &coarse, LevelGrid &grid, const Ce
 	}
 }
 
-/// Brings the points of the coarser levels that can reach the cells of `items`, and their siblings in the coarse cells, into the grid:
-/// what all of them want of the coarser level is decided together. False when a dart outside its grid could be in the way.
+/// Copies the points of the coarser levels that can reach the cells of `items`, and their siblings in the coarse cells, into the grid.
+/// Decides all required cells of the coarser level together. Returns false if a dart outside its grid could interfere.
 inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &items) {
 	LevelGrid &grid = levels[level];
 	LevelGrid &coarse = levels[level + 1];
@@ -120,7 +120,7 @@ inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &item
 	for (std::uint32_t i = 0; i < items.count; ++i) {
 		const std::uint32_t cell = cell_of(items.items[i]);
 		if (grid.ready[cell] != 0) {
-			// Fast path: what can reach the cell stands already.
+			// Fast path: the points that can reach the cell are already placed.
 			continue;
 		}
 		const glm::ivec2 parent = grid.cell_of(cell) >> 1;
@@ -160,22 +160,22 @@ inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &item
 	return true;
 }
 
-/// Takes a cell of no region off the list.
+/// Removes a cell from the list unless it belongs to the region.
 HWY_INLINE void unlist(LevelGrid &grid, std::uint32_t cell) {
 	LevelGrid::Listing &listed = grid.listed[cell];
 	listed = listed == LevelGrid::requested ? LevelGrid::unlisted : listed;
 }
 
-/// Wants a cell outside the region that blocks another one.
+/// Requests a cell outside the region that blocks another cell.
 HWY_INLINE void request(LevelGrid &grid, std::uint32_t cell, std::uint32_t requester, TimeKey until) {
 	if (grid.listed[cell] == LevelGrid::unlisted) {
 		grid.listed[cell] = LevelGrid::requested;
 		grid.requester[cell] = requester;
-		grid.wanted.push_back({cell, until, grid.nobody});
+		grid.wanted.push_back({cell, until, grid.sentinel});
 	}
 }
 
-/// Leaves a blocked cell for the next round, and wants what blocks it.
+/// Leaves a blocked cell for the next round, and requests the cell that blocks it.
 HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	const TimeKey time = grid.time[cell];
 	TimeKey earliest = earliest_around(grid, cell, dart_position(grid.dart[cell]));
@@ -193,9 +193,9 @@ HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	return true;
 }
 
-/// Decides a dart of each of the cells of `work`. None depends on another: a dart is accepted only when all other cells that its disk
-/// reaches have later ones, and a rejected one is rejected by a point that stands. Cells that are blocked go to grid.wanted,
-/// with what blocks them; those whose next dart is due stay in `work`. False when a dart outside the grid could be in the way.
+/// Decides one dart of each of the cells of `work`. The decisions are independent: a dart is accepted only if all other cells that its
+/// disk reaches have later darts, and it is rejected only by an accepted point. Blocked cells go to grid.wanted, along with the cells
+/// that block them. Cells whose next dart is due stay in `work`. Returns false if a dart outside the grid could interfere.
 template <bool from_list>
 HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	LevelGrid &grid = levels[level];
@@ -219,7 +219,7 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	grid.accepted += accepted.count;
 	for (std::uint32_t i = 0; i < blocked.count; ++i) {
 		const std::uint32_t cell = cell_of(blocked.items[i]);
-		if (grid.time[cell] == time_never) { // One of the new points covers it.
+		if (grid.time[cell] == time_never) { // A new point covers it.
 			unlist(grid, cell);
 		} else if (!wait(grid, cell, until_of(blocked.items[i]))) {
 			return false;
@@ -241,9 +241,9 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	return true;
 }
 
-/// Sorts the cells of grid.round from `next` on, as many as `r_work` takes: those that are decided, or whose requester has been
-/// decided by others, so that the chain need not be followed, are dropped; those that are still blocked wait for the next round.
-/// Which of them it is is a coin toss, so nothing branches on it.
+/// Sorts the cells of grid.round from `next` on, as many as fit into `r_work`. Drops cells that are decided, and cells whose requester
+/// was decided in a different way, so that the chain need not be followed. Cells that are still blocked wait for the next round. The
+/// outcome is unpredictable, so the loop has no branch on it.
 HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_work) {
 	LevelGrid::Wanted blocked[Group::most];
 	std::size_t count = 0;
@@ -254,7 +254,7 @@ HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_wo
 		const TimeKey time = grid.time[wanted.cell];
 		const LevelGrid::Listing listed = grid.listed[wanted.cell];
 		const std::uint32_t requester = grid.requester[wanted.cell];
-		// As numbers: compilers take a single | or & of conditions for a slip.
+		// As numbers, because compilers warn about a single | or & between conditions.
 		const auto is = [](bool condition) {
 			return static_cast<std::uint32_t>(condition);
 		};
@@ -295,7 +295,7 @@ inline bool resolve_wanted(LevelGrid *levels, std::uint32_t level) {
 			}
 		} while (next < grid.round.size());
 	}
-	// They take turns: with as much room in both, none has to grow that was not larger before.
+	// The two lists take turns. With equal capacity in both, neither has to grow unless it exceeds its largest size until now.
 	grid.round.clear();
 	grid.round.reserve(grid.wanted.capacity());
 	grid.wanted.reserve(grid.round.capacity());

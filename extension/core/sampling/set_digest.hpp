@@ -9,18 +9,18 @@
 
 namespace thicket {
 
-/// Tells whether two machines made the same points: equal points have equal digests, FNV-1a over all their bits.
+/// Shows whether two machines generated the same points: equal points have equal digests, FNV-1a over all their bits.
 struct SetDigest {
-	std::uint64_t places = 0; ///< Of the ids, positions and levels.
-	std::uint64_t ranks = 0;  ///< Of the ranks apart, which better tables of the same sets may change.
+	std::uint64_t places = 0; ///< Digest of the ids, positions and levels.
+	std::uint64_t ranks = 0;  ///< Digest of the ranks. Separate, because better rank tables may change them.
 
 	friend bool operator==(const SetDigest &, const SetDigest &) = default;
 };
 
-/// Of points of one set, whatever their order. Throws std::bad_alloc. O(points log points).
+/// Digest of the points of one set, independent of their order. Throws std::bad_alloc. O(points log points).
 SetDigest digest(std::span<const SamplePoint> points);
 
-/// Of the points of a whole domain in the order in which they stand, as numbers of double precision.
+/// Digest of the points of a whole domain, in their given order, as double-precision numbers.
 std::uint64_t digest(std::span<const glm::vec2> points);
 std::uint64_t digest(std::span<const glm::dvec2> points);
 

@@ -1,4 +1,4 @@
-// What becomes of the squares of rejected darts. Compiled once for each instruction set, by resolver.cpp.
+// Splits the squares of rejected darts. Compiled once for each instruction set, by resolver.cpp.
 #if defined(THICKET_SPLITS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_SPLITS_INL
 #undef THICKET_SPLITS_INL
@@ -20,7 +20,7 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A vector of one value after the other: faster than a gather, which narrow vectors only have emulated.
+/// Loads a vector value by value. This is faster than a gather, which is only emulated for narrow vectors.
 template <class Value>
 HWY_INLINE hn::Vec<SplitLanes> load_each(SplitLanes d, const Value &value) {
 	if constexpr (hn::MaxLanes(d) == 2) {
@@ -33,13 +33,13 @@ HWY_INLINE hn::Vec<SplitLanes> load_each(SplitLanes d, const Value &value) {
 	return hn::Load(d, values);
 }
 
-/// Sorts rejected cells by what becomes of their squares: those with open children are splits, or `r_deep` where more has to be
-/// looked at; cells whose square has none are `r_spent`, and cells that a new point closed are dropped.
+/// Sorts rejected cells by the result for their squares. Squares with open children go to `r_splits`, or to `r_deep` if they need a
+/// further check. Cells whose square has no open child go to `r_spent`. Cells that a new point closed are dropped.
 HWY_INLINE void sort_by_children(
-		const Columns &columns, std::uint32_t nobody, Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
+		const Columns &columns, std::uint32_t sentinel, Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
 	const SplitLanes d;
 	std::uint32_t splits = 0;
-	std::fill_n(cells.items + cells.count, hn::MaxLanes(d), make_item(nobody, 0));
+	std::fill_n(cells.items + cells.count, hn::MaxLanes(d), make_item(sentinel, 0));
 	for (std::uint32_t i = 0; i < cells.count; i += static_cast<std::uint32_t>(hn::MaxLanes(d))) {
 		const auto items = hn::Load(d, cells.items + i);
 		const auto parent = load_each(d, [&](std::size_t lane) {
@@ -58,15 +58,14 @@ HWY_INLINE void sort_by_children(
 		splits += static_cast<std::uint32_t>(hn::CompressStore(open, split, d, r_splits.open + splits));
 		r_deep.count += static_cast<std::uint32_t>(
 				hn::CompressStore(items, hn::AndNot(none, is_deep), d, r_deep.items + r_deep.count));
-		// A cell that a new point closed is done with.
+		// Drops cells that a new point closed.
 		const auto spent = hn::And(none, hn::Ne(time, hn::Set(d, time_never)));
 		r_spent.count += static_cast<std::uint32_t>(hn::CompressStore(items, spent, d, r_spent.items + r_spent.count));
 	}
 	r_splits.count = splits;
 }
 
-/// Which children of the squares of the cells' rejected darts are not known to be covered. Cells whose square has none are
-/// `r_spent`.
+/// Finds the children not known to be covered, for the squares of the cells' rejected darts. Cells whose square has none go to `r_spent`.
 HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_splits, Group &r_spent) {
 	const Columns columns(grid);
 	DeepCover<Group::room> deep_cover;
@@ -77,7 +76,7 @@ HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_spli
 	if constexpr (is_plain || HWY_TARGET == HWY_SSE2) {
 		plain::sort_by_children(grid, cells, r_splits, deep, r_spent);
 	} else {
-		sort_by_children(columns, grid.nobody, cells, r_splits, deep, r_spent);
+		sort_by_children(columns, grid.sentinel, cells, r_splits, deep, r_spent);
 	}
 	std::uint32_t splits = r_splits.count;
 	for (std::uint32_t i = 0; i < deep.count; ++i) {
@@ -96,8 +95,8 @@ HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_spli
 	r_splits.count = splits;
 }
 
-/// Splits the squares of the cells' rejected darts. Each cell gets its next dart, or none; `r_work` is the cells whose next dart is
-/// due as well.
+/// Splits the squares of the cells' rejected darts. Each cell gets its next dart, if there is one. `r_work` receives the cells whose next
+/// dart is due as well.
 HWY_INLINE void split_squares(LevelGrid &grid, Group &cells, Work &r_work) {
 	Splits &splits = grid.splits;
 	Group spent;

@@ -20,8 +20,8 @@ namespace thicket {
 
 namespace {
 
-/// The widest block that is resolved at once, in cells: large enough for its margin to be a small part, small
-/// enough for its grid to stay in the second-level cache.
+/// The widest block that is resolved as a whole, in cells: large enough that its margin is a small part, and small enough that its grid
+/// stays in the second-level cache.
 constexpr std::int32_t widest_block = 128;
 
 /// The first lattice coordinate whose world position is at or above `world`.
@@ -50,8 +50,8 @@ CellRect cells_of(const Rect &rect, double unit) {
 	return cells;
 }
 
-/// Adds the point of a cell if it lies in the rectangle. It is written where it stays: a copy of what was just written in parts waits
-/// for the processor to put them together.
+/// Appends the point of a cell if it lies in the rectangle. It is constructed in place, because copying a value that was just written in
+/// parts would wait for the processor to combine them.
 void add_point(const PointSet &set, const Rect &rect, double unit, glm::ivec2 cell, LevelGrid::PointOffset offset,
 		std::uint32_t rank, std::vector<SamplePoint> &r_points) {
 	const CellPosition position = LevelGrid::position_of(offset);
@@ -71,7 +71,7 @@ double expected_points(const PointSet &set, const Rect &rect) {
 	return rect.size().x * rect.size().y * point_density(set);
 }
 
-/// As many points as a rectangle nearly never has.
+/// A number of points that a rectangle almost never exceeds.
 double enough_points(const PointSet &set, const Rect &rect) {
 	const double expected = expected_points(set, rect);
 	return expected + 4.0 * std::sqrt(expected) + 16.0;
@@ -100,7 +100,7 @@ Status validate_rect(const PointSet &set, const Rect &rect) {
 	return {};
 }
 
-/// The blocks that a rectangle of cells is cut into, by rows.
+/// The blocks that divide a rectangle of cells, by rows.
 class BlockRange {
 public:
 	explicit BlockRange(const CellRect &cells) :
@@ -122,7 +122,7 @@ private:
 	glm::i64vec2 blocks_;
 };
 
-/// What workers share while they take one block after the other.
+/// The data that workers share while they take one block after the other.
 struct Shared {
 	std::int64_t end = 0;
 	std::atomic<std::int64_t> next = 0;
@@ -130,9 +130,9 @@ struct Shared {
 	std::atomic<std::uint64_t> points = 0;
 };
 
-/// How a worker has ended.
+/// How a worker ended.
 struct Ended {
-	std::int64_t block = std::numeric_limits<std::int64_t>::max(); ///< That could not be sampled.
+	std::int64_t block = std::numeric_limits<std::int64_t>::max(); ///< The block that could not be sampled.
 	Status status;
 };
 
@@ -143,10 +143,10 @@ struct TileSampler::Workspace {
 			margins(margins), cache(std::move(cache)), blocks(margins) {}
 
 	SampleMargins margins;
-	std::shared_ptr<BlockCache> cache; ///< Null for none.
+	std::shared_ptr<BlockCache> cache; ///< Null if there is none.
 	BlockSampler blocks;
 	SampleStats stats;
-	std::vector<std::unique_ptr<Workspace>> others; ///< Of lent threads; kept for their memory.
+	std::vector<std::unique_ptr<Workspace>> others; ///< For lent threads; kept for their memory.
 
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress,
 			LentThreads *threads);
@@ -198,7 +198,7 @@ Status TileSampler::Workspace::too_wide(const PointSet &set) const {
 	return {ErrorCode::margin_too_wide, "rect", static_cast<double>(blocks.margin()), {set.seed, set.radius, position}};
 }
 
-/// Adds the points of a block.
+/// Appends the points of a block.
 Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rect, const CellRect &block,
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
 	switch (blocks.resolve(block, cancel)) {
@@ -211,7 +211,8 @@ Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rec
 	return {};
 }
 
-/// From blocks that the cache keeps, or that are made for it. False, without points, where the window has to be sampled by itself.
+/// Takes the points from blocks of the cache, or computes blocks for it. Returns false, without points, if the window has to be sampled
+/// directly.
 bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect, const CellRect &cells,
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
 	const glm::ivec2 size = cells.size();
@@ -225,12 +226,12 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 	}
 	for (CellRect missing; window.next_missing(missing);) {
 		if (blocks.resolve(missing, cancel) != ResolveResult::done) {
-			return false; // Who samples the window itself finds out why, and may not meet what stood in the way here.
+			return false; // The direct sampling reports the error, or may not encounter it.
 		}
 		count();
 		window.settle(blocks.finest());
 	}
-	// Fast path: the same points as from the window's own cells, which would have a margin of their own.
+	// Fast path: the same points as from the window's own cells, which would need their own margin.
 	const double unit = lattice_unit(set);
 	window.for_each([&](glm::ivec2 cell, const SettledBlock::Point &each) {
 		add_point(set, rect, unit, cell, each.offset, each.rank, r_points);
@@ -238,7 +239,7 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 	return true;
 }
 
-/// Some blocks for each worker, then the points of these in order, and so on: little is held twice.
+/// Samples some blocks per worker, then appends their points in order, and so on. This way, few points are held twice.
 Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &rect, const BlockRange &range,
 		LentThreads &threads, std::vector<SamplePoint> &r_points, const Progress &progress) {
 	constexpr std::size_t blocks_each = 16;
@@ -285,7 +286,7 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 				shared.next = shared.end;
 			}
 		});
-		// Blocks are begun in order, so this is the failure that a single worker would have met.
+		// Blocks are started in order, so a single worker would have encountered this failure.
 		const auto failed = std::ranges::min_element(ended, {}, &Ended::block);
 		if (!failed->status.ok()) {
 			throw_if_out_of_memory(failed->status);
@@ -303,10 +304,10 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 	return {};
 }
 
-/// Of valid arguments. Throws std::bad_alloc.
+/// Requires valid arguments. Throws std::bad_alloc.
 Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
 		const Progress &progress, LentThreads *threads) {
-	// One piece of memory for all that will come: to grow in the middle of a large call would hold up a cancel.
+	// One allocation for all points, because growing in the middle of a large call would delay a cancel.
 	r_points.reserve(static_cast<std::size_t>(enough_points(set, rect)));
 	r_points.clear();
 	stats = {};
@@ -322,7 +323,7 @@ Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std
 			progress.report(1.0, r_points.size());
 		}
 	} else if (range.count() > 1 && threads != nullptr && threads->count() > 0) {
-		// Fast path: the blocks on all threads that were lent, for the same points in the same order.
+		// Fast path: samples the blocks on all lent threads, for the same points in the same order.
 		status = sample_together(set, rect, range, *threads, r_points, progress);
 	} else {
 		for (std::int64_t block = 0; status.ok() && block < range.count(); ++block) {

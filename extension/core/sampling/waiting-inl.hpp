@@ -1,4 +1,4 @@
-// The next darts of cells whose dart was rejected. Compiled once for each instruction set, by resolver.cpp.
+// Finds the next darts of cells whose dart was rejected. Compiled once for each instruction set, by resolver.cpp.
 #if defined(THICKET_WAITING_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_WAITING_INL
 #undef THICKET_WAITING_INL
@@ -21,19 +21,19 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Signed numbers are what most processors compare at once.
+/// Signed, because most processors can compare vectors only of signed numbers.
 using SlotLanes = hn::CappedTag<std::int32_t, WaitingSquares::slot_size>;
 using SlotWords = hn::RebindToUnsigned<SlotLanes>;
 constexpr std::size_t slot_lanes = hn::MaxLanes(SlotLanes());
 constexpr std::size_t slot_vectors = WaitingSquares::slot_size / slot_lanes;
 
-/// Squares are looked at one by one where vectors, or their shuffles of bytes, are only emulated.
+/// Squares are handled one by one on targets where vectors, or their byte shuffles, are only emulated.
 constexpr bool is_waiting_plain = is_plain || HWY_TARGET == HWY_SSE2;
 
-/// A vector in which some lanes are moved together in one step.
+/// Whether the target can compress the lanes of a vector in one step.
 constexpr bool has_native_compress = hn::MaxLanes(hn::ScalableTag<std::uint32_t>()) == 16;
 
-/// The times of darts for which `is_still_open` holds; the others become time_never.
+/// The times of darts for which `is_still_open` holds. All others become time_never.
 HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotLanes> time, hn::Vec<SlotWords> place, std::uint64_t open) {
 	const SlotLanes d;
 	const SlotWords du;
@@ -41,7 +41,7 @@ HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotLanes> time, hn::Vec<SlotWo
 	const hn::Repartition<std::uint64_t, SlotLanes> words;
 	alignas(16) static constexpr std::uint8_t bit_of[16] = {1, 2, 4, 8, 16, 32, 64, 128};
 	const auto seven = hn::Set(du, 7);
-	// The byte of the row and the bit of the column, both in a lane's lowest byte; the others have no bit.
+	// The byte of the row and the bit of the column, both in a lane's lowest byte. The lane's other bytes have no bit.
 	const auto y = hn::And(hn::ShiftRight<sub_bits + lattice_bits>(place), seven);
 	const auto x = hn::Or(hn::And(hn::ShiftRight<sub_bits>(place), seven), hn::Set(du, 0x80808000u));
 	const auto row = hn::TableLookupBytes(hn::BitCast(bytes, hn::Set(words, open)), hn::BitCast(bytes, y));
@@ -63,13 +63,13 @@ HWY_INLINE hn::Vec<D> times_of(D d, Children children) {
 	return hn::IfThenElse(hn::FirstN(d, children.count), times, never);
 }
 
-/// Whether more than one dart has a time that is the earliest: then their places decide.
+/// Whether more than one dart has the earliest time. Their positions then decide.
 HWY_INLINE std::uint32_t is_tie(std::uint32_t earliest_ones, TimeKey time) {
-	const std::uint32_t ones = time != time_never ? earliest_ones : 0; // Without a branch, which would be a coin toss.
+	const std::uint32_t ones = time != time_never ? earliest_ones : 0; // Without an unpredictable branch.
 	return (ones & (ones - 1)) != 0 ? 1 : 0;
 }
 
-/// `advance` of a cell that has no waiting squares yet, with at least one child. False where it has to be done slowly.
+/// `advance` for a cell that has no waiting squares yet, with at least one child. Returns false if the slow path must do it.
 HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
 	const hn::CappedTag<std::int32_t, 4> d;
 	const hn::RebindToUnsigned<decltype(d)> du;
@@ -82,7 +82,7 @@ HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_
 	if (HWY_UNLIKELY(is_tie(next, time) != 0)) {
 		return false;
 	}
-	// Fast path: the order is known without a look at the darts one by one.
+	// Fast path: the order is known without comparing the darts one by one.
 	const std::uint32_t slot = grid.waiting_squares.take_if(true);
 	columns.time[cell] = time;
 	columns.dart[cell] = children.place[std::countr_zero(next)];
@@ -94,24 +94,24 @@ HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_
 	return true;
 }
 
-/// Puts darts into a slot's empty places, of which there are enough.
+/// Writes darts into a slot's empty places. The slot must have enough of them.
 HWY_INLINE void fill_slot(
 		WaitingSquares::Slot &slot, std::uint32_t empty, hn::Vec<SlotLanes> times, Children children) {
 	alignas(64) TimeKey time[slot_lanes];
 	hn::Store(hn::BitCast(SlotWords(), times), SlotWords(), time);
-	for (std::uint32_t child = 4; child-- > 0;) { // What goes to a place that a child before it takes is overwritten.
+	for (std::uint32_t child = 4; child-- > 0;) { // An earlier child overwrites a later one in the same place.
 		const std::uint32_t place = empty_places[empty][child];
 		slot.time[place] = time[child];
 		slot.place[place] = children.place[child];
 	}
 }
 
-/// Puts the lanes of `from`, the first ones first, into those of `to` that are empty.
+/// Moves the lanes of `from`, in order, into the empty lanes of `to`.
 template <class V>
 HWY_INLINE V filled(V to, hn::Mask<SlotLanes> is_empty, [[maybe_unused]] std::uint32_t empty, V from) {
 	const hn::DFromV<V> d;
 	const auto lanes = hn::RebindMask(d, is_empty);
-#if HWY_TARGET == HWY_AVX2 // Highway copies its own table whenever it is used.
+#if HWY_TARGET == HWY_AVX2 // Highway would copy its own table at each use.
 	const auto order =
 			hn::PromoteTo(SlotWords(), hn::LoadU(hn::CappedTag<std::uint8_t, 8>(), places_before[empty].data()));
 	return hn::IfThenElse(lanes, hn::TableLookupLanes(from, hn::IndicesFromVec(d, order)), to);
@@ -124,11 +124,11 @@ HWY_INLINE V filled(V to, hn::Mask<SlotLanes> is_empty, [[maybe_unused]] std::ui
 template <std::size_t slot_count>
 struct CellSlots {
 	WaitingSquares::Slot *slots[slot_count];
-	hn::Vec<SlotLanes> times[slot_count][slot_vectors]; ///< time_never where the square is covered.
+	hn::Vec<SlotLanes> times[slot_count][slot_vectors]; ///< time_never if the square is covered.
 	hn::Mask<SlotLanes> is_empty[slot_count][slot_vectors];
 	std::uint32_t empty[slot_count] = {}; ///< The same as bits.
-	std::uint32_t room = 0;               ///< Empty places.
-	std::uint32_t next = 0; ///< A bit for each place that holds the earliest dart, and for each child behind them.
+	std::uint32_t room = 0;               ///< Number of empty places.
+	std::uint32_t next = 0; ///< A bit for each place that holds the earliest dart; the bits of children follow.
 
 	HWY_INLINE CellSlots(const Columns &columns, std::uint32_t cell) {
 		const std::uint32_t first = columns.waiting[cell] & WaitingSquares::slot_mask;
@@ -147,7 +147,7 @@ struct CellSlots {
 		}
 	}
 
-	/// The earliest time, in all lanes, of these and of children.
+	/// The earliest time of these darts and of the children, in all lanes.
 	HWY_INLINE hn::Vec<SlotLanes> earliest(hn::Vec<SlotLanes> fresh) const {
 		const SlotLanes d;
 		for (const auto &slot : times) {
@@ -158,7 +158,7 @@ struct CellSlots {
 		return hn::MinOfLanes(d, fresh);
 	}
 
-	/// Takes the earliest dart out.
+	/// Removes the earliest dart.
 	HWY_INLINE void take(hn::Vec<SlotLanes> earliest) {
 		const SlotLanes d;
 		const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
@@ -173,7 +173,7 @@ struct CellSlots {
 		}
 	}
 
-	/// The place of the dart that was taken out.
+	/// The place of the removed dart.
 	template <bool with_children>
 	HWY_INLINE std::uint32_t next_place(
 			hn::Vec<SlotLanes> earliest, hn::Vec<SlotLanes> fresh, const Children &children) const {
@@ -192,7 +192,7 @@ struct CellSlots {
 			}
 			return hn::GetLane(places);
 		}
-		// A branch on where it stands would be a coin toss.
+		// A branch on the slot that holds it would be unpredictable.
 		const auto at = static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(next));
 		const auto place_if = [at](const std::uint32_t *places, std::uint32_t begin) {
 			const std::uint32_t mask = 0u - static_cast<std::uint32_t>(at / WaitingSquares::slot_size == begin);
@@ -205,7 +205,7 @@ struct CellSlots {
 		return place;
 	}
 
-	/// Stores a slot, with children in its empty places.
+	/// Stores a slot and writes children into its empty places.
 	template <bool with_children>
 	HWY_INLINE void store(std::size_t slot, hn::Vec<SlotLanes> fresh, const Children &children) {
 		const SlotLanes d;
@@ -230,7 +230,7 @@ struct CellSlots {
 	}
 };
 
-/// `advance` of a cell with so many slots; with none, and no children, too. False where it has to be done slowly.
+/// `advance` for a cell with `slot_count` slots, or with no slots and no children. Returns false if the slow path must do it.
 template <bool with_children, std::size_t slot_count>
 HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Children children) {
 	const SlotLanes d;
@@ -250,7 +250,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 	if (HWY_UNLIKELY((is_full | is_tie(slots.next, time)) != 0)) {
 		return false;
 	}
-	// Fast path: the order is known, and there is room, without a look at the darts one by one.
+	// Fast path: the order is known and there is room, without comparing the darts one by one.
 	columns.time[cell] = time;
 	columns.dart[cell] = slots.template next_place<with_children>(earliest, fresh, children);
 	for (std::size_t slot = 0; slot < slot_count; ++slot) {
@@ -258,7 +258,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 			fresh = hn::IfThenElse(hn::Eq(fresh, earliest), never, fresh);
 		}
 		slots.template store<with_children>(slot, fresh, children);
-		if (with_children && slot + 1 < slot_count) { // What the first slot has no room for goes to the second one.
+		if (with_children && slot + 1 < slot_count) { // The rest goes to the second slot.
 			children = children.after(static_cast<std::uint32_t>(std::popcount(slots.empty[0])));
 			fresh = times_of(d, children);
 		}
@@ -266,7 +266,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 	return true;
 }
 
-/// Gives a cell with one slot a second one. Then `advance`.
+/// Adds a second slot to a cell that has one, then advances the cell.
 HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
 	if constexpr (!is_waiting_plain) {
 		const std::uint32_t first = columns.waiting[cell];
@@ -277,7 +277,7 @@ HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std
 			columns.followers[second] = 0;
 			columns.waiting[cell] = first | WaitingSquares::has_second;
 			if (advance_slots<true, 2>(columns, cell, children)) {
-				// Fast path: the darts had not to be gathered for it.
+				// Fast path: the darts did not have to be gathered.
 				return;
 			}
 		}
@@ -285,7 +285,7 @@ HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std
 	advance_slowly(grid, cell, children);
 }
 
-/// The cell's next dart: the earliest of its waiting squares and of new ones; the others wait.
+/// Sets the cell's next dart: the earliest of its waiting squares and of the new ones. The others wait.
 template <bool with_children>
 HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, Children children, Work &r_work) {
 	const std::uint32_t cell = cell_of(item);
@@ -307,7 +307,7 @@ HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, Chil
 	r_work.add_if(item, columns.open[cell], columns.dart[cell], columns.time[cell] <= until_of(item));
 }
 
-/// `advance` of a cell that has no waiting squares yet, with at least one child.
+/// `advance` for a cell that has no waiting squares yet, with at least one child.
 HWY_INLINE void advance_first(LevelGrid &grid, const Columns &columns, Item item, Children children, Work &r_work) {
 	const std::uint32_t cell = cell_of(item);
 	if constexpr (is_waiting_plain) {

@@ -1,4 +1,5 @@
-// The next darts of cells whose dart was rejected, one dart after the other. Compiled once for each instruction set, by resolver.cpp.
+// Finds the next darts of cells whose dart was rejected, one dart after the other. Compiled once for each instruction set, by
+// resolver.cpp.
 #if defined(THICKET_WAITING_PLAIN_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_WAITING_PLAIN_INL
 #undef THICKET_WAITING_PLAIN_INL
@@ -18,7 +19,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// The columns of a grid. Vector stores may alias the vectors' own pointers, which would be loaded again after each.
+/// The columns of a grid as plain pointers. Vector stores may alias the pointers inside std::vector, which would then be reloaded after
+/// each store.
 struct Columns {
 	TimeKey *time;
 	std::uint32_t *dart;
@@ -32,15 +34,15 @@ struct Columns {
 			slots(grid.waiting_squares.slots()), followers(grid.waiting_squares.followers()) {}
 };
 
-/// Levels from here on have squares of one sub-square or less.
+/// From this level on, squares are at most one sub-square large.
 constexpr std::uint32_t first_small = 3;
 
-/// Whether the dart's square has a sub-square that is not known to be covered. Of squares larger than a sub-square all are kept.
+/// Whether the dart's square has a sub-square that is not known to be covered. Always true for squares larger than a sub-square.
 HWY_INLINE bool is_still_open(std::uint32_t place, std::uint64_t open) {
 	return dart_level(place) < first_small || (open >> sub_square_of(dart_position(place)) & 1) != 0;
 }
 
-/// `advance` of any cell.
+/// `advance` for any cell.
 HWY_NOINLINE void advance_slowly(LevelGrid &grid, std::uint32_t cell, Children children) {
 	WaitingSquares &squares = grid.waiting_squares;
 	std::vector<DartKey> &darts = squares.gathered();
@@ -91,8 +93,8 @@ HWY_NOINLINE void advance_slowly(LevelGrid &grid, std::uint32_t cell, Children c
 	}
 }
 
-/// `advance` of a cell with one slot or none, one dart after the other. The darts of a slot stand before any time_never in it. False
-/// where one slot does not hold them.
+/// `advance` for a cell with one slot or none, one dart after the other. The darts of a slot precede any time_never in it. Returns false
+/// if one slot cannot hold them.
 inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
 	const std::uint32_t before = columns.waiting[cell];
 	const std::uint64_t open = columns.open[cell];
@@ -116,7 +118,7 @@ inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32
 	if (count > WaitingSquares::slot_size + 1) {
 		return false;
 	}
-	// Fast path: no list of darts is made where one slot holds them.
+	// Fast path: builds no list of darts if one slot can hold them.
 	const DartKey next = count > 0 ? darts[first] : make_dart(time_never, 0);
 	columns.time[cell] = dart_time(next);
 	columns.dart[cell] = dart_place(next);

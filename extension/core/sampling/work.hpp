@@ -6,42 +6,42 @@
 #include <cstddef>
 #include <cstdint>
 
-// Cells and squares that are worked on together: many independent ones at a time keep a processor busy, where one after the other
-// would wait for each branch and each load.
+// Cells and squares that are processed together. Many independent ones at a time keep a processor busy; processing them one by one would
+// wait for each branch and each load.
 
 namespace thicket {
 
-/// The depth of a cell's 8 x 8 sub-squares: bits of a position within one.
+/// The position bits within one of a cell's 8 x 8 sub-squares.
 inline constexpr std::int32_t sub_bits = lattice_bits - 3;
 
 constexpr std::uint32_t sub_square_of(CellPosition position) {
 	return (position_y(position) >> sub_bits) * 8 + (position_x(position) >> sub_bits);
 }
 
-/// A cell whose darts are asked for up to a time: the cell's index in the low half, the time above.
+/// A cell whose darts must be decided up to a time: the cell's index in the low half, the time in the high half.
 using Item = std::uint64_t;
 constexpr Item make_item(std::uint32_t cell, TimeKey until) { return Item{until} << 32 | cell; }
 constexpr std::uint32_t cell_of(Item item) { return static_cast<std::uint32_t>(item); }
 constexpr TimeKey until_of(Item item) { return static_cast<TimeKey>(item >> 32); }
 
-/// Cells that are dealt with alike.
+/// Cells that are processed alike.
 struct Group {
 	static constexpr std::uint32_t most = 80;
-	static constexpr std::uint32_t room = most + 16; ///< Vectors read and write past the last one.
+	static constexpr std::uint32_t room = most + 16; ///< Vectors read and write past the last item.
 
 	std::uint32_t count = 0;
 	alignas(64) Item items[room];
 
 	Group() = default;
 	Group(const Group &other) { *this = other; }
-	/// Only what it holds is copied.
+	/// Copies only the items in use.
 	Group &operator=(const Group &other) {
 		count = other.count;
 		std::copy_n(other.items, other.count, items);
 		return *this;
 	}
 
-	/// Without a branch, which would be a coin toss.
+	/// Without an unpredictable branch.
 	void add_if(Item item, bool condition) {
 		items[count] = item;
 		count += static_cast<std::uint32_t>(condition);
@@ -55,7 +55,7 @@ struct Work {
 
 	std::uint32_t count() const { return covered.count + open.count; }
 
-	/// A cell with its uncovered sub-squares and its next dart.
+	/// Adds a cell, given its uncovered sub-squares and its next dart.
 	void add_if(Item item, std::uint64_t open_parts, std::uint32_t place, bool due) {
 		const bool is_open = (open_parts >> sub_square_of(dart_position(place)) & 1) != 0;
 		covered.add_if(item, due & !is_open);
@@ -63,7 +63,7 @@ struct Work {
 	}
 };
 
-/// Squares that are about to be split, a column for each value.
+/// Squares that are about to be split, one column per value.
 struct Splits {
 	static constexpr std::uint32_t room = Group::room;
 	static constexpr std::uint32_t room_of_children = 4 * room;
@@ -73,17 +73,17 @@ struct Splits {
 	alignas(64) DartKey parent[room];
 	alignas(64) std::uint64_t open[room]; ///< A bit for each child that is not known to be covered.
 
-	/// Where the open children of each square begin in the columns below, and where those of the last one end.
+	/// Where the open children of each square begin in the columns below. The last entry is the end of the last square's children.
 	std::uint32_t first[room + 1];
 	alignas(64) std::uint64_t hashed[room_of_children]{};
 	alignas(64)
-			std::uint32_t corner[room_of_children]{}; ///< The bits of a position that tell the child from its siblings.
-	/// Of its dart; of the parent's while it is not thrown.
+			std::uint32_t corner[room_of_children]{}; ///< Position bits that distinguish the child from its siblings.
+	/// Time and place of the child's dart, or of the parent's dart until the child's is thrown.
 	alignas(64) TimeKey time[room_of_children]{};
 	alignas(64) std::uint32_t place[room_of_children]{};
 };
 
-/// Darts of one cell that have just been thrown, in no order.
+/// Darts of one cell that were just thrown, in no order.
 struct Children {
 	const TimeKey *time;
 	const std::uint32_t *place;
@@ -94,7 +94,7 @@ struct Children {
 		return {splits.time + first, splits.place + first, splits.first[split + 1] - first};
 	}
 
-	/// Without the first ones.
+	/// Skips the first ones.
 	Children after(std::uint32_t first) const {
 		const std::uint32_t skipped = std::min(first, count);
 		return {time + skipped, place + skipped, count - skipped};

@@ -5,7 +5,7 @@
 
 namespace thicket {
 
-/// What comes before all that stand in the square.
+/// An entry that sorts before all instances in the square.
 AddedGrid::Entry AddedGrid::corner_of(std::uint16_t layer, glm::dvec2 position) {
 	constexpr double side = 64.0; // Meters.
 	const glm::ivec2 square = tile_at(side, position);

@@ -10,17 +10,17 @@
 
 namespace thicket {
 
-/// Hand-placed instances by their layer and the square of the plane that they stand in.
+/// Hand-placed instances by layer and by the square of the plane that contains them.
 class AddedGrid {
 public:
-	/// The layer is the id's, here and below.
+	/// The layer is taken from the id, here and below.
 	void insert(std::uint64_t id, glm::dvec2 position);
 	void erase(std::uint64_t id, glm::dvec2 position) noexcept;
 
-	/// Takes an id over that was inserted into another grid, and takes no memory for it.
+	/// Moves an id from a different grid into this one, without allocating memory.
 	void take(AddedGrid &r_from, std::uint64_t id, glm::dvec2 position) noexcept;
 
-	/// Calls `use(id)` for all of a layer in squares that meet the rectangle, in any order.
+	/// Calls `use(id)` for all instances of a layer in squares that touch the rectangle, in any order.
 	template <typename Use>
 	void for_each_near(std::uint16_t layer, const Rect &rect, Use &&use) const {
 		const Entry first = corner_of(layer, rect.min);
@@ -28,10 +28,10 @@ public:
 		auto at = entries_.lower_bound(first);
 		while (at != entries_.end() && at->layer == layer && at->column <= last.column) {
 			if (at->row < first.row) {
-				// Fast path: on to the first row of the same column.
+				// Fast path: skip to the first row of the same column.
 				at = entries_.lower_bound({layer, at->column, first.row, 0});
 			} else if (at->row > last.row) {
-				// Fast path: on to the next column.
+				// Fast path: skip to the next column.
 				at = entries_.lower_bound({layer, at->column + 1, first.row, 0});
 			} else {
 				use(at->id);
@@ -53,7 +53,7 @@ private:
 	static Entry corner_of(std::uint16_t layer, glm::dvec2 position);
 	static Entry entry_of(std::uint64_t id, glm::dvec2 position);
 
-	std::set<Entry> entries_; ///< Each a piece of memory of its own, so that it can be had before it is needed.
+	std::set<Entry> entries_; ///< Separately allocated nodes can be allocated before they are needed.
 };
 
 } // namespace thicket

@@ -44,7 +44,7 @@ void ChangeLog::seal() {
 	open_.reserve(block_size);
 }
 
-/// The first entry after a revision, of entries whose revisions rise.
+/// The first entry after a revision, among entries with ascending revisions.
 ChangeLog::Entries::const_iterator ChangeLog::after(const Entries &entries, std::uint64_t revision) {
 	return std::ranges::upper_bound(entries, revision, {}, &Entry::revision);
 }
@@ -67,7 +67,7 @@ void ChangeLog::for_each_after(std::uint64_t revision, const Use &use) const {
 	}
 }
 
-/// From the last one to the first: memory goes from one log to the other.
+/// Goes from the last entry to the first and moves the memory from the old log to the new one.
 void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
 	IdSet seen;
 	if (later != nullptr) {
@@ -77,7 +77,7 @@ void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
 		seal();
 	}
 	std::deque<Block> kept;
-	Entries entries; // The last first.
+	Entries entries; // In reverse order.
 	std::size_t size = 0;
 	const auto keep = [&] {
 		if (!entries.empty()) {
@@ -117,7 +117,7 @@ void ChangeLog::append(const ChangeLog &other, std::uint64_t revision, std::uint
 			if (!open_.empty()) {
 				seal();
 			}
-			// Fast path: all entries of this block count, so its memory is shared.
+			// Fast path: all entries of this block are included, so its memory is shared.
 			blocks_.push_back({block->entries, block->raise + raise});
 			size_ += block->entries->size();
 			continue;

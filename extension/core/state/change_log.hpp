@@ -8,28 +8,28 @@
 
 namespace thicket {
 
-/// Which ids have changed since when. An id stands in it once or, for a while, some times; 16 bytes each.
+/// Records which ids changed at which revision. An id may occur several times for a while. 16 bytes per entry.
 class ChangeLog {
 public:
-	/// An id has changed. Revisions rise. The log keeps at least the last `held` changes, and 65536; where memory does not
-	/// suffice for that, it forgets them all.
+	/// Records the change of an id. Revisions must rise. The log keeps at least the last `held` changes, and at least 65536. If memory
+	/// does not suffice for that, it forgets all changes.
 	void note(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept;
 
-	/// Forgets all changes up to and with `revision`.
+	/// Forgets all changes up to and including `revision`.
 	void start_at(std::uint64_t revision) noexcept;
 
-	/// Whether all changes after `revision` are here.
+	/// Whether the log contains all changes after `revision`.
 	bool knows(std::uint64_t revision) const { return revision >= start_; }
 
-	/// What has changed after `revision`, each id once, in any order.
+	/// The ids that changed after `revision`, each once, in any order.
 	std::vector<std::uint64_t> since(std::uint64_t revision) const;
 
-	/// Adds what another log has noted after `revision`, each as `raise` later; those are later than all that is here. Costs little for
-	/// very many: logs share their memory.
+	/// Appends the changes that a different log recorded after `revision`, with `raise` added to their revisions. They must be later than
+	/// all changes in this log. Cheap even for very many changes, because logs share their memory.
 	void append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise);
 
-	/// Forgets what will be noted again in `later`, and what is too much for a state that will then hold `held` ids: so that `append` and
-	/// `note` need not. Takes as long as both are.
+	/// Forgets changes that are repeated in `later`, and those beyond the capacity for a state that will then hold `held` ids, so that
+	/// `append` and `note` need not. Takes time proportional to the size of both logs.
 	void make_way_for(const ChangeLog &later, std::size_t held);
 
 	std::size_t size() const { return size_; }
@@ -41,10 +41,10 @@ private:
 	};
 	using Entries = std::vector<Entry>;
 
-	/// Changes that nobody adds to any more.
+	/// Changes in a block that is no longer appended to.
 	struct Block {
-		std::shared_ptr<const Entries> entries; ///< One at least.
-		std::uint64_t raise;                    ///< Of their revisions.
+		std::shared_ptr<const Entries> entries; ///< At least one.
+		std::uint64_t raise;                    ///< Added to their revisions.
 
 		std::uint64_t last() const { return entries->back().revision + raise; }
 	};
@@ -55,17 +55,17 @@ private:
 	void seal();
 	static Entries::const_iterator after(const Entries &entries, std::uint64_t revision);
 
-	/// Calls `use(entry)` for all after a revision.
+	/// Calls `use(entry)` for all entries after a revision.
 	template <typename Use>
 	void for_each_after(std::uint64_t revision, const Use &use) const;
 
-	/// Leaves each id only its last entry, no more than `most` of these, and none of those in `later`.
+	/// Keeps only the last entry of each id, at most `most` entries, and none whose id occurs in `later`.
 	void compact(std::size_t most, const ChangeLog *later = nullptr);
 
 	std::deque<Block> blocks_;
-	Entries open_; ///< After them; fewer than block_size.
+	Entries open_; ///< Entries after those of the blocks; fewer than block_size.
 	std::size_t size_ = 0;
-	std::size_t compacted_ = 0; ///< How many there were when each id stood in it once.
+	std::size_t compacted_ = 0; ///< The size after the last compaction, when each id occurred once.
 	std::uint64_t start_ = 0;
 };
 

@@ -6,9 +6,9 @@
 
 namespace thicket {
 
-/// The id that is given to a hand-placed instance: `first` of the 2^48 that begin with `prefix`, or if that is taken, one that is free
-/// and comes after one that is taken. Where taken ids after `first` leave no gap, that is the next free one. The same for the same taken
-/// ids. Calls `taken(id)` at most 100 times for equal instances, however many there are: their number is doubled until an id is free, then
+/// The id for a new hand-placed instance, among the 2^48 ids that begin with `prefix`: `first`, or if that is taken, a free id that
+/// follows a taken one. If the taken ids after `first` leave no gap, this is the next free id. The same taken ids always return the same
+/// result. Calls `taken(id)` at most 100 times for equal instances, however many there are: the step is doubled until an id is free, then
 /// bisected.
 template <typename Taken>
 std::uint64_t free_id(std::uint64_t prefix, std::uint64_t first, const Taken &taken) {

@@ -13,14 +13,14 @@ namespace thicket {
 namespace {
 
 constexpr std::size_t block_size = 128;
-constexpr int width_bits = 6;           ///< Of a block's parameter, and of the width of a gap that is written in full.
-constexpr std::uint64_t full_mark = 16; ///< So many ones say that a gap is written in full.
+constexpr int width_bits = 6;           ///< For a block's parameter, and for the width of a gap written in full.
+constexpr std::uint64_t full_mark = 16; ///< This many ones mark a gap written in full.
 
 constexpr int layer_shift = 48;
 constexpr std::uint64_t cell_mask = (std::uint64_t{1} << layer_shift) - 1;
 constexpr std::uint64_t axis_mask = 0xffffff;
 
-/// Puts a zero above each of 24 bits.
+/// Inserts a zero above each of 24 bits.
 constexpr std::uint64_t spread(std::uint64_t bits) {
 	bits = (bits | bits << 16) & 0x0000ffff0000ffff;
 	bits = (bits | bits << 8) & 0x00ff00ff00ff00ff;
@@ -29,7 +29,7 @@ constexpr std::uint64_t spread(std::uint64_t bits) {
 	return (bits | bits << 1) & 0x5555555555555555;
 }
 
-/// Takes every other bit.
+/// Extracts every other bit.
 constexpr std::uint64_t gather(std::uint64_t bits) {
 	bits &= 0x5555555555555555;
 	bits = (bits | bits >> 1) & 0x3333333333333333;
@@ -44,7 +44,7 @@ class BitWriter {
 public:
 	explicit BitWriter(std::vector<std::uint8_t> &r_bytes) : bytes_(r_bytes) {}
 
-	/// Adds the lowest `count` bits, 0 to 64; those above are 0.
+	/// Appends the lowest `count` bits, 0 to 64. The bits above must be 0.
 	void put(std::uint64_t bits, int count) {
 		held_ |= bits << held_count_;
 		const int room = 64 - held_count_;
@@ -57,7 +57,7 @@ public:
 		held_count_ = count - room;
 	}
 
-	/// Fills the last byte up with zeros.
+	/// Fills the last byte with zeros.
 	void finish() {
 		for (; held_count_ > 0; held_count_ -= 8, held_ >>= 8) {
 			bytes_.push_back(static_cast<std::uint8_t>(held_));
@@ -70,7 +70,7 @@ private:
 	int held_count_ = 0; ///< Below 64.
 };
 
-/// Takes bits off some bytes, as BitWriter has put them. Past the end it gives zeros.
+/// Reads bits from bytes in the order in which BitWriter wrote them. Returns zeros past the end.
 class BitReader {
 public:
 	explicit BitReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -89,7 +89,7 @@ public:
 		return bits;
 	}
 
-	/// Takes ones, at most `most`, and the zero that ends fewer.
+	/// Reads up to `most` ones, and the zero that ends them if there are fewer.
 	std::uint64_t take_ones(std::uint64_t most) {
 		std::uint64_t ones = 0;
 		while (ones < most && take(1) == 1) {
@@ -116,7 +116,7 @@ std::uint64_t cost(std::span<const std::uint64_t> gaps, int parameter) {
 	return bits;
 }
 
-/// The cheapest parameter about the median: the mean would follow the few gaps between far groups.
+/// The cheapest parameter near the median. The mean would follow the few gaps between distant groups.
 int best_parameter(std::span<const std::uint64_t> gaps) {
 	std::array<std::uint64_t, block_size> sorted{};
 	std::ranges::copy(gaps, sorted.begin());
@@ -171,7 +171,7 @@ void append_ascending(
 		std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel) {
 	BitWriter bits(r_bytes);
 	std::array<std::uint64_t, block_size> gaps{};
-	std::uint64_t next = 0; // The least that the next number can be.
+	std::uint64_t next = 0; // The smallest possible next number.
 	for (std::size_t start = 0; start < numbers.size() && !is_cancelled(cancel); start += block_size) {
 		const std::span<const std::uint64_t> block =
 				numbers.subspan(start, std::min(block_size, numbers.size() - start));
@@ -190,7 +190,7 @@ void append_ascending(
 
 bool take_ascending(ByteReader &r_bytes, std::size_t count, std::vector<std::uint64_t> &r_numbers,
 		const std::atomic<bool> *cancel) {
-	// A number takes a bit at least.
+	// Each number takes at least one bit.
 	if (!r_bytes.good() || count > 8 * r_bytes.rest().size()) {
 		return false;
 	}

@@ -10,22 +10,22 @@
 
 namespace thicket {
 
-/// An id by which neighbors of the plane are mostly neighbors in the order of numbers: the bits of its cell are interleaved (Morton's
-/// order), those above stay.
+/// A code in whose numeric order neighbors in the plane are mostly neighbors: the bits of the id's cell are interleaved (Morton order),
+/// and the bits above are unchanged.
 std::uint64_t code_of(std::uint64_t id);
 
-/// The id that has this code.
+/// The id of this code.
 std::uint64_t id_of(std::uint64_t code);
 
-/// Adds a list of numbers, each larger than the one before: the gaps between them in blocks of 128, each with the parameter that suits
-/// it, as Golomb and Rice have it (R. F. Rice, "Some practical universal noiseless coding techniques", 1979). A random number of 2^48
-/// costs 30 bits in a list of a million, neighbors cost a few. The same list gives the same bytes. What comes of it once `cancel` was
-/// raised, from any thread, is of no use; null for never.
+/// Appends a list of ascending numbers: the gaps between them in blocks of 128, each with its own best parameter, in Golomb-Rice coding
+/// (R. F. Rice, "Some practical universal noiseless coding techniques", 1979). A random number of 2^48 takes 30 bits in a list of a
+/// million; neighbors take a few bits. The same list always produces the same bytes. If `cancel` is raised, from any thread, the output
+/// is invalid. `cancel` is null if the call cannot be cancelled.
 void append_ascending(std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes,
 		const std::atomic<bool> *cancel = nullptr);
 
-/// Takes a list of `count` numbers off the front. False if there is none, and once `cancel` was raised; never uses more memory than 64
-/// times what the bytes do.
+/// Removes a list of `count` numbers from the front. Returns false if the bytes do not begin with one, or once `cancel` is raised. Never
+/// uses more than 64 times the memory of the bytes.
 bool take_ascending(ByteReader &r_bytes, std::size_t count, std::vector<std::uint64_t> &r_numbers,
 		const std::atomic<bool> *cancel = nullptr);
 

@@ -14,26 +14,26 @@
 
 namespace thicket {
 
-/// What the hashes of ids are mixed with, another number in each run, so that nobody can choose ids that collide.
+/// The salt for hashes of ids. It differs in each run, so that ids cannot be chosen to collide.
 std::uint64_t salt_of_this_run();
 
-/// A number that no table of this run has had.
+/// A number that no other table of this run has.
 std::uint64_t new_table_owner();
 
-/// A set of ids, each with a value or none (`Value()`). The order of ids differs from run to run.
+/// A set of ids, each with an optional value (`Value()` if it has none). The order of ids differs from run to run.
 ///
-/// The ids lie in one shard while they are few, and then in 256 by their hashes, each with open addressing and linear probing: 8 bytes a
-/// slot, and a value more once any id of the shard has one; at most three of four slots are taken. So nothing that a table does for
-/// one id takes long. Tables can share their shards (`share`): whoever changes one copies it first.
+/// Few ids lie in one shard; more are split by their hashes into 256 shards. Each shard uses open addressing with linear probing: 8 bytes
+/// per slot, plus a value once any id of the shard has one. At most three of four slots are taken. No operation on a single id therefore
+/// takes long. Tables can share their shards (`share`); a table copies a shared shard before it changes it.
 template <typename Value>
 class IdTable {
 public:
-	/// What no id is.
+	/// A value that is not a valid id.
 	static constexpr std::uint64_t none = ~std::uint64_t{0};
 
 	static constexpr std::size_t shard_count = 256;
 
-	/// How many ids are new: of all, and of those that would be in one shard.
+	/// The number of new ids: in total, and per shard.
 	struct NewIds {
 		std::array<std::uint32_t, shard_count> by_shard{};
 		std::uint32_t all = 0;
@@ -43,8 +43,8 @@ public:
 	IdTable(IdTable &&) noexcept = default;
 	IdTable &operator=(IdTable &&) noexcept = default;
 
-	/// A table with the same content and the same memory, for some microseconds. From now on each of both copies a shard before it
-	/// changes it, so that they can be used on different threads.
+	/// A table with the same content and the same memory, created in microseconds. From now on, both tables copy a shard before they
+	/// change it, so they can be used on different threads.
 	IdTable share() {
 		IdTable other(*this);
 		owner_ = new_table_owner();
@@ -53,7 +53,7 @@ public:
 
 	bool contains(std::uint64_t id) const {
 		if (size_ == 0) {
-			// Fast path: nothing is in, and to hash an id takes longer.
+			// Fast path: the table is empty, and hashing an id takes longer than this check.
 			return false;
 		}
 		const std::uint64_t hash = hash_of(id);
@@ -61,7 +61,7 @@ public:
 		return view.ids[view.slot_of(id, hash)] == id;
 	}
 
-	/// The value of an id; `Value()` for none, and for an id that is not in.
+	/// The value of an id; `Value()` if it has none or is not in the table.
 	const Value &value(std::uint64_t id) const {
 		if (valued_ == 0) {
 			// Fast path: no id has a value.
@@ -76,8 +76,8 @@ public:
 		return shard->ids[slot] == id ? shard->values[slot] : nothing_;
 	}
 
-	/// Takes the memory for all that may be done with an id, and for values if any of them will have one: so long `insert` and `erase`
-	/// take none. `r_new_ids` counts those that are new and are to be inserted together; null for a single one.
+	/// Allocates the memory for any change of an id, and for values if any of them will have one, so that `insert` and `erase` need none.
+	/// `r_new_ids` counts the new ids that will be inserted together; null for a single one.
 	void make_room(std::uint64_t id, bool is_new, bool valued, NewIds *r_new_ids) {
 		const std::uint64_t hash = hash_of(id);
 		std::size_t in_shard = is_new ? 1 : 0;
@@ -99,7 +99,7 @@ public:
 		}
 	}
 
-	/// The same for `more` new ids of which nothing else is known: almost all of them will find room.
+	/// The same for `more` new ids that are otherwise unknown. Nearly all of them will have room.
 	void expect(std::size_t more) {
 		const std::size_t mean = more / shard_count;
 		if (mean < most_in_one / shard_count) {
@@ -114,7 +114,7 @@ public:
 		}
 	}
 
-	/// Adds an id, or gives one that is in another value. False if it was in. `id` is not `none`.
+	/// Adds an id, or sets the value of an existing one. Returns false if the id existed. `id` must not be `none`.
 	bool insert(std::uint64_t id, Value value = Value()) {
 		const std::uint64_t hash = hash_of(id);
 		Shard *shard = &own(index_of(hash));
@@ -134,7 +134,7 @@ public:
 		return is_new;
 	}
 
-	/// False if it was not in. Gives no memory back; that is for `shrink`.
+	/// Returns false if the id was not in the table. Releases no memory; `shrink` does.
 	bool erase(std::uint64_t id) {
 		if (!contains(id)) {
 			return false;
@@ -148,7 +148,7 @@ public:
 		return true;
 	}
 
-	/// Gives memory back where there is far too much of it; keeps it where there is none to move to.
+	/// Releases memory if the table has far more than it needs. Keeps it if the smaller copy cannot be allocated.
 	void shrink() noexcept {
 		if (slots_ > least_slots && 8 * size_ < slots_) {
 			static_cast<void>(guarded("ids", static_cast<double>(slots_), [this] { shrink_all(); }));
@@ -157,10 +157,10 @@ public:
 
 	std::size_t size() const { return size_; }
 
-	/// How many ids have a value.
+	/// The number of ids that have a value.
 	std::size_t valued() const { return valued_; }
 
-	/// Calls `use(id, value)` for each, in any order.
+	/// Calls `use(id, value)` for each id, in any order.
 	template <typename Use>
 	void for_each(Use &&use) const {
 		for (const std::shared_ptr<Shard> &shard : shards_) {
@@ -178,9 +178,9 @@ private:
 	static constexpr int shard_shift = 56;
 	static inline const Value nothing_{};
 
-	/// The ids of a shard, or none.
+	/// The ids of a shard, or an empty view.
 	struct View {
-		/// The slot of an id or, if it is not in, the free slot where it would be put.
+		/// The slot of an id or, if it is missing, the free slot where it would be inserted.
 		std::size_t slot_of(std::uint64_t id, std::uint64_t hash) const {
 			std::size_t slot = static_cast<std::size_t>(hash) & mask;
 			while (ids[slot] != id && ids[slot] != none) {
@@ -199,11 +199,11 @@ private:
 		View view() const { return {ids.data(), ids.size() - 1}; }
 		std::size_t slot_of(std::uint64_t id, std::uint64_t hash) const { return view().slot_of(id, hash); }
 
-		std::uint64_t owner; ///< Of the one table that may change it.
+		std::uint64_t owner; ///< The one table that may change this shard.
 		std::size_t size = 0;
 		std::size_t valued = 0;
-		std::vector<std::uint64_t> ids; ///< As many as a power of two; `none` where a slot is free.
-		std::vector<Value> values;      ///< Empty while no id has had one.
+		std::vector<std::uint64_t> ids; ///< A power of two in size; `none` where a slot is free.
+		std::vector<Value> values;      ///< Empty until an id of the shard has a value.
 	};
 
 	IdTable(const IdTable &other) :
@@ -215,7 +215,7 @@ private:
 	static std::size_t shard_of(std::uint64_t hash) { return static_cast<std::size_t>(hash >> shard_shift); }
 	std::size_t index_of(std::uint64_t hash) const { return shard_of(hash) & mask_; }
 
-	/// A shard that may be changed.
+	/// A shard that this table may change.
 	Shard &own(std::size_t index) {
 		std::shared_ptr<Shard> &r_shard = shards_[index];
 		if (r_shard == nullptr) {
@@ -231,7 +231,7 @@ private:
 		return *r_shard;
 	}
 
-	/// Takes the memory for `more` new ids of a shard.
+	/// Allocates the memory for `more` new ids of a shard.
 	void grow(std::size_t index, std::size_t more, bool valued) {
 		Shard &r_shard = own(index);
 		std::size_t slots = r_shard.ids.size();
@@ -245,7 +245,7 @@ private:
 		}
 	}
 
-	/// Lays all ids into as many shards as the mask says.
+	/// Distributes all ids over `mask` + 1 shards.
 	void spread(std::size_t mask) {
 		IdTable other;
 		other.mask_ = mask;
@@ -257,7 +257,7 @@ private:
 		const bool is_value = !(value == Value());
 		if (r_shard.values.empty()) {
 			if (!is_value) {
-				// Fast path: a shard without values takes no memory for one that is none.
+				// Fast path: a shard without values allocates no memory for a missing value.
 				return;
 			}
 			r_shard.values.resize(r_shard.ids.size());
@@ -269,7 +269,7 @@ private:
 		r_shard.values[slot] = std::move(value);
 	}
 
-	/// Frees a slot. What was pushed on by the one that goes moves up, so that no search ends too early.
+	/// Frees a slot. Moves up the ids that the removed id had displaced, so that no search ends too early.
 	void close(Shard &r_shard, std::size_t hole) {
 		std::vector<std::uint64_t> &ids = r_shard.ids;
 		--r_shard.size;
@@ -288,7 +288,7 @@ private:
 		ids[hole] = none;
 	}
 
-	/// All memory is taken before anything changes.
+	/// Allocates all memory before it changes anything.
 	void resize(std::size_t index, std::size_t slots, bool with_values) {
 		Shard &r_shard = *shards_[index];
 		std::vector<std::uint64_t> ids(slots, none);
@@ -330,13 +330,13 @@ private:
 	}
 
 	std::array<std::shared_ptr<Shard>, shard_count> shards_;
-	std::array<View, shard_count> views_; ///< Of the shards.
-	std::size_t mask_ = 0;                ///< Of the numbers of shards: 0 while there is one.
+	std::array<View, shard_count> views_; ///< Views of the shards.
+	std::size_t mask_ = 0;                ///< Mask for shard indices; 0 while there is one shard.
 	std::uint64_t salt_ = salt_of_this_run();
 	std::uint64_t owner_ = new_table_owner();
 	std::size_t size_ = 0;
 	std::size_t valued_ = 0;
-	std::size_t slots_ = 0; ///< Of all shards.
+	std::size_t slots_ = 0; ///< Total of all shards.
 };
 
 } // namespace thicket

@@ -19,7 +19,7 @@ constexpr std::uint64_t added_bit = std::uint64_t{1} << 63;
 constexpr int layer_shift = 48;
 constexpr std::uint64_t cell_mask = (std::uint64_t{1} << layer_shift) - 1;
 
-/// 48 bits that depend on all of an instance.
+/// 48 bits that depend on every field of an instance.
 std::uint64_t hash_of(const AddedInstance &instance) {
 	WordHash hash;
 	hash.add(std::uint32_t{instance.mesh});
@@ -77,7 +77,7 @@ InstanceState &InstanceState::operator=(InstanceState &&) noexcept = default;
 
 bool InstanceState::removed(std::uint64_t id) const {
 	if (!any_removed(layer_of(id))) {
-		// Fast path: nothing of its layer is removed.
+		// Fast path: no point of its layer is removed.
 		return false;
 	}
 	return content_->removed.contains(id);
@@ -159,7 +159,7 @@ void InstanceState::release_claims() {
 	const auto step = [] {
 		return StateStep{.kind = Kind::release_claims};
 	};
-	// Where it is not noted, claims stay in what comes of a diff: a layer too many that refuses other points.
+	// If it cannot be recorded, the claims stay in the result of a pending diff: a layer too many refuses other points.
 	static_cast<void>(Journal::noting(journal_.get(), "layers", 0.0, step, [] { return Status(); }));
 	for (auto &[number, layer] : content_->layers) {
 		layer.claimed = false;
@@ -291,7 +291,7 @@ Status InstanceState::move(
 	return status;
 }
 
-/// Places an instance with the data of `id`, which is `to` or a point that it stands for.
+/// Places an instance with the data of `id`, which is `to` or a point that the instance replaces.
 void InstanceState::put_for(
 		std::uint64_t id, std::uint64_t to, const AddedInstance &instance, std::vector<InstanceChange> &r_changes) {
 	const auto each = [&](const auto &use) {

@@ -55,7 +55,7 @@ StateRecord::Entry InstanceState::Content::placed_as(std::uint64_t id, const Add
 }
 
 double InstanceState::Content::time_of_write(double former) const {
-	constexpr double step = 0x1p-20; // Seconds: a microsecond, in a number that adds up without rounding.
+	constexpr double step = 0x1p-20; // In seconds: a microsecond, as a number that adds up without rounding.
 	if (time > former) {
 		return time;
 	}
@@ -99,7 +99,7 @@ void InstanceState::Content::take_history(
 	const std::uint64_t raise = other.revision - first_note;
 	const Status status = guarded("changes", static_cast<double>(log.size()), [&] {
 		if (other.log.knows(at)) {
-			// Fast path: of what `r_log` is, only the rest has to come.
+			// Fast path: `r_log` is an earlier state of the other log, so only the rest is appended.
 			r_log.append(other.log, at, 0);
 		} else {
 			r_log = other.log;
@@ -131,7 +131,7 @@ void InstanceState::Content::shrink() noexcept {
 	data.shrink();
 }
 
-/// Takes the memory for what `change` will do, except for what `make_room` takes for all together.
+/// Allocates the memory that `change` needs, except for the memory that `make_room` allocates for all changes together.
 void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_room) {
 	bool data_stay = true;
 	if (is_added(id)) {
@@ -145,7 +145,7 @@ void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_roo
 	const bool same = was ? std::ranges::equal(own->bytes, to.data) : to.data.empty();
 	const bool later = same && was && own->at != to.data_at;
 	if (same && was == holds && !later) {
-		// Fast path: data that stay as they are need no room.
+		// Fast path: unchanged data need no room.
 		return;
 	}
 	data.make_room(id, !holds && !to.data.empty(), !to.data.empty(),
@@ -173,7 +173,7 @@ void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, Roo
 	}
 }
 
-/// False if the instance that is there will go, with its data. One that stays, elsewhere, keeps them.
+/// Returns false if the current instance will be removed along with its data. A moved instance keeps its data.
 bool InstanceState::Content::plan_added(std::uint64_t id, const Entry &to, Room &r_room) {
 	const Placed *own = added.value(id).get();
 	const bool was = own != nullptr;
@@ -317,7 +317,7 @@ void InstanceState::Content::plan_return(std::uint64_t id, double until) {
 		std::ranges::push_heap(due, std::greater<>());
 		return;
 	}
-	gather_due(); // Most of it is out of date. What is left fits into the memory that it had.
+	gather_due(); // Most of it is outdated. The rest fits into the existing memory.
 }
 
 void InstanceState::Content::gather_due() {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What an InstanceState holds. Included by its own sources, and by nothing else.
+// The content of an InstanceState. Included only by its own sources.
 
 #include "core/base/progress.hpp"
 #include "core/state/added_grid.hpp"
@@ -24,22 +24,22 @@ struct InstanceState::Content {
 	using Bytes = std::vector<std::uint8_t>;
 	using Entry = StateRecord::Entry;
 
-	/// What is known of a layer.
+	/// The state of a layer.
 	struct Layer {
 		std::uint64_t stamp = 0;
 		bool claimed = false;
-		double cell_side = 0.0; ///< Meters; 0 for a layer that was claimed without.
+		double cell_side = 0.0; ///< Meters; 0 if the layer was claimed without it.
 		std::size_t removed = 0;
 		std::size_t added = 0;
 		std::size_t with_data = 0; ///< Points that have data, removed or not.
-		double max_scale = 0.0;    ///< Of the hand-placed ones since there were none.
+		double max_scale = 0.0;    ///< Largest of the hand-placed ones since there were none.
 
 		bool holds_points() const { return removed + with_data > 0; }
 		bool holds_any() const { return holds_points() || added > 0; }
 		bool is_foreign(std::uint64_t to) const { return holds_points() && stamp != 0 && stamp != to; }
 	};
 
-	/// A point of a set that grows again.
+	/// A point of a set that will grow again.
 	struct Due {
 		double time;
 		std::uint64_t id;
@@ -55,7 +55,7 @@ struct InstanceState::Content {
 		double at = 0.0;
 	};
 
-	/// Data of an instance, one byte at least, and the clock when they were set.
+	/// Data of an instance, at least one byte, and the clock when they were set.
 	struct Data {
 		Bytes bytes;
 		double at = 0.0;
@@ -69,16 +69,16 @@ struct InstanceState::Content {
 	IdTable<SharedInstance> added;
 	IdTable<SharedData> data;
 	AddedGrid grid;       ///< Of `added`.
-	std::vector<Due> due; ///< A heap, the first on top. Some are out of date: what counts is the time in `removed`.
+	std::vector<Due> due; ///< A heap, earliest on top. Entries may be outdated; `removed` has the valid time.
 	ChangeLog log;
 	std::uint64_t revision = 0;
-	std::uint64_t origin = 0; ///< Names this state to others; 0 for no name.
+	std::uint64_t origin = 0; ///< The name of this state for others; 0 if it has none.
 	KnownRevisions known;     ///< Revisions of other states.
-	bool logging = true;      ///< Off where what is changed is forgotten anyway.
+	bool logging = true;      ///< Off where changes will be forgotten anyway.
 	double time = 0.0;
-	bool whole = true; ///< False after `share`, before `complete`.
+	bool whole = true; ///< False between `share` and `complete`.
 	const std::atomic<bool> *cancel =
-			nullptr; ///< Once it is true, changes are no longer made: nobody wants what comes of them.
+			nullptr; ///< Once it is true, no further changes are made, because the result is no longer needed.
 
 	std::size_t size() const { return removed.size() + added.size() + data.size(); }
 
@@ -86,43 +86,43 @@ struct InstanceState::Content {
 	std::span<const std::uint8_t> bytes_of(std::uint64_t id) const;
 	const AddedInstance *instance_of(std::uint64_t id) const;
 
-	/// An entry with an instance placed here and now, and the data that are held.
+	/// An entry with an instance placed now, and the current data of the id.
 	Entry placed_as(std::uint64_t id, const AddedInstance &instance) const;
 
-	/// The time of a write that replaces one of `former`: the clock, or later than `former` where that is ahead of the clock.
+	/// The time of a write that replaces one of time `former`: the clock, or a time after `former` if that is ahead of the clock.
 	double time_of_write(double former) const;
 
-	/// The same content in the same memory, for some microseconds: each copies what it changes. It is not whole before `complete` was
-	/// called, which may be on another thread, and remembers no changes.
+	/// A copy with the same memory, created in microseconds. Each copies the parts that it changes. The copy is incomplete until
+	/// `complete` is called, which may happen on a different thread, and it remembers no changes.
 	std::unique_ptr<Content> share();
 
-	/// Makes what `share` leaves out. Throws std::bad_alloc.
+	/// Builds the parts that `share` leaves out. Throws std::bad_alloc.
 	void complete();
 
-	/// Takes over the log and the revision of another content, of which this was a copy that has noted changes after `first_note` since.
-	/// These come after all of the other's. `r_log` is the other's up to the revision `at`.
+	/// Takes over the log and the revision of a different content. This content was copied from it and has recorded changes after
+	/// `first_note` since, which follow all of the other's changes. `r_log` is the other's log up to the revision `at`.
 	void take_history(const Content &other, ChangeLog &r_log, std::uint64_t at, std::uint64_t first_note) noexcept;
 
-	/// How many ids are new in the tables.
+	/// The number of new ids in the tables.
 	struct NewIds {
 		IdTable<double>::NewIds removed;
 		IdTable<SharedInstance>::NewIds added;
 		IdTable<SharedData>::NewIds data;
 	};
 
-	/// The memory that changes need. All of it is had before the first of them is made, so that none fails.
+	/// The memory that changes need. All of it is allocated before the first change, so that no change fails.
 	struct Room {
 		std::map<std::uint64_t, SharedInstance> added;
 		std::map<std::uint64_t, SharedData> data;
 		AddedGrid grid;
-		std::size_t changes = 0;   ///< To be told.
+		std::size_t changes = 0;   ///< Changes to report.
 		std::size_t due = 0;       ///< Points that will grow again.
-		NewIds *new_ids = nullptr; ///< Null where it is for a single id.
+		NewIds *new_ids = nullptr; ///< Null for a single id.
 	};
 
-	/// Makes of ids what is said of them, and adds what that has changed; or throws std::bad_alloc and changes nothing.
-	/// `each(use)` calls `use(id, entry)` for every id once. It is called twice: to find out how much memory that takes, and
-	/// then to do it. The second time it must take no memory.
+	/// Sets ids to the given entries and appends the resulting changes, or throws std::bad_alloc and changes nothing. `each(use)` calls
+	/// `use(id, entry)` for every id once. It is called twice: first to determine the memory needed, then to make the changes. The second
+	/// call must not allocate memory.
 	template <typename Each>
 	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
 		NewIds new_ids;
@@ -142,10 +142,10 @@ struct InstanceState::Content {
 		shrink();
 	}
 
-	/// The same for a single id. `asked_for` names what is short of memory, of that size.
+	/// The same for a single id. `asked_for` is the name of the allocation in the error, `value` its size.
 	StateChange change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value);
 
-	/// Calls `use(id)` for those that are due by a time, from one of the heap on: no child comes before its parent.
+	/// Calls `use(id)` for the entries due by a time, in the part of the heap below index `at`. A child is never earlier than its parent.
 	template <typename Use>
 	void for_each_due(double until, const Use &use, std::size_t at = 0) const {
 		if (at < due.size() && due[at].time <= until) {
@@ -155,34 +155,34 @@ struct InstanceState::Content {
 		}
 	}
 
-	/// Moves the clock to a later time and restores what is due by then; or throws std::bad_alloc and changes nothing.
+	/// Moves the clock to a later time and restores the points due by then, or throws std::bad_alloc and changes nothing.
 	void move_clock(double to, std::vector<InstanceChange> &r_changes);
 
-	/// Refuses, as `layer`, stamps of points that are not those of this state's layers that are claimed or, unless everything is
-	/// replaced, hold points.
+	/// Refuses, as `layer`, stamps of points that differ from those of this state's layers. Checks the layers that are claimed or, unless
+	/// everything is replaced, hold points.
 	Status check_stamps(const StateRecord &record, bool replaced) const;
 
-	/// All ids of which anything is said here, ascending.
+	/// All ids with any content here, ascending.
 	std::vector<std::uint64_t> all_ids() const;
 
-	/// What is said of some ids; of all for a whole record.
+	/// The content of some ids, or of all for a whole record.
 	StateRecord record_of(std::vector<std::uint64_t> ids, bool whole) const;
 	StateRecord whole_record() const { return record_of(all_ids(), true); }
 
-	/// The cell of a point in world meters; false for a layer whose cells are not known.
+	/// The cell of a point in world meters. Returns false for a layer whose cells are unknown.
 	bool find_cell(std::uint64_t id, Rect &r_cell) const;
 
 	/// See InstanceState::merge. The clock moves to `clock` if that is later. Throws std::bad_alloc and changes nothing.
 	Status take_in(
 			const StateRecord &record, double clock, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
-	/// Refuses the changes of `each` (see change_all), which come from a record, if they exceed limits: how much is held after them, and
-	/// where they are.
+	/// Refuses the changes of `each` (see change_all), which come from a record, if they exceed limits: the amount of content after them,
+	/// and the positions.
 	template <typename Each>
 	Status check_changes(const StateRecord &record, const Each &each, const DiffLimits &limits) const {
 		if (limits.area.empty() && size() + record.size() + record.with_data.size() <= limits.max_total_changes &&
 				added.size() + record.added.size() <= limits.max_added) {
-			// Fast path: even if all of it is new, it is no more than is allowed.
+			// Fast path: even if all of it is new, it does not exceed the limits.
 			return {};
 		}
 		std::size_t held = size();
@@ -201,11 +201,11 @@ struct InstanceState::Content {
 		return status.ok() ? check_held(held, placed, limits) : status;
 	}
 
-	/// Takes over what a record says, and its stamps. A whole one replaces everything but the clock. Refuses what limits forbid.
-	/// Throws std::bad_alloc and changes nothing, as does the next.
+	/// Takes over the content of a record, and its stamps. A whole record replaces everything but the clock. Refuses content that exceeds
+	/// the limits. Throws std::bad_alloc and changes nothing, as does the next function.
 	Status follow(const StateRecord &record, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
-	/// The same, and forgets which changes led here. Counts as a change, even where nothing is another.
+	/// The same, and forgets the changes that led here. Counts as a change even if nothing differs.
 	void start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes);
 
 	void make_room_for_stamps(const StateRecord &record);
@@ -221,7 +221,7 @@ private:
 	bool plan_added(std::uint64_t id, const Entry &to, Room &r_room);
 	void make_room(const Room &room, std::vector<InstanceChange> &r_changes);
 
-	// From here on all memory is there.
+	// From here on, all memory is already allocated.
 	void change(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes) noexcept;
 	void change_removed(std::uint64_t id, const Entry &to, std::vector<InstanceChange> &r_changes);
 	void change_added(std::uint64_t id, const Entry &to, Room &r_room, std::vector<InstanceChange> &r_changes);

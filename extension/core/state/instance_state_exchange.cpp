@@ -1,4 +1,4 @@
-// What an InstanceState gives to others and takes from them.
+// The exchange of content between an InstanceState and other states.
 
 #include "core/state/instance_state_content.hpp"
 
@@ -124,7 +124,7 @@ Status InstanceState::Content::check_stamps(const StateRecord &record, bool repl
 	return {};
 }
 
-/// So that `take_stamps` takes no memory.
+/// Ensures that `take_stamps` allocates no memory.
 void InstanceState::Content::make_room_for_stamps(const StateRecord &record) {
 	for (const auto &[number, stamp] : record.stamps) {
 		layers.try_emplace(number);
@@ -215,7 +215,7 @@ Status InstanceState::Content::follow(
 	}
 	make_room_for_stamps(record);
 	if (record.removed.size() > removed.size()) {
-		// Fast path: the table grows once, and not shard by shard as ids come.
+		// Fast path: the table grows once, and not shard by shard as ids are added.
 		removed.expect(record.removed.size() - removed.size());
 	}
 	change_all(each, r_changes);

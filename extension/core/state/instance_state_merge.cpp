@@ -1,4 +1,4 @@
-// How states without an authority are joined, and how changes that come from others keep to limits.
+// Joins states without an authority, and checks changes from other states against limits.
 
 #include "core/base/guard.hpp"
 #include "core/base/instance_id.hpp"
@@ -31,7 +31,7 @@ Status InstanceState::merge_diff(
 	});
 }
 
-/// The larger of what is held of an id and what another state says of it, in an order in which any two have a larger one.
+/// The larger of the current content of an id and its content in a different state, in a total order.
 StateRecord::Entry InstanceState::Content::joined(std::uint64_t id, const Entry &theirs, double clock) const {
 	Entry both = entry(id);
 	if (theirs.removed) {
@@ -72,7 +72,7 @@ Status InstanceState::Content::take_in(
 		}
 	});
 	std::ranges::sort(grown);
-	grown.erase(std::unique(grown.begin(), grown.end()), grown.end()); // The heap may have an id twice.
+	grown.erase(std::unique(grown.begin(), grown.end()), grown.end()); // The heap may contain an id twice.
 	const auto each = [&](const auto &use) {
 		for (const std::uint64_t id : grown) {
 			Entry to = entry(id);
@@ -111,7 +111,7 @@ Status InstanceState::Content::check_place(std::uint64_t id, const Entry &to, co
 }
 
 Status InstanceState::Content::check_held(std::size_t held, std::size_t placed, const DiffLimits &limits) const {
-	// More than is allowed may be held already: then a diff must not add to it.
+	// The state may already exceed the limit. A diff must then not add to it.
 	Status status;
 	if (held > size()) {
 		status = check_limit("total changes", held, limits.max_total_changes, "max_total_changes of diff_limits");

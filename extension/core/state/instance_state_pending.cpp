@@ -1,4 +1,4 @@
-// How an InstanceState takes over diffs that are applied on another thread.
+// Takes over diffs that were applied on a different thread.
 
 #include "core/base/guard.hpp"
 #include "core/state/instance_state_content.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 using Kind = StateStep::Kind;
 
-/// Adds what has to be told of an id that is what `to` says and was what `from` says.
+/// Adds the change to report for an id that changed from `from` to `to`.
 void add_difference(std::uint64_t id, const StateRecord::Entry &from, const StateRecord::Entry &to,
 		std::vector<InstanceChange> &r_changes) {
 	const auto same = [](const AddedInstance *left, const AddedInstance *right) {
@@ -120,7 +120,7 @@ Status InstanceState::finish_pending_diff(StateChanges &r_changes) {
 	}
 	if (!status.ok()) {
 		const Status passed = guarded_by_size([&] { pass_over(*first); });
-		for (const std::shared_ptr<PendingDiff> &diff : journal_->diffs) { // Nobody knows what they would start from.
+		for (const std::shared_ptr<PendingDiff> &diff : journal_->diffs) { // Their starting content is unknown.
 			diff->status_ = passed.ok() ? diff->status_ : passed;
 		}
 	}
@@ -137,7 +137,7 @@ Status InstanceState::finish_pending_diff(StateChanges &r_changes) {
 	return status;
 }
 
-/// What came after the diff is done again with what the diff has made, and that becomes the content.
+/// Repeats the changes made after the diff on top of the diff's result, which becomes the content.
 Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	InstanceState &next = *diff.next_;
 	const std::shared_ptr<PendingDiff> second = journal_->diffs.size() > 1 ? journal_->diffs[1] : nullptr;
@@ -169,7 +169,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	}
 	diff.changes_.overruled = std::move(touched);
 
-	// From here on nothing fails.
+	// From here on, nothing can fail.
 	next.content_->take_history(*content_, diff.log_, diff.revision_, diff.first_note_);
 	content_.swap(next.content_);
 	r_changes = std::move(diff.changes_);
@@ -179,7 +179,7 @@ Status InstanceState::take_over(PendingDiff &diff, StateChanges &r_changes) {
 	return {};
 }
 
-/// Of what the next diff starts from if this one does nothing.
+/// Prepares the content that the next diff starts from if this one has no effect.
 void InstanceState::pass_over(PendingDiff &diff) {
 	if (journal_->diffs.size() < 2) {
 		return;
@@ -196,7 +196,7 @@ void InstanceState::pass_over(PendingDiff &diff) {
 	second.start_from(diff.base_->share(), content_->log, content_->revision);
 }
 
-/// Does again what was done to another state with the same past but for a diff.
+/// Repeats a call that was made on a different state with the same past except for a diff.
 Status InstanceState::repeat(const StateStep &step, std::vector<InstanceChange> &r_changes) {
 	switch (step.kind) {
 		case Kind::remove: return remove(step.id, step.number).status;
@@ -205,7 +205,7 @@ Status InstanceState::repeat(const StateStep &step, std::vector<InstanceChange> 
 		case Kind::move: return guarded("instance", 1.0, [&] { put_for(step.id, step.to, *step.instance, r_changes); });
 		case Kind::set_data: {
 			const Status status = set_data(step.id, step.data);
-			return status.code == ErrorCode::missing ? Status() : status; // What had them is gone.
+			return status.code == ErrorCode::missing ? Status() : status; // The instance with these data is gone.
 		}
 		case Kind::advance: return advance(step.number, r_changes);
 		case Kind::claim: return claim(static_cast<std::uint16_t>(step.id), step.to, step.number);

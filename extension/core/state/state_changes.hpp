@@ -9,11 +9,11 @@
 
 namespace thicket {
 
-/// The changes of one call, as they are told.
+/// The reported changes of one call.
 struct StateChanges {
 	std::vector<InstanceChange> list;
 
-	/// Ids that were changed otherwise while a pending diff was under way: what `list` has of them is not to be told, but `instead`.
+	/// Ids that were also changed by other calls while a diff was pending. For these, `instead` is reported, not the changes in `list`.
 	std::vector<std::uint64_t> overruled; ///< Ascending.
 	std::vector<InstanceChange> instead;
 
@@ -23,7 +23,7 @@ struct StateChanges {
 
 	std::size_t size() const { return list.size() + instead.size(); }
 
-	/// The change of a number below `size`; null for one that is not to be told.
+	/// The change with a number below `size`. Null if it must not be reported.
 	const InstanceChange *at(std::size_t number) const {
 		if (number >= list.size()) {
 			return &instead[number - list.size()];
@@ -31,7 +31,7 @@ struct StateChanges {
 		return is_overruled(list[number].id) ? nullptr : &list[number];
 	}
 
-	/// Calls `use(change)` for all that are to be told.
+	/// Calls `use(change)` for all changes to report.
 	template <typename Use>
 	void for_each(const Use &use) const {
 		for (const InstanceChange &change : list) {

@@ -11,7 +11,7 @@
 #include <cstddef>
 
 // Format 2. Numbers are little-endian; a count is written in 7 bits a byte, the lowest first, with the highest bit set in all bytes but
-// its last. A list is written as id_codec.hpp says, ids in it are codes:
+// its last. A list is written as in id_codec.hpp; ids in it are codes:
 //   "TSTA", u32 format, u8 kind: bit 0 for some ids instead of a whole state, bit 1 for a named sender; f64 clock in seconds;
 //   of a named sender: u64 name, count: its revision; of some ids also count: how many revisions before that they begin;
 //   count of layers; for each, ascending: count: the layer, u64 stamp;
@@ -23,7 +23,7 @@
 //   u64 FNV-1a of all bytes before it.
 // Format 1 has kinds 0 and 1, no sender and no times of placing and setting. Its number of layers is a u16 and one too small, or 0xffff
 // for none; a layer is a u16, the size of a list a u32 before the list, and a count of bytes a u32.
-// One content has one such form. Nothing else is taken, so what was taken is written again to the byte.
+// Each content has exactly one such form. No other bytes are accepted, so loading and saving reproduces them byte for byte.
 
 namespace thicket {
 
@@ -54,7 +54,7 @@ void append_count(std::uint64_t count, std::vector<std::uint8_t> &r_bytes) {
 	r_bytes.push_back(static_cast<std::uint8_t>(count));
 }
 
-/// A count that is longer than it need be is refused later: it is written again in fewer bytes.
+/// A count with superfluous bytes is refused later, because it would be written in fewer bytes.
 std::uint64_t take_count(ByteReader &r_bytes) {
 	std::uint64_t count = 0;
 	std::uint8_t byte = 0x80;
@@ -65,7 +65,7 @@ std::uint64_t take_count(ByteReader &r_bytes) {
 	return count;
 }
 
-/// Writes the parts that the formats write differently.
+/// Writes the parts that differ between the formats.
 class RecordWriter {
 public:
 	RecordWriter(std::vector<std::uint8_t> &r_bytes, std::uint32_t format, const std::atomic<bool> *cancel) :
@@ -167,7 +167,8 @@ private:
 	const std::atomic<bool> *cancel_;
 };
 
-/// Reads what follows the header. Every function returns false for what is not as RecordWriter writes it, and for what the limits forbid.
+/// Reads the bytes after the header. Each function returns false for bytes that RecordWriter would not write, and for content that
+/// exceeds the limits.
 class RecordReader {
 public:
 	RecordReader(ByteReader bytes, const StateHeader &header, const DiffLimits &limits,
@@ -179,7 +180,7 @@ public:
 				bytes_.at_end();
 	}
 
-	/// Why the limits forbid it; ok for nothing of that.
+	/// The reason for a refusal by the limits; ok if there is none.
 	const Status &refused() const { return refused_; }
 
 private:
@@ -312,7 +313,7 @@ bool take_stamps(ByteReader &r_bytes, StateHeader &r_header) {
 	return r_bytes.good() && r_header.stamps.size() == count;
 }
 
-/// Takes the header off the front.
+/// Removes the header from the front.
 Status take_header(ByteReader &r_bytes, StateHeader &r_header) {
 	if (r_bytes.take<std::uint32_t>() != magic) {
 		return corrupt;
@@ -340,7 +341,7 @@ Status take_header(ByteReader &r_bytes, StateHeader &r_header) {
 	for (std::uint64_t &r_size : r_header.sizes) {
 		r_size = take_count(r_bytes);
 		if (!r_bytes.good() || r_size > 8 * r_bytes.rest().size()) {
-			return corrupt; // An id takes a bit at least.
+			return corrupt; // Each id takes at least one bit.
 		}
 	}
 	return {};

@@ -1,6 +1,6 @@
 #pragma once
 
-// How an InstanceState remembers what was done to it while diffs are pending. Included by its own sources, and by nothing else.
+// How an InstanceState records the calls made while diffs are pending. Included only by its own sources.
 
 #include "core/base/guard.hpp"
 #include "core/state/pending_diff.hpp"
@@ -13,24 +13,24 @@
 
 namespace thicket {
 
-/// A call that changed a state, or would have if the state had been another.
+/// A call that changed a state, or that would have changed a different one.
 struct StateStep {
 	enum class Kind : std::uint8_t { remove, restore, place, move, set_data, advance, claim, release_claims };
 
 	Kind kind = Kind::remove;
 	std::uint64_t id = 0;
-	std::uint64_t to = 0; ///< `move`: the id that the instance has then. `claim`: the stamp.
-	double number = 0.0;  ///< `remove`: until when. `advance`: seconds. `claim`: meters a cell is wide.
+	std::uint64_t to = 0; ///< `move`: the id after the move. `claim`: the stamp.
+	double number = 0.0;  ///< `remove`: until when. `advance`: seconds. `claim`: cell width in meters.
 	std::shared_ptr<const AddedInstance> instance{};
 	std::vector<std::uint8_t> data{};
-	std::vector<std::uint64_t> restored{}; ///< By `advance`: all that may be.
+	std::vector<std::uint64_t> restored{}; ///< By `advance`: all candidates.
 };
 
 struct InstanceState::Journal {
-	std::deque<std::shared_ptr<PendingDiff>> diffs; ///< One at least.
-	std::deque<StateStep> steps;                    ///< Since the first was queued.
+	std::deque<std::shared_ptr<PendingDiff>> diffs; ///< At least one.
+	std::deque<StateStep> steps;                    ///< Since the first diff was queued.
 
-	/// Notes steps in a journal, if there is one, and forgets them in the end unless they are kept.
+	/// Records steps in a journal, if there is one, and removes them at the end of scope unless they are kept.
 	class Noting {
 	public:
 		explicit Noting(Journal *journal) :
@@ -43,7 +43,7 @@ struct InstanceState::Journal {
 		Noting(const Noting &) = delete;
 		Noting &operator=(const Noting &) = delete;
 
-		/// `make()` gives the step. Throws std::bad_alloc.
+		/// `make()` returns the step. Throws std::bad_alloc.
 		template <typename Make>
 		void note(const Make &make) {
 			if (journal_ != nullptr) {
@@ -60,8 +60,8 @@ struct InstanceState::Journal {
 		std::size_t before_;
 	};
 
-	/// Does `work()`, which gives a status, with its step noted in a journal, if there is one. Where there is no memory for that, nothing
-	/// is done, and the status names what was asked for; a step whose work is refused is forgotten.
+	/// Calls `work()`, which returns a status, and records its step in a journal, if there is one. If memory does not suffice to record
+	/// it, does nothing and returns a status that names the allocation. Forgets the step if its work is refused.
 	template <typename Make, typename Work>
 	static Status noting(Journal *journal, const char *asked_for, double value, const Make &make, const Work &work) {
 		Noting noting(journal);

@@ -12,13 +12,13 @@ namespace {
 
 constexpr std::size_t probes_per_visit = 2;
 
-/// Tiles to look at in one call, whether they are due or not.
+/// The maximum number of tiles to visit in one call, whether they are due or not.
 constexpr std::size_t max_looks = 64;
 
-/// So many changes are handed over at once, without a wait for more.
+/// With this many changes, they are handed over immediately, without waiting for more.
 constexpr std::size_t many_changes = 32;
 
-/// A change adds so much unrest, which doubles the pause; a height that stayed the same takes away 1.
+/// A change adds this much unrest, which doubles the pause. An unchanged height removes 1.
 constexpr unsigned unrest_of_change = 4;
 constexpr unsigned max_unrest = 5 * unrest_of_change;
 

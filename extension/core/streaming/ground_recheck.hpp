@@ -15,39 +15,40 @@
 
 namespace thicket {
 
-/// Finds out where the ground under visible tiles has changed without a report: compares a few heights of a few tiles at a time, in turn,
-/// with those that the tiles were made with. Pure logic: the caller reads the ground and the clock. Times are seconds of any clock. Methods
-/// that add throw std::bad_alloc.
+/// Detects ground changes under visible tiles that were not reported. It compares a few heights of a few tiles at a time, in turn, with
+/// the heights that the tiles were generated with. Pure logic: the caller reads the ground and the clock. Times are seconds of any clock.
+/// Methods that add entries throw std::bad_alloc.
 class GroundRecheck {
 public:
-	/// A tile is visible from now on, made with these heights; one that was visible before has been regenerated. `outdated`: it is about
-	/// to be regenerated once more, so it is not checked until then.
+	/// Reports that a tile, generated with these heights, is visible from now on. A tile that was visible before has been regenerated.
+	/// `outdated` means that it is about to be regenerated once more, so it is not checked until then.
 	void show(const TileKey &key, const Rect &rect, std::vector<GroundProbe> probes, bool outdated);
 	void hide(const TileKey &key);
 	void clear();
 
-	/// The visible tiles of a layer that touch `area` are about to be regenerated: they are not checked until the next `show`, or until
-	/// `keep`, for one that stays as it is. Changes found there in tiles of this layer are dropped, since the caller knows them.
+	/// Reports that the visible tiles of a layer that touch `area` are about to be regenerated. They are not checked until the next
+	/// `show`, or until `keep` for an unchanged tile. Drops changes found there in tiles of this layer, because the caller already knows
+	/// about them.
 	void hold(std::uint32_t layer, const Rect &area);
 	void keep(const TileKey &key);
 
-	/// Replaces `r_positions` by those to read next, `most` at the most: two of each tile whose turn it is. Work is bounded whatever the
-	/// number of tiles.
+	/// Replaces `r_positions` with the positions to read next, at most `most`: two of each tile whose turn it is. The work is bounded,
+	/// whatever the number of tiles.
 	void next(double now, std::size_t most, std::vector<glm::dvec2> &r_positions);
 
-	/// Takes the heights at these positions, NAN for no ground, none where the ground cannot be read at present. Those that differ by more
-	/// than `tolerance` meters are changes; each is found once.
+	/// Takes the heights at these positions. NAN means no ground; an empty value means that the ground cannot be read at present. A
+	/// height that differs by more than `tolerance` meters is a change. Each change is found once.
 	void answer(double now, std::span<const std::optional<float>> heights, double tolerance);
 
-	/// The positions of changes, once a tile's pause has passed since the first of them, or when there are many: tiles that lie over each
-	/// other are then regenerated together.
+	/// Returns the positions of changes, once a tile's pause has passed since the first of them or when there are many. Overlapping tiles
+	/// are then regenerated together.
 	std::vector<glm::dvec2> take_changes(double now);
 	bool has_changes() const { return !changes_.empty(); }
 
 	std::size_t size() const { return tiles_.size(); }
 
-	/// Seconds between two checks of a tile. Each change doubles it, up to 8 s, until heights stay the same. So ground that never comes
-	/// to rest does not keep all workers busy.
+	/// Seconds between two checks of a tile. Each change doubles it, up to 8 s, until the heights stay the same. Ground that never comes
+	/// to rest therefore does not keep all workers busy.
 	static constexpr double pause = 0.25;
 
 private:
@@ -58,9 +59,9 @@ private:
 	struct Tile {
 		Rect rect;
 		std::vector<GroundProbe> probes;
-		std::size_t next = 0;      ///< Of `probes`.
-		double due = 0.0;          ///< When it is to be checked.
-		unsigned unrest = 0;       ///< The more of it, the longer the pause: see pause_of.
+		std::size_t next = 0;      ///< Index in `probes`.
+		double due = 0.0;          ///< Time of the next check.
+		unsigned unrest = 0;       ///< The higher, the longer the pause; see pause_of.
 		std::uint64_t version = 0; ///< Changes with each `show`.
 		bool held = false;
 	};
@@ -79,7 +80,7 @@ private:
 	void visit(const TileKey &key, Tile &r_tile, double now, std::size_t most, std::vector<glm::dvec2> &r_positions);
 
 	std::map<TileKey, Tile, Before> tiles_;
-	TileKey next_; ///< The tile to look at next, or the one after it.
+	TileKey next_; ///< The tile to check next, or the one after it.
 	std::vector<Asked> asked_;
 	std::vector<Change> changes_;
 	double first_change_ = 0.0;

@@ -1,4 +1,4 @@
-// In which order the tiles of a layer are requested and come on show.
+// The order in which the tiles of a layer are requested and shown.
 
 #include "core/base/guard.hpp"
 #include "core/base/tile_grid.hpp"
@@ -13,13 +13,13 @@ namespace thicket {
 
 namespace {
 
-/// A tile may come on show before tiles that are so many tiles nearer. Those were measured from where the viewer was at
-/// the last look: with how far it may have moved since, it is one tile.
+/// A tile may be shown before tiles that are this many tiles nearer. Those were measured from the viewer's position at the last look.
+/// Together with the distance that it may have moved since, this is one tile.
 constexpr double tolerance_tiles = 1.0 - slack_tiles;
 
 } // namespace
 
-/// Adds a tile to the queues of all viewers for whom it may be.
+/// Adds a tile to the queues of all viewers that keep it.
 void LayerTiles::add_to_queues(std::uint32_t slot) {
 	const glm::ivec2 at = tiles_[slot].at;
 	for (Sight &sight : sights_) {
@@ -29,13 +29,13 @@ void LayerTiles::add_to_queues(std::uint32_t slot) {
 	}
 }
 
-/// A tile waits to be requested anew. Where memory ends, the next look fills the queues.
+/// Queues a tile to be requested again. If memory runs out, the next look fills the queues.
 void LayerTiles::queue_up(std::uint32_t slot) noexcept {
 	const Status status = guarded("tiles", 1.0, [&] { add_to_queues(slot); });
 	torn_ = torn_ || !status.ok();
 }
 
-/// Measures an entry of a queue; false for one that is of no use any more.
+/// Measures an entry of a queue. Returns false if the entry is no longer needed.
 bool LayerTiles::measure(const Sight &sight, TileQueue::Entry &entry) const {
 	const StreamedTile &tile = tiles_[entry.slot];
 	if (!tile.exists || tile.at != entry.at || tile.current) {
@@ -49,7 +49,7 @@ void LayerTiles::sort(Sight &sight) {
 	sight.queue.sort([&](TileQueue::Entry &entry) { return measure(sight, entry); });
 }
 
-/// The first of a viewer's tiles that fits; null for none.
+/// A viewer's first tile that fits. Null if there is none.
 template <class Fits>
 const TileQueue::Entry *LayerTiles::first(Sight &sight, std::size_t cursor, Fits &&fits) {
 	return sight.queue.first(
@@ -79,9 +79,9 @@ TileRequest LayerTiles::request_of(std::uint32_t slot) const {
 	return {key(tile.at), rect(tile.at), tile.ticket};
 }
 
-/// The slot of a tile that this request is under way for.
+/// The slot of the tile that this request is pending for.
 std::uint32_t LayerTiles::find_pending(const TileRequest &request) const {
-	// A ticket is never given twice, so it also tells a tile of this grid from one of another.
+	// Tickets are never reused, so the ticket also distinguishes tiles of different grids.
 	const std::uint32_t slot = tiles_.find(request.key.tile);
 	const bool same = slot != TileTable::none && request.ticket != 0 && tiles_[slot].ticket == request.ticket;
 	return same ? slot : TileTable::none;
@@ -90,7 +90,7 @@ std::uint32_t LayerTiles::find_pending(const TileRequest &request) const {
 bool LayerTiles::ready(const TileRequest &request) {
 	const std::uint32_t slot = find_pending(request);
 	if (slot != TileTable::none && !std::exchange(tiles_[slot].made, true)) {
-		made_.push_back(slot); // There is room: see `enter`.
+		made_.push_back(slot); // `enter` has reserved the room.
 	}
 	return slot != TileTable::none;
 }
@@ -101,14 +101,14 @@ void LayerTiles::forget_made(std::uint32_t slot) {
 	}
 }
 
-/// How far the nearest tile is that a viewer sees and that is not on show, in meters; infinite for none.
+/// The distance of the nearest tile that a viewer sees and that is not shown, in meters. Infinite if there is none.
 double LayerTiles::first_missing(Sight &sight) {
 	const TileQueue::Entry *entry =
 			first(sight, 1, [&](const StreamedTile &tile) { return !tile.shown && sight.view.contains(tile.at); });
 	return entry != nullptr ? std::sqrt(entry->distance_squared) : std::numeric_limits<double>::infinity();
 }
 
-/// Whether a tile that lies ready may come on show as far as a viewer is concerned. What replaces a tile may at once.
+/// Whether a viewer permits showing a ready tile. A tile that replaces a visible one may be shown immediately.
 bool LayerTiles::is_turn(
 		std::size_t viewer, const TrackedViewer &tracked, const StreamedTile &tile, double distance_squared) {
 	if (tile.shown) {
@@ -122,7 +122,7 @@ bool LayerTiles::is_turn(
 std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, const TrackedViewer &tracked) {
 	std::optional<Candidate> nearest;
 	if (behind_ || viewer >= sights_.size()) {
-		return nearest; // What is near is not known.
+		return nearest; // The near tiles are unknown.
 	}
 	for (const std::uint32_t slot : made_) {
 		const StreamedTile &tile = tiles_[slot];
@@ -131,7 +131,7 @@ std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, 
 		}
 		const double squared = distance_squared(rect(tile.at), tracked.now.position);
 		if (nearest && squared >= nearest->distance_squared) {
-			// Fast path: another one is nearer, whether it is this one's turn or not.
+			// Fast path: a different tile is nearer, whether it is this one's turn or not.
 			continue;
 		}
 		if (is_turn(viewer, tracked, tile, squared)) {

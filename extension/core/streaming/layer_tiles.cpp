@@ -65,7 +65,7 @@ void LayerTiles::invalidate(const Rect &area) {
 				tile.late = tile.ticket != 0;
 			});
 			if (queued) {
-				// Fast path: it waits already. Else a slider that is dragged would fill the queues in every frame.
+				// Fast path: the tile already waits. Otherwise a dragged slider would fill the queues in every frame.
 				continue;
 			}
 			queue_up(slot);
@@ -113,7 +113,7 @@ bool LayerTiles::look(std::span<const TrackedViewer> viewers, std::size_t &r_new
 	if (torn_) {
 		begin_anew();
 	}
-	torn_ = true; // Unless this comes to its end.
+	torn_ = true; // Reset when this function completes.
 	const bool looked = look_at_all(viewers, r_new, r_changes);
 	if (sweeping_ && !behind_) {
 		leave_all(r_changes);
@@ -123,14 +123,14 @@ bool LayerTiles::look(std::span<const TrackedViewer> viewers, std::size_t &r_new
 	return looked;
 }
 
-/// All viewers are as new; the tiles are there still.
+/// Treats all viewers as new. The tiles are kept.
 void LayerTiles::begin_anew() {
 	sights_.clear();
 	first_sight_ = 0;
 	sweeping_ = true;
 }
 
-/// Lets go of what nobody sees or keeps, and queues up what somebody keeps and is not current.
+/// Releases tiles that no viewer sees or keeps, and queues the tiles that a viewer keeps and that are not current.
 void LayerTiles::leave_all(StreamChanges &r_changes) {
 	for (std::uint32_t slot = 0; slot < tiles_.slots().size(); ++slot) {
 		const StreamedTile &tile = tiles_[slot];
@@ -154,7 +154,7 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 		const TrackedViewer *viewer = index < viewers.size() ? &viewers[index] : nullptr;
 		Sight &sight = sights_[index];
 		if (is_where(sight, viewer != nullptr ? &viewer->now : nullptr)) {
-			// Fast path: within the slack nothing comes into view that was not seen then.
+			// Fast path: within the slack, no tile comes into view that was not seen before.
 			continue;
 		}
 		if (r_new >= max_new && viewer != nullptr) {
@@ -168,7 +168,7 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 		r_new += tiles_.size() - before;
 		looked = true;
 	}
-	// All that comes before all that goes: what one viewer leaves may be what another one enters.
+	// All additions come before all removals, because one viewer may enter a tile that a different one leaves.
 	for (Sight &sight : sights_) {
 		if (std::exchange(sight.moved, false)) {
 			leave(sight, r_changes);
@@ -178,12 +178,12 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 	return looked;
 }
 
-/// How far a viewer sees, in meters.
+/// A viewer's view distance in meters.
 double LayerTiles::view_of(const Viewer &viewer) const {
 	return std::min(settings_.view_distance * viewer.radius_scale, max_view_tiles * settings_.tile_size);
 }
 
-/// Whether a viewer, none for one that has gone, is where it was seen last and sees as far.
+/// Whether a viewer (null if it is gone) has the same position, within the slack, and the same view distance as at the last look.
 bool LayerTiles::is_where(const Sight &sight, const Viewer *viewer) const {
 	if (viewer == nullptr) {
 		return sight.seen < 0.0;
@@ -198,9 +198,9 @@ bool LayerTiles::follows(std::span<const Viewer> viewers) const {
 			sights_, viewers, [this](const Sight &sight, const Viewer &viewer) { return is_where(sight, &viewer); });
 }
 
-/// Takes a viewer's position and reach.
+/// Stores a viewer's position and view distance.
 void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
-	sort(sight); // Perhaps it was not since the last move: then this keeps it from growing.
+	sort(sight); // It may not have been sorted since the last move. Sorting now limits its size.
 	std::swap(sight.view, sight.old_view);
 	std::swap(sight.keep, sight.old_keep);
 	sight.moved = true;
@@ -223,7 +223,7 @@ void LayerTiles::move(Sight &sight, const TrackedViewer *viewer) {
 void LayerTiles::enter(Sight &sight) {
 	sight.view.visit_without(sight.old_view, [&](glm::ivec2 at) {
 		const std::size_t before = tiles_.size();
-		reserve_more(made_, before + 1 - made_.size()); // Any of them may lie ready.
+		reserve_more(made_, before + 1 - made_.size()); // Any of them may become ready.
 		const std::uint32_t slot = tiles_.find_or_add(at);
 		counts_.waiting += tiles_.size() - before;
 		if (!tiles_[slot].current) {
@@ -234,7 +234,7 @@ void LayerTiles::enter(Sight &sight) {
 
 void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
 	sight.old_view.visit_without(sight.view, [&](glm::ivec2 at) {
-		// Out of view there is no reason to begin a tile, only to keep what has been begun.
+		// Out of view, there is no reason to start a tile, only to keep one that was started.
 		const std::uint32_t slot = tiles_.find(at);
 		if (slot != TileTable::none && !tiles_[slot].begun() && !seen(at)) {
 			erase(slot);
@@ -248,7 +248,7 @@ void LayerTiles::leave(const Sight &sight, StreamChanges &r_changes) {
 		if (!kept(at)) {
 			release(slot, r_changes);
 		} else if (tiles_[slot].begun() && !tiles_[slot].current) {
-			add_to_queues(slot); // Perhaps it was in this viewer's alone.
+			add_to_queues(slot); // Only this viewer's queue may have had it.
 		}
 	});
 }
@@ -261,10 +261,10 @@ bool LayerTiles::kept(glm::ivec2 at) const {
 	return std::ranges::any_of(sights_, [at](const Sight &sight) { return sight.keep.contains(at); });
 }
 
-/// Says what has to be undone for a tile that goes, and forgets it.
+/// Records the changes needed to remove a tile, and forgets it.
 void LayerTiles::release(std::uint32_t slot, StreamChanges &r_changes) {
 	if (tiles_[slot].shown) {
-		r_changes.drop.push_back(key(tiles_[slot].at)); // First: it may fail.
+		r_changes.drop.push_back(key(tiles_[slot].at)); // First, because it may fail.
 	}
 	cancel(slot, r_changes);
 	erase(slot);
@@ -274,7 +274,7 @@ void LayerTiles::cancel(std::uint32_t slot, StreamChanges &r_changes) {
 	if (tiles_[slot].ticket == 0) {
 		return;
 	}
-	// Where memory ends, the work is done in vain: its answer is refused.
+	// If memory runs out, the work continues for no purpose: its answer is refused.
 	static_cast<void>(guarded("cancel", 1.0, [&] { r_changes.cancel.push_back(request_of(slot)); }));
 	forget_made(slot);
 	change(slot, [](StreamedTile &tile) {
@@ -294,7 +294,7 @@ void LayerTiles::drop_covered(StreamChanges &r_changes) {
 	});
 }
 
-/// Whether a tile that touches `under` is wanted and not yet on show.
+/// Whether a tile that touches `under` is wanted and not shown yet.
 bool LayerTiles::is_missing_under(const Rect &under) const {
 	const auto is_missing = [&](const StreamedTile &tile) {
 		return tile.exists && !tile.shown && touch(rect(tile.at), under);
@@ -303,7 +303,7 @@ bool LayerTiles::is_missing_under(const Rect &under) const {
 	const glm::ivec2 last = tile_at(settings_.tile_size, under.max);
 	const double tiles = (static_cast<double>(last.x) - first.x + 1.0) * (static_cast<double>(last.y) - first.y + 1.0);
 	if (tiles > static_cast<double>(tiles_.size())) {
-		// Fast path: fewer tiles are known than it touches.
+		// Fast path: there are fewer known tiles than tiles that `under` touches.
 		return std::ranges::any_of(tiles_.slots(), is_missing);
 	}
 	for (int y = first.y; y <= last.y; ++y) {

@@ -16,30 +16,30 @@
 
 namespace thicket {
 
-/// How far a viewer may move, in tiles, before its tiles are looked at again; wanted tiles are looked for so much
-/// farther out that none in view is missed in between.
+/// How far a viewer may move, in tiles, before its tiles are checked again. The search for wanted tiles reaches out farther by this
+/// distance, so that no visible tile is missed in between.
 inline constexpr double slack_tiles = 0.125;
 
-/// A tile is kept out to this many view distances, and one tile more.
+/// A tile is kept up to this many view distances, plus one tile.
 inline constexpr double keep_factor = 1.1;
 
-/// So many tiles may come up in a look, and those of one viewer more: a teleport of many viewers takes several.
+/// The maximum number of new tiles per look, plus those of one viewer. A teleport of many viewers takes several looks.
 inline constexpr std::size_t max_new = 1500;
 
-/// A viewer as the streamer follows it.
+/// A viewer as tracked by the streamer.
 struct TrackedViewer {
 	Viewer now;
-	double flown = 0.0;     ///< Meters, by all steps so far that were no jumps.
+	double flown = 0.0;     ///< Meters covered by all steps that were not jumps.
 	double jumped_at = 0.0; ///< `flown` after the last jump.
 
-	/// How far it has flown since `then`, a value that `flown` had; 0 if it has jumped since.
+	/// Meters flown since `then`, an earlier value of `flown`. 0 if the viewer has jumped since.
 	double flown_since(double then) const { return then >= jumped_at ? flown - then : 0.0; }
 };
 
-/// The tiles of one layer and what is known of each. A part of TileStreamer, which says what the states mean.
+/// The tiles of one layer and the state of each. Part of TileStreamer, which documents the states.
 class LayerTiles {
 public:
-	/// A tile and how far a viewer is from it.
+	/// A tile and its distance to a viewer.
 	struct Candidate {
 		double distance_squared = 0.0;
 		std::uint32_t slot = 0;
@@ -53,78 +53,78 @@ public:
 	std::size_t made_count() const { return made_.size(); }
 	bool has_retired() const { return !retired_.empty(); }
 
-	/// Takes new settings; a new tile size retires what is on show, cancels the rest, and starts `new_grid`.
+	/// Applies new settings. A new tile size retires the visible tiles, cancels all other tiles, and starts `new_grid`.
 	void configure(const StreamLayer &settings, std::uint32_t new_grid, StreamChanges &r_changes);
 
-	/// What `configure` and `clear` will add at most, told in advance.
+	/// Adds the maximum number of entries that `configure` and `clear` will append.
 	void add_room(std::size_t &r_cancel, std::size_t &r_drop) const;
 
-	/// Takes the memory that `configure` needs in this layer.
+	/// Allocates the memory that `configure` needs in this layer.
 	void make_room();
 
-	/// What touches `area` is outdated. What is under way stays so, and is outdated when it comes.
+	/// Marks tiles that touch `area` as outdated. Pending tiles stay pending and are outdated when they arrive.
 	void invalidate(const Rect &area);
 
-	/// Cancels what is under way; it waits to be requested again.
+	/// Cancels pending tiles. They wait to be requested again.
 	void cancel_all(StreamChanges &r_changes);
 
 	/// Cancels and drops everything.
 	void clear(StreamChanges &r_changes);
 
-	/// The same, without a word.
+	/// The same without recording changes.
 	void forget();
 
-	/// Finds out which tiles are wanted, kept and gone. Returns false, at no cost, if no viewer sees less or more than it
-	/// did or has moved by more than `slack_tiles`. What it costs else depends on what is not what it was. Adds to `r_new`
-	/// the tiles that were not known before; once there are `max_new` of them, viewers are left for the next look.
-	/// Throws std::bad_alloc; what was done is in `r_changes` then, and the next look begins anew.
+	/// Determines which tiles are wanted, kept and gone. Returns false, at no cost, if no viewer's view distance has changed and none has
+	/// moved by more than `slack_tiles`. Otherwise the cost depends on the amount of change. Adds to `r_new` the number of tiles that
+	/// were not known before. Once there are `max_new` of them, leaves the other viewers for the next look. Throws std::bad_alloc;
+	/// `r_changes` then contains the finished part, and the next look starts over.
 	bool look(std::span<const TrackedViewer> viewers, std::size_t &r_new, StreamChanges &r_changes);
 
-	/// True if the last look left viewers for the next one. Nothing comes on show until then.
+	/// True if the last look left viewers for the next one. No tile is shown until then.
 	bool behind() const { return behind_; }
 
 	/// See TileStreamer::follows.
 	bool follows(std::span<const Viewer> viewers) const;
 
-	/// Drops retired tiles under which nothing is missing: all is there, or out of view.
+	/// Drops retired tiles if no tile below them is missing: each is visible or out of view.
 	void drop_covered(StreamChanges &r_changes);
 
-	/// The nearest tile to a viewer that waits to be requested.
+	/// The waiting tile nearest to a viewer.
 	std::optional<Candidate> next_waiting(std::size_t viewer);
 
 	/// Turns a waiting tile into a pending one, for a viewer.
 	TileRequest request(std::uint32_t slot, std::uint64_t ticket, std::uint32_t viewer, double flown);
 
-	/// See TileStreamer::ready. False if nobody waits for it any more.
+	/// See TileStreamer::ready. Returns false if the tile is no longer needed.
 	bool ready(const TileRequest &request);
 
-	/// The nearest tile to a viewer that lies ready and whose turn it is.
+	/// The nearest tile to a viewer that is ready and whose turn it is.
 	std::optional<Candidate> next_ready(std::size_t viewer, const TrackedViewer &tracked);
 	TileRequest request_of(std::uint32_t slot) const;
 
-	/// Whether it is the turn of a tile that is under way.
+	/// Whether a pending tile may be shown now.
 	bool may_show(const TileRequest &request, std::span<const TrackedViewer> viewers);
 
-	/// How many tiles lie ready and have to wait for nearer ones.
+	/// The number of ready tiles that have to wait for nearer ones.
 	std::size_t count_held(std::span<const TrackedViewer> viewers);
 
 	/// See TileStreamer::finish.
 	bool finish(const TileRequest &request);
 
 private:
-	/// What a viewer sees, as it was when looked at last.
+	/// A viewer's view at the time of the last look.
 	struct Sight {
 		glm::dvec2 position{0.0};
-		double seen = -1.0; ///< Meters, with the slack; below 0 for a viewer that is new or has gone.
-		bool moved = false; ///< The next three are older than the first.
+		double seen = -1.0; ///< Meters, including the slack. Below 0 for a viewer that is new or gone.
+		bool moved = false; ///< The viewer has moved, and `leave` has not been called yet.
 		TileDisc view;
 		TileDisc keep;
 		TileDisc old_view;
 		TileDisc old_keep;
-		TileQueue queue; ///< Its tiles that are not current, and for a while others.
+		TileQueue queue; ///< Its tiles that are not current, and temporarily others.
 	};
 
-	/// On show from a grid of another size, until tiles of the present one cover it.
+	/// A visible tile from a grid of a different size, kept until tiles of the current grid cover it.
 	struct Retired {
 		TileKey key;
 		Rect rect;
@@ -146,7 +146,7 @@ private:
 	double first_missing(Sight &sight);
 	bool is_turn(std::size_t viewer, const TrackedViewer &tracked, const StreamedTile &tile, double distance_squared);
 	bool is_anyones_turn(const StreamedTile &tile, std::span<const TrackedViewer> viewers);
-	/// Changes a tile and keeps count.
+	/// Changes a tile and updates the counts.
 	template <class Change>
 	void change(std::uint32_t slot, Change &&apply);
 	void erase(std::uint32_t slot);
@@ -164,14 +164,14 @@ private:
 	std::uint32_t layer_;
 	StreamLayer settings_;
 	std::uint32_t grid_;
-	StreamCounts counts_; ///< Without what is retired.
+	StreamCounts counts_; ///< Without retired tiles.
 	TileTable tiles_;
 	std::vector<Sight> sights_;   ///< By viewer.
-	std::size_t first_sight_ = 0; ///< The one to begin the next look with.
+	std::size_t first_sight_ = 0; ///< Where the next look starts.
 	bool behind_ = false;
-	bool torn_ = false;     ///< Memory ended: not all that waits is in the queues, or a look was left half done.
-	bool sweeping_ = false; ///< And all tiles have to be looked at once every viewer has been.
-	std::vector<std::uint32_t> made_; ///< Slots of tiles that lie ready.
+	bool torn_ = false;               ///< Memory ran out: the queues are incomplete, or a look was interrupted.
+	bool sweeping_ = false;           ///< After that, all tiles must be checked once every viewer was handled.
+	std::vector<std::uint32_t> made_; ///< Slots of ready tiles.
 	std::vector<Retired> retired_;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 glm::dvec3 position_of(const Viewer &viewer) { return {viewer.position.x, viewer.height, viewer.position.y}; }
 
-/// Meters in one frame. Who goes farther is another viewer, lest the sum of all ways lose the meters that tiles count in.
+/// In meters per frame. A larger step counts as a different viewer, so that the accumulated sum keeps the precision that tiles need.
 constexpr double farthest_step = 1e7;
 
 double length(glm::dvec3 v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }

@@ -15,42 +15,42 @@
 
 namespace thicket {
 
-/// Says which tiles to look at again as viewers move: each only after a viewer has moved as far as that tile allows. Pure
-/// logic, like TileStreamer. Holds one visit for each tile at most.
+/// Schedules which tiles to check again as viewers move: each tile only after a viewer has moved as far as that tile allows. Pure logic,
+/// like TileStreamer. Holds at most one visit per tile.
 class LodSchedule {
 public:
-	/// Takes the viewers' positions for this frame. True if there are others than before: every tile has to be looked at
-	/// then, whatever was scheduled.
+	/// Takes the viewers' positions for this frame. Returns true if their number has changed or one of them has jumped. Every tile must
+	/// then be checked, whatever was scheduled.
 	bool move(std::span<const Viewer> viewers);
 
-	/// Schedules the next visit to a tile, in place of the one that was scheduled before: after `margin` meters, 0 or more;
-	/// none for an infinite margin. O(log tiles).
+	/// Schedules the next visit to a tile, after `margin` meters (0 or more), and replaces its earlier visit. An infinite margin
+	/// schedules none. O(log tiles).
 	void add(const TileKey &key, double margin);
 
-	/// Forgets the visit to a tile that is gone.
+	/// Removes the visit to a tile that is gone.
 	void remove(const TileKey &key);
 
-	/// Forgets all visits.
+	/// Removes all visits.
 	void clear();
 
-	/// A tile whose visit is due, the longest due first; the visit is taken out. Nothing if none is due.
+	/// Removes the most overdue visit and returns its tile. Returns nothing if no visit is due.
 	std::optional<TileKey> next();
 
-	/// True if there is nothing to take out by `next`.
+	/// True if `next` would return nothing.
 	bool settled() const { return visits_.empty() || visits_.begin()->at > traveled_; }
 
-	/// How many visits are to come.
+	/// The number of scheduled visits.
 	std::size_t size() const { return visits_.size(); }
 
-	/// Meters that count as gone by the viewers so far: no viewer has moved farther between two calls than this has grown.
+	/// Accumulated meters: between two calls, no viewer has moved farther than this value has grown.
 	double traveled() const { return traveled_; }
 
-	/// From the viewer that is nearest to a box to the nearest and to the farthest point of it. Meters, infinite without viewers.
+	/// The distances from the viewer nearest to a box to the nearest and the farthest point of the box. Meters; infinite without viewers.
 	DistanceRange distances_to(glm::dvec3 min, glm::dvec3 max, const Sight &sight) const;
 
 private:
 	struct Visit {
-		double at = 0.0; ///< Meters, as `traveled_` counts them.
+		double at = 0.0; ///< Value of `traveled_` at which the visit is due, in meters.
 		TileKey key;
 	};
 	struct KeyOrder {
@@ -64,7 +64,7 @@ private:
 	std::vector<Viewer> viewers_;
 	Visits visits_;                                         ///< The next one first.
 	std::map<TileKey, Visits::iterator, KeyOrder> by_tile_; ///< The visit of each tile that has one.
-	double traveled_ = 0.0; ///< By the farthest-moving viewer of each frame, summed up: no viewer has moved farther.
+	double traveled_ = 0.0; ///< Sum over frames of the farthest viewer movement. An upper bound for each viewer.
 };
 
 } // namespace thicket

@@ -8,10 +8,10 @@
 
 namespace thicket {
 
-/// The tiles that touch a disc, as a span of columns in each row of tiles: small, and quick to compare with another.
+/// The tiles that touch a disc, as a span of columns in each row of tiles. Small, and quick to compare with a different disc.
 class TileDisc {
 public:
-	/// Becomes the tiles of side `tile_size` that are at most `reach` meters, 0 or more, from `center`.
+	/// Sets the disc to the tiles of side `tile_size` that are at most `reach` meters (0 or more) from `center`.
 	void set(double tile_size, glm::dvec2 center, double reach);
 	void clear() { rows_.clear(); }
 
@@ -38,7 +38,7 @@ public:
 	}
 
 private:
-	/// Columns, both ends included; empty when the last comes before the first.
+	/// Columns, both ends included. Empty if the last is less than the first.
 	struct Span {
 		int first = 0;
 		int last = -1;

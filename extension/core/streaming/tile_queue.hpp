@@ -14,12 +14,12 @@
 
 namespace thicket {
 
-/// Tiles of one layer in the order of their distance to one viewer, who moves. Only the nearest are kept in order; of the
-/// others no more is known than how near they may have come.
+/// Tiles of one layer, sorted by distance to one moving viewer. Only the nearest are kept in order. For all others, the queue only knows
+/// how near they may have come.
 ///
-/// Where memory ends, std::bad_alloc is thrown and the queue is as it was.
+/// If memory runs out, methods throw std::bad_alloc and the queue is unchanged.
 ///
-/// `measure(Entry &)`, where it is asked for, sets an entry's distance, or returns false for one that is to be thrown out.
+/// A `measure(Entry &)` argument sets an entry's distance, or returns false for an entry that must be removed.
 class TileQueue {
 public:
 	struct Entry {
@@ -28,31 +28,32 @@ public:
 		glm::ivec2 at{0};       ///< if this tile is in it still.
 	};
 
-	/// Adds a tile, at any distance. It may be in the queue already.
+	/// Adds a tile at any distance. It may already be in the queue.
 	void add(std::uint32_t slot, glm::ivec2 at) { fresh_.push_back({0.0, slot, at}); }
 
-	/// The viewer has moved so many meters, or at least not farther.
+	/// Reports that the viewer has moved at most `meters`.
 	void move(double meters) {
 		moved_ += meters;
 		outdated_ = true;
 	}
 
-	/// Works in what was added and the viewer's moves. `first` does, too: this is for those who do not call it for long.
+	/// Sorts in the added tiles and the viewer's moves. `first` does so too. Callers that do not call `first` for a long time should call
+	/// this.
 	template <class Measure>
 	void sort(Measure &&measure) {
 		if (fresh_.empty() && !outdated_) {
-			// Fast path: nothing came and nobody moved, so all is in order.
+			// Fast path: no tile was added and the viewer has not moved, so all entries are in order.
 			return;
 		}
 		if (far_.size() > 2 * far_sorted_ + 4 * batch) {
-			sort_all(measure, far_.size()); // Finds what came in twice.
+			sort_all(measure, far_.size()); // Removes duplicates.
 			return;
 		}
 		if (near_.size() + fresh_.size() > 4 * batch) {
 			sort_all(measure, batch);
 			return;
 		}
-		// Fast path: no far entry can have come nearer than the reach, so none of them is measured.
+		// Fast path: no far entry can be nearer than the reach, so none of them is measured.
 		reserve_more(near_, fresh_.size());
 		reserve_more(far_, fresh_.size());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
@@ -64,8 +65,8 @@ public:
 		start_over();
 	}
 
-	/// The nearest entry for which `fits(const Entry &)` holds; null for none. One that did not fit will not be asked for
-	/// again with the same `cursor`, 0 or 1, until something was added or the viewer has moved.
+	/// Returns the nearest entry for which `fits(const Entry &)` holds, or null if there is none. An entry that did not fit is not tested
+	/// again with the same `cursor` (0 or 1) until a tile is added or the viewer has moved.
 	template <class Measure, class Fits>
 	const Entry *first(std::size_t cursor, Measure &&measure, Fits &&fits) {
 		sort(measure);
@@ -84,7 +85,7 @@ public:
 	}
 
 private:
-	/// So many are kept in order, at least: more than are asked for in most frames.
+	/// The minimum number of entries kept in order: more than are used in most frames.
 	static constexpr std::size_t batch = 64;
 
 	static bool nearer(const Entry &a, const Entry &b) {
@@ -94,7 +95,7 @@ private:
 		return a.at.y != b.at.y ? a.at.y < b.at.y : a.at.x < b.at.x;
 	}
 
-	/// Nothing far is nearer than this.
+	/// No far entry is nearer than this.
 	double reach_squared() const {
 		const double reach = std::max(far_from_ - moved_, 0.0);
 		return far_.empty() ? std::numeric_limits<double>::infinity() : reach * reach;
@@ -103,13 +104,13 @@ private:
 	template <class Measure>
 	void sort_all(Measure &&measure, std::size_t most) {
 		reserve_more(near_, far_.size() + fresh_.size());
-		reserve_more(far_, near_.size() + fresh_.size()); // Of all, at most.
+		reserve_more(far_, near_.size() + fresh_.size()); // Upper bound: all entries.
 		near_.insert(near_.end(), far_.begin(), far_.end());
 		near_.insert(near_.end(), fresh_.begin(), fresh_.end());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
 		far_.clear();
 		if (near_.size() > most) {
-			// Fast path: those behind the first `most` need no order.
+			// Fast path: the entries behind the first `most` need no order.
 			const auto end = near_.begin() + static_cast<std::ptrdiff_t>(most);
 			std::nth_element(near_.begin(), end, near_.end(), nearer);
 			far_from_ = std::sqrt(end->distance_squared);
@@ -132,13 +133,13 @@ private:
 		outdated_ = false;
 	}
 
-	std::vector<Entry> near_;  ///< In order, as far as `reach_squared`.
-	std::vector<Entry> far_;   ///< In no order; as they were when sorted last.
+	std::vector<Entry> near_;  ///< Sorted, up to `reach_squared`.
+	std::vector<Entry> far_;   ///< Unsorted, with the distances last measured.
 	std::vector<Entry> fresh_; ///< Not measured yet.
 	std::array<std::size_t, 2> cursors_{};
-	std::size_t far_sorted_ = 0; ///< How many were far when all were sorted last,
-	double far_from_ = 0.0;      ///< the distance of the nearest of them, in meters,
-	double moved_ = 0.0;         ///< and how far the viewer has moved since.
+	std::size_t far_sorted_ = 0; ///< Number of far entries at the last full sort.
+	double far_from_ = 0.0;      ///< Distance of the nearest of them, in meters.
+	double moved_ = 0.0;         ///< Meters that the viewer has moved since then.
 	bool outdated_ = false;
 };
 

@@ -15,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-/// Tiles that a viewer may stand from the origin: what it sees and what is kept behind that still have coordinates.
+/// The maximum distance of a viewer from the origin in tiles. The tiles that it sees and keeps must still have coordinates.
 constexpr double max_viewer_tiles = max_tile_coordinate - 2.0 * max_view_tiles;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -45,14 +45,14 @@ Status validate(const StreamLayer &layer) {
 struct TileStreamer::State {
 	std::vector<LayerTiles> layers;
 	std::vector<TrackedViewer> viewers;
-	bool outdated = true;  ///< There are layers that have not been looked at for all viewers.
-	bool answered = false; ///< Something was finished since retired tiles were last looked at.
-	StreamChanges backlog; ///< What came up between updates.
+	bool outdated = true;  ///< Some layers were not checked for all viewers.
+	bool answered = false; ///< A tile was finished since the last check of retired tiles.
+	StreamChanges backlog; ///< Changes that were recorded between updates.
 	std::uint32_t last_grid = 0;
 	std::uint64_t last_ticket = 0;
-	std::size_t first_layer = 0;  ///< To be looked at in the next update.
-	std::size_t request_turn = 0; ///< The viewer that is next to have a tile requested,
-	std::size_t show_turn = 0;    ///< and shown.
+	std::size_t first_layer = 0;  ///< The layer that the next update checks first.
+	std::size_t request_turn = 0; ///< The viewer whose turn to request was last.
+	std::size_t show_turn = 0;    ///< The viewer whose turn to show was last.
 
 	void make_room(std::size_t layer_count);
 	std::optional<TileRequest> next_ready();
@@ -69,7 +69,7 @@ void StreamChanges::clear() {
 	request.clear();
 }
 
-/// Takes the memory that other layers, and other settings of those that there are, ask for.
+/// Allocates the memory for a different number of layers and for new settings of the existing ones.
 void TileStreamer::State::make_room(std::size_t layer_count) {
 	std::size_t cancel = 0;
 	std::size_t drop = 0;
@@ -82,7 +82,7 @@ void TileStreamer::State::make_room(std::size_t layer_count) {
 	layers.reserve(layer_count);
 }
 
-/// Takes the viewers' positions. Viewers are matched by index, and where there are more or fewer than before all have jumped.
+/// Stores the viewers' positions. Viewers are matched by index. If their number has changed, all of them have jumped.
 void TileStreamer::State::track(std::span<const Viewer> now) {
 	double farthest = 0.0;
 	for (const TrackedViewer &viewer : viewers) {
@@ -105,10 +105,10 @@ void TileStreamer::State::track(std::span<const Viewer> now) {
 	}
 }
 
-/// Layers that were left for later in the last update come first.
+/// Starts with the layers that the last update left for later.
 void TileStreamer::State::look(StreamChanges &r_changes) {
 	std::size_t found = 0;
-	outdated = true; // Unless this comes to its end.
+	outdated = true; // Reset when this function completes.
 	bool behind = false;
 	const std::size_t first = first_layer;
 	for (std::size_t turn = 0; turn < layers.size(); ++turn) {
@@ -123,7 +123,7 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 			continue;
 		}
 		if (!looked && !answered) {
-			// Fast path: no tile came on show or was given up since, so under each retired one what was missing still is.
+			// Fast path: no tile was shown or given up since, so the tiles missing under retired ones still are.
 			continue;
 		}
 		layer.drop_covered(r_changes);
@@ -132,7 +132,7 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 	outdated = behind;
 }
 
-/// How many tiles lie ready and have to wait for nearer ones.
+/// The number of ready tiles that have to wait for nearer ones.
 std::size_t TileStreamer::State::held() {
 	std::size_t sum = 0;
 	for (LayerTiles &layer : layers) {
@@ -141,7 +141,7 @@ std::size_t TileStreamer::State::held() {
 	return sum;
 }
 
-/// Requests the nearest tile, of all layers, that waits for a viewer. False if there is none.
+/// Requests the nearest tile, of all layers, that waits for a viewer. Returns false if there is none.
 bool TileStreamer::State::request_one(std::size_t viewer, StreamChanges &r_changes) {
 	LayerTiles *nearest_layer = nullptr;
 	LayerTiles::Candidate nearest;
@@ -169,9 +169,9 @@ void TileStreamer::State::request(std::size_t max_pending, StreamChanges &r_chan
 		pending += layer.counts().pending;
 	}
 	if (waiting > 0 && pending >= max_pending) {
-		pending -= held(); // What they wait for must not wait for them.
+		pending -= held(); // The tiles that they wait for must not be delayed by them.
 	}
-	std::size_t in_vain = 0; // So many viewers in a row had nothing to request.
+	std::size_t in_vain = 0; // Number of consecutive viewers without a tile to request.
 	while (pending < max_pending && in_vain < viewers.size()) {
 		request_turn = (request_turn + 1) % viewers.size();
 		const bool requested = request_one(request_turn, r_changes);
@@ -223,7 +223,7 @@ void TileStreamer::invalidate(std::uint32_t layer, const Rect &area) {
 void TileStreamer::cancel(std::uint32_t layer) {
 	if (layer < state_->layers.size()) {
 		state_->layers[layer].cancel_all(state_->backlog);
-		state_->answered = true; // Nothing is missing any more where one was made out of sight.
+		state_->answered = true; // Cancelled tiles out of view are forgotten, so they are no longer missing.
 	}
 }
 
@@ -257,7 +257,7 @@ std::optional<TileRequest> TileStreamer::next_ready() {
 
 std::optional<TileRequest> TileStreamer::State::next_ready() {
 	if (std::ranges::none_of(layers, [](const LayerTiles &layer) { return layer.made_count() > 0; })) {
-		// Fast path: no tile lies ready for any viewer.
+		// Fast path: no viewer has a ready tile.
 		return std::nullopt;
 	}
 	const std::size_t count = viewers.size();

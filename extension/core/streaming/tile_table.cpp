@@ -10,7 +10,7 @@ std::size_t TileTable::home(glm::ivec2 at) const {
 	return static_cast<std::size_t>(split_mix(word)) & (buckets_.size() - 1);
 }
 
-/// The bucket of a tile, or the free bucket where it would be put. The table is not empty.
+/// The bucket of a tile, or the free bucket where it would be inserted. The table must not be empty.
 std::size_t TileTable::bucket_of(glm::ivec2 at) const {
 	std::size_t bucket = home(at);
 	while (buckets_[bucket] != none && tiles_[buckets_[bucket]].at != at) {
@@ -38,7 +38,7 @@ std::uint32_t TileTable::find_or_add(glm::ivec2 at) {
 	std::uint32_t &entry = buckets_[bucket_of(at)];
 	if (entry == none) {
 		if (free_.empty()) {
-			reserve_more(free_, tiles_.size() + 1 - free_.size()); // For all of them: `erase` takes no memory.
+			reserve_more(free_, tiles_.size() + 1 - free_.size()); // Room for all tiles: `erase` must not allocate.
 			tiles_.emplace_back();
 			free_.push_back(static_cast<std::uint32_t>(tiles_.size() - 1));
 		}
@@ -55,7 +55,7 @@ void TileTable::erase(std::uint32_t slot) noexcept {
 	const std::size_t mask = buckets_.size() - 1;
 	std::size_t hole = bucket_of(tiles_[slot].at);
 	buckets_[hole] = none;
-	// What was put behind the hole because its own bucket was taken moves up, or it would not be found again.
+	// Moves up the tiles that are behind the hole only because their own bucket was taken. They would not be found otherwise.
 	for (std::size_t bucket = (hole + 1) & mask; buckets_[bucket] != none; bucket = (bucket + 1) & mask) {
 		const std::size_t from_home = (bucket - home(tiles_[buckets_[bucket]].at)) & mask;
 		if (from_home >= ((bucket - hole) & mask)) {

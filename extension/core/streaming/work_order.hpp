@@ -9,9 +9,9 @@
 
 namespace thicket {
 
-/// The order in which to work on what waits in a queue, after viewers have moved: `r_order[i]` says which of `areas` comes at
-/// index i. Those that are nearest to the same viewer are sorted by their distance to it, among the indices that they
-/// had: however many there are around one viewer, those of another do not fall back. Without viewers all stay.
+/// Computes the order for the waiting entries of a queue after viewers have moved: `r_order[i]` is the entry of `areas` for index i.
+/// Entries nearest to the same viewer are sorted by distance to it, among the indices that they had. However many there are around one
+/// viewer, those of a different viewer are not pushed back. Without viewers, the order is unchanged.
 void work_order(std::span<const Rect> areas, std::span<const Viewer> viewers, std::vector<std::size_t> &r_order);
 
 } // namespace thicket

@@ -12,11 +12,11 @@
 
 namespace thicket {
 
-inline constexpr int changed_block_side = 128; ///< Elements that are compared together, along a side.
+inline constexpr int changed_block_side = 128; ///< Side of the blocks that are compared, in elements.
 
-/// Adds where two grids of the same size differ: for each block the smallest rectangle around it. The first block begins at 0, 0; the
-/// last of a row or column may take one element more, as its last one. `bytes_a(column, row)` is where the elements of a row of
-/// a block begin, `element_bytes` each; compared are bytes, so a NAN is the same as itself. Throws std::bad_alloc.
+/// Adds the differences between two grids of the same size: for each block, the smallest rectangle around its differences. The first
+/// block begins at 0, 0. The last block of a row or column may be one element larger. `bytes_a(column, row)` returns the first byte of a
+/// block's row of elements of `element_bytes` each. Bytes are compared, so a NAN equals itself. Throws std::bad_alloc.
 template <class BytesA, class BytesB>
 void add_changed_blocks(glm::ivec2 size, std::size_t element_bytes, const BytesA &bytes_a, const BytesB &bytes_b,
 		std::vector<PixelRect> &r_rects) {

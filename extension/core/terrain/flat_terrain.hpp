@@ -4,12 +4,12 @@
 
 namespace thicket {
 
-/// The same height everywhere, without end.
+/// Unbounded terrain with the same height everywhere.
 class FlatTerrain final : public Terrain {
 public:
 	FlatTerrain() = default;
 
-	/// `height` in world meters; NAN makes a world without ground.
+	/// `height` is in world meters. NAN makes a world without ground.
 	explicit FlatTerrain(float height) : height_(height) {}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;

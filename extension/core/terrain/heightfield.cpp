@@ -142,7 +142,7 @@ Status Heightfield::patch(const PixelRect &rect, std::span<const float> posts) {
 	return guarded("posts", static_cast<double>(posts.size()), [&] { posts_.floats.patch(rect, posts); });
 }
 
-/// Patches touch a post from either side, and slopes reach a post farther.
+/// A post affects the patches on both sides, and slopes one post farther.
 Rect Heightfield::area_of(const PixelRect &rect) const {
 	constexpr int reach = 2;
 	const glm::dvec2 first = glm::max(rect.min - reach, glm::ivec2(0));
@@ -188,7 +188,7 @@ Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Grou
 		return post;
 	};
 	const auto units = [min = frame_.min_height, max = frame_.max_height](float post) {
-		return static_cast<float>(min + (max - min) * post); // Rounded, so that it is as if it were stored in meters.
+		return static_cast<float>(min + (max - min) * post); // Rounded, to match posts that are stored in meters.
 	};
 	for (std::size_t i = 0; i < positions.size(); ++i) {
 		if (!in_area(positions[i])) {
@@ -202,7 +202,7 @@ Status Heightfield::sample(std::span<const glm::dvec2> positions, std::span<Grou
 	return {};
 }
 
-/// Of whole numbers, of which none is missing.
+/// For integer posts, none of which is missing.
 void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const {
 	InnerPatches patches;
 	const auto whole = [](std::uint16_t post) {
@@ -226,7 +226,7 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 			r_ground[i] = ground_in_area(posts_.steps, whole, positions[i]);
 			continue;
 		}
-		// Fast path: most patches are away from the border, and computed many at a time.
+		// Fast path: most patches are away from the border and are computed many at a time.
 		const PostGrid<std::uint16_t>::Window window = posts_.steps.window(patch.first);
 		patches.add(window.first, window.stride, patch.part, i);
 		if (patches.full()) {
@@ -238,7 +238,7 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 	}
 }
 
-/// In posts from the first one. The last patch takes its far border too.
+/// In posts from the first one. The last patch includes its far border.
 Heightfield::Patch Heightfield::patch_at(glm::dvec2 position) const {
 	const glm::dvec2 along_posts = (position - frame_.area.min) * posts_per_meter_;
 	const int column = std::min(static_cast<int>(along_posts.x), frame_.posts.x - 2);
@@ -269,7 +269,7 @@ bool Heightfield::in_area(glm::dvec2 position) const {
 	return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
 }
 
-/// `height_of` turns a post into a height, in steps or in meters.
+/// `height_of` converts a post to a height, in steps or in meters.
 template <typename Post, class HeightOf>
 Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &height_of, glm::dvec2 position) const {
 	const auto &[corner, part] = patch_at(position);
@@ -285,7 +285,7 @@ Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &
 	};
 	SmoothPatch patch;
 	if (is_inner_patch(frame_.posts, corner)) {
-		// Fast path: away from the border, what is around a patch is known when this is compiled.
+		// Fast path: away from the border, the layout around a patch is a compile-time constant.
 		patch = smooth_patch<may_be_missing>(inner_line, inner_line, part, from_first);
 	} else {
 		patch = smooth_patch<may_be_missing>(frame_.posts, corner, part, from_corner);

@@ -1,6 +1,7 @@
 // smooth_patch for as many patches as a vector has doubles. Included once for each instruction set.
 //
-// The same operations in the same order, none of them fused, so the same bits. Kept side by side with it and with Heightfield.
+// Uses the same operations in the same order, none of them fused, so the results are bit-identical. Keep it in sync with smooth_patch and
+// Heightfield.
 
 #include "core/terrain/inner_patches.hpp"
 
@@ -19,7 +20,7 @@ using PatchWords = hn::RebindToUnsigned<PatchDoubles>;
 using PatchFloats = hn::Rebind<float, PatchDoubles>;
 using PatchD = hn::VFromD<PatchDoubles>;
 
-/// One of the four posts in each word, as a number: exact, as a double has bits enough for 2^52 and the post.
+/// One of the four posts in each word, as a number. Exact, because a double has enough bits for 2^52 plus the post.
 template <int column>
 HWY_INLINE PatchD post(hn::VFromD<PatchWords> row) {
 	constexpr int shift = 16 * (std::endian::native == std::endian::little ? column : 3 - column);
@@ -45,7 +46,7 @@ HWY_INLINE void store_floats(PatchD value, float *r_to) {
 
 } // namespace
 
-/// Whole vectors, so some patches behind the last one, too. Those have numbers from before.
+/// Computes whole vectors, which may include some patches after the last one. Those contain numbers from earlier calls.
 void compute_patches(const InnerPatches::Heights &of, InnerPatches &r_patches) {
 	const PatchDoubles doubles;
 	const PatchD one = hn::Set(doubles, 1.0);

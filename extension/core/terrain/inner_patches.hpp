@@ -9,20 +9,21 @@
 
 namespace thicket {
 
-/// Patches of a grid of 16-bit posts away from its border, many at a time by vectors: smooth_patch and the normal. The same operations in
-/// the same order, so the same bits.
+/// Computes patches of a grid of 16-bit posts away from its border, many at a time with vectors: smooth_patch and the normal. Uses the
+/// same operations in the same order, so the results are bit-identical.
 struct InnerPatches {
 	static constexpr std::size_t most = 32;
-	static constexpr std::size_t rows = 4; ///< About a patch: before it, its two and behind it.
+	static constexpr std::size_t rows = 4; ///< The row before the patch, its two rows, and the row behind it.
 
-	/// Of a grid of heights: height = base + post * scale.
+	/// The heights of a grid: height = base + post * scale.
 	struct Heights {
 		double base = 0.0;
 		double scale = 1.0;
 		glm::dvec2 posts_per_meter{1.0};
 	};
 
-	/// Adds the patch whose first post `first` points at, in rows of `stride`; the position is `part` of the way to its far corner.
+	/// Adds the patch whose first post is at `first`, in rows of `stride`. The position lies at the fraction `part` of the way to its far
+	/// corner.
 	void add(const std::uint16_t *first, std::ptrdiff_t stride, glm::dvec2 part, std::size_t number) {
 		const std::uint16_t *row = first - stride - 1;
 		for (std::size_t i = 0; i < rows; ++i, row += stride) {
@@ -35,16 +36,16 @@ struct InnerPatches {
 
 	bool full() const { return count == most; }
 
-	/// Computes the ground of all.
+	/// Computes the ground of all patches.
 	void compute(const Heights &of);
 
 	std::size_t count = 0;
-	std::array<std::size_t, most> numbers{};                               ///< The caller's own, of each.
-	alignas(64) std::array<std::array<std::uint64_t, most>, rows> posts{}; ///< Four side by side in each.
+	std::array<std::size_t, most> numbers{};                               ///< The caller's own number of each patch.
+	alignas(64) std::array<std::array<std::uint64_t, most>, rows> posts{}; ///< Four adjacent posts in each word.
 	alignas(64) std::array<double, most> x{};
 	alignas(64) std::array<double, most> y{};
 
-	// After `compute`.
+	// Valid after `compute`.
 	alignas(64) std::array<float, most> height{};
 	alignas(64) std::array<float, most> normal_x{};
 	alignas(64) std::array<float, most> normal_y{};

@@ -49,7 +49,7 @@ Status check(const MapPlace &place) {
 			check_range("height scale of the map", place.height_scale, -1e6, 1e6));
 }
 
-/// For each splat, the channels of it that are among some textures, a bit each.
+/// For each splat, the channels that belong to the given textures, one bit each.
 std::vector<unsigned> channels_of(std::span<const std::int32_t> textures, std::size_t splats) {
 	std::vector<unsigned> channels(splats);
 	for (const std::int32_t texture : textures) {
@@ -61,7 +61,7 @@ std::vector<unsigned> channels_of(std::span<const std::int32_t> textures, std::s
 	return channels;
 }
 
-/// Of a value that each post has.
+/// Interpolates a value that each post has.
 template <class ValueOf>
 double interpolated(glm::ivec2 patch, glm::dvec2 part, ValueOf value_of) {
 	return bilinear(value_of(patch.x, patch.y), value_of(patch.x + 1, patch.y), value_of(patch.x, patch.y + 1),
@@ -91,7 +91,7 @@ bool MapField::find_patch(glm::dvec2 position, glm::ivec2 &r_patch, glm::dvec2 &
 	const glm::dvec2 at = to_map_ * (position - glm::dvec2(place_.origin.x, place_.origin.z));
 	const glm::dvec2 last(posts() - 1);
 	if (!(at.x >= 0.0 && at.y >= 0.0 && at.x <= last.x && at.y <= last.y)) {
-		return false; // NAN, too.
+		return false; // Also for NAN.
 	}
 	r_patch = {std::min(static_cast<int>(at.x), posts().x - 2), std::min(static_cast<int>(at.y), posts().y - 2)};
 	r_part = at - glm::dvec2(r_patch);

@@ -11,34 +11,34 @@
 
 namespace thicket {
 
-/// A surface of a mesh in the bytes in which Godot's renderer stores it: positions first, then everything else.
+/// A surface of a mesh, in the bytes in which Godot's renderer stores it: positions first, then everything else.
 struct MeshSurface {
-	/// How vertices become triangles. Points and lines have none.
+	/// How vertices form triangles. Points and lines form none.
 	enum class Shape : std::uint8_t { none, triangles, strip };
 
-	/// How a position is stored. All are little-endian, as Godot's platforms are.
+	/// How a position is stored. All formats are little-endian, like Godot's platforms.
 	enum class Positions : std::uint8_t {
 		floats,    ///< Three 32-bit floats.
 		flat,      ///< Two 32-bit floats; z is 0.
-		quantized, ///< Four 16-bit numbers: x, y and z as parts of the box, and one that is no position.
+		quantized, ///< Four 16-bit numbers: x, y and z as fractions of the box, and one unrelated to the position.
 	};
 
 	Shape shape = Shape::none;
 	Positions positions = Positions::floats;
 	std::size_t vertex_count = 0;
-	std::size_t index_count = 0;              ///< 0: the vertices are used in their order.
+	std::size_t index_count = 0;              ///< 0: vertices are used in their order.
 	std::span<const std::uint8_t> vertices{}; ///< May be longer than the positions.
-	std::span<const std::uint8_t> indices{};  ///< Two bytes each if these suffice, else four.
+	std::span<const std::uint8_t> indices{};  ///< Two bytes each if that suffices, otherwise four.
 	glm::vec3 box_corner{0.0F};               ///< The lowest corner of the box of quantized positions.
 	glm::vec3 box_size{0.0F};
 
-	/// The corners of all triangles; 0 for surfaces that Godot's TriangleMesh leaves out, too: without triangles, with a number of
-	/// corners that makes no whole triangles, and strips of fewer than three.
+	/// The number of corners of all triangles. 0 for surfaces that Godot's TriangleMesh also omits: those without triangles, those whose
+	/// corners do not form whole triangles, and strips of fewer than three.
 	std::size_t corner_count() const;
 };
 
-/// Adds three corners a triangle, in the surface's order: the faces of Godot's TriangleMesh, but for its rounding to 0.1 mm.
-/// Refuses too few bytes, and indices of vertices that do not exist; `r_corners` is unspecified then.
+/// Appends three corners per triangle, in the surface's order: the faces of Godot's TriangleMesh without its rounding to 0.1 mm. Refuses
+/// too few bytes, and indices of vertices that do not exist. `r_corners` is then unspecified.
 Status append_faces(const MeshSurface &surface, std::vector<glm::vec3> &r_corners);
 
 } // namespace thicket

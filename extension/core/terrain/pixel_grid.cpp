@@ -97,7 +97,7 @@ bool PixelGrid::same_block(const PixelGrid &other, glm::ivec2 block) const {
 	return mine == of(other) && (mine != nullptr || base_.bytes.data() == other.base_.bytes.data());
 }
 
-/// Rows are compared as bytes; only where they differ, and where the rectangle does not reach yet, pixels are.
+/// Compares rows as bytes. Compares single pixels only in rows that differ, and only outside the current rectangle.
 void PixelGrid::widen_by_block(const PixelGrid &other, glm::ivec2 block, PixelRect &r_rect) const {
 	const PixelRect rect = rect_of(block);
 	const auto differs = [&](int column, int row, int columns) {
@@ -132,7 +132,7 @@ PixelRect PixelGrid::difference(const PixelGrid &other) const {
 			const bool known = inside.min.x >= rect.min.x && inside.min.y >= rect.min.y && inside.max.x <= rect.max.x &&
 					inside.max.y <= rect.max.y;
 			if (known) {
-				// Fast path: the rectangle cannot become wider here.
+				// Fast path: the rectangle cannot grow here.
 				continue;
 			}
 			if (same_block(other, block)) {

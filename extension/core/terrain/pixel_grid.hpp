@@ -13,36 +13,36 @@
 
 namespace thicket {
 
-/// Bytes that somebody else keeps. They neither move nor change while `owner` is held.
+/// Bytes owned elsewhere. They neither move nor change while `owner` is held.
 struct SharedBytes {
 	std::shared_ptr<const void> owner;
 	std::span<const std::uint8_t> bytes;
 };
 
-/// The pixels of an image that somebody else keeps, without a copy; only what is patched later is copied, in blocks. A value:
-/// copies share what they have in common, and a patch of one is not seen in another. Safe on any thread.
+/// The pixels of an image owned elsewhere, without a copy. Only pixels that are patched later are copied, in blocks. A value type: copies
+/// share common memory, and a patch of one copy does not affect the others. Safe on any thread.
 class PixelGrid {
 public:
 	static constexpr int max_side = 1 << 15; ///< Pixels along x and along y.
 	static constexpr int max_pixel_bytes = 16;
-	static constexpr int block_side = 128; ///< Pixels: what is copied for a patch of a single one.
+	static constexpr int block_side = 128; ///< In pixels: the block that is copied to patch a single one.
 
-	/// Takes `size.x` * `size.y` pixels of `pixel_bytes` bytes each, row by row, x fastest. A side has 1 to max_side pixels, a
-	/// pixel 1 to max_pixel_bytes; `bytes` may be longer, as those of images with mipmaps are. Refused ones change nothing.
+	/// Takes `size.x` * `size.y` pixels of `pixel_bytes` bytes each, row by row, x fastest. A side has 1 to max_side pixels, a pixel 1 to
+	/// max_pixel_bytes bytes. `bytes` may be longer, as for images with mipmaps. Refused input changes nothing.
 	Status set(glm::ivec2 size, int pixel_bytes, SharedBytes bytes);
 
-	/// Replaces the pixels of a rectangle by those that `image` has there: bytes of all pixels of the grid, as `set` takes them,
-	/// which are not needed any more afterwards. Refuses a rectangle that is empty or not within the grid, and too few bytes; a
-	/// failure changes nothing. Copies the blocks that the rectangle touches.
+	/// Replaces the pixels of a rectangle with those of `image`, which has the bytes of all pixels of the grid, as in `set`. They are no
+	/// longer needed afterwards. Refuses a rectangle that is empty or not inside the grid, and too few bytes. A failure changes nothing.
+	/// Copies the blocks that the rectangle touches.
 	Status patch(const PixelRect &rect, std::span<const std::uint8_t> image);
 
-	/// True if nothing was set.
+	/// True if no pixels were set.
 	bool empty() const { return base_.bytes.empty(); }
 
 	glm::ivec2 size() const { return size_; }
 	int pixel_bytes() const { return static_cast<int>(pixel_bytes_); }
 
-	/// The bytes of a pixel of the grid.
+	/// The bytes of a pixel in the grid.
 	const std::uint8_t *pixel(int column, int row) const {
 		if (blocks_.empty()) {
 			return base_.bytes.data() + offset(column, row, size_.x);
@@ -50,11 +50,11 @@ public:
 		return patched_pixel(column, row);
 	}
 
-	/// True if both were set to the same bytes in memory, and have no patches that only one of them has.
+	/// True if both were set to the same bytes in memory and have no patches that only one of them has.
 	bool same_memory(const PixelGrid &other) const;
 
-	/// The smallest rectangle outside which both have the same pixels; empty if they have all, everything if their sizes differ.
-	/// What is the same memory is not looked at.
+	/// The smallest rectangle outside which both have the same pixels: empty if all are equal, everything if their sizes differ. Skips
+	/// shared memory.
 	PixelRect difference(const PixelGrid &other) const;
 
 private:
@@ -75,7 +75,7 @@ private:
 	glm::ivec2 size_{0};
 	std::size_t pixel_bytes_ = 0;
 	SharedBytes base_;
-	std::vector<std::shared_ptr<const Block>> blocks_; ///< Null for those that the base has. Empty: nothing is patched.
+	std::vector<std::shared_ptr<const Block>> blocks_; ///< Null for blocks of the base. Empty if nothing is patched.
 };
 
 } // namespace thicket

@@ -16,12 +16,12 @@
 
 namespace thicket {
 
-/// Posts on a grid, row by row, x fastest. A value: copies share their memory, and a change of one is not seen in another. A change
-/// copies the blocks that it touches, so its cost does not grow with the grid. Safe on any thread.
+/// Posts on a grid, row by row, x fastest. A value type: copies share their memory, and a change of one copy does not affect the others.
+/// A change copies the blocks that it touches, so its cost does not grow with the grid. Safe on any thread.
 template <typename Post>
 class PostGrid {
 public:
-	static constexpr int block_side = changed_block_side; ///< Patches between posts, along a side.
+	static constexpr int block_side = changed_block_side; ///< Patches between posts, along each side.
 
 	PostGrid() = default;
 
@@ -32,23 +32,23 @@ public:
 	bool empty() const { return base_ == nullptr; }
 	glm::ivec2 count() const { return count_; }
 
-	/// The posts about a patch between four: from the one before to the one behind its two on both axes, as far as they exist.
+	/// The posts around a patch between four posts: on both axes, from the one before its two posts to the one behind them, as far as
+	/// they exist.
 	struct Window {
 		const Post *first; ///< The first of the four.
 		std::ptrdiff_t stride;
 	};
 
-	/// The window about the patch whose first post is `patch`, from 0 to count() - 2.
+	/// The window around the patch whose first post is `patch`, from 0 to count() - 2.
 	Window window(glm::ivec2 patch) const {
 		if (blocks_.empty()) {
-			// Fast path: nothing was changed since the grid was made.
+			// Fast path: the grid has no changes since its creation.
 			return base_window(patch);
 		}
 		const std::shared_ptr<const Block> &block = blocks_[index_of(patch / block_side)];
 		return block == nullptr ? base_window(patch) : Window{block->data() + place_in_block(patch), block_stride};
 	}
 
-	/// One post.
 	Post at(glm::ivec2 post) const {
 		const glm::ivec2 patch = glm::min(post, count_ - 2);
 		const Window near = window(patch);
@@ -58,7 +58,7 @@ public:
 	/// All posts, row by row. Throws std::bad_alloc.
 	std::vector<Post> flattened() const {
 		if (blocks_.empty()) {
-			// Fast path: nothing was changed since the grid was made.
+			// Fast path: the grid has no changes since its creation.
 			return *base_;
 		}
 		std::vector<Post> posts;
@@ -71,13 +71,12 @@ public:
 		return posts;
 	}
 
-	/// Replaces the posts of a rectangle within the grid; `posts` holds them row by row. Throws std::bad_alloc, and changes nothing
-	/// then.
+	/// Replaces the posts of a rectangle inside the grid. `posts` has them row by row. Throws std::bad_alloc and changes nothing.
 	void patch(const PixelRect &rect, std::span<const Post> posts) {
 		auto blocks = blocks_;
 		const glm::ivec2 count = block_count();
 		blocks.resize(static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y));
-		// A block has the posts around its patches, too.
+		// A block also stores the posts around its patches.
 		const glm::ivec2 first = glm::max((rect.min - 2) / block_side, glm::ivec2(0));
 		const glm::ivec2 last = glm::min(rect.max / block_side, count - 1);
 		for (glm::ivec2 block = first; block.y <= last.y; ++block.y) {
@@ -88,7 +87,7 @@ public:
 		blocks_ = std::move(blocks);
 	}
 
-	/// Adds where a grid of the same size has different posts; see add_changed_blocks.
+	/// Adds the rectangles where a grid of the same size has different posts; see add_changed_blocks.
 	void add_changes(const PostGrid &other, std::vector<PixelRect> &r_rects) const {
 		const auto bytes_of = [](const PostGrid &grid) {
 			return [&grid](int column, int row) {
@@ -103,7 +102,7 @@ public:
 	}
 
 private:
-	static constexpr int block_posts = block_side + 3; ///< Of its patches, one before and one behind.
+	static constexpr int block_posts = block_side + 3; ///< Posts of its patches, plus one before and one behind.
 	static constexpr std::ptrdiff_t block_stride = block_posts;
 	using Block = std::vector<Post>;
 
@@ -123,7 +122,7 @@ private:
 		return {base_->data() + patch.y * stride + patch.x, stride};
 	}
 
-	/// A block as it is, with the posts of a rectangle that lie in it.
+	/// The block's current posts, with those of a rectangle replaced as far as they lie in it.
 	std::shared_ptr<const Block> patched(glm::ivec2 block, const PixelRect &rect, std::span<const Post> posts) const {
 		const glm::ivec2 corner = block * block_side - 1;
 		const glm::ivec2 from = glm::max(corner, glm::ivec2(0));
@@ -149,8 +148,7 @@ private:
 
 	glm::ivec2 count_{0};
 	std::shared_ptr<const std::vector<Post>> base_;
-	std::vector<std::shared_ptr<const Block>>
-			blocks_; ///< Null for those that the base has. Empty: nothing was changed.
+	std::vector<std::shared_ptr<const Block>> blocks_; ///< Null for blocks of the base. Empty if nothing was changed.
 };
 
 } // namespace thicket

@@ -18,10 +18,10 @@ namespace thicket {
 
 namespace {
 
-/// As far as posts are counted, either side of 0.
+/// The maximum post index in both directions from 0.
 constexpr double max_post = static_cast<double>(RegionField::max_location) * PixelGrid::max_side;
 
-// The bits of a control.
+// The bits of a control value.
 constexpr std::uint32_t auto_bit = 1u << 0u;
 constexpr std::uint32_t hole_bit = 1u << 2u;
 constexpr unsigned blend_shift = 14;
@@ -57,7 +57,7 @@ Status check(const FieldRegion &region, int side) {
 			check_range("location of a region", region.location.y, -limit, limit - 1));
 }
 
-/// The rise from a post to the next; if there is none, the rise of the patch itself.
+/// The rise from a post to the next. If there is no next post, the rise of the patch itself.
 double rise(double post, double next, double within) {
 	const double difference = next - post;
 	return std::isfinite(difference) ? difference : within;
@@ -134,7 +134,7 @@ const FieldRegion *RegionField::region_at(glm::ivec2 location) const {
 bool RegionField::find_place(glm::dvec2 position, Place &r_place) const {
 	const glm::dvec2 posts = (position - glm::dvec2(offset_.x, offset_.z)) / spacing_;
 	if (!(std::abs(posts.x) < max_post && std::abs(posts.y) < max_post)) {
-		return false; // NAN, too.
+		return false; // Also for NAN.
 	}
 	const glm::dvec2 before = glm::floor(posts);
 	r_place = {glm::ivec2(before), posts - before};
@@ -164,7 +164,7 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 		return {};
 	}
 	const glm::ivec2 first = place.post;
-	// Three by three, but for the last: the patch's four and those that are one further on.
+	// Three by three without the last: the four posts of the patch, and those one post further on.
 	constexpr std::array<glm::ivec2, 8> steps{{{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1}, {2, 1}, {0, 2}, {1, 2}}};
 	std::array<Post, 8> posts{};
 	const glm::ivec2 location{divided_down(first.x, side_), divided_down(first.y, side_)};
@@ -176,7 +176,7 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 	const bool within = inside.x + 2 < side_ && inside.y + 2 < side_;
 	for (std::size_t i = 0; i < posts.size(); ++i) {
 		if (within) {
-			// Fast path: most patches and what is around them lie in one region, which is looked up once.
+			// Fast path: most patches and their surroundings lie in one region, which is looked up once.
 			const glm::ivec2 post = inside + steps[i];
 			posts[i] = {height_at(region->heights, post),
 					!region->controls.empty() && (word_at(region->controls, post) & hole_bit) != 0};

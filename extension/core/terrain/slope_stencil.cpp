@@ -17,12 +17,12 @@ constexpr double usual_step = 0.5;
 
 double as_float(double value) { return static_cast<double>(static_cast<float>(value)); }
 
-/// Far out, four floats to either side: the distance is then off by an eighth of a step at most.
+/// Far out, uses four floats to each side. The distance is then off by at most an eighth of a step.
 double step_at(double coordinate) {
 	return std::max(usual_step, 4.0 * std::abs(coordinate) * std::numeric_limits<float>::epsilon());
 }
 
-/// Rise over run through three heights in a row.
+/// The slope through three heights in a row.
 double rise(double before, double here, double behind, double run_before, double run_behind) {
 	if (std::isfinite(before) && std::isfinite(behind)) {
 		return (behind - before) / (run_before + run_behind);

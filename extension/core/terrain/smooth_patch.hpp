@@ -11,20 +11,20 @@
 
 namespace thicket {
 
-/// A height on a grid of posts and how it rises there, in the posts' unit, per post along x and along y.
+/// The height at a position on a grid of posts and its gradient, in the posts' unit, per post along x and along y.
 struct SmoothPatch {
 	double height;
 	glm::dvec2 gradient;
 };
 
-/// The indices of four posts in a line about a patch: before it, its two and behind it, held inside the grid; and what
-/// turns the difference of the neighbors of its first and of its second post into a gradient per post.
+/// The indices of four posts in a line around a patch: the one before it, its two, and the one behind it, clamped to the grid. Also the
+/// factors that turn the differences of the neighbors of its first and its second post into gradients per post.
 struct PostLine {
 	std::array<int, 4> index;
 	double first_weight;
 	double second_weight;
 
-	/// About the patch between the posts `patch` and `patch` + 1, of `posts` in all.
+	/// The line around the patch between the posts `patch` and `patch` + 1, of `posts` in all.
 	static constexpr PostLine about(int patch, int posts) {
 		const int before = std::max(patch - 1, 0);
 		const int behind = std::min(patch + 2, posts - 1);
@@ -32,8 +32,7 @@ struct PostLine {
 	}
 };
 
-/// The gradient per post at `post`, between its neighbors. If posts may be NAN, for holes, one that is missing is left out, as on
-/// the border.
+/// The gradient per post at `post`, from its neighbors. If posts may be NAN for holes, a missing neighbor is skipped, as on the border.
 template <bool may_be_missing>
 double post_gradient(double behind, double before, double post, double weight) {
 	if constexpr (may_be_missing) {
@@ -47,13 +46,13 @@ double post_gradient(double behind, double before, double post, double weight) {
 	return (behind - before) * weight;
 }
 
-/// The surface between four posts: bilinear heights, and for the slope the gradients of the four posts by central
-/// differences (one-sided on the border of the grid), weighted bilinearly. `post(column, row)` is a double for indices of the two
-/// lines, and `part` is the way from the first of the four to the others, 0 to 1. If posts may be NAN, the height is
-/// NAN where one of the four is, and then the gradient says nothing.
+/// The surface between four posts: bilinear heights, and the gradients of the four posts by central differences (one-sided on the border
+/// of the grid), weighted bilinearly. `post(column, row)` returns a double for indices of the two lines. `part` is the fraction of the
+/// way from the first of the four posts to the others, 0 to 1. If posts may be NAN, the height is NAN if one of the four is, and the
+/// gradient is then meaningless.
 template <bool may_be_missing, class Post>
 SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dvec2 part, const Post &post) {
-	// Of the 4 x 4 about the patch. The corners are never asked for.
+	// Indexes the 4 x 4 posts around the patch. The corners are never read.
 	const auto near = [&](std::size_t i, std::size_t j) -> double {
 		return post(across.index[i], along.index[j]);
 	};
@@ -64,7 +63,7 @@ SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dve
 	const double height = between(heights);
 	if constexpr (may_be_missing) {
 		if (std::isnan(height)) {
-			// Fast path: nobody asks for the gradient of a hole.
+			// Fast path: the gradient of a hole is never used.
 			return {height, {0.0, 0.0}};
 		}
 	}
@@ -91,7 +90,7 @@ SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, co
 			PostLine::about(patch.x, posts.x), PostLine::about(patch.y, posts.y), part, post);
 }
 
-/// Whether a patch is away from the border of a grid, so that both its lines are those of `inner_line` from its first post.
+/// Whether a patch is away from the border of a grid, so that `inner_line`, relative to its first post, is valid on both axes.
 constexpr bool is_inner_patch(glm::ivec2 posts, glm::ivec2 patch) {
 	return patch.x >= 1 && patch.y >= 1 && patch.x + 2 < posts.x && patch.y + 2 < posts.y;
 }

@@ -16,12 +16,12 @@ namespace thicket {
 
 namespace {
 
-/// Borders included; false for NAN.
+/// Borders included. False for NAN.
 bool holds(const Rect &area, glm::dvec2 position) {
 	return position.x >= area.min.x && position.x <= area.max.x && position.y >= area.min.y && position.y <= area.max.y;
 }
 
-/// Whether the first is what counts as the ground.
+/// Whether the first one counts as the ground.
 bool stands_above(const TriangleTerrain::Top &a, const TriangleTerrain::Top &b) {
 	return std::tie(a.height, a.normal.y, a.normal.x, a.normal.z) >
 			std::tie(b.height, b.normal.y, b.normal.x, b.normal.z);
@@ -76,7 +76,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	const auto push = [&](Bvh::Node node) {
 		const Box &box = boxes_[tree_.index_of(node)];
 		if (!holds(box.area, position) || box.top < best.height) {
-			// Fast path: nothing of the node lies above or below the position, or not as high as what was found.
+			// Fast path: no part of the node lies above or below the position, or none is as high as the best one.
 			return;
 		}
 		stack.push(node);
@@ -87,7 +87,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
 		if (boxes_[tree_.index_of(node)].top < best.height) {
-			// Fast path: something higher was found since it was pushed.
+			// Fast path: a higher part was found since the node was pushed.
 			continue;
 		}
 		if (node.level > 0) {

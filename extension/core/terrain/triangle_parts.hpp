@@ -13,23 +13,23 @@
 
 namespace thicket {
 
-/// The tops of many meshes, each a TriangleTerrain of its own, so that one of them can be replaced without building the others anew.
-/// Immutable after `set`.
+/// The tops of many meshes, each in its own TriangleTerrain, so that one can be replaced without rebuilding the others. Immutable after
+/// `set`.
 class TriangleParts final : public Terrain {
 public:
 	using Part = std::shared_ptr<const TriangleTerrain>;
 
-	/// None of the parts may be null. Builds a tree of boxes over them: O(n log n) time in the number of parts, whatever they hold.
-	/// A failure changes nothing.
+	/// No part may be null. Builds a tree of boxes over the parts: O(n log n) time in the number of parts, whatever their size. A failure
+	/// changes nothing.
 	Status set(std::span<const Part> parts);
 
-	/// As TriangleTerrain::sample for all triangles together. Of parts that are equally high, to the last bit of a double, the most
-	/// level one gives the normal, and of equally level ones that which leans farthest towards x, then z: the order of the parts
-	/// does not matter.
+	/// Like TriangleTerrain::sample for all triangles together. If parts have exactly the same height in double precision, the most level
+	/// one determines the normal; of equally level ones, the one that leans farthest towards x, then z. The order of the parts does not
+	/// matter.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
 private:
-	/// Around the parts of a node, seen from above, and how high they reach.
+	/// Bounds of a node's parts: their area seen from above, and their highest point.
 	struct Box {
 		Rect area;
 		double top;
@@ -37,9 +37,9 @@ private:
 
 	Ground ground_at(glm::dvec2 position) const;
 
-	std::vector<Part> parts_; ///< In the order of the tree; none is empty.
+	std::vector<Part> parts_; ///< In tree order; none is empty.
 	Bvh tree_;
-	std::vector<Box> boxes_; ///< By the tree's slots.
+	std::vector<Box> boxes_; ///< Indexed by the tree's slots.
 };
 
 } // namespace thicket

@@ -73,7 +73,7 @@ void TriangleTerrain::take(std::span<const glm::dvec3> corners, const std::atomi
 		const std::size_t first = std::size_t{index} * 3;
 		return Triangle{{corners[first], corners[first + 1], corners[first + 2]}, index};
 	};
-	std::vector<BvhKey> keys; // By three times the triangles' middles.
+	std::vector<BvhKey> keys; // By three times the triangles' centers.
 	keys.reserve(corners.size() / 3);
 	for (std::uint32_t i = 0; i < corners.size() / 3; ++i) {
 		const auto &[a, b, c] = triangle(i).corners;
@@ -155,7 +155,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
 		if (boxes_[tree_.index_of(node)].top < hit.height) {
-			// Fast path: all of the node lies below what was found.
+			// Fast path: the whole node lies below the best triangle.
 			continue;
 		}
 		if (node.level == 0) {
@@ -168,7 +168,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 		if (tree_.has_second(node)) {
 			Bvh::Node second = tree_.second(node);
 			if (boxes_[tree_.index_of(second)].top > boxes_[tree_.index_of(first)].top) {
-				// Fast path: what the higher half holds may lie above all of the other.
+				// Fast path: visits the higher half first, because it may lie above the whole other half.
 				std::swap(first, second);
 			}
 			push(second);
@@ -182,10 +182,10 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	return true;
 }
 
-/// Keeps the higher one of `r_hit` and the triangle, if that lies above or below `position`.
+/// Keeps the higher of `r_hit` and the triangle, if the triangle lies above or below `position`.
 void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r_hit) {
 	const auto &[a, b, c] = triangle.corners;
-	// Each corner's part in the position: the area of the triangle that the position makes with the other two corners.
+	// Each corner's weight at the position: the area of the triangle formed by the position and the other two corners.
 	const double part_a = orientation(position, from_above(b), from_above(c));
 	const double part_b = orientation(position, from_above(c), from_above(a));
 	const double part_c = orientation(position, from_above(a), from_above(b));
@@ -205,14 +205,14 @@ void TriangleTerrain::meet(const Triangle &triangle, glm::dvec2 position, Hit &r
 
 glm::vec3 TriangleTerrain::normal_of(const Triangle &triangle) {
 	const auto &corners = triangle.corners;
-	// Areas along the axes rather than a cross product, which is noise where the triangle is narrow.
+	// Areas along the axes rather than a cross product, which is imprecise for narrow triangles.
 	const auto area_along = [&](int x, int y) {
 		return orientation(
 				{corners[0][x], corners[0][y]}, {corners[1][x], corners[1][y]}, {corners[2][x], corners[2][y]});
 	};
 	glm::dvec3 normal(area_along(1, 2), area_along(2, 0), area_along(0, 1));
 	const double longest = std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)});
-	normal /= normal.y < 0.0 ? -longest : longest; // Or the squares of a tiny triangle's areas would vanish.
+	normal /= normal.y < 0.0 ? -longest : longest; // Otherwise the squared areas of a tiny triangle would underflow.
 	const double to_unit = 1.0 / std::sqrt(normal.x * normal.x + normal.y * normal.y + normal.z * normal.z);
 	return glm::vec3(normal * to_unit);
 }

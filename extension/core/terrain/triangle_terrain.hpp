@@ -15,40 +15,41 @@
 
 namespace thicket {
 
-/// The tops of triangle meshes: from straight above, the first triangle is the ground. Triangles that face down count as
-/// tops too if nothing lies above them, with their normal turned up; those on edge are left out. Immutable after `set`.
+/// The tops of triangle meshes: seen from straight above, the first triangle is the ground. Triangles that face down also count as tops
+/// if no triangle is above them; their normal is then flipped upwards. Vertical triangles are ignored. Immutable after `set`.
 class TriangleTerrain final : public Terrain {
 public:
-	/// `corners` holds three world positions a triangle, in meters, in any winding; all finite and within max_extent of the
-	/// origin on each axis, at most max_triangles. Refused ones change nothing. Builds a tree of boxes over the triangles: O(n
-	/// log n) time, O(n) memory, whatever their sizes. Within some 100 ms of raising `cancel` it returns ErrorCode::cancelled and
-	/// changes nothing.
+	/// `corners` has three world positions per triangle, in meters, in any winding, all finite and within max_extent of the origin on
+	/// each axis. There may be at most max_triangles. Refused input changes nothing. Builds a tree of boxes over the triangles: O(n log
+	/// n) time, O(n) memory, whatever their sizes. Returns ErrorCode::cancelled within about 100 ms of raising `cancel`, and changes
+	/// nothing.
 	Status set(std::span<const glm::dvec3> corners, const std::atomic<bool> *cancel = nullptr);
 
-	/// The first corner that `set` refuses for where it is; the number of corners if there is none.
+	/// The first corner that `set` refuses for its position, or the number of corners if there is none.
 	static std::size_t find_refused_corner(std::span<const glm::dvec3> corners);
 
-	/// As Terrain::sample. A position on an edge or a corner belongs to every triangle that meets there (exactly: see
-	/// orientation), so meshes without a gap give ground without one. The normal is that of the triangle, of equally high ones
-	/// the first in `corners`; the height is exact to a float's rounding.
+	/// See Terrain::sample. A position on an edge or a corner belongs to every triangle that meets there (exactly: see orientation), so
+	/// meshes without gaps give ground without gaps. The normal is that of the triangle, or of the first in `corners` among equally high
+	/// ones. The height is exact up to float rounding.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 
-	/// The ground at one position, with its height before it is rounded.
+	/// The ground at one position, with its unrounded height.
 	struct Top {
 		double height = 0.0;
 		glm::vec3 normal{0.0f, 1.0f, 0.0f};
 	};
 
-	/// False if there is no ground, or none at `least` meters or above. Exactly what `sample` finds otherwise.
+	/// Returns false if there is no ground at `least` meters or above. Otherwise finds exactly the same ground as `sample`.
 	bool find_top(glm::dvec2 position, double least, Top &r_top) const;
 
-	/// The rectangle around all triangles but those on edge, from corner to corner; empty for none. Its far borders have ground.
+	/// The rectangle around all triangles that are not vertical, from corner to corner. Empty if there are none. Its far borders have
+	/// ground.
 	const Rect &area() const { return area_; }
 
-	/// False if all triangles are on edge, or there are none.
+	/// False if there are no triangles, or all are vertical.
 	bool has_ground() const { return !triangles_.empty(); }
 
-	/// The height of the highest corner, in meters. Not without ground.
+	/// The height of the highest corner, in meters. Requires ground.
 	double top() const { return top_; }
 
 	static constexpr double max_extent = 1e7;
@@ -57,22 +58,22 @@ public:
 private:
 	struct Triangle {
 		std::array<glm::dvec3, 3> corners;
-		std::uint32_t index; ///< In what `set` was given.
+		std::uint32_t index; ///< Index in the input of `set`.
 	};
 
-	/// Around the triangles of a node, seen from above, and how high they reach.
+	/// Bounds of a node's triangles: their area seen from above, and their highest point.
 	struct Box {
 		glm::dvec2 min;
 		glm::dvec2 max;
 		double top;
 
-		/// Borders included; false for NAN.
+		/// Borders included. False for NAN.
 		bool holds(glm::dvec2 position) const {
 			return position.x >= min.x && position.x <= max.x && position.y >= min.y && position.y <= max.y;
 		}
 	};
 
-	/// The topmost triangle found so far.
+	/// The topmost triangle until now.
 	struct Hit {
 		const Triangle *triangle = nullptr;
 		double height = 0.0;
@@ -88,9 +89,9 @@ private:
 
 	Rect area_;
 	double top_ = 0.0;
-	std::vector<Triangle> triangles_; ///< In the order of the tree.
+	std::vector<Triangle> triangles_; ///< In tree order.
 	Bvh tree_;
-	std::vector<Box> boxes_; ///< By the tree's slots.
+	std::vector<Box> boxes_; ///< Indexed by the tree's slots.
 };
 
 } // namespace thicket

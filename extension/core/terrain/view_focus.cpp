@@ -15,7 +15,7 @@ constexpr std::size_t fine_steps = 16;
 constexpr int refinements = 2;
 constexpr double least_slope = 0.17; ///< The sine of 10 degrees.
 
-/// The part of a ray between two distances in which it enters the ground: the first of so many parts of equal length.
+/// The part of a ray between two distances in which it enters the ground: the first such part of `steps` equal ones.
 template <std::size_t steps>
 std::optional<std::pair<double, double>> entry(
 		const Terrain &terrain, glm::dvec3 from, glm::dvec3 direction, std::pair<double, double> within) {

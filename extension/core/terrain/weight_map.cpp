@@ -13,14 +13,14 @@ namespace thicket {
 
 namespace {
 
-/// Two neighbors on an axis, and how far a position lies from the first to the second.
+/// Two neighbors on an axis, and the fraction of the way from the first to the second.
 struct Between {
 	int first;
 	int second;
 	double part;
 };
 
-/// `position` within 0 to 1.
+/// `position` lies within 0 to 1.
 Between between(double position, int pixels) {
 	const double along = position * (pixels - 1);
 	const int first = static_cast<int>(along);

@@ -13,10 +13,10 @@
 
 namespace thicket {
 
-/// How pixels stand for biomes. The values are those that scenes store.
+/// How pixels represent biomes. Scenes store these values.
 enum class BiomePixels : std::uint8_t {
-	colors,  ///< By the nearest color; none where the pixel is more transparent than not.
-	indices, ///< By the value of the red channel; none where no biome has that index.
+	colors,  ///< By the nearest color; no biome if the pixel is more than half transparent.
+	indices, ///< By the value of the red channel; no biome if none has that index.
 };
 
 /// Red, green and blue, 0 to 255.
@@ -27,20 +27,20 @@ struct BiomeColor {
 	int blue = 0;
 };
 
-/// The color in the steps in which images have it.
+/// The color in the 8-bit steps of images.
 BiomeColor biome_color(std::uint8_t index, const godot::Color &p_color);
 
 /// An image in bytes: red, green, blue and alpha of each pixel, row by row.
 struct ColorPixels {
-	glm::ivec2 size{0}; ///< 0 where there is no image, or one that cannot be read.
+	glm::ivec2 size{0}; ///< 0 if there is no image, or it cannot be read.
 	godot::PackedByteArray bytes;
 };
 
 /// Reads any format that the engine can convert.
 ColorPixels color_pixels(const godot::Ref<godot::Image> &p_image);
 
-/// The biome of each pixel: of those with a color, in the order of their indices, the first among the nearest; or one of the
-/// first `count`. In whole numbers.
+/// The biome of each pixel. By color: the nearest one in `colors`; if several are equally near, the one with the lowest index. By index:
+/// one of the first `count`. Uses integer arithmetic.
 std::vector<std::uint8_t> biomes_of(
 		const ColorPixels &pixels, BiomePixels mode, std::span<const BiomeColor> colors, std::size_t count);
 

@@ -11,9 +11,9 @@
 
 namespace thicket {
 
-/// What grows in one kind of land: a meadow, a forest, a swamp. Settings only; a ScatterBiomeMap says where it lies.
+/// The layers that grow in one kind of land: a meadow, a forest, a swamp. Contains settings only; a ScatterBiomeMap determines its area.
 ///
-/// `changed` is emitted by every setter. The array of layers is shared with scripts, and what they do to it counts.
+/// Every setter emits `changed`. The array of layers is shared with scripts, and their changes to it take effect.
 class ScatterBiome : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiome, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -22,19 +22,19 @@ public:
 	/// The water in the biome.
 	enum WaterMode : std::int64_t {
 		WATER_MODE_INHERIT, ///< That of the node.
-		WATER_MODE_OWN,     ///< At a level of its own.
+		WATER_MODE_OWN,     ///< At its own level.
 		WATER_MODE_NONE,
 	};
 
-	/// Null entries stand for nothing. A layer may be in several biomes.
+	/// Null entries are ignored. A layer may be in several biomes.
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const { return layers_; }
 
-	/// Of the pixels of a map that stand for this biome.
+	/// The color of the map pixels that represent this biome.
 	void set_color(const godot::Color &p_color);
 	godot::Color get_color() const { return color_; }
 
-	/// Of all its layers, 0 to 1.
+	/// For all its layers, 0 to 1.
 	void set_density(double p_density);
 	double get_density() const { return density_; }
 

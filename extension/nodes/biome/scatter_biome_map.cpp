@@ -3,7 +3,7 @@
 #include "nodes/common/convert.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/watch.hpp"
-#include "nodes/terrain/image_posts.hpp"
+#include "nodes/ground/image_posts.hpp"
 
 #include <godot_cpp/classes/image.hpp>
 #include <godot_cpp/classes/texture2d.hpp>
@@ -200,7 +200,7 @@ Status ScatterBiomeMap::make(BiomeMap &r_map) {
 
 void ScatterBiomeMap::refresh() {
 	if (!std::exchange(outdated_, false)) {
-		// Fast path: nothing has changed since the map was made.
+		// Fast path: nothing has changed since the map was created.
 		return;
 	}
 	const auto next = std::make_shared<BiomeMap>();
@@ -275,9 +275,9 @@ void ScatterBiomeMap::add_color_problems(PackedStringArray &r_problems) const {
 			return other.red == here.red && other.green == here.green && other.blue == here.blue;
 		});
 		if (first->index != here.index) {
-			r_problems.push_back(vformat(
-					"ScatterBiomeMap.biomes[%d] lies nowhere: biomes[%d] has the same color, and the first counts.",
-					static_cast<int64_t>(here.index), static_cast<int64_t>(first->index)));
+			r_problems.push_back(
+					vformat("ScatterBiomeMap.biomes[%d] has no area: biomes[%d] has the same color and takes priority.",
+							static_cast<int64_t>(here.index), static_cast<int64_t>(first->index)));
 		}
 	}
 }
@@ -288,7 +288,9 @@ void ScatterBiomeMap::add_layer_problems(const TypedArray<ScatterLayer> &p_own, 
 		bool in_biome = false;
 		each_layers([&](const TypedArray<ScatterLayer> &p_layers) { in_biome = in_biome || is_in(layer, p_layers); });
 		if (layer.is_valid() && in_biome) {
-			r_problems.push_back(vformat("Layer %d: is one of a biome, too; it stands everywhere.", index));
+			r_problems.push_back(vformat(
+					"Layer %d: is also in a biome, but is placed everywhere. Remove it from one of the two lists.",
+					index));
 		}
 	}
 }

@@ -15,10 +15,10 @@
 
 namespace thicket {
 
-/// Biomes, and an image that says where each lies: BiomeMap as a resource of the engine. Several nodes may share one.
+/// Biomes, and an image that determines the area of each: BiomeMap as a resource of the engine. Several nodes may share one.
 ///
-/// `changed` is emitted by every setter, and whenever a biome or the image emits it. The array of biomes, and the
-/// arrays of their layers, are shared with scripts: what they do to them counts from the next `notice`.
+/// Every setter emits `changed`, and so does the map whenever a biome or the image emits it. The array of biomes, and the arrays of their
+/// layers, are shared with scripts: changes to them take effect at the next `notice`.
 class ScatterBiomeMap : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiomeMap, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -36,18 +36,18 @@ public:
 		MAP_EDGE_CLAMP,
 	};
 
-	/// At most max_biomes. A null entry is land without a biome, and the indices of the others stay.
+	/// At most max_biomes. A null entry is land without a biome, and the other entries keep their indices.
 	void set_biomes(const godot::TypedArray<ScatterBiome> &p_biomes);
 	godot::TypedArray<ScatterBiome> get_biomes() const { return biomes_; }
 
-	/// An Image or a Texture2D, read again when it is set; null for the first biome everywhere.
+	/// An Image or a Texture2D, read again when it is set. If null, the first biome is everywhere.
 	void set_map_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_map_image() const { return image_; }
 
-	/// Puts the image of a texture in place of it, as an export strips textures. False if there is none.
+	/// Replaces a texture with its image, because an export strips textures. False if there is none.
 	bool embed_stripped_data();
 
-	/// World meters that the image covers: x, and z as y. Its sides are at least 0.001.
+	/// The area that the image covers, in world meters: x, and z as y. Each side is at least 0.001.
 	void set_map_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_map_rect() const { return rect_; }
 	void set_map_mode(MapMode p_mode);
@@ -55,7 +55,7 @@ public:
 	void set_map_edge(MapEdge p_edge);
 	MapEdge get_map_edge() const { return static_cast<MapEdge>(edge_); }
 
-	// As BiomeBorders has them.
+	// As in BiomeBorders.
 	void set_border_width(double p_width) { set_border("border_width", &BiomeBorders::width, p_width); }
 	double get_border_width() const { return borders_.width; }
 	void set_border_noise(double p_noise) { set_border("border_noise", &BiomeBorders::noise, p_noise); }
@@ -65,10 +65,10 @@ public:
 	void set_border_seed(int64_t p_seed);
 	int64_t get_border_seed() const { return static_cast<int64_t>(borders_.seed); }
 
-	/// The biome of the greatest weight at a place of the world (x, z); null for none.
+	/// The biome with the largest weight at a world position (x, z); null if there is none.
 	godot::Ref<ScatterBiome> get_biome_at(const godot::Vector2 &p_position);
 
-	/// The weight of each biome there, 0 to 1; what is missing to 1 belongs to none.
+	/// The weight of each biome there, 0 to 1. If the sum is below 1, the rest belongs to no biome.
 	godot::PackedFloat32Array get_weights_at(const godot::Vector2 &p_position);
 
 	/// Calls `take` with the layers of each biome.
@@ -81,39 +81,39 @@ public:
 		}
 	}
 
-	/// Adds what the main thread reads along with the map, but for the layers of its biomes.
+	/// Adds the resources that the main thread reads along with the map, except for the layers of its biomes.
 	void add_used(SceneUse::List &r_used) const;
 
 	/// True if scripts have changed one of the arrays since the last `notice`.
 	bool differs() const;
 
-	/// Takes in the arrays as they are, and emits `changed` if they differ. Runs scripts then.
+	/// Reads the arrays, and emits `changed` if they differ, which runs scripts.
 	void notice();
 
-	/// The map as the image and the biomes are now; the last good one after an error, which is printed once. Never null. The same
-	/// object until it changes.
+	/// The map for the current image and biomes; after an error, which is printed once, the last valid one. Never null. The same object
+	/// until it changes.
 	const std::shared_ptr<const BiomeMap> &map();
 
-	/// What a layer's biomes allow it, given by their density; 0 for those that do not have it.
+	/// The density of a layer in each biome; 0 for biomes that do not contain it.
 	PerBiome<float> densities_of(const godot::Ref<ScatterLayer> &p_layer) const;
 
-	/// Where the water stands in each biome, given that of the node (world meters or no_water).
+	/// The water level in each biome. `node_level` is that of the node (world meters or no_water).
 	PerBiome<double> water_levels(double node_level) const;
 
-	/// True if a biome has water at a level of its own.
+	/// True if a biome has water at its own level.
 	bool has_own_water() const;
 
-	/// What cannot work because an export has stripped it; empty if nothing was.
+	/// The feature that cannot work because an export has stripped its resource; empty if nothing was stripped.
 	godot::String stripped_problem() const;
 
-	/// What is likely not meant, for the editor's warnings, by a node with these layers of its own.
+	/// Likely mistakes, for the editor's warnings. `p_own` are the layers of the node itself.
 	godot::PackedStringArray problems(const godot::TypedArray<ScatterLayer> &p_own);
 
 protected:
 	static void _bind_methods();
 
 private:
-	/// A biome as it was last seen, with the layers that it had.
+	/// A biome with its layers, as last seen.
 	struct Seen {
 		godot::Ref<ScatterBiome> biome;
 		std::vector<godot::Ref<ScatterLayer>> layers;
@@ -145,11 +145,11 @@ private:
 	BiomeBorders borders_{.width = 8.0, .noise = 12.0, .noise_size = 60.0};
 
 	std::shared_ptr<const BiomeMap> map_ = std::make_shared<const BiomeMap>();
-	ColorPixels pixels_;        ///< Of the image, as last read.
-	bool pixels_unread_ = true; ///< Asked of the renderer, which waits for it, only where they may be others.
-	bool outdated_ = true;      ///< `map_` is not what the properties say.
-	Status status_;             ///< What is wrong with them.
-	godot::String complaint_;   ///< The error that was printed last; empty while all is well.
+	ColorPixels pixels_;        ///< The pixels of the image, as last read.
+	bool pixels_unread_ = true; ///< True if they may have changed. Reading them back makes the renderer wait.
+	bool outdated_ = true;      ///< True if `map_` does not match the properties.
+	Status status_;             ///< The error of the properties.
+	godot::String complaint_;   ///< The last printed error; empty if there is none.
 };
 
 } // namespace thicket

@@ -1,8 +1,8 @@
-// What a biome map keeps for an export as a dedicated server, which puts placeholders in place of textures.
+// The data that a biome map stores for an export as a dedicated server, which replaces textures with placeholders.
 
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/common/stripped.hpp"
-#include "nodes/terrain/image_posts.hpp"
+#include "nodes/ground/image_posts.hpp"
 
 #include <godot_cpp/classes/texture2d.hpp>
 

@@ -25,14 +25,14 @@
 
 namespace thicket {
 
-// All conversions between the core's types and the engine's. The core's are exact: positions in double precision, counted
-// from the world's origin. The engine's are rounded to its own precision once.
+// Conversions between the core's types and the engine's. The core keeps exact positions: double precision, counted from the world's origin.
+// A conversion to the engine's precision rounds once.
 
-/// The same 64 bits: the engine's integers have a sign, the core's ids have none.
+/// Keeps all 64 bits: the engine's integers are signed, the core's IDs are unsigned.
 constexpr std::int64_t script_id(std::uint64_t id) { return static_cast<std::int64_t>(id); }
 constexpr std::uint64_t core_id(std::int64_t id) { return static_cast<std::uint64_t>(id); }
 
-// The same numbers in the other type.
+// The same numbers as the other type.
 godot::Vector2 to_engine(glm::dvec2 vector);
 godot::Vector3 to_engine(glm::vec3 vector);
 godot::Vector3 to_engine(glm::dvec3 vector);
@@ -43,13 +43,13 @@ glm::dvec3 to_core(const godot::Vector3 &p_vector);
 glm::dmat3 to_core(const godot::Basis &p_basis);
 Rect to_core(const godot::Rect2 &p_rect);
 
-// The same position in the other space. `offset` is where the engine's origin stands in the world, in meters.
+// The same position in the other space. `offset` is the world position of the engine's origin, in meters.
 glm::dvec3 to_world(const godot::Vector3 &p_position, glm::dvec3 offset);
 Rect to_world(const godot::Rect2 &p_rect, glm::dvec3 offset);
 godot::Vector3 to_engine(glm::dvec3 position, glm::dvec3 offset);
 godot::Transform3D to_engine(const glm::mat3 &basis, glm::dvec3 position, glm::dvec3 offset);
 
-/// A packed array with a copy of what a span holds. `of` turns an element into one of the array's.
+/// Copies a span into a packed array. `of` converts an element of the span to an element of the array.
 template <class Packed, class Element, class Convert>
 Packed packed(std::span<const Element> elements, Convert of) {
 	Packed result;
@@ -57,7 +57,7 @@ Packed packed(std::span<const Element> elements, Convert of) {
 	return result;
 }
 
-/// The bytes of an array, for as long as it is held and not written to.
+/// The bytes of an array. Valid while the array is held and not written to.
 std::span<const std::uint8_t> span_of(const godot::PackedByteArray &p_bytes);
 
 godot::PackedByteArray packed_bytes(std::span<const std::uint8_t> bytes);

@@ -11,23 +11,24 @@
 
 namespace thicket {
 
-// The engine's arrays report an allocation that failed by a line in the log, and keep their size. Each function here throws
-// std::bad_alloc instead, to be caught at the border (guard.hpp). tests/test_allocations.py permits no other way to resize an array of
-// the engine, to write its elements or to append to it.
+// When an allocation fails, the engine's arrays only print an error to the log and keep their size. Each function here throws
+// std::bad_alloc instead, to be caught at the border (guard.hpp). tests/test_allocations.py permits no other way to resize an array of the
+// engine, to write its elements or to append to it.
 
-/// The elements of a packed array, to be written. Other arrays must not share its memory: one that came from the engine is copied first, by
-/// `resized_copy`, since the engine ends where it runs out of memory for a hidden copy. Godot 4.4 would even write to the shared memory.
+/// The elements of a packed array, for writing. No other array may share its memory: copy an array that the engine returned with
+/// `resized_copy` first, because the engine terminates when it has no memory for a hidden copy. Godot 4.4 would even write to the shared
+/// memory.
 template <class Packed>
 auto writable(Packed &r_array) {
 	const std::int64_t size = r_array.size();
-	auto *first = size > 0 ? r_array.ptrw() : nullptr; // Once: each time is a call into the engine.
+	auto *first = size > 0 ? r_array.ptrw() : nullptr; // Only once, because each call enters the engine.
 	if (size > 0 && first == nullptr) {
 		throw std::bad_alloc();
 	}
 	return std::span(first, static_cast<std::size_t>(size));
 }
 
-/// Resizes a packed array whose memory no other shares, and returns its elements. New ones are 0.
+/// Resizes a packed array that shares its memory with no other, and returns its elements. New elements are 0.
 template <class Packed>
 auto resize(Packed &r_array, std::int64_t size) {
 	r_array.resize(size);
@@ -37,7 +38,7 @@ auto resize(Packed &r_array, std::int64_t size) {
 	return writable(r_array);
 }
 
-/// A copy with memory of its own, cut off at `size` elements, or filled up with 0.
+/// A copy with its own memory, cut off at `size` elements or padded with 0.
 template <class Packed>
 Packed resized_copy(const Packed &array, std::int64_t size) {
 	Packed result;
@@ -55,7 +56,7 @@ inline void append(godot::Array &r_array, const godot::Variant &element) {
 	}
 }
 
-/// A copy with memory of its own; its elements are the same, not copies.
+/// A shallow copy: the array has its own memory, but its elements are the same objects.
 inline godot::Array copied(const godot::Array &array) {
 	godot::Array copy;
 	for (std::int64_t index = 0; index < array.size(); ++index) {

@@ -24,7 +24,7 @@ std::string system_path(const String &p_path) {
 	return path.utf8().get_data();
 }
 
-/// Writes all of it, or has an error. Closing reports none, so the length tells whether it has found room for the last bytes.
+/// Writes all bytes, or returns an error. Closing the file reports no error, so the length shows whether the last bytes fitted on the disk.
 Error store(const String &p_path, const PackedByteArray &p_bytes) {
 	Ref<FileAccess> file = FileAccess::open(p_path, FileAccess::WRITE);
 	if (file.is_null()) {
@@ -42,7 +42,7 @@ Error store(const String &p_path, const PackedByteArray &p_bytes) {
 	return whole ? OK : ERR_FILE_CANT_WRITE;
 }
 
-/// Whether ResourceSaver wrote it, as binary, compressed or as text.
+/// Whether ResourceSaver wrote the bytes, as binary, compressed or text.
 bool is_resource_file(const PackedByteArray &p_bytes) {
 	const std::string_view text(
 			reinterpret_cast<const char *>(p_bytes.ptr()), static_cast<std::size_t>(p_bytes.size()));
@@ -69,23 +69,23 @@ Error replace_file(const char *p_method, const String &p_path, const PackedByteA
 	}
 	if (!can_be_replaced(path)) {
 		return failed(
-				"what is there is no file, or may not be written. Choose a different path, or let the file be written",
+				"the path is not a file, or the file is read-only. Choose a different path, or make the file writable",
 				ERR_FILE_NO_PERMISSION);
 	}
 	const std::string partial = path + ".part";
 	const String beside = String::utf8(partial.c_str());
 	const Error error = store(beside, p_bytes);
 	if (error != OK && error != ERR_FILE_CANT_WRITE) {
-		return failed("its folder is missing or may not be written. Make the folder with "
+		return failed("its folder is missing or read-only. Create the folder with "
 					  "DirAccess.make_dir_recursive_absolute(), or choose a different one",
 				error);
 	}
 	const char *why = nullptr;
 	if (error != OK || !sync_file(partial, path)) {
-		why = "the disk is full or has failed. Free space there, or choose a different disk. The old file is as it was";
+		why = "the disk is full or has failed. Free space there, or choose a different disk. The old file is unchanged";
 	} else if (!(has_disk ? move_over(partial, path)
 						  : DirAccess::rename_absolute(beside, String::utf8(path.c_str())) == OK)) {
-		why = "the new file cannot take its place. Close programs that have it open. The old file is as it was";
+		why = "the new file cannot replace it. Close programs that have it open. The old file is unchanged";
 	}
 	if (why != nullptr) {
 		DirAccess::remove_absolute(beside);
@@ -106,7 +106,7 @@ Error load_saved_file(const char *p_method, const String &p_path,
 	const PackedByteArray bytes = FileAccess::get_file_as_bytes(p_path);
 	const Error error = FileAccess::get_open_error();
 	if (error != OK) {
-		return failed("it may not be read. Let the game read it", error);
+		return failed("the game has no permission to read it. Change the permissions of the file", error);
 	}
 	if (is_resource_file(bytes)) {
 		return failed(

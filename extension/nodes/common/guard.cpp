@@ -15,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-/// An argument in a few characters; of what may be long, that it is there.
+/// An argument in a few characters. Values that may be long become "...".
 String in_short(const Variant &p_value) {
 	switch (p_value.get_type()) {
 		case Variant::NIL:
@@ -34,9 +34,9 @@ const char *reason() {
 	try {
 		throw;
 	} catch (const std::bad_alloc &) {
-		return "needs more memory than there is";
+		return "needs more memory than is available";
 	} catch (const std::length_error &) {
-		return "needs more memory than there is";
+		return "needs more memory than is available";
 	} catch (...) {
 		return "failed within";
 	}
@@ -45,7 +45,7 @@ const char *reason() {
 } // namespace
 
 const char *kept_method_name(const StringName &p_class, const StringName &p_method) {
-	static std::deque<std::string> names; // Its strings stay where they are.
+	static std::deque<std::string> names; // A deque never moves its strings.
 	return names.emplace_back((String(p_class) + "." + String(p_method)).utf8().get_data()).c_str();
 }
 
@@ -58,7 +58,7 @@ void report_failed_call(const char *method, std::span<const Variant> arguments) 
 		}
 		ERR_PRINT(vformat("%s(%s) %s", String(method), list, String(why)));
 	} catch (...) {
-		ERR_PRINT(why); // There is no memory for more words.
+		ERR_PRINT(why); // There is no memory for a longer message.
 	}
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
-// The border between the engine and our code: no exception may pass it, for the engine would end. What the core guards
-// (core/base/guard.hpp) comes as a status; this is for all else that takes memory in a bound method, a notification or a job.
+// The border between the engine and our code. No exception may cross it, because the engine would terminate. Exceptions that the core
+// catches (core/base/guard.hpp) arrive as a status. This file covers everything else that allocates memory in a bound method, a
+// notification or a job.
 
 #include "nodes/common/main_calls.hpp"
 #include "nodes/common/thread_rule.hpp"
@@ -20,12 +21,12 @@
 
 namespace thicket {
 
-/// Prints an error for a call that had to be given up: who was asked (`Class.method`), for what, and why. To be called where
-/// the exception is being handled.
+/// Prints an error for a call that had to be abandoned: the method (`Class.method`), its arguments and the reason. Call it while the
+/// exception is being handled.
 void report_failed_call(const char *method, std::span<const godot::Variant> arguments) noexcept;
 
-/// Calls `work` for the engine, in a notification or a hook. An exception becomes an error that names `method`, and the
-/// result a default one: nothing, 0, an empty array.
+/// Runs `work`, which the engine called in a notification or a hook. On an exception, prints an error that names `method` and returns a
+/// default value: nothing, 0 or an empty array.
 template <typename Work>
 std::invoke_result_t<Work> guarded_call(const char *method, Work &&work) {
 	try {
@@ -36,7 +37,7 @@ std::invoke_result_t<Work> guarded_call(const char *method, Work &&work) {
 	return std::invoke_result_t<Work>();
 }
 
-/// What a member function takes and gives.
+/// The class, the result and the parameters of a member function.
 template <typename Method>
 struct MemberFunction;
 
@@ -44,7 +45,7 @@ template <typename C, typename R, typename... Args>
 struct MemberFunction<R (C::*)(Args...)> {
 	using Class = C;
 
-	/// The entry of the class (THICKET_GUARDED_METHODS) that calls `method` for the engine, with the same signature.
+	/// The method of the class (THICKET_GUARDED_METHODS) that the engine calls in place of `method`, with the same signature.
 	template <auto method>
 	static constexpr R (C::*entry)(Args...) = &C::template guarded_entry<method, R, Args...>;
 };
@@ -57,14 +58,14 @@ struct MemberFunction<R (C::*)(Args...) const> {
 	static constexpr R (C::*entry)(Args...) const = &C::template guarded_const_entry<method, R, Args...>;
 };
 
-/// `Class.method`, in memory that stays for as long as the library is loaded.
+/// `Class.method`, stored for as long as the library is loaded.
 const char *kept_method_name(const godot::StringName &p_class, const godot::StringName &p_method);
 
-/// Name and rule of a bound method. The name is no string of its own: hundreds of those would each have to be destroyed.
+/// The name and the thread rule of a bound method. The name is a plain pointer: hundreds of strings would each have to be destroyed.
 template <auto method>
 inline BoundMethod bound_method;
 
-/// The guard of an object; null for a class whose methods may all be called on any thread.
+/// The guard of an object. Null for a class whose methods may all be called on any thread.
 template <typename Self>
 ThreadGuard *thread_guard_of(Self *p_self) {
 	if constexpr (requires { p_self->thread_guard(); }) {
@@ -84,19 +85,19 @@ struct RefTarget<godot::Ref<T>> {
 	using Type = T;
 };
 
-/// The result of a call that was not made: nothing, 0, an empty array.
+/// The result of a call that was refused: nothing, 0 or an empty array.
 template <typename R>
 R refused_result(godot::Error error) {
 	if constexpr (std::is_same_v<R, godot::Error>) {
-		return error; // The default one means that all is well.
+		return error; // Error's default value would mean success.
 	} else if constexpr (requires { RefTarget<R>::Type::make_empty(); }) {
-		return RefTarget<R>::Type::make_empty(); // As the class reference promises, the result is never null.
+		return RefTarget<R>::Type::make_empty(); // The class reference promises that the result is never null.
 	} else {
 		return R();
 	}
 }
 
-/// An argument for an error; what no Variant can hold is left out.
+/// An argument as shown in an error. Types that no Variant can hold become null.
 template <typename T>
 godot::Variant argument_of(const T &p_argument) {
 	if constexpr (std::is_enum_v<T>) {
@@ -108,7 +109,7 @@ godot::Variant argument_of(const T &p_argument) {
 	}
 }
 
-/// Calls a method for the engine, if its rule allows this thread. An exception becomes an error that names it and what it was asked for.
+/// Calls a method for the engine if its rule allows this thread. An exception becomes an error that names the method and its arguments.
 template <auto method, typename R, typename Self, typename... Args>
 R call_guarded(Self *p_self, const Args &...p_arguments) {
 	const BoundMethod &bound = bound_method<method>;
@@ -131,8 +132,8 @@ R call_guarded(Self *p_self, const Args &...p_arguments) {
 	return refused_result<R>(godot::ERR_OUT_OF_MEMORY);
 }
 
-/// ClassDB::bind_method for a method with a thread rule of its own; it may run out of memory:
-/// `bind_guarded<&ScatterRequest::cancel>(ThreadUse::any, D_METHOD("cancel"))`. The class has THICKET_GUARDED_METHODS.
+/// ClassDB::bind_method for a method that has its own thread rule and may run out of memory:
+/// `bind_guarded<&ScatterRequest::cancel>(ThreadUse::any, D_METHOD("cancel"))`. The class must use THICKET_GUARDED_METHODS.
 template <auto method, typename Definition, typename... Defaults>
 void bind_guarded(const ThreadRule &rule, const Definition &p_definition, const Defaults &...p_defaults) {
 	using Member = MemberFunction<decltype(method)>;
@@ -149,9 +150,9 @@ void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults)
 
 } // namespace thicket
 
-/// In a class whose methods are bound with bind_guarded, after GDCLASS: the rule of those that are bound without one, and what the
-/// engine calls in their place. These have to be members of the class itself, as godot-cpp binds nothing else. A class with
-/// other rules than ThreadUse::any is ThreadGuarded besides.
+/// For a class whose methods are bound with bind_guarded; write it after GDCLASS. Sets the rule of methods that are bound without one, and
+/// adds the methods that the engine calls in their place. These have to be members of the class itself, because godot-cpp binds nothing
+/// else. A class that uses any rule other than ThreadUse::any must also derive from ThreadGuarded.
 #define THICKET_GUARDED_METHODS(m_use) \
 	template <typename> \
 	friend struct ::thicket::MemberFunction; \

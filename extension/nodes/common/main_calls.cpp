@@ -20,8 +20,8 @@ namespace thicket {
 namespace {
 
 std::mutex mutex;
-std::vector<Variant> calls;    ///< Callables with their arguments; guarded by `mutex`.
-std::atomic<bool> any = false; ///< Whether there are some.
+std::vector<Variant> calls;    ///< Callables with bound arguments; guarded by `mutex`.
+std::atomic<bool> any = false; ///< Whether there are any calls.
 
 } // namespace
 
@@ -40,7 +40,7 @@ void call_on_main_thread(const Object *p_object, const char *method, std::span<c
 
 void make_main_thread_calls() {
 	if (!any.load(std::memory_order_relaxed)) {
-		// Fast path: most frames have none.
+		// Fast path: most frames have no queued calls.
 		return;
 	}
 	std::vector<Variant> taken;

@@ -19,7 +19,7 @@ Function find(GDExtensionInterfaceGetProcAddress p_get_proc_address, const char 
 	return reinterpret_cast<Function>(reinterpret_cast<void *>(p_get_proc_address(name)));
 }
 
-/// Bytes of one of the engine's real numbers: a new Vector3 is three zeros.
+/// The size of the engine's real numbers in bytes, measured on a new Vector3, which is three zeros.
 std::size_t engine_real_size(GDExtensionInterfaceGetProcAddress p_get_proc_address) {
 	const auto get_constructor =
 			find<GDExtensionInterfaceVariantGetPtrConstructor>(p_get_proc_address, "variant_get_ptr_constructor");

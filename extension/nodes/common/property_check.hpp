@@ -10,32 +10,33 @@
 
 namespace thicket {
 
-/// A bounded number among a class's properties. One constant of this type says all that the inspector, the setter and
-/// its error message need to know, so a new property is one line.
+/// A bounded number among the properties of a class. One constant of this type holds all that the inspector, the setter and its error
+/// message need, so a new property takes one line.
 template <class Values, class Number>
 struct NumberProperty {
 	using Limit = std::conditional_t<std::is_floating_point_v<Number>, double, std::int64_t>;
 
 	const char *name;
 	Number Values::*member;
-	Limit min; ///< The smallest value taken.
-	Limit max; ///< The largest value taken.
+	Limit min; ///< The smallest accepted value.
+	Limit max; ///< The largest accepted value.
 	godot::PropertyHint hint = godot::PROPERTY_HINT_NONE;
 	const char *hint_string = "";
-	Limit least = 0; ///< Where 0 stands for "none": the smallest other number taken, `min` being 0. 0 for no such gap.
+	Limit least =
+			0; ///< If 0 means "none": the smallest accepted value above 0, with `min` at 0. 0 if there is no such gap.
 };
 
 template <class Values, class Number, class... Rest>
 NumberProperty(const char *, Number Values::*, Rest...) -> NumberProperty<Values, Number>;
 
-/// True for a finite value in [min, max]; otherwise prints one error that names owner, property, the allowed range and the value, and
-/// is false.
+/// True for a finite value in [min, max]. Otherwise prints one error that names the owner, the property, the allowed range and the value,
+/// and returns false.
 bool accept_number(const char *owner, const char *property, double value, double min, double max);
 
-/// Prints `owner`.`status` as an error of the engine; silent for a status that is fine or was cancelled.
+/// Prints `owner`.`status` as an error of the engine. Prints nothing if the status is ok or cancelled.
 void report(const char *owner, const Status &status);
 
-/// What a method returns whose bytes or other arguments were refused with this status.
+/// The Error that a method returns when its bytes or other arguments were refused with this status.
 godot::Error error_of(const Status &status);
 
 /// The sentence that `report` prints.

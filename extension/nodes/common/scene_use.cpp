@@ -13,12 +13,12 @@ void SceneUse::replace(List list) {
 	for (const List::Use &use : list.uses_) {
 		if (!use.guard->enter_scene()) {
 			ERR_PRINT(vformat(
-					"A node in the scene tree uses a %s while a call of it has been under way on another thread for a "
-					"second. Let the call return before the node gets the object.",
+					"A node in the scene tree uses a %s whose call on a different thread has been running for a "
+					"second. Let the call return before you set the object on the node.",
 					use.object->get_class()));
 		}
 	}
-	const List before = std::exchange(used_, std::move(list)); // Frees what nothing else holds.
+	const List before = std::exchange(used_, std::move(list)); // Frees objects that have no other owner.
 	for (const List::Use &use : before.uses_) {
 		use.guard->leave_scene();
 	}

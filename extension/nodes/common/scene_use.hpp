@@ -9,12 +9,12 @@
 
 namespace thicket {
 
-/// Objects that a node in the tree uses: the main thread reads them in its frames, so no other thread may call what changes them.
+/// Objects that a node in the tree uses. The main thread reads them in its frames, so no other thread may call methods that change them.
 class SceneUse {
 public:
 	class List {
 	public:
-		/// A null is left out.
+		/// Null is ignored.
 		template <typename T>
 		void add(const godot::Ref<T> &p_object) {
 			if (p_object.is_valid()) {
@@ -26,7 +26,7 @@ public:
 		friend class SceneUse;
 
 		struct Use {
-			godot::Ref<godot::RefCounted> object; ///< Keeps the guard.
+			godot::Ref<godot::RefCounted> object; ///< Keeps the guard alive.
 			ThreadGuard *guard;
 		};
 
@@ -38,8 +38,8 @@ public:
 	SceneUse(const SceneUse &) = delete;
 	SceneUse &operator=(const SceneUse &) = delete;
 
-	/// Takes these into use, and gives those of the last call back. Waits for another thread that is in a method of one (ThreadGuard);
-	/// prints an error if that takes too long. Main thread only.
+	/// Marks these objects as used and releases those of the last call. Waits for any other thread that is inside a method of one of them
+	/// (ThreadGuard), and prints an error if that takes too long. Main thread only.
 	void replace(List list);
 
 private:

@@ -6,11 +6,11 @@
 
 namespace thicket {
 
-/// True for what an export as a dedicated server puts in place of a mesh or a texture whose file it strips of visuals: a PlaceholderMesh, a
-/// PlaceholderTexture2D.
+/// True for the placeholder that a dedicated server export substitutes for a mesh or a texture whose file it strips of visuals: a
+/// PlaceholderMesh or a PlaceholderTexture2D.
 bool is_stripped(const godot::Ref<godot::Resource> &p_resource);
 
-/// A sentence for the problems of a node: a resource that a property needs was stripped, what follows, and what helps.
+/// A sentence for a node's warnings: a resource that a property needs was stripped, the consequence, and how to fix it.
 godot::String stripped_problem(const godot::String &p_property, const godot::String &p_consequence);
 
 } // namespace thicket

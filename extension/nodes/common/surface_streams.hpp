@@ -4,7 +4,7 @@
 
 namespace thicket {
 
-/// Where each stream of vertices is in what Mesh.surface_get_arrays returns (Mesh.ArrayType).
+/// The index of each vertex stream in the result of Mesh.surface_get_arrays (Mesh.ArrayType).
 struct SurfaceStream {
 	static constexpr std::int64_t positions = 0;
 	static constexpr std::int64_t normals = 1;

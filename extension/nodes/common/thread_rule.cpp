@@ -14,12 +14,12 @@ namespace thicket {
 
 namespace {
 
-/// The last turn that this thread has taken and not ended.
+/// The last turn that this thread has taken and not yet ended.
 constinit thread_local ThreadTurn *innermost = nullptr;
 
 } // namespace
 
-/// A callback of a method has freed the object: the turns of this thread end without it.
+/// A callback of a method has freed the object, so the turns of this thread end without it.
 ThreadGuard::~ThreadGuard() {
 	for (ThreadTurn *turn = innermost; turn != nullptr; turn = turn->outer_) {
 		if (turn->guard_ == this) {
@@ -29,7 +29,7 @@ ThreadGuard::~ThreadGuard() {
 }
 
 bool ThreadGuard::enter_scene() {
-	scene_uses_.fetch_add(1); // From now on, no other thread takes a turn.
+	scene_uses_.fetch_add(1); // From now on, no other thread gets a turn.
 	bool written = false;
 	if (calls_.load() == 0 || ThreadTurn::held_by_this_thread(*this, written)) {
 		return true;
@@ -55,12 +55,12 @@ bool ThreadTurn::held_by_this_thread(const ThreadGuard &guard, bool &r_written) 
 	return held;
 }
 
-/// False if another thread is in a method that excludes this one.
+/// False if another thread is inside a method that excludes this one.
 bool ThreadTurn::take(bool reads) {
 	bool written = false;
 	const bool held = held_by_this_thread(*guard_, written);
 	if (held && (written || reads)) {
-		guard_ = nullptr; // The outer turn keeps the others out.
+		guard_ = nullptr; // The outer turn keeps other threads out.
 		return true;
 	}
 	std::int32_t calls = guard_->calls_.load();
@@ -71,7 +71,7 @@ bool ThreadTurn::take(bool reads) {
 			}
 		}
 	} else {
-		// A const method may have called back into another one on its thread: then that is the one reader.
+		// A const method may have called back into a non-const one on its own thread. Then that const call is the one reader.
 		before_ = held ? 1 : 0;
 		calls = before_;
 		if (guard_->calls_.compare_exchange_strong(calls, ThreadGuard::writing)) {
@@ -106,7 +106,7 @@ ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads
 		return;
 	}
 	if (on_main && reads && guard->in_scene()) {
-		// Fast path: no other thread may change it.
+		// Fast path: no other thread may change the object.
 		return;
 	}
 	guard_ = guard;
@@ -115,9 +115,9 @@ ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads
 		return;
 	}
 	if (guard_ == nullptr) {
-		return; // Within another turn of this thread.
+		return; // Nested in another turn of this thread.
 	}
-	// Only now: enter_scene() sees the turn, or the turn sees enter_scene().
+	// Check only now: either enter_scene() sees this turn, or this turn sees enter_scene().
 	if (!on_main && guard->in_scene()) {
 		release();
 		refusal_ = Refusal::in_scene;
@@ -151,9 +151,9 @@ void ThreadTurn::report() const {
 			remedy = "Use call_deferred(), or an object that no node in the tree uses.";
 			break;
 		case Refusal::busy:
-			problem = "called while another call of the same object is under way on another thread; one thread at a "
-					  "time may use it.";
-			remedy = "Take one object for each thread, or lock a Mutex around the calls.";
+			problem = "called while a different thread runs a call of the same object; only one thread at a time may "
+					  "use it.";
+			remedy = "Use one object per thread, or lock a Mutex around the calls.";
 			break;
 	}
 	if (method_.rule.remedy != nullptr && refusal_ != Refusal::busy) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Which threads may call a bound method. Each method has a rule, declared at its binding or, for most, by its class; call_guarded
-// (guard.hpp) checks it before the method runs.
+// Defines which threads may call a bound method. Each method has a rule, declared at its binding or, for most methods, by its class.
+// call_guarded (guard.hpp) checks it before the method runs.
 
 #include <atomic>
 #include <cstdint>
@@ -9,17 +9,17 @@
 namespace thicket {
 
 enum class ThreadUse : std::uint8_t {
-	/// Any thread, several at once.
+	/// Any thread, also several at the same time.
 	any,
 
 	/// The main thread only.
 	main,
 
-	/// One thread at a time (const methods: several), and only the main thread while the scene tree uses the object. So a loader may
-	/// fill an object that nothing uses yet, and no other thread changes what the main thread reads in its frames.
+	/// One thread at a time (const methods: several), and only the main thread while the scene tree uses the object. So a loader may fill
+	/// an object that nothing uses yet, and no other thread changes an object that the main thread reads in its frames.
 	owner,
 
-	/// As `owner`. The main thread makes a call that is refused, in its next frame: for handlers of signals, which any thread may emit.
+	/// As `owner`, but the main thread makes a refused call in its next frame. For signal handlers, because any thread may emit a signal.
 	relayed,
 };
 
@@ -28,10 +28,10 @@ struct ThreadRule {
 			use(allowed), remedy(instead) {} // NOLINT: as an argument
 
 	ThreadUse use;
-	const char *remedy; ///< A sentence for the error: what other threads can do. Null for the usual one.
+	const char *remedy; ///< A sentence for the error: what other threads can do instead. Null for the default sentence.
 };
 
-/// A method as it was bound.
+/// A bound method.
 struct BoundMethod {
 	const char *name = ""; ///< `Class.method`
 	ThreadRule rule = ThreadUse::any;
@@ -39,7 +39,7 @@ struct BoundMethod {
 
 class ThreadTurn;
 
-/// Which threads are in methods of an object, and whether the scene tree uses it.
+/// Keeps track of the threads that are inside methods of an object, and of whether the scene tree uses it.
 class ThreadGuard {
 public:
 	ThreadGuard() = default;
@@ -47,8 +47,8 @@ public:
 	ThreadGuard(const ThreadGuard &) = delete;
 	ThreadGuard &operator=(const ThreadGuard &) = delete;
 
-	/// The main thread uses the object from now on, in frames and queries; `leave_scene` undoes one call. Waits, for a second at most, for
-	/// another thread that is in one of its methods. False if that takes longer.
+	/// From this call on the main thread uses the object, in frames and queries; `leave_scene` undoes one call. Waits at most one second
+	/// for another thread that is inside one of its methods. Returns false if that takes longer.
 	bool enter_scene();
 	void leave_scene() { scene_uses_.fetch_sub(1); }
 	bool in_scene() const { return scene_uses_.load() > 0; }
@@ -59,10 +59,10 @@ private:
 	static constexpr std::int32_t writing = -1;
 
 	std::atomic<std::int32_t> scene_uses_ = 0;
-	std::atomic<std::int32_t> calls_ = 0; ///< Threads in const methods, or `writing` for one in another.
+	std::atomic<std::int32_t> calls_ = 0; ///< The threads in const methods, or `writing` for one in any other method.
 };
 
-/// A base, after that of the engine, of each class whose methods have the rules `main`, `owner` or `relayed`.
+/// A second base, after the engine's, of each class whose methods use the rules `main`, `owner` or `relayed`.
 class ThreadGuarded {
 public:
 	ThreadGuard &thread_guard() const { return thread_guard_; }
@@ -75,10 +75,10 @@ private:
 	mutable ThreadGuard thread_guard_;
 };
 
-/// One call of a method, from its check to its end. What the method calls back may call the same object again, and may free it.
+/// One call of a method, from its check to its end. The method's callbacks may call the same object again, and may free it.
 class ThreadTurn {
 public:
-	/// `guard` is null for an object whose methods all have the rule `any`; `reads` is true for a const method.
+	/// `guard` is null for an object whose methods all have the rule `any`. `reads` is true for a const method.
 	ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads) noexcept;
 	~ThreadTurn();
 	ThreadTurn(const ThreadTurn &) = delete;
@@ -86,7 +86,7 @@ public:
 
 	bool granted() const { return refusal_ == Refusal::none; }
 
-	/// Prints why the call was refused, and what to do.
+	/// Prints why the call was refused, and what to do instead.
 	void report() const;
 
 private:
@@ -99,11 +99,11 @@ private:
 	void release();
 
 	const BoundMethod &method_;
-	ThreadGuard *guard_ = nullptr; ///< Null if nothing was taken, or the object is gone.
-	std::int32_t before_ = 0;      ///< ThreadGuard::calls_, if this turn replaced it by `writing`.
+	ThreadGuard *guard_ = nullptr; ///< Null if nothing was taken, or the object has been freed.
+	std::int32_t before_ = 0;      ///< The value of ThreadGuard::calls_ before this turn replaced it with `writing`.
 	bool reads_ = false;
 	Refusal refusal_ = Refusal::none;
-	ThreadTurn *outer_ = nullptr; ///< The turn of this thread within which this one was taken.
+	ThreadTurn *outer_ = nullptr; ///< The turn of this thread inside which this one was taken.
 };
 
 } // namespace thicket

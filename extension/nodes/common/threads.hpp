@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// Whether the engine has threads to work on. Builds for the web may have none, and a project may forbid them.
+/// Whether the engine has worker threads. Web builds may have none, and a project may disable them.
 bool has_threads();
 
 /// The caller is the engine's main thread. To be called once, before any class is registered.
@@ -17,10 +17,10 @@ void remember_main_thread();
 /// memory, for a wrapper.
 bool on_main_thread() noexcept;
 
-/// How many to work on besides the one that asks: 0 to 8.
+/// The number of threads to use besides the calling one: 0 to 8.
 std::size_t spare_thread_count();
 
-/// Threads of the engine's WorkerThreadPool, for a call that may come from any thread.
+/// Threads of the engine's WorkerThreadPool, for a call that may be made on any thread.
 class EngineThreads final : public LentThreads {
 public:
 	std::size_t count() const override { return count_; }

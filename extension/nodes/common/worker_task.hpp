@@ -10,7 +10,7 @@
 
 namespace thicket {
 
-/// Does one piece of work at a time on the engine's WorkerThreadPool, or at once where it has no threads. `Work` has a member
+/// Runs one piece of work at a time on the engine's WorkerThreadPool, or immediately if there are no worker threads. `Work` has a member
 /// `run(const std::atomic<bool> *cancel)`, which throws nothing. Main thread only, apart from the work itself.
 template <class Work>
 class WorkerTask {
@@ -23,7 +23,7 @@ public:
 	WorkerTask(const WorkerTask &) = delete;
 	WorkerTask &operator=(const WorkerTask &) = delete;
 
-	/// Not while it is busy. `at_once`: on the calling thread, for a caller who waits for it.
+	/// Must not be called while the task is busy. `at_once` runs the work on the calling thread, for a caller that waits for it.
 	void start(Work work, bool at_once = false) {
 		work_ = std::move(work);
 		cancelled_ = false;
@@ -38,14 +38,14 @@ public:
 
 	bool busy() const { return busy_; }
 
-	/// True once, when the work is done and can be taken. With `wait` it waits for that.
+	/// True once, when the work is done and can be taken. If `wait` is true, waits for the work to finish.
 	bool finish(bool wait) {
 		godot::WorkerThreadPool *pool = godot::WorkerThreadPool::get_singleton();
 		if (!busy_ || (task_ >= 0 && !wait && !pool->is_task_completed(task_))) {
 			return false;
 		}
 		if (task_ >= 0) {
-			pool->wait_for_task_completion(task_); // Even if it is: the pool then forgets it.
+			pool->wait_for_task_completion(task_); // Also if it is completed, so that the pool forgets it.
 			task_ = -1;
 		}
 		busy_ = false;
@@ -58,7 +58,7 @@ public:
 
 	Work take() { return std::exchange(work_, {}); }
 
-	/// Forgets what it is at. It is busy until a worker has noticed.
+	/// Abandons the current work. The task stays busy until the worker has noticed.
 	void cancel() { cancelled_ = true; }
 
 private:
@@ -67,7 +67,7 @@ private:
 		task.work_.run(&task.cancelled_);
 	}
 
-	Work work_; ///< A worker's until its task has ended.
+	Work work_; ///< Belongs to the worker until its task has ended.
 	std::atomic<bool> cancelled_ = false;
 	std::int64_t task_ = -1;
 	bool busy_ = false;

@@ -13,7 +13,7 @@ namespace thicket {
 
 namespace {
 
-/// Offsets of the last frames whose bodies are looked for around the viewers.
+/// The number of recent offsets whose bodies are searched for around the viewers.
 constexpr std::size_t most_offsets = 8;
 
 } // namespace
@@ -87,11 +87,11 @@ bool CollisionRing::step() {
 	if (removed || renewed || entered) {
 		return true;
 	}
-	const bool tidied = tidy_some(); // Nothing meets these bodies: they can wait.
+	const bool tidied = tidy_some(); // Nothing collides with these bodies, so they can wait.
 	return shapes_.free_some() || tidied;
 }
 
-/// Removed instances first: a player must not run into them. What is only far away can wait.
+/// Removed instances first, because a player must not run into them. Instances that are only far away can wait.
 bool CollisionRing::remove_some() {
 	int count = 0;
 	Leaving leaving;
@@ -104,7 +104,7 @@ bool CollisionRing::remove_some() {
 	return count > 0;
 }
 
-/// Lets instances that have moved, and bodies of layers that have changed, follow.
+/// Updates moved instances, and bodies of layers that have changed.
 bool CollisionRing::renew_some() {
 	int count = 0;
 	PlacedInstance instance;
@@ -120,7 +120,7 @@ bool CollisionRing::renew_some() {
 	return count > 0;
 }
 
-/// Makes a body what its layer and the world offset ask for now.
+/// Updates a body to its layer's settings and to the world offset.
 void CollisionRing::renew(const PlacedInstance &instance) {
 	Layer &layer = layers_[instance.layer];
 	const auto found = layer.bodies.find(instance.id);
@@ -141,7 +141,7 @@ void CollisionRing::renew(const PlacedInstance &instance) {
 	}
 }
 
-/// In place of the body that the instance has by now, if any.
+/// Replaces the body that the instance has by now, if any.
 void CollisionRing::stand(const PlacedInstance &instance) {
 	fall(instance.layer, instance.id);
 	Layer &layer = layers_[instance.layer];
@@ -183,7 +183,7 @@ void CollisionRing::fall(std::uint32_t layer, std::uint64_t id) {
 	}
 }
 
-/// An instance that was found in a different cell of the queue since has a body there, and keeps it.
+/// If the instance has since been found in a different cell of the queue, it has a body there, which stays.
 void CollisionRing::leave(const Leaving &leaving) {
 	const auto &bodies = layers_[leaving.layer].bodies;
 	const auto found = bodies.find(leaving.id);
@@ -229,8 +229,8 @@ void CollisionRing::place(Body &r_body) {
 	}
 }
 
-/// Bodies around the viewers move at once, and so do those that would be left where the viewers are now, in the engine's space: the
-/// physics of the same frame meets both. The others follow step by step.
+/// Moves bodies around the viewers immediately. Also moves those that would otherwise stay where the viewers are now, in the engine's
+/// space, because the physics of the same frame meets both. The others follow step by step.
 void CollisionRing::set_world_offset(glm::dvec3 offset) {
 	if (offset == offset_) {
 		return;
@@ -256,7 +256,7 @@ void CollisionRing::set_world_offset(glm::dvec3 offset) {
 
 RID CollisionRing::take_body() {
 	if (pool_.size() > still_in_space_ && rested(pool_.front())) {
-		// Fast path: one that has rested is as good as a new one.
+		// Fast path: a body that has rested is reused.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
 		return body;
@@ -268,7 +268,7 @@ RID CollisionRing::take_body() {
 	return body;
 }
 
-/// Takes bodies that fell in earlier frames out of the space, and frees those that the pool has no use for.
+/// Takes bodies that fell in earlier frames out of the space, and frees those that the pool does not need.
 bool CollisionRing::tidy_some() {
 	PhysicsServer3D *server = PhysicsServer3D::get_singleton();
 	int count = 0;

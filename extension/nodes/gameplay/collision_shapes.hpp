@@ -19,13 +19,13 @@
 
 namespace thicket {
 
-/// What the shapes of a layer are made of.
+/// The data that the shapes of a layer are created from.
 struct ShapeSource {
 	ScatterLayer::CollisionShape kind = ScatterLayer::COLLISION_NONE;
 	InstanceShape cylinder;
-	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Of convex shapes only; null entries have none.
-	std::vector<godot::AABB> boxes;              ///< Of the meshes: another box means another mesh.
-	std::vector<std::vector<BodyPart>> parts;    ///< Of the models of the meshes, where these are the shapes.
+	std::vector<godot::Ref<godot::Mesh>> meshes; ///< For convex shapes only; null entries have none.
+	std::vector<godot::AABB> boxes;              ///< One for each mesh; a different box means a changed mesh.
+	std::vector<std::vector<BodyPart>> parts;    ///< Those of the meshes' models, if the models provide the shapes.
 
 	friend bool operator==(const ShapeSource &a, const ShapeSource &b) {
 		return a.kind == b.kind && a.cylinder.radius == b.cylinder.radius && a.cylinder.height == b.cylinder.height &&
@@ -33,22 +33,22 @@ struct ShapeSource {
 	}
 };
 
-/// Shapes of the PhysicsServer3D, shared by all instances of nearly the same size (see BodyFit). Those that nobody uses are kept for a
-/// while. Main thread only.
+/// Shapes of the PhysicsServer3D, shared by all instances of nearly the same size (see BodyFit). Unused shapes are kept for a while. Main
+/// thread only.
 class CollisionShapes {
 public:
-	/// Kind, corners' number (0 for none), and three sizes: in meters, or the scale of the corners.
+	/// Kind, Corners::number (0 if there are none), and three sizes: in meters, or the scale of the corners.
 	using Key = std::tuple<BodyPart::Kind, std::uint64_t, float, float, float>;
 
-	/// Stays where it is as long as it has users.
+	/// Keeps its address as long as it has users.
 	struct Shape {
 		godot::RID rid;
 		std::size_t users = 0;
 		const Key *key = nullptr;
-		bool listed = false; ///< In the list of idle ones; it may have users again.
+		bool listed = false; ///< True if it is in the list of idle shapes; it may have users again.
 	};
 
-	/// A shape where it is in a body, whose axes are those of the instance, without its scale.
+	/// A shape placed in a body, whose axes are those of the instance, without its scale.
 	struct Placed {
 		Shape *shape = nullptr;
 		glm::mat3 rotation{1.0f};
@@ -60,25 +60,25 @@ public:
 	CollisionShapes &operator=(const CollisionShapes &) = delete;
 	~CollisionShapes() { clear(); }
 
-	/// The shapes of an instance, which count as used from now on. None where there is nothing to bump into.
+	/// The shapes of an instance, which count as used from now on. Empty if there is nothing to collide with.
 	std::vector<Placed> take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
 	void give_back(const std::vector<Placed> &shapes);
 
 	/// Frees a few of the shapes without users, as long as there are more than `max_idle`. False if there is nothing to free.
 	bool free_some();
 
-	/// Frees all: nobody may use one of them any more.
+	/// Frees all shapes; none may be in use any more.
 	void clear();
 
-	/// The most shapes that are kept without being used.
+	/// The largest number of unused shapes to keep.
 	static constexpr std::size_t max_idle = 256;
-	/// How many of the others `free_some` frees.
+	/// The number of further shapes that one call of `free_some` frees.
 	static constexpr int freed_at_once = 16;
 
 private:
 	/// The corners of a mesh's convex hull at scale 1.
 	struct Corners {
-		godot::AABB box; ///< Of the mesh they were taken from.
+		godot::AABB box; ///< The box of the mesh when they were read.
 		std::uint64_t number = 0;
 		std::vector<glm::vec3> points;
 	};
@@ -91,9 +91,9 @@ private:
 	void add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes);
 
 	std::map<Key, Shape> shapes_;
-	std::deque<Shape *> idle_list_; ///< Those without users, the longest idle first, and some that have users again.
-	std::map<std::uint64_t, Corners> corners_;               ///< By the mesh's object id.
-	std::vector<std::pair<BodyPart, Corners>> part_corners_; ///< Of convex parts of models.
+	std::deque<Shape *> idle_list_; ///< Shapes without users, the longest idle first, and some that have users again.
+	std::map<std::uint64_t, Corners> corners_;               ///< By the mesh's object ID.
+	std::vector<std::pair<BodyPart, Corners>> part_corners_; ///< For convex parts of models.
 	std::uint64_t last_number_ = 0;
 	std::size_t idle_ = 0;
 };

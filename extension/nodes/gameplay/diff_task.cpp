@@ -38,7 +38,7 @@ void DiffTask::start(Object *p_owner) {
 	owner_ = p_owner;
 	auto held = std::make_unique<std::shared_ptr<DiffTask>>(shared_from_this());
 	if (has_threads()) {
-		// Before all others: tiles may keep the rest of the pool busy for long.
+		// With high priority, because tiles may keep the rest of the pool busy for a long time.
 		task_ = WorkerThreadPool::get_singleton()->add_native_task(
 				&DiffTask::run, held.release(), true, "Thicket diff");
 	} else {
@@ -111,7 +111,7 @@ void Leavings::forget_those_that_ended() {
 		if (!pool->is_task_completed(task)) {
 			return false;
 		}
-		pool->wait_for_task_completion(task); // It is; this makes the pool forget it.
+		pool->wait_for_task_completion(task); // It is completed; this call makes the pool forget it.
 		return true;
 	});
 }

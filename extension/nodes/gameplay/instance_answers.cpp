@@ -16,7 +16,7 @@ namespace thicket {
 
 namespace {
 
-/// A script's condition.
+/// A script's predicate.
 class Predicate {
 public:
 	Predicate(std::string method, const Callable &p_callable, glm::dvec3 offset) :

@@ -19,15 +19,15 @@
 
 namespace thicket {
 
-/// Between the world's space and the engine's, as in convert.hpp.
+/// Conversions between the world's space and the engine's, as in convert.hpp.
 godot::Transform3D to_engine(const PlacedInstance &instance, glm::dvec3 offset);
 AddedInstance to_added(const godot::Transform3D &p_transform, glm::dvec3 offset);
-/// A predicate of a script, (id: int, layer: int, transform: Transform3D) -> bool, as QueryFilter::accepts; none for a null one.
-/// One that cannot be called lets nothing pass and prints one error, for `method` (`Class.method`).
+/// Converts a script's predicate, (id: int, layer: int, transform: Transform3D) -> bool, to QueryFilter::accepts; empty for a null one. A
+/// predicate that cannot be called rejects everything and prints one error, for `method` (`Class.method`).
 std::function<bool(const PlacedInstance &)> to_predicate(
 		std::string method, const godot::Callable &p_predicate, glm::dvec3 offset);
 
-/// A value of a script that a state keeps as bytes; null for none.
+/// A script's value that a state stores as bytes; null if there is none.
 godot::Variant decoded(std::span<const std::uint8_t> bytes);
 
 } // namespace thicket

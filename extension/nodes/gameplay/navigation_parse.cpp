@@ -20,19 +20,19 @@ namespace thicket {
 
 namespace {
 
-/// A node that takes part in parses, and the method to call it by.
+/// A node that takes part in parses, and its method to call.
 struct Entry {
 	const NavigationParse *parse = nullptr;
 	Node3D *node = nullptr;
 	StringName method;
 };
 
-/// What the engine calls.
+/// The parser that the engine calls.
 struct Parser {
 	RID rid;
 	std::vector<Entry> nodes;
 
-	/// Has the engine call the first of the nodes, or nobody; `later` while it is calling.
+	/// Makes the engine call the first of the nodes, or none if there is none. `later` defers that while the engine is calling.
 	void call_first(bool later) const {
 		NavigationServer3D *server = NavigationServer3D::get_singleton();
 		const Callable callback = nodes.empty() ? Callable() : Callable(nodes.front().node, nodes.front().method);
@@ -44,16 +44,16 @@ struct Parser {
 	}
 };
 
-/// Never freed: names of the engine in it would outlive the engine. It is empty once all nodes are gone.
+/// Never freed, because the engine's names in it would outlive the engine. It is empty once all nodes are freed.
 Parser &shared_parser() {
 	static Parser *const parser = new Parser; // NOLINT
 	return *parser;
 }
 
-/// Meters: far enough from any region's origin for its axes to be read out of floats.
+/// Meters: far enough from any region's origin to read its axes from floats.
 constexpr real_t far_away = 1 << 20;
 
-/// What the first node is called for, the others are called for by it.
+/// The first node passes its calls on to the others.
 void hand_on(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
 		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node) {
 	const std::vector<Entry> nodes = shared_parser().nodes;
@@ -70,7 +70,7 @@ void hand_on(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
 	}
 }
 
-/// The node that the engine comes to last below this one.
+/// The last descendant of this node that the engine visits.
 const Node *last_below(const Node *node) {
 	while (const int64_t count = node->get_child_count(true)) {
 		node = node->get_child(static_cast<int32_t>(count - 1), true);
@@ -82,7 +82,7 @@ const Node *member_of(const TypedArray<Node> &group, int64_t index) {
 	return Object::cast_to<Node>(group[index].operator Object *());
 }
 
-/// How often a node is come to: once for itself and for each node above it, as far as they are in the group.
+/// How often a node is visited: once for itself and once for each of its ancestors, if they are in the group.
 int visits_of(const Node *node, const TypedArray<Node> &group) {
 	std::set<const Node *> way;
 	for (; node != nullptr; node = node->get_parent()) {
@@ -95,8 +95,8 @@ int visits_of(const Node *node, const TypedArray<Node> &group) {
 	return visits;
 }
 
-/// From the engine's space to that of the bake, which the engine keeps to itself but applies to faces: so some are added, and taken
-/// away again.
+/// The transform from the engine's space to that of the bake. The engine does not expose it but applies it to faces, so some faces are
+/// added and then removed.
 Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	const PackedFloat32Array vertices = r_geometry.get_vertices();
 	const PackedInt32Array indices = r_geometry.get_indices();
@@ -107,7 +107,7 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	corner[3] = Vector3(0, 0, far_away);
 	r_geometry.add_faces(faces, Transform3D());
 	const PackedFloat32Array probed = r_geometry.get_vertices();
-	// The setter of indices wants no more of them than there are numbers in the vertices, which most meshes have not.
+	// The setter of indices accepts no more of them than there are numbers in the vertices, and most meshes have more indices.
 	r_geometry.set_vertices(resized_copy(vertices, std::max(vertices.size(), indices.size())));
 	r_geometry.set_indices(indices);
 	r_geometry.set_vertices(vertices);
@@ -124,7 +124,7 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	return space;
 }
 
-/// What is baked: the box that the mesh asks for, or else all that has been found.
+/// The box that is baked: the box that the mesh specifies, or otherwise the bounds of all geometry found.
 void find_box(const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_geometry, NavigationBake &r_bake) {
 	const AABB filter = mesh.get_filter_baking_aabb();
 	const bool filtered = filter.size.x > 0 && filter.size.y > 0 && filter.size.z > 0;
@@ -160,7 +160,7 @@ void NavigationParse::stop() {
 	}
 }
 
-/// Which node will be the last, as the engine goes through them: depth first, or through a group in the order of the tree.
+/// Finds the node that the engine visits last: depth first, or through a group in the order of the tree.
 void NavigationParse::begin(
 		const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_geometry, const Node &first) {
 	const NavigationMesh::SourceGeometryMode mode = mesh.get_source_geometry_mode();

@@ -15,27 +15,27 @@
 
 namespace thicket {
 
-/// What a navigation mesh is about to be baked from, once the engine has gathered all of it.
+/// The input of a navigation mesh bake, once the engine has gathered all of it.
 struct NavigationBake {
 	godot::Ref<godot::NavigationMeshSourceGeometryData3D> geometry;
 	NavigationAgent agent;
-	std::optional<std::int64_t> collision_mask; ///< The physics layers that count; none where no bodies are asked for.
+	std::optional<std::int64_t> collision_mask; ///< The physics layers that count; empty if bodies do not count.
 
 	// The space of the bake, which is the region's: basis * engine's position + origin.
 	glm::dmat3 basis{1.0};
 	glm::dvec3 origin{0.0};
 
-	// The box that is baked, in that space; inverted for none.
+	// The box that is baked, in that space; inverted if there is none.
 	glm::dvec3 min{1.0};
 	glm::dvec3 max{-1.0};
 };
 
-/// A node's part in the engine's parses of source geometry for navigation meshes. The engine calls a parser for each node of the region,
-/// in order, with the geometry so far, and bakes at once after the last of them. What stands in a bake can be asked for only once all of the
-/// ground is there, so the answer is given at the last node, wherever the scatter is among them. Main thread only.
+/// A node's part in the engine's parses of source geometry for navigation meshes. The engine calls a parser for each node of the region, in
+/// order, with the geometry gathered until then, and bakes immediately after the last of them. The instances in a bake can only be queried
+/// once all of the ground is there. So the parser adds them at the last node, wherever the scatter is among them. Main thread only.
 ///
-/// All nodes share one parser, which stays: the engine works with a copy of its list of parsers, and may go on for a while with one that was
-/// freed, and without one that is new. It calls the first of the nodes, which hands the call on to the others.
+/// All nodes share one parser, which is never freed: the engine works with a copy of its list of parsers. It may keep calling a parser that
+/// was freed for a while, and miss one that is new. The engine calls the first of the nodes, which passes the call on to the others.
 class NavigationParse {
 public:
 	NavigationParse() = default;
@@ -47,12 +47,13 @@ public:
 	void start(godot::Node3D *p_node, const godot::StringName &p_method);
 	void stop();
 
-	/// A call of the engine. True at the end of a parse that has found `p_own`; then `r_bake` is what is baked.
+	/// Handles a call of the engine. True at the end of a parse that has found `p_own`; `r_bake` is then the input of the bake.
 	bool visit(const godot::Ref<godot::NavigationMesh> &p_mesh,
 			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, const godot::Node *p_node,
 			const godot::Node *p_own, NavigationBake &r_bake);
 
-	/// Around what runs scripts in such a call: the engine is using the parser's callback, so `stop` has that replaced later.
+	/// Set this around code that runs scripts in such a call: the engine is using the parser's callback, so `stop` has the callback
+	/// replaced later.
 	void set_busy(bool busy) { busy_ = busy; }
 
 private:
@@ -61,11 +62,11 @@ private:
 
 	bool busy_ = false;
 
-	// The parse under way, by the ids of objects; 0 for none.
+	// The parse in progress, by object IDs; 0 if there is none.
 	std::uint64_t geometry_ = 0;
 	std::uint64_t first_ = 0;
 	std::uint64_t last_ = 0;
-	int visits_left_ = 0; ///< Of the last node: a group may have a node and one above it.
+	int visits_left_ = 0; ///< Remaining calls for the last node: a group may have a node and an ancestor of it.
 	bool found_ = false;
 	glm::dmat3 basis_{1.0};
 	glm::dvec3 origin_{0.0};

@@ -10,8 +10,9 @@
 
 namespace thicket {
 
-/// Bounds on what diffs of others may do to a ScatterState. A new one suits a server that takes diffs of players; a state without one has the
-/// defaults of DiffLimits, for a client that follows its server. A property ignores a number out of its range, with an error.
+/// Limits on how diffs from others may change a ScatterState. The default values of a new object suit a server that receives diffs from
+/// players. A state without limits uses the defaults of DiffLimits, which suit a client that follows its server. A property ignores a
+/// number out of its range and prints an error.
 class ScatterDiffLimits : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterDiffLimits, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -29,7 +30,7 @@ public:
 	void set_max_data_size(int64_t p_bytes);
 	int64_t get_max_data_size() const { return static_cast<int64_t>(limits_.max_data_size); }
 
-	/// World meters, finite; without an area for no bound.
+	/// World meters, finite; a rectangle without an area sets no bound.
 	void set_area(const godot::Rect2 &p_area);
 	godot::Rect2 get_area() const { return area_; }
 
@@ -51,7 +52,7 @@ protected:
 private:
 	void set_count(const char *p_property, int64_t p_count, int64_t p_max, std::uint64_t &r_limit);
 
-	/// For players, of whom a server expects single changes.
+	/// For players: a server expects single changes from them.
 	DiffLimits limits_{.max_changes = 65536,
 			.max_total_changes = 1'000'000,
 			.max_added = 65536,

@@ -1,4 +1,4 @@
-// How a ScatterGameplay lives with its node: layers, frames, bodies and scenes.
+// The part of ScatterGameplay that follows its node: layers, frames, bodies and scenes.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -45,7 +45,7 @@ void ScatterGameplay::stop() {
 }
 
 void ScatterGameplay::clear() {
-	backlog_.clear(); // What is told is what stands in known tiles, and none is known any more.
+	backlog_.clear(); // Signals are only emitted for instances in known tiles, and no tile is known any more.
 	give_up_requests();
 	collision_.clear();
 	world_.clear();
@@ -62,7 +62,7 @@ void ScatterGameplay::retire() {
 
 void ScatterGameplay::set_layers(
 		const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker) {
-	// The editor shows meshes only: a scene there would be one to select, and its scripts would run.
+	// The editor shows meshes only: otherwise a scene could be selected there, and its scripts would run.
 	const bool with_scenes = !Engine::get_singleton()->is_editor_hint();
 	layers_ = layers;
 	std::vector<QueryLayer> queried;
@@ -145,7 +145,7 @@ SceneHost ScatterGameplay::scene_host() {
 	return host;
 }
 
-/// Where the picture has something of an instance: the cell of its point, or the position that it was given by hand.
+/// The area in which an instance is drawn: the cell of its point, or the position that was set by hand.
 Rect ScatterGameplay::area_of(std::uint64_t id, glm::dvec3 position, std::uint32_t layer) const {
 	if (!is_added(id) && layer < world_.layers().size()) {
 		return cell_rect(world_.layers()[layer].set, id);

@@ -32,23 +32,23 @@
 
 namespace thicket {
 
-/// What a ScatterGameplay needs of the node that it works for.
+/// The services that a ScatterGameplay needs from its node.
 class GameplayHost {
 public:
-	/// The parent of scenes, and who emits the signals.
+	/// The parent of scenes, and the emitter of the signals.
 	virtual godot::Node3D *node() = 0;
 	virtual godot::TypedArray<ScatterLayer> layers() const = 0;
 
-	/// Settings that were changed in this frame count from now on. Refused where there is nothing to ask. May run scripts.
+	/// Applies settings that were changed in this frame. Refused if there is nothing to query. May run scripts.
 	virtual Status prepare() = 0;
 
-	/// Generates tiles on any thread, several at once, from what the layers and the ground are now. For after `prepare`.
+	/// Generates tiles on any thread, several at once, from the current layers and ground. Call `prepare` first.
 	virtual TileMaker make_worker_maker() = 0;
 
-	/// What lies over the picture from now on; null for nothing.
+	/// Sets the changes that are applied to the display from now on; null for none.
 	virtual void set_overlay(const InstanceState *state) = 0;
 
-	/// The picture of a layer has changed in an area: it follows before this frame is drawn.
+	/// The display of a layer has changed in an area and is updated before this frame is drawn.
 	virtual void redraw(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all() = 0;
 
@@ -56,7 +56,7 @@ public:
 	virtual void redraw_later(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all_later() = 0;
 
-	/// Lets go of something large on another thread.
+	/// Frees a large object on a different thread.
 	virtual void let_go(std::shared_ptr<const void> unneeded) = 0;
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
@@ -72,11 +72,11 @@ protected:
 
 struct NavigationBake;
 
-/// What a game asks of a TerrainScatter3D and changes about it, and the bodies and scenes that stand near by. Main thread only.
+/// A game's queries and changes of a TerrainScatter3D, and the nearby bodies and scenes. Main thread only.
 ///
-/// Scripts run in the middle of much of it: predicates, terrains, handlers of signals, scenes. They may do anything. So whoever
-/// calls this object holds it by a shared pointer of its own, and after every call that runs scripts it is asked what they have
-/// left: the node may be gone (`alive`) or out of the tree (`run`), and layers, state and tiles may be others.
+/// Much of it runs scripts in the middle: predicates, grounds, signal handlers, scenes. They may do anything. So every caller holds this
+/// object by its own shared pointer. After every call that runs scripts, the caller checks the result: the node may be freed (`alive`) or
+/// out of the tree (`run`), and layers, state and tiles may have been replaced.
 class ScatterGameplay final : public StateListener, public std::enable_shared_from_this<ScatterGameplay> {
 public:
 	explicit ScatterGameplay(GameplayHost &host);
@@ -84,20 +84,20 @@ public:
 
 	// The node.
 
-	/// The node goes. Nothing of it is touched from now on.
+	/// The node is being freed and is never accessed from now on.
 	void detach();
 	bool alive() const { return host_ != nullptr; }
 
-	/// The node is in a world, in which bodies stand in `space` (invalid for none).
+	/// The node has entered a world, whose bodies are in `space` (invalid if there is none).
 	void start(const godot::RID &space, std::uint64_t node_id);
 
-	/// The node is out of it.
+	/// The node has left its world.
 	void stop();
 
-	/// Another number whenever the node has come or gone.
+	/// Changes whenever the node enters or leaves a world.
 	std::uint64_t run() const { return run_; }
 
-	/// Nothing stands any more: bodies and scenes go, tiles are forgotten, requests complete without an answer.
+	/// Removes everything: frees bodies and scenes, forgets tiles, and completes requests without an answer.
 	void clear();
 
 	/// The same for a node that goes on without layers or ground: bodies and scenes leave step by step, the nearest first.
@@ -113,68 +113,71 @@ public:
 
 	// The frame.
 
-	/// Moves the state's clock on. Runs scripts.
+	/// Advances the state's clock. Runs scripts.
 	void advance(double seconds, std::uint64_t frame);
 
-	/// Around these world positions bodies and scenes stand.
+	/// Sets the world positions around which bodies and scenes are placed.
 	void look_around(std::span<const glm::dvec3> centers);
 
-	/// Takes in what other threads have requested and canceled since the last frame. Runs scripts.
+	/// Processes the requests and cancellations of other threads since the last frame. Runs scripts.
 	void take_requests();
 
-	/// Answers the requests whose tiles are there. Runs no scripts: `complete_requests` does.
+	/// Answers the requests whose tiles are ready. Runs no scripts.
 	void answer_requests();
+
+	/// Applies their predicates to the answers and emits their signals. Runs scripts.
 	void complete_requests();
 
-	/// Scenes come and go, and what was changed in large numbers is told, until `deadline`; a step of each in any case. Runs scripts.
+	/// Adds and removes scenes and emits signals of large changes, until `deadline`; at least one step of each. Runs scripts.
 	void work_until(std::chrono::steady_clock::time_point deadline);
 	void recycle_scenes();
 
-	/// True if neither bodies and scenes nor signals have to follow any more.
+	/// True if bodies, scenes and signals are all up to date.
 	bool settled() const { return collision_.settled() && scenes_.settled() && backlog_.empty(); }
 
-	/// True if `look_around` would find nothing else to do for these positions.
+	/// True if `look_around` would find nothing to do for these positions.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
 	// As script_queries.hpp needs them.
 
-	/// Asks what is known, and has made for it what is not. Holds the state meanwhile.
+	/// Runs a query, and generates missing tiles for it. Holds the state in the meantime.
 	bool ask(const char *p_method, const AskedQuery &query);
 	bool find_filter(const char *p_method, const godot::Variant &p_layers, const godot::Callable &p_predicate,
 			QueryFilter &r_filter) const;
 
-	// Questions. `p_layers` are layer references, none for all; a predicate takes (id, layer, transform) and says whether
-	// that instance counts. What is refused prints an error, and the answer is empty.
+	// Queries. `p_layers` are layer references, empty for all. A predicate takes (id, layer, transform) and returns whether that instance
+	// counts. A refused query prints an error and returns an empty result.
 
 	godot::Ref<ScatterInstances> query_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	godot::Ref<ScatterInstances> query_sphere(const godot::Vector3 &p_center, double p_radius,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
-	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+	godot::Ref<ScatterInstance> query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	godot::Ref<ScatterInstance> query_nearest(const godot::Vector3 &p_position, double p_max_distance,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	godot::Ref<ScatterInstance> get_instance(int64_t p_id);
 	bool has_instance(int64_t p_id);
 
-	/// The world as it is now, for queries on other threads. Empty, with an error, where there is nothing to ask.
+	/// The current world, for queries on other threads. Empty, with an error, if there is nothing to query.
 	godot::Ref<ScatterSnapshot> make_snapshot();
 
-	/// On any thread, while the node is there. What another thread requests waits for `take_requests`, which prints the errors, too.
-	godot::Ref<ScatterRequest> request_rect(const godot::Rect2 &p_rect, const godot::Variant &p_layers);
-	godot::Ref<ScatterRequest> request_sphere(
-			const godot::Vector3 &p_center, double p_radius, const godot::Variant &p_layers);
+	/// On any thread, while the node exists. Requests of other threads wait for `take_requests`, which also prints their errors.
+	godot::Ref<ScatterRequest> request_rect(
+			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
+	godot::Ref<ScatterRequest> request_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 
-	/// Adds to the source geometry of a navigation mesh what stands in the box that is baked, of the layers that affect navigation.
-	/// Runs scripts.
+	/// Adds the instances in the baked box, of the layers that affect navigation, to the source geometry of a navigation mesh. Runs
+	/// scripts.
 	void add_obstructions(const NavigationBake &bake);
 
-	// Changes. False, or 0, for what does not stand, stands already, or is refused.
+	// Changes. They return false or 0 if the instance does not exist, is already in that state, or the change is refused.
 
 	void set_state(const godot::Ref<ScatterState> &p_state);
 	godot::Ref<ScatterState> get_state() const { return state_; }
 
-	/// Refuses a state whose ids mean other points.
+	/// Refuses a state whose IDs refer to different points.
 	Status check_state(const ScatterState &state) const;
 	bool remove_instance(int64_t p_id);
 	bool restore_instance(int64_t p_id);
@@ -182,7 +185,8 @@ public:
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	int64_t add_instance(const godot::Variant &p_layer, const godot::Transform3D &p_transform, int64_t p_mesh);
 
-	/// Many of them, 12 floats each as in the buffer of a MultiMesh; a mesh for each, or none for the first. All, or none.
+	/// Adds many instances, with 12 floats each as in the buffer of a MultiMesh. `p_meshes` has a mesh for each, or is empty for the first
+	/// mesh. Adds all of them or none.
 	godot::PackedInt64Array add_instances(const godot::Variant &p_layer, const godot::PackedFloat32Array &p_transforms,
 			const godot::PackedInt32Array &p_meshes);
 	godot::PackedInt64Array remove_instances(const godot::PackedInt64Array &p_ids);
@@ -193,38 +197,46 @@ public:
 	void state_changed(const SharedChanges &changes) override;
 	void tell_changes(const SharedChanges &changes) override;
 
-	/// What changes more instances than this at once is told, drawn and followed by scenes over the next frames.
+	/// For larger changes, signals, drawing and scenes follow over the next frames.
 	static constexpr std::size_t most_at_once = 1024;
 
-	/// Of so many instances that a call removes or moves, bodies and scenes are gone when it returns.
+	/// The number of instances, among those that a call removes or moves, whose bodies and scenes are removed before it returns.
 	static constexpr std::size_t most_dropped_at_once = 128;
 
 private:
-	/// Of the engine's space, not yet the world's.
+	/// In the engine's space, not the world's.
 	struct SphereInScene {
 		godot::Vector3 center;
 		double radius = 0.0;
 	};
 
-	/// A request as it was made, on any thread.
+	/// A request in its original form, from any thread.
 	struct Wanted {
 		const char *method = "";
 		std::variant<godot::Rect2, SphereInScene> area;
 		godot::Variant layers;
+		godot::Callable predicate;
 		godot::Ref<ScatterRequest> request;
 	};
 
-	/// Changes that are being told over some frames.
+	/// A request whose tiles are being made.
+	struct Open {
+		const char *method = "";
+		godot::Callable predicate;
+		godot::Ref<ScatterRequest> request;
+	};
+
+	/// Changes whose signals are emitted over several frames.
 	struct Untold {
 		SharedChanges changes;
 		std::size_t told = 0;
 	};
 
-	/// Of the node, by what they tell of. They are kept, as making a name costs as much as a removal.
+	/// The node's signals, by the changes that they report. The names are stored, because creating one costs as much as a removal.
 	struct Signals {
 		const godot::StringName &of(InstanceChangeKind kind) const;
 
-		const godot::StringName none; ///< Nobody is told.
+		const godot::StringName none; ///< For changes that emit no signal.
 		const godot::StringName removed = "instance_removed";
 		const godot::StringName restored = "instance_restored";
 		const godot::StringName added = "instance_added";
@@ -255,22 +267,22 @@ private:
 	bool still_true(const InstanceChange &change) const;
 
 	const Signals signals_;
-	GameplayHost *host_; ///< Null once the node is gone.
+	GameplayHost *host_; ///< Null once the node is freed.
 	bool running_ = false;
 	std::uint64_t run_ = 0;
-	glm::dvec3 offset_{0.0}; ///< Of the engine's origin in the world, meters.
+	glm::dvec3 offset_{0.0}; ///< The world position of the engine's origin, in meters.
 	std::vector<SharedSnapshot> layers_;
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
 	std::deque<Untold> backlog_;
-	/// What this node is removing or restoring and has not told yet, in the order of telling.
+	/// Instances that this node is removing or restoring and has not yet emitted signals for, in the order of the signals.
 	std::span<const PlacedInstance> changing_;
 
 	std::mutex wanted_mutex_;
-	std::vector<Wanted> wanted_; ///< By other threads; guarded by `wanted_mutex_`.
+	std::vector<Wanted> wanted_; ///< From other threads; guarded by `wanted_mutex_`.
 	QueryRequests requests_;
-	std::map<std::int64_t, godot::Ref<ScatterRequest>> open_; ///< By their numbers in requests_.
-	std::vector<std::pair<godot::Ref<ScatterRequest>, godot::Ref<ScatterInstances>>> answered_;
+	std::map<std::int64_t, Open> open_; ///< By their numbers in requests_.
+	std::vector<std::pair<Open, FoundInstances>> answered_;
 
 	CollisionRing collision_;
 	SceneRing scenes_;

@@ -1,4 +1,4 @@
-// Instances that are placed by hand through a ScatterGameplay, one or many at a time, and many that are taken away again.
+// Instances that a ScatterGameplay places by hand, one or many at a time, and removes in large numbers.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -27,7 +27,7 @@ Status check_mesh(int64_t mesh) {
 				 : Status::out_of_range("mesh", mesh, between(0, max_meshes - 1, "an index of ScatterLayer.meshes"));
 }
 
-/// A transform of a buffer: three rows of a basis, each with a number of the origin after it.
+/// A transform in a buffer: three rows of a basis, each followed by a number of the origin.
 AddedInstance read_transform(const float *floats, glm::dvec3 offset) {
 	AddedInstance added;
 	for (int row = 0; row < 3; ++row) {
@@ -45,7 +45,7 @@ void report_at(std::size_t index, const Status &status) {
 
 } // namespace
 
-/// False, with an error, for a layer that nothing can be added to. The state holds it to its points from now on.
+/// False, with an error, for a layer that nothing can be added to. From now on, the state is bound to the layer's points.
 bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &p_layer, std::uint32_t &r_layer) {
 	if (!prepare(p_method)) {
 		return false;
@@ -56,9 +56,9 @@ bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &
 		return false;
 	}
 	const bool wanted = r_layer < world_.layers().size() && world_.layers()[r_layer].wanted;
-	const Status status = wanted
-			? claim(r_layer)
-			: Status{ErrorCode::missing, "layer", 0.0, {}, {}, "Fix what get_problems() reports of the layer"};
+	const Status status = wanted ? claim(r_layer)
+								 : Status{ErrorCode::missing, "layer", 0.0, {}, {},
+										   "Fix the problems that get_problems() of the layer returns"};
 	report(name.c_str(), status);
 	return status.ok();
 }

@@ -1,4 +1,4 @@
-// What a game changes through a ScatterGameplay, and who hears of it.
+// The changes of a game through a ScatterGameplay, and their signals.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -21,10 +21,10 @@ namespace thicket {
 
 namespace {
 
-/// Changes that are told before anybody looks at the clock.
+/// Changes that are emitted between two checks of the time.
 constexpr std::size_t told_in_a_row = 16;
 
-/// Sets a value until it is left, also by an exception.
+/// Sets a value until the end of the scope, also after an exception.
 template <typename T>
 class Meanwhile {
 public:
@@ -44,7 +44,7 @@ std::size_t size_of(const Ref<ScatterState> &p_state) {
 
 } // namespace
 
-/// The index of the layer that an id names; -1 for none.
+/// The index of the layer that an ID belongs to; -1 if there is none.
 std::int64_t ScatterGameplay::layer_index_of(std::uint64_t id) const {
 	const std::span<const QueryLayer> layers = world_.layers();
 	for (std::size_t index = 0; index < layers.size(); ++index) {
@@ -70,7 +70,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 		return;
 	}
 	if (p_state == state_) {
-		// Fast path: what it says is in the picture.
+		// Fast path: the state is already applied.
 		return;
 	}
 	if (p_state.is_valid()) {
@@ -80,7 +80,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 		}
 	}
 	const bool is_game = !Engine::get_singleton()->is_editor_hint();
-	const bool copied = p_state.is_valid() && p_state->is_designed() && is_game;
+	const bool copied = p_state.is_valid() && p_state->is_copied_at_runtime() && is_game;
 	if (p_state.is_valid() && is_game && !copied) {
 		p_state->warn_if_cached();
 	}
@@ -109,16 +109,16 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 	}
 }
 
-/// From now on the state takes in nothing that was made for other points.
+/// From now on the state refuses changes that were made for different points.
 void ScatterGameplay::claim_layers() {
 	for (std::uint32_t layer = 0; state_.is_valid() && layer < world_.layers().size(); ++layer) {
 		if (world_.layers()[layer].wanted) {
-			static_cast<void>(claim(layer)); // What is refused is a problem of the node, and shown as such.
+			static_cast<void>(claim(layer)); // A refusal is displayed as a problem of the node.
 		}
 	}
 }
 
-/// Makes a state where there is none yet.
+/// Creates a state if there is none yet.
 Status ScatterGameplay::claim(std::uint32_t layer) {
 	if (state_.is_null()) {
 		set_state(Ref<ScatterState>(memnew(ScatterState)));
@@ -139,7 +139,7 @@ PackedInt64Array ScatterGameplay::remove_in_sphere(
 	return packed_ids(remove_all(found));
 }
 
-/// Scripts that were asked to find them may have changed the layers since.
+/// Scripts that were called while finding the instances may have changed the layers since.
 std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedInstance> instances) {
 	std::vector<Removal> removals;
 	std::int64_t refused = -1;
@@ -241,10 +241,10 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 	});
 }
 
-/// Tiles that the changes may lie in follow over the next frames.
+/// Tiles that may contain the changes follow over the next frames.
 void ScatterGameplay::redraw_later(const StateChanges &changes) {
 	if (changes.size() > most_at_once * 16) {
-		// Fast path: to find the areas of so many takes longer than to look at tiles without any.
+		// Fast path: finding the areas of so many changes takes longer than checking all tiles.
 		host_->redraw_all_later();
 		return;
 	}
@@ -271,7 +271,7 @@ void ScatterGameplay::tell_changes(const SharedChanges &changes) {
 	const Ref<ScatterState> state = state_;
 	for (std::size_t at = 0; at < changes->size(); ++at) {
 		if (!alive() || !(state_ == state)) {
-			return; // A handler has freed the node, or given it another state.
+			return; // A handler has freed the node, or set a different state.
 		}
 		if (const InstanceChange *change = changes->at(at)) {
 			tell(*change);
@@ -279,7 +279,7 @@ void ScatterGameplay::tell_changes(const SharedChanges &changes) {
 	}
 }
 
-/// What was changed since, and told at once, is not told as it was before.
+/// False for a change that was undone or replaced since, by a change that was already reported.
 bool ScatterGameplay::still_true(const InstanceChange &change) const {
 	switch (change.kind) {
 		case InstanceChangeKind::removed: return stands_no_longer(change.id);
@@ -309,8 +309,8 @@ void ScatterGameplay::tell_backlog(std::chrono::steady_clock::time_point deadlin
 	}
 }
 
-/// Where an instance stands that this node removes or restores at the moment. Changes are told in the order of the instances; what was
-/// changed by handlers meanwhile comes after them.
+/// The placement of an instance that this node is removing or restoring at the moment. Changes are reported in the order of the instances;
+/// changes made by handlers in the meantime come after them.
 const PlacedInstance *ScatterGameplay::find_changing(std::uint64_t id) {
 	while (!changing_.empty() && changing_.front().id != id) {
 		changing_ = changing_.subspan(1);
@@ -330,7 +330,7 @@ const StringName &ScatterGameplay::Signals::of(InstanceChangeKind kind) const {
 	return none;
 }
 
-/// Only where it is known where the instance stands: changes that come from elsewhere make no tiles. Runs scripts.
+/// Emits a signal only if the instance's placement is known: changes from elsewhere generate no tiles. Runs scripts.
 void ScatterGameplay::tell(const InstanceChange &change) {
 	const std::int64_t index = change.kind != InstanceChangeKind::left ? layer_index_of(change.id) : -1;
 	if (index < 0) {
@@ -340,7 +340,7 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 	if (is_added(change.id) && change.kind != InstanceChangeKind::data) {
 		transform = to_engine(change.added.basis, change.added.position, offset_);
 	} else if (const PlacedInstance *changing = find_changing(change.id)) {
-		// Fast path: it was asked for once, and need not be again.
+		// Fast path: the instance was found when it was changed.
 		transform = to_engine(*changing, offset_);
 	} else {
 		std::vector<PlacedInstance> found;

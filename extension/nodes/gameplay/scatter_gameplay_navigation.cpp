@@ -1,4 +1,4 @@
-// What a ScatterGameplay adds to the source geometry of a navigation mesh: all that stands in the area of the bake, loaded or not.
+// Adds all instances in the area of a bake, loaded or not, to the source geometry of a navigation mesh.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -25,7 +25,7 @@ namespace thicket {
 
 namespace {
 
-/// The rectangle of the engine's x and z in which the box of a bake lies.
+/// The rectangle of the engine's x and z that contains the box of a bake.
 Rect ground_of(const NavigationBake &bake) {
 	const glm::dmat3 inverse = glm::inverse(bake.basis);
 	constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -49,7 +49,7 @@ bool obstructs(const LayerSnapshot *layer, const NavigationBake &bake) {
 			(!bake.collision_mask || (collision.layer & *bake.collision_mask) != 0);
 }
 
-/// Whether an obstruction has anything to do with what is baked.
+/// Whether an obstruction meets the baked box.
 bool meets(const NavigationBake &bake, const Obstruction &obstruction) {
 	glm::dvec2 min = obstruction.outline.front();
 	glm::dvec2 max = min;
@@ -66,17 +66,17 @@ void add(const Obstruction &obstruction, NavigationMeshSourceGeometryData3D &r_g
 		return to_engine(glm::dvec3(at.x, obstruction.bottom, at.y));
 	};
 	const auto outline = packed<PackedVector3Array>(std::span<const glm::dvec2>(obstruction.outline), corner);
-	// Not carved, which the engine does after it has kept the agent's radius from all that is in the way.
+	// Not carved, because the engine carves after it has applied the agent's radius to all obstacles.
 	r_geometry.add_projected_obstruction(outline, static_cast<float>(obstruction.bottom),
 			static_cast<float>(obstruction.top - obstruction.bottom), false);
 }
 
-/// The hand-placed instances of a layer that may obstruct an area of the world, by id.
+/// The hand-placed instances of a layer that may obstruct an area of the world, by ID.
 std::vector<std::uint64_t> hand_placed(const InstanceState &state, std::uint16_t layer, const Rect &area,
 		const InstanceShape &shape, const NavigationAgent &agent) {
 	const double reach = obstruction_reach(shape, state.max_added_scale(layer), agent);
 	if (reach > max_obstruction_reach) {
-		return state.added_ids(layer); // One is too large, wherever it stands.
+		return state.added_ids(layer); // At least one is too large, wherever it is.
 	}
 	std::vector<std::uint64_t> ids;
 	throw_if_out_of_memory(state.added_in(layer, grown(area, reach), ids));
@@ -100,7 +100,7 @@ void report_too_large(std::uint32_t layer, std::span<const std::uint64_t> ids) {
 void ScatterGameplay::add_obstructions(const NavigationBake &bake) {
 	const bool any = bake.max.x > bake.min.x && bake.max.z > bake.min.z;
 	if (!any || !alive() || !host_->prepare().ok()) {
-		return; // A node without layers or a ground has nothing in the way, and says so elsewhere.
+		return; // A node without layers or a ground has no obstructions, and reports its problem elsewhere.
 	}
 	const std::vector<SharedSnapshot> layers = layers_;
 	const Rect ground = ground_of(bake);
@@ -114,7 +114,7 @@ void ScatterGameplay::add_obstructions(const NavigationBake &bake) {
 void ScatterGameplay::add_obstructions(
 		const NavigationBake &bake, const Rect &ground, std::uint32_t layer, const SharedSnapshot &snapshot) {
 	if (!alive() || layer >= layers_.size() || layers_[layer] != snapshot || layer >= world_.layers().size()) {
-		return; // A script that was asked for the ground has changed the list.
+		return; // A script that was called for the ground has changed the list.
 	}
 	const QueryLayer &queried = world_.layers()[layer];
 	const InstanceShape shape = queried.shape;
@@ -127,8 +127,9 @@ void ScatterGameplay::add_obstructions(
 	std::vector<PlacedInstance> found;
 	const Status status = world_.ask([&](const InstanceQuery &query) { return query.in_rect(rect, filter, found); });
 	if (!status.ok() && status.code != ErrorCode::cancelled) {
-		ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without what stands there of layer " +
-				std::to_string(layer) + ": " + describe(status) + ". Set its filter_baking_aabb to what it is for.")
+		ERR_PRINT(String(("TerrainScatter3D: a navigation mesh is baked without the instances of layer " +
+				std::to_string(layer) + ": " + describe(status) +
+				". Set its filter_baking_aabb to the area that it needs.")
 						.c_str()));
 	}
 	Obstruction obstruction;
@@ -145,7 +146,7 @@ void ScatterGameplay::add_obstructions(
 	if (state.is_null()) {
 		return;
 	}
-	// Those that were placed by hand may be larger, so they are looked for in an area of their own.
+	// Hand-placed instances may be larger, so they are searched for in a separate area.
 	std::vector<std::uint64_t> too_large;
 	for (const std::uint64_t id : hand_placed(state->state(), layer_id, area, shape, bake.agent)) {
 		const AddedInstance *added = state->state().added(id);

@@ -1,4 +1,4 @@
-// What a ScatterGameplay answers: what stands where, in loaded tiles and in all others.
+// The queries of a ScatterGameplay: instances in loaded tiles and in all others.
 
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
@@ -33,7 +33,7 @@ void report_query(const char *p_method, const Status &status) {
 
 } // namespace
 
-/// False, with an error, where there is nothing to ask, and for a node that is gone by now.
+/// False, with an error, if there is nothing to query, and for a node that has been freed.
 bool ScatterGameplay::prepare(const char *p_method) {
 	const Status status = alive() ? host_->prepare() : Status{ErrorCode::cancelled};
 	report_query(p_method, status);
@@ -65,7 +65,7 @@ Ref<ScatterInstances> ScatterGameplay::query_sphere(
 	return answer_sphere(*this, {"query_sphere", p_layers, p_predicate}, p_center, p_radius);
 }
 
-Dictionary ScatterGameplay::query_ray(
+Ref<ScatterInstance> ScatterGameplay::query_ray(
 		const Vector3 &p_from, const Vector3 &p_to, const Variant &p_layers, const Callable &p_predicate) {
 	return answer_ray(*this, {"query_ray", p_layers, p_predicate}, p_from, p_to);
 }
@@ -88,7 +88,7 @@ Ref<ScatterSnapshot> ScatterGameplay::make_snapshot() {
 			LayerNames(host_->layers()), offset_);
 }
 
-/// The instance of an id, or, if `even_removed`, where it would stand. Empty for none.
+/// The instance with an ID or, if `even_removed`, its placement even if it is removed. Empty if there is none.
 std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, int64_t p_id, bool even_removed) {
 	std::vector<PlacedInstance> found;
 	ask(p_method, [&](const InstanceQuery &query) {
@@ -101,12 +101,15 @@ Ref<ScatterInstance> ScatterGameplay::get_instance(int64_t p_id) { return answer
 
 bool ScatterGameplay::has_instance(int64_t p_id) { return !find_by_id("has_instance", p_id, false).empty(); }
 
-Ref<ScatterRequest> ScatterGameplay::request_rect(const Rect2 &p_rect, const Variant &p_layers) {
-	return request({"request_rect", p_rect, p_layers, memnew(ScatterRequest)});
+Ref<ScatterRequest> ScatterGameplay::request_rect(
+		const Rect2 &p_rect, const Variant &p_layers, const Callable &p_predicate) {
+	return request({"request_rect", p_rect, p_layers, p_predicate, memnew(ScatterRequest)});
 }
 
-Ref<ScatterRequest> ScatterGameplay::request_sphere(const Vector3 &p_center, double p_radius, const Variant &p_layers) {
-	return request({"request_sphere", SphereInScene{p_center, p_radius}, p_layers, memnew(ScatterRequest)});
+Ref<ScatterRequest> ScatterGameplay::request_sphere(
+		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
+	return request(
+			{"request_sphere", SphereInScene{p_center, p_radius}, p_layers, p_predicate, memnew(ScatterRequest)});
 }
 
 Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {
@@ -116,7 +119,7 @@ Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {
 		open_request(wanted);
 	} else {
 		if (wanted.layers.get_type() == Variant::ARRAY) {
-			wanted.layers = copied(wanted.layers); // Scripts share an array, and may change theirs.
+			wanted.layers = copied(wanted.layers); // A copy, because scripts share an array, and may change theirs.
 		}
 		const std::lock_guard lock(wanted_mutex_);
 		wanted_.push_back(std::move(wanted));
@@ -140,7 +143,7 @@ void ScatterGameplay::open_request(const Wanted &wanted) {
 	if (number == 0) {
 		wanted.request->give_up();
 	} else {
-		open_[number] = wanted.request;
+		open_[number] = {wanted.method, wanted.predicate, wanted.request};
 	}
 }
 
@@ -159,19 +162,23 @@ void ScatterGameplay::take_requests() {
 
 void ScatterGameplay::answer_requests() {
 	std::erase_if(open_, [this](const auto &open) {
-		const bool canceled = open.second->is_canceled();
+		const bool canceled = open.second.request->is_canceled();
 		return canceled && requests_.cancel(open.first);
 	});
 	for (QueryRequests::Answer &answer : requests_.frame(world_)) {
 		if (auto open = open_.extract(answer.request)) {
-			answered_.emplace_back(open.mapped(), ScatterInstances::of(std::move(answer.found), offset_));
+			answered_.emplace_back(open.mapped(), std::move(answer.found));
 		}
 	}
 }
 
 void ScatterGameplay::complete_requests() {
-	for (const auto &[request, result] : std::exchange(answered_, {})) {
-		request->complete(result);
+	const glm::dvec3 offset = offset_; // A predicate may free the node.
+	for (auto &[open, found] : std::exchange(answered_, {})) {
+		if (const auto accepts = to_predicate(name_of(open.method), open.predicate, offset)) {
+			found.keep_from(0, accepts);
+		}
+		open.request->complete(ScatterInstances::of(std::move(found), offset));
 	}
 }
 
@@ -185,11 +192,11 @@ void ScatterGameplay::give_up_requests() {
 	for (const Wanted &wanted : unopened) {
 		wanted.request->give_up();
 	}
-	for (const auto &[number, request] : std::exchange(open_, {})) {
-		request->give_up();
+	for (const auto &[number, open] : std::exchange(open_, {})) {
+		open.request->give_up();
 	}
-	for (const auto &[request, result] : std::exchange(answered_, {})) {
-		request->give_up();
+	for (const auto &[open, found] : std::exchange(answered_, {})) {
+		open.request->give_up();
 	}
 }
 

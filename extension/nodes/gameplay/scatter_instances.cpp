@@ -18,12 +18,12 @@ namespace thicket {
 
 namespace {
 
-/// A value of each instance, by its index, in a packed array that is made on the first call.
+/// A value of each instance, by its index, in a packed array that is created on the first call.
 template <class Array, class Value>
 Array cached(std::mutex &r_mutex, std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
 	const std::lock_guard lock(r_mutex);
 	if (r_cache) {
-		// Fast path: what was found never changes.
+		// Fast path: found instances never change.
 		return *r_cache;
 	}
 	Array values;
@@ -95,7 +95,7 @@ PackedVector3Array ScatterInstances::get_positions() const {
 PackedFloat32Array ScatterInstances::get_transforms() const {
 	const std::lock_guard lock(mutex_);
 	if (transforms_) {
-		// Fast path: what was found never changes.
+		// Fast path: found instances never change.
 		return *transforms_;
 	}
 	PackedFloat32Array transforms;
@@ -136,13 +136,14 @@ void ScatterInstances::_bind_methods() {
 	bind_value(owner, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "transforms"), "get_transforms");
 }
 
-Ref<ScatterInstance> ScatterInstance::of(
-		const PlacedInstance &found, glm::dvec3 offset, const Variant &p_data, double distance) {
+Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &found, glm::dvec3 offset, const Variant &p_data,
+		double distance, std::optional<glm::dvec3> met) {
 	const Ref<ScatterInstance> result(memnew(ScatterInstance));
 	result->found_ = found;
 	result->offset_ = offset;
 	result->data_ = p_data;
 	result->distance_ = distance;
+	result->met_ = met.value_or(found.position);
 	return result;
 }
 
@@ -151,6 +152,8 @@ int64_t ScatterInstance::get_id() const { return script_id(found_.id); }
 Transform3D ScatterInstance::get_transform() const { return to_engine(found_, offset_); }
 
 Vector3 ScatterInstance::get_position() const { return to_engine(found_.position, offset_); }
+
+Vector3 ScatterInstance::get_hit_position() const { return to_engine(met_, offset_); }
 
 bool ScatterInstance::is_added() const { return thicket::is_added(found_.id); }
 
@@ -164,6 +167,7 @@ void ScatterInstance::_bind_methods() {
 	bind_guarded<&Self::get_data>(D_METHOD("get_data"));
 	bind_guarded<&Self::is_added>(D_METHOD("is_added"));
 	bind_guarded<&Self::get_distance>(D_METHOD("get_distance"));
+	bind_guarded<&Self::get_hit_position>(D_METHOD("get_hit_position"));
 	const char *owner = "ScatterInstance";
 	bind_value(owner, PropertyInfo(Variant::INT, "id"), "get_id");
 	bind_value(owner, PropertyInfo(Variant::INT, "layer"), "get_layer");
@@ -174,6 +178,7 @@ void ScatterInstance::_bind_methods() {
 			"get_data");
 	bind_value(owner, PropertyInfo(Variant::BOOL, "added"), "is_added");
 	bind_value(owner, PropertyInfo(Variant::FLOAT, "distance"), "get_distance");
+	bind_value(owner, PropertyInfo(Variant::VECTOR3, "hit_position"), "get_hit_position");
 }
 
 } // namespace thicket

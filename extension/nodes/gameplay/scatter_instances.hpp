@@ -21,16 +21,16 @@
 
 namespace thicket {
 
-/// What a query has found, as it stood then. An index that is not there prints an error and gives a default.
+/// The result of a query, as of the time of the query. An invalid index prints an error and returns a default.
 class ScatterInstances : public godot::RefCounted {
 	GDCLASS(ScatterInstances, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// The result of a call that was refused.
+	/// The result of a refused call.
 	static godot::Ref<ScatterInstances> make_empty() { return memnew(ScatterInstances); }
 
-	/// `offset` is where the engine's origin is in the world, in meters, for all positions that scripts get.
+	/// `offset` is the world position of the engine's origin, in meters, for all positions that scripts get.
 	static godot::Ref<ScatterInstances> of(FoundInstances found, glm::dvec3 offset);
 
 	int64_t size() const { return static_cast<int64_t>(found_.size()); }
@@ -41,7 +41,7 @@ public:
 	godot::Vector3 get_position(int64_t p_index) const;
 	godot::Transform3D get_transform(int64_t p_index) const;
 
-	// All at once, packed on the first use.
+	// All values together, packed on first use.
 	godot::PackedInt64Array get_ids() const;
 	godot::PackedInt32Array get_layers() const;
 	godot::PackedInt32Array get_meshes() const;
@@ -58,7 +58,7 @@ private:
 
 	FoundInstances found_;
 	glm::dvec3 offset_{0.0};
-	mutable std::mutex mutex_; ///< For all that follows.
+	mutable std::mutex mutex_; ///< Guards the following members.
 	mutable std::optional<godot::PackedInt64Array> ids_;
 	mutable std::optional<godot::PackedInt32Array> layers_;
 	mutable std::optional<godot::PackedInt32Array> meshes_;
@@ -66,14 +66,15 @@ private:
 	mutable std::optional<godot::PackedFloat32Array> transforms_;
 };
 
-/// One instance, as it stood when it was asked for.
+/// One instance, as of the time of the query.
 class ScatterInstance : public godot::RefCounted {
 	GDCLASS(ScatterInstance, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	static godot::Ref<ScatterInstance> of(
-			const PlacedInstance &found, glm::dvec3 offset, const godot::Variant &p_data, double distance = 0.0);
+	/// `met` is where a ray meets it, in world meters; its position if there is none.
+	static godot::Ref<ScatterInstance> of(const PlacedInstance &found, glm::dvec3 offset, const godot::Variant &p_data,
+			double distance = 0.0, std::optional<glm::dvec3> met = {});
 
 	int64_t get_id() const;
 	int64_t get_layer() const { return found_.layer; }
@@ -83,8 +84,11 @@ public:
 	godot::Variant get_data() const { return data_; }
 	bool is_added() const;
 
-	/// Meters from where it was looked for; 0 where nobody looked from anywhere.
+	/// Meters from the position or the start of the ray that was searched from; 0 for a search by id.
 	double get_distance() const { return distance_; }
+
+	/// Where the ray of `query_ray` meets it; its position for all other searches.
+	godot::Vector3 get_hit_position() const;
 
 protected:
 	static void _bind_methods();
@@ -94,6 +98,7 @@ private:
 	glm::dvec3 offset_{0.0};
 	godot::Variant data_;
 	double distance_ = 0.0;
+	glm::dvec3 met_{0.0};
 };
 
 } // namespace thicket

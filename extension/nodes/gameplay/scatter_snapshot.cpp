@@ -30,10 +30,10 @@ Ref<ScatterSnapshot> ScatterSnapshot::of(
 }
 
 bool ScatterSnapshot::ask(const char *p_method, const AskedQuery &query) const {
-	const std::shared_ptr<const InstanceSnapshot> held = snapshot_; // A predicate may let go of this object.
+	const std::shared_ptr<const InstanceSnapshot> held = snapshot_; // A predicate may release this object.
 	const Status status = held != nullptr
 			? held->ask(query)
-			: Status::missing("world", "Make the snapshot of a node that has a terrain and layers");
+			: Status::missing("world", "Make the snapshot of a node that has a ground and layers");
 	report(name_of(p_method).c_str(), status);
 	return status.ok();
 }
@@ -53,14 +53,14 @@ Ref<ScatterInstances> ScatterSnapshot::query_sphere(
 	return answer_sphere(*this, {"query_sphere", p_layers, p_predicate}, p_center, p_radius);
 }
 
-Dictionary ScatterSnapshot::query_ray(
+Ref<ScatterInstance> ScatterSnapshot::query_ray(
 		const Vector3 &p_from, const Vector3 &p_to, const Variant &p_layers, const Callable &p_predicate) const {
 	return answer_ray(*this, {"query_ray", p_layers, p_predicate}, p_from, p_to);
 }
 
 Ref<ScatterInstance> ScatterSnapshot::query_nearest(
 		const Vector3 &p_position, double p_max_distance, const Variant &p_layers, const Callable &p_predicate) const {
-	const Ref<ScatterSnapshot> self(const_cast<ScatterSnapshot *>(this)); // A predicate may let go of it.
+	const Ref<ScatterSnapshot> self(const_cast<ScatterSnapshot *>(this)); // A predicate may release it.
 	return answer_nearest(*this, {"query_nearest", p_layers, p_predicate}, p_position, p_max_distance);
 }
 

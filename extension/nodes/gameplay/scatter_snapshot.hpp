@@ -24,25 +24,25 @@ namespace thicket {
 /// A query, for script_queries.hpp.
 using AskedQuery = std::function<Status(const InstanceQuery &query)>;
 
-/// What stood around a TerrainScatter3D at one moment: its queries on any thread, several at once. Nothing that happens later changes it. Methods
-/// are those of the node.
+/// The instances around a TerrainScatter3D at one moment. Supports its queries on any thread, several at once. Later changes do not affect
+/// it. Methods are those of the node.
 class ScatterSnapshot : public godot::RefCounted {
 	GDCLASS(ScatterSnapshot, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// `offset` is where the engine's origin is in the world, in meters.
+	/// `offset` is the world position of the engine's origin, in meters.
 	static godot::Ref<ScatterSnapshot> of(
 			std::shared_ptr<const InstanceSnapshot> snapshot, LayerNames layers, glm::dvec3 offset);
 
-	/// Nothing stands in it.
+	/// A snapshot without instances.
 	static godot::Ref<ScatterSnapshot> make_empty() { return memnew(ScatterSnapshot); }
 
 	godot::Ref<ScatterInstances> query_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
 	godot::Ref<ScatterInstances> query_sphere(const godot::Vector3 &p_center, double p_radius,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
-	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+	godot::Ref<ScatterInstance> query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
 	godot::Ref<ScatterInstance> query_nearest(const godot::Vector3 &p_position, double p_max_distance,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) const;
@@ -60,7 +60,7 @@ protected:
 	static void _bind_methods();
 
 private:
-	std::shared_ptr<const InstanceSnapshot> snapshot_; ///< Null for an empty one.
+	std::shared_ptr<const InstanceSnapshot> snapshot_; ///< Null for an empty snapshot.
 	LayerNames layers_{godot::TypedArray<ScatterLayer>()};
 	glm::dvec3 offset_{0.0};
 };

@@ -20,7 +20,7 @@ namespace thicket {
 
 namespace {
 
-/// A value as bytes; none for null. False for an object, and for what is far too large.
+/// A value as bytes; empty for null. False for an object, and for a value that is far too large.
 bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	constexpr int64_t far_too_large = 1 << 24;
 	r_bytes = PackedByteArray();
@@ -68,7 +68,7 @@ bool ScatterState::remove(int64_t p_id, double p_until) {
 std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> removals) {
 	std::vector<InstanceChange> changes;
 	std::vector<std::uint64_t> ids;
-	changes.reserve(removals.size()); // What is changed must be told.
+	changes.reserve(removals.size()); // Reserved before any change, because every change must be reported.
 	ids.reserve(removals.size());
 	for (const auto &[id, until] : removals) {
 		InstanceChange change{id, InstanceChangeKind::removed, {}};
@@ -289,13 +289,13 @@ void ScatterState::_bind_methods() {
 	bind_guarded<&Self::get_digest>(D_METHOD("get_digest"));
 	bind_guarded<&Self::get_time>(D_METHOD("get_time"));
 	bind_guarded<&Self::advance>(D_METHOD("advance", "seconds"));
-	bind_guarded<&Self::set_designed>(D_METHOD("set_designed", "designed"));
-	bind_guarded<&Self::is_designed>(D_METHOD("is_designed"));
+	bind_guarded<&Self::set_copy_at_runtime>(D_METHOD("set_copy_at_runtime", "copy_at_runtime"));
+	bind_guarded<&Self::is_copied_at_runtime>(D_METHOD("is_copied_at_runtime"));
 	bind_guarded<&Self::set_data>(D_METHOD("set_data", "bytes"));
 	bind_guarded<&Self::get_data>(D_METHOD("get_data"));
 	ADD_PROPERTY(PropertyInfo(Variant::PACKED_BYTE_ARRAY, "data", PROPERTY_HINT_NONE, "", PROPERTY_USAGE_STORAGE),
 			"set_data", "get_data");
-	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "designed"), "set_designed", "is_designed");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "copy_at_runtime"), "set_copy_at_runtime", "is_copied_at_runtime");
 	ADD_PROPERTY(
 			PropertyInfo(Variant::OBJECT, "diff_limits", PROPERTY_HINT_RESOURCE_TYPE, ScatterDiffLimits::class_name),
 			"set_diff_limits", "get_diff_limits");

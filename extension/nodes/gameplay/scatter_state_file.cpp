@@ -44,7 +44,7 @@ void ScatterState::warn_if_cached() {
 	WARN_PRINT(vformat(
 			"TerrainScatter3D.state: load() keeps %s in memory, and returns this same state again, with all that the "
 			"game changes. For saved games call ScatterState.save_to_file() and load_from_file(). For what a designer "
-			"has placed set ScatterState.designed, so that each node gets a copy.",
+			"has placed set ScatterState.copy_at_runtime, so that each node gets a copy.",
 			path));
 }
 

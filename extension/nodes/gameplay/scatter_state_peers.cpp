@@ -1,4 +1,4 @@
-// Diffs of others: a ScatterState inspects them, bounds them, and finds out what is missing.
+// Diffs from others: a ScatterState inspects them, limits them, and finds out which ones are missing.
 
 #include "core/base/split_mix.hpp"
 #include "core/state/diff_summary.hpp"
@@ -19,7 +19,7 @@ namespace thicket {
 
 namespace {
 
-/// A number that no other state has, in this run or in another: one random number a run, and a count.
+/// A number that no other state has, in this or any other run: a random number for each run, and a count.
 std::uint64_t new_origin() {
 	static const std::uint64_t run = [] {
 		std::random_device device;

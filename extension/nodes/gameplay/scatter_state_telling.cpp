@@ -1,4 +1,4 @@
-// Who hears of what has changed in a ScatterState, and diffs that are applied on a thread.
+// Notifications about changes of a ScatterState, and diffs that are applied on a thread.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
@@ -14,10 +14,10 @@ namespace thicket {
 
 namespace {
 
-/// To let go of more changes than these takes a thread.
+/// More changes than this are freed on a thread.
 constexpr std::size_t many_changes = 16384;
 
-/// Adds them to an array that has ids of others already.
+/// Appends the IDs of the changes to an array that already contains others.
 void add_ids(std::span<const InstanceChange> changes, PackedInt64Array &r_ids) {
 	const int64_t first = r_ids.size();
 	r_ids = resized_copy(r_ids, first + static_cast<int64_t>(changes.size()));
@@ -54,7 +54,7 @@ void ScatterState::tell(std::vector<InstanceChange> changes) {
 
 void ScatterState::follow(Untold untold) {
 	if (untold.changes != nullptr) {
-		for (const std::weak_ptr<StateListener> &listener : listeners_) { // None of them runs a script, so none leaves.
+		for (const std::weak_ptr<StateListener> &listener : listeners_) { // No listener runs scripts, so none leaves.
 			if (const std::shared_ptr<StateListener> held = listener.lock()) {
 				held->state_changed(untold.changes);
 			}
@@ -65,16 +65,16 @@ void ScatterState::follow(Untold untold) {
 
 void ScatterState::tell_untold() {
 	if (telling_ || untold_.empty()) {
-		return; // By a handler: whoever tells will come to it.
+		return; // Called by a handler: the outer call will report this change, too.
 	}
-	const Ref<ScatterState> self(this); // A handler may let go of the last other one.
+	const Ref<ScatterState> self(this); // A handler may release the last other reference.
 	telling_ = true;
 	while (!untold_.empty()) {
 		Untold next = std::move(untold_.front());
 		untold_.pop_front();
 		tell_now(next);
 		if (next.diff != nullptr || next.changes->size() > many_changes) {
-			// Fast path: they are freed all the same, while the game goes on.
+			// Fast path: they are freed on a thread, while the game goes on.
 			leavings_.let_go({std::move(next.changes), std::move(next.diff)});
 		}
 	}
@@ -87,7 +87,7 @@ void ScatterState::tell_now(const Untold &untold) {
 			const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
 				return !other.owner_before(listener) && !listener.owner_before(other);
 			};
-			if (std::ranges::any_of(listeners_, same)) { // A handler may have taken it away.
+			if (std::ranges::any_of(listeners_, same)) { // A handler may have removed it.
 				listener->tell_changes(untold.changes);
 			}
 		}
@@ -95,7 +95,7 @@ void ScatterState::tell_now(const Untold &untold) {
 		if (untold.diff == nullptr) {
 			emit_signal(instances_changed_, ids_of_changes(changes.list));
 		} else {
-			// Fast path: the thread has listed the others.
+			// Fast path: the thread has already listed the other IDs.
 			add_ids(changes.instead, untold.diff->ids);
 			emit_signal(instances_changed_, untold.diff->ids);
 		}
@@ -155,7 +155,7 @@ void ScatterState::finish_first_diff() {
 
 void ScatterState::finish_diffs() {
 	if (diffs_.empty()) {
-		return; // A call that could not wait has done so.
+		return; // A call that could not wait has already finished them.
 	}
 	const DiffTask &first = *diffs_.front();
 	if (!first.can_work() || first.done()) {

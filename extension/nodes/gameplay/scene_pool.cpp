@@ -8,7 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// False for a node that a script has freed, or put somewhere else, while it waited.
+/// False for an idle node that a script has freed, or moved to a parent.
 bool waits(const Node3D *node) {
 	return node != nullptr && node->get_parent() == nullptr && !node->is_queued_for_deletion();
 }
@@ -29,7 +29,7 @@ Node3D *ScenePool::take(const Ref<PackedScene> &scene) {
 		Node3D *node = found->nodes.back().get();
 		found->nodes.pop_back();
 		if (waits(node)) {
-			// Fast path: one that was made before is as good as a new one.
+			// Fast path: an existing instance is reused.
 			return node;
 		}
 	}

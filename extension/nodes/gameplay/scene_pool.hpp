@@ -25,8 +25,8 @@ private:
 	godot::Variant node_;
 };
 
-/// Instances of scenes that nobody needs for now. They are kept outside of the tree: there, whatever is in a scene, nothing of it is
-/// seen, heard, hit or processed. Main thread only.
+/// Instances of scenes that are currently not needed. They are kept outside of the tree, where no part of a scene is seen, heard, hit or
+/// processed. Main thread only.
 class ScenePool {
 public:
 	ScenePool() = default;
@@ -34,22 +34,22 @@ public:
 	ScenePool(const ScenePool &) = delete;
 	ScenePool &operator=(const ScenePool &) = delete;
 
-	/// An instance outside of the tree, the caller's: one that was given back, or a new one. Null if the scene is empty or its root is
-	/// no Node3D. Making one runs scripts.
+	/// An instance outside of the tree, which the caller owns: a returned one or a new one. Null if the scene is empty or its root is not a
+	/// Node3D. Creating an instance runs scripts.
 	godot::Node3D *take(const godot::Ref<godot::PackedScene> &scene);
 
-	/// Takes an instance of the scene in, out of the tree by now; discards it where there are `max_idle` of that scene already.
+	/// Returns an instance of the scene, which is already out of the tree. Discards it if there are `max_idle` of that scene already.
 	void give(const godot::Ref<godot::PackedScene> &scene, godot::Node3D *node);
 
-	/// Takes a node in that is never used again; `free_some` frees it.
+	/// Takes a node that is never used again; `free_some` frees it.
 	void discard(godot::Node3D *node);
 
-	/// Frees at most `freed_per_frame` discarded nodes. To be called once a frame: the engine frees them at its end, when no clock of ours
-	/// runs.
+	/// Frees at most `freed_per_frame` discarded nodes. Call it once per frame: the engine frees them at its end, outside of our time
+	/// measurements.
 	void free_some();
 	static constexpr int freed_per_frame = 4;
 
-	/// Frees a node at the end of the frame, not at once: a script of it may be on the stack.
+	/// Frees a node at the end of the frame, not immediately, because one of its scripts may be on the stack.
 	static void dispose(const NodeHandle &handle);
 
 	/// Discards the instances of all other scenes.
@@ -58,10 +58,10 @@ public:
 	/// Frees all nodes at the end of this frame.
 	void clear();
 
-	/// Instances that wait, of all scenes. Those that a script has freed count until they are met.
+	/// Idle instances of all scenes. Those that a script has freed count until the pool finds them.
 	std::size_t idle_count() const;
 
-	/// The most instances of a scene that wait to be used again.
+	/// The largest number of idle instances of a scene.
 	static constexpr std::size_t max_idle = 64;
 
 private:
@@ -70,7 +70,7 @@ private:
 		std::vector<NodeHandle> nodes;
 	};
 
-	std::vector<Idle> idle_; ///< As many as there are scenes: a few.
+	std::vector<Idle> idle_; ///< One entry per scene, so only a few.
 	std::vector<NodeHandle> discarded_;
 };
 

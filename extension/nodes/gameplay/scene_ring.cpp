@@ -1,4 +1,4 @@
-// What comes and goes: how SceneRing follows the viewers and the world. What happens to the nodes is in scene_ring_nodes.cpp.
+// How SceneRing follows the viewers and the world. scene_ring_nodes.cpp handles the nodes.
 
 #include "nodes/gameplay/scene_ring.hpp"
 
@@ -21,7 +21,7 @@ void SceneRing::set_layers(std::vector<SceneLayer> layers) {
 		scenes.push_back(layer.scene);
 	}
 	pool_->keep_only(scenes);
-	layers_.resize(std::max(layers_.size(), layers.size())); // A layer that is gone has to let go of its scenes.
+	layers_.resize(std::max(layers_.size(), layers.size())); // A removed layer still has to release its scenes.
 	layers.resize(layers_.size());
 	std::vector<std::uint32_t> changed;
 	for (std::uint32_t index = 0; index < layers.size(); ++index) {
@@ -59,13 +59,13 @@ bool SceneRing::step() {
 		put_last_back();
 		return true;
 	}
-	// What leaves goes first: what comes can use its scene.
+	// Leaving scenes come first, because entering ones can reuse them.
 	if (leave_outdated() || leave_gone()) {
 		return true;
 	}
 	PlacedInstance instance;
 	if (queue_.next_changed(instance)) {
-		move(instance); // Its mesh is not seen in between.
+		move(instance); // Its mesh is not visible in between.
 		return true;
 	}
 	for (Leaving leaving; queue_.next_leaving(leaving);) {
@@ -80,7 +80,7 @@ bool SceneRing::step() {
 	return entering;
 }
 
-/// Lets go of a scene that its layer does not have any more; the next look may bring the layer's new one.
+/// Releases a scene that its layer no longer uses; the next search may add the layer's new one.
 bool SceneRing::leave_outdated() {
 	for (PlacedInstance instance; queue_.next_due(instance);) {
 		const Key key{instance.id, instance.layer};
@@ -102,14 +102,14 @@ bool SceneRing::leave_gone() {
 	return false;
 }
 
-/// An instance that was found in a different cell of the queue since has a scene there, and keeps it.
+/// If the instance has since been found in a different cell of the queue, it has a scene there, which stays.
 bool SceneRing::leave(const Leaving &leaving) {
 	const auto found = shown_.find({leaving.id, leaving.layer});
 	return found != shown_.end() && found->second.instance.position == leaving.position &&
 			leave(Key{leaving.id, leaving.layer});
 }
 
-/// False if no scene stands there. Runs scripts.
+/// False if it has no scene. Runs scripts.
 bool SceneRing::leave(const Key &key) {
 	auto left = shown_.extract(key);
 	if (!left) {
@@ -142,7 +142,7 @@ void SceneRing::enter(const PlacedInstance &instance) {
 		ScenePool::dispose(NodeHandle(node));
 	}
 	if (wanted && !same_scene) {
-		queue_.release(instance.layer, instance.id); // It may have the layer's new scene.
+		queue_.release(instance.layer, instance.id); // It may get the layer's new scene.
 	}
 }
 

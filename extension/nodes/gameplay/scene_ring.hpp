@@ -19,51 +19,51 @@ namespace thicket {
 
 /// The scenes of a layer.
 struct SceneLayer {
-	godot::Ref<godot::PackedScene> scene; ///< Null for none.
-	double distance = 0.0; ///< Meters to the nearest viewer or body within which they stand; 0 for never.
-	godot::String name;    ///< Of the layer, for errors.
+	godot::Ref<godot::PackedScene> scene; ///< Null if there is none.
+	double distance = 0.0; ///< Meters. A scene replaces a mesh if a viewer or body is nearer than this; 0 for never.
+	godot::String name;    ///< The layer's name, for errors.
 
 	bool operator==(const SceneLayer &other) const {
 		return scene == other.scene && distance == other.distance && name == other.name;
 	}
 };
 
-/// What a layer says of scenes; none for null.
+/// The scene settings of a layer; without a scene for null.
 SceneLayer scenes_of(const LayerSnapshot *layer);
 
-/// What a SceneRing has done with an instance's scene.
+/// A change of an instance's scene by a SceneRing.
 enum class SceneEvent : std::uint8_t {
-	shown,  ///< It stands in the tree, in place of the mesh.
-	hidden, ///< It is about to leave the tree. The mesh is back, if the instance still stands.
+	shown,  ///< It is in the tree, in place of the mesh.
+	hidden, ///< It is about to leave the tree. The mesh is drawn again, if the instance still exists.
 };
 
-/// What a SceneRing needs of the node that it works for. `tell` runs scripts, which may free the node.
+/// The services that a SceneRing needs from its node. `tell` runs scripts, which may free the node.
 struct SceneHost {
 	godot::Node3D *parent = nullptr;
-	std::function<void(const PlacedInstance &instance, bool hidden)> hide_mesh; ///< In the picture of this frame.
+	std::function<void(const PlacedInstance &instance, bool hidden)> hide_mesh; ///< In the drawing of this frame.
 	std::function<godot::Variant(std::uint64_t id)> data_of;
 	std::function<void(SceneEvent event, std::uint64_t id, godot::Node3D *scene)> tell;
 	std::function<void()> recycle_later; ///< Calls `recycle` before this frame is drawn and before bodies move again.
 };
 
-/// Scenes in place of the meshes that are near: one for every instance that stands, also for one that thinning does not draw. The mesh
-/// goes in the frame in which the scene comes, and the other way round. Scenes that are not needed wait in a pool.
+/// Scenes that replace nearby meshes: one for every instance, also for one that thinning does not draw. The mesh is hidden in the frame in
+/// which the scene is added, and the other way round. Unneeded scenes wait in a pool.
 ///
-/// Scripts run in the middle of it, and may change anything: remove instances, free a scene, take one, free the node. Whoever
-/// calls the ring keeps it alive meanwhile, and calls `forget_host` when the node goes. A scene that a script has freed, taken
-/// or moved to another parent gives way to the mesh, and the instance gets no other one until it has been out of range.
+/// Scripts run in the middle of it, and may change anything: remove instances, free a scene, take one, free the node. The caller of the
+/// ring keeps it alive in the meantime, and calls `forget_host` when the node is freed. If a script has freed or taken a scene, or moved it
+/// to a different parent, the mesh replaces it. The instance then gets no new scene until it has been out of range.
 class SceneRing : public NearRing {
 public:
 	explicit SceneRing(SceneHost host);
 	~SceneRing() override = default;
 
-	/// The layers by their indices. Scenes of a PackedScene that is not the one of their layer leave step by step, nearest first.
+	/// The layers by their indices. Scenes of a PackedScene that is no longer their layer's leave step by step, nearest first.
 	void set_layers(std::vector<SceneLayer> layers);
 
-	/// The node is gone, and all its children with it: nothing of it is touched from now on.
+	/// The node is freed with all its children, and is never accessed from now on.
 	void forget_host() { life_ = nullptr; }
 
-	/// Without anybody to be near to, what stands stays: a camera may be gone for a frame.
+	/// Without centers, scenes stay: a camera may be missing for a frame.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world) override;
 	bool step() override;
 	bool settled() const override { return leaving_.empty() && queue_.settled(); }
@@ -76,21 +76,21 @@ public:
 	void recycle();
 	static constexpr int recycled_at_once = 128;
 
-	/// A child of the node has come or gone: looks for scenes that scripts have taken away.
+	/// A child of the node was added or removed: finds scenes that scripts have taken away.
 	void children_changed();
 
-	/// The scene that stands for an instance; null for none.
+	/// The scene that replaces an instance; null if there is none.
 	godot::Node3D *find(std::uint64_t id) const;
 
-	/// Hands the scene of an instance to the caller; null for none. Also one whose instance was dropped, until `recycle`. It stays where
-	/// it is in the tree; the mesh comes back, unless the instance is removed.
+	/// Passes the ownership of an instance's scene to the caller; null if there is none. Until `recycle`, this includes the scene of a
+	/// dropped instance. The scene stays in the tree; the mesh is drawn again, unless the instance is removed.
 	godot::Node3D *take(std::uint64_t id);
 
 	std::size_t shown_count() const { return shown_.size(); }
 	std::size_t idle_count() const { return pool_->idle_count(); }
 
 private:
-	/// Layers that share a layer_id share ids.
+	/// Needed because layers that share a layer_id share IDs.
 	struct Key {
 		std::uint64_t id = 0;
 		std::uint32_t layer = 0;
@@ -102,12 +102,12 @@ private:
 		PlacedInstance instance;
 		godot::Ref<godot::PackedScene> scene;
 		NodeHandle node;
-		bool top_level = false; ///< As its scene has it.
+		bool top_level = false; ///< As in its scene.
 	};
 
 	struct Layer {
 		SceneLayer is;
-		bool refused = false; ///< The scene is of no use, and that was said.
+		bool refused = false; ///< True if the scene cannot be used, and the error was printed.
 
 		double distance() const { return is.scene.is_valid() && !refused ? is.distance : 0.0; }
 	};
@@ -133,14 +133,14 @@ private:
 	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0');
 	std::shared_ptr<ScenePool> pool_ = std::make_shared<ScenePool>();
 	std::vector<Layer>
-			layers_; ///< What the queue holds without an entry in shown_ is to have no scene until it was out of range.
+			layers_; ///< Entries in the queue that are not in shown_ get no scene until they were out of range.
 	std::map<Key, Shown> shown_;
-	std::vector<Shown> leaving_; ///< Still in the tree, for those who want to take them.
+	std::vector<Shown> leaving_; ///< Still in the tree, for callers that want to take them.
 	std::uint64_t epoch_ = 0;    ///< Rises with each `clear`.
 	glm::dvec3 offset_{0.0};
 	bool recycle_due_ = false;
-	bool moving_child_ = false; ///< The ring itself adds or removes a child,
-	int child_changes_ = 0;     ///< and so many changes were seen since it began to.
+	bool moving_child_ = false; ///< True while the ring itself adds or removes a child.
+	int child_changes_ = 0;     ///< Child changes seen since then.
 };
 
 } // namespace thicket

@@ -1,4 +1,4 @@
-// What happens to the nodes of a SceneRing. After every call that may run a script it is asked what that has left of the ring.
+// How a SceneRing handles its nodes. After every call that may run a script, it checks whether the ring still exists.
 
 #include "nodes/gameplay/scene_ring.hpp"
 
@@ -33,8 +33,8 @@ void SceneRing::refuse(Layer &layer) {
 	layer.refused = true;
 	update_distances();
 	const String path = layer.is.scene->get_path();
-	ERR_PRINT(vformat(
-			"TerrainScatter3D: the scene %s of layer \"%s\" has no Node3D as its root. Its meshes are shown instead.",
+	ERR_PRINT(vformat("TerrainScatter3D: the root of the scene %s of layer \"%s\" is not a Node3D. The layer's meshes "
+					  "are drawn instead.",
 			path.is_empty() ? String("(built in)") : path, layer.is.name));
 }
 
@@ -42,7 +42,7 @@ void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &sce
 	const Shown shown{instance, scene, NodeHandle(node), node->is_set_as_top_level()};
 	shown_.insert_or_assign({instance.id, instance.layer}, shown);
 	host_.hide_mesh(instance, true);
-	node->set_as_top_level(true); // Instances stand in the world, wherever their TerrainScatter3D is.
+	node->set_as_top_level(true); // Instances are in world space, independent of their TerrainScatter3D's transform.
 	node->set_transform(transform_of(instance));
 	const std::weak_ptr<const void> alive = life_;
 	moving_child_ = true;
@@ -53,11 +53,11 @@ void SceneRing::show(const PlacedInstance &instance, const Ref<PackedScene> &sce
 	}
 	moving_child_ = false;
 	if (child_changes_ != 1 || !ours(shown)) {
-		children_changed(); // A script has done more.
+		children_changed(); // A script has made further changes.
 	}
 	const auto found = shown_.find({instance.id, instance.layer});
 	if (found != shown_.end() && ours(shown)) {
-		move_node(shown); // Where the node's own transform is another than the world's, the tree has moved it.
+		move_node(shown); // If the node's transform differs from the world's, adding it to the tree has moved it.
 	}
 	if (ours(shown)) {
 		tell(SceneEvent::shown, shown);
@@ -78,7 +78,7 @@ void SceneRing::move(const PlacedInstance &instance) {
 
 void SceneRing::tell(SceneEvent event, const Shown &shown) {
 	const std::weak_ptr<const void> alive = life_;
-	const auto listener = host_.tell; // It may free the ring that holds it.
+	const auto listener = host_.tell; // A copy, because the call may free the ring that holds it.
 	const auto id = static_cast<int64_t>(shown.instance.id);
 	Node3D *node = shown.node.get();
 	if (event == SceneEvent::hidden && node != nullptr && node->has_method("_scatter_hidden")) {
@@ -95,7 +95,7 @@ void SceneRing::tell(SceneEvent event, const Shown &shown) {
 	}
 }
 
-/// Takes a child out of the tree, if it is one.
+/// Takes a node out of the tree, if it is a child of the host.
 void SceneRing::take_out(Node3D *node) {
 	if (node->get_parent() != host_.parent) {
 		return;
@@ -113,7 +113,7 @@ void SceneRing::take_out(Node3D *node) {
 	}
 }
 
-/// Tells the last scene of leaving_ that it leaves, then gives it to the pool, unless somebody has taken it.
+/// Notifies the last scene of `leaving_` that it leaves, then returns it to the pool, unless a script has taken it.
 void SceneRing::put_last_back() {
 	const std::weak_ptr<const void> alive = life_;
 	const Shown shown = leaving_.back();
@@ -143,7 +143,7 @@ void SceneRing::put_last_back() {
 	const bool wanted =
 			std::ranges::any_of(layers_, [&shown](const Layer &layer) { return layer.is.scene == shown.scene; });
 	if (left->get_parent() == host_.parent) {
-		ScenePool::dispose(shown.node); // The tree was busy, and what cannot be taken out cannot be used again.
+		ScenePool::dispose(shown.node); // The tree was busy, and a node that cannot be taken out cannot be reused.
 	} else if (wanted) {
 		pool_->give(shown.scene, left);
 	} else {

@@ -1,11 +1,11 @@
 #pragma once
 
-// Queries of scripts, as a TerrainScatter3D and its snapshots answer them. An `Asker` has
+// Script queries, as answered by a TerrainScatter3D and its snapshots. An `Asker` has
 //   glm::dvec3 world_offset() const;
 //   bool find_filter(method, layers, predicate, QueryFilter &r_filter);   // false, with an error, for what is refused
 //   bool ask(method, query);                                              // calls query(const InstanceQuery &); false, with an error
 //   Variant get_instance_data(int64_t id) const;
-// Predicates are scripts, which may do anything: an asker outlives its calls.
+// Predicates are scripts, which may do anything, so the caller must keep an asker alive during its calls.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
@@ -14,7 +14,6 @@
 
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/variant/callable.hpp>
-#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/rect2.hpp>
 
 #include <glm/geometric.hpp>
@@ -25,14 +24,14 @@
 
 namespace thicket {
 
-/// What is wanted, beside a position.
+/// The parameters of a query, apart from a position.
 struct QueryWish {
 	const char *method;
 	const godot::Variant &layers;
 	const godot::Callable &predicate;
 };
 
-/// An asker's `find_filter`, for `method` (`Class.method`). `layers` are what find_layers takes.
+/// The implementation of an asker's `find_filter`, for `method` (`Class.method`). `layers` are passed to find_layers.
 template <class Layers>
 bool make_filter(const std::string &method, const Layers &layers, const godot::Variant &p_layers,
 		const godot::Callable &p_predicate, glm::dvec3 offset, QueryFilter &r_filter) {
@@ -76,7 +75,7 @@ godot::Ref<ScatterInstances> answer_sphere(
 }
 
 template <class Asker>
-godot::Dictionary answer_ray(
+godot::Ref<ScatterInstance> answer_ray(
 		Asker &asker, const QueryWish &wish, const godot::Vector3 &p_from, const godot::Vector3 &p_to) {
 	const glm::dvec3 offset = asker.world_offset();
 	const glm::dvec3 from = to_world(p_from, offset);
@@ -86,19 +85,14 @@ godot::Dictionary answer_ray(
 	if (asker.find_filter(wish.method, wish.layers, wish.predicate, filter)) {
 		asker.ask(wish.method, [&](const InstanceQuery &query) { return query.on_ray(from, to, filter, hits); });
 	}
-	godot::Dictionary result;
-	if (!hits.empty()) {
-		const PlacedInstance &instance = hits.front().instance;
-		const double length = glm::length(to - from);
-		const double share = length > 0.0 ? hits.front().distance / length : 0.0;
-		result["id"] = script_id(instance.id);
-		result["layer"] = static_cast<int64_t>(instance.layer);
-		result["mesh"] = static_cast<int64_t>(instance.mesh);
-		result["transform"] = to_engine(instance, offset);
-		result["distance"] = hits.front().distance;
-		result["position"] = to_engine(from + share * (to - from), offset);
+	if (hits.empty()) {
+		return {};
 	}
-	return result;
+	const RayHit &hit = hits.front();
+	const double length = glm::length(to - from);
+	const double share = length > 0.0 ? hit.distance / length : 0.0;
+	return ScatterInstance::of(hit.instance, offset, asker.get_instance_data(script_id(hit.instance.id)), hit.distance,
+			from + share * (to - from));
 }
 
 template <class Asker>
@@ -120,7 +114,7 @@ godot::Ref<ScatterInstance> answer_nearest(
 			instance, offset, asker.get_instance_data(script_id(instance.id)), found.front().distance);
 }
 
-/// Null for an instance that does not stand.
+/// Null for an instance that does not exist.
 template <class Asker>
 godot::Ref<ScatterInstance> answer_id(Asker &asker, const char *method, int64_t p_id) {
 	const glm::dvec3 offset = asker.world_offset();

@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::size_t gradient_colors = 256;
 
-// Formats of Godot 4.6 and later, by number: older headers do not name them, and older engines do not have them. Tests
-// compare the numbers with what later engines say.
+// Image formats of Godot 4.6 and later, by number: older headers do not name them, and older engines do not have them. Tests compare the
+// numbers with those of later engines.
 constexpr auto format_r16 = static_cast<Image::Format>(39);
 constexpr auto format_r16i = static_cast<Image::Format>(43);
 
-/// Noise, on any thread. Nobody changes the object, and asking it changes nothing about it.
+/// Noise that can be sampled on any thread: the object is never changed, and sampling does not modify it.
 class NoiseField final : public DensityField {
 public:
 	NoiseField(Ref<Noise> p_noise, std::shared_ptr<const CurveTable> curve) :
@@ -42,7 +42,7 @@ private:
 	std::shared_ptr<const CurveTable> curve_;
 };
 
-/// 0 to `max`; NAN is 0.
+/// Clamps to 0 to `max`; NAN becomes 0.
 float held(float value, float max) { return value > 0.0F ? std::min(value, max) : 0.0F; }
 
 bool has_red_alone(Image::Format p_format) {
@@ -69,7 +69,7 @@ std::shared_ptr<const CurveTable> curve_table(const Ref<Curve> &p_curve) {
 	std::array<float, curve_stretches + 1> samples{};
 	for (std::size_t i = 0; i < samples.size(); ++i) {
 		const double share = static_cast<double>(i) / static_cast<double>(curve_stretches);
-		// The last one at the very end, without a rounding.
+		// The last sample is exactly at the end, without rounding.
 		const double offset = i == curve_stretches ? max : min + share * (max - min);
 		samples[i] = held(static_cast<float>(p_curve->sample(static_cast<float>(offset))), 1.0F);
 	}

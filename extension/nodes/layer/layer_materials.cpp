@@ -18,7 +18,8 @@ namespace thicket {
 
 namespace {
 
-constexpr double strongest_wind = 2.0; ///< The end of the range of wind_strength, in the shader and in FoliageWorld.
+constexpr double strongest_wind =
+		2.0; ///< The upper limit of the range of wind_strength, in the shader and in ScatterFoliageWorld.
 
 void add_materials(const Ref<Mesh> &mesh, std::vector<Ref<Material>> &r_materials) {
 	const int32_t surfaces = mesh.is_valid() ? mesh->get_surface_count() : 0;
@@ -34,7 +35,7 @@ bool is_number(const Variant &p_value) {
 	return p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
 }
 
-/// What a material says of a uniform of its shader, 0 or more; 0 for one that is no number.
+/// The value of a uniform in a material, or its default; at least 0. 0 if it is not a number.
 double parameter(const ShaderMaterial &material, const Variant &p_default, const StringName &p_name) {
 	const Variant own = material.get_shader_parameter(p_name);
 	return std::max(0.0, static_cast<double>(is_number(own) ? own : p_default)); // This order turns NAN into 0.
@@ -51,7 +52,7 @@ double sway_reach_of(const ShaderMaterial &material) {
 		const Variant by_shader =
 				RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), names[at]);
 		if (!is_number(by_shader)) {
-			return 0.0; // Another shader.
+			return 0.0; // A different shader.
 		}
 		values[at] = parameter(material, by_shader, names[at]);
 	}

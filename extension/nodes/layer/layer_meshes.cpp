@@ -21,7 +21,8 @@ namespace {
 
 MeshShadow shadow_of(const DrawnLod &lod) { return {lod.shadow, lod.cast_shadow}; }
 
-/// Adds a distance with what entries are drawn by from there on, null for those that stay. Nothing where all stay, and beyond max_lods.
+/// Adds a distance and the LODs that begin there; null for entries that do not change. Adds nothing if no entry changes, or beyond
+/// max_lods.
 void add_row(
 		std::span<const std::vector<DrawnLod>> lods, double distance, LayerDrawing &r_drawing, LodSettings &r_lod) {
 	std::vector<const DrawnLod *> row;
@@ -90,7 +91,7 @@ bool LayerMeshes::take(const Array &p_entries) {
 		} else if (model.is_null() && entry.get_type() != Variant::NIL && Object::cast_to<Mesh>(object) == nullptr) {
 			const String kind = object != nullptr ? object->get_class() : String("no resource");
 			if (object != nullptr ||
-					entry.get_type() != Variant::OBJECT) { // A null may come as an object that is none.
+					entry.get_type() != Variant::OBJECT) { // A Variant can also hold null as an object.
 				ERR_PRINT(vformat("ScatterLayer.meshes[%d] is %s: it takes a Mesh, a PackedScene or a ScatterModel.",
 						index, kind));
 				return false;
@@ -102,7 +103,7 @@ bool LayerMeshes::take(const Array &p_entries) {
 	return true;
 }
 
-/// The model that was made of a scene before, else a new one. Null, with an error, for an empty scene.
+/// The model that was created from a scene before, or a new one. Null, with an error, for an empty scene.
 Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 	const auto known = std::ranges::find_if(taken_, [&](const Entry &entry) {
 		return entry.model.is_valid() && entry.resource.ptr() == static_cast<const Resource *>(p_scene.ptr());
@@ -145,7 +146,7 @@ std::vector<Object *> LayerMeshes::sources() const {
 
 bool LayerMeshes::reload(const PackedStringArray &p_paths) {
 	bool any = false;
-	const std::vector<Entry> taken = taken_; // Reading a scene runs its scripts.
+	const std::vector<Entry> taken = taken_; // A copy, because reading a scene runs its scripts.
 	for (const Entry &entry : taken) {
 		const Ref<PackedScene> scene = entry.model.is_valid() ? entry.model->get_scene() : Ref<PackedScene>();
 		const String path = scene.is_valid() ? scene->get_path() : String();

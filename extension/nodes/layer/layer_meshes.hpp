@@ -15,55 +15,55 @@
 
 namespace thicket {
 
-/// What stands at the instances of a layer: the entries of ScatterLayer.meshes, each a Mesh, a PackedScene, a ScatterModel or null, and what replaces
-/// them with distance.
+/// The entries of ScatterLayer.meshes, each a Mesh, a PackedScene, a ScatterModel or null, and the meshes that replace them with distance.
 class LayerMeshes {
 public:
-	/// Takes over a list, on any thread: nothing of a mesh or a scene is read. False, with an error, for an entry of another kind and for an empty
-	/// scene: then all stays as it was. Only where there was nothing before, as when a layer is being loaded, an empty scene stays in the
-	/// list, so that saving does not lose it.
+	/// Replaces the list, on any thread, without reading any mesh or scene. Returns false, with an error, if an entry is of a different
+	/// kind or an empty scene; the list is then unchanged. One exception: if the list was empty before, for example while a layer is being
+	/// loaded, an empty scene stays in the list, so that saving does not lose it.
 	bool set_entries(const godot::Array &p_entries);
 
-	/// Scripts share the list, and may change it in place: true if they have since it was taken over.
+	/// Scripts share the list and may change it in place. True if they have changed it since the last `set_entries` or `take_changes`.
 	bool differs() const;
 
-	/// Takes over such a change. False, with an error, if it is refused as by `set_entries`.
+	/// Applies such a change. False, with an error, if it is refused as by `set_entries`.
 	bool take_changes() { return take(entries_); }
 
-	/// Forgets such a change: scripts see a new list, with the entries that were taken over last.
+	/// Discards such a change: scripts get a new list with the last accepted entries.
 	void restore();
 
-	/// Reads the next part of a scene that was not read yet: see ScatterModel. Until then nothing is drawn for it. Returns false if all is read.
+	/// Reads the next part of a scene that is not fully read; see ScatterModel. Until a scene is read, nothing is drawn for it. Returns
+	/// false once all scenes are read.
 	bool read_step() const;
 
-	/// As scripts see it.
+	/// The list that scripts see.
 	const godot::Array &entries() const { return entries_; }
 	std::size_t size() const { return taken_.size(); }
 
-	/// Whatever emits `changed` when an entry looks otherwise: meshes and models. No null among them.
+	/// The objects that emit `changed` when an entry's appearance changes: meshes and models. Contains no null.
 	std::vector<godot::Object *> sources() const;
 
-	/// Reads scenes anew whose files are among these. True if there were any.
+	/// Rereads the scenes whose files are among these paths. True if there were any.
 	bool reload(const godot::PackedStringArray &p_paths);
 
-	/// True if anything is drawn, of what is read so far.
+	/// True if anything that is already read can be drawn.
 	bool has_mesh() const;
 
-	/// Fills in what is drawn, with a row for each distance at which an entry changes, and those distances. `p_meshes` and `p_distances` are
-	/// ScatterLayer's lod_meshes and lod_distances. Distances beyond the first max_lods are left out.
+	/// Fills in the meshes to draw, with one row for each distance at which an entry changes, and those distances. `p_meshes` and
+	/// `p_distances` are ScatterLayer's lod_meshes and lod_distances. Distances beyond the first max_lods are left out.
 	void draw(const godot::TypedArray<godot::Mesh> &p_meshes, const godot::PackedFloat32Array &p_distances,
 			LayerDrawing &r_drawing, LodSettings &r_lod) const;
 
-	/// The shapes of each entry; none for what is no model.
+	/// The shapes of each entry. Entries that are not models have none.
 	std::vector<std::vector<BodyPart>> bodies() const;
 
-	/// What is likely not meant, a sentence each.
+	/// Adds one sentence for each likely mistake.
 	void add_problems(godot::PackedStringArray &r_problems) const;
 
-	/// The model of an entry, which for a scene is the one that was made of it; null for a mesh.
+	/// The model of an entry. For a scene, the model that was created from it. Null for a mesh.
 	godot::Ref<ScatterModel> model(std::size_t entry) const { return taken_[entry].model; }
 
-	/// The mesh of an entry near by; null for none, and while its scene is not read.
+	/// The mesh of an entry's finest LOD. Null if it has none, or while its scene is not read.
 	godot::Ref<godot::Mesh> mesh(std::size_t entry) const;
 
 private:
@@ -78,7 +78,7 @@ private:
 			const godot::PackedFloat32Array &p_distances) const;
 
 	godot::Array entries_;
-	std::vector<Entry> taken_; ///< What was taken over of them last.
+	std::vector<Entry> taken_; ///< The entries of the list when it was last accepted.
 };
 
 } // namespace thicket

@@ -14,7 +14,7 @@ namespace {
 
 std::string text_of(const String &p_name) { return p_name.utf8().get_data(); }
 
-/// Written while the class is registered, and only read from then on.
+/// Written while the class is registered, and only read afterwards.
 std::map<std::string, PropertyUse> &property_uses() {
 	static std::map<std::string, PropertyUse> uses;
 	return uses;

@@ -7,18 +7,18 @@
 
 namespace thicket {
 
-/// What a property of a ScatterLayer decides.
+/// The aspect of a layer that a property of ScatterLayer affects.
 enum class PropertyUse : std::uint8_t {
-	placement, ///< Which instances there are, where, and all else that ScatterTile.get_rows returns of them.
-	drawing,   ///< How they are drawn.
-	gameplay,  ///< How a game meets them.
+	placement, ///< The set of instances, and all their values that ScatterTile.get_rows returns.
+	drawing,   ///< How instances are drawn.
+	gameplay,  ///< How a game interacts with instances.
 };
 
-/// ClassDB::add_property for ScatterLayer, whose properties are all added by this: it also keeps the use.
+/// ClassDB::add_property for ScatterLayer; all its properties are added through this function. Also records the use.
 void add_layer_property(PropertyUse use, const godot::PropertyInfo &p_info, const godot::StringName &p_setter,
 		const godot::StringName &p_getter);
 
-/// The use of a property; placement for a name that is none, as of a variable of a script.
+/// The use of a property. `placement` for unknown names, such as a script's variables.
 PropertyUse layer_property_use(const godot::StringName &p_property);
 
 } // namespace thicket

@@ -13,7 +13,7 @@ namespace thicket {
 
 namespace {
 
-/// The layers of a node as they are.
+/// The current layers of a node.
 class LiveLayers {
 public:
 	explicit LiveLayers(const TypedArray<ScatterLayer> &p_layers) : layers_(p_layers) {}

@@ -11,22 +11,22 @@
 
 namespace thicket {
 
-/// Finds the layer that a script or a scene means, by the ScatterLayer itself, its name (a String or StringName) or its
-/// index in a node's list. Of two layers of one name the first is meant; an empty name means none. An index may be that of
-/// an empty entry of the list.
+/// Finds the layer that a script or a scene refers to: by the ScatterLayer itself, its name (a String or StringName) or its index in a
+/// node's list. If two layers share a name, the first one is found. An empty name refers to no layer. An index may be that of an empty
+/// entry of the list.
 ///
-/// Returns an empty string and sets `r_index`, or returns a sentence that names the value which means no layer, and leaves
-/// `r_index` as it was.
+/// Returns an empty string and sets `r_index`. If the value refers to no layer, returns a sentence that names the value, and leaves
+/// `r_index` unchanged.
 godot::String find_layer(
 		const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 
-/// The same for several layers: one reference, or an Array, PackedInt32Array, PackedInt64Array or PackedStringArray of
-/// them. `r_indices` gets each layer once, in the order in which they are named; nothing for an empty array, which stands
-/// for all layers. A null is refused, since it is more often a variable that was never set than a wish for all layers.
+/// The same for several layers: one reference, or an Array, PackedInt32Array, PackedInt64Array or PackedStringArray of them. `r_indices`
+/// gets each layer once, in the order of the references. An empty array adds nothing and stands for all layers. Null is refused, because it
+/// is more often a variable that was never set than a request for all layers.
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
 
-/// The layers of a list as they were: another thread can find one among them.
+/// A copy of the names and object IDs of a list's layers, so that another thread can find a layer among them.
 class LayerNames {
 public:
 	explicit LayerNames(const godot::TypedArray<ScatterLayer> &p_layers);
@@ -37,25 +37,25 @@ public:
 
 private:
 	struct Entry {
-		std::uint64_t id; ///< Of the layer as an object of the engine; 0 for an empty entry.
+		std::uint64_t id; ///< The layer's object ID in the engine; 0 for an empty entry.
 		godot::String name;
 	};
 
 	std::vector<Entry> entries_;
 };
 
-/// The same among these, on any thread.
+/// The same among these layers, on any thread.
 godot::String find_layers(
 		const LayerNames &p_layers, const godot::Variant &p_references, std::vector<std::uint32_t> &r_indices);
 
-/// What a property that is saved keeps of a reference: the name, if it is one or the layer has one; the layer itself if it
-/// has no name, or its index. Scenes then hold no layer twice. Null for what cannot mean a layer.
+/// The form in which a saved property stores a reference: a name, if the reference is one or the layer has one; the layer itself if it has
+/// no name; or its index. Scenes then store no layer twice. Null if the value cannot refer to a layer.
 godot::Variant stored_reference(const godot::Variant &p_reference);
 
-/// The same for the core; empty for an empty name.
+/// The same reference for the core; empty for an empty name.
 LayerReference core_reference(const godot::Variant &p_stored);
 
-/// The sentence about a value that cannot mean a layer, for the error of a property that refuses it.
+/// The error message for a property that refuses a value because it cannot refer to a layer.
 godot::String no_reference(const godot::Variant &p_value);
 
 } // namespace thicket

@@ -22,16 +22,16 @@
 
 namespace thicket {
 
-/// What casts the shadow of a mesh while that is drawn.
+/// How a mesh casts its shadow while it is drawn.
 struct MeshShadow {
-	godot::Ref<godot::Mesh> mesh; ///< In place of the mesh that is drawn; null for that itself.
+	godot::Ref<godot::Mesh> mesh; ///< Casts the shadow in place of the drawn mesh. Null if the drawn mesh does.
 	std::int64_t setting = -1;    ///< GeometryInstance3D.ShadowCastingSetting, or one of these:
 
 	static constexpr std::int64_t as_layer = -1;
 	static constexpr std::int64_t as_layer_unless_on =
-			-2; ///< None where the layer says no more than "on", its default.
+			-2; ///< Casts no shadow if the layer's setting is "on", its default.
 
-	/// The setting for a layer with this one.
+	/// The effective setting for a layer with `layer_setting`.
 	std::int64_t setting_in(std::int64_t layer_setting) const {
 		constexpr std::int64_t off = 0;
 		constexpr std::int64_t on = 1;
@@ -47,54 +47,55 @@ struct MeshLook {
 	godot::Ref<godot::Mesh> mesh; ///< Never null.
 	MeshShadow shadow;
 	LodLook look;
-	bool fades = false; ///< All its materials can: they include scatter_fade.gdshaderinc.
+	bool fades = false; ///< True if all its materials can fade: they include scatter_fade.gdshaderinc.
 };
 
-/// What is drawn for the instances of a layer, and how the renderer draws it. The numbers of enumerations are the engine's.
+/// The meshes that are drawn for the instances of a layer, and how the renderer draws them. Enumeration values are the engine's.
 struct LayerDrawing {
-	std::vector<godot::Ref<godot::Mesh>> meshes; ///< Nothing is drawn for a null entry.
+	std::vector<godot::Ref<godot::Mesh>> meshes; ///< A null entry draws nothing.
 
-	/// A row of entries, one for each of the meshes, for each LOD distance. A null entry means the next finer mesh.
+	/// One row per LOD distance, with an entry for each of the meshes. Null means that the next finer mesh stays.
 	std::vector<godot::Ref<godot::Mesh>> lod_meshes;
 
-	std::vector<MeshShadow> shadows;     ///< Of each of the meshes,
-	std::vector<MeshShadow> lod_shadows; ///< and of the lod_meshes that are not null.
+	std::vector<MeshShadow> shadows;     ///< One for each of the meshes.
+	std::vector<MeshShadow> lod_shadows; ///< One for each of the lod_meshes that are not null.
 
-	std::vector<LodLook> looks;     ///< Of each of the meshes,
-	std::vector<LodLook> lod_looks; ///< and of the lod_meshes that are not null.
+	std::vector<LodLook> looks;     ///< One for each of the meshes.
+	std::vector<LodLook> lod_looks; ///< One for each of the lod_meshes that are not null.
 
-	std::vector<bool> fades;     ///< Whether all materials of each of the meshes can fade,
-	std::vector<bool> lod_fades; ///< and of each of the lod_meshes.
+	std::vector<bool> fades;     ///< Whether all materials of each of the meshes can fade.
+	std::vector<bool> lod_fades; ///< The same for each of the lod_meshes.
 
-	/// What is known of the surfaces of all that can fade: others mean that the resources are the same and have changed.
+	/// Material IDs and vertex counts of the surfaces of all meshes that can fade. A difference means that a resource is the same object
+	/// but has changed.
 	std::vector<std::uint64_t> surfaces;
 
-	/// The box of each of the meshes when the snapshot was made: another box means another mesh, though the resource is the same.
+	/// The box of each mesh when the snapshot was made. A different box means that the mesh has changed, even if the resource is the same.
 	std::vector<godot::AABB> boxes;
 
-	/// Meters at scale 1 from the origin of each mesh to its farthest corner, whichever of its LODs is drawn, enlarged as much as
-	/// thinning may enlarge it.
+	/// Meters at scale 1 from the origin of each mesh to its farthest corner, over all its LODs, enlarged as much as thinning may enlarge
+	/// it.
 	std::vector<float> mesh_reach;
 
-	double draw_cell_size = 0.0; ///< Meters; 0 for what fits the models. LayerSnapshot::cells has what follows from it.
+	double draw_cell_size = 0.0; ///< Meters; 0 for a size that fits the models. LayerSnapshot::cells has the result.
 
-	godot::Ref<godot::Material> material_override; ///< Null for the meshes' own.
+	godot::Ref<godot::Material> material_override; ///< Null to use the materials of the meshes.
 	std::int64_t cast_shadow = 1;
 	std::int64_t gi_mode = 1;
 	std::int64_t render_layers = 1;
 	double lod_bias = 1.0;
-	double extra_cull_margin = 0.0; ///< Meters; in a snapshot, sway_reach of the materials is added to the property.
+	double extra_cull_margin = 0.0; ///< Meters. In a snapshot, sway_reach of the materials is added to the property.
 	double visibility_range_begin = 0.0;
 	double visibility_range_begin_margin = 0.0;
 	double visibility_range_end = 0.0;
 	double visibility_range_end_margin = 0.0;
 	std::int64_t visibility_range_fade_mode = 0;
 
-	/// True if anything is drawn for the mesh of this index.
+	/// True if anything is drawn for the mesh at this index.
 	bool draws(std::size_t mesh) const { return mesh < meshes.size() && meshes[mesh].is_valid(); }
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 
-	/// True if the renderer is given the same meshes: a tile of the one may stand for a tile of the other.
+	/// True if the renderer gets the same meshes, so that a tile of one can replace a tile of the other.
 	bool same_meshes(const LayerDrawing &other) const {
 		return meshes == other.meshes && lod_meshes == other.lod_meshes && shadows == other.shadows &&
 				lod_shadows == other.lod_shadows;
@@ -103,34 +104,34 @@ struct LayerDrawing {
 	friend bool operator==(const LayerDrawing &, const LayerDrawing &) = default;
 };
 
-/// What a body is made of. The values are those that scenes store.
+/// The shape of a body. Scenes store these values.
 enum class BodyShape : std::uint8_t { none, capsule, cylinder, box, convex, model };
 
 /// The static bodies of a layer's instances.
 struct LayerCollision {
 	BodyShape shape = BodyShape::none;
-	double distance = 40.0; ///< Meters to the nearest viewer or moving body within which bodies stand.
-	std::int64_t layer = 1; ///< Physics layers, as the engine names them.
+	double distance = 40.0; ///< Meters. An instance has a body if a viewer or moving body is nearer than this.
+	std::int64_t layer = 1; ///< Physics layers, in the engine's terms.
 	std::int64_t mask = 1;
-	double friction = 1.0;                    ///< Negative for a rough material, as StaticBody3D hands it over.
-	double bounce = 0.0;                      ///< Negative for one that absorbs.
-	bool affects_navigation = true;           ///< Navigation meshes are baked around what collides.
-	std::vector<std::vector<BodyPart>> parts; ///< Of the model of each of the meshes, if that is the shape.
+	double friction = 1.0;                    ///< Negative for a rough material, as in StaticBody3D.
+	double bounce = 0.0;                      ///< Negative for an absorbent material.
+	bool affects_navigation = true;           ///< Navigation meshes are baked around colliding instances.
+	std::vector<std::vector<BodyPart>> parts; ///< The shapes of each mesh's model, if `shape` is `model`.
 
 	friend bool operator==(const LayerCollision &, const LayerCollision &) = default;
 };
 
 /// The scenes that replace a layer's meshes near viewers.
 struct LayerScene {
-	godot::Ref<godot::PackedScene> scene; ///< Null for none.
-	double distance = 20.0; ///< Meters to the nearest viewer or moving body within which scenes stand; 0 for never.
+	godot::Ref<godot::PackedScene> scene; ///< Null if there is none.
+	double distance = 20.0; ///< Meters. A scene replaces the mesh if a viewer or moving body is nearer; 0 for never.
 
 	friend bool operator==(const LayerScene &, const LayerScene &) = default;
 };
 
-/// What an instance is to a game. None of it decides where instances stand.
+/// How a game interacts with instances. None of it affects where instances are placed.
 struct LayerGameplay {
-	double instance_radius = 0.5; ///< Meters at scale 1, of the cylinder that stands for an instance.
+	double instance_radius = 0.5; ///< Meters at scale 1. Radius of the cylinder that represents an instance.
 	double instance_height = 2.0;
 	double regrowth_time = 0.0; ///< Seconds; 0 for never.
 	LayerCollision collision;
@@ -139,30 +140,30 @@ struct LayerGameplay {
 	friend bool operator==(const LayerGameplay &, const LayerGameplay &) = default;
 };
 
-/// All that a ScatterLayer says, at one moment, for everybody who works with it: the stream, the display, the workers, the rings of
-/// bodies and scenes, and queries. Nobody changes it once it is shared, so the layer may be edited, and may go, meanwhile.
+/// All settings of a ScatterLayer at one moment, for everything that works with it: the stream, the display, the workers, the rings of
+/// bodies and scenes, and queries. A snapshot never changes once it is shared, so the layer may be edited or freed in the meantime.
 ///
-/// Worker threads read `settings` and `drawing.mesh_reach`. Everything that is a resource of the engine belongs to the main thread, which
-/// also has to let go of a snapshot last.
+/// Worker threads read `settings` and `drawing.mesh_reach`. All resources of the engine belong to the main thread, which also must be the
+/// last to release a snapshot.
 struct LayerSnapshot {
 	SharedLayer
-			settings; ///< Never null. ScatterLayer makes it without neighbors and shapes: those are added by the node.
+			settings; ///< Never null. ScatterLayer creates it without neighbors and shapes, which the node adds later.
 	StreamLayer range;
 	LayerDrawing drawing;
 	LodSettings lod;
 	CellSettings cells;
 	LayerGameplay gameplay;
-	LayerLinks links;                     ///< Its name, and what it says of other layers by name.
+	LayerLinks links;                     ///< The layer's name, and its references to other layers by name.
 	std::vector<std::string> field_names; ///< The property behind each of settings->rules.fields.
 
-	/// Settings count as equal only if they are the same object.
+	/// Settings are equal only if they are the same object.
 	friend bool operator==(const LayerSnapshot &, const LayerSnapshot &) = default;
 };
 
-/// Null for a layer of which nothing is shown: an empty entry of the list, or one that was never valid.
+/// Null for a layer that is not shown: an empty entry of the list, or a layer that was never valid.
 using SharedSnapshot = std::shared_ptr<const LayerSnapshot>;
 
-/// What queries need of a layer. Null gives one that is not wanted.
+/// The settings of a layer that queries need. Null returns a layer that is not wanted.
 QueryLayer query_layer(const LayerSnapshot *layer);
 
 } // namespace thicket

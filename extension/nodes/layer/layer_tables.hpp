@@ -13,21 +13,21 @@
 
 namespace thicket {
 
-/// How a mask texture is laid over the world.
+/// Maps a mask texture to the world.
 struct MaskFrame {
 	Rect area{{0.0, 0.0}, {1000.0, 1000.0}}; ///< Meters.
 	ImageChannel channel = ImageChannel::red;
 	MaskEdge edge = MaskEdge::nothing;
 };
 
-/// A texture whose pixels are asked of the renderer, which waits for it, only where they may be others.
+/// A texture with a flag for pixels that may have changed. Only then are they read back, because the renderer has to wait for that.
 struct TextureSource {
 	godot::Ref<godot::Texture2D> texture;
 	bool unread = false;
 };
 
-/// Takes over what was made anew of a resource. A table that says the same stays the same object, so that settings may compare
-/// tables by pointer: another pointer means that tiles are made anew.
+/// Replaces a table that was rebuilt from a resource. An equal table keeps the old object, because settings compare tables by pointer: a
+/// different pointer regenerates tiles.
 template <class Made>
 void replace(Made &r_old, Made fresh) {
 	r_old = std::move(fresh);
@@ -36,40 +36,40 @@ void replace(Made &r_old, Made fresh) {
 template <std::equality_comparable Table>
 void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> fresh) {
 	if (r_old != nullptr && fresh != nullptr && *r_old == *fresh) {
-		// Fast path: for the same table no tile has to be made anew.
+		// Fast path: an equal table regenerates no tile.
 		return;
 	}
 	r_old = std::move(fresh);
 }
 
-/// What is made of a resource and other properties together: noise with its curve, a texture with its frame, and a line in
-/// place of a proximity curve. Tables of all other resources go straight to the settings.
+/// The data that depends on a resource and other properties together: noise with its curve, a texture with its frame, and a line that
+/// replaces a missing proximity curve. Tables of all other resources are stored directly in the settings.
 class LayerTables {
 public:
-	/// Brings what is made up to date with the sources and with the properties.
+	/// Updates the results to match the sources and the properties.
 	void refresh(const MaskFrame &frame, double proximity_distance);
 
-	// Sources, each made of one resource.
+	// Sources, each created from one resource.
 	std::shared_ptr<const CurveTable> noise_curve;
-	godot::Ref<godot::Noise> noise_source; ///< A copy. Noise cannot be compared: another object means another noise.
+	godot::Ref<godot::Noise> noise_source; ///< A copy. Noise cannot be compared, only its objects can.
 	TextureSource mask_texture;
-	godot::Ref<godot::Image> mask_texture_image; ///< Used where the texture has none.
+	godot::Ref<godot::Image> mask_texture_image; ///< Used if the texture has no image.
 
-	// What is made of them.
+	// Results, created from the sources.
 	std::shared_ptr<const DensityField> noise;
 	std::shared_ptr<const ImageMask> image;           ///< All 0 while a texture has no image.
 	std::shared_ptr<const CurveTable> proximity_line; ///< Never null after `refresh`.
-	Status image_status;        ///< What is wrong with the texture's image; the last good mask is kept.
-	bool image_missing = false; ///< There is a texture, but no image in it, or none that can be read.
+	Status image_status;                              ///< The error of the texture's image; the last good mask is kept.
+	bool image_missing = false; ///< True if there is a texture, but its image is missing or cannot be read.
 
 private:
 	void refresh_noise();
 	void refresh_image(const MaskFrame &frame);
 
-	std::shared_ptr<const CurveTable> used_curve_; ///< Of which `noise` was made.
-	godot::Ref<godot::Noise> used_source_;         ///< Of which `noise` was made.
+	std::shared_ptr<const CurveTable> used_curve_; ///< The curve that `noise` uses.
+	godot::Ref<godot::Noise> used_source_;         ///< The noise that `noise` uses.
 	ChannelPixels pixels_;
-	MaskFrame frame_; ///< As `pixels_` and `image` were made.
+	MaskFrame frame_; ///< The frame with which `pixels_` and `image` were created.
 };
 
 } // namespace thicket

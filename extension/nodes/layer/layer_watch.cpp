@@ -20,7 +20,7 @@ bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
 	});
 }
 
-/// Layers that are told emit `changed`: scripts may do anything.
+/// Layers emit `changed` when a change is applied, so scripts may run and do anything.
 void LayerWatch::take_mesh_changes() const {
 	const std::vector<Seen> layers = seen_;
 	for (const Seen &seen : layers) {
@@ -34,7 +34,7 @@ bool LayerWatch::lists_differ(const TypedArray<ScatterLayer> &p_layers) const {
 	bool same = p_layers.size() == static_cast<int64_t>(seen_.size());
 	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
 		const Object *layer =
-				p_layers[static_cast<int64_t>(index)]; // Every question comes here: no reference is counted.
+				p_layers[static_cast<int64_t>(index)]; // No reference is counted, because every query runs this.
 		same = layer == seen_[index].layer.ptr();
 	}
 	return !same;
@@ -72,7 +72,7 @@ void LayerWatch::listen(bool p_listen) const {
 
 void LayerWatch::give_ids(std::size_t own_count) {
 	if (std::exchange(giving_ids_, true)) {
-		return; // A layer told that it has an id.
+		return; // Called while IDs are being given: a layer has emitted `changed` because of its new ID.
 	}
 	std::set<int64_t> taken;
 	for (const Seen &seen : seen_) {
@@ -81,7 +81,7 @@ void LayerWatch::give_ids(std::size_t own_count) {
 		}
 	}
 	ids_.insert(taken.begin(), taken.end());
-	const std::vector<Seen> layers = seen_; // Who hears of an id may change the list.
+	const std::vector<Seen> layers = seen_; // A copy, because a handler of `changed` may change the list.
 	for (std::size_t index = 0; taken.count(-1) > 0 && index < layers.size(); ++index) {
 		const Ref<ScatterLayer> &layer = layers[index].layer;
 		if (layer.is_null() || layer->own_id() >= 0) {
@@ -119,7 +119,7 @@ std::vector<LayerRename> LayerWatch::follow_names() {
 			renames.push_back({before, name});
 		}
 	}
-	const std::vector<Seen> layers = seen_; // Who hears of a change may change the list.
+	const std::vector<Seen> layers = seen_; // A copy, because a handler of `changed` may change the list.
 	for (const LayerRename &rename : renames) {
 		for (const Seen &seen : layers) {
 			if (seen.layer.is_valid()) {

@@ -13,38 +13,38 @@
 
 namespace thicket {
 
-/// A layer has another name: what spoke of it by the old one means the new one.
+/// A layer was renamed: references to the old name now mean the new one.
 struct LayerRename {
-	godot::String from; ///< Empty for a layer that had no name, of which others spoke by itself.
+	godot::String from; ///< Empty for a layer that had no name, so that other layers held the object.
 	godot::String to;
 };
 
-/// What a node has seen of its list of layers. Scripts share the list's array with the node, so layers come and go without
-/// a setter being called: the node looks in every frame and before it answers anything. Main thread only.
+/// The last seen state of a node's list of layers. Scripts share the list's array with the node, so layers can be added and removed without
+/// a call of a setter. Therefore the node checks the list in every frame and before it answers a query. Main thread only.
 class LayerWatch {
 public:
-	/// `node` has the methods `_mark_dirty` and `_mark_area_edited(rect)`, which hear of changes of the layers.
+	/// `node` has the methods `_mark_dirty` and `_mark_area_edited(rect)`, which are connected to the signals of the layers.
 	explicit LayerWatch(godot::Object *node) : node_(node) {}
 
-	/// True if the list is not the one of the last `look`, or if a script has changed the meshes of a layer in place.
+	/// True if the list has changed since the last `look`, or if a script has changed the meshes of a layer in place.
 	bool differs(const godot::TypedArray<ScatterLayer> &p_layers) const;
 
-	/// Takes in the list: listens to the layers that are new, and no longer to those that are gone, and gives each layer
-	/// whose layer_id is -1 one of its own: its index if no other layer has that, else the lowest that none has. Layers
-	/// from `own_count` on come and go with biomes: they get ids that none has had, so that one which comes back has kept its
-	/// own. Layers emit `changed` for it. Where the list is the same, they get one only if `p_give`. Takes over what scripts have
-	/// changed in the layers' meshes. Returns whether the list is another one than that of the last call.
+	/// Reads the list: connects to new layers, and disconnects from removed ones. Gives an ID to each layer whose layer_id is -1: its index
+	/// if no other layer has that ID, otherwise the lowest unused one. Layers from `own_count` on are added and removed by biomes. They get
+	/// IDs that no layer has ever had, so that a layer that returns still has its own ID. Layers then emit `changed`. If the list is
+	/// unchanged, IDs are given only if `p_give` is true. Applies changes that scripts have made to the layers' meshes. Returns whether the
+	/// list differs from that of the last call.
 	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give);
 
-	/// Makes all layers of the list follow when one of them was renamed, and returns the renames. Nothing follows while the
-	/// new name is empty or another layer has it, so that a name may be typed letter by letter; and nothing follows
-	/// where another layer has the old name, since that one is meant from then on.
+	/// Updates the references of all layers of the list after a layer was renamed, and returns the renames. Does nothing while the new name
+	/// is empty or belongs to another layer, so that a name may be typed letter by letter. Also does nothing if another layer has the old
+	/// name, because references then mean that layer.
 	std::vector<LayerRename> follow_names();
 
 private:
 	struct Seen {
 		godot::Ref<ScatterLayer> layer; ///< Null for an empty entry.
-		godot::String name;             ///< By which others speak of it.
+		godot::String name;             ///< The name that other layers use in references.
 	};
 
 	bool lists_differ(const godot::TypedArray<ScatterLayer> &p_layers) const;
@@ -55,7 +55,7 @@ private:
 
 	godot::Object *node_;
 	std::vector<Seen> seen_;
-	std::set<std::int64_t> ids_; ///< That any layer has had.
+	std::set<std::int64_t> ids_; ///< All IDs that any layer has ever had.
 	bool giving_ids_ = false;
 };
 

@@ -17,7 +17,7 @@ namespace thicket {
 
 namespace {
 
-/// Remembers what it has found out of materials, which meshes share.
+/// Caches the results of materials, because meshes share them.
 class FadeFinder {
 public:
 	explicit FadeFinder(const Ref<Material> &material_override) : override_(material_override) {}
@@ -52,7 +52,7 @@ bool FadeFinder::fades(const Ref<Material> &material) {
 	const std::uint64_t id = material->get_instance_id();
 	const auto found = known_.find(id);
 	if (found != known_.end()) {
-		// Fast path: what is known of a material holds for all meshes.
+		// Fast path: a cached result holds for all meshes.
 		return found->second;
 	}
 	return known_[id] = has_fade(material);

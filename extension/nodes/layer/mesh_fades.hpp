@@ -4,8 +4,8 @@
 
 namespace thicket {
 
-/// Says of each mesh that is drawn whether it can fade: whether all its materials are shaders that include scatter_fade.gdshaderinc, and none of them has
-/// its parameter scatter_cross_fade off.
+/// Records for each drawn mesh whether it can fade. It can if all its materials are shaders that include scatter_fade.gdshaderinc, if none
+/// of them has its parameter scatter_cross_fade off, and if the mesh itself does not use CUSTOM3.
 void add_fades(LayerDrawing &r_drawing);
 
 } // namespace thicket

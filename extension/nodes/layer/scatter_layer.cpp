@@ -1,4 +1,4 @@
-// When a layer may be used, the properties at the top of its inspector and those for experts at its end.
+// Layer validation, and the properties at the top of its inspector and the expert ones at its end.
 
 #include "core/base/check.hpp"
 #include "core/placement/instance_rows.hpp"
@@ -97,7 +97,7 @@ void ScatterLayer::add_used(SceneUse::List &r_used) const {
 	}
 }
 
-// Bound in the order of the inspector: meshes, placement, drawing, gameplay.
+// In the order of the inspector: meshes, placement, drawing and gameplay.
 void ScatterLayer::_bind_methods() {
 	bind_basics();
 	bind_placement();

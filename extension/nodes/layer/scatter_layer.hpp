@@ -3,6 +3,7 @@
 #include "core/placement/mesh_choice.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/common/renames.hpp"
 #include "nodes/common/scene_use.hpp"
 #include "nodes/layer/layer_meshes.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
@@ -30,15 +31,16 @@
 
 namespace thicket {
 
-/// What is only a ScatterLayer's own, beside the parts of its snapshot.
+/// Properties of a ScatterLayer that are not in any part of its snapshot.
 struct LayerIdentity {
-	std::int64_t layer_id = -1; ///< -1 until a node has given the layer one.
+	std::int64_t layer_id = -1; ///< -1 until a node has given the layer an ID.
 };
 
 class ScatterLayer;
 
-/// A resource among a layer's properties, as NumberProperty is a number. `make` makes a table of it, as late as a snapshot needs
-/// it, and `member` keeps that in one of the parts that ScatterLayer::part finds. The inspector offers the class that `make` takes.
+/// Describes a property that is a resource, as NumberProperty does for a number. `make` converts the resource to a table, not before a
+/// snapshot needs it. `member` stores the table in one of the parts that ScatterLayer::part finds. The inspector offers the class that
+/// `make` takes.
 template <class Values, class Made, class T>
 struct ResourceProperty {
 	using Resource = T;
@@ -57,25 +59,25 @@ using ResourceOf = typename std::remove_cvref_t<decltype(property)>::Resource;
 /// The value of such a property.
 struct LayerResource {
 	godot::Ref<godot::Resource> value;
-	void (ScatterLayer::*remake)() = nullptr; ///< Makes its table anew; null while the table is up to date.
+	void (ScatterLayer::*remake)() = nullptr; ///< Rebuilds its table; null while the table is up to date.
 };
 
-/// A switch among a layer's properties, in one of the parts that ScatterLayer::part finds.
+/// A boolean property of a layer, stored in one of the parts that ScatterLayer::part finds.
 template <class Values>
 struct SwitchProperty {
 	const char *name;
-	const char *getter; ///< "is_using_colors" and the like, as the engine names them.
+	const char *getter; ///< "is_using_colors" and the like, in the engine's naming style.
 	bool Values::*member;
 };
 
-/// One species or family, placed by one rule set: what stands where, and how it is drawn. Settings only.
+/// One species or family with its placement rules, and how it is drawn. Contains settings only.
 ///
-/// A setter refuses what is not finite or out of range: one error that names the property and the value, and the value
-/// stays. A minimum above its maximum is found when the layer is used, so that both may be set in any order; the error
-/// comes then, and what stands stays.
+/// A setter refuses values that are not finite or out of range: it prints one error that names the property and the value, and keeps the
+/// old value. A minimum above its maximum is detected when the layer is used, so that both may be set in any order. The error is printed
+/// then, and existing instances stay.
 ///
-/// `changed` is emitted by every setter, and whenever one of the layer's own resources emits it. Only what is painted on the
-/// mask comes as `area_changed`, with the rectangle of the world outside which the mask is as it was.
+/// Every setter emits `changed`, and so does the layer when one of its own resources emits it. Only painting on the mask emits
+/// `area_changed` instead, with the rectangle of the world outside which the mask is unchanged.
 class ScatterLayer : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterLayer, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -98,7 +100,8 @@ public:
 		MASK_EDGE_REPEAT,
 	};
 
-	/// BodyShape, for scripts: what bodies meet of an instance that is near. Of instance_radius and instance_height, but for the last.
+	/// BodyShape, for scripts: the collision shape of an instance that is near. All but the last are built from instance_radius and
+	/// instance_height.
 	enum CollisionShape : std::int64_t {
 		COLLISION_NONE,
 		COLLISION_CAPSULE,
@@ -108,7 +111,7 @@ public:
 		COLLISION_MODEL,  ///< The shapes of the instance's model.
 	};
 
-	/// SourceKind, for scripts: what a number of an instance's look follows.
+	/// SourceKind, for scripts: the source of an instance's color or variation.
 	enum ValueSource : std::int64_t {
 		SOURCE_RANDOM,
 		SOURCE_HEIGHT,
@@ -118,7 +121,7 @@ public:
 		SOURCE_DISTANCE,
 	};
 
-	// The properties that scatter_layer_properties.hpp makes of one line each.
+	// The accessors of properties that scatter_layer_properties.hpp defines with one line each.
 	template <const auto &property>
 	void set_number(double p_value);
 	template <const auto &property>
@@ -140,12 +143,12 @@ public:
 
 	ScatterLayer();
 
-	/// A painted density; null for none. Layers may share it.
+	/// A painted density; null if there is none. Layers may share it.
 	void set_mask(const godot::Ref<ScatterMask> &p_mask);
 	godot::Ref<ScatterMask> get_mask() const;
 	void mask_area_changed(const godot::Rect2 &p_rect);
 
-	/// World meters that the mask texture covers: x, and z as y. Its sides are at least 0.001.
+	/// The area that the mask texture covers, in world meters: x, and z as y. Each side is at least 0.001.
 	void set_mask_texture_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_mask_texture_rect() const;
 	void set_mask_texture_channel(MaskChannel p_channel);
@@ -153,54 +156,55 @@ public:
 	void set_mask_texture_edge(MaskEdge p_edge);
 	MaskEdge get_mask_texture_edge() const;
 
-	/// The terrain's textures that the layer stands on, 0 to max_texture each; none for any ground.
+	/// The ground's textures on which the layer grows, 0 to max_texture each; empty for all ground.
 	void set_ground_textures(const godot::PackedInt32Array &p_textures);
 	godot::PackedInt32Array get_ground_textures() const;
 
-	/// Other layers, each as a ScatterLayer, its name or its index, and the meters that are kept free around their
-	/// instances: 0.001 to max_neighbor_distance; at most max_neighbors layers. A layer that has a name is kept by it. What
-	/// is read back is read-only.
+	/// Other layers, each as a ScatterLayer, its name or its index, with the distance in meters to keep free around their instances: 0.001
+	/// to max_neighbor_distance; at most max_neighbors layers. A layer that has a name is stored by name. The returned Dictionary is
+	/// read-only.
 	void set_spacing(const godot::Dictionary &p_spacing);
 	godot::Dictionary get_spacing() const;
 
-	/// The layer whose instances decide about this one's density: a ScatterLayer, its name or its index; null or "" for none.
+	/// The layer whose instances determine the density of this one: a ScatterLayer, its name or its index; null or "" for none.
 	void set_proximity_layer(const godot::Variant &p_layer);
 	godot::Variant get_proximity_layer() const;
 
-	/// What may stand at a point: meshes, scenes and models. Null entries draw nothing. See LayerMeshes for what is refused.
+	/// The meshes, scenes and models to draw at the points. Null entries draw nothing. See LayerMeshes for refused entries.
 	void set_meshes(const godot::Array &p_meshes);
 	godot::Array get_meshes() const;
 
-	/// Scripts share the list that `get_meshes` returns: whether they have changed it in place, and the call that takes this over as
-	/// `set_meshes` would. A list that is refused is replaced by the one of before.
+	/// Scripts share the list that `get_meshes` returns. These return whether they have changed it in place, and apply the change as
+	/// `set_meshes` would. A refused list is replaced by the previous one.
 	bool meshes_differ() const { return meshes_.differs(); }
 	void take_mesh_changes();
 
-	/// Reads the next part of the scenes and models in `meshes`; see LayerMeshes. A snapshot, and all that asks for meshes, has what is read so far.
+	/// Reads the next part of the scenes and models in `meshes`; see LayerMeshes. Snapshots and other users of meshes only have the parts
+	/// that are already read.
 	bool read_step();
 
-	/// Reads anew what `meshes` has of these scenes, by their paths: their files have changed.
+	/// Rereads the scenes with these paths in `meshes`, because their files have changed.
 	void reload_scenes(const godot::PackedStringArray &p_paths);
 
-	/// Sets what follows from the size of what stands in `meshes`: radius, instance_radius, instance_height; and collision_shape, if a model has
-	/// shapes. False, and nothing, without meshes.
+	/// Sets the properties that follow from the size of `meshes`: radius, instance_radius and instance_height; also collision_shape, if a
+	/// model has shapes. Returns false and sets nothing if there are no meshes.
 	bool fit_to_meshes();
 
-	/// How often each of the meshes is used, in proportion, 0 to 1e6; missing ones count as 1.
+	/// The relative frequency of each of the meshes, 0 to 1e6; missing entries count as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
 	godot::PackedFloat32Array get_mesh_weights() const;
 
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
-	/// The materials that instances are drawn with, each once: see materials_of.
+	/// The materials that instances are drawn with, without duplicates: see materials_of.
 	godot::TypedArray<godot::Material> get_materials();
 
-	/// By the names of properties, those of GeometryInstance3D that do the same.
+	/// The values of properties that GeometryInstance3D has too, by their names there.
 	godot::Dictionary get_geometry_properties() const;
 
-	/// What an instance's place on the gradient follows, and what its variation; and for a distance, the layer that is meant, as
-	/// for set_proximity_layer.
+	/// The sources of an instance's color on the gradient and of its variation. For a distance, also the referenced layer, as for
+	/// set_proximity_layer.
 	void set_color_source(ValueSource p_source);
 	ValueSource get_color_source() const;
 	void set_color_source_layer(const godot::Variant &p_layer);
@@ -210,13 +214,13 @@ public:
 	void set_variation_source_layer(const godot::Variant &p_layer);
 	godot::Variant get_variation_source_layer() const;
 
-	/// What replaces the meshes from each of the LOD distances on: a row of entries for the meshes, then the row of
-	/// the next distance. Null for the finer mesh; at most max_lods rows of max_meshes.
+	/// The meshes that replace `meshes` from each of the LOD distances on: one row of entries for all meshes, then the row of the next
+	/// distance. Null keeps the finer mesh. At most max_lods rows of max_meshes.
 	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
 	godot::TypedArray<godot::Mesh> get_lod_meshes() const;
 
-	/// The LODs that an entry of `meshes` is drawn by, the finest first, with nothing left open: those of its model, and those of `lod_meshes`.
-	/// None for an entry that draws nothing; an index that is not there prints an error.
+	/// All LODs of an entry of `meshes`, the finest first, with no defaults left to resolve: those of its model and those of `lod_meshes`.
+	/// Empty for an entry that draws nothing. An invalid index prints an error.
 	godot::TypedArray<ScatterLod> get_mesh_lods(int64_t p_index);
 
 	/// Meters from a viewer to a tile's box, ascending, 0 to 1e6 each; at most max_lods.
@@ -226,63 +230,64 @@ public:
 	void set_collision_shape(CollisionShape p_shape);
 	CollisionShape get_collision_shape() const;
 
-	/// Friction and bounce of the bodies; null for the engine's own.
+	/// Friction and bounce of the bodies; null for the engine's defaults.
 	void set_physics_material(const godot::Ref<godot::PhysicsMaterial> &p_material);
 	godot::Ref<godot::PhysicsMaterial> get_physics_material() const;
 
-	/// What replaces the mesh near viewers; null for the mesh everywhere.
+	/// Replaces the mesh near viewers; null to keep the mesh everywhere.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
-	/// False for a property that only decides how instances are drawn, or how a game meets them: see PropertyUse.
+	/// False for a property that only affects how instances are drawn, or how a game interacts with them: see PropertyUse.
 	bool affects_placement(const godot::StringName &p_property) const;
 
-	/// The columns of ScatterTile.get_rows for the layer, by name: the types of their numbers.
+	/// The columns of ScatterTile.get_rows for the layer: the types of their numbers, by name.
 	godot::Dictionary get_row_columns() const;
 
 	/// free_layer_name, for scripts.
 	godot::String find_free_name(const godot::String &p_name, const godot::PackedStringArray &p_taken) const;
 
-	/// Points of the layer's set in a square meter, on average, before any rule.
+	/// The average number of points of the layer's set per square meter, before any rule.
 	double get_point_density() const;
 
-	/// Stores what the layer needs of its meshes and its mask texture where an export strips them: corners of convex hulls, one entry for each of
-	/// the meshes, and the texture's image. False if there is nothing to store. The stored data is used only for what was stripped.
+	/// Stores the data of the meshes and the mask texture that the layer needs where an export strips them: corners of convex hulls, one
+	/// entry for each of the meshes, and the texture's image. Returns false if there is nothing to store. The stored data only replaces
+	/// stripped resources.
 	bool embed_stripped_data();
 	void set_convex_hulls(const godot::Array &p_hulls);
 	godot::Array get_convex_hulls() const;
 	void set_mask_texture_image(const godot::Ref<godot::Image> &p_image);
 	godot::Ref<godot::Image> get_mask_texture_image() const;
 
-	/// What cannot work because it was stripped from the export.
+	/// Adds a problem for each feature that cannot work because its resource was stripped from the export.
 	void add_stripped_problems(godot::PackedStringArray &r_problems) const;
 
-	/// Has the layer keep an id that a node gave it.
+	/// Stores an ID that a node gave to the layer.
 	void take_id(std::int64_t p_id);
 
-	/// A layer that was named `p_from` is now named `p_to`: what this one says of it follows. An empty `p_from` stands for a
-	/// layer that had no name and was held itself.
+	/// Updates this layer's references after another layer was renamed from `p_from` to `p_to`. An empty `p_from` means that the layer had
+	/// no name, and that references held the object.
 	void rename_references(const godot::String &p_from, const godot::String &p_to);
 
-	/// All that the layer says now. `index` is the layer's index among its node's layers: it is the id of the layer's points, unless
-	/// `layer_id` says otherwise. The settings have no neighbors and no shapes, which are the node's. A table, a field or a mask in
-	/// the snapshot is the same object as in the snapshot before until what it says has changed.
+	/// All current settings of the layer. `index` is the layer's index in its node's list. It becomes the ID of the layer's points, unless
+	/// `layer_id` is set. The settings have no neighbors and no shapes, because the node adds those. A table, a field or a mask remains the
+	/// same object as in the previous snapshot until its content changes.
 	LayerSnapshot snapshot(std::uint64_t seed, std::size_t index);
 
-	/// The part of the snapshot that is about other layers.
+	/// The part of the snapshot that refers to other layers.
 	LayerLinks links();
-	std::int64_t own_id() const { return identity_.layer_id; } ///< The property `layer_id`; -1 for the index.
+	std::int64_t own_id() const { return identity_.layer_id; } ///< The property `layer_id`; -1 to use the index.
 
 	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
 	Status check();
 
-	/// True if the layer stands nowhere unless there is water.
+	/// True if the layer can only have instances in water.
 	bool needs_water() const { return settings_.rules.min_water_depth > -unlimited_height; }
 
-	/// Adds what the main thread reads along with the layer.
+	/// Adds the resources that the main thread reads along with the layer.
 	void add_used(SceneUse::List &r_used) const;
 
-	/// What is likely not meant, for the editor's warnings.
+	/// Likely mistakes, for the editor's warnings.
 	godot::PackedStringArray problems();
 
 	static constexpr double max_tile_points = 4e6;
@@ -290,10 +295,13 @@ public:
 
 protected:
 	static void _bind_methods();
+	bool _set(const godot::StringName &p_name, const godot::Variant &p_value) {
+		return set_renamed(this, p_name, p_value);
+	}
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	/// The part of the layer that has such values: its properties are kept in the form in which they are used.
+	/// The part of the layer that contains such values. The properties are stored directly in the form in which they are used.
 	template <class Values, class Self>
 	static auto &part(Self &self);
 
@@ -348,7 +356,8 @@ private:
 	static void bind_gameplay();
 	static void bind_export();
 
-	// Each has what single properties stand for; `refresh` adds the tables made of resources, the snapshot what is made of lists.
+	// Each contains the values of single properties. `refresh` adds the tables created from resources, and the snapshot adds the data
+	// created from lists.
 	LayerSettings settings_;
 	StreamLayer range_;
 	LayerDrawing drawing_;
@@ -360,12 +369,12 @@ private:
 
 	std::map<std::string_view, LayerResource> resources_; ///< By the names of their properties.
 	LayerTables tables_;
-	std::uint64_t hidden_ = 0; ///< hidden_properties(), as the inspector was told last.
+	std::uint64_t hidden_ = 0; ///< The value of hidden_properties() when the inspector was last refreshed.
 
 	godot::Ref<ScatterMask> mask_;
-	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F}; ///< As it was set; mask_frame_ has it too.
+	godot::Rect2 mask_texture_rect_{0.0F, 0.0F, 1000.0F, 1000.0F}; ///< As set; mask_frame_ has the area too.
 	godot::PackedInt32Array ground_textures_;
-	godot::Dictionary spacing_property_; ///< As stored_reference has the keys; read-only.
+	godot::Dictionary spacing_property_; ///< With keys as returned by stored_reference; read-only.
 	godot::Variant proximity_layer_ = godot::String();
 	godot::Variant color_source_layer_ = godot::String();
 	godot::Variant variation_source_layer_ = godot::String();
@@ -378,7 +387,7 @@ private:
 
 	godot::Ref<godot::PhysicsMaterial> physics_material_;
 	godot::Ref<godot::PackedScene> scene_;
-	std::vector<BodyPart> convex_hulls_; ///< Of each of the meshes.
+	std::vector<BodyPart> convex_hulls_; ///< One for each of the meshes.
 };
 
 } // namespace thicket

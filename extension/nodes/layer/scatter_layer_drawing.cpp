@@ -1,4 +1,4 @@
-// How it is drawn: the properties of the group Drawing.
+// How the layer is drawn: the properties of the group Drawing.
 
 #include "nodes/layer/layer_materials.hpp"
 #include "nodes/common/engine_arrays.hpp"

@@ -1,4 +1,4 @@
-// What a layer keeps for an export as a dedicated server, which puts placeholders in place of meshes and textures.
+// The data that a layer stores for an export as a dedicated server, which replaces meshes and textures with placeholders.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
@@ -75,7 +75,7 @@ bool ScatterLayer::embed_stripped_data() {
 	return any;
 }
 
-/// A convex hull is made of the vertices of a mesh. Where any of them was stripped, the stored hulls are the bodies.
+/// A convex hull is built from the vertices of a mesh. If any mesh was stripped, the stored hulls are used as bodies.
 bool ScatterLayer::needs_stored_hulls() const {
 	bool stripped = false;
 	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
@@ -103,7 +103,7 @@ void ScatterLayer::add_stripped_problems(PackedStringArray &r_problems) const {
 		}
 	}
 	if (tables_.image_missing && is_stripped(tables_.mask_texture.texture)) {
-		r_problems.push_back(stripped_problem("ScatterLayer.mask_texture", "nothing stands"));
+		r_problems.push_back(stripped_problem("ScatterLayer.mask_texture", "nothing is placed"));
 	}
 }
 

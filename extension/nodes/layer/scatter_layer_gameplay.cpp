@@ -1,4 +1,4 @@
-// What an instance is to a game: the properties of the group Gameplay. None of them has a say in what stands where.
+// How a game interacts with instances: the properties of the group Gameplay. None of them affects placement.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -51,7 +51,7 @@ ScatterLayer::CollisionShape ScatterLayer::get_collision_shape() const {
 	return static_cast<CollisionShape>(gameplay_.collision.shape);
 }
 
-// Watched, unlike a material to draw with: the bodies have copies of what is in it.
+// Watched, unlike the materials for drawing, because bodies copy its values.
 void ScatterLayer::set_physics_material(const Ref<PhysicsMaterial> &p_material) {
 	if (physics_material_ == p_material) {
 		return;
@@ -87,16 +87,17 @@ void ScatterLayer::add_gameplay_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.collision_shape is not used: collision_distance is 0.");
 	}
 	if (gameplay_.collision.layer == 0 && gameplay_.collision.mask == 0) {
-		r_problems.push_back("ScatterLayer.collision_shape meets nothing: collision_layer and collision_mask are 0.");
+		r_problems.push_back(
+				"ScatterLayer.collision_shape collides with nothing: collision_layer and collision_mask are 0.");
 	}
 	if (gameplay_.collision.shape == BodyShape::capsule &&
 			gameplay_.instance_height < 2.0 * gameplay_.instance_radius) {
-		r_problems.push_back("ScatterLayer.instance_height is below two times instance_radius, the least height of a "
+		r_problems.push_back("ScatterLayer.instance_height is below two times instance_radius, the minimum height of a "
 							 "capsule.");
 	}
 	if (gameplay_.collision.shape == BodyShape::convex) {
 		if (!meshes_.has_mesh()) {
-			r_problems.push_back("ScatterLayer.collision_shape is Convex, but there is no mesh to make it of.");
+			r_problems.push_back("ScatterLayer.collision_shape is Convex, but the layer has no mesh to build it from.");
 		}
 	}
 	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();

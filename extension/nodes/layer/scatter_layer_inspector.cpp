@@ -1,4 +1,4 @@
-// Which of a layer's properties the inspector hides because they do not apply. They are stored all the same.
+// Hides properties of a layer in the inspector while they do not apply. They are still stored.
 
 #include "nodes/layer/scatter_layer.hpp"
 
@@ -14,7 +14,7 @@ namespace thicket {
 
 namespace {
 
-/// A property that may be hidden. A bit of hidden_properties() each, in this order.
+/// Properties that may be hidden, each with a bit of hidden_properties(), in this order.
 constexpr std::array hideable{
 		"mesh_weights",
 		"scale_curve",
@@ -33,7 +33,7 @@ constexpr std::array hideable{
 		"lod_meshes",
 		"thin_begin",
 		"thin_end",
-		"thin_scale_compensation",
+		"thin_scale_up",
 		"collision_distance",
 		"collision_layer",
 		"collision_mask",
@@ -54,12 +54,12 @@ constexpr std::array hideable{
 		"variation_randomness",
 };
 
-/// Where in hidden_properties() the sources are.
+/// The bits of hidden_properties() that hold the sources.
 constexpr unsigned color_source_bits = 58;
 constexpr unsigned variation_source_bits = 61;
 static_assert(hideable.size() <= color_source_bits);
 
-/// How the inspector shows the ends of a source's range.
+/// The range that the inspector shows for the ends of a source's range.
 const char *range_hint(SourceKind kind) {
 	switch (kind) {
 		case SourceKind::height: return "-1000,9000,0.1,or_less,or_greater,suffix:m";
@@ -69,7 +69,7 @@ const char *range_hint(SourceKind kind) {
 	}
 }
 
-/// Whether a property with that start is an end of a source's range.
+/// Whether the property with this prefix is an end of a source's range.
 bool is_range(const StringName &p_name, const char *p_start) {
 	return p_name == StringName(String(p_start) + "_source_min") ||
 			p_name == StringName(String(p_start) + "_source_max");
@@ -85,7 +85,7 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 	const bool to = drawing_.visibility_range_end > 0.0;
 	const SourceKind color = settings_.instance_data.color.kind;
 	const SourceKind variation = settings_.instance_data.variation.kind;
-	// What is set stays in sight although it is not used: a warning speaks of it.
+	// Properties that are set stay visible even if they are unused, because a warning mentions them.
 	const std::array<bool, hideable.size()> shown{
 			meshes_.size() > 1 || mesh_weights_.size() > 0,
 			settings_.placement.min_scale != settings_.placement.max_scale || resource("scale_curve").is_valid(),
@@ -124,7 +124,7 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 			variation != SourceKind::random,
 			variation != SourceKind::random,
 	};
-	// The units of the ranges follow from the sources, so a change of these has to be told, too.
+	// The units of the ranges depend on the sources, so a changed source must refresh the inspector, too.
 	std::uint64_t hidden = static_cast<std::uint64_t>(color) << color_source_bits |
 			static_cast<std::uint64_t>(variation) << variation_source_bits;
 	for (std::size_t i = 0; i < shown.size(); ++i) {

@@ -1,4 +1,4 @@
-// What is drawn with distance: the properties of the group Distance.
+// How drawing changes with distance: the properties of the group Distance.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -27,8 +27,7 @@ constexpr NumberProperty thin_end{"thin_end", &LodSettings::thin_end, 0.0, max_l
 		"0,4096,0.01,or_greater,exp,suffix:m"};
 constexpr NumberProperty thin_density{
 		"thin_density", &LodSettings::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
-constexpr SwitchProperty thin_scale_compensation{
-		"thin_scale_compensation", "is_thin_scale_compensated", &LodSettings::scale_compensation};
+constexpr SwitchProperty thin_scale_up{"thin_scale_up", "is_thin_scale_up_enabled", &LodSettings::scale_compensation};
 
 constexpr auto max_lod_meshes = static_cast<int64_t>(max_lods * max_meshes);
 
@@ -105,7 +104,7 @@ void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
 		r_problems.push_back("ScatterLayer.thin_end is not used: thin_density is 1, so nothing is thinned.");
 	}
 	if (lod_.scale_compensation && lod_.thin_density >= 1.0) {
-		r_problems.push_back("ScatterLayer.thin_scale_compensation is not used: thin_density is 1.");
+		r_problems.push_back("ScatterLayer.thin_scale_up is not used: thin_density is 1.");
 	}
 }
 
@@ -132,7 +131,7 @@ void ScatterLayer::bind_lod() {
 	bind_number<thin_density>();
 	bind_number<thin_begin>();
 	bind_number<thin_end>();
-	bind_switch<thin_scale_compensation>();
+	bind_switch<thin_scale_up>();
 }
 
 } // namespace thicket

@@ -1,4 +1,4 @@
-// What stands at an instance: meshes, scenes and models, and what follows from their size.
+// The meshes, scenes and models of a layer, and the properties that follow from their size.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/threads.hpp"
@@ -17,9 +17,9 @@ namespace thicket {
 
 namespace {
 
-constexpr double least_size = 0.05; ///< Meters: what is smaller is spaced and met as if it were as large.
+constexpr double least_size = 0.05; ///< Meters. Smaller meshes get the spacing and the collision of this size.
 
-/// Meters around the axis on which an instance stands.
+/// Meters around the axis of an instance.
 struct Extent {
 	double radius = 0.0;
 	double top = 0.0;
@@ -31,7 +31,7 @@ struct Extent {
 	}
 };
 
-/// False, with an error, for too many entries.
+/// False, with an error, if there are too many entries.
 bool accept_count(const Array &p_meshes) {
 	const bool fits = p_meshes.size() <= static_cast<int64_t>(max_meshes);
 	if (!fits) {
@@ -66,7 +66,7 @@ void ScatterLayer::take_mesh_changes() {
 	}
 }
 
-/// A mesh that grows needs larger boxes around its tiles. All together: a mesh may be in both lists.
+/// A mesh that grows needs larger boxes around its tiles. Both lists are watched together, because a mesh may be in both.
 void ScatterLayer::watch_meshes(bool p_watch) {
 	for (Object *source : meshes_.sources()) {
 		watch(source, "changed", this, "emit_changed", p_watch);
@@ -79,11 +79,11 @@ void ScatterLayer::watch_meshes(bool p_watch) {
 Array ScatterLayer::get_meshes() const { return meshes_.entries(); }
 
 bool ScatterLayer::read_step() {
-	const LayerMeshes meshes = meshes_; // The scenes' scripts may replace the list.
+	const LayerMeshes meshes = meshes_; // A copy, because the scenes' scripts may replace the list.
 	return meshes.read_step();
 }
 
-/// For answers that cannot wait. Other threads than the main one get what is read so far.
+/// For callers that cannot wait. Threads other than the main thread only get the parts that are already read.
 void ScatterLayer::read_models() {
 	if (meshes_.differs()) {
 		take_mesh_changes();
@@ -92,7 +92,7 @@ void ScatterLayer::read_models() {
 }
 
 void ScatterLayer::reload_scenes(const PackedStringArray &p_paths) {
-	LayerMeshes meshes = meshes_; // The scenes' scripts may replace the list.
+	LayerMeshes meshes = meshes_; // A copy, because the scenes' scripts may replace the list.
 	meshes.reload(p_paths);
 }
 
@@ -146,7 +146,7 @@ bool ScatterLayer::fit_to_meshes() {
 void ScatterLayer::bind_meshes() {
 	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
 	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
-	// By its type in text, which has room for several classes; scripts see an array of no type.
+	// Typed by a hint string, which can name several classes. Scripts see an untyped array.
 	add_layer_property(PropertyUse::placement,
 			PropertyInfo(Variant::ARRAY, "meshes", PROPERTY_HINT_TYPE_STRING,
 					vformat("%d/%d:Mesh,PackedScene,ScatterModel", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),

@@ -1,4 +1,4 @@
-// What a layer says of other layers: the properties of the group Other Layers.
+// A layer's references to other layers: the properties of the group Other Layers.
 
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
@@ -29,7 +29,7 @@ double number_of(const Variant &p_value) {
 	return is_number ? static_cast<double>(p_value) : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Whether a stored reference means the layer of that name; for an empty name, whether it is a layer that has got one.
+/// Whether a stored reference means the layer of that name. For an empty name: whether it holds a layer that now has a name.
 bool is_named(const Variant &p_stored, const String &p_name) {
 	if (p_name.is_empty()) {
 		const Ref<ScatterLayer> held = p_stored;
@@ -40,7 +40,7 @@ bool is_named(const Variant &p_stored, const String &p_name) {
 
 } // namespace
 
-/// Whether a scene that stores this layer stores the other one within it.
+/// Whether a scene that stores this layer also stores the other one inside it.
 bool ScatterLayer::stores(const ScatterLayer *p_layer) const {
 	const auto is_stored = [p_layer](const Ref<ScatterLayer> &held) {
 		return held.is_valid() && (held.ptr() == p_layer || held->stores(p_layer));
@@ -53,7 +53,7 @@ bool ScatterLayer::stores(const ScatterLayer *p_layer) const {
 	return found;
 }
 
-/// What to keep of a reference; null, with an error, if it is refused.
+/// The reference in the form to store. Null, with an error, if it is refused.
 Variant ScatterLayer::accept_reference(const char *p_property, const Variant &p_reference) const {
 	Variant stored = stored_reference(p_reference);
 	const Ref<ScatterLayer> held = stored;
@@ -76,7 +76,7 @@ void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 		report(layer_class_name, Status::wrong_size("spacing", p_spacing.size(), at_most(max_neighbors, "entries")));
 		return;
 	}
-	Dictionary spacing; // A copy, since scripts share dictionaries.
+	Dictionary spacing; // A copy, because scripts share dictionaries.
 	std::map<LayerReference, double> linked;
 	const Array references = p_spacing.keys();
 	for (int64_t i = 0; i < references.size(); ++i) {
@@ -106,7 +106,7 @@ Dictionary ScatterLayer::get_spacing() const {
 	return result;
 }
 
-/// Sets a property that names one layer, or none.
+/// Sets a property that refers to one layer or none.
 void ScatterLayer::set_reference(
 		const char *p_property, const Variant &p_layer, Variant &r_stored, LayerReference &r_linked) {
 	Variant stored = String();
@@ -137,12 +137,12 @@ void ScatterLayer::rename_references(const String &p_from, const String &p_to) {
 	follow(variation_source_layer_, &ScatterLayer::set_variation_source_layer);
 	const Dictionary spacing = spacing_property_;
 	const Array references = spacing.keys();
-	Dictionary renamed; // Anew, so that the order in the inspector stays.
+	Dictionary renamed; // A new Dictionary keeps the order in the inspector.
 	bool any = false;
 	for (int64_t i = 0; i < references.size(); ++i) {
 		const bool meant = is_named(references[i], p_from);
 		const Variant reference = meant && !p_from.is_empty() ? Variant(p_to) : references[i];
-		// Where the new name was mentioned before, the larger distance counts; a number is never below a missing one.
+		// If the new name was already in the Dictionary, the larger distance counts. fmax ignores a missing number, which is NAN.
 		renamed[reference] = std::fmax(number_of(renamed[reference]), number_of(spacing[references[i]]));
 		any = any || meant;
 	}

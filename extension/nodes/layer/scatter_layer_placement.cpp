@@ -1,4 +1,4 @@
-// How instances stand on their points: the properties of the group Placement.
+// The transform of instances at their points: the properties of the group Placement.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 

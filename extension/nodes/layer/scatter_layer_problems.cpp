@@ -1,4 +1,4 @@
-// What is likely not meant in a layer, in sentences for the editor's warnings.
+// Likely mistakes in a layer, as sentences for the editor's warnings.
 
 #include "core/placement/edge_probes.hpp"
 #include "nodes/common/stripped.hpp"
@@ -10,12 +10,12 @@ namespace thicket {
 
 namespace {
 
-/// A designer who makes a curve finds it from 0 to 1, whatever its property is about.
+/// A new curve spans 0 to 1, whatever its property measures.
 bool as_made(const Ref<Curve> &p_curve) {
 	return p_curve->get_min_domain() == 0.0F && p_curve->get_max_domain() == 1.0F;
 }
 
-/// Problems of a curve of densities and of the table made of it; `p_domain` says what it is over.
+/// Problems of a density curve and of the table created from it. `p_domain` describes the domain in messages.
 void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std::shared_ptr<const CurveTable> &table,
 		const char *p_domain, PackedStringArray &r_problems) {
 	if (p_curve.is_null()) {
@@ -27,10 +27,10 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 		return;
 	}
 	if (table->largest() <= 0.0) {
-		r_problems.push_back(name + String(" is 0 everywhere: nothing stands."));
+		r_problems.push_back(name + String(" is 0 everywhere: nothing is placed."));
 	}
 	if (as_made(p_curve)) {
-		r_problems.push_back(name + String(" goes from 0 to 1, as curves are made; its domain is ") + p_domain +
+		r_problems.push_back(name + String(" still has the default domain of 0 to 1, but it is read from ") + p_domain +
 				String(": set Min Domain and Max Domain."));
 	}
 }
@@ -39,13 +39,13 @@ void add_curve_problem(const char *p_name, const Ref<Curve> &p_curve, const std:
 
 void ScatterLayer::add_number_problems(PackedStringArray &r_problems) const {
 	if (settings_.rules.clumping.size > 0.0 && settings_.rules.clumping.coverage <= 0.0) {
-		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing stands.");
+		r_problems.push_back("ScatterLayer.clump_coverage is 0: nothing is placed.");
 	}
 	const double points = point_density(settings_.set) * range_.tile_size * range_.tile_size;
 	if (settings_.rules.edge_feather > 0.0 && points * static_cast<double>(edge_probes) > max_tile_points) {
-		r_problems.push_back("ScatterLayer.edge_feather asks for the ground at " +
+		r_problems.push_back("ScatterLayer.edge_feather reads the ground at " +
 				String::num_int64(static_cast<int64_t>(edge_probes)) +
-				" positions around each point, which is slow in tiles of so many points: make tile_size smaller.");
+				" positions around each point, which is slow in tiles with this many points: lower tile_size.");
 	}
 }
 
@@ -70,13 +70,13 @@ void ScatterLayer::add_curve_problems(PackedStringArray &r_problems) const {
 
 void ScatterLayer::add_mask_problems(PackedStringArray &r_problems) const {
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() >= 1.0) {
-		r_problems.push_back("ScatterLayer.mask has no effect: nothing is painted on it, and its background is 1.");
+		r_problems.push_back("ScatterLayer.mask has no effect: it is not painted, and its background is 1.");
 	}
 	if (mask_.is_valid() && mask_->blank() && mask_->get_background() <= 0.0) {
-		r_problems.push_back("Nothing stands: nothing is painted on ScatterLayer.mask, and its background is 0.");
+		r_problems.push_back("Nothing is placed: ScatterLayer.mask is not painted, and its background is 0.");
 	}
 	if (tables_.image_missing && !is_stripped(tables_.mask_texture.texture)) {
-		r_problems.push_back("Nothing stands: ScatterLayer.mask_texture has no image that can be read.");
+		r_problems.push_back("Nothing is placed: ScatterLayer.mask_texture has no readable image.");
 	}
 }
 

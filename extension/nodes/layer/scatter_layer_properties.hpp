@@ -1,7 +1,7 @@
 #pragma once
 
-// The properties of a ScatterLayer that are described by a constant: their setters, getters and entries in ClassDB. Included
-// by the sources that have such constants, and by nothing else.
+// The properties of a ScatterLayer that are described by a constant: their setters, getters and entries in ClassDB. Only included by the
+// sources that define such constants.
 
 #include "nodes/layer/layer_property_use.hpp"
 #include "nodes/layer/scatter_layer.hpp"
@@ -14,12 +14,12 @@
 namespace thicket {
 
 inline constexpr const char *layer_class_name = "ScatterLayer";
-inline constexpr double farthest_view = 1e6; ///< Meters; farther than anything is seen.
+inline constexpr double farthest_view = 1e6; ///< Meters; farther than anything can be seen.
 
 template <class Values, class Number>
-Values owner_of(Number Values::*); ///< Never called: its result is the type of the part that a member is in.
+Values owner_of(Number Values::*); ///< Never called. Its result is the type of the part that contains the member.
 
-/// The part that the member of a property is in.
+/// The part that contains the member of a property.
 template <const auto &property>
 using PartOf = decltype(owner_of(property.member));
 
@@ -63,14 +63,14 @@ auto &ScatterLayer::part(Self &self) {
 	}
 }
 
-/// What a property decides, by the part that its member is in.
+/// The use of a property, derived from the part that contains its member.
 template <const auto &property>
 constexpr PropertyUse use_of() {
 	using Part = PartOf<property>;
 	if constexpr (std::is_same_v<Part, LayerDrawing> || std::is_same_v<Part, LodSettings>) {
 		return PropertyUse::drawing;
 	} else if constexpr (std::is_same_v<Part, StreamLayer>) {
-		// Transforms are floats around the middle of a tile: where that is counts.
+		// Transforms are floats relative to the middle of a tile, so the tile size affects them.
 		return property.member == &StreamLayer::tile_size ? PropertyUse::placement : PropertyUse::drawing;
 	} else if constexpr (std::is_same_v<Part, LayerGameplay> || std::is_same_v<Part, LayerCollision> ||
 			std::is_same_v<Part, LayerScene>) {
@@ -131,7 +131,7 @@ void ScatterLayer::set_resource(const godot::Ref<ResourceOf<property>> &p_resour
 	if (own.ptr() == p_resource.ptr()) {
 		return;
 	}
-	// A method for each property: one resource may be the value of several.
+	// One method for each property, because one resource may be the value of several.
 	const godot::StringName on_change = "_" + godot::String(property.name) + "_changed";
 	watch(own.ptr(), "changed", this, on_change, false);
 	own = p_resource;

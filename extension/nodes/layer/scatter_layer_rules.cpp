@@ -1,4 +1,4 @@
-// What of its set a layer lets stand: the properties of the group Rules.
+// The rules that decide which points of a layer's set get an instance: the properties of the group Rules.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -12,8 +12,8 @@ constexpr NumberProperty min_slope_degrees{
 		"min_slope_degrees", &Rules::min_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
 constexpr NumberProperty max_slope_degrees{
 		"max_slope_degrees", &Rules::max_slope_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
-constexpr NumberProperty slope_falloff{
-		"slope_falloff", &Rules::slope_falloff, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
+constexpr NumberProperty slope_falloff_degrees{
+		"slope_falloff_degrees", &Rules::slope_falloff_degrees, 0.0, 90.0, PROPERTY_HINT_RANGE, "0,90,0.1,degrees"};
 constexpr NumberProperty min_height{"min_height", &Rules::min_height, -unlimited_height, unlimited_height,
 		PROPERTY_HINT_RANGE, "-1000,9000,0.1,or_less,or_greater,suffix:m"};
 constexpr NumberProperty max_height{"max_height", &Rules::max_height, -unlimited_height, unlimited_height,
@@ -69,7 +69,7 @@ void ScatterLayer::bind_rules() {
 	ADD_SUBGROUP("Slope", "");
 	bind_number<min_slope_degrees>();
 	bind_number<max_slope_degrees>();
-	bind_number<slope_falloff>();
+	bind_number<slope_falloff_degrees>();
 	bind_resource<density_over_slope>();
 	ADD_SUBGROUP("Water", "");
 	bind_number<min_water_depth>();

@@ -1,5 +1,4 @@
-// What a layer is at this moment: the parts in which its single properties are kept, and what is made of its resources and
-// lists.
+// Creates a snapshot of a layer from the parts that store its single properties, and from its resources and lists.
 
 #include "core/model/lod_shadow.hpp"
 #include "nodes/common/convert.hpp"
@@ -43,7 +42,8 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	}
 }
 
-/// Shadows of LODs of which nobody says whether they cast one: see casts_shadow. A mesh that was given for the shadow says so.
+/// LODs without a shadow setting whose shadows are not worth drawing (see casts_shadow) cast none, unless the layer's setting differs from
+/// its default. An LOD with its own shadow mesh keeps its shadow.
 void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
 	const double density = point_density(settings.set) * settings.rules.density;
 	for (std::size_t index = 0; index < r_drawing.lod_shadows.size(); ++index) {
@@ -57,13 +57,13 @@ void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, La
 	}
 }
 
-/// To the margin, and not to the boxes: distances are measured to those, and how far a plant may lean changes none.
+/// Added to the margin instead of the boxes, because distances are measured to the boxes and must not depend on how far a plant may lean.
 void add_sway(LayerDrawing &r_drawing) {
 	r_drawing.extra_cull_margin =
 			std::min(r_drawing.extra_cull_margin + sway_reach(materials_of(r_drawing)), max_cull_margin);
 }
 
-/// How finely the tiles are divided near viewers. Rules do not count: a slider that moves one uploads nothing anew for this.
+/// How finely the tiles are divided near viewers. Ignores the rules, so that moving a rule's slider uploads nothing again for this.
 CellSettings cells_of(const LayerSettings &settings, double tile_size, const LayerDrawing &drawing) {
 	const float reach = drawing.mesh_reach.empty() ? 0.0F : std::ranges::max(drawing.mesh_reach);
 	const double density = point_density(settings.set) / std::max(static_cast<double>(drawing.meshes.size()), 1.0);
@@ -167,7 +167,7 @@ LayerLinks ScatterLayer::links() {
 	return result;
 }
 
-/// Makes anew what is made of resources that may have changed.
+/// Rebuilds the data of resources that may have changed.
 void ScatterLayer::refresh() {
 	for (auto &[name, resource] : resources_) {
 		if (const auto remake = std::exchange(resource.remake, nullptr)) {

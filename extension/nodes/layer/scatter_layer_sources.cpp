@@ -1,4 +1,4 @@
-// What the color and the variation of an instance follow: the properties of the subgroups Color and Custom Data.
+// The sources of an instance's color and variation: the properties of the subgroups Color and Custom Data.
 
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
@@ -48,7 +48,7 @@ PropertyInfo layer_property(const char *p_name) {
 			Variant::NIL, p_name, PROPERTY_HINT_NONE, String(), PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_NIL_IS_VARIANT);
 }
 
-/// A source without all that it does not look at, so that what is not used changes nothing.
+/// A source without the values that its kind does not use, so that changing those has no effect.
 template <class Source>
 Source used(const Source &source, bool is_used) {
 	Source result;
@@ -67,7 +67,7 @@ public:
 	SourceProblems(const char *p_name, const InstanceSource &source, PackedStringArray &r_problems) :
 			name_("ScatterLayer." + String(p_name)), source_(source), problems_(r_problems) {}
 
-	/// `p_unused` says why the source does not count; empty if it does.
+	/// `p_unused` explains why the source has no effect; empty if it has one.
 	void add(const String &p_unused, bool has_noise, bool has_layer) {
 		if (source_.kind != SourceKind::random && !p_unused.is_empty()) {
 			problems_.push_back(name_ + String("_source ") + p_unused);
@@ -96,7 +96,7 @@ private:
 		}
 	}
 
-	/// A designer who chooses a source finds its range from 0 to 1, whatever it is about.
+	/// A newly chosen source has a range of 0 to 1, whatever it measures.
 	void add_as_made(SourceKind kind, const char *p_unit) {
 		if (source_.kind == kind && source_.min == 0.0 && source_.max == 1.0) {
 			problems_.push_back(name_ + String("_source goes over 0 to 1 ") + p_unit +

@@ -27,7 +27,7 @@ float rounded_down(double value) {
 
 float rounded_up(double value) { return -rounded_down(-value); }
 
-/// A rectangle in single precision that has all of `rect` in it.
+/// A rectangle in single precision that contains all of `rect`.
 Rect2 around(const Rect &rect) {
 	if (rect.empty()) {
 		return {};
@@ -37,7 +37,7 @@ Rect2 around(const Rect &rect) {
 }
 
 PixelRect pixel_rect(const Rect2i &p_rect) {
-	// In 64 bits first: a script may ask for a corner beyond the last pixel.
+	// In 64 bits first, because a script may pass a corner beyond the last pixel.
 	const auto end = [](int32_t position, int32_t size) {
 		using Limits = std::numeric_limits<int32_t>;
 		return static_cast<int32_t>(std::clamp<int64_t>(int64_t{position} + size, Limits::min(), Limits::max()));
@@ -46,7 +46,7 @@ PixelRect pixel_rect(const Rect2i &p_rect) {
 	return {min, {end(min.x, p_rect.size.x), end(min.y, p_rect.size.y)}};
 }
 
-/// By the names that scripts know.
+/// Renames properties to the names that scripts know.
 Status for_scripts(Status status) {
 	if (std::string_view(status.property) == "region") {
 		status.property = "rect";
@@ -60,7 +60,7 @@ Status for_scripts(Status status) {
 
 bool ScatterMask::accept_while_blank(const char *p_property, double p_value) const {
 	if (!blank()) {
-		ERR_PRINT(vformat("ScatterMask.%s is fixed while something is painted, got %s: clear() the mask first.",
+		ERR_PRINT(vformat("ScatterMask.%s cannot change while the mask is painted, got %s. Call clear() first.",
 				p_property, p_value));
 	}
 	return blank();
@@ -106,7 +106,7 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 Status ScatterMask::take(std::span<const std::uint8_t> bytes) {
 	const Status status = mask_.from_bytes(bytes);
 	if (status.ok()) {
-		// The bytes know it to 1/255 only; what a scene says beside them is finer.
+		// The bytes only store steps of 1/255; a scene stores the background more precisely.
 		if (std::lround(255.0 * background_) != std::lround(255.0 * mask_.background())) {
 			background_ = mask_.background();
 		}
@@ -182,7 +182,7 @@ void ScatterMask::clear() {
 
 std::shared_ptr<const PaintedMask> ScatterMask::snapshot() const {
 	if (snapshot_ != nullptr) {
-		// Fast path: nothing was painted since the last one.
+		// Fast path: nothing was painted since the last snapshot.
 		return snapshot_;
 	}
 	snapshot_ = std::make_shared<PaintedMask>(mask_);

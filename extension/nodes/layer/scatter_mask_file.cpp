@@ -1,4 +1,4 @@
-// A ScatterMask as a file of bytes.
+// Saves a ScatterMask to a file of bytes, and loads it.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/file_replace.hpp"

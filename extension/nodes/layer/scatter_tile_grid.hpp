@@ -10,8 +10,8 @@
 
 namespace thicket {
 
-/// Where tiles of a size lie in the world: core/base/tile_grid.hpp for scripts, in double precision. Bounds are min x, min z, max x and max z in meters,
-/// half-open.
+/// The position of tiles of one size in the world: core/base/tile_grid.hpp for scripts, in double precision. Bounds are min x, min z, max x
+/// and max z in meters, half-open.
 class ScatterTileGrid : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTileGrid, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
@@ -21,19 +21,19 @@ public:
 	void set_tile_size(double p_size);
 	double get_tile_size() const { return tile_size_; }
 
-	/// The tile that a position lies in. A coordinate beyond max_coordinate tiles prints an error, and the result is tile (0, 0).
+	/// The tile that contains a position. A coordinate beyond max_coordinate tiles prints an error and returns tile (0, 0).
 	godot::Vector2i get_tile_at(double p_x, double p_z) const;
 
 	/// The square of a tile.
 	godot::PackedFloat64Array get_tile_bounds(const godot::Vector2i &p_tile) const;
 
-	/// The tiles that have points in bounds: the first one, and how many along x and z. Empty bounds have none. Other than four numbers, and numbers that get_tile_at
-	/// refuses, print an error: no tiles then.
+	/// The tiles that contain points of the bounds: the first tile, and the count along x and z. Empty bounds contain no tiles. A count
+	/// other than four numbers, or numbers that get_tile_at refuses, print an error and return no tiles.
 	godot::Rect2i get_tiles_in(const godot::PackedFloat64Array &p_bounds) const;
 
 	static constexpr const char *class_name = "ScatterTileGrid";
 
-	/// Tiles from the origin; a row of twice as many is counted by an int.
+	/// In tiles from the origin. A row of twice as many tiles can still be counted by an int.
 	static constexpr double max_coordinate = max_tile_coordinate / 2;
 
 protected:

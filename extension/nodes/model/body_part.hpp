@@ -11,24 +11,24 @@
 
 namespace thicket {
 
-/// A shape of a model, with its sizes, as a body is made of it: other sizes are another value.
+/// A shape of a model with its sizes, as used in a body. Different sizes make a different value.
 struct BodyPart {
 	enum class Kind : std::uint8_t { box, sphere, capsule, cylinder, convex };
 
 	Kind kind = Kind::box;
-	glm::vec3 size{0.0f};           ///< Meters from side to side along its own axes; of a convex one not used.
+	glm::vec3 size{0.0f};           ///< Meters from side to side along its own axes; unused for a convex shape.
 	glm::mat3 rotation{1.0f};       ///< From its own axes to the model's.
-	glm::vec3 origin{0.0f};         ///< Of its middle in the model.
-	std::vector<glm::vec3> corners; ///< Of a convex one, in the model.
+	glm::vec3 origin{0.0f};         ///< Its middle in the model.
+	std::vector<glm::vec3> corners; ///< For a convex shape, in the model.
 
 	friend bool operator==(const BodyPart &, const BodyPart &) = default;
 };
 
-/// Nothing for a shape of another kind.
+/// Empty for an unsupported shape.
 std::optional<BodyPart> body_part(const ModelShape &shape);
 
-/// A part of a model whose instance is scaled along the model's axes: its sizes and where it stands, right-handed whatever the scale. A capsule and a
-/// cylinder stay round: they take the larger one of their two scales.
+/// A part of a model whose instance is scaled along the model's axes: scales its sizes and its position, right-handed whatever the scale. A
+/// capsule and a cylinder stay round: they use the larger one of their two scales.
 BodyPart scaled(const BodyPart &part, glm::vec3 scale);
 
 } // namespace thicket

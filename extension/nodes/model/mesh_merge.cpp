@@ -35,23 +35,23 @@ namespace thicket {
 
 namespace {
 
-// Of Mesh.ArrayFormat: which streams there are, but for bones and weights, and how custom ones are stored.
+// From Mesh.ArrayFormat: the bits of all streams except bones and weights, and the storage format of custom streams.
 constexpr std::uint64_t streams_mask = (std::uint64_t{1} << SurfaceStream::bones) - 1;
 constexpr std::uint64_t custom_mask = ((std::uint64_t{1} << 12U) - 1) << 13U;
 constexpr std::uint64_t custom3_bit = std::uint64_t{1} << 9U;
-constexpr std::uint64_t custom3_of_floats = std::uint64_t{7} << 22U; // Four a vertex.
+constexpr std::uint64_t custom3_of_floats = std::uint64_t{7} << 22U; // Four per vertex.
 
-/// An index buffer for the engine's automatic choice.
+/// An index buffer for the engine's automatic LOD selection.
 struct IndexLod {
 	double edge_length = 0.0; ///< Meters of detail that it leaves out.
 	PackedInt32Array indices;
 };
 
-/// What one part adds to a surface.
+/// The contribution of one part to a surface.
 struct Piece {
 	int32_t vertices = 0;
 	PackedInt32Array indices;
-	std::vector<IndexLod> lods; ///< Coarser and coarser.
+	std::vector<IndexLod> lods; ///< From finer to coarser.
 };
 
 struct Surface {
@@ -77,7 +77,7 @@ void append(const Variant &p_more, Variant &r_all) {
 	r_all = all;
 }
 
-/// A stream with memory of its own.
+/// A stream with its own memory.
 template <class Packed>
 Packed own_stream(const Array &p_arrays, int64_t stream) {
 	const Packed shared = p_arrays[stream];
@@ -134,7 +134,7 @@ PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
 	return indices;
 }
 
-/// The engine stores indices in two bytes where those suffice.
+/// The engine stores indices in two bytes if those suffice.
 PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
 	constexpr int64_t most_of_two_bytes = 65536;
 	PackedInt32Array result;
@@ -153,10 +153,10 @@ PackedInt32Array unpacked(const PackedByteArray &p_bytes, int64_t vertices) {
 	return result;
 }
 
-/// Adds to each stream of a surface how far the blend shapes move it.
+/// Adds the movement of the blend shapes to each stream of a surface.
 class Blend {
 public:
-	/// Nothing for a mesh of a kind without blend shapes.
+	/// Has no effect for a kind of mesh without blend shapes.
 	Blend(const MeshPart &part, int32_t index) : weights_(part.blend_weights) {
 		const Ref<ArrayMesh> mesh = weights_.empty() ? Ref<Mesh>() : part.mesh;
 		if (mesh.is_null()) {
@@ -167,7 +167,7 @@ public:
 		weights_.resize(std::min(weights_.size(), static_cast<std::size_t>(shapes_.size())));
 		const bool relative = static_cast<int64_t>(mesh->call("get_blend_shape_mode")) == relative_mode;
 		for (const double weight : weights_) {
-			rest_ -= relative ? 0.0 : weight; // Else a shape holds whole positions, not offsets.
+			rest_ -= relative ? 0.0 : weight; // Otherwise a shape contains whole positions, not offsets.
 		}
 	}
 
@@ -198,7 +198,7 @@ private:
 	double rest_ = 1.0; ///< Weight of the surface itself.
 };
 
-/// Where a vertex is moved, its normal and its tangent keep their lengths.
+/// Normals and tangents of moved vertices keep their lengths.
 void normalize_streams(Array &r_arrays) {
 	auto normals = own_stream<PackedVector3Array>(r_arrays, SurfaceStream::normals);
 	for (Vector3 &normal : writable(normals)) {
@@ -218,7 +218,7 @@ void blend(const MeshPart &part, int32_t index, Array &r_arrays) {
 	}
 }
 
-/// One surface of a part, moved to where the part is.
+/// One surface of a part, transformed to the part's position.
 Surface surface_of(const MeshPart &part, int32_t index) {
 	Surface result;
 	const Dictionary stored = RenderingServer::get_singleton()->mesh_get_surface(part.mesh->get_rid(), index);
@@ -244,7 +244,7 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 	piece.vertices =
 			static_cast<int32_t>(static_cast<PackedVector3Array>(result.arrays[SurfaceStream::positions]).size());
 	piece.indices = indices_of(result.arrays, piece.vertices);
-	const Array lods = stored.get("lods", Array()); // There is none where nothing was generated.
+	const Array lods = stored.get("lods", Array()); // Missing if no LODs were generated.
 	for (int64_t lod = 0; lod < lods.size(); ++lod) {
 		const Dictionary coarser = lods[lod];
 		piece.lods.push_back(
@@ -271,7 +271,7 @@ void add(Surface surface, std::vector<Surface> &r_surfaces) {
 	taker->pieces.push_back(std::move(surface.pieces.front()));
 }
 
-/// The indices of all pieces, each as it is where so much detail may go.
+/// The indices of all pieces, each in its coarsest version that leaves out at most `edge_length` of detail.
 PackedInt32Array joined_indices(const Surface &surface, double edge_length) {
 	std::vector<int32_t> result;
 	int32_t first = 0;
@@ -379,7 +379,7 @@ std::vector<Ref<Mesh>> faded_meshes(const Ref<Mesh> &mesh, std::span<const glm::
 }
 
 bool uses_custom3(const Ref<Mesh> &mesh) {
-	Ref<ArrayMesh> arrays = mesh; // No other kind of mesh does.
+	Ref<ArrayMesh> arrays = mesh; // No other kind of mesh uses it.
 	for (int32_t index = 0; arrays.is_valid() && index < arrays->get_surface_count(); ++index) {
 		const auto format = static_cast<int64_t>(arrays->call("surface_get_format", index));
 		if ((static_cast<std::uint64_t>(format) & custom3_bit) != 0) {

@@ -16,19 +16,19 @@ namespace thicket {
 
 /// How one part of a scene is drawn, apart from its mesh.
 struct PartLook {
-	godot::String name; ///< Of its node, for remarks.
+	godot::String name; ///< The name of its node, for remarks.
 	double transparency = 0.0;
-	ShaderParameters parameters; ///< Instance shader parameters that are set.
+	ShaderParameters parameters; ///< The instance shader parameters that are set.
 	godot::String shaders;       ///< The code of the shaders of its materials.
 };
 
-/// The names of all instance shader parameters that a scene or a scene within it sets.
+/// The names of all instance shader parameters that a scene or a nested scene sets.
 std::set<std::string> instance_parameters_of(const godot::Ref<godot::PackedScene> &p_scene);
 
 /// `names` are those of its scene.
 PartLook look_of(const godot::MeshInstance3D &node, const std::set<std::string> &names);
 
-/// All parts of an LOD are drawn as one instance. Where they look otherwise, the first look counts for all, and a remark is added.
+/// All parts of an LOD are drawn as one instance. If their looks differ, the first look is used for all, and a remark is added.
 void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, godot::PackedStringArray &r_remarks);
 
 } // namespace thicket

@@ -15,7 +15,7 @@ constexpr double farthest = 1e6; ///< Meters: max_lod_distance.
 
 } // namespace
 
-/// One mesh may be both: it is listened to as long as it is either.
+/// One mesh may be the value of both properties: it is watched as long as either has it.
 void ScatterLod::replace(Ref<Mesh> &r_own, const Ref<Mesh> &p_mesh) {
 	if (r_own == p_mesh) {
 		return;

@@ -22,19 +22,20 @@ using ShaderParameters = std::vector<std::pair<godot::StringName, godot::Variant
 /// How the renderer draws all instances of an LOD, apart from its meshes.
 struct LodLook {
 	double density = 1.0;                               ///< Share of the instances, 0 to 1.
-	double transparency = 0.0;                          ///< As GeometryInstance3D has it, 0 to 1.
-	std::shared_ptr<const ShaderParameters> parameters; ///< Null for none. Other values are another object.
+	double transparency = 0.0;                          ///< As in GeometryInstance3D, 0 to 1.
+	std::shared_ptr<const ShaderParameters> parameters; ///< Null if there are none. Other values are another object.
 
 	friend bool operator==(const LodLook &, const LodLook &) = default;
 };
 
-/// How a ScatterModel looks from a distance on: one of its levels of detail. Emits `changed` whenever anything is set, and whenever one of its meshes does.
+/// The look of a ScatterModel from a certain distance on: one of its LODs. Emits `changed` whenever a property is set, and whenever one of
+/// its meshes changes.
 class ScatterLod : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterLod, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// GeometryInstance3D.ShadowCastingSetting, and what the layer says.
+	/// GeometryInstance3D.ShadowCastingSetting, and the layer's setting.
 	enum CastShadow : std::int64_t {
 		CAST_SHADOW_LAYER = -1,
 		CAST_SHADOW_OFF,
@@ -43,22 +44,23 @@ public:
 		CAST_SHADOW_SHADOWS_ONLY,
 	};
 
-	/// Null for the mesh of the next finer LOD.
+	/// Null to use the mesh of the next finer LOD.
 	void set_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_mesh() const { return mesh_; }
 
-	/// Meters from a viewer, 0 to max_lod_distance; 0 for one that fits the size of the model. A model's first LOD is drawn from 0 on.
+	/// Meters from a viewer, 0 to max_lod_distance; 0 to choose a distance that fits the size of the model. A model's first LOD is drawn
+	/// from 0 on.
 	void set_distance(double p_distance);
 	double get_distance() const { return distance_; }
 
 	void set_cast_shadow(CastShadow p_setting);
 	CastShadow get_cast_shadow() const { return cast_shadow_; }
 
-	/// Casts the shadow in place of the mesh; null for the mesh itself.
+	/// Casts the shadow in place of the mesh; null if the mesh itself casts it.
 	void set_shadow_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_shadow_mesh() const { return shadow_mesh_; }
 
-	/// Share of the instances that are drawn while this LOD is, 0 to 1.
+	/// Share of the instances that are drawn with this LOD, 0 to 1.
 	void set_density(double p_density);
 	double get_density() const { return look_.density; }
 

@@ -35,7 +35,7 @@ TypedArray<ScatterLod> array_of(const std::vector<Ref<ScatterLod>> &lods) {
 	return result;
 }
 
-/// Sets a flag for as long as it lives.
+/// Sets a flag for the lifetime of this object.
 class Mark {
 public:
 	explicit Mark(bool &r_flag) : flag_(r_flag) { flag_ = true; }
@@ -92,7 +92,7 @@ bool ScatterModel::read_step() {
 		const Mark stepping(stepping_);
 		more = reader->step();
 	}
-	if (!more && reader == reader_) { // Else a script has set a different scene.
+	if (!more && reader == reader_) { // Otherwise a script has set a different scene.
 		finish_reading(reader->take());
 	}
 	return true;
@@ -111,7 +111,7 @@ void ScatterModel::finish_reading(const SceneReading &reading) {
 	}
 }
 
-/// Takes over what a scene has; false, with an error, if that is nothing.
+/// Uses the content of a scene; false, with an error, if it has none.
 bool ScatterModel::take_over(const SceneReading &reading, const Ref<PackedScene> &p_scene) {
 	problem_ = lods_.is_empty() ? reading.problem : String();
 	if (!reading.problem.is_empty()) {
@@ -144,7 +144,7 @@ bool ScatterModel::reload() {
 	}
 	const String path = scene_->get_path();
 	Ref<PackedScene> fresh = scene_;
-	// The scene in memory may be older than its file, and stands in the editor's memory as well.
+	// The scene in memory may be older than its file, and the editor uses it as well.
 	if (!path.is_empty() && ResourceLoader::get_singleton()->exists(path)) {
 		fresh = ResourceLoader::get_singleton()->load(path, "PackedScene", ResourceLoader::CACHE_MODE_IGNORE);
 	}
@@ -261,7 +261,7 @@ TypedArray<Transform3D> ScatterModel::get_shape_transforms() {
 	return shape_transforms_;
 }
 
-PackedStringArray ScatterModel::get_remarks() {
+PackedStringArray ScatterModel::get_problems() {
 	read();
 	return remarks_;
 }
@@ -283,7 +283,7 @@ AABB ScatterModel::get_aabb() {
 	return box;
 }
 
-/// What the scene has is not saved a second time.
+/// The content of the scene is not saved a second time.
 void ScatterModel::_validate_property(PropertyInfo &p_property) const {
 	for (const char *name : read_properties) {
 		if (scene_.is_valid() && p_property.name == StringName(name)) {
@@ -311,7 +311,7 @@ void ScatterModel::_bind_methods() {
 	bind_guarded<&Self::reload>(D_METHOD("reload"));
 	bind_guarded<&Self::get_mesh>(D_METHOD("get_mesh", "lod"), DEFVAL(0));
 	bind_guarded<&Self::get_aabb>(D_METHOD("get_aabb"));
-	bind_guarded<&Self::get_remarks>(D_METHOD("get_remarks"));
+	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
 			"get_scene");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lods", PROPERTY_HINT_ARRAY_TYPE,

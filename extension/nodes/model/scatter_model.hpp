@@ -20,65 +20,67 @@
 
 namespace thicket {
 
-/// A level of detail as it is drawn: nothing in it is left open.
+/// An LOD as it is drawn, with all defaults resolved.
 struct DrawnLod {
 	double distance = 0.0;          ///< Meters; 0 for the first, ascending.
 	godot::Ref<godot::Mesh> mesh;   ///< Never null.
-	godot::Ref<godot::Mesh> shadow; ///< Null where the mesh casts its own shadow.
+	godot::Ref<godot::Mesh> shadow; ///< Null if the mesh casts its own shadow.
 	std::int64_t cast_shadow = -1;  ///< ScatterLod::CastShadow.
 	LodLook look;
 
 	friend bool operator==(const DrawnLod &, const DrawnLod &) = default;
 };
 
-/// What stands at an instance, as an artist made it: levels of detail, each one mesh with all its materials, and shapes to bump into. Read from a scene, or
-/// put together by hand. Emits `changed` whenever it looks otherwise.
+/// A model as an artist made it, drawn at each instance: LODs, each one mesh with all its materials, and shapes for collision. Read from a
+/// scene, or put together by hand. Emits `changed` whenever its appearance changes.
 ///
-/// Any thread may set properties, as the engine's loader does: a setter keeps the scene and reads nothing of it. The main thread reads the scene when the
-/// model is first needed: a node in steps (`read_step`), a getter all at once. On other threads, getters return what has been read so far.
+/// Any thread may set properties, as the engine's loader does: a setter stores the scene and reads nothing of it. The main thread reads the
+/// scene when the model is first needed: a node reads it in steps (`read_step`), a getter reads all of it immediately. On other threads,
+/// getters return the parts that are already read.
 class ScatterModel : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterModel, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// A scene to read LODs and shapes from; they follow it. An empty scene prints an error, and the property stays. If reading another one fails,
-	/// an error is printed then, the model keeps what it has, and the property goes back to the scene that this is from; a model that has
-	/// nothing keeps the scene, so that saving does not lose it. Null keeps what was read last, from then on to be edited by hand.
+	/// A scene to read LODs and shapes from; they follow it. An empty scene prints an error, and the property stays unchanged. If reading a
+	/// new scene fails, an error is printed then. The model keeps its content, and the property returns to the scene that the content was
+	/// read from. A model without content keeps the scene, so that saving does not lose it. Null keeps the content that was read last,
+	/// which can be edited by hand from then on.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const { return scene_; }
 
-	/// Reads the next part of a scene that was set since the last reading. Returns false if there was nothing to read. Main thread only. Scripts in
-	/// the scene may do anything meanwhile, with this model too.
+	/// Reads the next part of a scene that was set since the last reading. Returns false if there was nothing to read. Main thread only.
+	/// Scripts in the scene may do anything in the meantime, also with this model.
 	bool read_step();
 
 	/// The finest first; at most max_model_lods. Null entries are left out. Refused while there is a scene.
 	void set_lods(const godot::TypedArray<ScatterLod> &p_lods);
 	godot::TypedArray<ScatterLod> get_lods();
 
-	/// What bodies bump into: boxes, spheres, capsules, cylinders and convex polygons, and where they are in the model's space. A shape
-	/// without a transform stands at the origin. Refused while there is a scene.
+	/// The collision shapes: boxes, spheres, capsules, cylinders and convex polygons, with their transforms in the model's space. A shape
+	/// without a transform is at the origin. Refused while there is a scene.
 	void set_shapes(const godot::TypedArray<godot::Shape3D> &p_shapes);
 	godot::TypedArray<godot::Shape3D> get_shapes();
 	void set_shape_transforms(const godot::TypedArray<godot::Transform3D> &p_transforms);
 	godot::TypedArray<godot::Transform3D> get_shape_transforms();
 
-	/// Reads the scene anew, from its file if it has one. False, with an error, if that fails: the model stays as it was.
+	/// Rereads the scene, from its file if it has one. Returns false, with an error, if that fails; the model is then unchanged.
 	bool reload();
 
-	/// The mesh of an LOD as it is drawn; null for an index that is not there.
+	/// The mesh of an LOD as it is drawn; null for an invalid index.
 	godot::Ref<godot::Mesh> get_mesh(int64_t p_lod);
 
 	/// The box around all LODs.
 	godot::AABB get_aabb();
 
-	/// What is drawn otherwise than the scene shows it, or left out: a sentence each.
-	godot::PackedStringArray get_remarks();
+	/// One sentence for each part of the scene that is drawn differently or left out.
+	godot::PackedStringArray get_problems();
 
-	/// Adds what the main thread reads along with the model.
+	/// Adds the resources that the main thread reads along with the model.
 	void add_used(SceneUse::List &r_used) const;
 
-	/// What has been read so far. `drawn_lods` is what is drawn from which distance on, and empty if no LOD has a mesh; `problem` says why the
-	/// last scene could not be read, as the rest of a sentence that names it, and is empty if it could.
+	/// The parts that are already read. `drawn_lods` returns the LODs with their distances, and is empty if no LOD has a mesh. `problem`
+	/// returns why the last scene could not be read, as the rest of a sentence that names it; empty if it could.
 	std::vector<DrawnLod> drawn_lods() const;
 	std::vector<ModelShape> model_shapes() const;
 	const godot::PackedStringArray &remarks() const { return remarks_; }
@@ -92,7 +94,7 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	/// What was set by hand since `unread_`: reading that leaves it alone.
+	/// The properties that were set by hand since `unread_`: reading that scene leaves them unchanged.
 	struct HandSet {
 		bool lods = false;
 		bool shapes = false;
@@ -107,10 +109,10 @@ private:
 	void watch_lods(bool p_watch);
 
 	godot::Ref<godot::PackedScene> scene_;
-	godot::Ref<godot::PackedScene> source_; ///< That the LODs were read from; null for those made by hand.
-	godot::Ref<godot::PackedScene> unread_; ///< To be read when the model is needed; null for none.
-	std::shared_ptr<SceneReader> reader_;   ///< Of `unread_`; null until its first step.
-	bool stepping_ = false;                 ///< A script in the scene may ask for the model that is being read.
+	godot::Ref<godot::PackedScene> source_; ///< The scene that the LODs were read from; null for LODs made by hand.
+	godot::Ref<godot::PackedScene> unread_; ///< The scene to read when the model is needed; null if there is none.
+	std::shared_ptr<SceneReader> reader_;   ///< Reads `unread_`; null until its first step.
+	bool stepping_ = false;                 ///< Set because a script in the scene may request this model.
 	HandSet hand_set_;
 	godot::String problem_;
 	godot::TypedArray<ScatterLod> lods_;
@@ -119,7 +121,7 @@ private:
 	godot::PackedStringArray remarks_;
 };
 
-/// A name for a scene in an error: its path, or what it is.
+/// A name for a scene in an error: its path, or a description.
 godot::String name_of(const godot::Ref<godot::PackedScene> &p_scene);
 
 } // namespace thicket

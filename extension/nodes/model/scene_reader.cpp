@@ -44,7 +44,7 @@ struct ScenePart {
 	PartLook look;
 };
 
-/// What is handed down from node to node.
+/// Values that are passed down from node to node.
 struct Above {
 	Transform3D transform;
 	std::optional<int> lod;
@@ -59,7 +59,7 @@ Transform3D combined(const Transform3D &p_outer, const Transform3D &p_inner) {
 
 std::string text_of(const StringName &p_name) { return String(p_name).utf8().get_data(); }
 
-/// Walks over a scene. Goes on after a problem, which is the first that was found.
+/// Walks over a scene. Continues after a problem and keeps the first one.
 class Walk {
 public:
 	void visit(Node *p_node, const Above &above, bool is_root);
@@ -68,7 +68,7 @@ public:
 	std::vector<ScenePart> parts;
 	std::vector<ModelShape> shapes;
 	PackedStringArray remarks;
-	std::set<std::string> parameter_names; ///< Of instance shader parameters in the scene.
+	std::set<std::string> parameter_names; ///< The names of the instance shader parameters in the scene.
 
 	void remark(const String &p_sentence);
 
@@ -114,9 +114,9 @@ void Walk::visit(Node *p_node, const Above &above, bool is_root) {
 	}
 }
 
-/// False for what no part of a model can be.
+/// False for a transform that no part of a model can have.
 bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
-	constexpr double flat = 1e-9; // Of the volume that a cube with the longest side would have.
+	constexpr double flat = 1e-9; // As a share of the volume of a cube with the longest side.
 	const glm::dmat3 basis = to_core(p_transform.basis);
 	const double side = largest_scale(basis);
 	const double volume = glm::determinant(basis);
@@ -187,12 +187,12 @@ void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
 	}
 }
 
-/// Says what is drawn of other nodes.
+/// Adds a remark about a node that cannot be drawn as in the scene.
 void Walk::remark_on(Node *p_node) {
 	if (p_node->is_class("AnimationMixer")) {
-		remark(vformat("\"%s\" plays nothing: the model is drawn as the scene was saved.", p_node->get_name()));
+		remark(vformat("\"%s\" does not play: the model is drawn as the scene was saved.", p_node->get_name()));
 	} else if (p_node->is_class("VisualInstance3D")) {
-		remark(vformat("\"%s\" is not drawn: of a %s nothing can be scattered, only of MeshInstance3D.",
+		remark(vformat("\"%s\" is not drawn: it is a %s, and only MeshInstance3D nodes are scattered.",
 				p_node->get_name(), p_node->get_class()));
 	}
 }
@@ -214,7 +214,7 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 	const int64_t first = parts[lod.parts.front()].cast_shadow;
 	if (std::ranges::all_of(lod.parts, [&](std::size_t part) { return parts[part].cast_shadow == first; })) {
 		result->set_mesh(mesh_of(parts, lod.parts, nothing));
-		// What nodes have unless somebody chose otherwise is left to the layer.
+		// The default setting of a node is left to the layer.
 		result->set_cast_shadow(
 				first == shadow_on ? ScatterLod::CAST_SHADOW_LAYER : static_cast<ScatterLod::CastShadow>(first));
 	} else {
@@ -224,7 +224,7 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 	return result;
 }
 
-/// What is only a shadow is not seen.
+/// Parts that only cast a shadow are not visible.
 void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod) {
 	std::vector<const PartLook *> looks;
 	for (const std::size_t part : parts) {
@@ -271,7 +271,7 @@ struct SceneReader::Progress {
 	Ref<PackedScene> scene;
 	bool walked = false;
 	Walk walk;
-	std::vector<ModelLod> lods; ///< Of which the first `merged` are read.
+	std::vector<ModelLod> lods; ///< The first `merged` ones are already read.
 	std::size_t merged = 0;
 	SceneReading result;
 };

@@ -20,14 +20,14 @@ struct ModelShape {
 	godot::Transform3D transform;
 };
 
-/// What a scene is as a model.
+/// The content of a scene as a model.
 struct SceneReading {
 	godot::String
 			problem; ///< Why there is no model, as the rest of a sentence that names the scene; empty if there is one.
 	std::vector<godot::Ref<ScatterLod>> lods; ///< At least one; each has a mesh.
 	std::vector<ModelShape> shapes;
 	godot::PackedStringArray
-			remarks; ///< What is drawn otherwise than the scene shows it, or not at all; a sentence each.
+			remarks; ///< One sentence for each part of the scene that is drawn differently or left out.
 };
 
 inline constexpr std::size_t max_model_parts = 256;
@@ -35,8 +35,8 @@ inline constexpr std::size_t max_model_parts = 256;
 /// The problem of a scene for which PackedScene.can_instantiate is false.
 inline constexpr const char *empty_scene = "it is empty, or cannot be instantiated";
 
-/// Reads all visible MeshInstance3Ds of a scene, and its CollisionShape3Ds, relative to its root, whose own transform does not count. Works in
-/// steps, which a caller may spread over frames. Main thread only: to read a mesh waits for the renderer.
+/// Reads all visible MeshInstance3Ds of a scene, and its CollisionShape3Ds, relative to its root, whose own transform is ignored. Works in
+/// steps, which a caller may spread over frames. Main thread only: reading a mesh waits for the renderer.
 class SceneReader {
 public:
 	explicit SceneReader(const godot::Ref<godot::PackedScene> &p_scene);
@@ -44,8 +44,8 @@ public:
 	SceneReader(const SceneReader &) = delete;
 	SceneReader &operator=(const SceneReader &) = delete;
 
-	/// Reads the next part: first the nodes, then the meshes of one LOD. The first step instantiates the scene and frees it outside of the tree;
-	/// scripts in it run as far as that makes them run. Returns false if all was read before.
+	/// Reads the next part: first the nodes, then the meshes of one LOD. The first step instantiates the scene and frees it outside of the
+	/// tree; scripts in it run only as far as instantiation runs them. Returns false if everything was already read.
 	bool step();
 
 	/// The result, once `step` has returned false.

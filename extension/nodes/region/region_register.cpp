@@ -18,7 +18,7 @@ namespace {
 /// Meters by which a shape may seem to have moved after its scene was recentered.
 constexpr double rounding = 0.01;
 
-/// Whether a shape is the other one, but for rounding.
+/// Whether two shapes are the same, except for rounding.
 bool stands_still(const Shape &before, const Shape &now) {
 	const auto near = [](const auto &a, const auto &b) {
 		return glm::distance(a, b) <= rounding;
@@ -104,18 +104,18 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<Scatter
 		return last;
 	}
 	if (is_same(last)) {
-		// Fast path: for the same set no tile has to be made anew.
+		// Fast path: for the same set no tile has to be regenerated.
 		return last;
 	}
 	if (const auto shared = std::ranges::find_if(sets_, is_same); shared != sets_.end()) {
-		// Fast path: most regions count for all layers, which then share a set.
+		// Fast path: most regions affect all layers, which then share a set.
 		last = *shared;
 		return last;
 	}
 	auto next = std::make_shared<ShapeSet>();
 	const Status status = next->set(std::move(shapes));
 	throw_if_out_of_memory(status);
-	if (status.ok()) { // Each was valid by itself.
+	if (status.ok()) { // Each shape was already validated.
 		last = std::move(next);
 	}
 	return last;
@@ -132,7 +132,7 @@ std::vector<std::string> RegionRegister::names_for(const TypedArray<ScatterLayer
 }
 
 void RegionRegister::rename_layer(const String &from, const String &to) const {
-	const std::vector<Entry> entries = entries_; // A region tells its node, which marks the entries.
+	const std::vector<Entry> entries = entries_; // A copy, because a region notifies its node, which marks the entries.
 	for (const Entry &entry : entries) {
 		entry.node->rename_layer(from, to);
 	}

@@ -17,53 +17,53 @@ namespace thicket {
 class ScatterLayer;
 class ScatterRegion3D;
 
-/// The regions below a TerrainScatter3D, as they stood when last read, and the sets of shapes that they make for its layers.
-/// Main thread only.
+/// The regions below a TerrainScatter3D, in the state when they were last read, and the resulting sets of shapes for its layers. Main
+/// thread only.
 class RegionRegister {
 public:
-	/// A region counts from `add` to `remove`.
+	/// A region has an effect from `add` to `remove`.
 	void add(ScatterRegion3D *region);
 	void remove(ScatterRegion3D *region);
 
-	/// The region has to be read again. One that is not in the register is ignored.
+	/// Marks a region to be read again. Ignores a region that is not in the register.
 	void mark(const ScatterRegion3D *region);
 
-	/// True if the path that a region follows has changed. Ask in every frame: a path does not tell.
+	/// True if the path that a region follows has changed. Call it in every frame, because a path emits no signal.
 	bool paths_changed();
 
-	/// All regions have to be read again. False if there are none.
+	/// Marks all regions to be read again. False if there are none.
 	bool mark_all();
 
-	/// Reads the regions that were marked. After the scene was `recentered`, a region counts as unmoved if it stands in the
-	/// world where it stood, to within what single precision makes of that.
+	/// Reads the marked regions. After the scene was `recentered`, a region counts as unmoved if its world position is unchanged within
+	/// single precision.
 	void update(bool recentered);
 
-	/// The shapes that count for the layer at this index of the node's list; null for none. The same pointer as last time
-	/// while nothing has changed.
+	/// The shapes that affect the layer at this index of the node's list; null if there are none. The pointer is the same as in the last
+	/// call while nothing has changed.
 	std::shared_ptr<const ShapeSet> set_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index);
 
-	/// The names of the regions whose shapes these are, in the same order.
+	/// The names of the regions that these shapes belong to, in the same order.
 	std::vector<std::string> names_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 
-	/// A layer that was named `from` is now named `to`: regions that speak of it follow.
+	/// Updates the references of all regions after a layer was renamed from `from` to `to`.
 	void rename_layer(const godot::String &from, const godot::String &to) const;
 
-	/// Has the editor ask all regions for their warnings again.
+	/// Makes the editor query the warnings of all regions again.
 	void update_warnings() const;
 
 private:
 	struct Entry {
 		ScatterRegion3D *node = nullptr;
 		bool marked = true;
-		std::optional<Shape> shape; ///< None while it has no effect.
-		std::optional<Shape> read;  ///< As its node said last: the same, but for rounding.
-		godot::Array layers;        ///< As the region names them.
+		std::optional<Shape> shape; ///< Empty while it has no effect.
+		std::optional<Shape> read;  ///< The last shape read from its node: the same, except for rounding.
+		godot::Array layers;        ///< The region's references to layers.
 
 		bool counts_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 	};
 
 	std::vector<Entry> entries_;
-	std::vector<std::shared_ptr<const ShapeSet>> sets_; ///< As last handed out, by the layer's index.
+	std::vector<std::shared_ptr<const ShapeSet>> sets_; ///< The sets that were last returned, by the layer's index.
 };
 
 } // namespace thicket

@@ -18,10 +18,10 @@ namespace {
 
 constexpr const char *class_name = "ScatterRegion3D";
 
-/// How far, in meters, the outline of a path may lie beside the points that its curve was baked to.
+/// The maximum distance, in meters, between the outline of a path and the baked points of its curve.
 constexpr double path_tolerance = 0.01;
 
-/// Where a position in a node's own space lies on the world's plane.
+/// The position on the world's plane of a position in a node's own space.
 glm::dvec2 on_plane(const Transform3D &frame, glm::dvec3 position) {
 	const glm::dvec3 world = to_core(frame.basis) * position + to_core(frame.origin);
 	return {world.x, world.z};
@@ -77,7 +77,7 @@ void ScatterRegion3D::changed() {
 	update_configuration_warnings();
 }
 
-/// Whether neither the node nor any node between it and its host is hidden. A hidden host still counts its regions.
+/// Whether neither the node nor any node between it and its host is hidden. Regions of a hidden host still have an effect.
 bool ScatterRegion3D::shown() const {
 	for (const Node3D *node = this; node != nullptr && dynamic_cast<const RegionHost *>(node) != host_;
 			node = cast_to<Node3D>(node->get_parent())) {
@@ -95,7 +95,7 @@ Path3D *ScatterRegion3D::followed_path() const {
 
 bool ScatterRegion3D::path_changed() {
 	if (shape_ != SHAPE_PATH && seen_.id == 0) {
-		// Fast path: it follows no path, and has followed none.
+		// Fast path: the region follows no path and has followed none.
 		return false;
 	}
 	SeenPath now;
@@ -193,7 +193,7 @@ std::optional<thicket::Shape> ScatterRegion3D::world_shape() {
 	thicket::Shape shape;
 	const Status status = build(shape);
 	if (status.code == ErrorCode::missing) {
-		return std::nullopt; // Its warnings say so.
+		return std::nullopt; // The region's warnings report it.
 	}
 	if (std::exchange(reported_, status.code) != status.code) {
 		report(class_name, status);

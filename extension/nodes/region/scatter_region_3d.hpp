@@ -23,20 +23,20 @@ namespace thicket {
 
 class ScatterRegion3D;
 
-/// A node that regions below it belong to: a TerrainScatter3D.
+/// A node that the regions below it belong to: a TerrainScatter3D.
 class RegionHost {
 public:
 	virtual ~RegionHost() = default;
 
-	/// A region below the node enters the tree, leaves it, or is not what it was: what it touches is made anew.
+	/// A region below the node enters the tree, leaves it, or has changed: the affected area is regenerated.
 	virtual void add_region(ScatterRegion3D *p_region) = 0;
 	virtual void remove_region(ScatterRegion3D *p_region) = 0;
 	virtual void region_changed(const ScatterRegion3D *p_region) = 0;
 
-	/// The world's meters at the engine's origin.
+	/// The world position of the engine's origin, in meters.
 	virtual glm::dvec3 world_offset() const = 0;
 
-	/// Why a reference (see find_layer) means none of the node's layers, in a sentence; empty if it means one.
+	/// Why a reference (see find_layer) refers to none of the node's layers, in a sentence; empty if it refers to one.
 	virtual godot::String layer_problem(const godot::Variant &p_reference) const = 0;
 };
 
@@ -48,8 +48,8 @@ struct RegionSizes {
 	double width = 4.0;
 };
 
-/// A part of the world that excludes layers of the TerrainScatter3D above it, or includes them.
-/// It counts while it is in the tree and not hidden. Only the tiles that it touches are made anew when it changes.
+/// A part of the world that excludes layers of the TerrainScatter3D above it, or includes them. It has an effect while it is in the tree
+/// and visible. Only the tiles that it touches are regenerated when it changes.
 class ScatterRegion3D : public godot::Node3D, public ThreadGuarded {
 	GDCLASS(ScatterRegion3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
@@ -59,24 +59,24 @@ public:
 		SHAPE_BOX,      ///< `size`, around the node.
 		SHAPE_SPHERE,   ///< `radius`.
 		SHAPE_CYLINDER, ///< `radius`, and `height` along the node's y axis.
-		SHAPE_POLYGON,  ///< Within `polygon`, at any height.
+		SHAPE_POLYGON,  ///< Inside `polygon`, at any height.
 		SHAPE_PATH,     ///< Within half of `width` of a Path3D, at any height.
 	};
 
 	ScatterRegion3D();
 
-	/// A setter refuses what is not finite or out of range: one error that names the property, and the value stays.
+	/// A setter refuses values that are not finite or out of range: it prints one error that names the property, and keeps the old value.
 	void set_shape(Shape p_shape);
 	Shape get_shape() const { return shape_; }
 	void set_exclude(bool p_exclude);
 	bool is_excluding() const { return exclude_; }
 
-	/// The layers that the region counts for, each a ScatterLayer, its name or its index; none for all of them. A layer that
-	/// has a name is kept by it. What is read back is read-only.
+	/// The layers that the region affects, each a ScatterLayer, its name or its index; empty for all of them. A layer that has a name is
+	/// stored by name. The returned array is read-only.
 	void set_layers(const godot::Array &p_layers);
 	godot::Array get_layers() const;
 
-	/// A layer that was named `p_from` is now named `p_to`.
+	/// Updates references after a layer was renamed from `p_from` to `p_to`.
 	void rename_layer(const godot::String &p_from, const godot::String &p_to);
 	void set_ignore_height(bool p_ignore);
 	bool is_ignoring_height() const { return ignore_height_; }
@@ -85,11 +85,11 @@ public:
 	void set_size(const godot::Vector3 &p_size);
 	godot::Vector3 get_size() const { return size_; }
 
-	/// Corners as the node's own x and z, closed by itself, at most max_outline_points.
+	/// Corners in the node's own x and z, closed automatically, at most max_outline_points.
 	void set_polygon(const godot::PackedVector2Array &p_polygon);
 	godot::PackedVector2Array get_polygon() const { return polygon_; }
 
-	/// A Path3D; empty: the parent, if it is one.
+	/// A Path3D; if empty, the parent if it is one.
 	void set_path_node(const godot::NodePath &p_path);
 	godot::NodePath get_path_node() const { return path_; }
 
@@ -98,14 +98,14 @@ public:
 	template <const NumberProperty<RegionSizes, double> &property>
 	double get_number() const;
 
-	/// The region as it stands in the world. None where it has no effect: hidden, not in the tree, unfinished, or such
-	/// that the core refuses it, for which one error is printed.
+	/// The shape of the region in the world. Empty if it has no effect: hidden, not in the tree, unfinished, or refused by the core, for
+	/// which one error is printed.
 	std::optional<thicket::Shape> world_shape();
 
-	/// True if the path that a region of SHAPE_PATH follows is another one, has moved or has changed since the last call.
+	/// True if the path that a region of SHAPE_PATH follows was replaced, moved or changed since the last call.
 	bool path_changed();
 
-	/// What keeps the region from having the effect that is likely meant, a sentence each, for the editor's warnings.
+	/// One sentence for each problem that keeps the region from its likely intended effect, for the editor's warnings.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override {
 		return guarded_call("ScatterRegion3D._get_configuration_warnings", [this] { return get_problems(); });
@@ -136,21 +136,21 @@ private:
 	Shape shape_ = SHAPE_BOX;
 	bool exclude_ = true;
 	bool ignore_height_ = false;
-	godot::Array layers_; ///< As stored_reference has them.
+	godot::Array layers_; ///< In the form of stored_reference.
 	godot::Vector3 size_{10.0F, 10.0F, 10.0F};
 	RegionSizes numbers_;
 	godot::PackedVector2Array polygon_;
 	godot::NodePath path_;
 
-	RegionHost *host_ = nullptr; ///< Set while in the tree. The host leaves the tree after what is below it.
+	RegionHost *host_ = nullptr; ///< Set while in the tree. The host leaves the tree after its descendants.
 	ErrorCode reported_ = ErrorCode::none;
 
-	/// Of the path, as path_changed() saw it last.
+	/// The path, as path_changed() last saw it.
 	struct SeenPath {
 		std::uint64_t id = 0;
 		godot::Transform3D transform;
 		godot::PackedVector3Array
-				points; ///< Shares its memory with the curve's, which lies elsewhere once that changes.
+				points; ///< Shares the curve's memory. When the curve changes, its points get new memory.
 	};
 	SeenPath seen_;
 };

@@ -1,4 +1,4 @@
-// What keeps a region from having the effect that is likely meant, in sentences for the editor's warnings.
+// Problems that keep a region from its likely intended effect, as sentences for the editor's warnings.
 
 #include "core/rules/shape_frame.hpp"
 #include "nodes/common/convert.hpp"
@@ -60,7 +60,7 @@ PackedStringArray ScatterRegion3D::get_problems() const {
 		problems.push_back("The region has no effect: " + sentence(class_name, status) + ".");
 	} else if ((shape_ != SHAPE_BOX && differ(scale.x, scale.z)) ||
 			(shape_ == SHAPE_SPHERE && differ(scale.x, scale.y))) {
-		problems.push_back("The node's scale is not the same along all axes: the largest counts for the radius.");
+		problems.push_back("The node's scale is not the same along all axes: the radius uses the largest.");
 	}
 	return problems;
 }

@@ -1,4 +1,4 @@
-// The properties of a ScatterRegion3D: what they take, and when the inspector shows them.
+// The properties of a ScatterRegion3D: their accepted values, and when the inspector shows them.
 
 #include "nodes/region/scatter_region_3d.hpp"
 
@@ -63,7 +63,7 @@ void ScatterRegion3D::set_layers(const Array &p_layers) {
 Array ScatterRegion3D::get_layers() const {
 	Array result;
 	for (int64_t i = 0; i < layers_.size(); ++i) {
-		append(result, stored_reference(layers_[i])); // A layer may have got a name.
+		append(result, stored_reference(layers_[i])); // A layer may have received a name.
 	}
 	result.make_read_only();
 	return result;
@@ -144,11 +144,11 @@ void ScatterRegion3D::bind_number() {
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, name, property.hint, property.hint_string), setter, getter);
 }
 
-/// Hides what does not count for the chosen shape. It is stored all the same, so that trying another shape loses nothing.
+/// Hides properties that the chosen shape does not use. They are still stored, so that trying a different shape loses nothing.
 void ScatterRegion3D::_validate_property(PropertyInfo &p_property) const {
 	struct Use {
 		const char *property;
-		unsigned shapes; ///< A bit for each shape that the property counts for.
+		unsigned shapes; ///< A bit for each shape that uses the property.
 	};
 	constexpr unsigned box = 1U << SHAPE_BOX;
 	constexpr unsigned sphere = 1U << SHAPE_SPHERE;

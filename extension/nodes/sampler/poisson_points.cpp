@@ -28,7 +28,7 @@ float unit_rank(const SamplePoint &point) {
 	return std::min(static_cast<float>(point.rank * rank_scale), std::nextafter(1.0F, 0.0F));
 }
 
-/// Hands out the points in parts: to the engine's threads, too, where they are many. What takes time is the system's, which hands over new
+/// Processes the points in parts, also on the engine's threads if there are many. Most of the time is the system's, which provides new
 /// memory page by page.
 template <class Work>
 void for_each_part(std::size_t size, const Work &work) {
@@ -112,7 +112,7 @@ Vector2 PoissonPoints::get_position(int64_t p_index) const {
 PackedVector2Array PoissonPoints::get_positions() const {
 	const std::lock_guard lock(mutex_);
 	if (positions_.size() == size_) {
-		// Fast path: points never change, so their positions are made once.
+		// Fast path: points never change, so their positions are created once.
 		return positions_;
 	}
 	PackedVector2Array positions;
@@ -138,7 +138,7 @@ void PoissonPoints::_bind_methods() {
 	bind_guarded<&Self::get_ranks>(D_METHOD("get_ranks"));
 	bind_guarded<&Self::get_x>(D_METHOD("get_x"));
 	bind_guarded<&Self::get_y>(D_METHOD("get_y"));
-	// Neither stored nor shown: they are read, and have no setter.
+	// Neither stored nor shown, because they are read-only.
 	const auto bind = [](Variant::Type type, const char *name, const char *getter) {
 		ADD_PROPERTY(PropertyInfo(type, name, PROPERTY_HINT_NONE, "", PROPERTY_USAGE_NONE), "", getter);
 	};

@@ -18,40 +18,40 @@
 
 namespace thicket {
 
-/// The points that a PoissonSampler has found. It never changes, so that any thread may read it. An index that is not there
-/// prints an error and gives a default.
+/// The points that a PoissonSampler has found. They never change, so any thread may read them. An invalid index prints an error and returns
+/// a default.
 class PoissonPoints : public godot::RefCounted {
 	GDCLASS(PoissonPoints, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// The result of a call that was refused.
+	/// The result of a refused call.
 	static godot::Ref<PoissonPoints> make_empty() { return memnew(PoissonPoints); }
 
-	/// Copies points, with positions in single precision, or in double precision if `exact`. Where there is not enough memory it
-	/// prints an error and is empty.
+	/// Copies points, with positions in single precision, or in double precision if `exact`. If there is not enough memory, prints an error
+	/// and returns an empty result.
 	static godot::Ref<PoissonPoints> of(std::span<const SamplePoint> points, bool exact);
 
-	/// Takes positions in double precision, of which there are as many x as y. They have neither ids nor ranks.
+	/// Uses positions in double precision, with as many x as y. They have neither IDs nor ranks.
 	static godot::Ref<PoissonPoints> of_positions(
 			const godot::PackedFloat64Array &p_x, const godot::PackedFloat64Array &p_y);
 
 	int64_t size() const { return size_; }
 	bool is_empty() const { return size_ == 0; }
 
-	/// The number that names a point for ever; 0 for a point of a set without ids.
+	/// The permanent number of a point; 0 for a point of a set without IDs.
 	int64_t get_id(int64_t p_index) const;
 	godot::Vector2 get_position(int64_t p_index) const;
 
 	/// At least 0 and below 1; 0 for a point of a set without ranks.
 	double get_rank(int64_t p_index) const;
 
-	// The same packed, for all points. Empty where they have none.
+	// The same packed, for all points. Empty if the points have none.
 	godot::PackedInt64Array get_ids() const { return ids_; }
 	godot::PackedFloat32Array get_ranks() const { return ranks_; }
 	godot::PackedVector2Array get_positions() const;
 
-	/// Positions in double precision. Empty unless they were asked for.
+	/// Positions in double precision. Empty unless they were requested.
 	godot::PackedFloat64Array get_x() const { return x_; }
 	godot::PackedFloat64Array get_y() const { return y_; }
 
@@ -67,8 +67,8 @@ private:
 	godot::PackedFloat32Array ranks_;
 	godot::PackedFloat64Array x_;
 	godot::PackedFloat64Array y_;
-	mutable godot::PackedVector2Array positions_; ///< Of exact points: made when they are first asked for.
-	mutable std::mutex mutex_;                    ///< For that.
+	mutable godot::PackedVector2Array positions_; ///< For exact points: created on first use.
+	mutable std::mutex mutex_;                    ///< Guards positions_.
 };
 
 } // namespace thicket

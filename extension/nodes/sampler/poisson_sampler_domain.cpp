@@ -31,7 +31,7 @@ Real last_before(Real end, Real min) {
 	return std::max(std::nextafter(end, -std::numeric_limits<Real>::infinity()), min);
 }
 
-/// Positions in single precision. All lie in the rectangle by its own measure, Rect2.has_point.
+/// Positions in single precision. All lie in the rectangle as tested by Rect2.has_point.
 class Vector2Writer {
 public:
 	explicit Vector2Writer(const Rect2 &p_rect) :
@@ -79,7 +79,7 @@ private:
 	double *next_y_ = nullptr;
 };
 
-/// Hands `position_of(point)` of all points over, in pieces that do not hold up a cancel.
+/// Writes `position_of(point)` of all points, in pieces that do not delay a cancellation.
 template <typename Points, typename PositionOf, typename Writer>
 Status write(const Points &points, const PositionOf &position_of, const Progress &progress, Writer &r_writer) {
 	constexpr std::size_t piece = 1 << 20;
@@ -111,7 +111,7 @@ Status write_set(const DomainRequest &request, const glm::dvec2 &min, const Prog
 	return write(points, [&](const glm::vec<2, Real> &point) { return min + glm::dvec2(point); }, progress, r_writer);
 }
 
-/// What a script's author can do about a size that the core refuses.
+/// The remedy for script authors if the core refuses a size.
 String remedy(const DomainRequest &request, const Status &status) {
 	if (status.code != ErrorCode::out_of_range) {
 		return String();
@@ -139,7 +139,7 @@ DomainRequest PoissonSampler::domain_request(const glm::dvec2 &p_size) const {
 	return request;
 }
 
-// The core speaks of a domain's size, scripts of rectangles.
+// The core's errors name a domain's size, but scripts pass rectangles.
 void PoissonSampler::report_domain(const DomainRequest &p_request, Status p_status) const {
 	if (std::string_view(p_status.property) != "size" || p_status.code == ErrorCode::cancelled) {
 		report(class_name, p_status);
@@ -152,7 +152,7 @@ void PoissonSampler::report_domain(const DomainRequest &p_request, Status p_stat
 template <typename Writer>
 Status PoissonSampler::write_tiles(
 		const Rect &p_rect, const Progress &p_progress, Writer &r_writer, DomainStats &r_stats) {
-	const PointSet set = set_; // The script may change it meanwhile.
+	const PointSet set = set_; // A copy, because the script may change it in the meantime.
 	EngineThreads threads;
 	const Status status = sampler_.sample(set, p_rect, points_, p_progress, &threads);
 	if (!status.ok()) {

@@ -11,15 +11,16 @@
 
 namespace thicket {
 
-/// Tells a script how far a call is: with a fraction from 0 to 1 that never falls and the number of points so far, about
-/// every 15 milliseconds at most, on the thread that makes the call. A callable that cannot be called prints one error
-/// and is left alone from then on; the work goes on without it.
+/// Reports the progress of a call to a script: a fraction from 0 to 1 that never falls, and the number of points found until then. It does
+/// so about every 15 milliseconds at most, on the thread that makes the call. A callable that cannot be called prints one error and is not
+/// called again; the work continues without it.
 class ScriptProgress {
 public:
-	/// `p_owner` is named in the error. An empty callable wants to know nothing.
+	/// Errors name `p_owner`. An empty callable gets no reports.
 	ScriptProgress(const char *p_owner, const godot::Callable &p_callable);
 
-	/// What a sampler tells, for as long as this object lives, and what ends it. The end is left to `finish`.
+	/// The progress and cancellation interface for a sampler, valid for as long as this object lives. It does not report the end: `finish`
+	/// does.
 	Progress progress(const std::atomic<bool> *p_cancel);
 
 	/// Calls it once more, with a fraction of 1.
@@ -34,8 +35,8 @@ private:
 	const char *owner_;
 	godot::Variant callable_;
 	bool wanted_;
-	double fraction_ = 0.0; ///< The last one that the script was told.
-	Clock::time_point due_; ///< When it may be told again.
+	double fraction_ = 0.0; ///< The last one that the script received.
+	Clock::time_point due_; ///< The time of the next possible report.
 };
 
 } // namespace thicket

@@ -2,12 +2,12 @@
 
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
-#include "core/placement/tile_crew.hpp"
+#include "core/placement/parallel_tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/state/instance_state.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 
 #include <glm/vec2.hpp>
 
@@ -18,39 +18,40 @@
 
 namespace thicket {
 
-/// The ground of some positions on this thread, the main one. `ground` is what `terrain` gave for workers; where it is null, the terrain
-/// itself is asked, there and then: a script may do anything meanwhile. Replaces `r_answers`. Throws std::bad_alloc.
-Status ask_at_once(const Terrain *ground, const HostedTerrain &terrain, std::span<const glm::dvec2> positions,
+/// Samples the ground at some positions on the calling thread, which is the main thread. `terrain` is the snapshot of `ground` for workers.
+/// If it is null, `ground` itself is sampled immediately, and its script may do anything in the meantime. Replaces `r_answers`. Throws
+/// std::bad_alloc.
+Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
-/// Makes tiles for a caller on the main thread, who waits for them; the engine's workers share what a large rectangle
-/// takes. What the next tile can use stays: memory, and the points around.
+/// Generates tiles for a caller on the main thread that waits for them. The engine's workers help with large rectangles. Keeps data that
+/// the next tile can use: memory and the surrounding points.
 class AtOnceBuilder {
 public:
-	/// All steps of a tile; the ground as above. A script that is asked for it may call this again.
-	Status build(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain, const Rect &rect,
+	/// All steps of one tile, with the ground as above. A script that is called for the ground may call this again.
+	Status build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground, const Rect &rect,
 			TileInstances &r_tile);
 
-	/// All steps of several, in order, on all threads there are where the ground may be asked on any. Replaces `r_tiles`: null for one
-	/// that was not made. The error is that of the first tile which has one.
-	Status build_all(std::span<const TileOrder> orders, const Terrain *ground, const HostedTerrain &terrain,
-			std::vector<std::shared_ptr<const KeptTile>> &r_tiles);
+	/// All steps of several tiles, in order; on all available threads if the ground may be sampled on any thread. Replaces `r_tiles`; null
+	/// for a tile that was not generated. Returns the error of the first tile that has one.
+	Status build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
+			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
-	/// As TileCrew::points_computed, of all calls.
-	std::uint64_t points_computed() const { return points_computed_ + crew_.points_computed(); }
+	/// As ParallelTileBuilder::points_computed, for all calls.
+	std::uint64_t points_computed() const { return points_computed_ + parallel_builder_.points_computed(); }
 
 private:
 	std::unique_ptr<TileBuilder> take_builder();
-	Status build_in_steps(const LayerSettings &layer, const Terrain *ground, const HostedTerrain &terrain,
+	Status build_in_steps(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
 			const Rect &rect, TileInstances &r_tile);
 
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
-	TileCrew crew_;
-	std::uint64_t points_computed_ = 0;  ///< Of tiles that were made one by one.
-	std::unique_ptr<TileBuilder> spare_; ///< Null before the first tile, and while one is made.
+	ParallelTileBuilder parallel_builder_;
+	std::uint64_t points_computed_ = 0;  ///< For tiles that were generated one by one.
+	std::unique_ptr<TileBuilder> spare_; ///< Null before the first tile, and while a tile is being generated.
 };
 
-/// Lays over a finished rectangle what a game has changed there, as in the picture. After an error the tile is unspecified.
-Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, KeptTile &r_tile);
+/// Applies a game's changes to a finished rectangle, as they are displayed. After an error the tile is unspecified.
+Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile);
 
 } // namespace thicket

@@ -86,11 +86,11 @@ std::size_t DisplayedTile::cell_count() const {
 }
 
 std::size_t DisplayedTile::bytes() const {
-	std::size_t count = tile->meshes.capacity() * sizeof(KeptMesh);
+	std::size_t count = tile->meshes.capacity() * sizeof(CompactMesh);
 	for (std::size_t mesh = 0; mesh < parts.size(); ++mesh) {
 		const Part &part = parts[mesh];
-		const KeptMesh &own = tile->meshes[mesh];
-		count += own.bytes() + (part.shown.get() != &own ? part.shown->bytes() + sizeof(KeptMesh) : 0);
+		const CompactMesh &own = tile->meshes[mesh];
+		count += own.bytes() + (part.shown.get() != &own ? part.shown->bytes() + sizeof(CompactMesh) : 0);
 		count += part.division.bytes();
 	}
 	return count;

@@ -25,7 +25,7 @@ std::uint64_t triangles_of(int64_t primitive, int64_t corners) {
 	}
 }
 
-/// Of a mesh that is no ArrayMesh, which makes triangles only.
+/// For a mesh that is not an ArrayMesh: such meshes only have triangles.
 std::uint64_t triangles_of(const Mesh &mesh, int32_t surface) {
 	const Array arrays = mesh.surface_get_arrays(surface);
 	if (arrays.size() <= SurfaceStream::indices) {

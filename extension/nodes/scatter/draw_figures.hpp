@@ -16,7 +16,7 @@ class Camera3D;
 
 namespace thicket {
 
-/// What a renderer is given for one picture, shadows not counted.
+/// The amount of work that a renderer gets for one frame, without shadows.
 struct DrawFigures {
 	std::uint64_t multimeshes = 0;
 	std::uint64_t instances = 0;
@@ -24,12 +24,12 @@ struct DrawFigures {
 	std::uint64_t draw_calls = 0;
 };
 
-/// Adds up what is drawn: all of it, or what a view may see.
+/// Adds up everything that is drawn, or only the part that a view may see.
 class DrawCounter {
 public:
 	explicit DrawCounter(const std::optional<ViewVolume> &view) : view_(view) {}
 
-	/// Some instances of a mesh, in a box of world meters.
+	/// Adds some instances of a mesh, in a box in world meters.
 	void add(const godot::Ref<godot::Mesh> &mesh, std::uint64_t instances, glm::dvec3 min, glm::dvec3 max);
 	const DrawFigures &figures() const { return figures_; }
 
@@ -41,11 +41,11 @@ private:
 	const MeshFigures &figures_of(const godot::Ref<godot::Mesh> &mesh);
 
 	std::optional<ViewVolume> view_;
-	std::map<std::uint64_t, MeshFigures> meshes_; ///< By instance id of the engine.
+	std::map<std::uint64_t, MeshFigures> meshes_; ///< By the engine's instance ID.
 	DrawFigures figures_;
 };
 
-/// What a camera in the tree sees. `offset` is where the engine's origin is in the world, meters.
+/// The view volume of a camera in the tree. `offset` is the world position of the engine's origin, in meters.
 ViewVolume view_of(const godot::Camera3D &camera, glm::dvec3 offset);
 
 } // namespace thicket

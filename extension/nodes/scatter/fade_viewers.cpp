@@ -129,7 +129,7 @@ void FadeViewers::write(std::span<const glm::vec4> viewers) {
 	}
 	RenderingServer *server = RenderingServer::get_singleton();
 	for (const Ref<Material> &material : materials_) {
-		// Not by the material: what is set there would be saved with it.
+		// Set on the server and not on the material resource, because those values would be saved with it.
 		server->material_set_param(material->get_rid(), viewers_name, places);
 		server->material_set_param(material->get_rid(), count_name, static_cast<int64_t>(viewers.size()));
 	}

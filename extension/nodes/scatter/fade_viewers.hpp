@@ -15,17 +15,17 @@
 
 namespace thicket {
 
-/// A viewer as scatter_fade.gdshaderinc takes it.
+/// A viewer in the format of scatter_fade.gdshaderinc.
 struct FadeViewer {
-	std::uint64_t id = 0;  ///< Of the object of the engine that it is.
-	glm::vec4 place{0.0F}; ///< Where it is in the engine's space, and its Viewer::radius_scale less 1.
+	std::uint64_t id = 0;  ///< The viewer's object ID in the engine.
+	glm::vec4 place{0.0F}; ///< Its position in the engine's space, and its Viewer::radius_scale minus 1.
 };
 
-/// Hands viewers to the materials of a node's layers that include scatter_fade.gdshaderinc: what fades measures from them, whichever
-/// camera draws. Nodes may share materials, so each material gets the viewers of all nodes. Main thread only.
+/// Passes viewers to the materials of a node's layers that include scatter_fade.gdshaderinc. Those materials measure fade distances from
+/// these viewers, whichever camera draws. Nodes may share materials, so each material gets the viewers of all nodes. Main thread only.
 class FadeViewers {
 public:
-	/// As many viewers as the shader takes. Of more, those nearest to the camera count.
+	/// The largest number of viewers that the shader supports. If there are more, those nearest to the camera are used.
 	static constexpr std::size_t most_viewers = 8;
 
 	FadeViewers() = default;
@@ -35,10 +35,10 @@ public:
 
 	void set_layers(std::span<const SharedSnapshot> layers);
 
-	/// The node's viewers in this frame. With none, the last ones stay, as tiles do. `camera` is in the engine's space.
+	/// Sets the node's viewers for this frame. If there are none, the last ones stay, as tiles do. `camera` is in the engine's space.
 	void set_viewers(std::span<const FadeViewer> viewers, glm::vec3 camera);
 
-	/// Gives up the viewers and the materials, which fade with the distance to the camera from now on.
+	/// Releases the viewers and the materials, which from now on fade with the distance to the camera.
 	void clear();
 
 private:
@@ -46,7 +46,7 @@ private:
 
 	std::vector<godot::Ref<godot::Material>> materials_;
 	std::vector<FadeViewer> viewers_;
-	std::uint64_t written_ = 0; ///< The version of all nodes' viewers that the materials have; 0 for none.
+	std::uint64_t written_ = 0; ///< The version of all nodes' viewers last written to the materials; 0 if none was.
 };
 
 } // namespace thicket

@@ -7,12 +7,12 @@
 
 namespace thicket {
 
-/// What a frame's time on the main thread went to.
+/// The parts of a frame's time on the main thread.
 enum class FramePart : std::uint8_t {
-	follow,     ///< Changes of the ground, the layers and the settings taken in.
-	gameplay,   ///< The state's clock, and what stands around bodies.
-	made,       ///< Tiles taken over from workers.
-	wanted,     ///< Tiles asked for and dropped as viewers move.
+	follow,     ///< Applying changes of the ground, the layers and the settings.
+	gameplay,   ///< The state's clock, and the objects around bodies.
+	made,       ///< Taking finished tiles from workers.
+	wanted,     ///< Requesting and dropping tiles as viewers move.
 	ask_ground, ///< From here on as ScatterStream::Step.
 	upload,
 	free,
@@ -21,24 +21,24 @@ enum class FramePart : std::uint8_t {
 	fade,
 	rings,
 	recheck,
-	told,    ///< Requests answered, scenes shown, changes told.
-	patched, ///< Tiles drawn anew that a game has changed.
+	told,    ///< Answering requests, showing scenes, and emitting changes.
+	patched, ///< Redrawing tiles that a game has changed.
 	signals,
 	count,
 };
 
-/// A stopwatch with a hand for each part. Main thread only.
+/// Measures the time of each part. Main thread only.
 class FrameTimes {
 public:
 	using Clock = std::chrono::steady_clock;
 
-	/// A new frame begins.
+	/// Starts a new frame.
 	void begin() {
 		parts_.fill({});
 		lap_ = Clock::now();
 	}
 
-	/// What has passed since the last call was spent on a part.
+	/// Counts the time since the last call as spent on a part.
 	void spent_on(FramePart part) {
 		const Clock::time_point now = Clock::now();
 		parts_[static_cast<std::size_t>(part)] += now - lap_;

@@ -12,11 +12,11 @@ namespace thicket {
 
 namespace {
 
-/// Instances of one layer around a viewer that are worth a warning: some 140 to 200 MB. Dense grass, with a radius of 0.2 m and a
-/// view distance of 128 m, has 1.2 million; no layer of the presets and the demo has more than 0.5 million.
+/// The number of instances of one layer around a viewer that is worth a warning: some 140 to 200 MB. Dense grass, with a radius of 0.2 m
+/// and a view distance of 128 m, has 1.2 million; no layer of the presets and the demo has more than 0.5 million.
 constexpr double many_instances = 2e6;
 
-/// Main memory for an instance besides its floats in the renderer, as get_stats() shows it.
+/// Main memory for an instance besides its floats in the renderer, as shown by get_stats().
 constexpr double kept_bytes = 20.0;
 
 double expected_in_view(const LayerSnapshot &layer) {
@@ -55,7 +55,7 @@ void InstanceLoad::add_problems(std::span<const SharedSnapshot> layers, PackedSt
 		const String name =
 				layer.links.name.empty() ? String() : vformat(" (\"%s\")", String::utf8(layer.links.name.c_str()));
 		r_problems.push_back(vformat(
-				"Layer %d%s: ScatterLayer.radius and view_distance ask for about %.1f million instances around each "
+				"Layer %d%s: ScatterLayer.radius and view_distance require about %.1f million instances around each "
 				"viewer (%.2f per square meter, %.0f square meters), which take about %d MB. Increase radius, or "
 				"lower view_distance or density. Thinning with distance draws fewer, but keeps all in memory.",
 				static_cast<int64_t>(index), name, count * 1e-6, count / view_area(layer.range), view_area(layer.range),

@@ -10,19 +10,19 @@
 
 namespace thicket {
 
-/// Finds layers whose settings ask for more instances than a machine can be expected to hold.
+/// Finds layers whose settings need more instances than a machine can be expected to hold.
 class InstanceLoad {
 public:
-	/// The settings or the ground have changed.
+	/// Call it when the settings or the ground have changed.
 	void forget() { shares_.clear(); }
 
-	/// Learns how many of the points the rules keep. Call it while all tiles are displayed.
+	/// Measures the share of the points that the rules keep. Call it while all tiles are displayed.
 	void measure(const TileDisplay &display, std::span<const SharedSnapshot> layers);
 
 	void add_problems(std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems) const;
 
 private:
-	std::vector<double> shares_; ///< Of each layer's points, 0 to 1. Empty until measured.
+	std::vector<double> shares_; ///< The kept share of each layer's points, 0 to 1. Empty until measured.
 };
 
 } // namespace thicket

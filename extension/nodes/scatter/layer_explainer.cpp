@@ -36,7 +36,7 @@ Status LayerExplainer::explain(std::uint32_t layer, glm::dvec2 place, LayerExpla
 	std::vector<Ground> answers;
 	Status status = explainer.find(settings, place);
 	if (status.ok()) {
-		status = ask_at_once(ground.get(), terrain, explainer.positions(), explainer.queries(), answers);
+		status = ask_at_once(terrain.get(), ground, explainer.positions(), explainer.queries(), answers);
 	}
 	if (status.ok()) {
 		status = explainer.explain(answers, r_explanation.rules);
@@ -62,7 +62,7 @@ Status LayerExplainer::densities(
 	std::vector<Ground> answers;
 	Status status = probe.find(*layers[layer]->settings, places, false);
 	if (status.ok()) {
-		status = ask_at_once(ground.get(), terrain, probe.positions(), probe.queries(), answers);
+		status = ask_at_once(terrain.get(), ground, probe.positions(), probe.queries(), answers);
 	}
 	if (status.ok()) {
 		status = probe.look(answers);
@@ -77,7 +77,7 @@ Status LayerExplainer::densities(
 Status LayerExplainer::slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const {
 	std::vector<Ground> answers;
 	const std::array<GroundQuery, 1> query{{{0, places.size(), {}}}};
-	const Status status = ask_at_once(ground.get(), terrain, places, query, answers);
+	const Status status = ask_at_once(terrain.get(), ground, places, query, answers);
 	r_slopes.clear();
 	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {
 		r_slopes.push_back(ground_slope(answers[place]));

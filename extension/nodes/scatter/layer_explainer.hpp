@@ -2,7 +2,7 @@
 
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/scatter/scatter_explanation.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 
 #include <glm/vec2.hpp>
 
@@ -13,25 +13,25 @@
 
 namespace thicket {
 
-/// All that explaining takes of a node, held for as long as that lasts: a script that is asked for the ground may change or free the
-/// node. Main thread only.
+/// The data of a node that an explanation needs. It is held until the explanation is done, because a script that is called for the ground
+/// may change or free the node. Main thread only.
 struct LayerExplainer {
 	std::vector<SharedSnapshot> layers;
-	std::shared_ptr<const Terrain> ground; ///< Null for a terrain that is asked here and now.
-	HostedTerrain terrain;
-	std::vector<std::string> shapes; ///< Names of the shapes of the layer that is explained next.
+	std::shared_ptr<const Terrain> terrain; ///< Null for ground that is sampled on the main thread only.
+	HostedGround ground;
+	std::vector<std::string> shapes; ///< The names of the shapes of the layer that is explained next.
 
-	/// What the rules of the layer at an index say of a place in the world, and of the point nearest to it. Fails as PlaceExplainer does,
-	/// and as the ground does. Throws std::bad_alloc.
+	/// Explains the rules of the layer at an index for a world position, and for the point nearest to it. Fails as PlaceExplainer does, and
+	/// as the ground does. Throws std::bad_alloc.
 	Status explain(std::uint32_t layer, glm::dvec2 place, LayerExplanation &r_explanation) const;
 
-	/// The density of a layer at some places, 0 to 1. Replaces `r_densities`.
+	/// The density of a layer at some positions, 0 to 1. Replaces `r_densities`.
 	Status densities(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const;
 
-	/// The slope of the ground there, degrees; NAN for none. Replaces `r_slopes`.
+	/// The slope of the ground at some positions, in degrees; NAN where there is no ground. Replaces `r_slopes`.
 	Status slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const;
 
-	/// The rank of the point of a layer's set that is nearest to each place, 0 to 1. Replaces `r_ranks`.
+	/// The rank of the layer's point nearest to each position, 0 to 1. Replaces `r_ranks`.
 	Status ranks(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_ranks) const;
 
 private:

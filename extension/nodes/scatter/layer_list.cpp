@@ -13,17 +13,17 @@ namespace thicket {
 
 namespace {
 
-/// The same object as before, if it says the same.
+/// The previous object, if it is equal.
 template <class Values>
 std::shared_ptr<const Values> kept(const std::shared_ptr<const Values> &before, Values now) {
 	if (before != nullptr && *before == now) {
-		// Fast path: for the same object nothing has to be made anew.
+		// Fast path: for the same object nothing has to be regenerated.
 		return before;
 	}
 	return std::make_shared<const Values>(std::move(now));
 }
 
-/// Where the tiles of a layer are not what they were, because it says something else or the ground has changed.
+/// The area in which the tiles of a layer are outdated, because its settings or the ground have changed.
 EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now, const EditedArea &ground_change,
 		EditSearch &r_search) {
 	EditedArea area;
@@ -38,7 +38,7 @@ EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now
 	return area;
 }
 
-/// Why a layer takes more points than it may, though its own tiles are small enough: the property that looks too far.
+/// The property whose distance is too large, for a layer that takes too many points although its own tiles are small enough.
 const char *far_looking_property(const LayerSettings &layer, double tile_size) {
 	LayerSettings plain = layer;
 	plain.instance_data = {};
@@ -68,7 +68,7 @@ void LayerList::complain(std::size_t index, bool own, const Status &status) {
 	entries_[index].complaint = complaint;
 }
 
-/// Takes over what a layer says, if it may be used.
+/// Takes a snapshot of a layer, if it is valid.
 Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const {
 	if (p_layer.is_null()) {
 		r_entry = {};
@@ -81,7 +81,7 @@ Status LayerList::read(Entry &r_entry, const Ref<ScatterLayer> &p_layer, std::ui
 	return status;
 }
 
-/// Adds what a layer itself does not know: the shapes and the biomes that count for it, and the water.
+/// Adds data that a layer itself does not have: the shapes and biomes that affect it, and the water.
 void LayerList::add_world(std::size_t index, const NodeLayers &layers, const LayerWorld &world) {
 	LayerSnapshot &layer = *entries_[index].unlinked;
 	const SharedSnapshot was = before(index);
@@ -98,7 +98,7 @@ void LayerList::add_world(std::size_t index, const NodeLayers &layers, const Lay
 	layer.settings = settings;
 }
 
-/// Where there are biomes it is always known, so that a change of one biome's water is one there and nowhere else.
+/// If there are biomes, the water levels are always known, so that a change of one biome's water only affects that biome.
 void LayerList::find_water(const LayerWorld &world) {
 	if (world.biomes.is_valid()) {
 		water_ = kept(water_, WaterLevels(world.biomes->map(), world.biomes->water_levels(world.water_level)));
@@ -109,7 +109,7 @@ void LayerList::find_water(const LayerWorld &world) {
 	}
 }
 
-/// Layers give way to those before them in `order`; what comes out is by index.
+/// Later layers in `order` give way to earlier ones; the result is by index.
 std::vector<LinkedLayer> LayerList::link(const std::vector<std::size_t> &order) const {
 	std::vector<UnlinkedLayer> layers;
 	std::vector<SharedLayer> before_all;
@@ -136,14 +136,14 @@ std::vector<LinkedLayer> LayerList::link(const std::vector<std::size_t> &order) 
 	return result;
 }
 
-/// What a layer says from now on, given what came of its names.
+/// The new snapshot of a layer, with its resolved references.
 SharedSnapshot LayerList::next(std::size_t index, const LinkedLayer &linked) const {
 	SharedSnapshot was = before(index);
 	if (linked.settings == nullptr) {
 		return nullptr;
 	}
 	if (!linked.status.ok()) {
-		return was; // As a whole: its meshes belong to those settings.
+		return was; // The whole snapshot, because its meshes belong to those settings.
 	}
 	LayerSnapshot now = *entries_[index].unlinked;
 	now.settings = linked.settings;
@@ -162,7 +162,7 @@ std::vector<EditedArea> LayerList::update(
 		statuses.push_back(read(entries_[index], shown, world.seed, index));
 		if (std::optional<LayerSnapshot> &unlinked = entries_[index].unlinked) {
 			if (shown != layer) {
-				unlinked->links.identity = layer->get_instance_id(); // Others may hold the layer itself.
+				unlinked->links.identity = layer->get_instance_id(); // Other layers may refer to the object itself.
 			}
 			add_world(index, layers, world);
 		}

@@ -17,33 +17,34 @@
 
 namespace thicket {
 
-/// What a node says of the world in which its layers stand.
+/// The node's settings of the world that its layers belong to.
 struct LayerWorld {
 	std::uint64_t seed = 0;
-	double water_level = no_water; ///< Of the node: world meters.
+	double water_level = no_water; ///< The node's water level, in world meters.
 	godot::Ref<ScatterBiomeMap> biomes;
 	RegionRegister &regions;
-	const LayerPreviews &previews; ///< What is shown in place of layers.
+	const LayerPreviews &previews; ///< Layers that are displayed in place of others.
 };
 
-/// Makes a node's layers into snapshots, with their neighbors, shapes, biomes and water, and finds out which tiles have to be made anew when
-/// the layers change. Main thread only.
+/// Creates snapshots of a node's layers, with their neighbors, shapes, biomes and water. When layers change, finds the tiles that have to
+/// be regenerated. Main thread only.
 class LayerList {
 public:
-	/// Reads the layers as they are now. Returns for each where its tiles are outdated, given where the ground has changed since the
-	/// last update. A layer whose settings are refused keeps its last good ones, for its neighbors too, and one error is printed.
+	/// Reads the current layers. Returns for each layer the area in which its tiles are outdated. `ground_change` is the area in which the
+	/// ground has changed since the last update. A layer whose settings are refused keeps its last valid ones, also for its neighbors, and
+	/// one error is printed.
 	std::vector<EditedArea> update(const NodeLayers &layers, const LayerWorld &world, const EditedArea &ground_change);
 
-	/// By index among the node's layers. The same object as before while the layer says the same.
+	/// By index in the node's layers. The object stays the same until the layer changes.
 	const std::vector<SharedSnapshot> &snapshots() const { return snapshots_; }
 
-	/// Forgets everything: all of the next update is new.
+	/// Forgets everything, so that the next update treats all layers as new.
 	void clear();
 
 private:
 	struct Entry {
-		std::optional<LayerSnapshot> unlinked; ///< In its last good state, without neighbors; none where no layer is.
-		godot::String complaint;               ///< The error that was printed last; empty while all is well.
+		std::optional<LayerSnapshot> unlinked; ///< The last valid state, without neighbors; empty if there is no layer.
+		godot::String complaint;               ///< The last printed error; empty if there is none.
 	};
 
 	Status read(Entry &r_entry, const godot::Ref<ScatterLayer> &p_layer, std::uint64_t seed, std::size_t index) const;
@@ -56,7 +57,7 @@ private:
 
 	std::vector<Entry> entries_;
 	std::vector<SharedSnapshot> snapshots_;
-	std::shared_ptr<const WaterLevels> water_; ///< For all layers; null for none.
+	std::shared_ptr<const WaterLevels> water_; ///< For all layers; null if there is no water.
 };
 
 } // namespace thicket

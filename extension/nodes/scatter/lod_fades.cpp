@@ -18,7 +18,7 @@ bool same_look(const MeshLook &a, const MeshLook &b) {
 	return a.mesh == b.mesh && a.shadow == b.shadow && a.look == b.look;
 }
 
-/// A mesh for each of the ranges: itself where nothing fades, and where it has no surface.
+/// A mesh for each of the ranges: the original mesh if nothing fades, or if it has no surface.
 std::vector<Ref<Mesh>> faded(const Ref<Mesh> &mesh, std::span<const FadeRange> ranges) {
 	std::vector<FadeRange> needed;
 	std::ranges::copy_if(ranges, std::back_inserter(needed), [](const FadeRange &range) { return range != no_fade; });
@@ -68,7 +68,7 @@ LodChain::LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::siz
 	made_ = any ? 0 : looks_.size();
 }
 
-/// All that it may be drawn with, by variant.
+/// All ranges that the look may be drawn with, by variant.
 std::vector<FadeRange> LodChain::ranges_of(const Look &look) const {
 	std::vector<FadeRange> ranges;
 	for (const bool comes : {false, true}) {
@@ -94,7 +94,7 @@ void LodChain::make_next(const LodChain *before) {
 		known = found != before->looks_.end() ? &*found : nullptr;
 	}
 	if (known != nullptr) {
-		// Fast path: the copies that were made of the mesh before fade over the same distances.
+		// Fast path: existing copies of the mesh fade over the same distances.
 		look.faded = known->faded;
 	} else if (look.plain.fades) {
 		const std::vector<Ref<Mesh>> meshes = faded(look.plain.mesh, ranges);

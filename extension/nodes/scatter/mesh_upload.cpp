@@ -32,8 +32,8 @@ void SpareBuffers::keep(std::vector<MeshUpload> &&uploads) {
 PackedFloat32Array SpareBuffers::take(std::size_t floats) {
 	PackedFloat32Array buffer;
 	if (!buffers_.empty()) {
-		// Fast path: memory that the renderer has read is filled again.
-		buffer = std::move(buffers_.back()); // The one that was touched last.
+		// Fast path: memory that the renderer has already read is reused.
+		buffer = std::move(buffers_.back()); // The most recently used one.
 		buffers_.pop_back();
 		reused_.fetch_add(1, std::memory_order_relaxed);
 	}
@@ -49,7 +49,7 @@ MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spa
 	return upload;
 }
 
-MeshUpload to_upload(const KeptMesh &mesh, float reach) {
+MeshUpload to_upload(const CompactMesh &mesh, float reach) {
 	MeshUpload upload;
 	upload.aabb = box_around(mesh.min(), mesh.max(), reach * mesh.max_scale());
 	const std::size_t floats = mesh.size() * mesh.stride();

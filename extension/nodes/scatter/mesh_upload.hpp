@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 
 #include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
@@ -12,27 +12,28 @@
 
 namespace thicket {
 
-/// The instances of one mesh in a tile as the renderer takes them.
+/// The instances of one mesh in a tile, in the renderer's format.
 struct MeshUpload {
 	godot::PackedFloat32Array buffer;
-	godot::AABB aabb; ///< Around the meshes as they stand, relative to the tile's origin.
+	godot::AABB aabb; ///< The box around the placed meshes, relative to the tile's origin.
 };
 
-/// The box around meshes whose origins lie in another, when they reach `margin` meters beyond it.
+/// The box around meshes whose origins lie in the box from `min` to `max`, if they extend at most `margin` meters beyond it.
 godot::AABB box_around(glm::vec3 min, glm::vec3 max, float margin);
 
-/// Buffers that were uploaded, for those that come next: the engine clears new memory, and the system has to find it. For one thread.
+/// Buffers that were already uploaded, for reuse. This saves time because the engine clears new memory, and the system has to find it. For
+/// one thread.
 class SpareBuffers {
 public:
 	SpareBuffers() { buffers_.reserve(most); }
 
-	/// Keeps those for which there is room, and lets go of the others. Takes no memory.
+	/// Keeps as many buffers as there is room for, and frees the others. Allocates no memory.
 	void keep(std::vector<MeshUpload> &&uploads);
 
-	/// A buffer for so many floats. What is in it says nothing.
+	/// A buffer with the given number of floats. Its content is unspecified.
 	godot::PackedFloat32Array take(std::size_t floats);
 
-	/// How many of those that were taken had been kept. For any thread.
+	/// The number of taken buffers that were reused. For any thread.
 	std::uint64_t reused() const { return reused_.load(std::memory_order_relaxed); }
 
 private:
@@ -45,6 +46,6 @@ private:
 
 /// `reach`: meters from the mesh's origin to its farthest corner, at scale 1.
 MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spare);
-MeshUpload to_upload(const KeptMesh &mesh, float reach);
+MeshUpload to_upload(const CompactMesh &mesh, float reach);
 
 } // namespace thicket

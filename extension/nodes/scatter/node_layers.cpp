@@ -23,7 +23,7 @@ void add_new(const TypedArray<ScatterLayer> &p_layers, Layers &r_layers) {
 	}
 }
 
-/// The layers of biomes at the indices that they had, those that are new where there is room.
+/// Puts the layers of biomes at their previous indices, and new layers at free ones.
 Layers placed(const Layers &wanted, std::size_t own_count, const TypedArray<ScatterLayer> &p_before) {
 	Layers result(wanted.begin(), wanted.begin() + static_cast<std::ptrdiff_t>(own_count));
 	const auto count = std::max(static_cast<std::size_t>(p_before.size()), wanted.size());

@@ -10,19 +10,19 @@
 
 namespace thicket {
 
-/// All layers that a node shows, each once: its own, then those of its biomes, one biome after the other. Main thread only.
+/// All layers that a node displays, without duplicates: its own, then those of its biomes, one biome after the other. Main thread only.
 ///
-/// A layer of the node's own has the index that it has in the node's list. A layer of a biome has one behind those, and keeps it
-/// as long as it is shown, whatever comes and goes beside it: then no tile of it has to be made anew.
+/// A layer of the node's own has its index in the node's list. A layer of a biome has an index after those. It keeps this index as long as
+/// it is displayed, whatever other layers are added or removed, so that none of its tiles has to be regenerated.
 class NodeLayers {
 public:
-	/// Takes in the layers as they are now. `biomes` may be null.
+	/// Reads the current layers. `biomes` may be null.
 	void update(const godot::TypedArray<ScatterLayer> &p_own, const ScatterBiomeMap *biomes);
 
-	/// By index, null where there is none. Without biomes it is the node's own list.
+	/// By index, null for an unused index. Without biomes it is the node's own list.
 	const godot::TypedArray<ScatterLayer> &by_index() const { return by_index_; }
 
-	/// Indices in the order in which layers give way to each other. It follows from the lists alone, and not from what was shown before.
+	/// Indices in order of priority: later layers give way to earlier ones. Depends on the lists alone, not on earlier updates.
 	const std::vector<std::size_t> &order() const { return order_; }
 
 	/// Layers before this index are the node's own.
@@ -31,7 +31,7 @@ public:
 private:
 	godot::TypedArray<ScatterLayer> by_index_;
 	std::vector<std::size_t> order_;
-	std::vector<godot::Ref<ScatterLayer>> seen_; ///< Own ones, then those of biomes, of the last update.
+	std::vector<godot::Ref<ScatterLayer>> seen_; ///< The node's own layers, then those of biomes, at the last update.
 	std::size_t own_count_ = 0;
 };
 

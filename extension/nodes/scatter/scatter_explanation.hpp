@@ -18,26 +18,26 @@
 
 namespace thicket {
 
-/// Why something of one layer stands at a place, or does not.
+/// Why a layer has an instance at a position, or has none.
 struct LayerExplanation {
 	std::uint32_t layer = 0;
 	std::string layer_name;
-	glm::dvec3 place{0.0}; ///< World meters, on the ground where there is any.
+	glm::dvec3 place{0.0}; ///< World meters, on the ground if there is any.
 
-	PlaceExplanation rules; ///< Of a layer that could be asked: `sentences` then has one for each factor at the place.
+	PlaceExplanation rules; ///< If the layer could be explained. `sentences` has one for each factor at the position.
 	std::vector<RuleSentence> sentences;
-	RuleVerdict verdict; ///< Of the rules, and of all else that may be in the way.
-	bool stands = false; ///< The point nearest to the place is an instance.
-	bool shown = false;  ///< And it is drawn.
+	RuleVerdict verdict; ///< The verdict of the rules and of everything else that may prevent an instance.
+	bool stands = false; ///< True if the point nearest to the position is an instance.
+	bool shown = false;  ///< True if that instance is also drawn.
 };
 
-/// The same for scripts, as it was when they asked. An index of a rule that is not there prints an error and gives a default.
+/// The same for scripts, as of the time of the call. An invalid rule index prints an error and returns a default.
 class ScatterExplanation : public godot::RefCounted {
 	GDCLASS(ScatterExplanation, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// `offset` is where the engine's origin is in the world, in meters.
+	/// `offset` is the world position of the engine's origin, in meters.
 	static godot::Ref<ScatterExplanation> of(LayerExplanation explanation, glm::dvec3 offset);
 
 	int64_t get_layer() const { return it_.layer; }
@@ -50,14 +50,14 @@ public:
 	bool is_standing() const { return it_.stands; }
 	bool is_shown() const { return it_.shown; }
 
-	// The point of the set that is nearest to the place.
+	// The point of the set that is nearest to the position.
 	int64_t get_id() const { return static_cast<int64_t>(it_.rules.point.id); }
 	godot::Vector3 get_point_position() const;
 	double get_distance() const { return it_.rules.distance; }
 	double get_rank() const { return it_.rules.point.rank * 0x1p-32; }
 	double get_point_density() const { return it_.rules.at_point.density; }
 
-	// The rules at the place.
+	// The rules at the position.
 	int64_t get_rule_count() const { return static_cast<int64_t>(it_.sentences.size()); }
 	godot::StringName get_rule_name(int64_t p_index) const;
 	double get_rule_value(int64_t p_index) const;

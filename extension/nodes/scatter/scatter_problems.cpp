@@ -22,28 +22,28 @@ namespace thicket {
 
 namespace {
 
-/// What is wrong with one layer, whatever the others are.
-void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterTerrain> &p_terrain, bool has_water,
+/// Adds the problems of one layer that do not depend on other layers.
+void add_problems_of(ScatterLayer &layer, const String &p_where, const Ref<ScatterGround> &p_ground, bool has_water,
 		PackedStringArray &r_problems) {
 	for (const String &problem : layer.problems()) {
 		r_problems.push_back(p_where + problem);
 	}
-	if (layer.get_ground_textures().size() > 0 && p_terrain.is_valid() && p_terrain->problem().is_empty() &&
-			!p_terrain->has_textures()) {
+	if (layer.get_ground_textures().size() > 0 && p_ground.is_valid() && p_ground->problem().is_empty() &&
+			!p_ground->has_textures()) {
 		r_problems.push_back(
-				p_where + String("ScatterLayer.ground_textures has no effect: the terrain has no textures."));
+				p_where + String("ScatterLayer.ground_textures has no effect: the ground has no textures."));
 	}
 	if (layer.needs_water() && !has_water) {
 		r_problems.push_back(p_where +
-				String("nothing stands: min_water_depth asks for water, and there is none. Set "
+				String("nothing is placed: min_water_depth requires water, and there is none. Set "
 					   "TerrainScatter3D.water_enabled."));
 	}
 }
 
 /// Float rounding in a chain of parents, which is no displacement.
 constexpr double basis_tolerance = 1e-4;
-constexpr double position_tolerance = 1e-3; // Meters,
-constexpr double position_share = 1e-6;     // and as a share of the offset.
+constexpr double position_tolerance = 1e-3; // Meters.
+constexpr double position_share = 1e-6;     // As a share of the offset.
 
 std::string text(glm::dvec3 vector) {
 	std::ostringstream stream;
@@ -70,7 +70,7 @@ bool is_displaced(const Node3D &node, glm::dvec3 offset) {
 	const Transform3D transform = node.get_global_transform();
 	const glm::dvec3 away = to_core(transform.origin) + offset;
 	const double tolerance = position_tolerance + position_share * glm::length(offset);
-	// A game that recenters may move the node along with its world: that is no displacement.
+	// A game that recenters may move the node along with its world, which is no displacement.
 	const bool is_moved = glm::length(to_core(transform.origin)) > position_tolerance && glm::length(away) > tolerance;
 	return is_moved || !is_identity(to_core(transform.basis));
 }
@@ -98,7 +98,7 @@ void add_viewer_problems(
 		const Node3D *viewer = Object::cast_to<Node3D>(node.get_node_or_null(viewers.paths[index]));
 		const String name = "Viewer " + String::num_int64(index);
 		if (viewer == nullptr) {
-			r_problems.push_back(name + String(" is no Node3D in this scene."));
+			r_problems.push_back(name + String(" is not a Node3D in this scene."));
 		} else if (!has_place(*viewer)) {
 			r_problems.push_back(
 					name + String(" has a position that is not finite: no tiles are generated around it."));
@@ -114,19 +114,19 @@ void add_viewer_problems(
 	}
 }
 
-void add_terrain_problems(const Ref<ScatterTerrain> &p_terrain, PackedStringArray &r_problems) {
-	if (p_terrain.is_null()) {
-		r_problems.push_back("No terrain: set TerrainScatter3D.terrain to a ScatterTerrain to show anything.");
-	} else if (const String stripped = p_terrain->stripped(); !stripped.is_empty()) {
+void add_ground_problems(const Ref<ScatterGround> &p_ground, PackedStringArray &r_problems) {
+	if (p_ground.is_null()) {
+		r_problems.push_back("No ground: set TerrainScatter3D.ground to a ScatterGround to show anything.");
+	} else if (const String stripped = p_ground->stripped(); !stripped.is_empty()) {
 		r_problems.push_back(stripped);
-	} else if (const String problem = p_terrain->problem(); !problem.is_empty()) {
+	} else if (const String problem = p_ground->problem(); !problem.is_empty()) {
 		r_problems.push_back(problem);
-	} else if (const String remark = p_terrain->remark(); !remark.is_empty()) {
+	} else if (const String remark = p_ground->remark(); !remark.is_empty()) {
 		r_problems.push_back(remark);
 	}
 }
 
-void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain, bool has_water,
+void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterGround> &p_ground, bool has_water,
 		PackedStringArray &r_problems) {
 	if (p_layers.is_empty()) {
 		r_problems.push_back("No layers: add a ScatterLayer to TerrainScatter3D.layers.");
@@ -148,15 +148,15 @@ void add_layer_problems(const TypedArray<ScatterLayer> &p_layers, const Ref<Scat
 			r_problems.push_back(where + String("empty, shows nothing."));
 			continue;
 		}
-		add_problems_of(*layer.ptr(), where, p_terrain, has_water, r_problems);
+		add_problems_of(*layer.ptr(), where, p_ground, has_water, r_problems);
 		for (const std::string &problem : name_problems(names, static_cast<std::size_t>(index))) {
 			r_problems.push_back(where + String::utf8(problem.c_str()));
 		}
 		const int64_t id = layer->own_id();
 		if (!ids.insert(id >= 0 ? id : index).second) {
 			r_problems.push_back(where +
-					String("has the same layer_id as another: both use the same random numbers and ids. "
-						   "Set one to -1 for an id of its own."));
+					String("has the layer_id of a different layer: both use the same random numbers and "
+						   "ids. Set one of them to -1 for a new id."));
 		}
 	}
 }
@@ -188,14 +188,14 @@ void add_uniform_problem(
 }
 
 PackedStringArray stripped_problems(
-		const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterTerrain> &p_terrain, const ScatterBiomeMap *biomes) {
+		const TypedArray<ScatterLayer> &p_layers, const Ref<ScatterGround> &p_ground, const ScatterBiomeMap *biomes) {
 	PackedStringArray result;
 	const auto add = [&result](const String &p_problem) {
 		if (!p_problem.is_empty()) {
 			result.push_back(p_problem);
 		}
 	};
-	add(p_terrain.is_valid() ? p_terrain->stripped() : String());
+	add(p_ground.is_valid() ? p_ground->stripped() : String());
 	add(biomes != nullptr ? biomes->stripped_problem() : String());
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
 		if (const Ref<ScatterLayer> layer = p_layers[index]; layer.is_valid()) {

@@ -17,16 +17,17 @@ namespace thicket {
 
 namespace {
 
-/// Tiles under way for each worker: enough that none runs dry between two frames, few enough that the nearest tiles
-/// still come first after a turn or a change: as many as take a worker this long, within limits.
+/// Tiles in progress for each worker: enough that no worker runs dry between two frames, but few enough that the nearest tiles still come
+/// first after a turn or a change. The number is chosen so that a worker needs this time for them, within limits.
 constexpr std::uint64_t worker_lead_microseconds = 30'000;
 constexpr std::size_t min_jobs_per_worker = 8;
 constexpr std::size_t max_jobs_per_worker = 64;
 
-/// Meters that a viewer may move before the work that waits is sorted anew.
+/// Meters that a viewer may move before the waiting work is sorted again.
 constexpr double sort_distance = 4.0;
 
-/// True if a tile made for one layer may be shown for the other until its own is there: the same points and meshes.
+/// True if a tile generated for one layer may be shown for the other until the latter's own tile is ready: they have the same points and
+/// meshes.
 bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
 	if (a == nullptr || b == nullptr) {
 		return a == b;
@@ -34,7 +35,7 @@ bool interchangeable(const SharedSnapshot &a, const SharedSnapshot &b) {
 	return a->settings->set == b->settings->set && a->drawing.same_meshes(b->drawing);
 }
 
-/// A layer of which nothing is shown asks for as few tiles as there can be.
+/// A layer that is not shown requests as few tiles as possible.
 StreamLayer range_of(const SharedSnapshot &layer) { return layer != nullptr ? layer->range : StreamLayer{1e6, 0.0}; }
 
 bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
@@ -43,7 +44,7 @@ bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
 
 ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(spare_thread_count()) {}
 
-/// What is under way and shows something that has changed since, or a tile of another size, is of no use to those who ask.
+/// Marks jobs whose content has changed since they were started, or whose tiles have a different size: queries cannot use them.
 void ScatterStream::mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated) {
 	for (const std::shared_ptr<TileJob> &job : jobs_) {
 		const std::uint32_t layer = job->request.key.layer;
@@ -98,7 +99,7 @@ void ScatterStream::set_layers(
 	}
 }
 
-/// The tile that is shown under a request's key stays as it is.
+/// The visible tile of a request's key stays unchanged.
 void ScatterStream::keep_shown(const TileRequest &request) {
 	streamer_.finish(request);
 	recheck_.keep(request.key);
@@ -134,13 +135,13 @@ bool ScatterStream::work_in_frame(std::span<const Viewer> viewers, std::uint64_t
 
 std::size_t ScatterStream::jobs_per_worker() const {
 	if (!ask_ground_.empty()) {
-		return min_jobs_per_worker; // What takes the time is not the workers.
+		return min_jobs_per_worker; // The workers are not the bottleneck.
 	}
 	const std::uint64_t fitting = worker_lead_microseconds / std::max<std::uint64_t>(usual_job_microseconds_, 1);
 	return static_cast<std::size_t>(std::clamp<std::uint64_t>(fitting, min_jobs_per_worker, max_jobs_per_worker));
 }
 
-/// Leaves out viewers that are out of reach, so that the others go on, and reports the first of them once.
+/// Leaves out viewers that are out of range, so that the others are still served, and reports the first of them once.
 void ScatterStream::accept(std::span<const Viewer> viewers) {
 	const Status before = std::exchange(viewer_status_, Status());
 	viewers_.clear();
@@ -182,7 +183,7 @@ void ScatterStream::request_tiles() {
 	sort_work();
 }
 
-/// Once viewers have moved on, what waits is worked on in another order. The tiles are the same in any.
+/// Sorts waiting work again once viewers have moved on. The order does not affect the tiles.
 void ScatterStream::sort_work() {
 	const bool same = std::ranges::equal(viewers_, sorted_for_, [](const Viewer &now, const Viewer &then) {
 		const glm::dvec2 way = now.position - then.position;
@@ -213,7 +214,8 @@ void ScatterStream::start(const TileRequest &request) {
 	workers_.push(job);
 }
 
-/// Has tiles made that somebody has asked for, for nobody to see. What there is no room for is missed again in the next frame.
+/// Starts tiles that queries have requested, which are not displayed. Tiles for which there is no room are requested again in the next
+/// frame.
 void ScatterStream::start_missing() {
 	const std::size_t room = min_jobs_per_worker * workers_.threads();
 	auto under_way = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_unseen));
@@ -228,7 +230,7 @@ void ScatterStream::start_missing() {
 			continue;
 		}
 		if (std::ranges::any_of(jobs_, makes)) {
-			// Fast path: it is under way.
+			// Fast path: the tile is in progress.
 			continue;
 		}
 		const auto job = std::make_shared<TileJob>();
@@ -264,7 +266,7 @@ void ScatterStream::take_finished() {
 			settle(job);
 		}
 	}
-	for (std::shared_ptr<const KeptTile> &tile : world_.take_forgotten()) {
+	for (std::shared_ptr<const CompactTile> &tile : world_.take_forgotten()) {
 		workers_.let_go(std::move(tile));
 	}
 }
@@ -304,12 +306,12 @@ void ScatterStream::settle(const std::shared_ptr<TileJob> &job) {
 void ScatterStream::settle_unseen(const std::shared_ptr<TileJob> &job) {
 	std::erase(jobs_, job);
 	if (!job->status.ok() && !job->stale && ground_.source.is_available()) {
-		// A tile that cannot be made counts as empty; an edit makes it missing again.
-		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const KeptTile>());
+		// A tile that cannot be generated counts as empty; an edit makes it missing again.
+		world_.keep(job->request.key.layer, job->request.key.tile, std::make_shared<const CompactTile>());
 	}
 }
 
-/// Ends all jobs, and tells that all tiles are hidden.
+/// Ends all jobs, and reports that all tiles are hidden.
 void ScatterStream::forget_work() {
 	while (!jobs_.empty()) {
 		cancel(jobs_.front()->request.ticket);

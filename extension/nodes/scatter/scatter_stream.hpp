@@ -7,7 +7,7 @@
 #include "nodes/scatter/tile_display.hpp"
 #include "nodes/scatter/tile_workers.hpp"
 #include "nodes/scatter/upload_queue.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/string.hpp>
@@ -23,10 +23,10 @@
 
 namespace thicket {
 
-/// What instances stand on.
+/// The ground that instances are placed on.
 struct StreamGround {
-	std::shared_ptr<const Terrain> terrain; ///< For workers; null where only the main thread may ask.
-	HostedTerrain source;                   ///< Asked on the main thread.
+	std::shared_ptr<const Terrain> terrain; ///< For workers; null if only the main thread may sample the ground.
+	HostedGround source;                    ///< Sampled on the main thread.
 };
 
 /// A tile was shown or hidden.
@@ -36,74 +36,73 @@ struct TileEvent {
 	glm::ivec2 tile{0};
 };
 
-/// The error of tiles that could not be made, which has been printed.
+/// The printed error of tiles that could not be generated.
 struct LayerFailure {
-	godot::String sentence; ///< Empty for none.
-	bool by_script = false; ///< By the ground's script, whose sentence names no layer.
+	godot::String sentence; ///< Empty if there is none.
+	bool by_script = false; ///< True if the ground's script failed; its error names no layer.
 };
 
-/// Figures since the stream began.
+/// Statistics since the stream began.
 struct StreamFigures {
-	std::uint64_t worker_microseconds = 0; ///< Of all workers, for all tiles.
+	std::uint64_t worker_microseconds = 0; ///< The time of all workers for all tiles.
 	std::uint64_t tiles_made = 0;
 	std::uint64_t points_sampled = 0;
-	std::uint64_t points_computed = 0; ///< For these, around them too, and for tiles that queries have asked for.
+	std::uint64_t points_computed = 0; ///< For these, the points around them, and tiles that queries requested.
 	std::uint64_t heights_rechecked = 0;
 };
 
-/// Brings the streamer, the workers, the uploads and the display together: one call a frame, under a budget. Main thread only.
+/// Connects the streamer, the workers, the uploads and the display: one call per frame, under a time budget. Main thread only.
 class ScatterStream {
 public:
-	/// Tells `world` of every tile that is made, and makes those that it misses.
+	/// Notifies `world` of every generated tile, and generates the tiles that it lacks.
 	explicit ScatterStream(InstanceWorld &world);
 
-	/// The rings work under the budget of a frame, too.
+	/// The rings also work under the budget of a frame.
 	void set_rings(std::vector<NearRing *> rings) { rings_ = std::move(rings); }
 
-	/// Replaces the layers and the ground. `outdated[i]` says where layer i has to be made anew; the old tiles are shown until
-	/// then.
+	/// Replaces the layers and the ground. `outdated[i]` is the area in which layer i has to be regenerated; the old tiles stay visible
+	/// until then.
 	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
 			const StreamGround &ground);
 
-	/// One frame's work: requests the tiles that are wanted and uploads those that are made, until `budget` microseconds are spent.
-	/// Does one step even if there is no time for it, so that work always goes on. Without viewers, all tiles stay, and those that
-	/// queries have asked for are made all the same. Returns false if a script that was asked for the ground has freed this
-	/// object. Throws std::bad_alloc without enough memory; the next frames make up for it.
+	/// One frame's work: requests wanted tiles and uploads finished ones, until `budget` microseconds are spent. Does at least one step
+	/// even if there is no time for it, so that work always goes on. Without viewers, all tiles stay, and tiles that queries have requested
+	/// are still generated. Returns false if a script that was called for the ground has freed this object. Throws std::bad_alloc if memory
+	/// runs out; the next frames then repeat the lost work.
 	[[nodiscard]] bool frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
-	/// Asks terrains that may only be asked in a physics frame, for as many positions as they allow.
+	/// Samples grounds that may only be sampled in a physics frame, at as many positions as they allow.
 	void physics_frame();
 
-	/// Waits for the workers and clears the display. The stream may go on afterwards, from nothing.
+	/// Waits for the workers and clears the display. The stream may be used afterwards, starting empty.
 	void stop();
 
-	/// The same, but what is shown goes step by step, by `dissolve_until`.
+	/// The same, but `dissolve_until` removes the visible tiles step by step.
 	void retire();
 
-	/// Lets bodies leave and frees what is shown no longer until `deadline`, at least one step.
+	/// Removes bodies and frees hidden tiles until `deadline`, at least one step.
 	void dissolve_until(std::chrono::steady_clock::time_point deadline);
 
-	/// The tiles that were shown and hidden since the last call, in order. A tile that was made anew is shown again without having
-	/// been hidden.
+	/// The tiles that were shown and hidden since the last call, in order. A regenerated tile is shown again without having been hidden.
 	std::vector<TileEvent> take_events();
 
-	/// Positions, in world meters, under visible tiles where the ground is found to have changed without a report, since the last call.
+	/// Positions, in world meters, under visible tiles where a re-check found changed ground that was not reported, since the last call.
 	std::vector<glm::dvec2> take_ground_changes();
 
-	/// True when all tiles that are wanted are shown, and drawn as they should be, and the rings have nothing to do.
+	/// True when all wanted tiles are visible and drawn as they should be, and the rings have nothing to do.
 	bool idle() const;
 
-	/// True if a frame with these viewers and limits would find no other tiles wanted, and none to draw otherwise for the limits.
-	/// Without viewers, all tiles stay, so no other ones are wanted.
+	/// True if a frame with these viewers and limits would want no other tiles, and would redraw none because of the limits. Without
+	/// viewers, all tiles stay, so no other ones are wanted.
 	bool follows(std::span<const Viewer> viewers, const DrawLimits &limits) const;
 
-	/// The error of a viewer that no tiles can be streamed around; the others are served.
+	/// The error of a viewer that is out of range for streaming; the other viewers are served.
 	const Status &viewer_status() const { return viewer_status_; }
 
-	/// What has kept tiles from being made, a sentence each, until their layer or the ground changes.
+	/// One sentence for each error that has kept tiles from being generated, until their layer or the ground changes.
 	godot::PackedStringArray failures() const;
 
-	/// Whether these have changed since the last call.
+	/// Whether the failures have changed since the last call.
 	bool take_failures_changed() { return std::exchange(failures_changed_, false); }
 
 	TileDisplay &display() { return display_; }
@@ -112,17 +111,17 @@ public:
 	/// See TileWorkers::let_go.
 	void let_go(std::shared_ptr<const void> unneeded) { workers_.let_go(std::move(unneeded)); }
 
-	/// Of the node's whole frame, which begins and ends elsewhere.
+	/// For the node's whole frame, which begins and ends elsewhere.
 	FrameTimes &times() { return times_; }
 
-	/// Tiles that are made and not shown yet.
+	/// Tiles that are generated and not yet visible.
 	std::size_t upload_queue_size() const { return uploads_.size(); }
 	const StreamFigures &figures() const { return figures_; }
 
-	/// How much of what was no longer needed went on workers.
+	/// The number of unneeded objects that workers have freed.
 	std::uint64_t freed_by_workers() const { return workers_.freed(); }
 
-	/// How many buffers they have written into once more.
+	/// The number of buffers that workers have reused.
 	std::uint64_t buffers_reused() const { return workers_.reused(); }
 	StreamCounts counts() const { return streamer_.counts(); }
 
@@ -131,14 +130,14 @@ private:
 
 	/// The kinds of work that share a frame's time.
 	enum class Step : std::uint8_t {
-		ask_ground, ///< Asks a script for the ground of a tile.
-		upload,     ///< Uploads a part of a tile, and shows it with its last part.
-		free,       ///< Frees what is shown no longer.
-		lod,        ///< Draws some tiles as their distances ask for.
+		ask_ground, ///< Calls a script for the ground of a tile.
+		upload,     ///< Uploads a part of a tile, and shows the tile with its last part.
+		free,       ///< Frees tiles that are no longer visible.
+		lod,        ///< Redraws some tiles to match their distances.
 		divide,     ///< Draws a tile in cells, or as a whole again.
-		fade,       ///< Prepares what is to fade in.
-		rings,      ///< Lets bodies come and go.
-		recheck,    ///< Compares the ground under some visible tiles with what they were made on.
+		fade,       ///< Prepares LODs that are to fade in.
+		rings,      ///< Adds and removes bodies.
+		recheck,    ///< Compares the ground under some visible tiles with the ground that they were generated on.
 	};
 	static constexpr std::size_t step_kinds = 8;
 
@@ -177,7 +176,7 @@ private:
 	static FramePart part_of(Step step);
 	bool work_until(Clock::time_point deadline);
 
-	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0'); ///< Goes with this object.
+	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0'); ///< Expires with this object.
 	InstanceWorld &world_;
 	FrameTimes times_;
 	std::vector<NearRing *> rings_;
@@ -186,30 +185,30 @@ private:
 	UploadQueue uploads_;
 	TileDisplay display_;
 	std::vector<SharedSnapshot> layers_;
-	std::vector<LayerFailure> failures_; ///< Of each layer: one error until it or the ground changes, not one a tile.
+	std::vector<LayerFailure> failures_; ///< One error per layer, not per tile, until it or the ground changes.
 	StreamGround ground_;
 
 	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All jobs from their request to their upload.
 	std::deque<std::shared_ptr<TileJob>> ask_ground_; ///< The jobs that wait for a script on the main thread.
-	std::vector<Viewer> sorted_for_;                  ///< The viewers when these were sorted last.
+	std::vector<Viewer> sorted_for_;                  ///< The viewers when the jobs were last sorted.
 	StreamChanges changes_;
 	std::vector<TileEvent> events_;
-	std::vector<Viewer> viewers_; ///< Of the last frame, those that are out of reach left out.
-	Status viewer_status_;        ///< Of the first one that was left out.
+	std::vector<Viewer> viewers_; ///< Those of the last frame, without viewers that are out of range.
+	Status viewer_status_;        ///< The error of the first viewer that was left out.
 	Status update_status_;
 
 	GroundRecheck recheck_;
-	Clock::duration recheck_left_{0};    ///< Time that re-checks may take; below 0 after one that took longer.
+	Clock::duration recheck_left_{0};    ///< Time that re-checks may take; negative after one that took too long.
 	Clock::duration usual_height_{1000}; ///< The usual time for one height.
-	bool recheck_due_ = false;           ///< Once a frame.
-	LayerFailure recheck_failure_;       ///< The last one, of no layer. Until the layers or the ground change.
+	bool recheck_due_ = false;           ///< Set once per frame.
+	LayerFailure recheck_failure_;       ///< The last one, for no layer. Kept until the layers or the ground change.
 	bool failures_changed_ = false;
 	StreamFigures figures_;
 	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
 	Step next_step_ = Step::ask_ground;
 	std::uint32_t uploads_since_divide_ = 0;
 	std::uint32_t uploads_since_fade_ = 0;
-	std::uint64_t usual_job_microseconds_ = 10'000; ///< Of one tile, smoothed; a guess until there were some.
+	std::uint64_t usual_job_microseconds_ = 10'000; ///< For one tile, smoothed; a guess until there were some.
 };
 
 } // namespace thicket

@@ -1,4 +1,4 @@
-// What keeps tiles from being made: printed once for each layer, and kept for the node's problems.
+// Errors that keep tiles from being generated: printed once for each layer, and kept for the node's problems.
 
 #include "nodes/scatter/scatter_stream.hpp"
 
@@ -11,7 +11,7 @@ using namespace godot;
 
 namespace thicket {
 
-/// An error of a tile that was made as its layer and the ground are now.
+/// Prints the error of a tile that was generated with the current layer and ground.
 void ScatterStream::report_once(const TileJob &job) {
 	const std::uint32_t index = job.request.key.layer;
 	const bool present = index < layers_.size() && layers_[index] != nullptr &&
@@ -24,8 +24,8 @@ void ScatterStream::report_once(const TileJob &job) {
 	}
 }
 
-/// After a frame without enough memory, which may have lost any tile on its way. What was under way is requested again, and what is on
-/// show is generated again.
+/// Call this after a frame without enough memory, which may have lost any tile on its way. Tiles in progress are requested again, and
+/// visible tiles are generated again.
 void ScatterStream::start_over() {
 	const auto is_seen = [](const std::shared_ptr<TileJob> &job) {
 		return !job->unseen;
@@ -42,7 +42,7 @@ void ScatterStream::start_over() {
 	}
 }
 
-/// An error of the ground in a re-check. Only one is printed, whether a tile or a re-check meets it first.
+/// Reports an error of the ground in a re-check. Only one is printed, no matter whether a tile or a re-check finds it first.
 void ScatterStream::report_recheck(const Status &status) {
 	const auto has_failed = [](const LayerFailure &failure) {
 		return !failure.sentence.is_empty();
@@ -54,10 +54,11 @@ void ScatterStream::report_recheck(const Status &status) {
 LayerFailure ScatterStream::print_failure(const std::string &where, const Status &status) {
 	failures_changed_ = true;
 	const String text = String::utf8((where + ": " + describe(status) + ".").c_str());
-	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
-	const String by_script = terrain.is_valid() ? terrain->script_problem(status) : String();
+	const Ref<ScatterGround> &ground = ground_.source.ground;
+	const String by_script = ground.is_valid() ? ground->script_problem(status) : String();
 	ERR_PRINT(String("TerrainScatter3D, ") + text + (by_script.is_empty() ? by_script : String(" ") + by_script));
-	return {by_script.is_empty() ? String("Not all tiles could be made: ") + text : by_script, !by_script.is_empty()};
+	return {by_script.is_empty() ? String("Not all tiles could be generated: ") + text : by_script,
+			!by_script.is_empty()};
 }
 
 void ScatterStream::forget_failure(LayerFailure &r_failure) {

@@ -15,7 +15,7 @@ namespace {
 /// Heights to read in one frame.
 constexpr std::size_t heights_per_frame = 16;
 
-/// What re-checks may take of a frame's budget, on average: one part of so many.
+/// Re-checks may take one part in this many of a frame's budget, on average.
 constexpr int budget_parts = 16;
 
 /// Time that re-checks may save up, as a number of frames.
@@ -28,11 +28,11 @@ double seconds_now() {
 } // namespace
 
 bool ScatterStream::rechecks() const {
-	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
-	return terrain.is_valid() && terrain->rechecks();
+	const Ref<ScatterGround> &ground = ground_.source.ground;
+	return ground.is_valid() && ground->rechecks();
 }
 
-/// Once a frame. A height that takes longer than the time allowed, as in a slow script, is paid for by frames without any.
+/// Called once per frame. If a height takes longer than the time allowed, for example in a slow script, the following frames read none.
 void ScatterStream::allow_recheck(Clock::duration budget) {
 	const Clock::duration share = budget / budget_parts;
 	recheck_left_ = std::min(recheck_left_ + share, saved_frames * share);
@@ -40,14 +40,14 @@ void ScatterStream::allow_recheck(Clock::duration budget) {
 }
 
 bool ScatterStream::recheck_step() {
-	const bool in_physics_frames = ground_.source.terrain.is_valid() && ground_.source.terrain->needs_physics_frames();
+	const bool in_physics_frames = ground_.source.ground.is_valid() && ground_.source.ground->needs_physics_frames();
 	if (in_physics_frames || !recheck_due_) {
 		return false;
 	}
 	return recheck_heights(heights_per_frame) > 0;
 }
 
-/// Reads the ground of a few positions; returns of how many. A script that is called for it may do anything, even free this object.
+/// Reads the ground at a few positions and returns their number. A script that is called for it may do anything, even free this object.
 std::size_t ScatterStream::recheck_heights(std::size_t most) {
 	recheck_due_ = false;
 	const bool has_failed = !recheck_failure_.sentence.is_empty();
@@ -63,15 +63,15 @@ std::size_t ScatterStream::recheck_heights(std::size_t most) {
 		return 0;
 	}
 	const std::weak_ptr<const void> alive = life_;
-	const Ref<ScatterTerrain> terrain = ground_.source.terrain;
+	const Ref<ScatterGround> ground = ground_.source.ground;
 	std::vector<std::optional<float>> heights(positions.size());
-	const Status status = terrain->recheck_now(ground_.source.host, positions, heights);
+	const Status status = ground->recheck_now(ground_.source.host, positions, heights);
 	if (alive.expired()) {
 		return positions.size();
 	}
 	figures_.heights_rechecked += positions.size();
 	if (status.ok()) {
-		recheck_.answer(seconds_now(), heights, terrain->recheck_tolerance());
+		recheck_.answer(seconds_now(), heights, ground->recheck_tolerance());
 	} else if (ground_.source.is_available()) {
 		report_recheck(status);
 	}

@@ -12,15 +12,15 @@ namespace thicket {
 
 namespace {
 
-/// While tiles wait to be shown, what is shown is divided otherwise only after so many uploads: the picture is as good meanwhile, and
+/// While tiles wait to be shown, visible tiles are only divided again after this many uploads: until then the picture is the same, but
 /// takes more triangles.
 constexpr std::uint32_t uploads_before_divide = 32;
 
-/// The same for what is to fade in: LODs change at once meanwhile.
+/// The same for LODs that are to fade in: until then LODs change abruptly.
 constexpr std::uint32_t uploads_before_fade = 8;
 
-/// The usual time of a step, after another one. A step in which the machine did something else counts as a slow one
-/// only, or a single such would hold up the stream for many frames.
+/// Updates the usual time of a step. A step in which the machine did other work is only counted as a slow one; otherwise a single such step
+/// would hold up the stream for many frames.
 std::chrono::steady_clock::duration smoothed(
 		std::chrono::steady_clock::duration usual, std::chrono::steady_clock::duration step) {
 	const auto believed = std::min(step, 4 * usual + std::chrono::microseconds(1));
@@ -29,7 +29,7 @@ std::chrono::steady_clock::duration smoothed(
 
 } // namespace
 
-/// Asks the terrain for at most so many positions of the tile whose turn it is. Returns how many of `most` that used up.
+/// Samples the ground at no more than `most` positions of the tile whose turn it is. Returns how many of `most` that used up.
 std::size_t ScatterStream::ground_step(std::size_t most) {
 	if (ask_ground_.empty() || most == 0) {
 		return 0;
@@ -44,7 +44,7 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 		status = ground_.source.sample_now(std::span<const glm::dvec2>(job->positions).subspan(job->answered, count),
 				{part->textures, part->normals}, std::span(job->ground).subspan(job->answered, count));
 		if (alive.expired() || ask_ground_.empty() || ask_ground_.front() != job) {
-			return 0; // A script has freed or changed the stream that asked it.
+			return 0; // A script has freed or changed the stream that called it.
 		}
 	}
 	job->answered += count;
@@ -61,11 +61,11 @@ std::size_t ScatterStream::ground_step(std::size_t most) {
 	return std::max<std::size_t>(count, 1);
 }
 
-/// For how many positions the terrain may be asked now; 0 where it may only be asked at the other time of a frame.
+/// The number of positions at which the ground may be sampled now; 0 if that is only possible at the other time of a frame.
 std::size_t ScatterStream::positions_at_once(bool in_physics_frame) const {
-	const Ref<ScatterTerrain> &terrain = ground_.source.terrain;
-	return terrain.is_valid() && terrain->needs_physics_frames() == in_physics_frame ? terrain->max_positions_per_call()
-																					 : 0;
+	const Ref<ScatterGround> &ground = ground_.source.ground;
+	return ground.is_valid() && ground->needs_physics_frames() == in_physics_frame ? ground->max_positions_per_call()
+																				   : 0;
 }
 
 void ScatterStream::physics_frame() {
@@ -79,7 +79,7 @@ void ScatterStream::physics_frame() {
 	}
 }
 
-/// Uploads a part of the tile whose turn it is, and shows the tile with its last part: no far tile before a near one.
+/// Uploads a part of the tile whose turn it is, and shows the tile with its last part, so that no far tile is shown before a near one.
 bool ScatterStream::upload_step() {
 	if (uploads_.state() == UploadQueue::State::idle) {
 		const std::optional<TileRequest> next = streamer_.next_ready();
@@ -115,7 +115,7 @@ void ScatterStream::finish_upload() {
 	} else {
 		display_.discard(uploads_.take());
 	}
-	// The renderer has its own of it by now. To free this much can take the main thread a millisecond.
+	// The renderer has its own copy by now. Freeing this much can take the main thread a millisecond.
 	workers_.take_back(std::move(job->uploads));
 }
 
@@ -166,16 +166,16 @@ bool ScatterStream::do_step(Step step) {
 	return false;
 }
 
-/// Steps of all kinds in turn. One for which too little time is left comes first in the next frame. False if a script has freed the
-/// stream meanwhile.
+/// Does steps of all kinds in turn. A step for which too little time is left comes first in the next frame. False if a script has freed the
+/// stream in the meantime.
 bool ScatterStream::work_until(Clock::time_point deadline) {
 	const std::weak_ptr<const void> alive = life_;
 	bool first = true;
-	std::size_t in_vain = 0; // So many kinds in a row had nothing to do.
+	std::size_t in_vain = 0; // The number of consecutive kinds that had nothing to do.
 	Clock::time_point before = Clock::now();
 	while (in_vain < step_kinds) {
 		const bool waits = (next_step_ == Step::divide && !may_divide()) || (next_step_ == Step::fade && !may_fade());
-		if (waits) { // Not to be weighed against the time that is left, either.
+		if (waits) { // Skipped without comparing its usual time with the time left.
 			next_step_ = after(next_step_);
 			++in_vain;
 			continue;

@@ -16,14 +16,14 @@ using namespace godot;
 
 namespace thicket {
 
-Ref<ScatterTile> ScatterTile::built(KeptTile tile, const std::vector<Ref<Mesh>> &meshes, glm::dvec3 offset) {
+Ref<ScatterTile> ScatterTile::built(CompactTile tile, const std::vector<Ref<Mesh>> &meshes, glm::dvec3 offset) {
 	const Ref<ScatterTile> result(memnew(ScatterTile));
-	const auto shared = std::make_shared<const KeptTile>(std::move(tile));
+	const auto shared = std::make_shared<const CompactTile>(std::move(tile));
 	result->tile_ = shared;
 	result->origin_ = to_engine(shared->origin, offset);
 	for (std::size_t mesh = 0; mesh < shared->meshes.size(); ++mesh) {
 		result->parts_.push_back({mesh < meshes.size() ? meshes[mesh] : Ref<Mesh>(),
-				std::shared_ptr<const KeptMesh>(shared, &shared->meshes[mesh]), {}});
+				std::shared_ptr<const CompactMesh>(shared, &shared->meshes[mesh]), {}});
 	}
 	return result;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/scatter/tile_display.hpp"
 
@@ -24,46 +24,46 @@
 
 namespace thicket {
 
-/// The instances of a rectangle of the world, by mesh: of a tile on show, or built for whoever asked. An index of a mesh that is not
-/// there prints an error and gives a default.
+/// The instances of a rectangle of the world, by mesh: those of a visible tile, or a rectangle built for the caller. An invalid mesh index
+/// prints an error and returns a default.
 class ScatterTile : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTile, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// The result of a call that was refused.
+	/// The result of a refused call.
 	static godot::Ref<ScatterTile> make_empty() { return memnew(ScatterTile); }
 
-	/// One that was built. `offset` is where the engine's origin is in the world.
+	/// A tile that was built. `offset` is the world position of the engine's origin.
 	static godot::Ref<ScatterTile> built(
-			KeptTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
+			CompactTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
 
-	/// One that a display shows; null for a tile that it does not show.
+	/// A tile of a display; empty for a tile that is not visible.
 	static godot::Ref<ScatterTile> shown(
 			const std::shared_ptr<const TileDisplay> &display, std::uint32_t layer, glm::ivec2 tile, glm::dvec3 offset);
 
 	/// True if there are no instances.
 	bool is_empty() const;
 
-	/// Where the transforms in the buffers start from.
+	/// The origin of the transforms in the buffers.
 	godot::Vector3 get_origin() const { return origin_; }
 	int64_t get_mesh_count() const { return static_cast<int64_t>(parts_.size()); }
 	godot::Ref<godot::Mesh> get_mesh(int64_t p_index) const;
 
-	/// As in MultiMesh.buffer. Of a tile that is still on show, what the RenderingServer holds.
+	/// As in MultiMesh.buffer. For a tile that is still visible, the data of the RenderingServer.
 	godot::PackedFloat32Array get_buffer(int64_t p_index) const;
 	godot::PackedInt64Array get_ids(int64_t p_index) const;
 
-	/// All instances as columns; see instance_rows. Positions are the world's.
+	/// All instances as columns; see instance_rows. Positions are in the world.
 	godot::PackedByteArray get_rows() const;
 
-	/// Invalid where nothing is drawn, and where there are several.
+	/// Invalid if nothing is drawn, or if there are several.
 	godot::RID get_multimesh(int64_t p_index) const;
 
-	/// One of a tile that is drawn as a whole, else one for each cell in which instances stand. None where nothing is drawn.
+	/// One for a tile that is drawn as a whole, otherwise one for each cell that contains instances. Empty if nothing is drawn.
 	godot::TypedArray<godot::RID> get_multimeshes(int64_t p_index) const;
 
-	/// Of all of it, to the last bit; 0 for a tile that was not shown.
+	/// Covers all data, bit for bit; 0 for a tile that was not visible.
 	int64_t get_digest() const;
 
 protected:
@@ -72,13 +72,13 @@ protected:
 private:
 	struct Part {
 		godot::Ref<godot::Mesh> mesh;
-		std::shared_ptr<const KeptMesh> instances;
+		std::shared_ptr<const CompactMesh> instances;
 		std::vector<godot::RID> multimeshes;
 	};
 
 	const Part *find(const char *p_method, int64_t p_index) const;
 
-	std::shared_ptr<const KeptTile> tile_; ///< Null for one that was not shown.
+	std::shared_ptr<const CompactTile> tile_; ///< Null for a tile that was not visible.
 	godot::Vector3 origin_;
 	std::vector<Part> parts_;
 

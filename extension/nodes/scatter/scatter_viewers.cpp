@@ -23,12 +23,13 @@ namespace {
 
 constexpr int32_t editor_viewports = 4;
 
-/// A perspective camera with a field of view of 75 degrees, the engine's default, sees this many times its distance from top to bottom.
+/// The visible height at a distance, divided by that distance, for a perspective camera with a field of view of 75 degrees, the engine's
+/// default.
 constexpr double size_per_distance = 1.5347;
 
 bool in_editor() { return Engine::get_singleton()->is_editor_hint(); }
 
-/// The cameras of the editor's 3D viewports that are visible, or of the first while none is, as behind the script editor.
+/// The cameras of the editor's visible 3D viewports, or of the first one if none is visible, for example behind the script editor.
 std::vector<Camera3D *> editor_cameras() {
 	std::vector<Camera3D *> cameras;
 	for (int32_t index = 0; index < editor_viewports; ++index) {
@@ -46,14 +47,14 @@ std::vector<Camera3D *> editor_cameras() {
 
 bool is_orthogonal(const Camera3D &camera) { return camera.get_projection() == Camera3D::PROJECTION_ORTHOGONAL; }
 
-/// What an orthogonal camera looks at, in the world.
+/// The world position that an orthogonal camera looks at.
 glm::dvec3 focus_of(const Camera3D &camera, glm::dvec3 offset, const ViewGround &ground) {
 	const Transform3D transform = camera.get_global_transform();
 	ParallelView view;
 	view.from = to_world(transform.origin, offset);
 	view.direction = -glm::normalize(to_core(transform.basis)[2]);
 	view.reach = camera.get_far();
-	// The editor has such a camera stand half of what it sees away from what it turns around.
+	// The editor places such a camera away from the point that it orbits, by half of its visible depth.
 	view.usual_depth = in_editor() ? 0.5 * (view.reach - camera.get_near()) : 0.0;
 	return view_focus(view, ground.terrain, ground.terrain == nullptr ? ground.level() : 0.0);
 }

@@ -18,40 +18,40 @@
 
 namespace thicket {
 
-/// Whom a node streams around.
+/// The viewers that a node streams around.
 struct ViewerSettings {
-	godot::TypedArray<godot::NodePath> paths;  ///< From the node; none for active_cameras.
-	godot::PackedFloat32Array distance_scales; ///< By the viewer's index; 1 where there is none.
+	godot::TypedArray<godot::NodePath> paths;  ///< Relative to the node; empty for active_cameras.
+	godot::PackedFloat32Array distance_scales; ///< By the viewer's index; missing entries are 1.
 };
 
 /// The ground that orthogonal cameras look at.
 struct ViewGround {
 	const Terrain *terrain = nullptr; ///< Null for ground that would run a script.
-	std::function<double()> level;    ///< World meters: about how high the ground is.
+	std::function<double()> level;    ///< World meters: the approximate height of the ground.
 };
 
-/// The viewers as they stand now, in the world.
+/// The current viewers, in the world.
 struct FoundViewers {
 	std::vector<Viewer> viewers;
-	std::vector<glm::dvec3> places; ///< Where each of them is; for an orthogonal camera, what it looks at.
-	std::vector<std::uint64_t> ids; ///< Of each of them, as an object of the engine.
+	std::vector<glm::dvec3> places; ///< The position of each viewer; for an orthogonal camera, the point it looks at.
+	std::vector<std::uint64_t> ids; ///< The object ID of each viewer in the engine.
 };
 
-/// `node` is in the tree, and `offset` where the engine's origin is in the world. Those that are not in the tree, and those whose x or z
-/// is not finite, are left out.
+/// `node` is in the tree, and `offset` is the world position of the engine's origin. Viewers that are not in the tree, and viewers whose x
+/// or z is not finite, are left out.
 ///
-/// An orthogonal camera shows what it looks at in the same size from anywhere. So its viewer is above that, as high as a perspective camera
-/// that shows it in that size.
+/// An orthogonal camera shows objects in the same size from any distance. So its viewer is placed above the point that the camera looks at,
+/// at the height from which a perspective camera would show it in that size.
 FoundViewers find_viewers(
 		const godot::Node3D &node, const ViewerSettings &settings, glm::dvec3 offset, const ViewGround &ground);
 
 /// Whether a node in the tree may be a viewer: its x and z are finite.
 bool has_place(const godot::Node3D &viewer);
 
-/// The camera of the viewport, in the editor that of each 3D viewport that is visible: the viewers of a node without `paths`.
+/// The camera of the viewport; in the editor, the camera of each visible 3D viewport. These are the viewers of a node without `paths`.
 std::vector<godot::Camera3D *> active_cameras(const godot::Node3D &node);
 
-/// The world positions around which bodies and scenes stand: those of the viewers, and of all Node3Ds of a group (empty for none).
+/// The world positions around which bodies and scenes are placed: those of the viewers, and of all Node3Ds of a group (empty for none).
 std::vector<glm::dvec3> find_near_centers(
 		const godot::Node3D &node, const FoundViewers &viewers, const godot::StringName &p_group, glm::dvec3 offset);
 

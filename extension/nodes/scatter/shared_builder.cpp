@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// Points of a tile whose workspace is kept.
+/// A workspace is kept up to this number of points in its tile.
 constexpr std::size_t most_points_kept = 1 << 16;
 
 } // namespace
@@ -19,7 +19,7 @@ std::unique_ptr<TileBuilder> SharedBuilder::take() {
 	{
 		const std::lock_guard lock(mutex_);
 		if (!spare_.empty()) {
-			// Fast path: the memory of an earlier tile serves again.
+			// Fast path: the memory of an earlier tile is reused.
 			std::unique_ptr<TileBuilder> builder = std::move(spare_.back());
 			spare_.pop_back();
 			return builder;
@@ -35,13 +35,13 @@ void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {
 	}
 }
 
-Status SharedBuilder::build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const KeptTile> &r_tile) {
+Status SharedBuilder::build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile) {
 	return guarded("rect", std::max(order.rect.size().x, order.rect.size().y), [&] {
 		std::unique_ptr<TileBuilder> builder = take();
 		TileInstances made;
 		const Status status = builder->build(*order.layer, ground, order.rect, made);
 		if (status.ok()) {
-			r_tile = std::make_shared<const KeptTile>(made, order.layer);
+			r_tile = std::make_shared<const CompactTile>(made, order.layer);
 		}
 		give_back(std::move(builder));
 		return status;

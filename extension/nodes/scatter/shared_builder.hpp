@@ -2,9 +2,9 @@
 
 #include "core/base/mutex.hpp"
 #include "core/base/status.hpp"
-#include "core/placement/kept_tile.hpp"
+#include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
-#include "core/placement/tile_crew.hpp"
+#include "core/placement/parallel_tile_builder.hpp"
 #include "core/sampling/block_cache.hpp"
 #include "core/terrain/terrain.hpp"
 
@@ -14,10 +14,10 @@
 
 namespace thicket {
 
-/// Generates tiles on the threads of its callers, several at once. Keeps the points around, and a few workspaces.
+/// Generates tiles on the threads of its callers, several at a time. Keeps surrounding points and a few workspaces for reuse.
 class SharedBuilder {
 public:
-	Status build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const KeptTile> &r_tile);
+	Status build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile);
 
 private:
 	static constexpr std::size_t most_spare = 8;

@@ -1,4 +1,4 @@
-// How a TerrainScatter3D lives: in the tree, and from frame to frame.
+// The life of a TerrainScatter3D: in the tree, and from frame to frame.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 bool in_editor() { return Engine::get_singleton()->is_editor_hint(); }
 
-/// Whether scripts that have run meanwhile have left a node in the tree. Asks what outlives the node.
+/// Whether a node is still in the tree after scripts have run. Only accesses objects that outlive the node.
 class Presence {
 public:
 	explicit Presence(const std::shared_ptr<ScatterGameplay> &gameplay) : gameplay_(gameplay), run_(gameplay->run()) {}
@@ -59,8 +59,8 @@ void TerrainScatter3D::notified(int p_what) {
 		case NOTIFICATION_TRANSFORM_CHANGED: notice_transform(); break;
 		case NOTIFICATION_VISIBILITY_CHANGED: display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: gameplay()->scenes().children_changed(); break;
-		// A script that is called there may free the node, which the engine goes on with after a notification, but not after
-		// a call. Deferred calls are made in the same frame.
+		// A script that is called there may free the node. The engine accesses a node after a notification, but not after a call. Deferred
+		// calls are made in the same frame.
 		case NOTIFICATION_INTERNAL_PROCESS: call_deferred("_process_frame"); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: {
 			if (!on_main_thread()) {
@@ -89,15 +89,15 @@ void TerrainScatter3D::start() {
 	was_inside_ = true;
 	if (!std::exchange(running_, true)) {
 		thread_guard().enter_scene();
-		if (terrain_.is_valid()) {
-			terrain_->enter(this, world_offset_);
+		if (ground_.is_valid()) {
+			ground_->enter(this, world_offset_);
 		}
 	}
 	notice_transform();
 	mark_ground_dirty();
 }
 
-/// The tree warns of a transform, which has no effect.
+/// Updates the warning about a transform, which has no effect.
 void TerrainScatter3D::notice_transform() {
 	const bool now = is_displaced(*this, world_offset_);
 	if (std::exchange(displaced_, now) != now) {
@@ -111,8 +111,8 @@ void TerrainScatter3D::stop() {
 	}
 	thread_guard().leave_scene();
 	navigation_.stop();
-	if (terrain_.is_valid()) {
-		terrain_->leave(this);
+	if (ground_.is_valid()) {
+		ground_->leave(this);
 	}
 	const std::shared_ptr<ScatterStream> stream = stream_;
 	gameplay()->stop();
@@ -137,8 +137,8 @@ void TerrainScatter3D::process_frame() {
 	if (!here) {
 		return;
 	}
-	if (terrain_.is_valid()) {
-		terrain_->follow_scene(start + std::chrono::microseconds(frame_budget_usec_));
+	if (ground_.is_valid()) {
+		ground_->follow_scene(start + std::chrono::microseconds(frame_budget_usec_));
 		if (!here) {
 			return;
 		}
@@ -152,7 +152,7 @@ void TerrainScatter3D::process_frame() {
 		refresh();
 	}
 	stream->times().spent_on(FramePart::follow);
-	const bool stands = terrain_.is_valid() && !layer_list_.snapshots().empty();
+	const bool stands = ground_.is_valid() && !layer_list_.snapshots().empty();
 	if (here && stands) {
 		work(start);
 	} else if (here) {
@@ -207,7 +207,7 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	}
 }
 
-/// Without layers or ground: what stood goes, under the same budget.
+/// Without layers or ground: removes existing instances, under the same budget.
 void TerrainScatter3D::dissolve(Clock::time_point start) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<ScatterStream> stream = stream_;
@@ -264,13 +264,13 @@ DrawLimits TerrainScatter3D::draw_limits() const {
 }
 
 bool TerrainScatter3D::is_settled() const {
-	const bool behind = (terrain_.is_valid() && terrain_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
+	const bool behind = (ground_.is_valid() && ground_->is_behind()) || (biomes_.is_valid() && biomes_->differs());
 	return !dirty_ && ground_change_.empty() && !behind && !layer_watch_->differs(all_layers()) &&
 			(layer_list_.snapshots().empty() || (stream_->idle() && !display().has_patches() && follows())) &&
 			gameplay_->settled();
 }
 
-/// Whether the next frame would find the viewers where the last one did, and the limits of drawing as they were.
+/// Whether the next frame would find the same viewers and the same drawing limits as the last one.
 bool TerrainScatter3D::follows() const {
 	if (!is_inside_tree()) {
 		return true;
@@ -280,10 +280,10 @@ bool TerrainScatter3D::follows() const {
 }
 
 FoundViewers TerrainScatter3D::viewers_now() const {
-	// Ground that is a script is not called for this: it may free the node.
-	const bool by_script = terrain_.is_valid() && terrain_->get_class() == String("ScatterTerrain");
+	// Ground that is a script is not called for this, because the script may free the node.
+	const bool by_script = ground_.is_valid() && ground_->get_class() == String("ScatterGround");
 	return find_viewers(*this, viewers_, world_offset_,
-			{by_script ? nullptr : ground_.get(), [this] { return display().usual_height(); }});
+			{by_script ? nullptr : ground_snapshot_.get(), [this] { return display().usual_height(); }});
 }
 
 std::vector<glm::dvec3> TerrainScatter3D::near_centers(const FoundViewers &found) const {
@@ -307,11 +307,11 @@ String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 	return find_layer(all_layers(), p_reference, index);
 }
 
-/// Settings that were changed in this frame count from now on. Refused where there is nothing to ask.
+/// Applies settings that were changed in this frame. Refused if there is nothing to query.
 Status TerrainScatter3D::prepare() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	if (const Ref<ScatterTerrain> terrain = terrain_; terrain.is_valid()) {
-		terrain->finish_reading(); // Tells scripts, which may free this node.
+	if (const Ref<ScatterGround> ground = ground_; ground.is_valid()) {
+		ground->finish_reading(); // Notifies scripts, which may free this node.
 	}
 	if (gameplay->alive()) {
 		notice_layers();
@@ -325,11 +325,11 @@ Status TerrainScatter3D::prepare() {
 	if (!layer_list_.snapshots().empty()) {
 		return {};
 	}
-	return terrain_.is_null() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
-							  : Status::missing("layers", "Add a layer that get_problems() reports nothing of");
+	return ground_.is_null() ? Status::missing("ground", "Set TerrainScatter3D.ground")
+							 : Status::missing("layers", "Add a layer without problems in its get_problems()");
 }
 
-/// The engine's call for each node that a navigation mesh is baked from.
+/// The engine calls this for each node that a navigation mesh is baked from.
 void TerrainScatter3D::parse_navigation(
 		const Ref<NavigationMesh> &p_mesh, const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, Node *p_node) {
 	NavigationBake bake;
@@ -359,7 +359,7 @@ void TerrainScatter3D::Host::set_hidden(std::uint32_t layer, std::uint64_t id, c
 	node_.schedule_patch();
 }
 
-/// The picture follows before the frame is drawn, once for all changes up to then.
+/// The display is updated before the frame is drawn, once for all changes up to then.
 void TerrainScatter3D::schedule_patch() {
 	if (running_ && !std::exchange(patch_scheduled_, true)) {
 		call_deferred("_patch");

@@ -2,23 +2,24 @@
 
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/common/renames.hpp"
 #include "nodes/gameplay/navigation_parse.hpp"
 #include "nodes/gameplay/scatter_gameplay.hpp"
+#include "nodes/ground/scatter_ground.hpp"
 #include "nodes/layer/layer_watch.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/region/region_register.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
 #include "nodes/scatter/build_at_once.hpp"
 #include "nodes/scatter/fade_viewers.hpp"
-#include "nodes/scatter/layer_explainer.hpp"
 #include "nodes/scatter/instance_load.hpp"
+#include "nodes/scatter/layer_explainer.hpp"
 #include "nodes/scatter/layer_list.hpp"
 #include "nodes/scatter/layer_previews.hpp"
 #include "nodes/scatter/node_layers.hpp"
 #include "nodes/scatter/scatter_stream.hpp"
 #include "nodes/scatter/scatter_tile.hpp"
 #include "nodes/scatter/scatter_viewers.hpp"
-#include "nodes/terrain/scatter_terrain.hpp"
 
 #include <godot_cpp/classes/camera3d.hpp>
 #include <godot_cpp/classes/node3d.hpp>
@@ -40,11 +41,11 @@
 
 namespace thicket {
 
-/// Streams layers of instances onto a terrain, around viewers. Works in the editor as in the game. Instances stand in
-/// world space: the node's own transform does not move them. What it shows is never saved.
+/// Streams layers of instances onto a ground, around viewers. Works in the editor as in the game. Instances are placed in world space: the
+/// node's own transform does not move them. The instances are never saved.
 ///
-/// The node has properties and signals. Its stream makes and draws tiles; its ScatterGameplay answers questions and keeps changes.
-/// Both are shared with whoever calls them, because scripts that run in the middle of a call may free the node.
+/// The node has properties and signals. Its stream generates and draws tiles; its ScatterGameplay answers queries and stores changes.
+/// Callers hold shared references to both, because scripts that run in the middle of a call may free the node.
 class TerrainScatter3D : public godot::Node3D, public ThreadGuarded, public RegionHost {
 	GDCLASS(TerrainScatter3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
@@ -53,21 +54,21 @@ public:
 	TerrainScatter3D();
 	~TerrainScatter3D() override;
 
-	/// Any 64-bit number; another seed gives another world.
+	/// Any 64-bit number; a different seed creates a different world.
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const { return seed_; }
 
-	/// A null entry shows nothing, and the indices of the others stay. The array is shared with scripts, and what they do to it
-	/// counts.
+	/// A null entry draws nothing, and the other entries keep their indices. The array is shared with scripts, and their changes to it take
+	/// effect.
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const { return layers_; }
 
-	/// Further layers, and where each of them stands; null for none.
+	/// Further layers, and the area in which each of them grows; null for none.
 	void set_biomes(const godot::Ref<ScatterBiomeMap> &p_biomes);
 	godot::Ref<ScatterBiomeMap> get_biomes() const { return biomes_; }
 
-	/// All layers, the node's own and those of its biomes, by the index that signals and answers give. Null for an empty entry;
-	/// null with an error for an index that no layer has.
+	/// All layers, the node's own and those of its biomes, by the index that signals and results use. Null for an empty entry; null with an
+	/// error for an invalid index.
 	int64_t get_layer_count() const { return all_layers().size(); }
 	godot::Ref<ScatterLayer> get_layer(int64_t p_index) const;
 
@@ -79,70 +80,70 @@ public:
 	void set_water_level(double p_level);
 	double get_water_level() const { return water_level_; }
 
-	/// Null: nothing is shown.
-	void set_terrain(const godot::Ref<ScatterTerrain> &p_terrain);
-	godot::Ref<ScatterTerrain> get_terrain() const { return terrain_; }
+	/// If null, nothing is drawn.
+	void set_ground(const godot::Ref<ScatterGround> &p_ground);
+	godot::Ref<ScatterGround> get_ground() const { return ground_; }
 
-	/// Node3Ds to stream around; none for the camera of the viewport, in the editor the editor's own.
+	/// Node3Ds to stream around. If empty, the camera of the viewport; in the editor, the editor's own.
 	void set_viewers(const godot::TypedArray<godot::NodePath> &p_viewers);
 	godot::TypedArray<godot::NodePath> get_viewers() const { return viewers_.paths; }
 
-	/// By index in the list of viewers, how far each sees: times the view distance of each layer, 0 or more and finite.
-	/// What is missing is 1. A list with anything else in it is refused.
+	/// By index in the list of viewers, a factor for the view distance of each layer: 0 or more and finite. Missing entries are 1. A list
+	/// with any other value is refused.
 	void set_viewer_distance_scales(const godot::PackedFloat32Array &p_scales);
 	godot::PackedFloat32Array get_viewer_distance_scales() const { return viewers_.distance_scales; }
 
-	/// The world's meters at the engine's origin, each at most 1e12 from 0: world = engine + world_offset. Nothing is made or
-	/// uploaded anew for another one; all positions that the node takes and gives are the engine's.
+	/// The world position of the engine's origin in meters, each coordinate at most 1e12 from 0: world = engine + world_offset. Changing it
+	/// regenerates and uploads nothing. All positions in the node's API are the engine's.
 	void set_world_offset(const godot::Vector3 &p_offset);
 	godot::Vector3 get_world_offset() const;
 
-	/// Microseconds of the main thread a frame, 1 to 1e6, for all that the node does there.
+	/// The time that the node may take on the main thread per frame, in microseconds: 1 to 1e6.
 	void set_frame_budget_usec(int64_t p_budget);
 	int64_t get_frame_budget_usec() const { return frame_budget_usec_; }
 
-	/// The share of every tile that is drawn, 0 to 1: those instances that would also stand at that density. No tile is made
-	/// or uploaded anew for it.
+	/// The share of every tile that is drawn, 0 to 1: the instances that a layer with this density would have, too. Changing it regenerates
+	/// and uploads nothing.
 	void set_quality(double p_quality);
 	double get_quality() const { return quality_; }
 
-	/// The most instances that are drawn in the editor, 0 to 1e9; all tiles are thinned alike to keep to it.
+	/// The largest number of instances to draw in the editor, 0 to 1e9. All tiles are thinned alike to keep to it.
 	void set_preview_instances(int64_t p_count);
 	int64_t get_preview_instances() const { return preview_instances_; }
 
-	/// The most multimeshes on show, 0 to 1e6: with so many, no tile is divided for drawing any more, the farthest first. Tiles that are
-	/// drawn as a whole are shown beyond that.
+	/// The largest number of visible multimeshes, 0 to 1e6. Beyond it, no more tiles are divided for drawing; the farthest ones lose their
+	/// cells first. Tiles that are drawn as a whole are displayed beyond the limit.
 	void set_max_multimeshes(int64_t p_count);
 	int64_t get_max_multimeshes() const { return max_multimeshes_; }
 
-	/// Node3Ds of this group are near: bodies and scenes stand around them as around viewers.
+	/// Node3Ds of this group count as near: bodies and scenes are placed around them as around viewers.
 	void set_interaction_group(const godot::StringName &p_group) { interaction_group_ = p_group; }
 	godot::StringName get_interaction_group() const { return interaction_group_; }
 
-	/// Makes all tiles anew; what stands stays until its successor is ready.
+	/// Regenerates all tiles; existing instances stay until their successors are ready.
 	void regenerate();
 
-	/// Looks at the ground again, in portions, and makes anew what stands where it is another. Ground that cannot tell where that is
-	/// counts as another everywhere.
+	/// Reads the ground again, in portions, and regenerates tiles where it has changed. Ground that cannot report where it has changed
+	/// counts as changed everywhere.
 	void refresh_ground();
 
-	/// True when every wanted tile is shown, and all else has followed: bodies, scenes, and what was changed.
+	/// True when every wanted tile is visible, and bodies, scenes and changes are up to date.
 	bool is_settled() const;
 	godot::Dictionary get_stats() const;
 
-	/// What is drawn now: all of it, or what a camera may see.
+	/// Statistics of the current drawing: all of it, or only the part that a camera may see.
 	godot::Dictionary get_draw_stats(godot::Camera3D *p_camera) const;
 
-	/// What keeps the node from showing what it should, a sentence each; the editor shows them as warnings.
+	/// One sentence for each problem that keeps the node from displaying what it should; the editor shows them as warnings.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override {
 		return guarded_call("TerrainScatter3D._get_configuration_warnings", [this] { return get_problems(); });
 	}
 
-	/// The tiles of a layer that are shown; `p_layer` is a layer reference, see find_layer.
+	/// The visible tiles of a layer; `p_layer` is a layer reference, see find_layer.
 	godot::TypedArray<godot::Vector2i> get_shown_tiles(const godot::Variant &p_layer) const;
 
-	/// The instances of a layer that are on show.
+	/// The number of instances of a layer in visible tiles.
 	int64_t get_shown_count(const godot::Variant &p_layer) const;
 
 	// For the add-on's tools in the editor; see LayerPreviews.
@@ -150,27 +151,27 @@ public:
 	void set_preview_hidden(const godot::TypedArray<ScatterLayer> &p_layers) { previews_.set_hidden(p_layers); }
 	void set_preview_stand_in(const godot::Ref<ScatterLayer> &p_layer, const godot::Ref<ScatterLayer> &p_stand_in);
 
-	/// What is drawn of a tile; an empty one for a tile that is not shown.
+	/// The drawn content of a tile; empty for a tile that is not visible.
 	godot::Ref<ScatterTile> get_tile(const godot::Variant &p_layer, const godot::Vector2i &p_tile);
 
-	/// What stands in a half-open rectangle of world x and z, made at once on the calling thread, the main one. Empty, with an error,
-	/// for a layer that does not exist and a rectangle that the core refuses.
+	/// The instances in a half-open rectangle of world x and z, generated immediately on the calling thread, which is the main thread.
+	/// Empty, with an error, for a layer that does not exist and a rectangle that the core refuses.
 	godot::Ref<ScatterTile> build_rect(const godot::Variant &p_layer, const godot::Rect2 &p_rect);
 
-	/// The same for a tile of the layer, shown or not: to the bit what `get_tile` gives of one that is shown. `p_rect`, unless it is Rect2(), is a
-	/// rectangle of the scene to which it is cut; tiles that are cut so still share their edges.
+	/// The same for a tile of the layer, visible or not: bit-identical to the result of `get_tile` for a visible tile. `p_rect`, unless it
+	/// is Rect2(), is a rectangle of the scene that clips the tile; clipped tiles still share their edges.
 	godot::Ref<ScatterTile> build_tile(
 			const godot::Variant &p_layer, const godot::Vector2i &p_tile, const godot::Rect2 &p_rect);
 
-	// Why something stands somewhere or does not. To be called on the main thread.
+	// Explains why a layer has an instance at a position, or has none. Call these on the main thread.
 
-	/// Explains a place, by x and z, for each of some layers (see find_layers); empty, with an error, for a layer that is not there and a
-	/// place that is not finite.
+	/// Explains a position, by x and z, for each of some layers (see find_layers). Empty, with an error, for a layer that does not exist
+	/// and a position that is not finite.
 	godot::TypedArray<ScatterExplanation> explain_position(
 			const godot::Vector3 &p_position, const godot::Variant &p_layers);
 
-	/// In the middle of each field of a grid over a rectangle, row by row: the density that the layer's rules give, 0 to 1; the slope of
-	/// the ground in degrees, NAN for none; the rank of the nearest point of the layer's set, 0 to 1.
+	/// Values at the centers of a grid over a rectangle, row by row: the density after the layer's rules, 0 to 1; the slope of the ground
+	/// in degrees, NAN where there is no ground; the rank of the nearest point of the layer's set, 0 to 1.
 	godot::PackedFloat32Array get_density_map(
 			const godot::Variant &p_layer, const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
 	godot::PackedFloat32Array get_slope_map(const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
@@ -189,7 +190,7 @@ public:
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) {
 		return gameplay()->query_sphere(p_center, p_radius, p_layers, p_predicate);
 	}
-	godot::Dictionary query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
+	godot::Ref<ScatterInstance> query_ray(const godot::Vector3 &p_from, const godot::Vector3 &p_to,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate) {
 		return gameplay()->query_ray(p_from, p_to, p_layers, p_predicate);
 	}
@@ -202,12 +203,13 @@ public:
 	godot::Ref<ScatterSnapshot> make_snapshot() { return gameplay()->make_snapshot(); }
 
 	// From any thread.
-	godot::Ref<ScatterRequest> request_rect(const godot::Rect2 &p_rect, const godot::Variant &p_layers) {
-		return gameplay_->request_rect(p_rect, p_layers);
+	godot::Ref<ScatterRequest> request_rect(
+			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate) {
+		return gameplay_->request_rect(p_rect, p_layers, p_predicate);
 	}
-	godot::Ref<ScatterRequest> request_sphere(
-			const godot::Vector3 &p_center, double p_radius, const godot::Variant &p_layers) {
-		return gameplay_->request_sphere(p_center, p_radius, p_layers);
+	godot::Ref<ScatterRequest> request_sphere(const godot::Vector3 &p_center, double p_radius,
+			const godot::Variant &p_layers, const godot::Callable &p_predicate) {
+		return gameplay_->request_sphere(p_center, p_radius, p_layers, p_predicate);
 	}
 	bool remove_instance(int64_t p_id) { return gameplay()->remove_instance(p_id); }
 	bool restore_instance(int64_t p_id) { return gameplay()->restore_instance(p_id); }
@@ -233,13 +235,13 @@ public:
 	}
 	godot::Variant get_instance_data(int64_t p_id) const { return gameplay_->get_instance_data(p_id); }
 
-	/// The instance that a body of the PhysicsServer3D stands for, or stood for until some frames ago; 0 for none.
+	/// The instance that a body of the PhysicsServer3D represents, or represented until some frames ago; 0 if there is none.
 	int64_t get_body_instance(const godot::RID &p_body) const;
 
-	/// The scene that stands in for an instance; null for none.
+	/// The scene that replaces an instance; null if there is none.
 	godot::Node3D *get_scene(int64_t p_id) const;
 
-	/// The same, the caller's from now on. The mesh is back, unless the instance is removed.
+	/// The same scene, which the caller owns from now on. The mesh is drawn again, unless the instance is removed.
 	godot::Node3D *take_scene(int64_t p_id);
 
 	void add_region(ScatterRegion3D *p_region) override;
@@ -250,6 +252,9 @@ public:
 
 protected:
 	static void _bind_methods();
+	bool _set(const godot::StringName &p_name, const godot::Variant &p_value) {
+		return set_renamed(this, p_name, p_value);
+	}
 	void _notification(int p_what);
 
 private:
@@ -281,7 +286,7 @@ private:
 	static void bind_changes();
 	static void bind_signals();
 
-	/// By value: the caller holds it until the call returns, whatever becomes of the node.
+	/// Returned by value: the caller holds it until the call returns, even if the node is freed.
 	std::shared_ptr<ScatterGameplay> gameplay() const { return gameplay_; }
 	TileDisplay &display() { return stream_->display(); }
 	const TileDisplay &display() const { return stream_->display(); }
@@ -300,6 +305,7 @@ private:
 	bool models_are_read(std::chrono::steady_clock::time_point deadline) const;
 	void warn_of_stripped();
 	void refresh();
+	void apply_changes();
 	bool waits_for_ground() const;
 	void notice_layers();
 	void mark_edited();
@@ -313,16 +319,15 @@ private:
 	void parse_navigation(const godot::Ref<godot::NavigationMesh> &p_mesh,
 			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, godot::Node *p_node);
 	void recycle_scenes() { gameplay()->recycle_scenes(); }
-	void watch_terrain(bool p_watch);
+	void watch_ground(bool p_watch);
 	void use_resources();
 
-	/// As scripts have left them: they share the lists.
+	/// In the current state of the lists, which scripts share.
 	const godot::TypedArray<ScatterLayer> &all_layers() const {
 		node_layers_.update(layers_, biomes_.ptr());
 		return node_layers_.by_index();
 	}
 	LayerWorld layer_world();
-	void adopt_terrain();
 	TileMaker tile_maker() const;
 	TileMaker worker_tile_maker() const;
 	DrawLimits draw_limits() const;
@@ -351,14 +356,14 @@ private:
 	bool water_enabled_ = false;
 	double water_level_ = 0.0;
 	std::shared_ptr<LayerWatch> layer_watch_ = std::make_shared<LayerWatch>(this);
-	godot::Ref<ScatterTerrain> terrain_;
+	godot::Ref<ScatterGround> ground_;
 	ViewerSettings viewers_;
 	godot::StringName interaction_group_ = "scatter_interaction";
 	int64_t frame_budget_usec_ = 500;
 	double quality_ = 1.0;
 	int64_t preview_instances_ = 250000;
 	int64_t max_multimeshes_ = 8192;
-	glm::dvec3 world_offset_{0.0}; ///< Of the engine's origin in the world, meters.
+	glm::dvec3 world_offset_{0.0}; ///< The world position of the engine's origin, in meters.
 
 	Host host_{*this};
 	std::shared_ptr<ScatterGameplay> gameplay_ = std::make_shared<ScatterGameplay>(host_);
@@ -367,23 +372,23 @@ private:
 	std::shared_ptr<AtOnceBuilder> at_once_ = std::make_shared<AtOnceBuilder>();
 	LayerList layer_list_;
 	InstanceLoad instance_load_;
-	SceneUse used_;                   ///< While the node is in the tree.
-	bool warned_of_stripped_ = false; ///< Once is enough.
+	SceneUse used_;                   ///< Used while the node is in the tree.
+	bool warned_of_stripped_ = false; ///< So that the warning is printed only once.
 	LayerPreviews previews_;
 	FadeViewers fade_viewers_;
 	RegionRegister regions_;
-	godot::PackedStringArray layer_names_; ///< By index, as regions were told of them last.
-	std::shared_ptr<const Terrain> ground_;
-	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_` was taken.
-	std::chrono::steady_clock::duration frame_time_{0};         ///< Of the main thread, in the last frame.
+	godot::PackedStringArray layer_names_; ///< By index, as last passed to the regions.
+	std::shared_ptr<const Terrain> ground_snapshot_;
+	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_snapshot_` was taken.
+	std::chrono::steady_clock::duration frame_time_{0};         ///< Time on the main thread, in the last frame.
 	bool patch_scheduled_ = false;
-	bool recentered_ = false; ///< `world_offset_` was changed since regions were read.
+	bool recentered_ = false; ///< True if `world_offset_` has changed since regions were read.
 	bool running_ = false;
-	bool was_inside_ = false; ///< The tree, at any time.
+	bool was_inside_ = false; ///< True if the node was ever inside the tree.
 	bool dirty_ = true;
 	bool was_settled_ = true;
-	int64_t load_problems_ = 0; ///< Of instance_load_, as the tree warns of them.
-	bool displaced_ = false;    ///< See is_displaced; as the tree warns of it.
+	int64_t load_problems_ = 0; ///< The number of instance_load_'s problems in the current configuration warnings.
+	bool displaced_ = false;    ///< See is_displaced; the value in the current configuration warnings.
 };
 
 } // namespace thicket

@@ -1,4 +1,4 @@
-// What the engine is told of TerrainScatter3D: methods, properties and signals.
+// The methods, properties and signals of TerrainScatter3D in ClassDB.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -19,8 +19,8 @@ constexpr ThreadRule frame{
 
 } // namespace
 
-// Makes these complete before a method that gives one is named: for WebAssembly, clang 19 else declares it as one that gives
-// nothing, and the linker puts a function that traps in its place.
+// These types must be complete before a method that returns one is named. Otherwise clang 19 for WebAssembly declares that method as
+// returning nothing, and the linker replaces it with a function that traps.
 static_assert(std::is_destructible_v<TypedArray<Vector2i>> && std::is_destructible_v<Ref<ScatterTile>> &&
 		std::is_destructible_v<TypedArray<ScatterExplanation>>);
 
@@ -38,8 +38,8 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::get_biomes>(D_METHOD("get_biomes"));
 	bind_guarded<&Self::set_seed>(D_METHOD("set_seed", "seed"));
 	bind_guarded<&Self::get_seed>(D_METHOD("get_seed"));
-	bind_guarded<&Self::set_terrain>(D_METHOD("set_terrain", "terrain"));
-	bind_guarded<&Self::get_terrain>(D_METHOD("get_terrain"));
+	bind_guarded<&Self::set_ground>(D_METHOD("set_ground", "ground"));
+	bind_guarded<&Self::get_ground>(D_METHOD("get_ground"));
 	bind_guarded<&Self::set_layers>(D_METHOD("set_layers", "layers"));
 	bind_guarded<&Self::get_layers>(D_METHOD("get_layers"));
 	bind_guarded<&Self::set_viewers>(D_METHOD("set_viewers", "viewers"));
@@ -78,8 +78,8 @@ void TerrainScatter3D::bind_streaming() {
 	bind_guarded<&Self::build_tile>(
 			answered_by_snapshot, D_METHOD("build_tile", "layer", "tile", "rect"), DEFVAL(Rect2()));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");
-	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "terrain", PROPERTY_HINT_RESOURCE_TYPE, "ScatterTerrain"), "set_terrain",
-			"get_terrain");
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "ground", PROPERTY_HINT_RESOURCE_TYPE, "ScatterGround"), "set_ground",
+			"get_ground");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "layers", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterLayer", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_layers", "get_layers");
@@ -167,9 +167,10 @@ void TerrainScatter3D::bind_queries() {
 	bind_guarded<&Self::has_instance>(answered_by_snapshot, D_METHOD("has_instance", "id"));
 	bind_guarded<&Self::get_body_instance>(ThreadUse::main, D_METHOD("get_body_instance", "body"));
 	bind_guarded<&Self::make_snapshot>(ThreadUse::main, D_METHOD("make_snapshot"));
-	bind_guarded<&Self::request_rect>(ThreadUse::any, D_METHOD("request_rect", "rect", "layers"), DEFVAL(Array()));
-	bind_guarded<&Self::request_sphere>(
-			ThreadUse::any, D_METHOD("request_sphere", "center", "radius", "layers"), DEFVAL(Array()));
+	bind_guarded<&Self::request_rect>(ThreadUse::any, D_METHOD("request_rect", "rect", "layers", "predicate"),
+			DEFVAL(Array()), DEFVAL(Callable()));
+	bind_guarded<&Self::request_sphere>(ThreadUse::any,
+			D_METHOD("request_sphere", "center", "radius", "layers", "predicate"), DEFVAL(Array()), DEFVAL(Callable()));
 }
 
 void TerrainScatter3D::bind_signals() {

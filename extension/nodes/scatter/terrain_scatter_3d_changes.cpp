@@ -22,13 +22,13 @@ namespace thicket {
 
 namespace {
 
-/// Meters around a change of the ground in which slopes may be others: heights are compared over less than that.
+/// Meters around a change of the ground in which slopes may change: heights are compared over less than that.
 constexpr double slope_margin = 1.0;
 
-/// Meters around a single position that stand for it, since a rectangle without an area is no change.
+/// Meters around a single position that represent it, because a rectangle without an area is no change.
 constexpr double point_margin = 1e-3;
 
-/// A rectangle of the engine; all of the world for one without an area, or that is not finite.
+/// A rectangle of the engine; the whole world for one without an area, or that is not finite.
 Rect world_rect(const Rect2 &p_rect) {
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 	const glm::dvec2 corner{p_rect.position.x, p_rect.position.y};
@@ -37,7 +37,7 @@ Rect world_rect(const Rect2 &p_rect) {
 	return rect.empty() || !rect.finite() ? Rect{glm::dvec2(-infinity), glm::dvec2(infinity)} : rect;
 }
 
-/// Adds an order for each tile of a layer that stands. Returns which of the tiles each order is for.
+/// Adds an order for each tile of an existing layer. Returns the tile index of each order.
 std::vector<std::size_t> order_tiles(
 		std::span<const SharedSnapshot> layers, std::span<const WorldTile> tiles, std::vector<TileOrder> &r_orders) {
 	std::vector<std::size_t> ordered;
@@ -62,9 +62,9 @@ void TerrainScatter3D::mark_dirty() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const std::shared_ptr<LayerWatch> watch = layer_watch_;
 	const TypedArray<ScatterLayer> layers = all_layers();
-	// One that was taken out of the tree, as undo does, leaves layers that others share as they are.
+	// A node that was taken out of the tree, as undo does, does not change layers that others share.
 	const bool gives = is_inside_tree() || !was_inside_;
-	// Layers that get an id tell scripts, which may free this node.
+	// Layers that get an ID emit a signal to scripts, which may free this node.
 	watch->look(layers, node_layers_.own_count(), gives);
 	const std::vector<LayerRename> renames = gameplay->alive() ? watch->follow_names() : std::vector<LayerRename>();
 	if (!gameplay->alive()) {
@@ -84,17 +84,17 @@ void TerrainScatter3D::mark_dirty() {
 	}
 	if (!(names == layer_names_)) {
 		layer_names_ = names;
-		regions_.update_warnings(); // They may name layers.
+		regions_.update_warnings(); // Warnings may name layers.
 	}
 }
 
-/// In the tree, what the node reads in its frames is the main thread's alone.
+/// While the node is in the tree, only the main thread may change the resources that it reads in its frames.
 void TerrainScatter3D::use_resources() {
 	if (!running_) {
 		return;
 	}
 	SceneUse::List used;
-	used.add(terrain_);
+	used.add(ground_);
 	used.add(get_state());
 	used.add(biomes_);
 	if (biomes_.is_valid()) {
@@ -114,7 +114,7 @@ void TerrainScatter3D::use_resources() {
 void TerrainScatter3D::notice_layers() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	if (const Ref<ScatterBiomeMap> biomes = biomes_; biomes.is_valid()) {
-		biomes->notice(); // Tells scripts, which may free this node.
+		biomes->notice(); // Notifies scripts, which may free this node.
 	}
 	if (gameplay->alive() && layer_watch_->differs(all_layers())) {
 		mark_dirty();
@@ -127,21 +127,21 @@ void TerrainScatter3D::mark_ground_dirty() {
 }
 
 void TerrainScatter3D::regenerate() {
-	if (terrain_.is_valid()) {
-		terrain_->look_again();
+	if (ground_.is_valid()) {
+		ground_->look_again();
 	}
 	mark_ground_dirty();
 }
 
 void TerrainScatter3D::refresh_ground() {
-	if (terrain_.is_null() || !terrain_->read_again()) {
+	if (ground_.is_null() || !ground_->read_again()) {
 		regenerate();
 	}
 }
 
 void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
-	if (terrain_.is_valid()) {
-		terrain_->look_again();
+	if (ground_.is_valid()) {
+		ground_->look_again();
 	}
 	const Rect rect = world_rect(p_rect);
 	ground_change_.everywhere = ground_change_.everywhere || !rect.finite();
@@ -149,7 +149,7 @@ void TerrainScatter3D::mark_ground_edited(const Rect2 &p_rect) {
 	mark_edited();
 }
 
-/// Found by a re-check. The tile there is regenerated; whether others differ, their own heights tell.
+/// Found by a re-check. The tile there is regenerated; other tiles have their own heights to compare.
 void TerrainScatter3D::mark_ground_changed(glm::dvec2 position) {
 	ground_change_.add({position, position}, point_margin);
 	mark_edited();
@@ -172,23 +172,37 @@ void TerrainScatter3D::region_changed(const ScatterRegion3D *p_region) {
 
 void TerrainScatter3D::refresh() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const std::shared_ptr<ScatterStream> stream = stream_;
-	const Ref<ScatterTerrain> terrain = terrain_;
 	dirty_ = false;
-	set_physics_process_internal(terrain.is_valid() && terrain->needs_physics_frames());
-	const bool pending = terrain.is_valid() && terrain->is_pending(get_instance_id());
+	try {
+		apply_changes();
+	} catch (...) {
+		// Some of the tiles that have changed may be forgotten, so that the next frame regenerates all.
+		if (gameplay->alive()) {
+			ground_change_.everywhere = true;
+			mark_edited();
+		}
+		throw;
+	}
+}
+
+void TerrainScatter3D::apply_changes() {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const std::shared_ptr<ScatterStream> stream = stream_;
+	const Ref<ScatterGround> ground = ground_;
+	set_physics_process_internal(ground.is_valid() && ground->needs_physics_frames());
+	const bool pending = ground.is_valid() && ground->is_pending(get_instance_id());
 	const EditedArea ground_change = pending ? EditedArea() : std::exchange(ground_change_, {});
 	std::shared_ptr<const Terrain> former;
-	if (!ground_change.empty() && terrain.is_valid()) {
-		std::shared_ptr<const Terrain> ground =
-				terrain->snapshot(get_instance_id()); // Asks scripts, and so does the next.
-		if (!gameplay->alive() || !(terrain == terrain_)) {
+	if (!ground_change.empty() && ground.is_valid()) {
+		std::shared_ptr<const Terrain> terrain =
+				ground->snapshot(get_instance_id()); // Calls scripts, and so does the next call.
+		if (!gameplay->alive() || !(ground == ground_)) {
 			return;
 		}
-		former = std::exchange(ground_, std::move(ground));
+		former = std::exchange(ground_snapshot_, std::move(terrain));
 	}
-	const bool grounded = terrain.is_valid() && (ground_ != nullptr || terrain->is_main_thread_only());
-	if (!gameplay->alive() || !(terrain == terrain_)) {
+	const bool grounded = ground.is_valid() && (ground_snapshot_ != nullptr || ground->is_main_thread_only());
+	if (!gameplay->alive() || !(ground == ground_)) {
 		return;
 	}
 	regions_.update(std::exchange(recentered_, false));
@@ -204,18 +218,18 @@ void TerrainScatter3D::refresh() {
 	}
 	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);
 	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
-	stream->set_layers(layer_list_.snapshots(), outdated, {ground_, {terrain_, get_instance_id()}});
+	stream->set_layers(layer_list_.snapshots(), outdated, {ground_snapshot_, {ground_, get_instance_id()}});
 	fade_viewers_.set_layers(layer_list_.snapshots());
 	instance_load_.forget();
 	notice_load();
-	if (former != nullptr && former != ground_) {
+	if (former != nullptr && former != ground_snapshot_) {
 		stream->let_go(std::move(former));
 	}
 }
 
-/// Whether ground that was still being read can be had now.
+/// Whether ground that was still being read is now available.
 bool TerrainScatter3D::waits_for_ground() const {
-	return !ground_change_.empty() && terrain_.is_valid() && !terrain_->is_pending(get_instance_id());
+	return !ground_change_.empty() && ground_.is_valid() && !ground_->is_pending(get_instance_id());
 }
 
 LayerWorld TerrainScatter3D::layer_world() {
@@ -224,19 +238,19 @@ LayerWorld TerrainScatter3D::layer_world() {
 			Engine::get_singleton()->is_editor_hint() ? previews_ : none};
 }
 
-/// Tiles for somebody who cannot wait. By value: what a script does while it is asked for the ground is of no consequence.
+/// Generates tiles for callers that cannot wait. Captures by value, so that scripts that are called for the ground cannot affect it.
 TileMaker TerrainScatter3D::tile_maker() const {
-	return [layers = layer_list_.snapshots(), ground = ground_, builder = at_once_,
-				   terrain = HostedTerrain{terrain_, get_instance_id()}](
-				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = at_once_,
+				   ground = HostedGround{ground_, get_instance_id()}](std::span<const WorldTile> tiles,
+				   std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 		r_tiles.assign(tiles.size(), nullptr);
-		if (!terrain.is_available()) {
+		if (!ground.is_available()) {
 			return {};
 		}
 		std::vector<TileOrder> orders;
 		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
-		std::vector<std::shared_ptr<const KeptTile>> made;
-		const Status status = builder->build_all(orders, ground.get(), terrain, made);
+		std::vector<std::shared_ptr<const CompactTile>> made;
+		const Status status = builder->build_all(orders, terrain.get(), ground, made);
 		for (std::size_t i = 0; i < made.size(); ++i) {
 			r_tiles[ordered[i]] = std::move(made[i]);
 		}
@@ -244,26 +258,26 @@ TileMaker TerrainScatter3D::tile_maker() const {
 	};
 }
 
-/// The same for other threads, which call no script and ask nothing of the scene.
+/// The same for other threads: calls no script and reads nothing of the scene.
 TileMaker TerrainScatter3D::worker_tile_maker() const {
-	return [layers = layer_list_.snapshots(), ground = ground_, builder = std::make_shared<SharedBuilder>(),
-				   available = terrain_.is_valid() && terrain_->is_available()](
-				   std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const KeptTile>> &r_tiles) -> Status {
+	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = std::make_shared<SharedBuilder>(),
+				   available = ground_.is_valid() && ground_->is_available()](std::span<const WorldTile> tiles,
+				   std::vector<std::shared_ptr<const CompactTile>> &r_tiles) -> Status {
 		r_tiles.assign(tiles.size(), nullptr);
 		if (!available) {
 			return {};
 		}
-		if (ground == nullptr) {
+		if (terrain == nullptr) {
 			return Status::missing("thread_safe_ground",
-					"The terrain can be sampled on the main thread only (a script that is not thread-safe, or "
-					"colliders), so the snapshot has the tiles that were loaded when it was made, and no others. Use "
+					"The ground can be sampled on the main thread only (a script that is not thread-safe, or "
+					"colliders), so the snapshot has only the tiles that were loaded when it was made. Use "
 					"request_rect() or request_sphere()");
 		}
 		std::vector<TileOrder> orders;
 		const std::vector<std::size_t> ordered = order_tiles(layers, tiles, orders);
 		Status status;
 		for (std::size_t i = 0; status.ok() && i < orders.size(); ++i) {
-			status = builder->build(orders[i], *ground, r_tiles[ordered[i]]);
+			status = builder->build(orders[i], *terrain, r_tiles[ordered[i]]);
 		}
 		return status;
 	};

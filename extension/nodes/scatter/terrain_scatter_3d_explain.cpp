@@ -1,4 +1,4 @@
-// Why something stands at a place or does not, and what rules make of an area: for scripts and for the editor.
+// Explains why a layer has an instance at a position or has none, and maps rules over an area, for scripts and the editor.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -26,7 +26,7 @@ namespace thicket {
 
 namespace {
 
-/// Says no, in one sentence, to what the rules say yes to.
+/// Turns a positive verdict of the rules into a refusal, with a one-sentence reason.
 void refuse(const char *rule, const std::string &why, LayerExplanation &r_explanation) {
 	r_explanation.verdict = {false, rule, why};
 }
@@ -43,22 +43,22 @@ bool draws_nothing(const LayerSnapshot &layer) {
 
 } // namespace
 
-/// What keeps all layers from standing anywhere, in one sentence; empty for nothing. Asks scripts.
+/// The problem that keeps all layers from having any instance, in one sentence; empty if there is none. Calls scripts.
 String TerrainScatter3D::ground_problem() {
-	const Ref<ScatterTerrain> terrain = terrain_;
+	const Ref<ScatterGround> ground = ground_;
 	PackedStringArray problems;
-	add_terrain_problems(terrain, problems);
+	add_ground_problems(ground, problems);
 	if (problems.size() > 0) {
 		return problems.ptr()[0];
 	}
-	return terrain->is_available() ? String() : String("The ground is away for the time being.");
+	return ground->is_available() ? String() : String("The ground is temporarily unavailable.");
 }
 
 LayerExplainer TerrainScatter3D::layer_explainer() const {
-	return {layer_list_.snapshots(), ground_, {terrain_, get_instance_id()}, {}};
+	return {layer_list_.snapshots(), ground_snapshot_, {ground_, get_instance_id()}, {}};
 }
 
-/// What a game has changed about the point, and one that was placed by hand near the place.
+/// Adds a game's changes to the point, and hand-placed instances near the position.
 void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanation &r_explanation) const {
 	const Ref<ScatterState> state = get_state();
 	if (state.is_null()) {
@@ -68,7 +68,7 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 	if (r_explanation.stands && state->state().removed(r_explanation.rules.point.id)) {
 		r_explanation.stands = false;
 		if (r_explanation.verdict.yes) {
-			refuse("state", "Removed: the state has taken away what stood " + where + ".", r_explanation);
+			refuse("state", "Removed: the state has removed the instance " + where + ".", r_explanation);
 		}
 	}
 	const double radius = layer.settings->set.radius;
@@ -77,12 +77,12 @@ void TerrainScatter3D::explain_changes(const LayerSnapshot &layer, LayerExplanat
 	if (state->state().added_in(layer.settings->set.layer, {place - radius, place + radius}, ids).ok() &&
 			!ids.empty()) {
 		r_explanation.verdict.reason += ids.size() == 1
-				? " One was placed by hand near by."
-				: " " + std::to_string(ids.size()) + " were placed by hand near by.";
+				? " One was placed by hand nearby."
+				: " " + std::to_string(ids.size()) + " were placed by hand nearby.";
 	}
 }
 
-/// Whether a point that stands is drawn now, and else why not.
+/// Determines whether an existing instance is drawn now, and if not, why.
 void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanation &r_explanation) const {
 	if (!r_explanation.stands) {
 		return;
@@ -106,7 +106,7 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 	const Rect area = tile_rect(layer.range.tile_size, tile);
 	const glm::dvec3 at(point.x, r_explanation.place.y, point.y);
 	constexpr double infinity = std::numeric_limits<double>::infinity();
-	double beyond = infinity; // Of what a viewer sees, in meters.
+	double beyond = infinity; // Distance beyond a viewer's view distance, in meters.
 	double away = infinity;
 	const Sight sight = layer.lod.sight();
 	for (const Viewer &viewer : viewers_now().viewers) {
@@ -121,10 +121,11 @@ void TerrainScatter3D::explain_drawing(const LayerSnapshot &layer, LayerExplanat
 		if (std::isinf(beyond)) {
 			return hidden("view_distance", "there is no viewer.");
 		}
-		return beyond > 0.0 ? hidden("view_distance",
-									  "the nearest viewer is " + distance_text(away) + ", the layer is seen from " +
-											  number_text(layer.range.view_distance, away) + " m.")
-							: hidden("loading", "its tile is still being made.");
+		return beyond > 0.0
+				? hidden("view_distance",
+						  "the nearest viewer is " + distance_text(away) + "; the view distance of the layer is " +
+								  number_text(layer.range.view_distance, away) + " m.")
+				: hidden("loading", "its tile is still being generated.");
 	}
 	const std::uint32_t rank = thinning_rank(r_explanation.rules.point.rank, r_explanation.rules.at_point.density);
 	if (const double share = display().drawn_share(layer.lod, away); !thicket::stands(rank, share)) {
@@ -164,7 +165,7 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 		const Ref<ScatterLayer> layer = layers[index];
 		explanation.layer_name = layer.is_valid() ? String(layer->get_name()).utf8().get_data() : "";
 		if (!gameplay->alive()) {
-			return TypedArray<ScatterExplanation>(); // By a script that was asked for the ground.
+			return TypedArray<ScatterExplanation>(); // A script that was called for the ground has freed the node.
 		}
 		if (!problem.empty() || !ready.ok()) {
 			refuse("ground", !problem.empty() ? problem : thicket::describe(ready), explanation);
@@ -176,7 +177,7 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 	return result;
 }
 
-/// Asks scripts for the ground, which may free this node.
+/// Calls scripts for the ground, which may free this node.
 void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std::shared_ptr<ScatterGameplay> &gameplay,
 		LayerExplanation &r_explanation) {
 	LayerExplainer explainer = layer_explainer();
@@ -191,7 +192,7 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	const glm::dvec2 place(r_explanation.place.x, r_explanation.place.z);
 	const Status status = explainer.explain(r_explanation.layer, place, r_explanation);
 	if (!status.ok()) {
-		return refuse("layer", "Cannot be told: " + thicket::describe(status) + ".", r_explanation);
+		return refuse("layer", "Cannot be explained: " + thicket::describe(status) + ".", r_explanation);
 	}
 	if (gameplay->alive()) {
 		explain_changes(*layer, r_explanation);
@@ -199,7 +200,8 @@ void TerrainScatter3D::explain_layer(const Ref<ScatterLayer> &p_layer, const std
 	}
 }
 
-/// A number for each field of a grid over a rectangle, row by row, of a layer or (null) of the ground alone. Empty, with an error, for what is refused.
+/// Returns one number for each cell of a grid over a rectangle, row by row, for a layer or (null) for the ground alone. Empty, with an
+/// error, if the call is refused.
 template <class Ask>
 PackedFloat32Array TerrainScatter3D::map_of(
 		const char *p_method, const Variant *p_layer, const Rect2 &p_rect, const Vector2i &p_size, const Ask &ask) {
@@ -218,9 +220,10 @@ PackedFloat32Array TerrainScatter3D::map_of(
 	if (status.ok() && gameplay->alive()) {
 		const LayerExplainer explainer = layer_explainer();
 		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
-		status = !explainer.terrain.is_available() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
-				: p_layer != nullptr && !known     ? Status::missing("layer", "Fix what get_problems() reports of it")
-												   : ask(explainer, layer, places, values);
+		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
+				: p_layer != nullptr && !known
+				? Status::missing("layer", "Fix the problems that its get_problems() returns")
+				: ask(explainer, layer, places, values);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
 	if (!status.ok()) {

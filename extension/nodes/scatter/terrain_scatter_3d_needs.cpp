@@ -1,4 +1,4 @@
-// What a TerrainScatter3D needs of its resources before it can draw: models that are read, and nothing that an export has stripped.
+// The resources that a TerrainScatter3D needs before it can draw: models that are read, and nothing that an export has stripped.
 
 #include "nodes/scatter/scatter_problems.hpp"
 #include "nodes/scatter/terrain_scatter_3d.hpp"
@@ -13,8 +13,8 @@ using namespace godot;
 
 namespace thicket {
 
-/// Reads the models of the layers, at least a part of one. False while some are unread after `deadline`, and if a script in one of them has freed
-/// the node.
+/// Reads the models of the layers, at least a part of one. False while some are unread after `deadline`, and if a script in one of them has
+/// freed the node.
 bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadline) const {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const TypedArray<ScatterLayer> layers = all_layers();
@@ -30,27 +30,27 @@ bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadlin
 	return true;
 }
 
-/// Whether the layers can be drawn. Without a terrain they are not, so no model is needed.
+/// Whether the layers can be drawn. Without a ground they are not drawn, so no model is needed.
 bool TerrainScatter3D::models_are_read(std::chrono::steady_clock::time_point deadline) const {
-	return terrain_.is_null() || read_models(deadline);
+	return ground_.is_null() || read_models(deadline);
 }
 
-/// An exported server shows nobody the problems of a node.
+/// Prints problems because an exported server has no other way to show them.
 void TerrainScatter3D::warn_of_stripped() {
 	static const bool on_server = OS::get_singleton()->has_feature("dedicated_server");
 	if (!on_server || warned_of_stripped_) {
 		return;
 	}
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
-	const PackedStringArray problems = stripped_problems(all_layers(), terrain_, biomes_.ptr());
+	const PackedStringArray problems = stripped_problems(all_layers(), ground_, biomes_.ptr());
 	if (gameplay->alive() && problems.size() > 0) {
 		warned_of_stripped_ = true;
-		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (Of %d such problems, see get_problems().)", get_name(),
-				problems[0], problems.size()));
+		WARN_PRINT(vformat("TerrainScatter3D \"%s\": %s (One of %d such problems; get_problems() returns all.)",
+				get_name(), problems[0], problems.size()));
 	}
 }
 
-/// The tree warns of layers that ask for too many instances.
+/// Updates the warning about layers that need too many instances.
 void TerrainScatter3D::notice_load() {
 	PackedStringArray problems;
 	instance_load_.add_problems(layer_list_.snapshots(), problems);

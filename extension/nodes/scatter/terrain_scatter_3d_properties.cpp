@@ -1,4 +1,4 @@
-// What scripts set and read of a TerrainScatter3D.
+// The properties and simple methods of TerrainScatter3D, as scripts use them.
 
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
@@ -7,6 +7,7 @@
 #include "nodes/common/property_check.hpp"
 #include "nodes/common/watch.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
+#include "nodes/ground/former_grounds.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/build_at_once.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
@@ -43,7 +44,7 @@ void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
 
 void TerrainScatter3D::set_biomes(const Ref<ScatterBiomeMap> &p_biomes) {
 	if (biomes_ == p_biomes) {
-		// Fast path: what they say is in the picture.
+		// Fast path: the biomes are unchanged.
 		return;
 	}
 	watch(biomes_.ptr(), "changed", this, "_mark_dirty", false);
@@ -73,26 +74,27 @@ void TerrainScatter3D::set_water_level(double p_level) {
 	}
 }
 
-void TerrainScatter3D::watch_terrain(bool p_watch) {
-	watch(terrain_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
-	watch(terrain_.ptr(), "terrain_changed", this, "_mark_ground_edited", p_watch);
+void TerrainScatter3D::watch_ground(bool p_watch) {
+	watch(ground_.ptr(), "changed", this, "_mark_ground_dirty", p_watch);
+	watch(ground_.ptr(), "ground_changed", this, "_mark_ground_edited", p_watch);
 }
 
-void TerrainScatter3D::set_terrain(const Ref<ScatterTerrain> &p_terrain) {
-	if (terrain_ == p_terrain) {
-		// Fast path: all stands on it.
+void TerrainScatter3D::set_ground(const Ref<ScatterGround> &p_ground) {
+	const Ref<ScatterGround> ground = current_ground(p_ground);
+	if (ground_ == ground) {
+		// Fast path: the ground is unchanged.
 		return;
 	}
-	watch_terrain(false);
-	if (running_ && terrain_.is_valid()) {
-		terrain_->leave(this);
+	watch_ground(false);
+	if (running_ && ground_.is_valid()) {
+		ground_->leave(this);
 	}
-	terrain_ = p_terrain;
-	ground_ = nullptr;
-	if (running_ && terrain_.is_valid()) {
-		terrain_->enter(this, world_offset_);
+	ground_ = ground;
+	ground_snapshot_ = nullptr;
+	if (running_ && ground_.is_valid()) {
+		ground_->enter(this, world_offset_);
 	}
-	watch_terrain(true);
+	watch_ground(true);
 	mark_ground_dirty();
 }
 
@@ -127,7 +129,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	const glm::dvec3 offset{p_offset.x, p_offset.y, p_offset.z};
 	if (offset == world_offset_) {
-		// Fast path: all is where it should be.
+		// Fast path: the offset is unchanged.
 		return;
 	}
 	world_offset_ = offset;
@@ -135,11 +137,11 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	notice_transform();
 	display().set_world_offset(offset);
 	gameplay()->set_world_offset(offset);
-	if (terrain_.is_valid()) {
-		terrain_->set_world_offset(this, offset);
+	if (ground_.is_valid()) {
+		ground_->set_world_offset(this, offset);
 	}
 	if (regions_.mark_all()) {
-		mark_edited(); // Those that have not moved with the scene are somewhere else in the world.
+		mark_edited(); // Regions that have not moved with the scene have a new position in the world.
 	}
 }
 
@@ -212,7 +214,7 @@ Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector
 	if (!find_layer_index("get_tile", p_layer, layer)) {
 		return memnew(ScatterTile);
 	}
-	while (display().patch_step()) { // What is read back is what is drawn: what has changed has to be drawn first.
+	while (display().patch_step()) { // The result shows the drawn content, so pending changes have to be drawn first.
 	}
 	display().patch();
 	const std::shared_ptr<const TileDisplay> display(stream_, &stream_->display());
@@ -231,7 +233,7 @@ Ref<ScatterTile> TerrainScatter3D::build_tile(const Variant &p_layer, const Vect
 	});
 }
 
-/// What stands in the rectangle of the world that `rect_of` gives for the layer.
+/// The instances in the world rectangle that `rect_of` returns for the layer.
 Ref<ScatterTile> TerrainScatter3D::build(
 		const char *p_method, const Variant &p_layer, const std::function<Rect(const LayerSnapshot &)> &rect_of) {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
@@ -244,20 +246,20 @@ Ref<ScatterTile> TerrainScatter3D::build(
 	SharedSnapshot snapshot;
 	if (status.ok()) {
 		snapshot = layer < layer_list_.snapshots().size() ? layer_list_.snapshots()[layer] : nullptr;
-		status = !terrain_->is_available() ? Status::missing("terrain", "Set TerrainScatter3D.terrain")
-				: snapshot == nullptr      ? Status::missing("layer", "Fix what get_problems() reports of it")
-										   : Status{};
+		status = !ground_->is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
+				: snapshot == nullptr     ? Status::missing("layer", "Fix the problems that its get_problems() returns")
+										  : Status{};
 	}
 	const Rect rect = status.ok() ? rect_of(*snapshot) : Rect();
-	KeptTile tile;
+	CompactTile tile;
 	if (status.ok() && gameplay->alive()) {
-		const HostedTerrain terrain{
-				terrain_, get_instance_id()}; // A script that is asked for the ground may free this node.
-		const std::shared_ptr<const Terrain> ground = ground_;
+		const HostedGround ground{
+				ground_, get_instance_id()}; // A script that is called for the ground may free this node.
+		const std::shared_ptr<const Terrain> terrain = ground_snapshot_;
 		const std::shared_ptr<AtOnceBuilder> builder = at_once_;
 		TileInstances made;
-		status = builder->build(*snapshot->settings, ground.get(), terrain, rect, made);
-		tile = KeptTile(made, snapshot->settings);
+		status = builder->build(*snapshot->settings, terrain.get(), ground, rect, made);
+		tile = CompactTile(made, snapshot->settings);
 	}
 	if (const Ref<ScatterState> state = gameplay->get_state(); status.ok() && state.is_valid()) {
 		status = lay_over(*snapshot->settings, rect, state->state(), tile);
@@ -267,7 +269,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 					   : Ref<ScatterTile>(memnew(ScatterTile));
 }
 
-/// Microseconds, of the parts that took any.
+/// Microseconds of the parts that took any time.
 Dictionary TerrainScatter3D::to_dictionary(const FrameTimes &times) {
 	constexpr std::array<const char *, static_cast<std::size_t>(FramePart::count)> names{"follow", "gameplay", "made",
 			"wanted", "ask_ground", "upload", "free", "lod", "divide", "fade", "rings", "recheck", "told", "patched",
@@ -310,7 +312,7 @@ Dictionary TerrainScatter3D::get_stats() const {
 	stats["tiles_made"] = number(figures.tiles_made);
 	stats["points_sampled"] = number(figures.points_sampled);
 	stats["points_computed"] = number(figures.points_computed + at_once_->points_computed());
-	const GroundFigures ground = terrain_.is_valid() ? terrain_->figures() : GroundFigures();
+	const GroundFigures ground = ground_.is_valid() ? ground_->figures() : GroundFigures();
 	stats["ground_checks"] = number(ground.checks);
 	stats["ground_reads"] = number(ground.reads);
 	stats["ground_rechecks"] = number(figures.heights_rechecked);
@@ -347,7 +349,7 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 	if (!gameplay->alive()) {
 		return problems;
 	}
-	add_terrain_problems(terrain_, problems);
+	add_ground_problems(ground_, problems);
 	for (const String &failure : stream_->failures()) {
 		problems.push_back(failure);
 	}
@@ -363,13 +365,13 @@ PackedStringArray TerrainScatter3D::get_problems() const {
 			problems.push_back(problem);
 		}
 	}
-	add_layer_problems(layers, terrain_, has_water, problems);
+	add_layer_problems(layers, ground_, has_water, problems);
 	instance_load_.add_problems(layer_list_.snapshots(), problems);
 	add_uniform_problem(display(), layer_list_.snapshots(), problems);
 	if (const Ref<ScatterState> state = get_state(); state.is_valid()) {
 		if (const Status status = gameplay_->check_state(*state.ptr()); !status.ok()) {
 			problems.push_back(
-					sentence("TerrainScatter3D", status) + String(": what it has removed are other instances."));
+					sentence("TerrainScatter3D", status) + String(": its removals apply to different instances."));
 		}
 	}
 	add_viewer_problems(*this, viewers_, stream_->viewer_status(), problems);

@@ -10,12 +10,12 @@ namespace thicket {
 
 namespace {
 
-/// As the layer says; none for a mesh of which nothing is drawn.
+/// As in the layer; empty for a mesh that is not drawn.
 std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
 	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
 }
 
-/// Visuals that a step hides at most: some ten microseconds.
+/// The largest number of visuals that a step hides: some ten microseconds.
 constexpr std::size_t hidden_per_step = 16;
 
 } // namespace
@@ -51,7 +51,7 @@ void TileDisplay::set_world_offset(glm::dvec3 offset) {
 
 void TileDisplay::set_visible(bool visible) {
 	if (visible_ == visible) {
-		// Fast path: all tiles are so.
+		// Fast path: all tiles already have this visibility.
 		return;
 	}
 	visible_ = visible;
@@ -81,7 +81,7 @@ void TileDisplay::set_layers(const std::vector<SharedSnapshot> &layers) {
 	}
 }
 
-/// Null for a layer of which nothing is shown.
+/// Null for a layer that is not shown.
 const LayerSnapshot *TileDisplay::layer_at(std::uint32_t index) const {
 	return index < layers_.size() ? layers_[index].get() : nullptr;
 }
@@ -91,11 +91,11 @@ std::uint64_t TileDisplay::drawing_version(std::uint32_t layer) const {
 }
 
 void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
-	static const auto nothing = std::make_shared<const KeptTile>();
+	static const auto nothing = std::make_shared<const CompactTile>();
 	const TileJob &job = *r_upload.job;
 	const TileKey &key = job.request.key;
 	DisplayedTile &tile = r_upload.tile;
-	tile.tile = job.tile != nullptr ? job.tile : nothing; // One that could not be made is empty.
+	tile.tile = job.tile != nullptr ? job.tile : nothing; // A tile that could not be generated is empty.
 	tile.settings = job.layer->settings;
 	tile.mesh_reach = job.layer->drawing.mesh_reach;
 	tile.rect = job.request.rect;
@@ -103,13 +103,13 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	r_upload.shown = overlay(tile);
 	r_upload.overlay_version = overlay_version_;
 	if (r_upload.shown.size() != tile.tile->meshes.size()) {
-		tile.tile = nullptr; // There is no memory for now, so it is begun again later.
+		tile.tile = nullptr; // There is no memory now, so it is begun again later.
 		return;
 	}
 	const LayerSnapshot *layer = layer_at(key.layer);
-	std::vector<std::pair<std::size_t, std::size_t>> sizes; // Instances, and multimeshes of a cell.
+	std::vector<std::pair<std::size_t, std::size_t>> sizes; // Instances, and multimeshes per cell.
 	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
-		const KeptMesh &shown = *r_upload.shown[mesh];
+		const CompactMesh &shown = *r_upload.shown[mesh];
 		if (layer != nullptr && layer->drawing.draws(mesh) && shown.size() > 0) {
 			tile.grow(box_around(shown.min(), shown.max(), tile.reach_of(mesh) * shown.max_scale()));
 			sizes.emplace_back(shown.size(), casts_by_other_meshes(lods_of(layer->drawing, mesh)) ? 2 : 1);
@@ -123,7 +123,7 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 		multimeshes += std::min(instances, std::size_t{across} * across) * multimeshes_of_a_cell;
 	}
 	const bool may_be_divided = multimeshes <= limits_.max_multimeshes && (standing != nullptr || !others_wait);
-	tile.across = may_be_divided ? across : 1; // Else it may be divided once it is on show.
+	tile.across = may_be_divided ? across : 1; // Otherwise it may be divided once it is visible.
 }
 
 void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
@@ -140,7 +140,7 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 		const std::size_t mesh = tile.parts.size();
 		DisplayedTile::Part part;
 		if (!begin_part(tile, r_upload.shown[mesh], drawn_lods(layer, mesh), tile.across, part)) {
-			return; // There is no memory for now.
+			return; // There is no memory now.
 		}
 		tile.parts.push_back(std::move(part));
 	}
@@ -148,9 +148,9 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 	const std::size_t mesh = tile.parts.size() - 1;
 	const bool own = part.division.empty() && part.shown.get() == &job.tile->meshes[mesh];
 	if (layer == nullptr) {
-		part.lods.clear(); // It went meanwhile: nothing more is drawn of it.
+		part.lods.clear(); // The layer was removed in the meantime: nothing more is drawn of it.
 	} else if (own && r_upload.has_open_part()) {
-		// Fast path: the worker has made the buffer.
+		// Fast path: the worker has prepared the buffer.
 		part.cells.push_back(make_cell(tile, part, layer->drawing, job.uploads[mesh]));
 	} else {
 		upload_cells(tile, mesh, layer->drawing, part);
@@ -170,7 +170,7 @@ void TileDisplay::show(TileUpload upload) {
 	upload.tile.is_cut = tile.is_cut;
 	upload.tile.to_divide = tile.to_divide;
 	upload.tile.to_fade = tile.to_fade;
-	// The old visuals are hidden now: for as long as both were visible, each instance would be drawn twice.
+	// The old visuals are hidden now: while both were visible, each instance would be drawn twice.
 	tile.set_visible(false);
 	leave(std::move(tile));
 	tile = std::move(upload.tile);
@@ -222,7 +222,7 @@ bool TileDisplay::drop(const TileKey &key) {
 	return true;
 }
 
-/// Hides first, which is quick: what has gone must not be seen for as long as it takes to free all of it.
+/// Hides first, which is quick: removed tiles must not stay visible while all of them are being freed.
 bool TileDisplay::free_step() {
 	if (leaving_hidden_ < leaving_.size()) {
 		const std::size_t end = std::min(leaving_.size(), leaving_hidden_ + hidden_per_step);

@@ -12,17 +12,17 @@ namespace thicket {
 
 namespace {
 
-// What one step uploads at most, so that it takes a small part of a frame's time.
+// The largest upload of one step, so that it takes a small part of a frame's time.
 constexpr std::size_t cells_per_step = 4;
 constexpr std::size_t instances_per_step = 4096;
 
-/// Where there is no room for all cells, a tile that is so much farther than another one gives way to it.
+/// If there is no room for all cells, a tile that is farther than another by this factor gives way to it.
 constexpr double gives_way = 1.1;
 
 } // namespace
 
-/// Makes a part ready for its cells to be uploaded. False without the memory for it.
-bool TileDisplay::begin_part(const DisplayedTile &tile, std::shared_ptr<const KeptMesh> shown,
+/// Prepares a part for the upload of its cells. False if there is not enough memory.
+bool TileDisplay::begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown,
 		std::vector<MeshLook> lods, std::uint32_t across, DisplayedTile::Part &r_part) const {
 	r_part.shown = std::move(shown);
 	r_part.lods = std::move(lods);
@@ -66,7 +66,7 @@ void TileDisplay::upload_cells(
 	}
 }
 
-/// How a tile should be divided that is divided so now; 0 for one that is not on show.
+/// The wanted division of a tile that currently has the division `shown`; 0 for a tile that is not visible.
 std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const {
 	const LayerSnapshot *layer = layer_at(key.layer);
 	return layer != nullptr && tile.draws_anything()
@@ -74,7 +74,7 @@ std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &
 			: 1;
 }
 
-/// Has a tile divided otherwise, soon, if its distance asks for that.
+/// Queues a tile for a new division, if its distance requires one.
 void TileDisplay::choose_division(const TileKey &key, DisplayedTile &r_tile) {
 	const bool under_way = division_ && division_->key == key;
 	if (!r_tile.to_divide && !under_way && division_of(key, r_tile, r_tile.across) != r_tile.across) {
@@ -97,7 +97,7 @@ bool TileDisplay::divide_step() {
 	return true;
 }
 
-/// Chooses the nearest of the tiles that wait. False if none does; a tile for which there is no room waits no longer.
+/// Chooses the nearest of the waiting tiles. False if none waits; a tile for which there is no room stops waiting.
 bool TileDisplay::begin_division() {
 	if (over_limit()) {
 		const Order farthest = *cells_beyond(-1.0).farthest;
@@ -122,7 +122,7 @@ bool TileDisplay::begin_division() {
 	return false;
 }
 
-/// Divides a tile that waits, or makes room for it. False if it is to stay as it is: it waits no longer.
+/// Divides a waiting tile, or makes room for it. False if it is to stay unchanged: it stops waiting.
 bool TileDisplay::begin_division_of(const TileKey &key, DisplayedTile &r_tile) {
 	const std::uint32_t across = division_of(key, r_tile, r_tile.across);
 	const std::uint64_t rest = multimeshes_ - r_tile.multimesh_count();
@@ -147,7 +147,7 @@ bool TileDisplay::begin_division_of(const TileKey &key, DisplayedTile &r_tile) {
 	return true;
 }
 
-/// The tiles in cells that are farther away than this.
+/// The tiles in cells that are farther away than `distance`.
 TileDisplay::FartherCells TileDisplay::cells_beyond(double distance) const {
 	FartherCells result;
 	double farthest = distance;
@@ -165,7 +165,7 @@ TileDisplay::FartherCells TileDisplay::cells_beyond(double distance) const {
 	return result;
 }
 
-/// Uploads some cells of the tile that is being divided; with all of them there, shows them.
+/// Uploads some cells of the tile that is being divided; shows them once all are uploaded.
 void TileDisplay::continue_division() {
 	Division &next = *division_;
 	DisplayedTile &tile = tiles_.at(order(next.key));
@@ -187,7 +187,7 @@ void TileDisplay::continue_division() {
 		const DisplayedTile::Part &part = tile.parts[next.parts.size()];
 		next.parts.emplace_back();
 		if (!begin_part(tile, part.shown, part.lods, next.across, next.parts.back())) {
-			cancel_division(); // No memory for now: its next visit asks for it again.
+			cancel_division(); // There is no memory now: the next visit of the tile requests it again.
 			return;
 		}
 	}
@@ -196,7 +196,8 @@ void TileDisplay::continue_division() {
 	}
 }
 
-/// In one go, so that no frame comes between: shows what is uploaded as it should be drawn, and hides what was shown before.
+/// Does everything in one call, so that no frame is drawn in between: shows the uploaded cells as they should be drawn, and hides the
+/// previous ones.
 void TileDisplay::finish_division(DisplayedTile &r_tile) {
 	Division next = std::move(*division_);
 	division_.reset();
@@ -238,7 +239,7 @@ void TileDisplay::note_division(const Order &at, const DisplayedTile &tile) {
 	}
 }
 
-/// There may be room now for what there was none before.
+/// There may now be room for tiles that were denied before.
 void TileDisplay::multimeshes_gone() {
 	for (const TileKey &key : std::exchange(denied_, {})) {
 		if (const auto found = tiles_.find(order(key)); found != tiles_.end()) {

@@ -1,5 +1,5 @@
-// How LODs cross-fade: where the instances of a cell are as far away as two LODs are for, both are drawn, and their shaders divide
-// the pixels between them.
+// How LODs cross-fade: if the instances of a cell are in the distance range of two LODs, both are drawn, and their shaders divide the
+// pixels between them.
 
 #include "nodes/scatter/tile_display.hpp"
 
@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-// What one step uploads at most, so that it takes a small part of a frame's time.
+// The largest upload of one step, so that it takes a small part of a frame's time.
 class StepLimit {
 public:
 	void add(std::size_t instances) {
@@ -30,7 +30,7 @@ private:
 
 } // namespace
 
-/// What the visual is drawn by that each cell has: the first of the LODs that are wanted, if all of them have a visual; else the one that is to be
+/// The look of the visual that each cell has: the first of the wanted LODs, if all of them have a visual; otherwise the LOD that is to be
 /// drawn alone.
 const MeshLook &TileDisplay::first_look(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
@@ -41,7 +41,7 @@ const MeshLook &TileDisplay::first_look(
 	return complete ? drawing.chain.look(cell.span, 0) : drawing.chain.only_look(cell.span, cell.lod);
 }
 
-/// Draws these looks, and lets go of visuals that are wanted no longer. `ranks` are those of the cell.
+/// Draws these looks, and releases visuals that are no longer wanted. `ranks` are those of the cell.
 void TileDisplay::show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks,
 		const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell) {
 	const std::size_t others = drawing.fades ? drawing.chain.looks_beyond_first(r_cell.span) : 0;
@@ -86,7 +86,7 @@ bool TileDisplay::wants_visuals(const TileKey &key, const DisplayedTile &tile) c
 	return false;
 }
 
-/// Uploads some of the visuals that the cells of a tile lack. False if that took all that a step may.
+/// Uploads some of the visuals that the cells of a tile lack. False if the step's limit is reached.
 bool TileDisplay::upload_others(const TileKey &key, DisplayedTile &r_tile) {
 	StepLimit limit;
 	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
@@ -110,7 +110,7 @@ bool TileDisplay::upload_others(const TileKey &key, DisplayedTile &r_tile) {
 	return true;
 }
 
-/// The same for parts in which a tile will be divided, hidden still, so that nothing pops when they are shown.
+/// The same for the still hidden parts of a tile's new division, so that nothing pops when they are shown.
 bool TileDisplay::upload_others(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts) {
 	StepLimit limit;
 	const glm::dvec3 origin = tile.tile->origin;

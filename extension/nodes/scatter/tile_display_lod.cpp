@@ -1,4 +1,4 @@
-// How much of each tile is drawn: with distance, quality and a limit for all tiles together, and all of it without an upload.
+// How much of each tile is drawn: by distance, quality and a limit for all tiles together, and all of it without an upload.
 
 #include "nodes/scatter/tile_display.hpp"
 
@@ -13,14 +13,14 @@ namespace thicket {
 
 namespace {
 
-/// Meters that a viewer moves at least before a tile is visited again. At a distance where something changes the margin is 0, and for a
-/// viewer who stands still the tile would be visited without end.
+/// The smallest distance in meters that a viewer must move before a tile is visited again. At a distance where something changes the margin
+/// is 0, and while the viewer does not move the tile would be visited endlessly.
 constexpr double min_margin = 1e-3;
 
-/// The same for a tile in cells, of which one or another is always near a change: a share of a cell's size.
+/// The same for a tile in cells, one of which is always near a change: a share of a cell's size.
 constexpr double min_cells_margin = 1.0 / 8.0;
 
-/// Multimeshes that a step looks at, or some more: a few microseconds. A tile that is looked at is seldom drawn otherwise.
+/// Multimeshes that a step checks, or slightly more: a few microseconds. A checked tile is seldom drawn differently.
 constexpr std::size_t cells_per_step = 32;
 
 } // namespace
@@ -109,7 +109,7 @@ bool TileDisplay::lod_step() {
 
 void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 	if (r_tile.drawing_version == drawing_version(key.layer)) {
-		// Fast path: the renderer was told all that.
+		// Fast path: the renderer has these settings.
 		return;
 	}
 	r_tile.drawing_version = drawing_version(key.layer);
@@ -143,7 +143,7 @@ double TileDisplay::usual_height() const {
 	return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-/// Draws a tile as its layer says for its distance, and schedules the next visit to it.
+/// Draws a tile as its layer requires for its distance, and schedules its next visit.
 void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layer_at(key.layer);
 	if (!r_tile.draws_anything() || layer == nullptr) {
@@ -166,7 +166,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 			key, std::max(std::min(margin, division_margin(layer->cells, layer->lod, distance.near)), min_margin));
 }
 
-/// How far viewers may move until the instances may have to be drawn otherwise.
+/// How far viewers may move until the instances may have to be drawn differently.
 double TileDisplay::Drawing::margin(const DistanceRange &distance) const {
 	const double margin = distance_margin(lod, distance.near);
 	return fades ? std::min(margin, span_margin(lod, chain.steps(), distance)) : margin;
@@ -179,8 +179,8 @@ TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const Displayed
 	return {layers_[key.layer]->lod, fades ? *chain : none, fades, limits_.share(key.layer)};
 }
 
-/// Draws the meshes and the share of the instances that the distance of the tile asks for. False if the limit for all tiles cuts them
-/// short. `r_margin` gets how far viewers may move until that changes.
+/// Draws the meshes and the share of the instances that the distance of the tile requires. False if the limit for all tiles thins them.
+/// `r_margin` gets the distance that viewers may move until that changes.
 bool TileDisplay::draw_whole(
 		const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin) {
 	bool whole = true;
@@ -196,7 +196,7 @@ bool TileDisplay::draw_whole(
 	return whole;
 }
 
-/// The same for each cell whose turn it is.
+/// The same for each cell that is due.
 bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin) {
 	const double now = schedule_.traveled();
 	const glm::dvec3 origin = r_tile.tile->origin;
@@ -205,10 +205,10 @@ bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &
 	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		const Drawing drawing = drawing_of(key, r_tile, mesh);
-		part.due.resize(part.cells.size()); // Apart from the cells, because most visits look at nothing else.
+		part.due.resize(part.cells.size()); // Separate from the cells, because most visits read nothing else.
 		for (std::size_t at = 0; at < part.cells.size(); ++at) {
 			if (!r_tile.look_at_all && part.due[at] > now) {
-				// Fast path: viewers have not come so far that it may have to be drawn otherwise.
+				// Fast path: viewers have not moved far enough for a change.
 				r_margin = std::min(r_margin, part.due[at] - now);
 				continue;
 			}

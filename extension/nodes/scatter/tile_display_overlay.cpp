@@ -1,4 +1,4 @@
-// What a game has changed, in the picture: instances that are removed, placed by hand, or shown by other means.
+// Displays a game's changes: instances that are removed, placed by hand, or drawn by other means.
 
 #include "core/base/guard.hpp"
 #include "nodes/common/property_check.hpp"
@@ -19,7 +19,7 @@ namespace thicket {
 
 namespace {
 
-bool same(const KeptMesh &a, const KeptMesh &b) {
+bool same(const CompactMesh &a, const CompactMesh &b) {
 	bool equal = a.size() == b.size();
 	for (std::size_t i = 0; equal && i < a.size(); ++i) {
 		equal = a.same(i, b, i);
@@ -27,13 +27,13 @@ bool same(const KeptMesh &a, const KeptMesh &b) {
 	return equal;
 }
 
-/// How a cell of a part comes by its instances.
+/// How a cell of a part gets its instances.
 struct CellPatch {
-	std::optional<std::size_t> before; ///< The cell on show that becomes it; none for a new one.
-	std::optional<MeshUpload> upload;  ///< None where the renderer has the instances already.
+	std::optional<std::size_t> before; ///< The visible cell to reuse; none for a new one.
+	std::optional<MeshUpload> upload;  ///< None if the renderer already has the instances.
 };
 
-/// One for each cell of `next`, in which the cells on show of `part` are used again.
+/// One for each cell of `next`, reusing the visible cells of `part`.
 std::vector<CellPatch> cell_patches(
 		const DisplayedTile::Part &part, const DisplayedTile::Part &next, const DisplayedTile &tile, std::size_t mesh) {
 	const bool whole = tile.across == 1;
@@ -58,7 +58,7 @@ std::vector<CellPatch> cell_patches(
 		}
 		CellPatch patch{{}, to_upload(next, at, tile.reach_of(mesh))};
 		if (stands) {
-			// Fast path: its visuals take the other instances.
+			// Fast path: its visuals are reused for the other instances.
 			patch.before = before++;
 		}
 		result.push_back(std::move(patch));
@@ -75,7 +75,7 @@ void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &
 	}
 }
 
-std::vector<std::shared_ptr<const KeptMesh>> TileDisplay::overlay(const DisplayedTile &tile) const {
+std::vector<std::shared_ptr<const CompactMesh>> TileDisplay::overlay(const DisplayedTile &tile) const {
 	OverlaidMeshes meshes;
 	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_}, meshes));
 	return meshes;
@@ -95,7 +95,7 @@ void TileDisplay::patch() {
 	const auto is_marked = [&](std::uint32_t layer, const Rect &rect) {
 		const auto bound = bounds.find(layer);
 		if (bound == bounds.end() || !meet(rect, bound->second)) {
-			// Fast path: what does not meet the bounds of all marks meets none of them.
+			// Fast path: a rectangle outside the bounds of all marks meets none of them.
 			return false;
 		}
 		return std::ranges::any_of(
@@ -117,7 +117,7 @@ void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
 		count(r_tile);
 		refine(key, r_tile);
 	} catch (const std::bad_alloc &) {
-		marked_all_ = true; // Others may be lost with it.
+		marked_all_ = true; // Other marks may be lost with this one.
 		throw;
 	}
 }
@@ -150,8 +150,8 @@ bool TileDisplay::patch_step() {
 	return false;
 }
 
-/// Updates neither the counts nor what the distance asks for: both are left to the caller. Where memory ends the tile stays on show as it
-/// is, until there is some.
+/// Leaves the counts and the changes with distance to the caller. If memory runs out, the tile stays visible and unchanged until there is
+/// some.
 void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 	bool patched = false;
 	report("TerrainScatter3D", guarded("tile", r_tile.rect.size().x, [&] { patched = patch_parts(key, r_tile); }));
@@ -160,15 +160,15 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 	}
 }
 
-/// False without the memory for it.
+/// False if there is not enough memory.
 bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	const LayerSnapshot *layer = layer_at(key.layer);
-	const std::vector<std::shared_ptr<const KeptMesh>> shown = overlay(r_tile);
+	const std::vector<std::shared_ptr<const CompactMesh>> shown = overlay(r_tile);
 	if (shown.size() != r_tile.parts.size()) {
 		return false;
 	}
 	if (division_ && division_->key == key) {
-		cancel_division(); // What it has uploaded is out of date.
+		cancel_division(); // Its uploads are outdated.
 	}
 	r_tile.look_at_all = true;
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
@@ -187,9 +187,10 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	return true;
 }
 
-/// Shows other instances of a mesh. A cell that has what it had is not uploaded anew. False, and nothing changed, without the memory for it.
+/// Displays the new instances of a mesh. Unchanged cells are not uploaded again. Returns false, without any change, if there is not enough
+/// memory.
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
-		DisplayedTile::Part &r_part, std::shared_ptr<const KeptMesh> shown) {
+		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown) {
 	DisplayedTile::Part next;
 	if (!begin_part(tile, std::move(shown), r_part.lods, tile.across, next)) {
 		return false;
@@ -210,7 +211,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 	std::vector<DisplayedTile::Cell> gone;
 	gone.reserve(r_part.cells.size());
 	std::vector<bool> stays(r_part.cells.size());
-	// From here on nothing takes memory: some cells have moved to the new part, and the others must follow.
+	// Nothing may allocate memory from here on: some cells have moved to the new part, and the others must follow.
 	std::size_t made = 0;
 	for (const CellPatch &patch : patches) {
 		if (!patch.before) {

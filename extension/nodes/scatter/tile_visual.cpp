@@ -21,7 +21,7 @@ namespace {
 constexpr int64_t gi_static = 1;
 constexpr int64_t gi_dynamic = 2;
 
-/// No number of instances: what a new buffer draws, until it is told.
+/// Not a valid count: a new buffer draws all instances until a count is set.
 constexpr auto everything = std::numeric_limits<std::size_t>::max();
 
 } // namespace
@@ -100,10 +100,10 @@ void TileVisual::set_instances(const MeshUpload &upload) {
 			buffer = resized_copy(buffer, capacity_ * stride);
 		}
 	} catch (const std::bad_alloc &) {
-		allocate(instances_); // Slower, but the instances that are drawn and those that are counted must not differ.
+		allocate(instances_); // Slower, but the drawn and the counted instances must not differ.
 	}
 	for_each_handle([&](Handle &handle) {
-		// Before the buffer: with a box of ours the renderer does not compute one from all the transforms.
+		// Before the buffer: with our own box the renderer does not compute one from all the transforms.
 		server->multimesh_set_custom_aabb(handle.multimesh, upload.aabb);
 		server->multimesh_set_buffer(handle.multimesh, buffer);
 	});
@@ -123,7 +123,7 @@ void TileVisual::free() {
 }
 
 void TileVisual::apply(const LayerDrawing &drawing) {
-	// Every member is named, so that nobody adds one without a look at this function.
+	// Every member is named, so that adding a member requires a decision here.
 	const auto &[meshes, lod_meshes, shadows, lod_shadows, looks, lod_looks, fades, lod_fades, surfaces, boxes,
 			mesh_reach, cell_size, material, cast_shadow, gi_mode, render_layers, lod_bias, margin, begin, begin_margin,
 			end, end_margin, fade_mode] = drawing;
@@ -145,12 +145,12 @@ void TileVisual::apply(const LayerDrawing &drawing) {
 				static_cast<float>(begin_margin), static_cast<float>(end_margin),
 				static_cast<RenderingServer::VisibilityRangeFadeMode>(fade_mode));
 	}
-	material_ = material; // Only now: what it held before must not go while the instance names it.
+	material_ = material; // Only now: the previous material must not be freed while the instance uses it.
 	layer_shadow_ = cast_shadow;
 	apply_shadows();
 }
 
-/// Where another mesh casts the shadow, that does nothing else, and the mesh that is drawn casts none.
+/// If a different mesh casts the shadow, that mesh does nothing else, and the drawn mesh casts none.
 void TileVisual::apply_shadows() {
 	RenderingServer *server = RenderingServer::get_singleton();
 	const std::int64_t setting = MeshShadow{{}, look_shadow_}.setting_in(layer_shadow_);
@@ -175,7 +175,7 @@ void TileVisual::set_visible(bool visible) {
 
 void TileVisual::set_offset(glm::dvec3 offset) {
 	if (offset_ == offset) {
-		// Fast path: it stands there already.
+		// Fast path: it is already at that position.
 		return;
 	}
 	offset_ = offset;
@@ -193,11 +193,11 @@ void TileVisual::move_instances() {
 
 void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
 	if (r_handle.mesh == mesh) {
-		// Fast path: the renderer has it.
+		// Fast path: the renderer has this mesh.
 		return;
 	}
 	RenderingServer::get_singleton()->multimesh_set_mesh(r_handle.multimesh, mesh->get_rid());
-	r_handle.mesh = mesh; // Only now: see above.
+	r_handle.mesh = mesh; // Only now, as for the material in `apply`.
 }
 
 void TileVisual::set_look(const MeshLook &look) {
@@ -216,7 +216,7 @@ void TileVisual::set_look(const MeshLook &look) {
 
 void TileVisual::apply_look(const LodLook &look) {
 	if (look == look_) {
-		// Fast path: the renderer knows it.
+		// Fast path: the renderer has this look.
 		return;
 	}
 	RenderingServer *server = RenderingServer::get_singleton();
@@ -235,7 +235,7 @@ void TileVisual::apply_look(const LodLook &look) {
 
 void TileVisual::set_drawn(std::size_t count) {
 	if (drawn_ == count) {
-		// Fast path: the renderer knows it.
+		// Fast path: the renderer has this count.
 		return;
 	}
 	for_each_handle([count](const Handle &handle) {
@@ -247,7 +247,7 @@ void TileVisual::set_drawn(std::size_t count) {
 
 void TileVisual::set_scale(float scale) {
 	if (scale_ == scale) {
-		// Fast path: the renderer knows it.
+		// Fast path: the renderer has this scale.
 		return;
 	}
 	for_each_handle([scale](const Handle &handle) {

@@ -45,8 +45,8 @@ TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
 
 TileWorkers::~TileWorkers() { stop(); }
 
-/// Takes the lock if it is to be had within some microseconds. A worker that holds it may have to wait for a core, and a frame must
-/// not wait for that.
+/// Takes the lock if it becomes free within some microseconds. A worker that holds it may have to wait for a core, and a frame must not
+/// wait for that.
 bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
 	constexpr int tries = 200;
 	for (int i = 0; i < tries && !r_lock.owns_lock(); ++i) {
@@ -60,11 +60,11 @@ void TileWorkers::push(std::shared_ptr<TileJob> job) {
 	hand_over();
 }
 
-/// Queues what came, at once or with a later call.
+/// Queues new jobs, immediately or with a later call.
 void TileWorkers::hand_over() {
 	std::unique_lock lock(mutex_, std::defer_lock);
 	if (lock_soon(lock)) {
-		// So that a worker takes no memory to hand in what it has done, and an error comes to who asks.
+		// So that a worker allocates no memory to return its result, and an error reaches the caller.
 		const std::size_t jobs = finished_.size() + queue_.size() + incoming_.size() + workers_.size();
 		finished_.reserve(std::max(finished_.capacity(), jobs));
 		queue_.insert(queue_.end(), incoming_.begin(), incoming_.end());
@@ -74,7 +74,7 @@ void TileWorkers::hand_over() {
 		std::ranges::move(uploaded_here_, std::back_inserter(uploaded_));
 		uploaded_here_.clear();
 		waiting_ = queue_.size();
-		// To start a worker costs some microseconds, too.
+		// Starting a worker costs some microseconds, too.
 		const std::size_t all_unneeded = unneeded_.size() + uploaded_.size();
 		frames_unneeded_ = all_unneeded == 0 ? 0 : frames_unneeded_ + 1;
 		much_unneeded_ = all_unneeded >= 16 || frames_unneeded_ > 60;
@@ -105,14 +105,14 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 
 void TileWorkers::let_go(std::shared_ptr<const void> unneeded) {
 	if (!on_main_thread_) {
-		// Fast path: it is freed all the same, by a worker.
+		// Fast path: a worker frees it.
 		unneeded_here_.push_back(std::move(unneeded));
 	}
 }
 
 void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
 	if (!on_main_thread_) {
-		// Fast path: they are freed all the same, by a worker, or their buffers filled again.
+		// Fast path: a worker frees them, or fills their buffers again.
 		std::ranges::move(uploads, std::back_inserter(uploaded_here_));
 	}
 }
@@ -135,13 +135,13 @@ void TileWorkers::wake() {
 		if (waiting == 0) {
 			return;
 		}
-		// A worker that has run dry may still be on its way back to the pool: to wait for it here could cost the frame
-		// milliseconds. Another one takes the job, or this one in the next frame.
+		// A worker that has run dry may still be returning to the pool: waiting for it here could cost the frame milliseconds. Another
+		// worker takes the job, or this one in the next frame.
 		if (worker->task >= 0 && !pool->is_task_completed(worker->task)) {
 			continue;
 		}
 		if (worker->task >= 0) {
-			pool->wait_for_task_completion(worker->task); // It is; this makes the pool forget the task.
+			pool->wait_for_task_completion(worker->task); // It is completed; this call makes the pool forget the task.
 		}
 		worker->task = pool->add_native_task(&TileWorkers::run, worker.get(), false, "Thicket tiles");
 		--waiting;
@@ -183,16 +183,16 @@ void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
 	hand_in(worker);
 }
 
-/// Passes on what a worker has done. Under the lock.
+/// Passes on the result of a worker. Call it under the lock.
 void TileWorkers::hand_in(Worker &worker) {
 	if (worker.job != nullptr) {
-		finished_.push_back(std::move(worker.job)); // There is room: see `push`.
+		finished_.push_back(std::move(worker.job)); // There is room: see `hand_over`.
 		worker.job = nullptr;
 	}
 }
 
 std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
-	std::vector<std::shared_ptr<const void>> unneeded; // They go once the lock is given back.
+	std::vector<std::shared_ptr<const void>> unneeded; // Freed after the lock is released.
 	std::vector<MeshUpload> uploaded;
 	std::shared_ptr<TileJob> job;
 	{
@@ -220,14 +220,14 @@ void TileWorkers::run(void *p_worker) {
 	} while (worker.owner->work_on_next(worker));
 }
 
-/// Does what can be done for the next job; false if none waits.
+/// Does all possible work for the next job; false if none waits.
 bool TileWorkers::work_on_next(Worker &worker) {
 	const std::shared_ptr<TileJob> job = next(worker);
 	if (job == nullptr) {
 		return false;
 	}
 	if (job->cancelled) {
-		// Fast path: nobody would look at the tile.
+		// Fast path: the tile is no longer wanted.
 		job->status.code = ErrorCode::cancelled;
 		job->step = TileJob::Step::done;
 		return true;
@@ -255,8 +255,8 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 		finish(worker, job);
 		return;
 	}
-	// The points are found a second time once the ground is known: a script costs more than that, and no job has to
-	// hold a workspace while it waits for the main thread.
+	// The points are computed a second time once the ground is known: a script costs more than that, and no job has to hold a workspace
+	// while it waits for the main thread.
 	job.status = builder.find_points(settings, job.request.rect, &job.cancelled);
 	job.points_computed += builder.sample_stats().computed;
 	if (job.status.ok() && job.step == TileJob::Step::start) {
@@ -289,7 +289,7 @@ void TileWorkers::finish(Worker &worker, TileJob &job) {
 	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
 		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh), worker.spare));
 	}
-	job.tile = std::make_shared<const KeptTile>(worker.tile, job.layer->settings);
+	job.tile = std::make_shared<const CompactTile>(worker.tile, job.layer->settings);
 }
 
 } // namespace thicket

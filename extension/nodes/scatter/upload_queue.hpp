@@ -12,23 +12,23 @@
 
 namespace thicket {
 
-/// A tile on its way from the workers to the screen.
+/// A tile on its way from the workers to the display.
 struct TileUpload {
 	std::shared_ptr<TileJob> job;
 
-	DisplayedTile tile;                                 ///< As much of it as is uploaded, hidden.
-	std::vector<std::shared_ptr<const KeptMesh>> shown; ///< What is to be uploaded of each mesh, once it is begun.
-	std::uint64_t overlay_version = 0;                  ///< Of what lay over all tiles when it was begun.
+	DisplayedTile tile;                                    ///< The parts uploaded until now, hidden.
+	std::vector<std::shared_ptr<const CompactMesh>> shown; ///< The instances to upload for each mesh, once it is begun.
+	std::uint64_t overlay_version = 0;                     ///< The version of the overlay when the upload was begun.
 
 	bool is_begun() const { return tile.tile != nullptr; }
 	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size() && !has_open_part(); }
 
-	/// The last of the parts has cells that are not uploaded yet.
+	/// The last part has cells that are not uploaded yet.
 	bool has_open_part() const { return !tile.parts.empty() && tile.parts.back().is_open(); }
 };
 
-/// The finished tiles that wait for their upload, and the current one, which is uploaded part by part over several frames. Knows
-/// nothing of how a tile is drawn: see TileDisplay. Main thread only.
+/// The finished tiles that wait for their upload, and the current one, which is uploaded part by part over several frames. Does not know
+/// how a tile is drawn: see TileDisplay. Main thread only.
 class UploadQueue {
 public:
 	enum class State : std::uint8_t {
@@ -42,23 +42,23 @@ public:
 	/// Queues a finished job.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Makes a waiting tile the current one; only while idle. False if none with this ticket waits.
+	/// Makes a waiting tile the current one; only while idle. False if no tile with this ticket waits.
 	bool choose(std::uint64_t ticket);
 
-	/// The current tile. Whoever uploads a part of it calls `part_uploaded` then.
+	/// The current tile. Call `part_uploaded` after each upload of a part.
 	TileUpload &current() { return current_; }
 	void part_uploaded();
 
-	/// Hands out the current tile; the queue is idle then.
+	/// Returns the current tile and leaves the queue idle.
 	TileUpload take();
 
-	/// Lets the current tile wait again, as far as it is uploaded.
+	/// Puts the current tile back into the queue with the parts that are already uploaded.
 	void put_back();
 
-	/// Takes out a tile, waiting or current; nothing if there is none with this ticket.
+	/// Removes a waiting or current tile; empty if there is none with this ticket.
 	std::optional<TileUpload> remove(std::uint64_t ticket);
 
-	/// How many tiles wait, the current one included.
+	/// The number of waiting tiles, including the current one.
 	std::size_t size() const { return waiting_.size() + (state_ != State::idle ? 1 : 0); }
 	void clear();
 

@@ -16,16 +16,17 @@
 namespace thicket::bench {
 
 /// Boundary sampling, the fast variant of Dunbar and Humphreys, "A spatial data structure for fast Poisson-disk sample
-/// generation" (2006): each new point lies on the circle of radius 1 around an earlier one, at a uniform angle in one
-/// of the ranges that no other point's disk covers, each range as likely as any other. An active point is chosen at
-/// random and keeps giving points until nothing of its circle is left open.
+/// generation" (2006). Each new point is on the circle of radius 1 around an earlier one, at a uniform angle in one of
+/// the ranges that no other point's disk covers. All ranges are equally likely. A random active point keeps adding
+/// points until its whole circle is covered.
 ///
-/// Once no circle has an open range, the disks cover the torus: the sets are maximal. Points are placed at 1 + 1e-9,
-/// so that rounding brings none closer than 1; every place then has a point within 1 + 2e-9. Not distributed like dart
-/// throwing, and denser. O(N) time. Keeps its memory between calls.
+/// Once no circle has an open range, the disks cover the torus, so the sets are maximal. Points are placed at 1 + 1e-9,
+/// so that rounding brings none closer than 1. Every position then has a point within 1 + 2e-9. The sets are denser
+/// than those of dart throwing and distributed differently. O(N) time. Keeps its memory between calls.
 class BoundarySampling {
 public:
-	/// Replaces `r_points` by a maximal set on the torus [0, side)^2, no two points closer than 1. `side` from 11 to 1e5.
+	/// Replaces `r_points` with a maximal set on the torus [0, side)^2 with no two points closer than 1. `side` is 11
+	/// to 1e5.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		grid_.reset(side);
 		active_.clear();
@@ -46,13 +47,13 @@ public:
 private:
 	static constexpr double distance = 1.0 + 1e-9;
 	static constexpr double turn = 2.0 * std::numbers::pi;
-	static constexpr int reach = 1; ///< Cells; disks that cover part of a circle are at most 2 `distance` apart.
+	static constexpr int reach = 1; ///< In cells. Disks that cover a part of a circle are at most 2 `distance` apart.
 
-	/// Half the part of a circle that a neighbor on it covers.
+	/// Half the angle of a circle that a neighbor on it covers.
 	static constexpr double sixth = std::numbers::pi / 3.0;
 
-	/// Open angles in [0, turn], as ranges that do not touch. A disk opens at most one more of them, and at most 20
-	/// points that keep their distance are less than 2 from another (Oler 1961).
+	/// Open angles in [0, turn], as ranges that do not touch. A disk splits off at most one more range. At most 20
+	/// points that keep their distance are less than 2 from a point (Oler 1961).
 	struct Ranges {
 		struct Range {
 			double begin;
@@ -64,7 +65,7 @@ private:
 
 		Ranges() { ranges[0] = {0.0, turn}; }
 
-		/// Takes out the angles closer than `half` to `middle`, which is at most a turn off the range of angles.
+		/// Removes the angles closer than `half` to `middle`, which is at most a turn outside the range of angles.
 		void cover(double middle, double half) {
 			cover_straight(middle - half, middle + half);
 			if (middle - half < 0.0) {
@@ -109,7 +110,7 @@ private:
 		r_points.push_back(point);
 	}
 
-	/// Places points on the circle around `center` until all of it is covered.
+	/// Places points on the circle around `center` until it is completely covered.
 	void surround(glm::dvec2 center, Xoroshiro &random, std::vector<glm::dvec2> &r_points) {
 		Ranges open = open_ranges(center);
 		while (open.count > 0) {

@@ -12,20 +12,21 @@
 
 namespace thicket::bench {
 
-/// What a site's own disk of radius 1 leaves free of its Voronoi cell: the free area, and uniform points in it. All
+/// The part of a site's Voronoi cell outside its own disk of radius 1: its area, and uniform points in it. All
 /// positions are relative to the site.
 ///
-/// The cell is a fan of triangles between the site and its edges. In a triangle, the free part lies between the edge
-/// and the disk; it is cut where the edge is nearest to the site and where it enters the disk. A piece is what is left
-/// on one side, from `low` to `high` along the edge. Area and points are exact: they are computed from the distance to
-/// where the edge leaves the disk, so that a piece a millionth wide has as many good digits as a large one.
+/// The cell is a fan of triangles between the site and its edges. In a triangle, the free part is between the edge and
+/// the disk. It is cut where the edge is nearest to the site and where it enters the disk. A piece is the remainder on
+/// one side, from `low` to `high` along the edge. Area and points are exact, because they are computed from the
+/// distance to the point where the edge leaves the disk. A piece a millionth wide therefore has as many correct digits
+/// as a large one.
 class FreeCell {
 public:
-	/// A corner no more than this beyond the disk counts as inside.
+	/// A corner at most this far outside the disk counts as inside.
 	static constexpr double tolerance = 1e-9;
 
-	/// Replaces the cell. `neighbors` are the sites around it, in counterclockwise order; a neighbor's edge lies
-	/// halfway to it, and its corner with the next is the center of the circle through both and the site.
+	/// Replaces the cell. `neighbors` are the sites around it, in counterclockwise order. A neighbor's edge is halfway
+	/// to it, and its corner with the next edge is the center of the circle through both neighbors and the site.
 	void assign(const std::vector<glm::dvec2> &neighbors) {
 		pieces_.clear();
 		area_ = 0.0;
@@ -40,10 +41,10 @@ public:
 		}
 	}
 
-	/// 0 exactly when no corner lies more than `tolerance` beyond the disk.
+	/// 0 exactly if no corner is more than `tolerance` outside the disk.
 	double area() const { return area_; }
 
-	/// A point, uniform over the free part. The area must be above 0.
+	/// A uniform point in the free part. The area must be above 0.
 	glm::dvec2 draw(Xoroshiro &random) const {
 		const double target = unit(random) * area_;
 		const auto reached = [target](const Piece &piece) {
@@ -58,26 +59,26 @@ public:
 
 private:
 	struct Piece {
-		glm::dvec2 foot;  ///< The place of the edge's line that is nearest to the site.
+		glm::dvec2 foot;  ///< The position on the edge's line that is nearest to the site.
 		glm::dvec2 along; ///< Unit vector of the line, away from the foot.
 		double height;    ///< From the site to the foot.
-		double start;     ///< From the foot to where the line leaves the disk; 0 where it does not meet it.
-		double above;     ///< `height` squared less 1 where the line does not meet the disk; else 0.
-		double low;       ///< The piece's ends, along the line from `start` on.
+		double start;     ///< From the foot to where the line leaves the disk; 0 if they do not intersect.
+		double above;     ///< `height` squared minus 1 if the line misses the disk, otherwise 0.
+		double low;       ///< The piece's ends, along the line, measured from `start`.
 		double high;
-		double area_up_to = 0.0; ///< Of the cell's pieces up to this one.
+		double area_up_to = 0.0; ///< Total area of the cell's pieces up to this one.
 
-		/// A place's squared distance from the site, less 1.
+		/// A position's squared distance from the site, minus 1.
 		double excess(double place) const { return above + place * (place + 2.0 * start); }
 
-		/// Between the disk and the line, from `start` to `place`: a triangle less a sector.
+		/// Area between the disk and the line, from `start` to `place`: a triangle minus a sector.
 		double area_to(double place) const {
 			const double tangent = height * place / (height * height + start * (start + place)); // Of the sector.
 			return 0.5 * ((start * place + above) * tangent + less_its_arc(tangent));
 		}
 
-		/// Rejection along the line, where the density is excess / (1 + excess), rising: a third of the tries or more
-		/// are kept. Then outwards, between the disk and the line, exactly.
+		/// Rejection sampling along the line, where the density is excess / (1 + excess) and rising. At least a third
+		/// of the tries are accepted. Then exact sampling outward, between the disk and the line.
 		glm::dvec2 draw(Xoroshiro &random) const {
 			const double most = excess(high) / (1.0 + excess(high));
 			for (;;) {
@@ -101,7 +102,7 @@ private:
 		return (glm::dvec2(b.y, -b.x) * dot(a, a) + glm::dvec2(-a.y, a.x) * dot(b, b)) / (2.0 * twice_area);
 	}
 
-	/// x - atan(x) for x >= 0, to the last digits also where the two are nearly the same.
+	/// x - atan(x) for x >= 0, accurate even where both are nearly equal.
 	static double less_its_arc(double x) {
 		if (x > 0.05) {
 			return x - std::atan(x);
@@ -117,7 +118,7 @@ private:
 		add_piece(0.5 * neighbor, -along, 0.5 * distance, -dot(to, along), -dot(from, along));
 	}
 
-	/// The piece of an edge from `from` to `to`, measured from the foot on.
+	/// The piece of an edge from `from` to `to`, measured from the foot.
 	void add_piece(glm::dvec2 foot, glm::dvec2 along, double height, double from, double to) {
 		const double above = height * height - 1.0;
 		const double start = std::sqrt(std::max(-above, 0.0));

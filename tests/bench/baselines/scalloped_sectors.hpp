@@ -19,22 +19,24 @@
 
 namespace thicket::bench {
 
-/// Dunbar and Humphreys, "A spatial data structure for fast Poisson-disk sample generation" (2006): darts thrown
-/// uniformly at all places that are less than 2 from some point and at least 1 from every point, until there are none.
+/// Dunbar and Humphreys, "A spatial data structure for fast Poisson-disk sample generation" (2006). Throws darts
+/// uniformly at all positions that are less than 2 from some point and at least 1 from every point, until there are
+/// none left.
 ///
-/// Each point owns the part of that region that is less than 2 from it and not from an earlier point, as a list of
-/// scalloped sectors. A dart chooses a point by its area with a tree, a sector of that point, a place in the sector,
-/// and so is accepted always; its disk is then cut out of the sectors of the points around it. O(N log N) time.
+/// Each point owns the part of that region that is less than 2 from it but not from an earlier point, as a list of
+/// scalloped sectors. A dart chooses a point by its area with a tree, then one of its sectors, then a position in the
+/// sector, so it is always accepted. Its disk is then cut out of the sectors of the points around it. O(N log N) time.
 ///
-/// The least distance holds exactly: a dart that rounding brings closer than 1 to a point is thrown anew at the same
-/// sector, and a sector that has no place left between the coordinates is dropped. Keeps its memory between calls.
+/// The least distance is exact: a dart that rounding brings closer than 1 to a point is thrown again at the same
+/// sector, and a sector with no representable position left is dropped. Keeps its memory between calls.
 class ScallopedSectors {
 public:
-	/// Part of the torus that disks of half the radius cover, as measured: 0.0017 less than after darts at the whole
-	/// domain, because the set grows from one point and places near its edge are filled before others are open.
+	/// Measured share of the torus that disks of half the radius cover. It is 0.0017 less than with darts at the whole
+	/// domain, because the set grows from one point, and positions near its edge are filled before others are open.
 	static constexpr double coverage = 0.5454;
 
-	/// Replaces `r_points` by a maximal set on the torus [0, side)^2, no two points closer than 1. `side` from 11 to 5e4.
+	/// Replaces `r_points` with a maximal set on the torus [0, side)^2 with no two points closer than 1. `side` is 11
+	/// to 5e4.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		grid_.reset(side);
 		areas_.reset(static_cast<std::size_t>(densest * side * side) + 1);
@@ -53,10 +55,10 @@ public:
 	}
 
 private:
-	/// Most points on a unit of area: those of a hexagonal lattice.
+	/// The largest number of points per unit of area, which is that of a hexagonal lattice.
 	static constexpr double densest = 2.0 / std::numbers::sqrt3;
-	static constexpr int reach = 2;                 ///< Cells; disks of radius 2 are at most 4 apart when they meet.
-	static constexpr std::size_t annulus_parts = 6; ///< So that no arc in it is half of its circle.
+	static constexpr int reach = 2;                 ///< In cells. Disks of radius 2 that meet are at most 4 apart.
+	static constexpr std::size_t annulus_parts = 6; ///< With six, no arc is half of its circle.
 	static constexpr int most_throws = 16;
 	static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 	static constexpr std::size_t most_neighbors = 128; ///< Oler's bound for a disk of radius 4 is 71.
@@ -67,7 +69,7 @@ private:
 		double squared;
 	};
 
-	/// A sector in the list of its point, or in the list of unused ones.
+	/// A sector in its point's list, or in the list of unused sectors.
 	struct Node {
 		ScallopedSector sector;
 		std::uint32_t next;
@@ -76,16 +78,16 @@ private:
 	std::array<ScallopedSector, annulus_parts> annulus_ = make_annulus();
 	TorusGrid grid_;
 	SumTree areas_;
-	std::vector<std::uint32_t> first_; ///< Of each point, its first sector.
+	std::vector<std::uint32_t> first_; ///< The first sector of each point.
 	std::vector<Node> pool_;
 	std::uint32_t free_ = none;
 	SectorCut cut_;
-	std::array<Neighbor, most_neighbors> neighbors_; ///< Of the last dart, closer than 4.
+	std::array<Neighbor, most_neighbors> neighbors_; ///< Neighbors of the last dart, closer than 4.
 	std::size_t neighbor_count_ = 0;
 
 	static double unit(Xoroshiro &random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
-	/// Throws at the sectors of a point until a dart is accepted, or the sector chosen turns out to have no place.
+	/// Throws at the sectors of a point until a dart is accepted, or the chosen sector turns out to be empty.
 	void throw_dart(std::size_t owner, Xoroshiro &random, std::vector<glm::dvec2> &r_points) {
 		const std::uint32_t chosen = choose_sector(owner, random);
 		for (int i = 0; i < most_throws; ++i) {
@@ -99,7 +101,7 @@ private:
 		drop(owner, chosen);
 	}
 
-	/// A sector of a point that has some, by area.
+	/// Chooses a sector of a point by area. The point must have some.
 	std::uint32_t choose_sector(std::size_t owner, Xoroshiro &random) const {
 		double target = unit(random) * area_of(owner);
 		std::uint32_t i = first_[owner];
@@ -110,7 +112,7 @@ private:
 		return i;
 	}
 
-	/// Finds the neighbors of a dart; false if one is closer than 1.
+	/// Finds the neighbors of a dart. False if one is closer than 1.
 	bool look_around(glm::dvec2 dart) {
 		neighbor_count_ = 0;
 		bool free = true;
@@ -140,13 +142,14 @@ private:
 		for (const ScallopedSector &part : annulus_) {
 			add_sector(index, part);
 		}
-		// What is near covers most: the others then find few sectors, or none.
+		// Near neighbors cover most of it, so the others find few sectors or none.
 		cut_neighbors(index, 0.0, 4.0);
 		cut_neighbors(index, 4.0, 16.0);
 		weigh(index);
 	}
 
-	/// Leaves to earlier points, those at squared distances from `least` to `limit`, all that is less than 2 from them.
+	/// Gives all positions that are less than 2 from earlier points to those points, if their squared distances are
+	/// from `least` to `limit`.
 	void cut_neighbors(std::size_t owner, double least, double limit) {
 		for (std::size_t i = 0; i < neighbor_count_ && first_[owner] != none; ++i) {
 			const Neighbor &neighbor = neighbors_[i];
@@ -156,7 +159,7 @@ private:
 		}
 	}
 
-	/// All that is less than 2 and at least 1 from a point.
+	/// All positions less than 2 and at least 1 from a point.
 	static std::array<ScallopedSector, annulus_parts> make_annulus() {
 		std::array<ScallopedSector, annulus_parts> annulus;
 		for (std::size_t i = 0; i < annulus_parts; ++i) {
@@ -183,7 +186,7 @@ private:
 		first_[owner] = slot;
 	}
 
-	/// Takes a disk out of all sectors of a point.
+	/// Removes a disk from all sectors of a point.
 	void cut(std::size_t owner, const Disk &disk) {
 		std::uint32_t slot = first_[owner];
 		first_[owner] = none;
@@ -203,7 +206,7 @@ private:
 		}
 	}
 
-	/// Takes a sector of a point out of its list.
+	/// Removes a sector from its point's list.
 	void drop(std::size_t owner, std::uint32_t slot) {
 		std::uint32_t *link = &first_[owner];
 		while (*link != slot) {
@@ -219,7 +222,7 @@ private:
 		free_ = slot;
 	}
 
-	/// Enters a point's area into the tree.
+	/// Writes a point's area into the tree.
 	void weigh(std::size_t owner) { areas_.set(owner, area_of(owner)); }
 
 	double area_of(std::size_t owner) const {

@@ -11,21 +11,22 @@
 
 namespace thicket::bench {
 
-/// Takes a disk out of a scalloped sector; what remains are scalloped sectors again, before, below, above and after it.
+/// Removes a disk from a scalloped sector. The remainder is again scalloped sectors: before, below, above and after the
+/// disk.
 ///
-/// The rays on which the order of the sector's arcs and the disk's circle can change (tangents to the disk, and those
-/// through the places where it crosses an arc) cut the sector into slices. In each slice one ray, in its middle, tells
-/// which parts remain. Neighboring slices with the same part are joined, so that no cut is left without need.
+/// Some rays can change the order of the sector's arcs and the disk's circle: tangents to the disk, and rays through
+/// its intersections with an arc. They cut the sector into slices. In each slice, the ray in the middle determines
+/// which parts remain. Neighboring slices with the same part are joined, so that there are no unnecessary cuts.
 class SectorCut {
 public:
 	/// Two tangents and two crossings with either arc make seven slices, each with at most two parts.
 	static constexpr std::size_t most_parts = 14;
 
-	/// After a call that returned true: what remains, possibly nothing.
+	/// The remaining sectors, possibly none, after a call that returned true.
 	std::array<ScallopedSector, most_parts> parts;
 	std::size_t count = 0;
 
-	/// False if the disk leaves the sector whole. The origin lies outside of the disk, or within one of radius 2.
+	/// False if the disk leaves the sector whole. The origin is outside of the disk, or inside one of radius 2.
 	bool run(const ScallopedSector &sector, const Disk &disk) {
 		count = 0;
 		if (sector.within(disk)) {
@@ -63,7 +64,7 @@ private:
 	static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 	static constexpr std::size_t most_rays = 8;
 
-	std::array<glm::dvec2, most_rays> rays_; ///< From the sector's first to its last, in order.
+	std::array<glm::dvec2, most_rays> rays_; ///< From the sector's first ray to its last, in order.
 	std::size_t ray_count_ = 0;
 
 	void find_rays(const ScallopedSector &sector, const Disk &disk) {
@@ -82,21 +83,21 @@ private:
 		rays_[ray_count_++] = sector.to;
 	}
 
-	/// The rays through the places where two circles cross.
+	/// Adds the rays through the intersections of two circles.
 	void add_crossings(const ScallopedSector &sector, const Disk &disk, const Disk &other) {
 		const glm::dvec2 between = disk.center - other.center;
 		const double squared = dot(between, between);
 		const double other_squared = other.radius * other.radius;
 		const double along = 0.5 * (squared + other_squared - disk.radius * disk.radius) / squared;
 		const double across_squared = other_squared / squared - along * along;
-		if (across_squared > 0.0) { // false for one circle with itself, too
+		if (across_squared > 0.0) { // False for identical circles, too.
 			const glm::dvec2 across = std::sqrt(across_squared) * glm::dvec2(-between.y, between.x);
 			add_ray(sector, other.center + along * between - across);
 			add_ray(sector, other.center + along * between + across);
 		}
 	}
 
-	/// Keeps the rays sorted; one that is not inside of the sector is left out.
+	/// Keeps the rays sorted. Ignores a ray that is not inside the sector.
 	void add_ray(const ScallopedSector &sector, glm::dvec2 ray) {
 		if (!(cross(sector.from, ray) > 0.0 && cross(ray, sector.to) > 0.0)) {
 			return;
@@ -108,7 +109,7 @@ private:
 		rays_[i] = normalized(ray);
 	}
 
-	/// Which parts of the slice after this ray remain.
+	/// Returns the parts of the slice after this ray that remain.
 	std::array<bool, kinds> left_of_slice(const ScallopedSector &sector, const Disk &disk, std::size_t slice) const {
 		const glm::dvec2 middle = normalized(rays_[slice] + rays_[slice + 1]);
 		const double near_at = sector.near.at(middle);
@@ -126,7 +127,7 @@ private:
 		return {false, along - half > near_at, along + half < far_at};
 	}
 
-	/// Adds the part of this kind between two rays, unless it is so small that rounding leaves no area.
+	/// Adds the part of this kind between two rays, unless it is so small that its area rounds to 0.
 	void emit(const ScallopedSector &sector, const Disk &disk, std::size_t kind, std::size_t from, std::size_t to) {
 		ScallopedSector &part = parts[count];
 		part.from = rays_[from];

@@ -7,12 +7,12 @@
 
 namespace thicket::bench {
 
-/// A list of weights from which an index is chosen in proportion to its weight: a tree with eight children a node, one
-/// cache line of sums. Sums are added up anew from their children, never corrected by differences, so that they are 0
-/// exactly when all their weights are. Setting and finding take O(log n).
+/// A list of weights from which an index is chosen in proportion to its weight. A tree with eight children per node,
+/// whose sums fill one cache line. Sums are recomputed from their children and never corrected by differences, so they
+/// are exactly 0 if all their weights are. Setting and finding take O(log n).
 class SumTree {
 public:
-	/// `count` weights of 0, at least one.
+	/// Resets to `count` weights of 0, at least one.
 	void reset(std::size_t count) {
 		levels_.clear();
 		do {
@@ -33,7 +33,7 @@ public:
 		}
 	}
 
-	/// The index before which the weights add up to `target`, in [0, total()), up to rounding; its weight is never 0.
+	/// The index before which the weights add up to `target`, in [0, total()), up to rounding. Its weight is never 0.
 	/// `total()` must be above 0.
 	std::size_t find(double target) const {
 		std::size_t index = 0;
@@ -61,7 +61,7 @@ private:
 		std::array<double, fan> sums{};
 	};
 
-	std::vector<std::vector<Node>> levels_; ///< The weights first, one node last.
+	std::vector<std::vector<Node>> levels_; ///< The weights first, a single node last.
 
 	static double sum(const Node &node) {
 		const std::array<double, fan> &s = node.sums;

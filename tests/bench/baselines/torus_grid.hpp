@@ -10,17 +10,17 @@
 
 namespace thicket::bench {
 
-/// Finds the neighbors of a place on the torus [0, side)^2 among points that keep distance 1: square cells a hair more
-/// than two units wide, which hold the points themselves, so that a look at a cell reads one or two cache lines.
+/// Finds the neighbors of a position on the torus [0, side)^2 among points that keep distance 1. Square cells slightly
+/// more than two units wide store the points themselves, so that checking a cell reads one or two cache lines.
 class TorusGrid {
 public:
 	/// More than twice the distance at which boundary sampling places points.
 	static constexpr double least_cell = 2.0 + 1e-8;
 
-	/// The least side of a torus on which a neighborhood of two cells does not meet itself.
+	/// The least side of a torus on which a neighborhood of two cells does not overlap itself.
 	static constexpr double least_side = 11.0;
 
-	/// Empties the grid. `side` from `least_side`.
+	/// Empties the grid. `side` must be at least `least_side`.
 	void reset(double side) {
 		side_ = side;
 		half_side_ = 0.5 * side;
@@ -38,8 +38,8 @@ public:
 		++cell.count;
 	}
 
-	/// Calls `visit(index, offset)` for every point in the cells up to `reach` from that of `place`, so for all
-	/// that are no farther than `reach` times `least_cell`; `offset` leads from `place` to the point the short way round.
+	/// Calls `visit(index, offset)` for every point in the cells up to `reach` from that of `place`. This includes all
+	/// points no farther than `reach` times `least_cell`. `offset` is the shortest vector from `place` to the point.
 	template <typename Visit>
 	void visit(glm::dvec2 place, int reach, const Visit &visit) const {
 		const int column = column_of(place.x);
@@ -55,12 +55,12 @@ public:
 		}
 	}
 
-	/// The place of the torus that a place at most a side outside of it stands for.
+	/// Wraps a position at most one side outside of the torus.
 	glm::dvec2 wrap(glm::dvec2 place) const { return {wrap(place.x), wrap(place.y)}; }
 
 private:
-	/// Points at distance 1 in a square of width w: at most (2 / sqrt(3)) w^2 + 2 w + 1 (Oler 1961), and w < 2.41 from
-	/// five cells on.
+	/// Points at distance 1 in a square of width w: at most (2 / sqrt(3)) w^2 + 2 w + 1 (Oler 1961), and w < 2.41 with
+	/// at least five cells.
 	static constexpr std::size_t most_points = 12;
 
 	struct alignas(64) Cell {

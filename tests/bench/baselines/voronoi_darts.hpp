@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
 
-// CGAL's inexact predicates are filtered: where doubles cannot decide, exact numbers do. Its own suffice for that, so
-// nothing is linked. Its assertions would make the debug build another benchmark.
+// CGAL's inexact predicates are filtered: where doubles cannot decide, exact numbers do. CGAL's own number types
+// suffice for that, so nothing is linked. Its assertions would distort benchmarks of the debug build.
 #define CGAL_DISABLE_GMP 1
 #define CGAL_NDEBUG 1
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -25,17 +25,18 @@
 namespace thicket::bench {
 
 /// Jones, "Efficient generation of Poisson-disk sampling patterns" (2006), on the torus [0, side)^2, in double
-/// precision: the Voronoi diagram of the growing set is kept, and every cell's area outside of its own disk. A dart
-/// picks a cell with probability proportional to that area and falls uniformly in it, and so uniformly in all that is
-/// free: the sets are those of dart throwing, and maximal. O(n log n) time, about 200 bytes a point.
+/// precision. Maintains the Voronoi diagram of the growing set, and the area of every cell outside its own disk. A dart
+/// chooses a cell with probability proportional to that area and a uniform position in it, and so is uniform over all
+/// free positions. The sets are therefore those of dart throwing, and maximal. O(n log n) time, about 200 bytes per
+/// point.
 ///
-/// The diagram is CGAL's periodic Delaunay triangulation, which finds a new dart's triangle in a few steps from the cell
-/// that was picked. The paper throws darts into the triangles of a cell's fan until one misses the disk; here they fall
-/// in the free part at once (`FreeCell`), which is the same distribution for less work.
+/// The diagram is CGAL's periodic Delaunay triangulation, which finds a new dart's triangle in a few steps from the
+/// chosen cell. The paper throws darts into the triangles of a cell's fan until one misses the disk. Here they directly
+/// hit the free part (`FreeCell`), which is the same distribution for less work.
 class VoronoiDarts {
 public:
-	/// Replaces `r_points` by a set in which no two points are closer than 1 and every place of the torus has a point
-	/// within 1 + `FreeCell::tolerance`. `side` >= 4.
+	/// Replaces `r_points` with a set in which no two points are closer than 1 and every position of the torus has a
+	/// point within 1 + `FreeCell::tolerance`. `side` >= 4.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		side_ = side;
 		Xoroshiro random(seed);
@@ -68,29 +69,30 @@ private:
 	using Triangulation = CGAL::Periodic_2_Delaunay_triangulation_2<Traits, Structure>;
 	using Vertex = Triangulation::Vertex_handle;
 
-	/// In a unit of area at distance 1: disks of diameter 1 cover no more of the plane than a hexagonal lattice of them.
+	/// Points per unit of area at distance 1: disks of diameter 1 cover at most as much of the plane as in a hexagonal
+	/// lattice.
 	static constexpr double most_points = 1.1547006;
 
 	double side_ = 0.0;
 	std::optional<Triangulation> triangulation_;
-	std::vector<Vertex> vertices_; ///< By index of the point, which is also their info.
+	std::vector<Vertex> vertices_; ///< By the point's index, which is also stored in their info.
 	SumTree weights_;              ///< The cells' free areas.
 
-	// Of the cell that was looked at last.
+	// Data of the cell that was computed last.
 	FreeCell cell_;
 	std::vector<glm::dvec2> around_;
 	std::vector<Vertex> neighbors_;
 	std::vector<Vertex> changed_; ///< The neighbors of the point that was added last.
 
-	/// The place of the torus that a coordinate at most a side outside of it stands for.
+	/// Wraps a coordinate at most one side outside of the torus.
 	double wrap(double coordinate) const {
 		const double wrapped = coordinate < 0.0 ? coordinate + side_ : coordinate;
 		const double inside = wrapped < side_ ? wrapped : wrapped - side_;
 		return inside < side_ ? inside : 0.0;
 	}
 
-	/// Finds a point's neighbors and its cell. While points are few, the triangulation is of nine copies of the torus:
-	/// a neighbor may then be a copy, even of the point itself, and stands for the one in `vertices_`.
+	/// Finds a point's neighbors and its cell. While points are few, the triangulation is of nine copies of the torus.
+	/// A neighbor may then be a copy, even of the point itself, and represents the one in `vertices_`.
 	void look_at(Vertex vertex) {
 		around_.clear();
 		neighbors_.clear();
@@ -108,8 +110,8 @@ private:
 		cell_.assign(around_);
 	}
 
-	/// Rounding can bring a dart that falls on the rim of a free part into a disk: of its cell's point, or, in a corner,
-	/// of a neighbor. Such a dart is thrown again.
+	/// Rounding can move a dart on the rim of a free part into a disk: that of its cell's point or, in a corner, of a
+	/// neighbor. Such a dart is thrown again.
 	bool keeps_distance(glm::dvec2 dart, glm::dvec2 site, const std::vector<glm::dvec2> &points) const {
 		const auto far_enough = [&](glm::dvec2 point) {
 			const glm::dvec2 straight = point - dart;
@@ -121,7 +123,7 @@ private:
 		});
 	}
 
-	/// Adds a point that lies at or near `near`, and brings its cell and the neighbors' up to date: no others change.
+	/// Adds a point at or near `near`, and updates its cell and the neighbors'. No other cells change.
 	void add(glm::dvec2 point, Triangulation::Face_handle near, std::vector<glm::dvec2> &r_points) {
 		const Vertex vertex = triangulation_->insert({point.x, point.y}, near);
 		vertex->info() = static_cast<std::uint32_t>(r_points.size());

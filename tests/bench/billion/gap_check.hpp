@@ -17,14 +17,14 @@
 
 namespace thicket::bench::billion {
 
-/// Gives the points of a rectangle, as TileSampler::sample does.
+/// Returns the points of a rectangle, as TileSampler::sample does.
 using TileSource = std::function<Status(const Rect &rect, std::vector<SamplePoint> &r_points)>;
 
-/// What the exact gap checks found.
+/// Results of the exact gap checks.
 struct GapFindings {
 	std::uint64_t tiles = 0;     ///< Tiles that were checked.
-	std::uint64_t uncovered = 0; ///< Lattice points in them that lie within the radius of no point.
-	std::uint64_t changed = 0;   ///< Tiles that had other points when they were seen in a larger rectangle.
+	std::uint64_t uncovered = 0; ///< Lattice points in them that are outside the radius of every point.
+	std::uint64_t changed = 0;   ///< Tiles whose points differed when sampled as part of a larger rectangle.
 
 	GapFindings &operator+=(const GapFindings &other) {
 		tiles += other.tiles;
@@ -34,16 +34,16 @@ struct GapFindings {
 	}
 };
 
-/// True for one tile in `every`, chosen by a hash; never for 0.
+/// True for one tile in `every`, chosen by a hash. Never for 0.
 inline bool is_drawn(std::uint64_t tile, std::uint64_t key, std::uint64_t every) {
 	return every > 0 && split_mix(tile * split_mix_gamma + split_mix(key)) % every == 0;
 }
 
-/// Looks for lattice points of tiles that no point covers. A reusable workspace, for one thread.
+/// Finds lattice points of tiles that no point covers. A reusable workspace for a single thread.
 class GapCheck {
 public:
-	/// Checks the tile that `tile` took last, whose points had this digest, with what `source` gives around it. The
-	/// source must give the tile's own points again.
+	/// Checks the tile that was last passed to `tile.take`, whose points had this digest, using the points that
+	/// `source` returns around it. The source must return the tile's own points again.
 	Status take(const TileCheck &tile, const Digest &digest, const TileSource &source, GapFindings &r_found) {
 		const CellRect &cells = tile.tile();
 		if (const Status status = source(world_rect(cells.grown(border)), around_); !status.ok()) {
@@ -74,7 +74,7 @@ public:
 	}
 
 private:
-	static constexpr std::int32_t border = 3; ///< What the lattice check asks for.
+	static constexpr std::int32_t border = 3; ///< The border that the lattice check needs.
 
 	std::vector<SamplePoint> around_;
 	std::vector<glm::i64vec2> lattice_;

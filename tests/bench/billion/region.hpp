@@ -15,35 +15,36 @@
 
 namespace thicket::bench::billion {
 
-/// The share of the plane that disks of diameter r cover once naive dart throwing has run to its end. Measured without
+/// The share of the plane that disks of diameter r cover after naive dart throwing has run to its end. Measured without
 /// extrapolation by Zhang and Torquato, "Precise algorithm to generate random sequential addition of hard hyperspheres
-/// at saturation" (Phys. Rev. E 88, 053312, 2013): 0.5470735 +- 0.0000028. All of Thicket's tests take 0.547070.
+/// at saturation" (Phys. Rev. E 88, 053312, 2013): 0.5470735 +- 0.0000028. All tests of Thicket use 0.547070.
 inline constexpr double jammed_coverage = 0.547070;
 
-/// What sets on a lattice lack of the plane's coverage, because no dart finds a gap between lattice points: it is
-/// proportional to the lattice unit. Measured by this program on coarser lattices, eight million points each: 0.156 +-
-/// 0.006 over 2^7 with lattice_bits 7, 0.154 +- 0.012 over 2^8 with 8. At a billion points it is two standard errors.
+/// Sets on a lattice cover less than those in the plane, because no dart finds a gap between lattice points. The
+/// difference is proportional to the lattice unit. Measured by this program on coarser lattices, eight million points
+/// each: 0.156 +- 0.006 over 2^7 with lattice_bits 7, 0.154 +- 0.012 over 2^8 with 8. At a billion points it is two
+/// standard errors.
 inline constexpr double coverage_lattice_loss = 0.155 / (1 << lattice_bits);
 
-/// Points expected in a cell, whose area is r^2 / 2.
+/// Expected points in a cell, whose area is r^2 / 2.
 inline constexpr double points_per_cell = jammed_coverage * 4.0 / std::numbers::pi / 2.0;
 
-/// With this radius a cell is 1 m wide and the lattice unit 2^-lattice_bits m, so that world coordinates are exact. The
-/// set is the same with any radius, but for its scale.
+/// With this radius a cell is 1 m wide and the lattice unit 2^-lattice_bits m, so world coordinates are exact. Except
+/// for its scale, the set is the same with any radius.
 inline constexpr double cell_meter_radius = std::numbers::sqrt2;
 
-/// A square of whole cells around the origin, cut into square tiles (narrower in the last row and column) and, on its
-/// own grid, into blocks of equal area for the statistics.
+/// A square of whole cells around the origin, cut into square tiles (narrower in the last row and column). For the
+/// statistics, a separate grid cuts it into blocks of equal area.
 struct Region {
 	static constexpr std::int32_t blocks_per_side = 16;
-	/// Lattice coordinates of larger regions would not fit 32 bits.
+	/// Lattice coordinates of larger regions would exceed 32 bits.
 	static constexpr double most_points = 5e9;
 
 	std::int32_t side = 0; ///< In cells, a multiple of blocks_per_side.
 	std::int32_t tile = 0; ///< In cells.
 
-	/// The smallest region of which at least `points` points are certain: counts scatter by sqrt(points) / 4, and
-	/// eight times that is added.
+	/// The smallest region that certainly has `points` points: counts scatter by sqrt(points) / 4, and eight times that
+	/// is added.
 	static Region holding(double points, std::int32_t tile) {
 		const double cells = (points + 2.0 * std::sqrt(points)) / points_per_cell;
 		const auto blocks = static_cast<std::int32_t>(std::ceil(std::sqrt(cells) / blocks_per_side));
@@ -76,17 +77,17 @@ struct Region {
 	static double coverage(double points, double cells) { return points / cells * (std::numbers::pi / 2.0); }
 };
 
-/// In meters, for a set of cell_meter_radius.
+/// In meters, for a set with cell_meter_radius.
 inline Rect world_rect(const CellRect &cells) { return {glm::dvec2(cells.min), glm::dvec2(cells.max)}; }
 
-/// The order in which a region's tiles are made.
+/// The order in which a region's tiles are generated.
 enum class TileOrder {
 	rows,     ///< Row by row.
-	shuffled, ///< Bands of four rows, in each a keyed permutation: neighbors are made at unrelated times.
+	shuffled, ///< Bands of four rows, each with a keyed permutation: neighbors are generated at unrelated times.
 	hilbert,  ///< Along Hilbert's curve.
 };
 
-/// Says which tile comes when, in O(1) memory: slot by slot, some of them empty.
+/// Determines the order of the tiles in O(1) memory: slot by slot, some of them empty.
 class TileSequence {
 public:
 	TileSequence(const Region &region, TileOrder order, std::uint64_t key) :
@@ -128,7 +129,7 @@ public:
 	}
 
 private:
-	static constexpr std::uint32_t band_rows = 4; ///< More would hold more strips at a time.
+	static constexpr std::uint32_t band_rows = 4; ///< More rows would keep more strips at once.
 
 	std::uint32_t per_side_;
 	TileOrder order_;

@@ -23,42 +23,42 @@
 
 namespace thicket::bench::billion {
 
-/// What to make, and how.
+/// The options of a run.
 struct RunOptions {
 	std::uint64_t seed = 1;
 	double points = 1e9;     ///< At least, in [1e3, Region::most_points].
 	std::int32_t tile = 128; ///< Cells, in [16, 512].
 	TileOrder order = TileOrder::rows;
 	unsigned threads = 1;    ///< At least 1.
-	bool verify = true;      ///< False: make the points and count them, no more.
-	std::uint64_t gaps = 64; ///< The gap check takes one tile in so many; 0 for none.
+	bool verify = true;      ///< False: only generate and count points.
+	std::uint64_t gaps = 64; ///< One tile in `gaps` is checked for gaps; 0 for none.
 
 	PointSet set() const { return {.seed = seed, .radius = cell_meter_radius}; }
 	Region region() const { return Region::holding(points, tile); }
 };
 
-/// Seconds of processor time, of all threads together.
+/// Seconds of processor time, summed over all threads.
 struct Spent {
 	double sampling = 0.0;
-	double checking = 0.0; ///< All but the gap checks.
+	double checking = 0.0; ///< Everything except the gap checks.
 	double gaps = 0.0;
 };
 
-/// What came of a run.
+/// The result of a run.
 struct Outcome {
-	Status status; ///< The first refusal of the source; what follows is then incomplete.
+	Status status; ///< The first error of the source. The other fields are then incomplete.
 	Findings found;
 	GapFindings gaps;
 	std::uint64_t tiles_finished = 0;
 	std::uint64_t tiles_repeated = 0;
-	std::size_t most_rim_points = 0; ///< The most points that waited at the borders of unfinished tiles at a time.
+	std::size_t most_rim_points = 0; ///< The most points that waited at borders of unfinished tiles at once.
 	double coverage = 0.0;
 	double coverage_error = 0.0; ///< Standard error, from the blocks of the region.
 	Spent spent;
-	double seconds = 0.0; ///< On the clock.
+	double seconds = 0.0; ///< Wall time.
 };
 
-/// Makes a region tile by tile on some threads, and checks the tiles as they come.
+/// Generates a region tile by tile on several threads, and checks the tiles as they are finished.
 class Run {
 public:
 	/// `make_source` is called once for each thread, on that thread.
@@ -67,7 +67,7 @@ public:
 			make_source_(std::move(make_source)), seams_(region_),
 			block_points_(Region::blocks_per_side * Region::blocks_per_side) {}
 
-	/// Blocks until all is done. `progress` is called about once a second with the points so far, on this thread.
+	/// Blocks until everything is done. Calls `progress` about once a second with the points so far, on this thread.
 	Outcome go(const std::function<void(std::uint64_t points)> &progress) {
 		const auto start = std::chrono::steady_clock::now();
 		std::vector<std::thread> threads;
@@ -92,7 +92,7 @@ public:
 	}
 
 private:
-	/// What one thread needs and finds.
+	/// The data and the findings of one thread.
 	struct Worker {
 		TileSource source;
 		std::vector<SamplePoint> points;
@@ -113,7 +113,7 @@ private:
 	std::atomic<std::uint64_t> points_ = 0;
 	std::atomic<bool> stop_ = false;
 
-	std::mutex mutex_; ///< Of all that follows.
+	std::mutex mutex_; ///< Guards all members below.
 	std::condition_variable all_idle_;
 	unsigned idle_ = 0;
 	Outcome outcome_;
@@ -195,7 +195,7 @@ private:
 		}
 	}
 
-	/// Blocks are so large that what happens across their borders hardly counts: their numbers of points are taken for
+	/// Blocks are so large that their common borders are negligible: their numbers of points are treated as
 	/// independent.
 	void measure_coverage() {
 		const auto blocks = static_cast<double>(block_points_.size());

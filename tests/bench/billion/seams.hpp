@@ -15,17 +15,17 @@
 
 namespace thicket::bench::billion {
 
-/// The points of a tile that another tile's can be too close to, in lattice units of the whole set.
+/// The points of a tile that points of another tile can be too close to, in lattice units of the whole set.
 using Rim = std::vector<glm::ivec2>;
 
-/// Keeps the rims of finished tiles for as long as a neighbor is missing, so that of two neighbors the later one sees
-/// the earlier one's rim, whatever the order and the threads. Thread safe.
+/// Keeps the rims of finished tiles as long as a neighbor is missing. Of two neighbors, the later one gets the earlier
+/// one's rim, for any order and any threads. Thread safe.
 class Seams {
 public:
 	explicit Seams(const Region &region) : region_(region), done_(region.tiles()) {}
 
-	/// Takes a finished tile's rim and gives those of the neighbors that were finished before: every pair of
-	/// neighbors is given out once. Counts a tile that was finished before and gives nothing for it.
+	/// Takes a finished tile's rim and returns those of the neighbors that were finished before, so every pair of
+	/// neighbors is returned once. Counts a tile that was finished before and returns nothing for it.
 	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 place, Rim &&rim) {
 		auto shared = std::make_shared<const Rim>(std::move(rim));
 		std::vector<std::shared_ptr<const Rim>> earlier;
@@ -55,17 +55,17 @@ public:
 		return earlier;
 	}
 
-	/// Tiles finished, each counted once.
+	/// Finished tiles, each counted once.
 	std::uint64_t finished() const {
 		const std::lock_guard lock(mutex_);
 		return finished_;
 	}
-	/// Calls for a tile that was finished before.
+	/// Calls for tiles that were finished before.
 	std::uint64_t repeated() const {
 		const std::lock_guard lock(mutex_);
 		return repeated_;
 	}
-	/// The most points that were kept at a time.
+	/// The largest number of points that were kept at once.
 	std::size_t most_kept() const {
 		const std::lock_guard lock(mutex_);
 		return most_kept_;
@@ -74,7 +74,7 @@ public:
 private:
 	struct Kept {
 		std::shared_ptr<const Rim> rim;
-		std::uint32_t missing; ///< Neighbors that are not finished.
+		std::uint32_t missing; ///< Unfinished neighbors.
 	};
 	using Map = std::unordered_map<std::uint64_t, Kept>;
 

@@ -21,8 +21,8 @@
 
 namespace thicket::bench::billion {
 
-/// Names a set of points whatever their order: two sums, modulo 2^64, of differently keyed hashes of each point's id,
-/// lattice position and rank.
+/// Identifies a set of points regardless of their order: two sums, modulo 2^64, of differently keyed hashes of each
+/// point's id, lattice position and rank.
 struct Digest {
 	std::uint64_t high = 0;
 	std::uint64_t low = 0;
@@ -42,13 +42,13 @@ struct Digest {
 	friend bool operator==(const Digest &, const Digest &) = default;
 };
 
-/// What was found in the tiles so far; findings of several threads add up.
+/// Findings in the tiles so far. Those of several threads are added up.
 struct Findings {
 	std::uint64_t points = 0;
 	std::uint64_t pairs = 0;     ///< Pairs of points whose distance was computed, each once.
-	std::uint64_t too_close = 0; ///< Of these, closer than the radius.
+	std::uint64_t too_close = 0; ///< Those of the pairs that are closer than the radius.
 	std::uint64_t misplaced = 0; ///< Points outside their tile, off the lattice, or with the id of another cell.
-	std::uint64_t doubled = 0;   ///< Points in a cell that has one already.
+	std::uint64_t doubled = 0;   ///< Points in a cell that already has one.
 	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max(); ///< Of all pairs, in lattice units^2.
 	Digest digest;
 
@@ -64,7 +64,7 @@ struct Findings {
 	}
 };
 
-/// The lattice position of a point of a set of cell_meter_radius, if it lies on the lattice within 2^30 units.
+/// The lattice position of a point of a set with cell_meter_radius, if it is on the lattice within 2^30 units.
 inline bool lattice_of(const SamplePoint &point, glm::ivec2 &r_lattice) {
 	const glm::dvec2 lattice = point.position * static_cast<double>(cell_size);
 	if (!(std::abs(lattice.x) <= 0x1p30 && std::abs(lattice.y) <= 0x1p30)) {
@@ -74,12 +74,12 @@ inline bool lattice_of(const SamplePoint &point, glm::ivec2 &r_lattice) {
 	return glm::dvec2(r_lattice) == lattice;
 }
 
-/// Checks the points that one tile handed out: each in its own cell of the tile, and no two closer than the radius, in
-/// whole numbers. Only cells at most two apart can hold points that are too close, so all pairs from such cells are
-/// compared: at most 12 a point. A reusable workspace, for one thread.
+/// Checks a tile's points in whole numbers: each must be in its own cell of the tile, and no two may be closer than the
+/// radius. Only cells at most two apart can have points that are too close, so all pairs from such cells are compared:
+/// at most 12 per point. A reusable workspace for a single thread.
 class TileCheck {
 public:
-	/// Cells that points of another tile can reach into this one.
+	/// The number of cells that points of a neighboring tile can reach into this one.
 	static constexpr std::int32_t reach = 2;
 
 	/// Takes the points of the tile and compares them with each other.
@@ -101,7 +101,7 @@ public:
 		return found;
 	}
 
-	/// The points of the tile that another one's can be too close to, in lattice units of the whole set.
+	/// The points of the tile that points of another tile can be too close to, in lattice units of the whole set.
 	std::vector<glm::ivec2> rim() const {
 		const std::int32_t width = reach * static_cast<std::int32_t>(cell_size);
 		const glm::ivec2 end = tile_.size() * static_cast<std::int32_t>(cell_size) - width;
@@ -128,14 +128,14 @@ public:
 	}
 
 	const CellRect &tile() const { return tile_; }
-	/// The lattice positions of the points that were taken, relative to the tile's corner.
+	/// The lattice positions of the tile's points, relative to the tile's corner.
 	std::span<const glm::ivec2> entered() const { return entered_; }
 	glm::ivec2 origin() const { return origin_; }
 
 private:
-	/// A rim's points lie up to `reach` cells outside, and look as far again.
+	/// A rim's points are up to `reach` cells outside and are compared with cells twice as far.
 	static constexpr std::int32_t border = 2 * reach;
-	/// Stands in empty cells, too far from everything to be counted as a pair and near enough to square.
+	/// Marks empty cells. It is too far from everything to count as a pair, and near enough to be squared.
 	static constexpr glm::ivec2 nowhere{-(1 << 29)};
 	static constexpr std::int64_t far_squared = std::int64_t{1} << 40;
 
@@ -182,7 +182,7 @@ private:
 				std::min(r_found.least_squared, squared < far_squared ? squared : r_found.least_squared);
 	}
 
-	/// With the points of cells that come later in the order of rows, so that each pair is seen once.
+	/// Compares only with cells that come later in row order, so that each pair is seen once.
 	void compare_forward(glm::ivec2 local, Findings &r_found) const {
 		const glm::ivec2 *place = grid_.data() + index_of(local);
 		compare(place[1], local, r_found);

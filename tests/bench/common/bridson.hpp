@@ -11,17 +11,18 @@
 
 namespace thicket::bench {
 
-/// Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (2007), in two dimensions: the plain method that
-/// most programs use, as the baseline of the sampler. Single precision, a background grid of side r / sqrt(2) that
-/// holds the positions themselves, a border of two empty squares instead of bounds checks, an unordered active list,
-/// candidates by rejection from the square around the annulus (measured faster than a sine and a cosine).
-/// The sets are not maximal and not distributed like dart throwing. Keeps its memory between calls.
+/// Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (2007), in two dimensions, tuned: the fast baseline
+/// for the sampler. Single precision, a background grid of side r / sqrt(2) that stores the positions themselves, a
+/// border of two empty squares instead of bounds checks, an unordered active list, and candidates by rejection from the
+/// square around the annulus (measured faster than sine and cosine). The sets are not maximal and not distributed like
+/// dart throwing. Keeps its memory between calls.
 class Bridson {
 public:
-	/// Candidates tried around an active point before it is given up; the paper's value.
+	/// Candidates around an active point before it is abandoned. The paper's value.
 	static constexpr int attempts = 30;
 
-	/// Replaces `r_points` by a set in [0, size.x) x [0, size.y), no two points closer than 1. Both sizes > 0.
+	/// Replaces `r_points` with a set in [0, size.x) x [0, size.y) with no two points closer than 1. Both sizes must be
+	/// > 0.
 	void sample(glm::vec2 size, std::uint64_t seed, std::vector<glm::vec2> &r_points) {
 		size_ = size;
 		columns_ = static_cast<int>(size.x * per_cell) + 1 + 2 * border;
@@ -68,7 +69,7 @@ private:
 		r_points.push_back(point);
 	}
 
-	/// Tries up to `attempts` candidates around `parent`; true once one was added.
+	/// Tries up to `attempts` candidates around `parent`. True if one was added.
 	bool grow(glm::vec2 parent, Xoroshiro &random, std::vector<glm::vec2> &r_points) {
 		for (int attempt = 0; attempt < attempts; ++attempt) {
 			const glm::vec2 candidate = parent + annulus(random);

@@ -7,13 +7,13 @@
 
 namespace thicket::bench {
 
-/// How long a bench measures: its two arguments, both of which may be left out.
+/// The duration of a bench's measurements: its two optional arguments.
 struct Effort {
 	int rounds = 9;        ///< At least 1.
-	double seconds = 0.25; ///< Of processor time that each measurement takes at the least; above 0.
+	double seconds = 0.25; ///< Minimum processor time of each measurement; above 0.
 };
 
-/// The effort that the arguments of main() ask for. Ends the program with a word on its use where it is not as above.
+/// The effort that main()'s arguments specify. Invalid arguments print the usage and end the program.
 inline Effort effort_of(int argument_count, char **arguments) {
 	Effort effort;
 	if (argument_count > 1) {
@@ -29,7 +29,7 @@ inline Effort effort_of(int argument_count, char **arguments) {
 	return effort;
 }
 
-/// Ends the program, saying why, where something was refused that a bench needs.
+/// Ends the program with the error if a bench's setup is refused.
 inline void require(const Status &status) {
 	if (!status.ok()) {
 		std::fprintf(stderr, "bench: %s\n", describe(status).c_str());

@@ -12,7 +12,7 @@
 
 namespace thicket::bench {
 
-/// The points of a layer of 2 m in a tile, in the order in which it has them: about 7,500 in one of 200 m.
+/// The points of a layer with a radius of 2 m in a tile, in the tile's order: about 7,500 for 200 m.
 inline std::vector<glm::dvec2> points_of(const Rect &tile) {
 	std::vector<SamplePoint> points;
 	require(TileSampler().sample({.seed = 1, .radius = 2.0}, tile, points));
@@ -23,12 +23,12 @@ inline std::vector<glm::dvec2> points_of(const Rect &tile) {
 	return result;
 }
 
-/// Rules that are asked for their densities at the same points, in turns.
+/// Measures several rules in turns at the same points.
 class Contest {
 public:
 	explicit Contest(std::size_t points) : points_(points) {}
 
-	/// One round of a contender, the first of which names it. `at` asks for all densities.
+	/// Measures one round of a contender. The first call sets its name. `at` evaluates all densities.
 	template <typename At>
 	void measure(std::size_t contender, const char *name, double seconds, At at) {
 		if (contender == names_.size()) {
@@ -38,7 +38,7 @@ public:
 		series_[contender].add(1e9 / rate(seconds, [&] { return at(), points_; }));
 	}
 
-	/// A row for each, in nanoseconds a point.
+	/// Prints a row for each contender, in nanoseconds per point.
 	void print() const {
 		for (std::size_t i = 0; i < names_.size(); ++i) {
 			print_row(names_[i] + ": density at a point", series_[i], 1.0, " ns", 1);

@@ -7,8 +7,8 @@
 
 namespace thicket::bench {
 
-/// Hills of 512 x 384 posts, 20 m apart, 0 to 800 m high: six octaves of value noise in whole numbers, so that every
-/// machine and compiler gets the same posts. Slopes are mostly below 45 degrees.
+/// Hills of 512 x 384 posts, 20 m apart and 0 to 800 m high: six octaves of value noise in whole numbers, so that every
+/// machine and compiler produces the same posts. Slopes are mostly below 45 degrees.
 class Hills {
 public:
 	static constexpr int columns = 512;
@@ -35,7 +35,7 @@ public:
 	static Heightfield at(glm::dvec2 corner) {
 		Heightfield field;
 		const Status status = field.set(frame(corner), posts());
-		(void)status; // The frame above is a good one.
+		(void)status; // The frame above is valid.
 		return field;
 	}
 
@@ -47,7 +47,7 @@ private:
 		return (bits ^ bits >> 15) & 0xffff;
 	}
 
-	/// Smooth between the posts of an octave, of which each is 2^shift of ours.
+	/// Noise that is smooth between the posts of an octave, which are 2^shift posts apart.
 	static std::uint32_t octave_at(std::uint32_t x, std::uint32_t y, std::uint32_t shift) {
 		const std::uint32_t step = 1u << shift;
 		const auto smooth = [step](std::uint32_t t) { // 3 t^2 - 2 t^3, in 1 / 4096.

@@ -11,16 +11,17 @@
 
 namespace thicket::bench {
 
-/// Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (2007), in two dimensions, as the paper has it and
-/// as most programs write it: single precision, a background grid of indices with side r / sqrt(2), candidates by
-/// angle and radius. This is the plain baseline; `Bridson` is the same method after an hour of tuning. The sets are
-/// not maximal and not distributed like dart throwing. Keeps its memory between calls.
+/// Bridson, "Fast Poisson disk sampling in arbitrary dimensions" (2007), in two dimensions, as in the paper and in most
+/// programs: single precision, a background grid of indices with side r / sqrt(2), candidates by angle and radius. This
+/// is the plain baseline; `Bridson` is the same method after an hour of tuning. The sets are not maximal and not
+/// distributed like dart throwing. Keeps its memory between calls.
 class PlainBridson {
 public:
-	/// Candidates tried around an active point before it is given up; the paper's value.
+	/// Candidates around an active point before it is abandoned. The paper's value.
 	static constexpr int attempts = 30;
 
-	/// Replaces `r_points` by a set in [0, size.x) x [0, size.y), no two points closer than 1. Both sizes > 0.
+	/// Replaces `r_points` with a set in [0, size.x) x [0, size.y) with no two points closer than 1. Both sizes must be
+	/// > 0.
 	void sample(glm::vec2 size, std::uint64_t seed, std::vector<glm::vec2> &r_points) {
 		size_ = size;
 		columns_ = static_cast<int>(size.x * per_cell) + 1;
@@ -65,7 +66,7 @@ private:
 		r_points.push_back(point);
 	}
 
-	/// Tries up to `attempts` candidates around `parent`; true once one was added.
+	/// Tries up to `attempts` candidates around `parent`. True if one was added.
 	bool grow(glm::vec2 parent, Xoroshiro &random, std::vector<glm::vec2> &r_points) {
 		for (int attempt = 0; attempt < attempts; ++attempt) {
 			const float radius = std::sqrt(1.0f + 3.0f * unit(random));

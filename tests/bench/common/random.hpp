@@ -14,8 +14,8 @@ inline std::uint64_t split_mix(std::uint64_t &state) {
 	return z ^ (z >> 31);
 }
 
-/// xoroshiro128+ (Blackman and Vigna 2018): about the cheapest generator whose high bits are good, so that the
-/// baselines lose no time to their random numbers. Shares nothing with the hashes of the sampler under test.
+/// xoroshiro128+ (Blackman and Vigna 2018): one of the cheapest generators with good high bits, so that the baselines
+/// lose no time to random numbers. Shares nothing with the hashes of the sampler under test.
 class Xoroshiro {
 public:
 	explicit Xoroshiro(std::uint64_t seed) : low_(split_mix(seed)), high_(split_mix(seed)) {}
@@ -28,7 +28,7 @@ public:
 		return result;
 	}
 
-	/// An integer in [0, count), by multiply and shift; the bias is below count / 2^32. `count` > 0.
+	/// An integer in [0, count), by multiply and shift. The bias is below count / 2^32. `count` must be > 0.
 	std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(((*this)() >> 32) * count >> 32); }
 
 private:

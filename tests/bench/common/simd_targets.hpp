@@ -10,13 +10,13 @@
 
 namespace thicket::bench {
 
-/// An instruction set that Highway's run-time dispatch can be told to use.
+/// An instruction set that Highway's run-time dispatch can be forced to use.
 struct SimdTarget {
 	std::int64_t mask;
 	std::string name;
 };
 
-/// All targets that this build holds code for and this processor runs, best first.
+/// All targets that this build was compiled for and this processor supports, best first.
 inline std::vector<SimdTarget> simd_targets() {
 	hwy::SetSupportedTargetsForTest(0);
 	std::vector<SimdTarget> targets;
@@ -26,8 +26,8 @@ inline std::vector<SimdTarget> simd_targets() {
 	return targets;
 }
 
-/// Every dispatch of this process uses one target while an object of this type lives, and the best again afterwards.
-/// Not thread safe.
+/// While an object of this type lives, every dispatch of this process uses one target. Afterwards, the best one is used
+/// again. Not thread safe.
 class ForcedTarget {
 public:
 	explicit ForcedTarget(const SimdTarget &target) { hwy::SetSupportedTargetsForTest(target.mask); }
@@ -36,10 +36,10 @@ public:
 	ForcedTarget &operator=(const ForcedTarget &) = delete;
 };
 
-/// Whether `work` runs code that is compiled for each instruction set: by vectors. Not thread safe.
+/// True if `work` runs code that is compiled for each instruction set, that is, in vectors. Not thread safe.
 template <class Work>
 bool runs_vectors(const Work &work) {
-	hwy::GetChosenTarget().DeInit(); // Whoever dispatches next chooses anew.
+	hwy::GetChosenTarget().DeInit(); // The next dispatch chooses a target again.
 	work();
 	return hwy::GetChosenTarget().IsInitialized();
 }

@@ -9,21 +9,22 @@
 
 namespace thicket::bench {
 
-/// Seconds of processor time that this process has used. Unlike wall time it does not count what other processes on
-/// the machine take, though it still feels their share of caches and clock speed; hence the interleaved rounds below.
+/// Seconds of processor time that this process has used. Unlike wall time, it excludes other processes on the machine.
+/// They still affect caches and clock speed, hence the interleaved rounds below.
 inline double cpu_seconds() {
 	std::timespec now{};
 	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
 	return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Measurements of one quantity, one a round.
+/// Measurements of one quantity, one per round.
 class Series {
 public:
 	void add(double value) { values_.push_back(value); }
 	std::size_t rounds() const { return values_.size(); }
 
-	/// The value below which `fraction` of the rounds lie; `fraction` in 0..1, at least one round. The nearest rank.
+	/// The value below which `fraction` of the rounds are, by the nearest rank. `fraction` is in 0..1, with at least
+	/// one round.
 	double quantile(double fraction) const {
 		std::vector<double> sorted = values_;
 		std::sort(sorted.begin(), sorted.end());
@@ -32,7 +33,7 @@ public:
 	}
 	double median() const { return quantile(0.5); }
 
-	/// Round by round quotient: both series must have been measured in the same rounds.
+	/// Quotient per round. Both series must have been measured in the same rounds.
 	friend Series operator/(const Series &a, const Series &b) {
 		Series result;
 		for (std::size_t i = 0; i < std::min(a.values_.size(), b.values_.size()); ++i) {
@@ -45,7 +46,7 @@ private:
 	std::vector<double> values_;
 };
 
-/// Items a second of processor time: repeats `batch`, which returns how many items it made, until `seconds` are used.
+/// Items per second of processor time. Repeats `batch`, which returns its number of items, until `seconds` are used.
 template <typename Batch>
 double rate(double seconds, Batch &&batch) {
 	const double start = cpu_seconds();
@@ -58,14 +59,14 @@ double rate(double seconds, Batch &&batch) {
 	return items / elapsed;
 }
 
-/// One row of the README's table: what, median, lowest and highest round, number of rounds.
+/// Prints one row of the README's table: name, median, lowest and highest round, number of rounds.
 inline void print_row(const std::string &what, const Series &series, double scale, const char *unit, int digits = 2) {
 	std::printf("| %s | %.*f%s | %.*f to %.*f | %zu |\n", what.c_str(), digits, scale * series.median(), unit, digits,
 			scale * series.quantile(0.0), digits, scale * series.quantile(1.0), series.rounds());
 	std::fflush(stdout);
 }
 
-/// A row for a figure that is counted, not timed.
+/// Prints a row for a figure that is counted, not timed.
 inline void print_count(const std::string &what, double value, const char *unit, int digits = 2) {
 	std::printf("| %s | %.*f%s | exact | 1 |\n", what.c_str(), digits, value, unit);
 	std::fflush(stdout);

@@ -1,1 +1,1 @@
-"""The seed paper's figures, measured again: `bash tests/bench/figures.sh`."""
+"""Reproduces the seed paper's figures: `bash tests/bench/figures.sh`."""

@@ -1,4 +1,4 @@
-"""Measures the seed paper's figures again and writes tables, plots and the page; tests/bench/figures.sh calls it."""
+"""Measures the seed paper's figures again and writes tables, plots and the page. tests/bench/figures.sh calls it."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ FACTS = "machine.json"
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="figures.sh", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="small sizes, to see that everything works")
+    parser.add_argument("--quick", action="store_true", help="small sizes, to check that everything works")
     parser.add_argument("--out", type=Path, default=REPO / "build" / "figures", help="the folder of the results")
     parser.add_argument(
-        "--only", action="append", choices=list(PARTS), help="measure this part; others stay as they are"
+        "--only", action="append", choices=list(PARTS), help="measure only this part; keep the others"
     )
     parser.add_argument(
         "--minutes", type=float, default=FULL.longest_large_run / 60.0, help="make no large set that takes longer"
     )
     parser.add_argument(
-        "--redraw", action="store_true", help="measure nothing, draw what the folder of the results holds"
+        "--redraw", action="store_true", help="measure nothing, draw from the tables in the folder of the results"
     )
     parser.add_argument(
         "--render", action="store_true", help="measure nothing, write page and pictures from tests/bench/data"
@@ -49,13 +49,13 @@ def arguments() -> argparse.Namespace:
 
 
 def read_facts(out: Path) -> dict[str, tables.Row]:
-    """Where and when each part was measured."""
+    """When and on which machine each part was measured."""
     path = out / FACTS
     return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
 def measure(given: argparse.Namespace, out: Path) -> None:
-    """Measures the parts that are asked for, and writes down their tables and what they were measured on."""
+    """Measures the requested parts, and writes their tables and the machine."""
     out.mkdir(parents=True, exist_ok=True)
     folder = given.programs.resolve()
     settings = QUICK if given.quick else replace(FULL, longest_large_run=60.0 * given.minutes)
@@ -74,7 +74,7 @@ def measure(given: argparse.Namespace, out: Path) -> None:
 
 
 def draw(table: page.Tables, arrays: dict[str, np.ndarray], pictures: Path) -> None:
-    """All plots, from what was measured; that of whole point sets only if there are arrays."""
+    """All plots of the measured tables. The plot of whole point sets needs `arrays`."""
     pictures.mkdir(parents=True, exist_ok=True)
     rates, contenders = table["figure4"], CONTENDERS + PEERS
     save(lambda theme: plots.figure4(rates, contenders, PAPER, theme), pictures, "figure4")

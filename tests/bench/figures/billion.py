@@ -1,4 +1,4 @@
-"""A billion points of one set by the exact tile sampler (tests/bench/billion.cpp), made in two orders of tiles."""
+"""A billion points of one set by the exact tile sampler (tests/bench/billion.cpp), generated in two orders of tiles."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SHOWN = (
 
 
 def measure(programs: Programs, settings: Settings) -> list[Row]:
-    """A row for each order; `broken` names the promises that did not hold."""
+    """A row for each order. `broken` names the broken promises."""
     rows = []
     for order in ORDERS:
         program = programs.folder / "bench" / "billion"

@@ -1,4 +1,4 @@
-"""Who is timed in figure 4. The order is that of the turns within a round, of the tables and of the colors."""
+"""The contenders of figure 4. Their order is that of the turns within a round, of the tables and of the colors."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ OURS, PAPER, TODAY = "ours", "of the paper", "of today"
 
 @dataclass(frozen=True)
 class Contender:
-    """A method at one precision, and the words of domain_run or of a peer that run it."""
+    """A method at one precision, and the arguments of domain_run or of a peer that run it."""
 
     method: str
     precision: str

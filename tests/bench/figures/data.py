@@ -1,5 +1,6 @@
-"""What the page and its pictures are made of: few numbers of each table, in one file that is small enough to be committed.
-A full measurement replaces tests/bench/data/figures.json; page and pictures are rendered from it whenever they are wanted."""
+"""The data of the page and its pictures: a few numbers of each table, in one file that is small enough to be
+committed. A full measurement replaces tests/bench/data/figures.json. Page and pictures are rendered from it at any
+time."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from bench.figures.contenders import CONTENDERS
 from bench.figures.page_text import Tables
 from bench.figures.tables import Row, where
 
-DIGITS = 8  # More than the page prints and a picture shows.
+DIGITS = 8  # More than the page prints and the pictures show.
 
 FIGURE6_SHOWN = ("hierarchical", "wavefront")
 
@@ -45,7 +46,7 @@ def _columns(rows: list[Row], names: str) -> list[Row]:
 
 
 def _rounds(rates: list[Row]) -> list[Row]:
-    """The fewest and most rounds of any size, of each contender."""
+    """The fewest and most rounds of any size, for each contender."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in rates):
         rounds = [row["rounds"] for row in where(rates, contender=key)]
@@ -54,7 +55,7 @@ def _rounds(rates: list[Row]) -> list[Row]:
 
 
 def _ranges(counts: list[Row]) -> list[Row]:
-    """The lowest and highest counts of all sizes, of each contender."""
+    """The lowest and highest counts of all sizes, for each contender."""
     rows = []
     for key in dict.fromkeys(row["contender"] for row in counts):
         own = where(counts, contender=key)
@@ -67,7 +68,7 @@ def _ranges(counts: list[Row]) -> list[Row]:
 
 
 def _differences(radial: list[Row]) -> list[Row]:
-    """The power of each ring, and how many standard errors it is away from that of naive darts."""
+    """The power of each ring, and its distance from that of naive darts in standard errors."""
     expected = {row["from"]: row for row in where(radial, source="naive")}
     rows = _columns(radial, "source sets side from to power anisotropy_db")
     for row, whole in zip(rows, radial, strict=True):
@@ -84,7 +85,7 @@ def _billion_row(row: Row) -> Row:
 
 
 def write(path: Path, tables: Tables, facts: dict[str, Row]) -> None:
-    """Replaces the file: for each table its columns once and a line for each row, so that a change shows in a diff."""
+    """Replaces the file. Each table has its columns once and a line per row, so that changes are readable in a diff."""
     parts = []
     for name, rows in sorted(tables.items()):
         columns = list(rows[0]) if rows else []

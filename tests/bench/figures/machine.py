@@ -1,4 +1,4 @@
-"""What the page says about where and how its numbers were measured."""
+"""The description of the machine and the commit on which the page's numbers were measured."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from bench.figures.tables import Row
 
 
 def _output(*command: str | Path) -> str:
-    """What a command prints, or nothing if there is none of that name or it fails."""
+    """The output of a command, or an empty string if it does not exist or fails."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     except OSError:
@@ -32,7 +32,7 @@ def _first(pattern: str, path: str) -> str:
 
 
 def compile_flags(repo: Path, programs: Path) -> str:
-    """The flags that domain_run.cpp was built with into the folder of the programs, but for folders, names of files and
+    """The flags with which domain_run.cpp was built into the folder of the programs, without folders, file names and
     warnings."""
     try:
         database = json.loads((repo / "compile_commands.json").read_text(encoding="utf-8"))
@@ -46,7 +46,7 @@ def compile_flags(repo: Path, programs: Path) -> str:
 
 def describe(repo: Path, programs: Path, quick: bool) -> Row:
     """Machine, compiler, commit and date."""
-    # What the command itself writes is no change to what is measured.
+    # Files that the command itself writes do not change the measurement.
     written = [":!tests/bench/data"]
     changed = _output("git", "-C", repo, "status", "--porcelain", "--untracked-files=no", "--", ".", *written)
     commit = _output("git", "-C", repo, "rev-parse", "--short=12", "HEAD") or "unknown"

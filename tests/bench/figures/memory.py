@@ -1,4 +1,4 @@
-"""Sections 4.2 and 4.3: bytes a point, the size of accelerator cells, and sets that fill a machine's memory."""
+"""Sections 4.2 and 4.3: bytes per point, the size of accelerator cells, and sets that fill a machine's memory."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from bench.figures.tables import Row
 
 VARIANTS = ("hierarchical", "accumulator", "wavefront")
 PRECISIONS = ("single", "double")
-GROWTH_CELL = 10  # Radii: little more than the bare points.
-LEAST_BYTES = 10.0  # A point, in single precision: with less free memory a large set is not tried.
+GROWTH_CELL = 10  # Radii: slightly more than the bare points.
+LEAST_BYTES = 10.0  # Per point, in single precision. With less free memory, a large set is not tried.
 COORDINATES = {"single": 8, "double": 16}  # Bytes of the bare point.
 
 
 def measure_variants(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.2: bytes a point of each variant, as the sampler counts them, and as the system sees the process: its
-    peak, less what it had before, less the points that it hands out."""
+    """Section 4.2: bytes per point of each variant, as counted by the sampler and as measured for the process: its
+    peak, minus the memory before the call, minus the returned points."""
     rows = []
     for method in VARIANTS:
         for precision in PRECISIONS:
@@ -39,13 +39,13 @@ def measure_variants(programs: Programs, settings: Settings) -> list[Row]:
                     "resident": resident / points,
                 }
             )
-            say(f"section 4.2: {method}, {precision}: {run['workspace_bytes'] / points:.1f} bytes a point")
+            say(f"section 4.2: {method}, {precision}: {run['workspace_bytes'] / points:.1f} bytes per point")
     return rows
 
 
 def measure_cells(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: time and memory with accelerator cells of several sizes, all sizes in turn within each round. Points
-    stay in the cells."""
+    """Section 4.3: time and memory with accelerator cells of several sizes, all in turn within each round. Points stay
+    in the cells."""
     runs: dict[tuple[str, str, float], list[Run]] = {}
     for round_number in range(settings.cell_rounds):
         for method in ("accumulator", "wavefront"):
@@ -82,7 +82,8 @@ def _cell_row(method: str, precision: str, cell: float, runs: list[Run], with_sm
 
 
 def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
-    """Section 4.3: bytes a point of wavefront sampling against set size, with large cells; points stay in the cells."""
+    """Section 4.3: bytes per point of wavefront sampling against set size, with large cells. Points stay in the
+    cells."""
     rows = []
     for precision in PRECISIONS:
         for size in settings.growth_sizes:
@@ -101,14 +102,14 @@ def measure_growth(programs: Programs, settings: Settings) -> list[Row]:
                     "bare": COORDINATES[precision],
                 }
             )
-            say(f"section 4.3: {size:,} points, {precision}: {run['workspace_bytes'] / points:.2f} bytes a point")
+            say(f"section 4.3: {size:,} points, {precision}: {run['workspace_bytes'] / points:.2f} bytes per point")
     return rows
 
 
 def measure_large(programs: Programs, settings: Settings) -> list[Row]:
     """Section 4.3: the paper's largest sets by wavefront sampling in single precision, under a hard limit of the
-    address space; one that this machine has no memory for, or that would take too long, is not made, and its row says
-    so."""
+    address space. A set that needs more memory than this machine has, or would take too long, is skipped, and its row
+    has the reason."""
     rows: list[Row] = []
     for large in LARGE_SETS:
         rates = [row["points"] / row["seconds"] for row in rows if row["seconds"]]
@@ -118,7 +119,7 @@ def measure_large(programs: Programs, settings: Settings) -> list[Row]:
 
 
 def _fill(programs: Programs, large: LargeSet, expected: float, longest: float) -> Row:
-    """`expected` is how many seconds the set should take, 0 if that is not known."""
+    """`expected` is the expected duration of the set in seconds, 0 if unknown."""
     row: Row = {
         "asked": large.points,
         "cell": large.cell,

@@ -1,5 +1,5 @@
-"""The page: what the paper reports, what was measured here, and the one over the other. Every number of ours comes from
-the tables in the folder of the results, every number of the paper from paper.py."""
+"""The page: the paper's numbers, the numbers measured here, and their ratio. All of our numbers come from the tables in
+the folder of the results, all of the paper's from paper.py."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from bench.figures.tables import Row
 
 
 def write(measured: Tables, facts: dict[str, Row], pictures: str, has_sets: bool) -> str:
-    """The page in Markdown, from all tables by name (as data.compact makes them) and the machine of each part; `pictures`
-    is the folder of the plots as seen from the page, and `has_sets` tells whether that of whole point sets is there."""
+    """The page in Markdown, from all tables by name (as returned by data.compact) and the machine of each part.
+    `pictures` is the folder of the plots relative to the page. `has_sets` is true if the plot of whole point sets
+    exists."""
     parts = [
         _head(facts),
         summary(measured),
@@ -40,21 +41,21 @@ def _head(facts: dict[str, Row]) -> str:
         "# The seed paper, measured again",
         prose(
             """White, Cline and Egbert, *Poisson Disk Point Sets by Hierarchical Dart Throwing* (2007), figure by
-            figure: the paper's number, ours, and ours over the paper's. `bash tests/bench/figures.sh` measures
-            everything and writes this page; `--render` writes it from tests/bench/data. No number of ours is typed in. The paper timed on a 2.13 GHz Core 2 Duo
-            (figure 4), so ratios of speed hold the years between the machines, too; ratios between methods on one
-            machine do not."""
+            figure: the paper's number, ours, and the ratio. `bash tests/bench/figures.sh` measures everything and
+            writes this page; `--render` writes it from tests/bench/data. All of our numbers are measured. The paper's
+            times are from a 2.13 GHz Core 2 Duo (figure 4), so ratios of speed include the progress of hardware.
+            Ratios between methods on one machine do not."""
         ),
         prose(
             f"""Measured on {first["date"]} at commit {first["commit"]}{apart}: {first["processor"]}, {first["cores"]}
-            cores, {first["memory_gib"]:.0f} GiB, {first["system"]}; {first["compiler"]}, `{first["flags"]}`. Times are
-            processor time of one core and one process a run, medians with the lowest and highest round behind them;
-            contenders take turns within each round."""
+            cores, {first["memory_gib"]:.0f} GiB, {first["system"]}; {first["compiler"]}, `{first["flags"]}`. Times
+            are processor time of one core, with one process per run: medians, followed by the lowest and highest
+            round. Contenders take turns within each round."""
         ),
     ]
     if any(one["quick"] for one in facts.values()):
         parts.append(
-            "**This is a quick run with small sets: its numbers say that the command works, and little else.**"
+            "**This is a quick run with small sets: its numbers only show that the command works.**"
         )
     return "\n\n".join(parts)
 
@@ -62,12 +63,13 @@ def _head(facts: dict[str, Row]) -> str:
 def _how(measured: Tables) -> str:
     total = measured["figure4_total"][0]
     return "## How\n\n" + prose(
-        f"""`bash tests/bench/figures.sh` builds for release, makes {total["sets"]:,} sets in
-        {total["processes"]:,} processes for figure 4 alone, and leaves its tables, with every single run, in `build/figures`;
-        `--redraw` draws them again, `--render` draws what is committed of them, `--only PART` measures one part, `--quick` is a small run of everything, `--out
-        DIR` puts it elsewhere. `tests/bench/domain_run.cpp` times one set: processor time of the call, on a cold
-        object, page faults of its memory included; sets that take less than a moment are made several times in one
-        process. Before every run as much memory as it will need is touched once and given back, since the first touch may
-        wait for the host of a virtual machine. Peers start with a small set that is not counted. The code that measures
-        and draws is in `tests/bench/figures`."""
+        f"""`bash tests/bench/figures.sh` builds for release, generates {total["sets"]:,} sets in
+        {total["processes"]:,} processes for figure 4 alone, and writes its tables, with every single run, to
+        `build/figures`. `--redraw` draws them again, `--render` draws the committed data, `--only PART` measures one
+        part, `--quick` is a small run of everything, and `--out DIR` selects a different folder.
+        `tests/bench/domain_run.cpp` times one set: processor time of the call, on a cold object, including the page
+        faults of its memory. Very fast sets are generated several times in one process. Before every run, the memory
+        that it will need is touched once and freed, because the first touch may wait for the host of a virtual
+        machine. Peers start with a small set that is not counted. The code that measures and draws is in
+        `tests/bench/figures`."""
     )

@@ -21,28 +21,28 @@ def figure4(measured: Tables, pictures: str) -> str:
     first = measured["losses"][0]
     return "\n\n".join(
         [
-            "## Figure 4: points a second against set size",
-            picture(pictures, "figure4.svg", "Points a second against set size: our methods, and those of the paper"),
-            picture(pictures, "figure4_today.svg", "Points a second against set size: our methods, and those of today"),
+            "## Figure 4: points per second against set size",
+            picture(pictures, "figure4.svg", "Points per second against set size: our methods, and those of the paper"),
+            picture(pictures, "figure4_today.svg", "Points per second against set size: our methods, and those of today"),
             prose(
-                """Median points a second; the last columns tell the rounds of a size, and the widest spread of any
-                size (highest less lowest, over the median). A contender ends where one run would take too long or too
-                much memory."""
+                """Median points per second. The last columns are the number of rounds per size, and the widest spread
+                of any size (highest minus lowest, over the median). A contender ends where one run would take too
+                long or too much memory."""
             ),
             table(["", *(number(size, 1) for size in decades), "rounds", "spread"], _rate_rows(measured, decades)),
             prose(
-                f"""Naive darts are {NAIVE_DARTS} for each base square, which end at a coverage of
-                {stopped["coverage"]:.4f}, short of the jammed state that all others of ours reach. Our single-domain
-                methods, the baselines of the paper and naive darts work on a torus; exact tiles are a window onto the
-                infinite set, put together from tiles of 64 r; Bridson and the peers fill a bounded square. Points
-                handed out are counted, whatever the method. Bridson's sets and those of scipy and faster_poisson are
-                not maximal, and neither they nor those of boundary sampling are those of dart throwing. Bridson,
+                f"""Naive darts are {NAIVE_DARTS} for each base square. They stop at a coverage of
+                {stopped["coverage"]:.4f}, short of the jammed state that our other methods reach. Our single-domain
+                methods, the baselines of the paper and naive darts work on a torus. Exact tiles are a window onto the
+                infinite set, assembled from tiles of 64 r. Bridson and the peers fill a bounded square. For all
+                methods, the returned points are counted. Bridson's sets and those of scipy and faster_poisson are not
+                maximal, and neither they nor those of boundary sampling are distributed like dart throwing. Bridson,
                 boundary sampling, scalloped sectors and Jones are our own implementations, in `tests/bench/common` and
                 `tests/bench/baselines`; the peers are the published packages, called by `tests/bench/peers`."""
             ),
             prose(
-                f"""What the points a second lose from {number(first["from"], 1)} to {number(first["to"], 1)} points;
-                less than a third is asked for:"""
+                f"""Loss of points per second from {number(first["from"], 1)} to {number(first["to"], 1)} points. The
+                goal is less than a third:"""
             ),
             table(["", "lost", "between any two rounds", "less than a third"], _loss_rows(measured["losses"])),
         ]
@@ -74,8 +74,8 @@ def _loss_rows(losses: list[Row]) -> list[list[str]]:
     ]
 
 
-NO_SETS = """Point sets and their spectra as pictures are drawn by a run on this machine (`--only sets`): they are too large
-    to be kept with the tables."""
+NO_SETS = """Pictures of point sets and their spectra are only drawn by a run on this machine (`--only sets`), because
+    their data is too large to be committed."""
 
 
 def figure5(measured: Tables, pictures: str, has_sets: bool) -> str:
@@ -114,21 +114,22 @@ def figure5(measured: Tables, pictures: str, has_sets: bool) -> str:
                 else [prose(NO_SETS)]
             ),
             prose(
-                f"""Spectra are means of {sets} periodograms of windows of {number(side, 2)} r, the mean density in the
-                middle left out. Naive darts are thrown to their end here: `tests/analysis/naive_darts.hpp`, which shares
-                no code with the samplers."""
+                f"""Spectra are means of {sets} periodograms of windows of {number(side, 2)} r, without the mean
+                density in the middle. Naive darts run to their end here: `tests/analysis/naive_darts.hpp`, which
+                shares no code with the samplers."""
             ),
             picture(pictures, "figure5_radial.svg", "Radial mean of the power, its differences, and anisotropy"),
             prose(
-                """Anisotropy is the variance of the averaged power within a ring over its squared mean; the last
-                column is what that number of periodograms of a set without directions has. The p-value is that of
-                radial means that differ from those of naive darts no more than by chance (Hotelling's test,
-                independent sets)."""
+                """Anisotropy is the variance of the averaged power within a ring over its squared mean. The last
+                column is the expected value for this number of periodograms of an isotropic set. The p-value tests
+                whether radial means differ from those of naive darts only by chance (Hotelling's test, independent
+                sets)."""
             ),
             table(["", "sets", "p-value", "anisotropy, mean of the rings", "without directions"], spectra),
             prose(
-                f"""Coverage by disks of diameter r, against the {paper.JAMMED_COVERAGE:.6f} at which random sequential
-                adsorption jams; tori, and windows onto the infinite set, so that no border counts:"""
+                f"""Coverage by disks of diameter r, compared with the {paper.JAMMED_COVERAGE:.6f} at which random
+                sequential adsorption jams. Domains are tori and windows onto the infinite set, so borders have no
+                effect:"""
             ),
             table(["", "sets", "points", "coverage and standard error", "z", "within 4"], coverage),
         ]
@@ -160,7 +161,7 @@ def figure6(measured: Tables, pictures: str) -> str:
             prose(
                 f"""Counted in the runs of figure 4: lowest to highest of all sizes. The paper has {least.value:.0f} to
                 {most.value:.0f} squares per accepted dart ({least.where}) and less than {checks.value:.0f} list checks
-                ({checks.where}). Discarded squares are those smaller than the precision goes (§3.3)."""
+                ({checks.where}). Discarded squares are too small for the precision (§3.3)."""
             ),
             table(head, rows),
         ]

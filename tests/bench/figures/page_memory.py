@@ -17,11 +17,12 @@ def section42(measured: Tables, pictures: str) -> str:
     return "\n\n".join(
         [
             "## Section 4.2: memory",
-            picture(pictures, "section42.svg", "Bytes a point of each variant and precision"),
+            picture(pictures, "section42.svg", "Bytes per point of each variant and precision"),
             prose(
-                f"""Bytes a point besides the points handed out, at {number(measured["section42"][0]["points"], 2)}
-                points. "Both" is what the sampler counts; "process" is the peak of the process' resident memory, less
-                what it had before the call and the points that it handed out. The paper's are from {PAPER_BYTES}."""
+                f"""Bytes per point in addition to the returned points, at
+                {number(measured["section42"][0]["points"], 2)} points. "Both" is the sampler's own count. "Process" is
+                the peak of the process's resident memory, minus its memory before the call and the returned points.
+                The paper's numbers are from {PAPER_BYTES}."""
             ),
             table(["", "cell, r", "grid", "squares", "both", "process", "paper", "ratio"], rows),
         ]
@@ -38,7 +39,7 @@ def section43(measured: Tables, pictures: str) -> str:
         [row["precision"], number(row["points"], 2), *(number(row[name]) for name in sizes)] for row in growth
     ]
     grown = [f"wavefront, cells of {growth[0]['cell']} r", "points", "bare points", "grid", "squares", "both"]
-    head = ["", "cell, r", "µs a point", "over cells of 1 r", "grid", "grid over bare points", "with squares"]
+    head = ["", "cell, r", "µs per point", "over cells of 1 r", "grid", "grid over bare points", "with squares"]
     return "\n\n".join(
         [
             "## Section 4.3: wavefront sampling",
@@ -46,12 +47,12 @@ def section43(measured: Tables, pictures: str) -> str:
                 pictures, "section43.svg", "Time and memory against the width of cells, and memory against set size"
             ),
             prose(
-                f"""Accelerator cells of several widths, {number(cells[0]["points"], 2)} points that stay in the cells;
-                bytes a point, and time over that with cells of one radius (median, lowest to highest of
+                f"""Accelerator cells of several widths, with {number(cells[0]["points"], 2)} points that stay in the
+                cells: bytes per point, and time relative to cells of one radius (median, lowest to highest of
                 {cells[0]["rounds"]} rounds). Widths are rounded up to whole base squares."""
             ),
             table(head, [_cell_row(row) for row in cells]),
-            "Bytes a point against set size; the points stay in the cells, so that the process holds them once:",
+            "Bytes per point against set size. The points stay in the cells, so the process stores them once:",
             table([*grown, "process"], growth_rows),
             _large(measured),
         ]
@@ -73,7 +74,7 @@ def _cell_row(row: Row) -> list[str]:
 
 def _large(measured: Tables) -> str:
     if not measured["section43_large"]:
-        return "The sets that fill a machine's memory were left out of this run."
+        return "This run skipped the sets that fill a machine's memory."
     rows = []
     for row in measured["section43_large"]:
         limit = f"{row['limit'] / 2**30:.0f} GiB"
@@ -90,11 +91,11 @@ def _large(measured: Tables) -> str:
             rows.append(
                 [f"{row['points']:,}", limit, f"{row['cell']:g} r", gib(row["resident"]), each, *lost, time]
             )
-    head = ["points", "limit", "cells", "peak resident", "bytes a point", "coverage", "squares discarded"]
+    head = ["points", "limit", "cells", "peak resident", "bytes per point", "coverage", "squares discarded"]
     head.append("processor time")
     about = f"""The paper's largest sets, by wavefront sampling in single precision, each in a process whose address
-        space is limited. Squares that single precision cannot split any more are discarded (§3.3); what that leaves
-        empty shows in the coverage, against {paper.JAMMED_COVERAGE:.6f}:"""
+        space is limited. Squares that single precision cannot split any further are discarded (§3.3). The resulting
+        gaps reduce the coverage, compared with {paper.JAMMED_COVERAGE:.6f}:"""
     return prose(about) + "\n\n" + table(head, rows)
 
 
@@ -102,17 +103,17 @@ BILLION_ROWS = {
     "points": lambda row: f"{row['points']:,}",
     "tiles, and their width": lambda row: f"{row['tiles']:,}, {number(row['tile_radii'])} r",
     "threads": lambda row: row["threads"],
-    "seconds on the clock": lambda row: number(row["seconds"], 4),
-    "points a second": lambda row: rate(row["points_per_second"]),
+    "seconds of wall time": lambda row: number(row["seconds"], 4),
+    "points per second": lambda row: rate(row["points_per_second"]),
     "peak resident memory": lambda row: f"{row['resident_bytes'] / 1e6:.1f} MB of {row['resident_limit'] / 1e6:.0f} MB",
     "pairs compared, too close": lambda row: f"{row['pairs']:,}, {row['too_close']}",
     "least squared distance over the squared radius": lambda row: f"{row['least_over_radius']:.9f}",
     "coverage": lambda row: f"{row['coverage']:.7f} ± {row['coverage_error']:.7f}",
-    "of that, known to be lost to the lattice": lambda row: f"{row['coverage_lattice_loss']:.7f}",
+    "known loss of coverage by the lattice": lambda row: f"{row['coverage_lattice_loss']:.7f}",
     "standard errors from the jammed coverage": lambda row: f"{row['coverage_z']:+.2f}",
-    "tiles searched for gaps, lattice points uncovered": lambda row: f"{row['gap_tiles']:,}, {row['uncovered']}",
+    "tiles checked for gaps, uncovered lattice points": lambda row: f"{row['gap_tiles']:,}, {row['uncovered']}",
     "digest of the set": lambda row: f"`{row['digest']}`",
-    "all promises held": lambda row: verdict(not row["broken"]) + (f": {row['broken']}" if row["broken"] else ""),
+    "all promises kept": lambda row: verdict(not row["broken"]) + (f": {row['broken']}" if row["broken"] else ""),
 }
 
 
@@ -124,10 +125,10 @@ def billion(measured: Tables) -> str:
         [
             f"## Passed: {rows[0]['points']:,} points of one set",
             prose(
-                f"""The exact tile sampler makes them tile by tile and forgets each once it is verified: every pair of
-                points near each other is compared, across tiles too, and tiles drawn by a hash are searched for room
-                on the whole lattice. Two runs, in two orders of tiles; equal digests: {verdict(same)}.
-                `tests/bench/billion.cpp` says what each row is."""
+                f"""The exact tile sampler generates them tile by tile and discards each tile after its verification.
+                Every pair of points near each other is compared, across tiles too. Tiles chosen by a hash are checked
+                for gaps on the whole lattice. Two runs, in two orders of tiles; equal digests: {verdict(same)}.
+                `tests/bench/billion.cpp` explains each row."""
             ),
             table(["tiles in order", *(row["order"] for row in rows)], body),
         ]

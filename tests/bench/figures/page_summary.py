@@ -1,4 +1,4 @@
-"""The first table of the page: each number of the paper, ours, and ours over the paper's."""
+"""The first table of the page: each number of the paper, ours, and the ratio."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ def summary(measured: Tables) -> str:
     rows = [*_rates(measured["figure4"]), *_counts(measured["figure6_ranges"]), *_bytes(measured["section42"])]
     rows += [*_cells(measured["section43_cells"]), *_large(measured["section43_large"])]
     rows.append(_largest(measured["billion"][0]))
-    about = """Where one method's speed over another's is below the paper's, our version of the other gained more since
-        2007 than the accumulator did."""
+    about = """If the ratio of two methods' speeds is below the paper's, our version of the slower method has gained
+        more since 2007 than the accumulator."""
     columns = ["", "paper", "ours", "lowest to highest", "ratio", "where"]
     return "\n\n".join(["## The paper, ours, the ratio", table(columns, rows), prose(about)])
 
 
 def _rates(rates: list[Row]) -> list[list[str]]:
-    """At the paper's set size, or the nearest that was measured."""
+    """At the paper's set size, or the nearest measured one."""
     size = min({row["asked"] for row in rates}, key=lambda asked: abs(asked - paper.RATE_POINTS))
     at = {row["contender"]: row for row in rates if row["asked"] == size}
-    of_size = f"points a second at {number(size, 1)} points"
+    of_size = f"points per second at {number(size, 1)} points"
     rows = []
     for key in ("accumulator-single", "accumulator-double", "jones-double", "scalloped-double"):
         method, _, precision = key.partition("-")
@@ -48,7 +48,7 @@ def _rates(rates: list[Row]) -> list[list[str]]:
 
 
 def _quotient(above: Row, below: Row, expected: float) -> list[str]:
-    """Paper, ours, spread, ratio of one method's speed over another's."""
+    """The ratio of one method's speed to another's: the paper's, ours, its spread, and their quotient."""
     value = above["median"] / below["median"]
     spread = span(above["lowest"] / below["highest"], above["highest"] / below["lowest"])
     return [number(expected), number(value), spread, ratio(value / expected)]
@@ -84,7 +84,7 @@ def _bytes(memory: list[Row]) -> list[list[str]]:
     rows = []
     for (method, precision), reported in paper.BYTES.items():
         own = where(memory, method=method, precision=precision)[0]["workspace"]
-        what = f"bytes a point, {method}, {precision}"
+        what = f"bytes per point, {method}, {precision}"
         rows.append([what, number(reported.value), number(own), "exact", ratio(own / reported.value), reported.where])
     return rows
 

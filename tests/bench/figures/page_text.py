@@ -10,7 +10,7 @@ Tables = dict[str, list[Row]]
 
 
 def number(value: float, digits: int = 3) -> str:
-    """With so many significant digits, thousands apart: 1,234,000, 12.3, 0.00123."""
+    """The number with this many significant digits and thousands separators: 1,234,000, 12.3, 0.00123."""
     if value == 0.0:
         return "0"
     rounded = float(f"{value:.{digits}g}")
@@ -20,7 +20,7 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def rate(value: float) -> str:
-    """Points a second: 778, 4.05 k, 2.58 M."""
+    """Points per second: 778, 4.05 k, 2.58 M."""
     for scale, unit in ((1e6, " M"), (1e3, " k")):
         if value >= scale * 0.9995:
             return number(value / scale) + unit
@@ -40,20 +40,20 @@ def gib(size: float) -> str:
 
 
 def span(low: float, high: float, write=number) -> str:
-    """Lowest to highest; one of them where both read alike."""
+    """Lowest to highest, or a single number if both are printed alike."""
     texts = write(low), write(high)
     return texts[0] if texts[0] == texts[1] else f"{texts[0]} to {texts[1]}"
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]], right: bool = True) -> str:
-    """A Markdown table; all columns but the first are numbers, unless `right` is false."""
+    """A Markdown table. Unless `right` is false, all columns except the first are numbers."""
     head = list(head)
     rule = ["---"] + ["---:" if right else "---"] * (len(head) - 1)
     return "\n".join(f"| {' | '.join(map(str, row))} |" for row in [head, rule, *rows])
 
 
 def picture(folder: str, file: str, describes: str) -> str:
-    """A picture in two versions, of which a page shows the one that suits its colors."""
+    """A picture in two versions. The page shows the one that matches its colors."""
     stem, _, kind = file.rpartition(".")
     return (
         f'<picture><source media="(prefers-color-scheme: dark)" srcset="{folder}/{stem}-dark.{kind}">'
@@ -66,5 +66,5 @@ def verdict(holds: bool) -> str:
 
 
 def prose(text: str) -> str:
-    """A paragraph on one line, however it is broken in the source."""
+    """A paragraph on one line, regardless of its line breaks in the source."""
     return " ".join(text.split())

@@ -1,5 +1,5 @@
-"""What the seed paper reports: White, Cline and Egbert, "Poisson Disk Point Sets by Hierarchical Dart Throwing" (2007).
-These are the only numbers of the page that no run measures; each says where in the paper it stands."""
+"""The numbers of the seed paper: White, Cline and Egbert, "Poisson Disk Point Sets by Hierarchical Dart Throwing"
+(2007). Only these numbers of the page are not measured. Each has its location in the paper."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Reported:
-    """A value of the paper, and the section or figure that it comes from."""
+    """A value of the paper, and its section or figure."""
 
     value: float
     where: str
 
 
-# Points a second at 100,000 points, on one core of a 2.13 GHz Core 2 Duo.
+# Points per second at 100,000 points, on one core of a 2.13 GHz Core 2 Duo.
 RATE_POINTS = 100_000
 RATES = {
     "accumulator": Reported(211_000, "§4.1"),
     "jones": Reported(4_050, "§4.1"),
     "scalloped": Reported(778, "§4.1"),
 }
-# The accumulator's points a second over those of boundary sampling.
+# The accumulator's points per second relative to boundary sampling.
 OVER_BOUNDARY = Reported(1.0, "§4.1")
 
 # Figure 6: per accepted dart, and per selection.
@@ -29,13 +29,13 @@ SQUARES_LEAST = Reported(9.0, "§4.2, figure 6")
 SQUARES_MOST = Reported(10.0, "§4.2, figure 6")
 LIST_CHECKS_MOST = Reported(3.0, "§3.3, figure 6")
 
-# Bytes a point, all but the points themselves.
+# Bytes per point, without the points themselves.
 BYTES = {
     ("hierarchical", "single"): Reported(120, "§4.2"),
     ("accumulator", "double"): Reported(416, "§4.2"),
 }
 
-# Seconds with accelerator cells of this many radii over those with cells of one radius.
+# Seconds with accelerator cells of this many radii, relative to those with cells of one radius.
 LARGE_CELL = 20
 LARGE_CELL_SLOWDOWN = Reported(2.5, "§4.3")
 
@@ -44,16 +44,17 @@ GIB = 2**30
 
 @dataclass(frozen=True)
 class LargeSet:
-    """Points that a machine of that memory could hold and make."""
+    """The number of points that a machine with this memory could hold and generate."""
 
     points: float
     paper_bytes: float
-    limit_bytes: float  # that ours is run under
-    cell: float  # radii: the quickest that leaves room below the limit
+    limit_bytes: float  # the limit of our run
+    cell: float  # radii: the fastest that fits below the limit
     where: str = "§4.3"
 
 
 LARGE_SETS = [LargeSet(95e6, 2 * GIB, 2 * GIB, cell=10), LargeSet(750e6, 32 * GIB, 24 * GIB, cell=2.8)]
 
-# Not the paper's: random sequential adsorption of disks, which is naive dart throwing run to its end, jams here.
+# Not from the paper: random sequential adsorption of disks, which is naive dart throwing run to its end, jams at this
+# coverage.
 JAMMED_COVERAGE = 0.547070

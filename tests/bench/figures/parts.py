@@ -1,4 +1,4 @@
-"""The parts that can be measured each on their own, with the tables that they write."""
+"""The parts that can be measured separately, and the tables that they write."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The plots, each a function from tables and a theme to a figure."""
+"""The plots. Each function turns tables and a theme into a figure."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _log_sizes(axes: Axes, sizes: list[float], room: float) -> None:
 
 
 def figure4(rates: list[Row], contenders: list[Contender], family: str, theme: Theme) -> Figure:
-    """Points a second against set size: our methods, and those of one family."""
+    """Points per second against set size: our methods, and those of one family."""
     figure, axes = plt.subplots(figsize=(9.2, 5.6))
     axes.set_yscale("log")
     _log_sizes(axes, [row["asked"] for row in rates], 9.0)
@@ -70,7 +70,7 @@ def figure4(rates: list[Row], contenders: list[Contender], family: str, theme: T
         if not (ours and contender.precision == "single"):
             weight = "bold" if ours else "normal"
             labels.append(Label(sizes[-1], rows[-1]["median"], contender.label, style["color"], weight))
-    axes.set_ylabel("points a second of one core")
+    axes.set_ylabel("points per second of one core")
     ticks = [10.0**power for power in range(2, 8)]
     low, high = axes.get_ylim()
     low = min(low, 0.8 * min(reported.value for reported in paper.RATES.values())) if family == PAPER else low
@@ -81,7 +81,7 @@ def figure4(rates: list[Row], contenders: list[Contender], family: str, theme: T
     if family == PAPER:
         _paper_marks(axes, theme)
     label_ends(axes, labels)
-    gray = "what the paper compares with" if family == PAPER else "what people use today"
+    gray = "the methods in the paper" if family == PAPER else "the methods in use today"
     axes.set_title(f"colors: ours, dashed in single precision; gray: {gray}", color=theme.muted, fontsize=9)
     return figure
 
@@ -136,7 +136,7 @@ def figure6(counts: list[Row], contenders: list[Contender], theme: Theme) -> Fig
 
 
 def section42(memory: list[Row], theme: Theme) -> Figure:
-    """Bytes a point of each variant, by what they are for."""
+    """Bytes per point of each variant, by their use."""
     figure, axes = plt.subplots(figsize=(9.2, 3.3), layout="constrained")
     names = [f"{row['method']}, {row['precision']}" for row in memory]
     places = np.arange(len(memory))[::-1]
@@ -158,7 +158,7 @@ def section42(memory: list[Row], theme: Theme) -> Figure:
         axes.text(end + 0.012 * widest, place, f"{total:.0f}", va="center", fontweight="bold")
     axes.set_yticks(places, names)
     axes.set_xlim(0, widest * 1.17)
-    axes.set_xlabel("bytes a point besides the points themselves (full color: accelerator grid; pale: active squares)")
+    axes.set_xlabel("bytes per point in addition to the points themselves (full color: accelerator grid; pale: active squares)")
     axes.grid(True, axis="x")
     axes.tick_params(axis="y", length=0)
     return figure
@@ -211,7 +211,7 @@ def section43(cells: list[Row], growth: list[Row], theme: Theme) -> Figure:
         large.text(sizes[0], rows[-1]["bare"], f"bare points, {precision}", va="bottom", fontsize=8, color=theme.muted)
     _log_sizes(large, [row["points"] for row in growth], 1.3)
     large.set_ylim(bottom=0.0)
-    large.set_title(f"wavefront, {growth[0]['cell']} r: bytes a point")
+    large.set_title(f"wavefront, {growth[0]['cell']} r: bytes per point")
     for axes in (slow, small, large):
         axes.minorticks_off()
         axes.grid(True, axis="y")

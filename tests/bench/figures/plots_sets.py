@@ -1,4 +1,4 @@
-"""The plots of figure 5: what the point sets and their spectra look like."""
+"""The plots of figure 5: point sets and their spectra."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from bench.figures.spectra import noise_level
 from bench.figures.tables import Row, where
 from bench.figures.theme import Theme
 
-HIGHEST_SHOWN = 2.0  # of power, in the pictures
+HIGHEST_SHOWN = 2.0  # The maximum of the power in the pictures.
 
 
 def sets_and_spectra(arrays: dict[str, np.ndarray], theme: Theme) -> Figure:
-    """A point set of each method and below it the averaged periodogram."""
+    """A point set of each method, and below it the averaged periodogram."""
     figure, panels = plt.subplots(2, len(SOURCES), figsize=(9.2, 4.95), layout="constrained")
     highest = float(arrays["highest_frequency"])
     for (above, below), source in zip(panels.T, SOURCES, strict=True):

@@ -1,4 +1,4 @@
-"""Figure 5: point sets, spectra and coverage of what should be one and the same process."""
+"""Figure 5: point sets, spectra and coverage of methods that should all be the same process."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SHOWN_SIDE = 24.0  # radii, of the pictures of point sets
 
 @dataclass(frozen=True)
 class Source:
-    """A method whose sets are looked at; the words are domain_run's."""
+    """A method whose sets are analyzed. `words` are arguments of domain_run."""
 
     key: str
     label: str
@@ -39,14 +39,14 @@ SOURCES = [
     Source("wavefront", "wavefront", "wavefront", ("torus",)),
     Source("tile", "exact tiles", "tile"),
 ]
-# Only its coverage is told: it stops short of the end.
+# Only its coverage is reported, because it stops before the jammed state.
 STOPPED = Source(
     "naive_stopped", f"naive darts, {NAIVE_DARTS} a square", "naive", ("torus", f"darts={NAIVE_DARTS}"), False
 )
 
 
 def read_sets(path: Path) -> list[np.ndarray]:
-    """What domain_run dumps: each set as (n, 2) coordinates in radii."""
+    """The sets in a dump of domain_run, each as (n, 2) coordinates in radii."""
     data, sets, place = path.read_bytes(), [], 0
     while place < len(data):
         count = int(np.frombuffer(data, "<u8", 1, place)[0])
@@ -56,7 +56,8 @@ def read_sets(path: Path) -> list[np.ndarray]:
 
 
 def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: int) -> list[np.ndarray]:
-    """Sets in domains of this side, in radii, or a hair more: domain_run counts in whole points."""
+    """Sets in domains of at least this side in radii. It can be slightly larger, because domain_run takes a number of
+    points."""
     with tempfile.TemporaryDirectory() as folder:
         dump = Path(folder) / "sets"
         programs.domain(
@@ -66,14 +67,14 @@ def make_sets(programs: Programs, source: Source, side: float, sets: int, seed: 
 
 
 def p_of_equal_means(a: AveragedSpectrum, b: AveragedSpectrum) -> float:
-    """How likely radial means are to differ as much by chance; 1 for one and the same."""
+    """The probability that radial means differ as much by chance; 1 for identical sources."""
     rows = [one.radial_of_sets.reshape(one.sets, -1, RINGS_TOGETHER).mean(axis=2) for one in (a, b)]
     return 1.0 if a is b else means_differ(*rows)
 
 
 def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], list[Row], dict[str, np.ndarray]]:
-    """The radial table, the table of whole spectra, and for the pictures the power over the plane and the points of one
-    set, by key."""
+    """The radial table, the table of whole spectra and, for the pictures, the power over the plane and the points of
+    one set, by key."""
     rows: list[Row] = []
     whole: list[Row] = []
     arrays: dict[str, np.ndarray] = {}
@@ -99,8 +100,8 @@ def measure_spectra(programs: Programs, settings: Settings) -> tuple[list[Row], 
 
 
 def measure_coverage(programs: Programs, settings: Settings) -> list[Row]:
-    """Coverage, which is points * pi / 4 over the area in square radii, over sets of independent seeds. Opposite edges
-    meet, or the domain is a window onto an infinite set: borders do not count in any of them."""
+    """Coverage over sets with independent seeds: points * pi / 4 over the area in square radii. Opposite edges meet, or
+    the domain is a window onto an infinite set, so borders have no effect."""
     rows = []
     for source in [*SOURCES, STOPPED]:
         sets = settings.coverage_sets if source.ends else max(2, settings.coverage_sets // 10)

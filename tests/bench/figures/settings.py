@@ -1,4 +1,4 @@
-"""How much is measured: FULL for the page, QUICK to see that everything works."""
+"""The amount of measurement: FULL for the page, QUICK to check that everything works."""
 
 from __future__ import annotations
 
@@ -6,32 +6,32 @@ from dataclasses import dataclass
 
 
 def half_decades(first: int, last: int) -> list[int]:
-    """10^first to 10^last points in half decades, the halves rounded to two digits."""
+    """10^first to 10^last points in half decades. The halves are rounded to two digits."""
     return [int(round(10 ** (step / 2), 1 - step // 2)) for step in range(2 * first, 2 * last + 1)]
 
 
 @dataclass(frozen=True)
 class Settings:
-    sizes: list[int]  # figures 4 and 6
-    most_rounds: int  # of every contender at every size,
-    least_rounds: int  # of our own methods up to the size that the loss is told for,
-    contender_seconds: float  # and between the two as many as fit into this
-    longest_run: float  # seconds; a contender ends before the size at which one run would take longer
-    shortest_run: float  # seconds; smaller sets are made until they have taken this long together
+    sizes: list[int]  # For figures 4 and 6.
+    most_rounds: int  # The maximum for every contender at every size.
+    least_rounds: int  # The minimum for our own methods, up to the size for which the loss is reported.
+    contender_seconds: float  # The time for one contender and size, which determines the number of rounds between these.
+    longest_run: float  # Seconds. A contender ends before the size at which one run would take longer.
+    shortest_run: float  # Seconds. Small sets are repeated until they have taken this long together.
 
-    memory_points: int  # sections 4.2 and 4.3
-    cells: list[float]  # radii
+    memory_points: int  # For sections 4.2 and 4.3.
+    cells: list[float]  # Radii.
     cell_rounds: int
-    growth_sizes: list[int]  # of wavefront sampling
+    growth_sizes: list[int]  # For wavefront sampling.
 
-    spectrum_sets: int  # figure 5
-    spectrum_side: float  # radii
+    spectrum_sets: int  # For figure 5.
+    spectrum_side: float  # Radii.
     spectrum_modes: int
     coverage_sets: int
     coverage_points: int
 
-    large_sets: bool  # 95 and 750 million points
-    longest_large_run: float  # seconds; a large set that would take longer is not made
+    large_sets: bool  # 95 and 750 million points.
+    longest_large_run: float  # Seconds. A large set that would take longer is skipped.
     billion_points: float
 
 
@@ -63,7 +63,7 @@ QUICK = Settings(
     most_rounds=2,
     least_rounds=1,
     contender_seconds=0.5,
-    longest_run=3.0,  # Jones' method makes 100,000 points in 0.7 s; a busy machine must not leave it out.
+    longest_run=3.0,  # Jones' method takes 0.7 s for 100,000 points, and must also fit on a busy machine.
     shortest_run=0.02,
     memory_points=100_000,
     cells=[1, 5, 20],

@@ -1,6 +1,6 @@
-"""Periodograms averaged over many sets, and what is read off them, as Ulichney (1988) and Lagae and Dutré (2008) do:
-the mean power in rings of equal frequency, and the anisotropy, which is the variance within a ring over its mean
-squared."""
+"""Periodograms averaged over many sets, and values derived from them, as in Ulichney (1988) and Lagae and Dutré (2008):
+the mean power in rings of equal frequency, and the anisotropy, which is the variance within a ring over its squared
+mean."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from analysis.estimators import Spectrum
 
 
 class AveragedSpectrum:
-    """The mean of the periodograms of several sets, each tapered (analysis.estimators.Spectrum); frequencies are waves
-    a radius, and power is 1 for unrelated points."""
+    """The mean of the periodograms of several sets, each tapered (analysis.estimators.Spectrum). Frequencies are waves
+    per radius, and power is 1 for unrelated points."""
 
     def __init__(self, sets: list[np.ndarray], side: float, modes: int, edges: np.ndarray):
         assert sets, "needs a set"
@@ -29,18 +29,19 @@ class AveragedSpectrum:
         return self.radial_of_sets.mean(axis=0)
 
     def radial_error(self) -> np.ndarray:
-        """Its standard error, by the spread between the sets."""
+        """The standard error of each ring's power, from the spread between the sets."""
         return self.radial_of_sets.std(axis=0, ddof=1) / np.sqrt(self.sets)
 
     def anisotropy(self) -> np.ndarray:
-        """Of each ring, in decibels. A set without directions has about noise_level(sets), whatever its spectrum."""
+        """The anisotropy of each ring, in decibels. An isotropic set has about noise_level(sets), regardless of its
+        spectrum."""
         ring = np.digitize(self.frequency, self.edges) - 1
         values = [self.power[ring == index] for index in range(len(self.edges) - 1)]
         return np.array([10.0 * np.log10(power.var(ddof=1) / power.mean() ** 2) for power in values])
 
     def image(self) -> np.ndarray:
-        """Power over the plane of frequencies, (2 modes + 1) squared, zero in the middle; rows go up with y. What the
-        mean density spoils is 0."""
+        """Power over the plane of frequencies, (2 modes + 1) squared, with zero in the middle. Rows ascend with y.
+        Frequencies that the mean density affects are 0."""
         picture = np.zeros((2 * self.modes + 1, 2 * self.modes + 1))
         i = np.round(self.frequency * self.side * np.cos(self.angle)).astype(int)
         j = np.round(self.frequency * self.side * np.sin(self.angle)).astype(int)
@@ -50,11 +51,12 @@ class AveragedSpectrum:
 
 
 def noise_level(sets: int) -> float:
-    """Anisotropy, in decibels, of an average of so many periodograms of a set without directions: the power of one wave
-    spreads as much as its mean, and averaging divides the variance."""
+    """Anisotropy, in decibels, of an average of this many periodograms of an isotropic set: the power of one wave
+    varies as much as its mean, and averaging divides the variance."""
     return -10.0 * np.log10(sets)
 
 
 def ring_edges(modes: int, side: float, rings: int) -> np.ndarray:
-    """Edges of rings of equal width, from beyond the waves that the mean density spoils to the highest frequency."""
+    """Edges of rings of equal width, from just beyond the waves that the mean density affects to the highest
+    frequency."""
     return np.linspace(4.0 / side, modes / side, rings + 1)

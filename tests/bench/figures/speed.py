@@ -1,4 +1,4 @@
-"""Figure 4, points a second against set size, and figure 6, which counts what happened in the same runs."""
+"""Figure 4, points per second against set size, and figure 6, which counts squares and checks in the same runs."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from bench.figures.programs import Failed, Programs, Run, say
 from bench.figures.settings import LOSS_TO, Settings
 from bench.figures.tables import Row, where
 
-# Of the memory that is free, what a run may need by the look of its last size.
+# The share of free memory that a run may need, extrapolated from its last size.
 MEMORY_SHARE = 0.8
 
-# Bytes; a run that needs less finds them among those that the last one gave back.
+# In bytes. A smaller run reuses memory that the previous one freed.
 TOUCHED_FROM = 1 << 26
 
 
 def memory_available() -> float:
-    """Bytes that a new process can have; all memory where the system does not say."""
+    """Bytes that a new process can allocate. All memory if the system does not report it."""
     try:
         with open("/proc/meminfo", encoding="ascii") as file:
             return next(int(line.split()[1]) * 1024.0 for line in file if line.startswith("MemAvailable"))
@@ -30,10 +30,10 @@ def memory_available() -> float:
 
 
 def touch_memory(size: float) -> None:
-    """Takes this many bytes, or half of what is free, writes to every page and gives them back. In a virtual machine the
-    first touch of a page may wait for the host, which belongs to no contender; a run after this finds pages that only its
-    own system has to map. Large pages are asked for where there are any: a system that has them hands them out from other
-    memory than small ones, and what was touched so serves both."""
+    """Allocates this many bytes, or half of the free memory, writes to every page and frees them. In a virtual machine,
+    the first touch of a page may wait for the host, which must not be attributed to a contender. Afterwards, pages only
+    need to be mapped by the guest system. Requests large pages if there are any, because a system takes them from
+    different memory than small ones, and touched large pages can serve both."""
     size = int(min(size, 0.5 * memory_available()))
     if size >= TOUCHED_FROM:
         with mmap.mmap(-1, size) as memory:
@@ -50,12 +50,12 @@ class Series:
         self.contender = contender
         self.settings = settings
         self.rates: dict[int, list[float]] = {}
-        self.first_rate = 0.0  # Of a set that is not counted, to know what to expect.
+        self.first_rate = 0.0  # The rate of a set that is not counted, for a first estimate.
         self.bytes_a_point = 0.0
-        self.ended = ""  # Why no larger set is made.
+        self.ended = ""  # Why no larger set is generated.
 
     def seconds_expected(self, size: int) -> float:
-        """Of one run, if the rate goes on as it went over the last two sizes."""
+        """The expected duration of one run, if the rate continues as over the last two sizes."""
         medians = [statistics.median(rates) for rates in self.rates.values()]
         if not medians:
             return size / self.first_rate
@@ -63,7 +63,7 @@ class Series:
         return size / (medians[-1] * falling)
 
     def rounds(self, size: int) -> int:
-        """How many runs at this size; none once that would take too long or too much memory."""
+        """The number of runs at this size. None once they would take too long or too much memory."""
         seconds = self.seconds_expected(size)
         if seconds > self.settings.longest_run:
             self.ended = f"a run with {size:,} points would take {seconds:.0f} s"
@@ -76,7 +76,7 @@ class Series:
         return min(max(fitting, least), self.settings.most_rounds)
 
     def sets(self, size: int) -> int:
-        """How many sets make one run."""
+        """The number of sets in one run."""
         return max(1, min(1000, round(self.settings.shortest_run / self.seconds_expected(size))))
 
     def _run(self, programs: Programs, size: int, seed: int, sets: int) -> list[Run]:
@@ -85,7 +85,8 @@ class Series:
         return run(contender.method, contender.precision, size, seed, *contender.flags, sets=sets)
 
     def begin(self, programs: Programs) -> None:
-        """Two sets of the smallest size (one of a peer, which warms up itself), to know how fast this one is about."""
+        """Generates two sets of the smallest size (one for a peer, which warms up itself), to estimate this contender's
+        speed."""
         size = self.settings.sizes[0]
         try:
             line = self._run(programs, size, 1, 1 if self.contender.is_peer else 2)[-1]
@@ -95,7 +96,7 @@ class Series:
             say(f"figure 4: {self.contender.key} is left out: {failed}")
 
     def take(self, programs: Programs, size: int, round_number: int) -> Row:
-        """One run: sets of this size, all with seeds of their own."""
+        """One run: sets of this size, each with its own seed."""
         seed = 1 + 1000 * (round_number + self.settings.most_rounds * self.settings.sizes.index(size))
         touch_memory(1.2 * self.bytes_a_point * size)
         lines = self._run(programs, size, seed, self.sets(size))
@@ -111,7 +112,7 @@ COUNTED = ["points", "seconds", "darts", "squares", "selections", "list_checks",
 
 
 def measure(programs: Programs, contenders: Iterable[Contender], settings: Settings) -> list[Row]:
-    """All runs. Within a round every contender has its turn, so that a disturbance hits all of them alike."""
+    """All runs. Within a round every contender has its turn, so that disturbances affect all of them equally."""
     rows: list[Row] = []
     series = [Series(contender, settings) for contender in contenders]
     for one in series:
@@ -160,7 +161,7 @@ def summarise(runs: list[Row]) -> list[Row]:
 
 
 def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
-    """What share of its points a second each contender loses between two sizes: median over median, and the least and
+    """The share of its points per second that each contender loses between two sizes: by the medians, and the least and
     most that the rounds allow."""
     rows = []
     for small in where(rates, asked=from_size):
@@ -179,7 +180,7 @@ def losses(rates: list[Row], from_size: int, to_size: int) -> list[Row]:
 
 
 def counts(runs: list[Row]) -> list[Row]:
-    """Figure 6's table: squares per accepted dart and list checks per selection, over all sets of a size; the lowest
+    """Figure 6's table: squares per accepted dart and list checks per selection, over all sets of a size. The lowest
     and highest are those of the rounds."""
     rows = []
     for key, size in dict.fromkeys((run["contender"], run["asked"]) for run in runs if run["selections"] > 0):

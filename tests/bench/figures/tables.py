@@ -1,4 +1,4 @@
-"""Tables as CSV files: a list of rows, each a dictionary with the same keys. Numbers come back as numbers."""
+"""Tables as CSV files: a list of rows, each a dictionary with the same keys. Numbers are read back as numbers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Row = dict[str, object]
 
 
 def write(path: Path, rows: list[Row]) -> None:
-    """Replaces the file. The first row names the columns; floats keep what tells them apart at ten digits."""
+    """Replaces the file. The first row names the columns. Floats have ten significant digits."""
     assert rows, f"no rows for {path.name}"
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, fieldnames=list(rows[0]), lineterminator="\n")
@@ -19,7 +19,7 @@ def write(path: Path, rows: list[Row]) -> None:
 
 
 def read(path: Path) -> list[Row]:
-    """The rows of a file that `write` made, or none if there is no such file."""
+    """The rows of a file that `write` wrote, or none if it does not exist."""
     if not path.is_file():
         return []
     with path.open(newline="", encoding="utf-8") as file:
@@ -38,5 +38,5 @@ def _cell(text: str) -> object:
 
 
 def where(rows: list[Row], **wanted) -> list[Row]:
-    """The rows that have all these cells."""
+    """The rows that contain all these cells."""
     return [row for row in rows if all(row[key] == cell for key, cell in wanted.items())]

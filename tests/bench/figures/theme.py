@@ -1,5 +1,5 @@
-"""How the plots look: every plot is drawn twice, for light and for dark pages, and saved without anything that names a
-machine, a date or a program."""
+"""The style of the plots. Every plot is drawn twice, for light and for dark pages, and saved without metadata about
+machine, date or program."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from matplotlib.axes import Axes  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 from PIL import Image  # noqa: E402
 
-# Of pictures in pixels, so that they stay small: noise does not compress.
+# For pixel images, so that their files stay small: noise does not compress.
 PIXELS_AN_INCH = 125
 PALETTE = 48
 
 
 @dataclass(frozen=True)
 class Theme:
-    """Colors of one kind of page. `methods` are those of our own methods, by name."""
+    """Colors for one kind of page. `methods` are those of our own methods, by name."""
 
     suffix: str
     page: str
@@ -98,7 +98,7 @@ def _colors(theme: Theme) -> dict[str, object]:
 
 
 def save(draw: Callable[[Theme], Figure], folder: Path, name: str, kind: str = "svg") -> None:
-    """Writes what `draw` makes as NAME.KIND and NAME-dark.KIND."""
+    """Saves the figure from `draw` as NAME.KIND and NAME-dark.KIND."""
     for theme in (LIGHT, DARK):
         with matplotlib.rc_context(STYLE | _colors(theme)):
             figure = draw(theme)
@@ -122,8 +122,8 @@ class Label:
 
 
 def label_ends(axes: Axes, labels: list[Label], gap: float = 7.0) -> None:
-    """Writes each label to the right of its place; those that would cover another are moved up and down, and a thin
-    line leads back."""
+    """Writes each label to the right of its position. Labels that would overlap are moved up or down, and a thin line
+    leads back to the position."""
     figure = axes.figure
     figure.canvas.draw()
     texts = []

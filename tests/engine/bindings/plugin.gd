@@ -1,13 +1,13 @@
 @tool
 extends EditorPlugin
-## Runs one of the methods below in the editor, named by what follows `--`, prints "done" and quits.
+## Runs one of the methods below in the editor, selected by the arguments after `--`, prints "done" and quits.
 
 const EXTENSION := "res://addons/thicket/thicket.gdextension"
 const PATIENCE_MSEC := 60000
 
 
 func _enter_tree() -> void:
-	# Once the editor has read all files and laid out its docks: it works on that in threads before, and in frames within frames.
+	# Waits until the editor has read all files and laid out its docks. Before that, it works in threads and in nested frames.
 	EditorInterface.get_resource_filesystem().sources_changed.connect(_run.unbind(1), CONNECT_ONE_SHOT | CONNECT_DEFERRED)
 
 
@@ -20,9 +20,9 @@ func _run() -> void:
 	get_tree().quit()
 
 
-## A live node keeps its properties, and works, when the library is loaded anew under it; twice.
+## A live node keeps its properties and works when the library is reloaded, twice.
 func reload() -> void:
-	var flat: Resource = ClassDB.instantiate("ScatterTerrainFlat")
+	var flat: Resource = ClassDB.instantiate("ScatterGroundFlat")
 	flat.set("height", 7.0)
 	var layer: Resource = ClassDB.instantiate("ScatterLayer")
 	layer.set("radius", 3.5)
@@ -30,7 +30,7 @@ func reload() -> void:
 	_set_rules(layer)
 	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
 	scatter.set("seed", 42)
-	scatter.set("terrain", flat)
+	scatter.set("ground", flat)
 	scatter.set("layers", [layer])
 	add_child(scatter)
 	for round in 3:
@@ -39,7 +39,7 @@ func reload() -> void:
 			await get_tree().process_frame
 		await _stream(scatter)
 		print("round %d: seed %d, terrain %s at %s, radius %s, %d mesh, rules %s" % [round, scatter.get("seed"),
-				scatter.get("terrain") == flat, flat.call("get_height", Vector3.ZERO), layer.get("radius"),
+				scatter.get("ground") == flat, flat.call("get_height", Vector3.ZERO), layer.get("radius"),
 				layer.get("meshes").size(), _rules_hold(layer)])
 		layer.set("density", 1.0 - 0.1 * round)
 	scatter.queue_free()
@@ -58,11 +58,11 @@ func _set_rules(layer: Resource) -> void:
 	layer.set("spacing", {"Oaks": 2.5})
 
 
-## Whether those rules are as they were, and the layer hears of a curve's change once, and of dabs by their places.
+## Returns whether these rules are unchanged, and whether the layer reports a curve's change once, and dabs by their areas.
 func _rules_hold(layer: Resource) -> bool:
-	var heard := [0, 0]
-	var on_changed := func() -> void: heard[0] += 1
-	var on_area_changed := func(_rect: Rect2) -> void: heard[1] += 1
+	var signal_counts := [0, 0]
+	var on_changed := func() -> void: signal_counts[0] += 1
+	var on_area_changed := func(_rect: Rect2) -> void: signal_counts[1] += 1
 	layer.changed.connect(on_changed)
 	layer.connect("area_changed", on_area_changed)
 	var curve: Curve = layer.get("density_over_height")
@@ -72,7 +72,7 @@ func _rules_hold(layer: Resource) -> bool:
 	layer.changed.disconnect(on_changed)
 	layer.disconnect("area_changed", on_area_changed)
 	var densities: Array = [Vector2.ZERO, Vector2(100, 0)].map(layer.get("mask").sample)
-	return heard == [1, 2] and densities == [1.0, 1.0] and layer.get("spacing") == {"Oaks": 2.5} and curve.point_count == 1
+	return signal_counts == [1, 2] and densities == [1.0, 1.0] and layer.get("spacing") == {"Oaks": 2.5} and curve.point_count == 1
 
 
 func _stream(scatter: Node3D) -> void:
@@ -82,14 +82,14 @@ func _stream(scatter: Node3D) -> void:
 	print("instances: ", scatter.call("get_stats")["instances"] > 0)
 
 
-## What is drawn in the editor keeps to a number, while tiles come and when that number changes.
+## The editor draws a limited number of instances, while tiles are added and when the limit changes.
 func preview() -> void:
 	var layer: Resource = ClassDB.instantiate("ScatterLayer")
 	layer.set("radius", 1.0)
 	layer.set("tile_size", 16.0)
 	layer.set("meshes", [BoxMesh.new()])
 	var scatter: Node3D = ClassDB.instantiate("TerrainScatter3D")
-	scatter.set("terrain", ClassDB.instantiate("ScatterTerrainFlat"))
+	scatter.set("ground", ClassDB.instantiate("ScatterGroundFlat"))
 	scatter.set("layers", [layer])
 	scatter.set("frame_budget_usec", 5000)
 	scatter.set("preview_instances", 5000)
@@ -102,7 +102,7 @@ func preview() -> void:
 		while frames < 30 and Time.get_ticks_msec() < deadline:
 			await get_tree().process_frame
 			frames = frames + 1 if scatter.call("is_settled") else 0
-			if limit == 5000: # Later ones begin with what was drawn before.
+			if limit == 5000: # Later limits start with the instances that were drawn before.
 				most = maxi(most, scatter.call("get_stats")["drawn"])
 		var stats: Dictionary = scatter.call("get_stats")
 		print("preview of %d: %d drawn of %d, at most %d, %d uploads" % [limit, stats["drawn"], stats["instances"], most,
@@ -114,11 +114,12 @@ func preview() -> void:
 ## Prints the class reference that the editor shows for each of our classes, in one line.
 func help() -> void:
 	for name: String in ClassDB.get_class_list():
-		if ClassDB.class_get_api_type(name) == ClassDB.API_EXTENSION:
+		# Hidden classes for files of version 0.2 have no page.
+		if ClassDB.class_get_api_type(name) == ClassDB.API_EXTENSION and not name.begins_with("ScatterTerrain"):
 			print("help %s: %s" % [name, (await _help_page(name)).replace("\n", " ")])
 
 
-## The editor reads its own reference on a thread, and a page that was opened before stays empty: ask until it is there.
+## The editor reads its own reference on a thread, and a page that was opened earlier stays empty: retries until the text exists.
 func _help_page(name: String) -> String:
 	var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
 	var text := ""

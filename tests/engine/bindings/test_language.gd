@@ -1,16 +1,16 @@
 extends "../harness.gd"
-## What scripts see of our classes through the bindings: calls, properties, references, overrides, signals, threads.
+## The library's classes as scripts see them through the bindings: calls, properties, references, overrides, signals, threads.
 
 const OURS: PackedStringArray = [
-	"ImpostorBaker", "PoissonPoints", "PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterTerrain", "ScatterTerrainFlat",
-	"ScatterTerrainHeightmap", "TerrainScatter3D",
+	"ScatterImpostorBaker", "PoissonPoints", "PoissonSampler", "ScatterLayer", "ScatterMask", "ScatterGround", "ScatterGroundFlat",
+	"ScatterGroundHeightmap", "TerrainScatter3D",
 ]
 
-## Nothing until it is set: as a default it says so, as a value it would be wrong.
-const UNSET: PackedStringArray = ["ScatterTerrainHeightmap.post_count"]
+## Zero until it is set. Zero is valid as the default, but not as a value.
+const UNSET: PackedStringArray = ["ScatterGroundHeightmap.post_count"]
 
 
-class Slope extends ScatterTerrain:
+class Slope extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := PackedFloat32Array()
 		for at in positions:
@@ -26,7 +26,7 @@ class Leaning extends Slope:
 		return normals
 
 
-class Wrong extends ScatterTerrain:
+class Wrong extends ScatterGround:
 	@warning_ignore("untyped_declaration")
 	func _get_heights(_positions):
 		return "no heights"
@@ -34,8 +34,8 @@ class Wrong extends ScatterTerrain:
 
 func test_classes() -> void:
 	for name in OURS:
-		check(ClassDB.class_exists(name) and ClassDB.can_instantiate(name), name + " is there")
-		check_equal(ClassDB.class_get_api_type(name), ClassDB.API_EXTENSION, name + " is the extension's")
+		check(ClassDB.class_exists(name) and ClassDB.can_instantiate(name), name + " exists")
+		check_equal(ClassDB.class_get_api_type(name), ClassDB.API_EXTENSION, name + " belongs to the extension")
 		var object: Object = ClassDB.instantiate(name)
 		check_equal(object.get_class(), name, "class name")
 		check(object.is_class(ClassDB.get_parent_class(name)), name + " inherits")
@@ -43,7 +43,7 @@ func test_classes() -> void:
 			object.free()
 
 
-## Every property reads back what was written, starts at what the inspector takes for its default, and has a setter.
+## Every property reads back, has the default that the inspector uses, and has a setter.
 func test_properties() -> void:
 	for name in OURS:
 		var object: Object = ClassDB.instantiate(name)
@@ -73,23 +73,23 @@ func test_hints() -> void:
 	check_equal(layers["type"], TYPE_ARRAY, "layers")
 	check_equal(layers["hint"], PROPERTY_HINT_ARRAY_TYPE, "layers is a typed array")
 	check_equal(layers["hint_string"], "%d/%d:ScatterLayer" % [TYPE_OBJECT, PROPERTY_HINT_RESOURCE_TYPE], "of layers")
-	var terrain: Dictionary = hints["TerrainScatter3D.terrain"]
-	check_equal(terrain["class_name"], &"ScatterTerrain", "terrain's class")
-	check_equal(terrain["hint"], PROPERTY_HINT_RESOURCE_TYPE, "terrain is chosen in the inspector")
+	var terrain: Dictionary = hints["TerrainScatter3D.ground"]
+	check_equal(terrain["class_name"], &"ScatterGround", "class of the ground")
+	check_equal(terrain["hint"], PROPERTY_HINT_RESOURCE_TYPE, "the ground is chosen in the inspector")
 	check_equal(hints["ScatterLayer.radius"]["hint"], PROPERTY_HINT_RANGE, "radius has a range")
-	check("Rules" in hints.keys().map(func(key: String) -> String: return key.get_slice(".", 1)), "groups are there")
+	check("Rules" in hints.keys().map(func(key: String) -> String: return key.get_slice(".", 1)), "groups exist")
 
 
 func test_typed_arrays() -> void:
 	var scatter := TerrainScatter3D.new()
 	var layer := ScatterLayer.new()
 	scatter.layers = [layer, null]
-	check_equal(scatter.layers.get_typed_builtin(), TYPE_OBJECT, "layers holds objects")
+	check_equal(scatter.layers.get_typed_builtin(), TYPE_OBJECT, "layers contains objects")
 	check_equal(scatter.layers.get_typed_class_name(), &"ScatterLayer", "of the class")
 	check(scatter.layers[0] == layer and scatter.layers[1] == null, "the same layers")
 	scatter.set("layers", [layer] as Array)
 	check_equal(scatter.layers.get_typed_class_name(), &"ScatterLayer", "an untyped array becomes typed")
-	check_equal(scatter.layers.size(), 1, "with what was in it")
+	check_equal(scatter.layers.size(), 1, "with its contents")
 	scatter.viewers = [^"a", ^"b/c"]
 	check_equal(scatter.viewers, [^"a", ^"b/c"] as Array[NodePath], "viewers")
 	var mesh := BoxMesh.new()
@@ -104,33 +104,33 @@ func test_numbers() -> void:
 		sampler.seed = number
 		check_equal(sampler.seed, number, "64 bits")
 	sampler.set("radius", 3)
-	check_equal(sampler.radius, 3.0, "an integer is as good as a real")
+	check_equal(sampler.radius, 3.0, "an integer is converted to a float")
 	sampler.radius = 0.1 + 0.2
-	check_equal(sampler.radius, 0.1 + 0.2, "all 53 bits of a real")
+	check_equal(sampler.radius, 0.1 + 0.2, "all 53 bits of a float")
 
 
 func test_wrong_values() -> void:
 	var scatter := TerrainScatter3D.new()
-	var flat := ScatterTerrainFlat.new()
-	scatter.terrain = flat
+	var flat := ScatterGroundFlat.new()
+	scatter.ground = flat
 	for wrong: Variant in [Resource.new(), ScatterLayer.new(), 5, "text", Vector3.ZERO]:
-		scatter.set("terrain", wrong)
-		check(scatter.terrain == flat, "%s is no terrain" % [wrong])
+		scatter.set("ground", wrong)
+		check(scatter.ground == flat, "%s is not a ground" % [wrong])
 	scatter.set("seed", "text")
-	check_equal(scatter.seed, 0, "text is no seed")
-	scatter.set("terrain", null)
-	check(scatter.terrain == null, "null is none")
+	check_equal(scatter.seed, 0, "text is not a seed")
+	scatter.set("ground", null)
+	check(scatter.ground == null, "null clears the ground")
 	scatter.free()
 
 
 func test_overrides() -> void:
 	var slope := Slope.new()
 	check_equal(slope.get_height(Vector3(5, 1, 2)), 5.0, "the script's heights")
-	check(slope.get_normal(Vector3(5, 1, 2)).is_equal_approx(Vector3(-1, 1, 0).normalized()), "and their slope")
+	check(slope.get_normal(Vector3(5, 1, 2)).is_equal_approx(Vector3(-1, 1, 0).normalized()), "the slope of these heights")
 	check(Leaning.new().get_normal(Vector3.ZERO).is_equal_approx(Vector3(0.6, 0, 0.8)), "the script's normals")
-	check(is_nan(ScatterTerrain.new().get_height(Vector3.ZERO)), "no override, no ground")
+	check(is_nan(ScatterGround.new().get_height(Vector3.ZERO)), "no ground without an override")
 	var virtuals: Array[StringName] = []
-	for method: Dictionary in ClassDB.class_get_method_list("ScatterTerrain", true):
+	for method: Dictionary in ClassDB.class_get_method_list("ScatterGround", true):
 		if method["flags"] & METHOD_FLAG_VIRTUAL:
 			virtuals.push_back(method["name"])
 			if method["name"] == &"_get_heights":
@@ -139,21 +139,21 @@ func test_overrides() -> void:
 				check_equal(method["return"]["type"], TYPE_PACKED_FLOAT32_ARRAY, "typed result")
 	check(&"_get_heights" in virtuals and &"_get_normals" in virtuals, "the editor offers the overrides")
 	errors.take()
-	check(is_nan(Wrong.new().get_height(Vector3.ZERO)), "a result of another type is no ground")
-	check_error(["_get_heights"], "and said so")
+	check(is_nan(Wrong.new().get_height(Vector3.ZERO)), "a result of a wrong type is no ground")
+	check_error(["_get_heights"], "an error")
 
 
 func test_references() -> void:
 	var scatter := TerrainScatter3D.new()
-	var flat := ScatterTerrainFlat.new()
-	check_equal(flat.get_reference_count(), 1, "new")
-	scatter.terrain = flat
-	check_equal(flat.get_reference_count(), 2, "held by the node")
-	check(scatter.terrain == flat, "the same object comes back")
-	check_equal(flat.get_reference_count(), 2, "reading leaves no reference")
-	scatter.terrain = null
-	check_equal(flat.get_reference_count(), 1, "let go")
-	scatter.terrain = flat
+	var flat := ScatterGroundFlat.new()
+	check_equal(flat.get_reference_count(), 1, "a new object")
+	scatter.ground = flat
+	check_equal(flat.get_reference_count(), 2, "referenced by the node")
+	check(scatter.ground == flat, "the getter returns the same object")
+	check_equal(flat.get_reference_count(), 2, "reading adds no reference")
+	scatter.ground = null
+	check_equal(flat.get_reference_count(), 1, "released")
+	scatter.ground = flat
 	var layer := ScatterLayer.new()
 	scatter.layers = [layer]
 	var mesh := BoxMesh.new()
@@ -178,10 +178,10 @@ func test_signals() -> void:
 			var types: Array = signal_info["args"].map(func(argument: Dictionary) -> int: return argument["type"])
 			check_equal(types, [TYPE_INT, TYPE_VECTOR2I], "%s's arguments" % [signal_info["name"]])
 	var changes: Array[int] = [0]
-	var flat := ScatterTerrainFlat.new()
+	var flat := ScatterGroundFlat.new()
 	flat.changed.connect(func() -> void: changes[0] += 1)
 	flat.height = 3.0
-	check_equal(changes[0], 1, "changed")
+	check_equal(changes[0], 1, "changed is emitted")
 	var shown: Array = []
 	var scatter := make_scatter([make_layer(4.0)], flat, make_viewer())
 	scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: shown.push_back([layer, tile]))
@@ -205,16 +205,16 @@ func test_default_arguments() -> void:
 		var expected := [Callable()] if method["name"] in ["sample_domain", "sample_domain_exact"] else []
 		check_equal(method["default_args"], expected, "defaults of %s" % method["name"])
 	var sampler := PoissonSampler.new()
-	var told: Array[int] = [0]
-	var tell := func(_fraction: float, points: int) -> void: told[0] = points
+	var reported: Array[int] = [0]
+	var progress := func(_fraction: float, points: int) -> void: reported[0] = points
 	var points := sampler.sample_domain(Rect2(0, 0, 9, 9))
-	check_equal(sampler.sample_domain(Rect2(0, 0, 9, 9), tell), points, "with the argument and without")
-	check_equal(told[0], points.size(), "the argument arrives")
-	check_equal(sampler.callv("sample_domain", [Rect2(0, 0, 9, 9)]), points, "without, by name")
-	check_equal(sampler.call("sample_domain_exact", 0.0, 0.0, 9.0, 9.0)["x"].size(), points.size(), "four of five")
+	check_equal(sampler.sample_domain(Rect2(0, 0, 9, 9), progress), points, "the same with and without the argument")
+	check_equal(reported[0], points.size(), "the argument arrives")
+	check_equal(sampler.callv("sample_domain", [Rect2(0, 0, 9, 9)]), points, "by name, without the argument")
+	check_equal(sampler.call("sample_domain_exact", 0.0, 0.0, 9.0, 9.0)["x"].size(), points.size(), "four of five arguments")
 
 
-## First calls from many threads at once: what the bindings look up lazily is looked up once.
+## First calls from many threads at once: lazy lookups of the bindings happen only once.
 func test_threads() -> void:
 	var results: Array = []
 	results.resize(16)

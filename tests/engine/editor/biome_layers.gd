@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Layers of biomes in the panel and under the brush: listed below the name of their biome, chosen, hidden, painted and undone as the
-## scatter's own are, while which there are is the biome's business.
+## Layers of biomes in the panel and under the brush: listed below the name of their biome, and chosen, hidden, painted and undone like the
+## scatter's own layers. They can only be added and removed in their biome.
 
 const SCENE := "res://valley.tscn"
 
@@ -9,7 +9,7 @@ var scatter: Node3D
 
 
 func tree() -> Tree:
-	return workspace().desk.panel.tree
+	return workspace().dock.panel.tree
 
 
 func layer(title: String) -> Resource:
@@ -36,7 +36,7 @@ func new_biome(title: String, color: Color, layers: Array) -> Resource:
 	return made
 
 
-## A valley with meadow to the left and swamp to the right.
+## Returns a valley with meadow on the left and swamp on the right.
 func new_map() -> Resource:
 	var image := Image.create_empty(2, 1, false, Image.FORMAT_RGB8)
 	image.set_pixel(0, 0, Color.LIME)
@@ -54,12 +54,12 @@ func look() -> void:
 	await get_tree().create_timer(0.6).timeout
 
 
-func test_biomes_are_listed() -> void:
+func test_layers_of_biomes_are_listed() -> void:
 	var root := Node3D.new()
 	root.name = "Valley"
 	scatter = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Scatter"
-	scatter.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	scatter.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	scatter.layers = [new_layer("Rock", 5.0)]
 	scatter.biomes = new_map()
 	root.add_child(scatter)
@@ -76,14 +76,14 @@ func test_biomes_are_listed() -> void:
 	await settle(scatter)
 	await look()
 	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
-	check_equal(titles, ["Rock", "Grass", "Reed", "Willow"], "a row for each layer")
-	check_equal(tree().row_of(layer("Rock")).get_parent(), tree().get_root(), "the scatter's own stands by itself")
+	check_equal(titles, ["Rock", "Grass", "Reed", "Willow"], "one row per layer")
+	check_equal(tree().row_of(layer("Rock")).get_parent(), tree().get_root(), "the scatter's own layer has no parent row")
 	for pair: Array in [["Grass", "Meadow"], ["Reed", "Swamp"], ["Willow", "Swamp"]]:
 		var row: TreeItem = tree().row_of(layer(pair[0]))
-		check_equal(row.get_parent().get_text(0), pair[1], pair[0] + " stands below its biome")
+		check_equal(row.get_parent().get_text(0), pair[1], pair[0] + " is below its biome")
 		var count: int = scatter.get_shown_count(layer(pair[0]))
 		check(count > 20, "%s: %d instances" % [pair[0], count])
-		check_equal(row.get_text(1), load("res://addons/thicket/editor/preview_bar.gd").grouped(count), "told in its row")
+		check_equal(row.get_text(1), load("res://addons/thicket/editor/layers/preview_bar.gd").grouped(count), "the count is in its row")
 	await picture("biome_layers")
 
 
@@ -91,23 +91,23 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	var before := saved_files()
 	await mouse_click(await name_at(layer("Reed")))
 	await frames(2)
-	check_equal(workspace().toolbar.chosen, [layer("Reed")] as Array[ScatterLayer], "a click chooses it for tools")
+	check_equal(workspace().toolbar.chosen, [layer("Reed")] as Array[ScatterLayer], "a click chooses it for the tools")
 	check_equal(workspace().toolbar.paint.layer, layer("Reed"), "for the brush, too")
-	check_equal(scatter.get_layer(workspace().toolbar.paint.layer_index), layer("Reed"), "by the index that the scatter knows")
-	check(workspace().desk.panel._remove.disabled and workspace().desk.panel._copy.disabled, "which layers there are is the biome's business")
+	check_equal(scatter.get_layer(workspace().toolbar.paint.layer_index), layer("Reed"), "the scatter knows it by this index")
+	check(workspace().dock.panel._remove.disabled and workspace().dock.panel._copy.disabled, "layers of biomes cannot be removed or copied")
 	await key(KEY_DELETE)
 	check(layer("Reed") != null, "the key does not delete it")
 	await mouse_click(await mark_at(layer("Reed"), 2))
 	await settle(scatter)
-	check(workspace().desk.marks.is_hidden(layer("Reed")), "the eye hides it")
-	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances - scatter.get_shown_count(layer("Reed")), "nothing of it is drawn")
+	check(workspace().dock.marks.is_hidden(layer("Reed")), "the eye hides it")
+	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances - scatter.get_shown_count(layer("Reed")), "it is not drawn")
 	var state: Dictionary = addon()._get_state()
-	workspace().desk.marks.put(layer("Reed"), &"hidden", null)
+	workspace().dock.marks.put(layer("Reed"), &"hidden", null)
 	addon()._set_state(state)
-	check(workspace().desk.marks.is_hidden(layer("Reed")), "kept by the editor, for the scene")
-	workspace().desk.marks.put(layer("Reed"), &"hidden", null)
+	check(workspace().dock.marks.is_hidden(layer("Reed")), "kept by the editor, for the scene")
+	workspace().dock.marks.put(layer("Reed"), &"hidden", null)
 	await settle(scatter)
-	check_same(saved_files(), before, "nothing of that is in the scene")
+	check_same(saved_files(), before, "the scene does not change")
 
 
 func test_a_layer_of_a_biome_is_painted() -> void:
@@ -119,10 +119,10 @@ func test_a_layer_of_a_biome_is_painted() -> void:
 	paint.choose_mode(1)
 	paint.set_brush(8.0, 1.0, 1.0)
 	await stroke([Vector3(2.0, 0.0, 0.0), Vector3(6.0, 0.0, 0.0)])
-	check_equal(paint.problem, "", "a stroke is made")
-	check(layer("Reed").mask != null and layer("Willow").mask == null and layer("Rock").mask == null, "on this layer alone")
+	check_equal(paint.problem, "", "the stroke is painted")
+	check(layer("Reed").mask != null and layer("Willow").mask == null and layer("Rock").mask == null, "only on this layer")
 	await settle(scatter)
-	check_equal(scatter.query_rect(Rect2(0.0, -3.0, 8.0, 6.0), layer("Reed")).size(), 0, "no reed is left there")
+	check_equal(scatter.query_rect(Rect2(0.0, -3.0, 8.0, 6.0), layer("Reed")).size(), 0, "no reed remains there")
 	var after := saved_files()
 	check(after != before and after.size() == before.size() + 1, "the mask is a file beside the scene: %s" % [after.keys()])
 	await undo()
@@ -133,7 +133,7 @@ func test_a_layer_of_a_biome_is_painted() -> void:
 	paint.set_on(false)
 
 
-## Another biome in one assignment: the panel shows its layers, and what was chosen of the old one is left.
+## Replacing a biome by one assignment: the panel shows the new layers, and the old ones are not chosen any more.
 func test_a_biome_is_replaced() -> void:
 	await mouse_click(await name_at(layer("Reed")))
 	scatter.biomes.biomes[1] = new_biome("Dry Bed", Color.RED, [new_layer("Thistle", 2.0)])
@@ -142,4 +142,4 @@ func test_a_biome_is_replaced() -> void:
 	var titles: Array = tree().rows().map(func(row: TreeItem) -> String: return row.get_text(0))
 	check_equal(titles, ["Rock", "Grass", "Thistle"], "the rows follow")
 	check_equal(tree().row_of(layer("Thistle")).get_parent().get_text(0), "Dry Bed", "below its name")
-	check_equal(workspace().toolbar.chosen, [layer("Rock")] as Array[ScatterLayer], "tools have a layer that is there")
+	check_equal(workspace().toolbar.chosen, [layer("Rock")] as Array[ScatterLayer], "the tools have an existing layer")

@@ -1,8 +1,8 @@
 @tool
 extends "res://tests/steps.gd"
-## What costs or keeps a designer's work, with mouse and keys alone, through all of the editor's window: the brush is taken, asks before the
-## first stroke, cannot be used in vain, and is put away with the selection; a region comes from a menu and its side from its handle; a
-## radius is dragged in the inspector.
+## Actions that may cost a designer's work, with mouse and keys only, through the editor's whole window. The brush asks before the
+## first stroke, reports strokes that it cannot paint, and is put away with the selection. A region comes from a menu, and its size from a
+## handle. A radius is dragged in the inspector.
 
 const SCENE := "res://yard.tscn"
 
@@ -29,7 +29,7 @@ func button(text: String, parent: Node) -> Button:
 	return null
 
 
-## A button of a dialog, found with Tab and pressed with Enter. The mouse is not in a window that no pointer of the system has entered.
+## Presses a button of a dialog, found with Tab and pressed with Enter. The mouse position is unknown in a window that the pointer has not entered.
 func press_in(dialog: Window, text: String) -> void:
 	for step in 6:
 		var focused := dialog.gui_get_focus_owner() as Button
@@ -40,24 +40,24 @@ func press_in(dialog: Window, text: String) -> void:
 	check(false, "Tab finds " + text)
 
 
-## A key, pressed and released in a window, by the way that the system's events go.
+## Presses and releases a key in a window, as an event of the system.
 func key_in(window: Window, code: Key) -> void:
 	for pressed: bool in [true, false]:
 		var event := InputEventKey.new()
 		event.keycode = code
 		event.physical_keycode = code
 		event.pressed = pressed
-		await hand_to(window, event)
+		await send_to(window, event)
 
 
-func hand_to(window: Window, event: InputEventFromWindow) -> void:
+func send_to(window: Window, event: InputEventFromWindow) -> void:
 	event.window_id = window.get_window_id()
 	Input.parse_input_event(event)
 	Input.flush_buffered_events()
 	await frames(2)
 
 
-## A press, some way and a release in the 3D view.
+## Presses the mouse button in the 3D view, drags, and releases it.
 func drag_in_view(from: Vector3, to: Vector3) -> void:
 	await mouse_drag(on_screen(from), on_screen(to))
 
@@ -76,7 +76,7 @@ func test_open() -> void:
 	yard.name = "Yard"
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Scatter"
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	made.layers = [make_layer("Grass", 0.5), make_layer("Trees", 2.0)]
 	yard.add_child(made)
 	made.owner = yard
@@ -100,11 +100,11 @@ func test_open() -> void:
 	saved()
 
 
-## The brush that is taken with a click paints, and its first stroke asks: what stands is what stood until that is answered.
+## A click takes the brush, and its first stroke asks a question. Nothing changes until that is answered.
 func test_first_stroke() -> void:
 	var before := saved()
-	var stood := instances(scatter, 0)
-	check(stood.size() > 1000, "%d stand" % stood.size())
+	var initial := instances(scatter, 0)
+	check(initial.size() > 1000, "%d instances" % initial.size())
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 	check(workspace().toolbar.paint.is_on(), "a click takes the brush")
 	workspace().toolbar.paint.set_brush(1.5, 1.0, 1.0)
@@ -112,78 +112,78 @@ func test_first_stroke() -> void:
 	for answer: String in ["Cancel", "Only here", "Not here"]:
 		await mouse_click(middle(button("Paint", workspace().toolbar)))
 		await mouse_click(on_screen(Vector3(0.5, 0.0, 0.5)))
-		if not check(dialog.visible, "the first stroke asks, to %s" % answer):
+		if not check(dialog.visible, "the first stroke asks, answer %s" % answer):
 			return
 		await settle(scatter)
-		check(instances(scatter, 0) == stood, "and nothing has gone")
+		check(instances(scatter, 0) == initial, "nothing was removed")
 		if answer == "Cancel":
 			await picture("clicks_first_stroke", dialog)
 		await press_in(dialog, answer)
-		check(not dialog.visible, answer + " is an answer")
+		check(not dialog.visible, answer + " closes the dialog")
 		await settle(scatter)
 		var left := instances(scatter, 0)
 		var near := left.values().filter(func(at: Vector3) -> bool: return Vector2(at.x, at.z).distance_to(Vector2(0.5, 0.5)) < 1.0).size()
 		match answer:
 			"Cancel":
-				check(left == stood, "nothing is changed")
+				check(left == initial, "nothing is changed")
 			"Only here":
-				check(near > 3 and left.size() < 60, "%d are left, %d of them where it was painted" % [left.size(), near])
+				check(near > 3 and left.size() < 60, "%d remain, %d of them where it was painted" % [left.size(), near])
 			"Not here":
-				check(near == 0 and left.size() > stood.size() / 2, "%d are left, %d of them where it was painted" % [left.size(), near])
-				await until(workspace().toolbar.paint.mask_overlay.is_shown, "what is painted is seen")
+				check(near == 0 and left.size() > initial.size() / 2, "%d remain, %d of them where it was painted" % [left.size(), near])
+				await until(workspace().toolbar.paint.mask_overlay.is_shown, "the mask is visible")
 				await picture("clicks_mask")
 		if answer != "Cancel":
 			await undo()
 			await settle(scatter)
-			check(instances(scatter, 0) == stood, "undone")
-			check(not FileAccess.file_exists("res://yard_grass_mask.res"), "with its file")
-	check(saved() == before, "the scene is as it was, to the byte")
+			check(instances(scatter, 0) == initial, "undone")
+			check(not FileAccess.file_exists("res://yard_grass_mask.res"), "its file, too")
+	check(saved() == before, "the scene is unchanged, byte for byte")
 
 
-## Where a stroke cannot be made, the drag is still the brush's: it selects nothing in the box, and says why.
-func test_in_vain() -> void:
-	var ground: Resource = scatter.terrain
+## A stroke that cannot be painted still captures the drag: it selects nothing in the box, and shows the reason.
+func test_a_stroke_that_cannot_be_painted() -> void:
+	var ground: Resource = scatter.ground
 	var layers: Array = scatter.layers
-	for missing: String in ["terrain", "layer"]:
-		scatter.terrain = ground if missing == "layer" else null
-		scatter.layers = layers if missing == "terrain" else []
+	for missing: String in ["ground", "layer"]:
+		scatter.ground = ground if missing == "layer" else null
+		scatter.layers = layers if missing == "ground" else []
 		workspace().toolbar.update_layers()
 		await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
-		check(missing in workspace().toolbar.paint.problem, "why without a %s: '%s'" % [missing, workspace().toolbar.paint.problem])
+		check(missing in workspace().toolbar.paint.problem, "the reason without a %s: '%s'" % [missing, workspace().toolbar.paint.problem])
 		check_equal(selected(), [scatter] as Array[Node], "the selection stays without a " + missing)
 		await mouse_to(on_screen(Vector3(0.5, 0.0, 0.5)), 0)
 		addon().update_overlays()
 		await picture("clicks_no_" + missing)
-	scatter.terrain = ground
+	scatter.ground = ground
 	scatter.layers = layers
 	workspace().toolbar.update_layers()
 	await settle(scatter)
-	check(not workspace().toolbar.paint.first_stroke.visible, "nothing was asked")
-	# The same drag without the brush selects what is in the box.
+	check(not workspace().toolbar.paint.first_stroke.visible, "no question")
+	# Without the brush, the same drag selects the nodes in the box.
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 	check(not workspace().toolbar.paint.is_on(), "a click puts the brush away")
 	await drag_in_view(Vector3(-2.0, 0.0, -2.0), Vector3(4.5, 0.0, 2.0))
-	check(not selected() == ([scatter] as Array[Node]), "without it the drag is the editor's: %s" % [selected()])
+	check(not selected() == ([scatter] as Array[Node]), "without it the editor handles the drag: %s" % [selected()])
 	await mouse_click(row_of("Scatter"))
 	await settle(scatter)
 
 
-## Another node takes the brush away, and a click in the view is the editor's again.
-func test_put_away() -> void:
+## Selecting a different node puts the brush away, and the editor handles clicks in the view again.
+func test_putting_the_brush_away() -> void:
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 	check(workspace().toolbar.paint.is_on(), "the brush is on")
 	await mouse_click(row_of("Lamp"))
-	check(not workspace().toolbar.paint.is_on(), "another node puts it away")
+	check(not workspace().toolbar.paint.is_on(), "selecting a different node puts it away")
 	await mouse_click(row_of("Scatter"))
 	await settle(scatter)
-	check(not workspace().toolbar.paint.is_on(), "and it does not come back by itself")
+	check(not workspace().toolbar.paint.is_on(), "it does not come back by itself")
 	await mouse_click(on_screen(Vector3(0.5, 0.0, 0.5)))
 	check(not workspace().toolbar.paint.first_stroke.visible and scatter.layers[0].mask == null, "a click paints nothing")
 	await mouse_click(row_of("Scatter"))
 	await settle(scatter)
 
 
-## A stroke over two layers that are chosen in the panel, by the mouse from the button down to the button up: one step.
+## A stroke over two layers that are chosen in the panel, from pressing the mouse button to releasing it, is one step.
 func test_a_stroke_on_two_layers() -> void:
 	workspace().toolbar.choose_layers([scatter.layers[0], scatter.layers[1]] as Array[ScatterLayer])
 	var before := saved()
@@ -196,23 +196,23 @@ func test_a_stroke_on_two_layers() -> void:
 		check(layer.mask != null and layer.mask.sample(Vector2(-2.0, 0.0)) < 0.1 and layer.mask.sample(Vector2(2.0, 0.5)) < 0.1,
 				layer.resource_name + " is painted from end to end")
 	await settle(scatter)
-	await until(workspace().toolbar.paint.mask_overlay.is_shown, "what is painted is seen")
+	await until(workspace().toolbar.paint.mask_overlay.is_shown, "the mask is visible")
 	for index in 2:
 		check(instances(scatter, index).values().all(func(at: Vector3) -> bool: return absf(at.x) > 2.0 or absf(at.z - 0.25) > 0.8),
-				scatter.layers[index].resource_name + " stands no more where the brush went")
+				scatter.layers[index].resource_name + " is removed along the stroke")
 	await picture("clicks_stroke")
 	await undo()
-	check(saved() == before, "undone, to the byte")
+	check(saved() == before, "undone, byte for byte")
 	await redo()
 	await undo()
 	await mouse_click(middle(button("Brush", workspace().toolbar)))
 
 
-## From the menu to a region that takes away what stands in it, and its side by its handle.
+## Adds a region that excludes from the menu, and drags its side by the handle.
 func test_a_region() -> void:
 	await settle(scatter)
 	var before := saved()
-	var stood := instances(scatter, 0)
+	var initial := instances(scatter, 0)
 	var menu: MenuButton = workspace().toolbar.regions
 	await mouse_click(middle(menu))
 	var popup := menu.get_popup()
@@ -226,30 +226,30 @@ func test_a_region() -> void:
 	if not check(regions.size() == 1 and regions[0].exclude, "a region that excludes"):
 		return
 	var region := regions[0] as Node3D
-	check_equal(selected(), [region] as Array[Node], "which is selected")
+	check_equal(selected(), [region] as Array[Node], "the region is selected")
 	await frames(10)
 	await settle(scatter)
-	check(instances(scatter, 0).size() < stood.size(), "nothing stands in it: %d of %d" % [instances(scatter, 0).size(), stood.size()])
+	check(instances(scatter, 0).size() < initial.size(), "no instances in it: %d of %d" % [instances(scatter, 0).size(), initial.size()])
 	var size: Vector3 = region.size
 	var across := region.to_global(Vector3(-0.5 * size.x, 0.0, 0.0))
 	var handle := region.to_global(Vector3(0.5 * size.x, 0.0, 0.0))
 	var version := history(scatter).get_version()
-	# The first handles are drawn once; the mouse finds them from then on.
+	# Handles must be drawn once before the mouse finds them.
 	await picture("clicks_region")
 	await drag_in_view(handle, handle + Vector3(0.6, 0.0, 0.0))
-	check_equal(history(scatter).get_version(), version + 1, "the handle's drag is one step")
-	check(absf(region.size.x - size.x - 0.6) < 0.15 and region.size.y == size.y, "wider by as much: %s, was %s" % [region.size, size])
-	check(region.to_global(Vector3(-0.5 * region.size.x, 0.0, 0.0)).distance_to(across) < 1e-3, "the side across stays where it is")
-	check_equal(selected(), [region] as Array[Node], "and it stays selected")
+	check_equal(history(scatter).get_version(), version + 1, "dragging the handle is one step")
+	check(absf(region.size.x - size.x - 0.6) < 0.15 and region.size.y == size.y, "wider by the dragged distance: %s, was %s" % [region.size, size])
+	check(region.to_global(Vector3(-0.5 * region.size.x, 0.0, 0.0)).distance_to(across) < 1e-3, "the opposite side stays")
+	check_equal(selected(), [region] as Array[Node], "the region stays selected")
 	await picture("clicks_handle")
 	await undo()
 	check(region.size == size, "undone: %s" % region.size)
 	await undo()
-	check(saved() == before, "both, to the byte")
+	check(saved() == before, "both undone, byte for byte")
 	await mouse_click(row_of("Scatter"))
 
 
-## The same drag makes a radius smaller by a factor, not by meters, wherever it begins; far more than is on show is asked for first.
+## The same drag reduces any radius by the same factor, not by the same distance. A question precedes far more instances than are visible.
 func test_a_radius_is_dragged() -> void:
 	var factors: Array[float] = []
 	for radius: float in [0.5, 8.0]:
@@ -283,8 +283,8 @@ func test_a_radius_is_dragged() -> void:
 	scatter.layers[0].radius = 0.5
 
 
-## Rules that nothing on flat ground meets are told by their words, and which they are.
-func test_a_preset_that_stands_nowhere() -> void:
+## Rules that flat ground cannot meet are reported, with their names and the reason.
+func test_a_preset_without_instances() -> void:
 	await settle(scatter)
 	var menu: MenuButton
 	for found: MenuButton in workspace().toolbar.find_children("*", "MenuButton", true, false):
@@ -298,16 +298,16 @@ func test_a_preset_that_stands_nowhere() -> void:
 	await key_in(menu.get_popup(), KEY_ENTER)
 	check(scatter.layers.size() > 4, "the preset's layers: %d" % scatter.layers.size())
 	await settle(scatter)
-	await until(func() -> bool: return not told().is_empty(), "it is told")
-	check("No instance is visible here of" in told() and "Slope is 0°" in told(), "why: " + told())
-	await get_tree().create_timer(1.0).timeout # It is faded in.
+	await until(func() -> bool: return not toast_text().is_empty(), "it is reported")
+	check("No instance is visible here of" in toast_text() and "Slope is 0°" in toast_text(), "the reason: " + toast_text())
+	await get_tree().create_timer(1.0).timeout # The toast fades in.
 	await picture("clicks_scree")
 	await undo()
 	check_equal(scatter.layers.size(), 2, "undone")
 
 
-## What the editor's toasts say.
-func told() -> String:
+## Returns the text of the editor's toasts.
+func toast_text() -> String:
 	var words := PackedStringArray()
 	for label: Label in EditorInterface.get_editor_toaster().find_children("*", "Label", true, false):
 		words.append(label.text)

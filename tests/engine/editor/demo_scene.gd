@@ -1,12 +1,12 @@
 @tool
 extends "res://tests/steps.gd"
-## A designer's first hour, in the demo scene: a scatter and a layer, a stroke, undo, redo, save, reopen; a preset, a
+## A designer's first hour in the demo scene: a scatter and a layer, a stroke, undo, redo, save, reopen; a preset, a
 ## shape, a bake.
 
 const SCENE := "res://demo.tscn"
 const MASK := "res://demo_posts_mask.res"
 const BAKED := "res://baked"
-## As saved for the editor's camera: it looks at this place on the ground.
+## The saved camera of the editor looks at this position on the ground.
 const LOOKED_AT := Vector2(40.0, -30.0)
 
 var scatter: Node3D
@@ -21,7 +21,7 @@ func on_ground(x: float, z: float) -> Vector3:
 	return Vector3(x, ground.get_height(Vector3(x, 0.0, z)), z)
 
 
-## Software draws the demo's own forest, and shadows, in seconds a frame.
+## Shows or hides the demo's own forest and shadows, which take seconds per frame in software.
 func set_costly(shown: bool) -> void:
 	EditorInterface.get_edited_scene_root().get_node("Scatter").visible = shown
 	EditorInterface.get_edited_scene_root().get_node("Sun").shadow_enabled = shown
@@ -37,7 +37,7 @@ func save_and_reopen() -> void:
 	await frames(5)
 	set_costly(false)
 	scatter = EditorInterface.get_edited_scene_root().get_node("Posts")
-	ground = scatter.terrain
+	ground = scatter.ground
 	select(scatter)
 	await settle(scatter)
 
@@ -48,15 +48,15 @@ func select(node: Node) -> void:
 	EditorInterface.edit_node(node)
 
 
-## A node and a layer, made through the editor's undo and redo.
+## Adds a node and a layer, through the editor's undo and redo.
 func test_add() -> void:
 	var root := await open(SCENE)
-	ground = root.get_node("Scatter").terrain
+	ground = root.get_node("Scatter").ground
 	set_costly(false)
 	var undo_redo := plugin.get_undo_redo()
 	scatter = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Posts"
-	scatter.terrain = ground
+	scatter.ground = ground
 	undo_redo.create_action("Add Node", UndoRedo.MERGE_DISABLE, root)
 	undo_redo.add_do_method(root, &"add_child", scatter, true)
 	undo_redo.add_do_property(scatter, &"owner", root)
@@ -66,8 +66,8 @@ func test_add() -> void:
 	select(scatter)
 	await frames(3)
 	EditorInterface.set_main_screen_editor("3D")
-	check(workspace().toolbar.visible, "the toolbar is there for a scatter")
-	check(not workspace().toolbar.paint.is_on(), "without layers there is no brush")
+	check(workspace().toolbar.visible, "the toolbar is visible for a scatter")
+	check(not workspace().toolbar.paint.is_on(), "no brush without layers")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Posts"
 	layer.radius = 1.5
@@ -88,14 +88,14 @@ func test_add() -> void:
 	undo_redo.commit_action()
 	await settle(scatter)
 	await picture("added")
-	# The editor writes numbers with fewer digits than the scene has; from here on they stay.
+	# The editor saves numbers with fewer digits than the scene has. After reopening, they stay the same.
 	await save_and_reopen()
 	before = instances(scatter, 0)
 	before_digests = digests(scatter, 0)
-	check(before.size() > 1000, "the layer stands around the editor's camera: %d instances" % before.size())
+	check(before.size() > 1000, "instances around the editor's camera: %d" % before.size())
 
 
-## One stroke that erases is one step, and changes nothing beyond its reach.
+## An erasing stroke is one step, and changes nothing beyond its reach.
 func test_stroke() -> void:
 	workspace().toolbar.paint.set_on(true)
 	workspace().toolbar.paint.set_brush(6.0, 1.0, 0.8)
@@ -111,8 +111,8 @@ func test_stroke() -> void:
 	check_equal(history(scatter).get_version(), version + 1, "a stroke is one step of undo")
 	painted = instances(scatter, 0)
 	painted_digests = digests(scatter, 0)
-	check(painted_digests != before_digests, "digests tell them apart")
-	check(painted.size() < before.size() - 50, "erased: %d of %d stand" % [painted.size(), before.size()])
+	check(painted_digests != before_digests, "the digests differ")
+	check(painted.size() < before.size() - 50, "erased: %d of %d remain" % [painted.size(), before.size()])
 	var farthest := 0.0
 	for id: int in before:
 		if not painted.has(id):
@@ -120,9 +120,9 @@ func test_stroke() -> void:
 			var nearest := at.clamp(LOOKED_AT - Vector2(16.0, 0.0), LOOKED_AT + Vector2(16.0, 0.0))
 			farthest = maxf(farthest, at.distance_to(nearest))
 		else:
-			check(painted[id] == before[id], "what stays does not move")
+			check(painted[id] == before[id], "remaining instances do not move")
 	check(farthest > 4.0 and farthest < 6.0 + 2.0, "erased up to %.2f m beside the stroke" % farthest)
-	check(painted.keys().all(func(id: int) -> bool: return before.has(id)), "nothing new stands")
+	check(painted.keys().all(func(id: int) -> bool: return before.has(id)), "no new instances")
 	check(FileAccess.file_exists(MASK), "the mask has a file")
 
 
@@ -130,30 +130,30 @@ func test_undo_redo() -> void:
 	history(scatter).undo()
 	await settle(scatter)
 	check(instances(scatter, 0) == before, "undone: the same instances as before")
-	check(digests(scatter, 0) == before_digests, "to the bit")
-	check(scatter.layers[0].mask == null, "and no mask")
-	check(not FileAccess.file_exists(MASK), "and no file of a mask")
+	check(digests(scatter, 0) == before_digests, "bit for bit")
+	check(scatter.layers[0].mask == null, "no mask")
+	check(not FileAccess.file_exists(MASK), "no file for the mask")
 	history(scatter).redo()
 	await settle(scatter)
 	check(instances(scatter, 0) == painted, "redone: the same as painted")
-	check(digests(scatter, 0) == painted_digests, "to the bit")
+	check(digests(scatter, 0) == painted_digests, "bit for bit")
 
 
-## Saved and opened again, the same stands; the scene holds settings only.
+## Saving and reopening keeps the instances. The scene contains only settings.
 func test_save_and_reopen() -> void:
 	await save_and_reopen()
 	check(instances(scatter, 0) == painted, "opened again: the same as painted")
-	check(digests(scatter, 0) == painted_digests, "to the bit")
+	check(digests(scatter, 0) == painted_digests, "bit for bit")
 	var text := FileAccess.get_file_as_string(SCENE)
 	check(text.length() < 100_000, "the scene is small: %d bytes" % text.length())
 	check(MASK.get_file() in text, "the scene refers to the mask's file")
 	for word in ["PackedByteArray", "MultiMesh", "buffer ="]:
-		check(not word in text, "the scene holds settings only, no %s" % word)
+		check(not word in text, "the scene contains only settings, no %s" % word)
 	var mask := ResourceLoader.load(MASK, "", ResourceLoader.CACHE_MODE_IGNORE)
 	check(mask.sample(LOOKED_AT) < 0.01 and mask.sample(LOOKED_AT + Vector2(0.0, 20.0)) == 1.0, "the stroke is in the file")
 
 
-## On a layer without a mask, painting leaves only what is painted; smoothing it blurs the rim. Undone, all is as before.
+## On a layer without a mask, painting keeps only the painted area. Smoothing blurs its rim. Undo restores everything.
 func test_paint_and_smooth() -> void:
 	var layer: Resource = scatter.layers[0].duplicate()
 	layer.resource_name = "Stakes"
@@ -171,12 +171,12 @@ func test_paint_and_smooth() -> void:
 	workspace().toolbar.paint.set_on(true)
 	workspace().toolbar.paint.choose_mode(2)
 	await stroke([on_ground(at.x, at.y)])
-	check(layer.mask == null, "there is nothing to smooth")
+	check(layer.mask == null, "nothing to smooth")
 	await ask_first(layer, at, full)
 	workspace().toolbar.paint.first_stroke.get_ok_button().pressed.emit()
 	await settle(scatter)
 	var kept := instances(scatter, 1)
-	check(kept.size() > 30 and kept.size() < 120, "%d of %d stand where it is painted" % [kept.size(), full.size()])
+	check(kept.size() > 30 and kept.size() < 120, "%d of %d remain where it is painted" % [kept.size(), full.size()])
 	for id: int in kept:
 		check(Vector2(kept[id].x, kept[id].z).distance_to(at) < 9.0 and kept[id] == full[id], "under the brush, not moved")
 	check(layer.mask.resource_path.begins_with("res://demo_stakes_mask"), "the mask has a file: %s" % layer.mask.resource_path)
@@ -195,69 +195,69 @@ func test_paint_and_smooth() -> void:
 	workspace().toolbar.update_layers()
 
 
-## Painting a layer that stands everywhere asks first: nothing changes by that, nor when it is dismissed, and "Not here" erases.
+## Painting a layer that covers everything asks first. Nothing changes before the answer or when it is dismissed, and "Not here" erases.
 func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 	var dialog: ConfirmationDialog = workspace().toolbar.paint.first_stroke
 	for answer: String in ["dismiss", "erase", "paint"]:
 		workspace().toolbar.paint.choose_mode(0)
 		await stroke([on_ground(at.x, at.y)])
-		check(dialog.visible and layer.mask == null, "the first stroke asks, to %s" % answer)
-		check("%d visible instances" % full.size() in dialog.dialog_text, "how many would go: %s" % dialog.dialog_text)
+		check(dialog.visible and layer.mask == null, "the first stroke asks, answer %s" % answer)
+		check("%d visible instances" % full.size() in dialog.dialog_text, "the number of instances that would be removed: %s" % dialog.dialog_text)
 		if answer == "dismiss":
 			await picture("first_stroke", dialog)
 			dialog.get_cancel_button().pressed.emit()
 			await settle(scatter)
-			check(layer.mask == null and instances(scatter, 1) == full, "dismissed, nothing has changed")
+			check(layer.mask == null and instances(scatter, 1) == full, "nothing has changed after dismissing it")
 		elif answer == "erase":
 			dialog.custom_action.emit(&"erase")
 			await settle(scatter)
 			var left := instances(scatter, 1)
-			check(left.size() < full.size() - 30 and left.size() > full.size() / 2, "%d of %d are left" % [left.size(), full.size()])
-			check_equal(workspace().toolbar.paint.brush.mode, 1, "the brush goes on to erase")
-			await until(workspace().toolbar.paint.mask_overlay.is_shown, "the mask is seen while the brush is on")
+			check(left.size() < full.size() - 30 and left.size() > full.size() / 2, "%d of %d remain" % [left.size(), full.size()])
+			check_equal(workspace().toolbar.paint.brush.mode, 1, "the brush stays on erase")
+			await until(workspace().toolbar.paint.mask_overlay.is_shown, "the mask is visible while the brush is on")
 			await picture("mask")
 			var file: String = layer.mask.resource_path
 			check(FileAccess.file_exists(file), "the mask has a file")
 			history(scatter).undo()
-			check(layer.mask == null and not FileAccess.file_exists(file), "undone, and no file is left behind")
+			check(layer.mask == null and not FileAccess.file_exists(file), "undone, with no file left")
 			history(scatter).redo()
 			check(layer.mask != null and FileAccess.file_exists(file), "redone, with its file")
-			check(ResourceLoader.load(file, "", ResourceLoader.CACHE_MODE_IGNORE).sample(at) < 0.01, "which holds the stroke")
+			check(ResourceLoader.load(file, "", ResourceLoader.CACHE_MODE_IGNORE).sample(at) < 0.01, "the file contains the stroke")
 			history(scatter).undo()
-			check(layer.mask == null and not FileAccess.file_exists(file), "undone again")
+			check(layer.mask == null and not FileAccess.file_exists(file), "undone")
 			await settle(scatter)
 
 
-## A stroke that cannot be made says why and keeps the button; another selection puts the brush away.
-func test_brush_in_the_way() -> void:
+## A stroke that cannot be painted shows the reason and captures the button. A new selection puts the brush away.
+func test_a_stroke_that_cannot_be_painted() -> void:
 	workspace().toolbar.paint.set_on(true)
 	await frames(2)
 	var press := _button(Vector2(300.0, 200.0), true, false)
 	var stop := EditorPlugin.AFTER_GUI_INPUT_STOP
-	scatter.terrain = null
-	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a terrain")
-	check("terrain" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
+	scatter.ground = null
+	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a ground")
+	check("ground" in workspace().toolbar.paint.problem, "the reason: '%s'" % workspace().toolbar.paint.problem)
 	await picture("no_terrain")
-	scatter.terrain = ground
+	scatter.ground = ground
 	var layers: Array = scatter.layers
 	scatter.layers = []
 	workspace().toolbar.update_layers()
 	check_equal(addon()._forward_3d_gui_input(camera(), press), stop, "the button without a layer")
-	check("layer" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
+	check("layer" in workspace().toolbar.paint.problem, "the reason: '%s'" % workspace().toolbar.paint.problem)
 	scatter.layers = layers
 	workspace().toolbar.update_layers()
 	check_equal(addon()._forward_3d_gui_input(camera(), _button(Vector2(300.0, -20000.0), true, false)), stop, "the sky")
-	check("ground" in workspace().toolbar.paint.problem, "why: '%s'" % workspace().toolbar.paint.problem)
+	check("ground" in workspace().toolbar.paint.problem, "the reason: '%s'" % workspace().toolbar.paint.problem)
 	check(EditorInterface.get_selection().get_selected_nodes() == [scatter], "the selection stays")
 	select(EditorInterface.get_edited_scene_root())
 	await frames(2)
 	check(not workspace().toolbar.paint.is_on(), "deselecting puts the brush away")
 	select(scatter)
 	await frames(2)
-	check(not workspace().toolbar.paint.is_on(), "and it does not come back by itself")
+	check(not workspace().toolbar.paint.is_on(), "it does not come back by itself")
 
 
-## A preset adds its layers with undo; added again, the names differ and the rules name the new ones.
+## A preset adds its layers in one step. When added again, the names differ, and the rules refer to the new layers.
 func test_presets() -> void:
 	var version := history(scatter).get_version()
 	workspace().toolbar.preset_chosen.emit("forest")
@@ -266,9 +266,9 @@ func test_presets() -> void:
 	var names := PackedStringArray(scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name))
 	check(names.has("Spruce") and names.has("Spruce 2") and names.size() == 13, "names: %s" % names)
 	var bush: Resource = scatter.layers[names.find("Bush 2")]
-	check_equal(bush.spacing.keys(), ["Spruce 2", "Birch 2"], "rules name the new layers")
+	check_equal(bush.spacing.keys(), ["Spruce 2", "Birch 2"], "rules refer to the new layers")
 	check(scatter.layers[names.find("Bush")] != bush and bush.meshes[0].resource_path.is_empty(), "layers are copies")
-	check(scatter.get_problems().is_empty(), "nothing stands in the way: %s" % scatter.get_problems())
+	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	history(scatter).undo()
 	for layer: Resource in scatter.layers:
 		layer.view_distance = minf(layer.view_distance, 60.0)
@@ -276,15 +276,15 @@ func test_presets() -> void:
 	await picture("preset")
 	history(scatter).undo()
 	check_equal(scatter.layers.size(), 1, "undone")
-	var flat: Resource = ClassDB.instantiate(&"ScatterTerrainFlat")
-	scatter.terrain = flat
+	var flat: Resource = ClassDB.instantiate(&"ScatterGroundFlat")
+	scatter.ground = flat
 	workspace().toolbar.preset_chosen.emit("scree")
-	check(not workspace()._fresh_layers._fresh.is_empty(), "what is new waits until it stands")
+	check(not workspace()._preset_watcher._fresh.is_empty(), "new layers are watched until they are visible")
 	await settle(scatter)
-	await until(func() -> bool: return workspace()._fresh_layers._fresh.is_empty(), "what stands nowhere is told")
+	await until(func() -> bool: return workspace()._preset_watcher._fresh.is_empty(), "layers without instances are reported")
 	await picture("missing")
 	history(scatter).undo()
-	scatter.terrain = ground
+	scatter.ground = ground
 	for preset in ["meadow", "scree"]:
 		workspace().toolbar.preset_chosen.emit(preset)
 		check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "%s: %s" % [preset, scatter.get_problems()])
@@ -296,17 +296,17 @@ func test_gizmos() -> void:
 	await run_part(preload("res://tests/region_handles.gd").new(), &"drag_all")
 
 
-## Where a layer or a region names layers, there is a list to choose from.
-func test_layers_to_choose_from() -> void:
+## Properties that refer to layers offer a list of layers.
+func test_choosing_layers() -> void:
 	await run_part(preload("res://tests/layer_choices.gd").new(), &"choose")
 
 
-## What is dropped on the inspector becomes layers, and meshes of a layer.
+## Meshes and scenes dropped on the inspector become layers, or meshes of a layer.
 func test_drops() -> void:
 	await run_part(preload("res://tests/mesh_drops.gd").new(), &"drop")
 
 
-## Calls a method of a part that works on the scatter.
+## Calls a method of a part that tests the scatter.
 func run_part(part: Node, method: StringName) -> void:
 	part.set(&"plugin", plugin)
 	part.set(&"scatter", scatter)
@@ -319,7 +319,7 @@ func run_part(part: Node, method: StringName) -> void:
 	select(scatter)
 
 
-## A cancelled bake leaves nothing; a finished one holds what stands.
+## A canceled bake leaves nothing. A finished one contains the instances.
 func test_bake() -> void:
 	select(scatter)
 	await frames(2)
@@ -331,10 +331,10 @@ func test_bake() -> void:
 	dialog.fill(scatter, rect)
 	dialog.start()
 	dialog.job.step(0.0)
-	check(dialog.job.progress > 0.0 and dialog.job.progress < 1.0, "under way: %s" % dialog.job.progress)
+	check(dialog.job.progress > 0.0 and dialog.job.progress < 1.0, "in progress: %s" % dialog.job.progress)
 	dialog.stop()
 	dialog.hide()
-	check_equal(files(BAKED), PackedStringArray(), "a cancelled bake leaves no file")
+	check_equal(files(BAKED), PackedStringArray(), "a canceled bake leaves no files")
 	check(not DirAccess.dir_exists_absolute(BAKED.path_join(".bake_unfinished")), "and no folder")
 	dialog.start()
 	await until(func() -> bool: return not dialog.is_processing(), "baked")
@@ -352,7 +352,7 @@ func test_bake() -> void:
 		for at in range(0, buffer.size(), 12):
 			var place := child.position + Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
 			found += int(expected.has(place.snapped(Vector3.ONE * 0.01)))
-	check(count == expected.size() and found >= count - 3, "%d baked, %d of them stand, of %d" % [count, found, expected.size()])
+	check(count == expected.size() and found >= count - 3, "%d baked, %d of them match, %d expected" % [count, found, expected.size()])
 	check(FileAccess.get_file_as_string(BAKED + "/posts.tscn").length() < 20_000, "a small scene")
 	scene.free()
 

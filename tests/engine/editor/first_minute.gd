@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## From an empty scene to three species that keep apart on a mesh ground, with the mouse alone: nothing is typed, and no call of a script
-## stands in for a click.
+## From an empty scene to three species that keep apart on a mesh ground, with the mouse only: nothing is typed, and no script call replaces
+## a click.
 
 const SCENE := "res://plot.tscn"
 const GROUND := "res://hill.tscn"
@@ -12,7 +12,7 @@ var _clicks := 0
 
 
 func panel() -> Control:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 func click(at: Vector2) -> void:
@@ -36,8 +36,8 @@ func save_packed(node: Node, path: String) -> void:
 	EditorInterface.get_resource_filesystem().update_file(path)
 
 
-## What a designer has: a hill that someone has modeled, three plants, and an empty scene.
-func test_what_there_is() -> void:
+## The designer's starting point: a hill from a modeler, three plants, and an empty scene.
+func test_prepare() -> void:
 	var widths: Array[float] = [4.0, 3.0, 0.8]
 	for index in 3:
 		var mesh := CylinderMesh.new()
@@ -77,10 +77,10 @@ func test_first_minute() -> void:
 	await drag_files([GROUND], row_of("Plot"))
 	if not check(root.has_node("Hill"), "the hill is dropped into the scene"):
 		return
-	# As a click on its name does; the editor may still be opening what was open last time.
+	# Like a click on its name. The editor may still be opening the scenes of the last session.
 	await until(func() -> bool:
 		addon().make_bottom_panel_item_visible(panel())
-		return panel().is_visible_in_tree(), "the panel is seen")
+		return panel().is_visible_in_tree(), "the panel is visible")
 	await frames(10)
 	await click(middle(button("New Scatter")))
 	var scatter: Node3D = root.get_node_or_null("Scatter")
@@ -88,18 +88,18 @@ func test_first_minute() -> void:
 		return
 	await click(row_of("Hill"))
 	await click(middle(button("Use as Ground")))
-	check(scatter.terrain != null and scatter.terrain.is_class("ScatterTerrainMeshes"), "the hill is its ground")
+	check(scatter.ground != null and scatter.ground.is_class("ScatterGroundMeshes"), "the hill is its ground")
 	await click(row_of("Scatter"))
-	await get_tree().create_timer(0.6).timeout # The panel looks some times a second.
+	await get_tree().create_timer(0.6).timeout # The panel updates only some times per second.
 	await drag_files(MODELS, middle(panel().tree))
 	check_equal(scatter.layers.size(), 3, "three species")
 	await settle(scatter)
-	check_equal(_clicks, 4, "clicks, beside two drops")
-	check(scatter.get_problems().is_empty(), "nothing in the way: %s" % scatter.get_problems())
+	check_equal(_clicks, 4, "clicks, besides two drops")
+	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	check_species(scatter)
 	await picture("first_minute")
 	await key(KEY_S, KEY_MASK_CTRL)
-	await until(func() -> bool: return "ScatterTerrainMeshes" in FileAccess.get_file_as_string(SCENE), "saved with Ctrl+S")
+	await until(func() -> bool: return "ScatterGroundMeshes" in FileAccess.get_file_as_string(SCENE), "saved with Ctrl+S")
 	var text := FileAccess.get_file_as_string(SCENE)
 	check(text.length() < 5000 and not "MultiMesh" in text, "a small scene: %d bytes" % text.length())
 	var steps := 0
@@ -109,13 +109,13 @@ func test_first_minute() -> void:
 	check(steps == 4 and root.get_child_count() == 0, "four steps of undo lead back to the empty scene: %d" % steps)
 
 
-## All of them stand on the hill, and those of one or of two species keep apart.
+## All of them are on the hill, and keep apart within and between species.
 func check_species(scatter: Node3D) -> void:
 	var all: Array[PackedVector2Array] = []
 	for index in 3:
 		var places := PackedVector2Array()
 		for at: Vector3 in instances(scatter, index).values():
-			check(absf(at.y - scatter.terrain.get_height(at)) < 0.3, "%s at %s is on the hill" % [scatter.layers[index].resource_name, at])
+			check(absf(at.y - scatter.ground.get_height(at)) < 0.3, "%s at %s is on the hill" % [scatter.layers[index].resource_name, at])
 			if Vector2(at.x, at.z).length() < 25.0:
 				places.append(Vector2(at.x, at.z))
 		check(places.size() > 10, "%d of %s near the top" % [places.size(), scatter.layers[index].resource_name])
@@ -127,4 +127,4 @@ func check_species(scatter: Node3D) -> void:
 			for a in all[one]:
 				for b in all[other]:
 					nearest = minf(nearest, a.distance_to(b) if a != b else INF)
-			check(apart > 0.3 and nearest >= apart - 0.01, "%d and %d are %.2f m apart, not %.2f" % [one, other, nearest, apart])
+			check(apart > 0.3 and nearest >= apart - 0.01, "%d and %d are %.2f m apart, expected %.2f" % [one, other, nearest, apart])

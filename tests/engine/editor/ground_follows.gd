@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## What is selected becomes the ground at a click, undone and done again to the byte; what moves is followed in the editor as well.
+## A click makes the selection the ground, undone and redone byte for byte. Movements are followed in the editor, too.
 
 const SCENE := "res://meadow.tscn"
 const HILL := "res://hill.tscn"
@@ -25,7 +25,7 @@ func button(text: String) -> Button:
 	return null
 
 
-## A click with the left button of the mouse, as the window gets it.
+## Clicks a button with the left mouse button, as an event of the window.
 func click(text: String) -> void:
 	var on := button(text)
 	check(on.is_visible_in_tree() and not on.disabled, "%s can be clicked" % text)
@@ -74,7 +74,7 @@ func save_packed(root: Node, path: String) -> void:
 	root.free()
 
 
-## A scene such as people have before they have heard of groups: meshes, a body, an imported hill.
+## A scene without groups, as most users have: meshes, a body, an imported hill.
 func test_prepare() -> void:
 	var made_hill := Node3D.new()
 	made_hill.name = "Hill"
@@ -132,13 +132,13 @@ func test_use_the_selected_mesh() -> void:
 	await select([])
 	check(not buttons().visible, "no buttons without a selection")
 	await select([opened_sun()])
-	check(not buttons().visible, "nor for a light")
+	check(not buttons().visible, "no buttons for a light")
 	var before := saved()
 	await select([meadow])
-	check(buttons().visible, "a mesh can be ground of the only scatter")
+	check(buttons().visible, "a mesh can become ground for the only scatter")
 	await click("Use as Ground")
-	var terrain: Resource = scatter.get(&"terrain")
-	if not check(terrain != null and terrain.is_class("ScatterTerrainMeshes"), "the scatter got a ground"):
+	var terrain: Resource = scatter.get(&"ground")
+	if not check(terrain != null and terrain.is_class("ScatterGroundMeshes"), "the scatter has a ground"):
 		return
 	check_equal(terrain.get(&"group"), &"meadow_flowers_ground", "its group")
 	await select([scatter])
@@ -150,45 +150,45 @@ func test_use_the_selected_mesh() -> void:
 	await look_from(Vector3(0.0, 14.0, 34.0))
 	await picture("ground_meadow")
 	await undo()
-	check(scatter.get(&"terrain") == null and not meadow.is_in_group("meadow_flowers_ground"), "undone")
-	check_equal(saved(), before, "to the byte")
+	check(scatter.get(&"ground") == null and not meadow.is_in_group("meadow_flowers_ground"), "undone")
+	check_equal(saved(), before, "byte for byte")
 	await redo()
-	check_equal(saved(), after, "done again, to the byte")
+	check_equal(saved(), after, "redone, byte for byte")
 	await settle(scatter)
-	check_equal(instances(scatter, 0), stand, "and the same stands")
+	check_equal(instances(scatter, 0), stand, "the same instances")
 
 
 func opened_sun() -> Node:
 	return EditorInterface.get_edited_scene_root().get_node("Sun")
 
 
-func test_more_meshes_join_together_with_the_scatter_selected() -> void:
+func test_more_meshes_join_with_the_scatter_selected() -> void:
 	var before := saved()
 	await select([scatter, rock, hill])
-	check(buttons().visible, "with the scatter selected as well")
+	check(buttons().visible, "also with the scatter selected")
 	await click("Use as Ground")
 	check(rock.is_in_group("meadow_flowers_ground"), "the rock joins the group")
-	check(hill.get_node("Top").is_in_group("meadow_flowers_ground"), "so does the mesh of the hill's scene")
+	check(hill.get_node("Top").is_in_group("meadow_flowers_ground"), "the mesh in the hill's scene joins, too")
 	await select([scatter])
 	await settle(scatter)
 	var heights := instances(scatter, 0).values().map(func(at: Vector3) -> float: return snappedf(at.y, 0.01))
 	check(heights.count(2.5) > 30, "%d on the rock" % heights.count(2.5))
 	check(heights.count(3.5) > 80, "%d on the hill" % heights.count(3.5))
 	var after := saved()
-	check("[editable path=\"Hill\"]" in after, "the hill's nodes can be changed here")
+	check("[editable path=\"Hill\"]" in after, "the hill's nodes are editable here")
 	await picture("ground_joined")
 	await undo()
-	check_equal(saved(), before, "undone to the byte")
+	check_equal(saved(), before, "undone, byte for byte")
 	await redo()
-	check_equal(saved(), after, "done again")
+	check_equal(saved(), after, "redone")
 	await select([rock])
 	var version := history(scatter).get_version()
 	await click("Use as Ground")
-	check_equal(history(scatter).get_version(), version, "what is ground already stays so")
+	check_equal(history(scatter).get_version(), version, "a mesh that is ground already does not change")
 	await settle(scatter)
 
 
-## A mesh that is moved as the gizmo moves it, in steps that are one action in the end.
+## Moves a mesh like the gizmo does, in steps that are one action in the end.
 func test_a_moved_mesh_is_followed() -> void:
 	var manager := plugin.get_undo_redo()
 	for step in 8:
@@ -206,20 +206,20 @@ func test_a_moved_mesh_is_followed() -> void:
 	check_on_rock("moved back")
 
 
-func check_on_rock(what: String) -> void:
+func check_on_rock(context: String) -> void:
 	var on_rock := instances(scatter, 0).values().filter(func(at: Vector3) -> bool: return absf(at.y - 2.5) < 0.01)
-	check(on_rock.size() > 30, "%s: %d on the rock" % [what, on_rock.size()])
+	check(on_rock.size() > 30, "%s: %d on the rock" % [context, on_rock.size()])
 	check(on_rock.all(func(at: Vector3) -> bool:
-			return absf(at.x - rock.position.x) < 4.01 and absf(at.z - rock.position.z) < 4.01), what + ": none left in the air")
+			return absf(at.x - rock.position.x) < 4.01 and absf(at.z - rock.position.z) < 4.01), context + ": none in the air")
 
 
-## With the scatter alone selected the button asks for a node of the tree.
+## With only the scatter selected, the button opens a dialog with the tree.
 func test_pick_in_the_tree() -> void:
 	await undo()
 	await undo()
-	check(scatter.get(&"terrain") == null, "no ground again")
+	check(scatter.get(&"ground") == null, "no ground again")
 	await select([scatter])
-	check(not button("Refresh Ground").visible, "without a ground there is nothing to refresh")
+	check(not button("Refresh Ground").visible, "nothing to refresh without a ground")
 	await click("Use as Ground")
 	var dialogs := EditorInterface.get_base_control().get_window().find_children("*", "SceneTreeDialog", true, false).filter(
 			func(dialog: Window) -> bool: return dialog.visible)
@@ -229,23 +229,23 @@ func test_pick_in_the_tree() -> void:
 	dialogs[0].hide()
 	dialogs[0].emit_signal(&"selected", meadow.get_path())
 	await frames(3)
-	check(meadow.is_in_group("meadow_flowers_ground") and scatter.get(&"terrain") != null, "what is picked is the ground")
+	check(meadow.is_in_group("meadow_flowers_ground") and scatter.get(&"ground") != null, "the picked node is the ground")
 	await undo()
 
 
 func test_use_a_body() -> void:
-	check(scatter.get(&"terrain") == null, "no ground again")
+	check(scatter.get(&"ground") == null, "no ground again")
 	var before := saved()
 	await select([scatter, floor_body])
 	await click("Use as Ground")
-	var terrain: Resource = scatter.get(&"terrain")
-	if not check(terrain != null and terrain.is_class("ScatterTerrainColliders"), "rays"):
+	var terrain: Resource = scatter.get(&"ground")
+	if not check(terrain != null and terrain.is_class("ScatterGroundColliders"), "a ground of colliders"):
 		return
-	check_equal(terrain.get(&"collision_mask"), 4, "which meet the body's layer")
+	check_equal(terrain.get(&"collision_mask"), 4, "its rays use the body's layer")
 	await select([scatter])
 	await settle(scatter)
 	check(instances(scatter, 0).size() > 700, "%d instances on the floor" % instances(scatter, 0).size())
-	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 4.5) < 0.01), "at its height")
+	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 4.5) < 0.01), "at the height of the floor")
 	floor_body.position.y = -3.0
 	await settle(scatter)
 	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 1.5) < 0.01), "a moved body is followed")
@@ -257,10 +257,10 @@ func test_use_a_body() -> void:
 	await picture("ground_body")
 	floor_body.position.y = -6.0
 	await undo()
-	check_equal(saved(), before, "undone to the byte")
+	check_equal(saved(), before, "undone, byte for byte")
 
 
-## Puts the editor's camera somewhere, looking at the middle of the meadow.
+## Moves the editor's camera, and turns it to the middle of the meadow.
 func look_from(at: Vector3) -> void:
 	camera().global_position = at
 	camera().look_at(Vector3.ZERO)

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Single instances by hand, with the mouse and the keys: planted, selected, moved, turned, scaled, deleted; undone and redone to the byte,
-## saved with the scene in a file of their own.
+## Single instances by hand, with mouse and keys: planted, selected, moved, rotated, scaled, deleted; undone and redone byte for byte,
+## and saved with the scene in a separate file.
 
 const SCENE := "res://field.tscn"
 const STATE := "res://field_rocks_state.res"
@@ -10,15 +10,15 @@ var scatter: Node3D
 var hand: Node
 
 
-## A flat field with a ramp of a mesh on it: rocks that stand by hand alone, and posts by their rules.
+## A flat field with a ramp mesh on it. Rocks are only placed by hand, posts are generated.
 func make_scene(path: String) -> void:
 	var root := Node3D.new()
 	root.name = "Field"
 	scatter = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Rocks"
-	var ground: Resource = ClassDB.instantiate(&"ScatterTerrainMeshes")
+	var ground: Resource = ClassDB.instantiate(&"ScatterGroundMeshes")
 	ground.set(&"group", &"ground")
-	scatter.set(&"terrain", ground)
+	scatter.set(&"ground", ground)
 	var layers: Array = []
 	for name: String in ["Rock", "Post"]:
 		var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
@@ -76,13 +76,13 @@ func version() -> int:
 	return history(scatter).get_version()
 
 
-func test_a_scene_that_is_saved() -> void:
+func test_prepare() -> void:
 	make_scene(SCENE)
 	scatter = (await open(SCENE)).get_node("Rocks")
 	EditorInterface.set_main_screen_editor("3D")
 	await select_scatter()
 	await settle(scatter)
-	# What the editor itself adds when it saves is there from here on.
+	# The editor adds its own data when it saves; from here on the file does not change.
 	EditorInterface.save_scene()
 	hand = workspace().toolbar.hand
 	surface().grab_focus()
@@ -90,68 +90,68 @@ func test_a_scene_that_is_saved() -> void:
 	workspace().toolbar.choose_layer(0)
 	hand.planting.choose(false, false, false, false)
 	hand.look()
-	# The row of the tool takes its place.
+	# Wait for the layout, because the tool's row takes space.
 	await frames(3)
 
 
-## A click plants: one step of undo, and the first one makes the file.
+## A click plants an instance: one step of undo, and the first instance creates the file.
 func test_plant() -> void:
 	var scene := bytes(SCENE)
 	var before := version()
 	var at := Vector3(0.6, 0.0, 0.4)
 	await click_at(on_screen(at))
-	check_equal(hand.problem, "", "nothing in the way")
-	if not check(placed().size() == 1, "one stands: %s" % placed()):
+	check_equal(hand.problem, "", "no problem")
+	if not check(placed().size() == 1, "one instance: %s" % placed()):
 		return
 	check_equal(version(), before + 1, "one step of undo")
-	check(FileAccess.file_exists(STATE), "in a file: %s" % files("res://"))
-	check_equal(scatter.get(&"state").resource_path, STATE, "which the scatter refers to")
-	var stands := transform_of(placed()[0])
-	check(stands.origin.distance_to(at) < 0.02 and stands.basis.is_equal_approx(Basis()), "where it was clicked: %s" % stands)
+	check(FileAccess.file_exists(STATE), "saved in a file: %s" % files("res://"))
+	check_equal(scatter.get(&"state").resource_path, STATE, "the scatter refers to the file")
+	var placed_at := transform_of(placed()[0])
+	check(placed_at.origin.distance_to(at) < 0.02 and placed_at.basis.is_equal_approx(Basis()), "at the clicked position: %s" % placed_at)
 	check_equal(hand.selected, placed()[0], "it is selected")
 	await picture("hand_planted")
 	var id := placed()[0]
 	await undo()
-	check(scatter.get(&"state") == null and not FileAccess.file_exists(STATE), "undone, with its file")
-	check(not scatter.has_instance(id), "it is gone")
+	check(scatter.get(&"state") == null and not FileAccess.file_exists(STATE), "undone, including its file")
+	check(not scatter.has_instance(id), "the instance is gone")
 	hand.look()
-	check_equal(hand.selected, 0, "and not selected any more")
+	check_equal(hand.selected, 0, "it is not selected any more")
 	EditorInterface.save_scene()
-	check(bytes(SCENE) == scene, "the scene is as it was, to the byte")
+	check(bytes(SCENE) == scene, "the scene is unchanged, byte for byte")
 	await redo()
-	check(placed() == PackedInt64Array([id]) and transform_of(id) == stands, "redone to the bit, under its id")
+	check(placed() == PackedInt64Array([id]) and transform_of(id) == placed_at, "redone bit for bit, with the same id")
 	EditorInterface.save_scene()
 	check(FileAccess.file_exists(STATE), "saved with the scene")
 	var text := FileAccess.get_file_as_string(SCENE)
-	check(STATE in text and not "PackedByteArray" in text, "the scene refers to the file and holds no instance")
+	check(STATE in text and not "PackedByteArray" in text, "the scene refers to the file and contains no instances")
 	var saved := ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
-	check(saved.get_added() == PackedInt64Array([id]) and saved.designed, "the file holds it")
+	check(saved.get_added() == PackedInt64Array([id]) and saved.copy_at_runtime, "the file contains the instance")
 
 
-## Moved, turned and scaled by the mouse, then by keys: it keeps its id, and each is one step that undo takes back to the byte.
-func test_move_turn_scale() -> void:
+## Moves, rotates and scales by mouse, then by keys. The id stays, and undo reverts each step byte for byte.
+func test_move_rotate_scale() -> void:
 	var id := placed()[0]
 	var state := bytes(STATE)
 	var scene := bytes(SCENE)
 	var start := transform_of(id)
 	await key(KEY_ESCAPE)
 	check_equal(hand.selected, 0, "escape deselects")
-	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter], "and leaves the scatter selected")
+	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter], "the scatter stays selected")
 	await move_mouse(on_screen(Vector3(1.2, 0.0, 0.9)))
-	check(hand._ghost.is_shown(), "where nothing stands, the next one is seen")
+	check(hand._ghost.is_shown(), "a preview of the next instance is visible where none exists")
 	await picture("hand_ghost")
 	await move_mouse(on_screen(start.origin + Vector3.UP * 0.2))
 	await click_at(on_screen(start.origin + Vector3.UP * 0.2))
 	check_equal(hand.selected, id, "a click on it selects it")
-	check_equal(placed().size(), 1, "and plants none")
+	check_equal(placed().size(), 1, "no instance is planted")
 	var steps := version()
 	var grab := start.origin + Vector3.UP * 0.1
 	await drag_mouse(on_screen(start.origin), on_screen(start.origin + Vector3(-1.0, 0.0, 0.5)))
 	var moved := transform_of(id)
 	check(moved.origin.distance_to(start.origin + Vector3(-1.0, 0.0, 0.5)) < 0.05, "moved to %s" % moved.origin)
-	check(moved.basis == start.basis, "and not turned")
+	check(moved.basis == start.basis, "it is not rotated")
 	await drag_mouse(on_screen(moved.origin), on_screen(Vector3(-0.86, 0.0, 0.93)), true)
-	check(transform_of(id).origin.is_equal_approx(Vector3(-1.0, 0.0, 1.0)), "with Ctrl to the grid: %s" % transform_of(id).origin)
+	check(transform_of(id).origin.is_equal_approx(Vector3(-1.0, 0.0, 1.0)), "with Ctrl, it snaps to the grid: %s" % transform_of(id).origin)
 	moved = transform_of(id)
 	await picture("hand_selected")
 	var frame: RefCounted = hand._frame
@@ -159,78 +159,78 @@ func test_move_turn_scale() -> void:
 	var around := moved.origin + (knob - moved.origin).rotated(Vector3.UP, PI * 0.5)
 	await drag_mouse(on_screen(knob), on_screen(around))
 	var turned := transform_of(id)
-	check(turned.origin == moved.origin, "turned where it stands")
-	check(turned.basis.z.distance_to(Vector3.RIGHT) < 0.05, "turned: %s" % turned.basis)
+	check(turned.origin == moved.origin, "rotated in place")
+	check(turned.basis.z.distance_to(Vector3.RIGHT) < 0.05, "rotated: %s" % turned.basis)
 	var top: Vector3 = hand._frame.handle_position(2)
 	var middle := on_screen(turned.origin)
 	await drag_mouse(on_screen(top), middle + (on_screen(top) - middle) * 2.0)
 	check(absf(transform_of(id).basis.y.length() - 2.0) < 0.05, "twice as large: %s" % transform_of(id).basis.get_scale())
 	await key(KEY_R)
-	check(absf(transform_of(id).basis.z.angle_to(turned.basis.z) - deg_to_rad(15.0)) < 1e-3, "R turns by a step")
+	check(absf(transform_of(id).basis.z.angle_to(turned.basis.z) - deg_to_rad(15.0)) < 1e-3, "R rotates by one step")
 	await key(KEY_R, KEY_MASK_SHIFT)
 	await key(KEY_BRACKETRIGHT)
 	await key(KEY_BRACKETLEFT)
-	check(transform_of(id).basis.y.length() < 2.05, "keys scale and turn back")
-	check_equal(placed(), PackedInt64Array([id]), "it is the same instance all the time")
+	check(transform_of(id).basis.y.length() < 2.05, "keys scale and rotate back")
+	check_equal(placed(), PackedInt64Array([id]), "it is still the same instance")
 	check_equal(version(), steps + 8, "eight steps")
 	var last := transform_of(id)
 	EditorInterface.save_scene()
 	check(bytes(STATE) != state, "saved")
 	for step in 8:
 		await undo()
-	check(transform_of(id) == start, "undone to the bit")
+	check(transform_of(id) == start, "undone bit for bit")
 	EditorInterface.save_scene()
-	check(bytes(STATE) == state, "the file is as it was, to the byte")
-	check(bytes(SCENE) == scene, "and the scene")
+	check(bytes(STATE) == state, "the file is unchanged, byte for byte")
+	check(bytes(SCENE) == scene, "the scene, too")
 	for step in 8:
 		await redo()
-	check(transform_of(id) == last, "redone to the bit")
+	check(transform_of(id) == last, "redone bit for bit")
 
 
-## Given up with Escape, a drag leaves nothing; deleted with the key, the node stays and the instance goes.
-func test_give_up_and_delete() -> void:
+## A drag canceled with Escape changes nothing. The Delete key deletes the instance and not the node.
+func test_cancel_and_delete() -> void:
 	var id := placed()[0]
 	await key(KEY_ESCAPE)
-	var stands := transform_of(id)
+	var placed_at := transform_of(id)
 	var steps := version()
-	await drag_mouse(on_screen(stands.origin), on_screen(stands.origin + Vector3(0.8, 0.0, 0.0)), false, false)
-	check(transform_of(id) != stands, "it follows the mouse")
+	await drag_mouse(on_screen(placed_at.origin), on_screen(placed_at.origin + Vector3(0.8, 0.0, 0.0)), false, false)
+	check(transform_of(id) != placed_at, "it follows the mouse")
 	await key(KEY_ESCAPE)
-	check(transform_of(id) == stands and version() == steps, "given up")
-	await press(on_screen(stands.origin), false)
+	check(transform_of(id) == placed_at and version() == steps, "canceled")
+	await press(on_screen(placed_at.origin), false)
 	await key(KEY_DELETE)
-	check(scatter.is_inside_tree() and placed().size() == 1, "with nothing selected, Delete deletes nothing")
-	await click_at(on_screen(stands.origin))
+	check(scatter.is_inside_tree() and placed().size() == 1, "Delete without a selection deletes nothing")
+	await click_at(on_screen(placed_at.origin))
 	check_equal(hand.selected, id, "selected again")
 	await key(KEY_DELETE)
-	check(scatter.is_inside_tree() and placed().is_empty(), "deleted, and the node stays")
+	check(scatter.is_inside_tree() and placed().is_empty(), "the instance is deleted, the node stays")
 	await undo()
-	check(transform_of(id) == stands, "undone")
+	check(transform_of(id) == placed_at, "undone")
 
 
-## One that stands by its rules is moved and deleted like any other, and undo has it back under its own id.
-func test_instances_of_rules() -> void:
+## A generated instance can be moved and deleted like any other. Undo restores it with its own id.
+func test_generated_instances() -> void:
 	workspace().toolbar.choose_layer(1)
 	await settle(scatter)
 	hand.look()
 	var near: RefCounted = scatter.query_nearest(Vector3(0.5, 0.0, 0.5), 3.0, [1])
 	var id: int = near.id
-	var stands: Transform3D = near.transform
-	await click_at(on_screen(stands.origin + Vector3.UP * 0.1))
+	var placed_at: Transform3D = near.transform
+	await click_at(on_screen(placed_at.origin + Vector3.UP * 0.1))
 	check_equal(hand.selected, id, "selected")
 	await key(KEY_ESCAPE)
-	await drag_mouse(on_screen(stands.origin), on_screen(stands.origin + Vector3(0.5, 0.0, 0.0)))
-	check(not scatter.has_instance(id) and hand.selected < 0, "it stands elsewhere, under an id of its own")
-	check(transform_of(hand.selected).origin.distance_to(stands.origin + Vector3(0.5, 0.0, 0.0)) < 0.05, "where it was dragged to")
-	check(transform_of(hand.selected).basis == stands.basis, "as it was turned")
+	await drag_mouse(on_screen(placed_at.origin), on_screen(placed_at.origin + Vector3(0.5, 0.0, 0.0)))
+	check(not scatter.has_instance(id) and hand.selected < 0, "it moves, with a new id")
+	check(transform_of(hand.selected).origin.distance_to(placed_at.origin + Vector3(0.5, 0.0, 0.0)) < 0.05, "at the dragged position")
+	check(transform_of(hand.selected).basis == placed_at.basis, "it keeps its rotation")
 	await undo()
-	check(scatter.has_instance(id) and transform_of(id) == stands, "undone")
-	await click_at(on_screen(stands.origin + Vector3.UP * 0.1))
+	check(scatter.has_instance(id) and transform_of(id) == placed_at, "undone")
+	await click_at(on_screen(placed_at.origin + Vector3.UP * 0.1))
 	await key(KEY_DELETE)
 	check(not scatter.has_instance(id), "deleted")
 	await settle(scatter)
-	check(not instances(scatter, 1).has(id), "and not drawn")
-	check_equal(scatter.build_rect(1, Rect2(stands.origin.x - 0.01, stands.origin.z - 0.01, 0.02, 0.02)).is_empty(), true, "nor baked")
+	check(not instances(scatter, 1).has(id), "it is not drawn")
+	check_equal(scatter.build_rect(1, Rect2(placed_at.origin.x - 0.01, placed_at.origin.z - 0.01, 0.02, 0.02)).is_empty(), true, "nor baked")
 	await undo()
 	await settle(scatter)
 	check(instances(scatter, 1).has(id), "undone")
@@ -239,16 +239,16 @@ func test_instances_of_rules() -> void:
 	hand.look()
 
 
-## Other ground: a ramp, with Align; a layer with another radius keeps what stands by hand.
+## On a ramp with Align. A new radius keeps hand-placed instances.
 func test_on_a_ramp() -> void:
 	hand.planting.choose(false, true, false, false)
 	var at := Vector3(-2.5, 0.0, -1.0)
-	at.y = scatter.terrain.get_height(at)
+	at.y = scatter.ground.get_height(at)
 	await click_at(on_screen(at))
 	var id: int = hand.selected
 	check(id < 0 and transform_of(id).origin.distance_to(at) < 0.05, "on the ramp at %s: %s" % [at, transform_of(id).origin])
-	check(transform_of(id).basis.y.distance_to(scatter.terrain.get_normal(at)) < 0.01, "and leans with it")
-	check(at.y > 0.1, "which is high")
+	check(transform_of(id).basis.y.distance_to(scatter.ground.get_normal(at)) < 0.01, "it is aligned to the ramp")
+	check(at.y > 0.1, "the position is above the ground")
 	await picture("hand_ramp")
 	hand.planting.choose(true, false, false, false)
 	hand.planting.set_steps(0.25, 30.0)
@@ -258,21 +258,21 @@ func test_on_a_ramp() -> void:
 	var all := placed()
 	scatter.layers[0].radius = 2.5
 	await settle(scatter)
-	check(placed() == all and scatter.has_instance(id), "another radius leaves what was planted")
-	check(scatter.get_problems().is_empty(), "and is no problem: %s" % scatter.get_problems())
+	check(placed() == all and scatter.has_instance(id), "a new radius keeps planted instances")
+	check(scatter.get_problems().is_empty(), "and causes no problem: %s" % scatter.get_problems())
 
 
-## What cannot be done says why, keeps the button, and leaves nothing.
-func test_in_the_way() -> void:
+## An action that is not possible shows the reason, captures the button, and changes nothing.
+func test_actions_that_are_not_possible() -> void:
 	hand.planting.choose(false, false, false, false)
 	var all := placed()
 	var steps := version()
-	var ground: Resource = scatter.terrain
+	var ground: Resource = scatter.ground
 	var free := on_screen(Vector3(1.3, 0.0, 0.9))
-	scatter.terrain = null
+	scatter.ground = null
 	await click_at(free)
-	check("terrain" in hand.problem, "without ground: '%s'" % hand.problem)
-	scatter.terrain = ground
+	check("There is no ground" in hand.problem, "without ground: '%s'" % hand.problem)
+	scatter.ground = ground
 	var root := EditorInterface.get_edited_scene_root()
 	var state: Resource = scatter.state
 	scatter.state = null
@@ -280,7 +280,7 @@ func test_in_the_way() -> void:
 	var before := files("res://")
 	await click_at(free)
 	check("Save the scene" in hand.problem, "in a scene without a file: '%s'" % hand.problem)
-	check(files("res://") == before and scatter.state == null, "and nothing is made")
+	check(files("res://") == before and scatter.state == null, "nothing is created")
 	root.scene_file_path = SCENE
 	scatter.state = state
 	await click_at(on_screen(Vector3(0.0, 0.0, 0.0)) - Vector2(0.0, 20000.0))
@@ -288,7 +288,7 @@ func test_in_the_way() -> void:
 	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter], "the scatter stays selected")
 
 
-## What the game will have to show.
+## Saves the expected result for the game.
 func test_saved_for_the_game() -> void:
 	EditorInterface.save_scene()
 	var text := FileAccess.get_file_as_string(SCENE)
@@ -296,9 +296,9 @@ func test_saved_for_the_game() -> void:
 	var noted := {}
 	for id in placed():
 		noted[id] = transform_of(id)
-	check_equal(noted.size(), 3, "three by hand")
+	check_equal(noted.size(), 3, "three hand-placed instances")
 	FileAccess.open("res://noted.bin", FileAccess.WRITE).store_var([noted, scatter.state.get_removed(), scatter.state.get_digest()])
-	# As a part of another scene, whose file gets none of it.
+	# As a part of another scene, whose file contains none of it.
 	var outer := Node3D.new()
 	outer.name = "Outer"
 	var inner: Node = (load(SCENE) as PackedScene).instantiate(PackedScene.GEN_EDIT_STATE_INSTANCE)
@@ -310,17 +310,17 @@ func test_saved_for_the_game() -> void:
 	outer.free()
 	ResourceSaver.save(packed, "res://outer.tscn")
 	var opened := await open("res://outer.tscn")
-	check_equal(opened.get_node("Field/Rocks").state.get_added().size(), 3, "they stand there, too")
+	check_equal(opened.get_node("Field/Rocks").state.get_added().size(), 3, "they exist there, too")
 	EditorInterface.mark_scene_as_unsaved()
 	EditorInterface.save_scene()
 	text = FileAccess.get_file_as_string("res://outer.tscn")
 	var holds := "PackedByteArray" in text or "ScatterState" in text
-	check(text.length() < 2000 and not holds, "the outer scene holds nothing of it:\n" + text)
+	check(text.length() < 2000 and not holds, "the outer scene contains none of it:\n" + text)
 
 
-## A scene that is closed without being saved leaves no file behind.
+## Closing a scene without saving leaves no file.
 func test_closed_without_saving() -> void:
-	if not EditorInterface.has_method(&"close_scene"): # Since 4.5.
+	if not EditorInterface.has_method(&"close_scene"): # Since Godot 4.5.
 		return
 	make_scene("res://lost.tscn")
 	scatter = (await open("res://lost.tscn")).get_node("Rocks")
@@ -334,4 +334,4 @@ func test_closed_without_saving() -> void:
 	var file := "res://lost_rocks_state.res"
 	check(FileAccess.file_exists(file), "planted: %s" % hand.problem)
 	EditorInterface.call(&"close_scene")
-	await until(func() -> bool: return not FileAccess.file_exists(file), "the file is gone")
+	await until(func() -> bool: return not FileAccess.file_exists(file), "the file is deleted")

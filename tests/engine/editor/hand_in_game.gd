@@ -1,5 +1,5 @@
 extends SceneTree
-## A game loads the scene that hand.gd has saved, and finds what was planted, to the bit. What it changes is its own.
+## A game loads the scene that hand.gd saved, and finds the planted instances, bit for bit. Its changes do not affect the scene.
 
 const SCENE := "res://field.tscn"
 
@@ -26,31 +26,31 @@ func _initialize() -> void:
 	var noted: Array = FileAccess.open("res://noted.bin", FileAccess.READ).get_var()
 	var first := await settled((load(SCENE) as PackedScene).instantiate())
 	var second := await settled((load(SCENE) as PackedScene).instantiate())
-	check(first.state.get_digest() == noted[2], "the state is the designer's")
+	check(first.state.get_digest() == noted[2], "the designer's state")
 	var drawn := {}
 	for layer in 2:
 		for tile: Vector2i in first.get_shown_tiles(layer):
 			for id: int in first.get_tile(layer, tile).get_ids(0):
 				drawn[id] = true
 	for id: int in noted[0]:
-		check(first.get_instance(id) != null and first.get_instance(id).transform == noted[0][id], "%d stands as it was planted" % id)
+		check(first.get_instance(id) != null and first.get_instance(id).transform == noted[0][id], "%d is at its planted position" % id)
 		check(drawn.has(id), "%d is drawn" % id)
 	for id: int in noted[1]:
 		check(not first.has_instance(id) and not drawn.has(id), "%d was deleted" % id)
-	# Each instance of the scene has its own, and so has the next game.
+	# Each instance of the scene has its own state, and so does the next game.
 	var planted: int = noted[0].keys()[0]
 	var designed: int = first.state.get_revision()
 	first.remove_instance(planted)
 	var grown: int = first.add_instance(0, Transform3D(Basis(), Vector3(4.0, 0.0, 4.0)))
-	check(second.has_instance(planted) and not second.has_instance(grown), "what one game changes is its own")
+	check(second.has_instance(planted) and not second.has_instance(grown), "changes of one game do not affect the other")
 	var saved: PackedByteArray = first.state.diff_since(designed, false)
-	check(saved.size() < 200, "a game's own changes are few bytes: %d" % saved.size())
+	check(saved.size() < 200, "a game's own changes need few bytes: %d" % saved.size())
 	first.get_parent().free()
 	var again := await settled((load(SCENE) as PackedScene).instantiate())
-	check(again.has_instance(planted), "the scene that is loaded again is as it was")
-	check(again.state.apply_diff(saved) == OK, "the save is taken in")
-	check(not again.has_instance(planted) and again.has_instance(grown), "and its changes are there")
+	check(again.has_instance(planted), "the reloaded scene is unchanged")
+	check(again.state.apply_diff(saved) == OK, "the saved changes are applied")
+	check(not again.has_instance(planted) and again.has_instance(grown), "they are visible in the game")
 	for id: int in noted[0]:
-		check(id == planted or again.has_instance(id), "on top of the designer's")
+		check(id == planted or again.has_instance(id), "in addition to the designer's instances")
 	print("hand in game: %d failed" % failures)
 	quit(mini(failures, 1))

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Instances are imported from a node of the scene and from a table, as one step of undo each; they are kept in a file beside the scene,
-## which holds none of them.
+## Imports instances from a node of the scene and from a table, in one step of undo each. They are stored in a file beside the scene,
+## which contains none of them.
 
 const SCENE := "res://wood.tscn"
 const STATE := "res://wood_scatter_state.res"
@@ -15,7 +15,7 @@ func _make_scene() -> Node3D:
 	root.name = "Wood"
 	var scatter: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Scatter"
-	scatter.set(&"terrain", ClassDB.instantiate(&"ScatterTerrainFlat"))
+	scatter.set(&"ground", ClassDB.instantiate(&"ScatterGroundFlat"))
 	root.add_child(scatter)
 	scatter.owner = root
 	var old := MultiMeshInstance3D.new()
@@ -35,7 +35,7 @@ func _make_scene() -> Node3D:
 	root.free()
 	ResourceSaver.save(packed, SCENE)
 	var opened := await open(SCENE)
-	EditorInterface.save_scene() # As the editor writes it.
+	EditorInterface.save_scene() # In the editor's own format.
 	_scene_before = FileAccess.get_file_as_string(SCENE)
 	return opened.get_node(^"Scatter")
 
@@ -56,26 +56,26 @@ func test_a_node() -> void:
 	await picture("import", dialog)
 	dialog.start()
 	check_equal(dialog.imported, COUNT, "imported: " + dialog.said())
-	check(not dialog.visible, "and closed")
+	check(not dialog.visible, "the dialog is closed")
 	check_equal(scatter.get(&"layers").size(), 1, "a layer for the mesh")
 	var layer: Resource = scatter.get(&"layers")[0]
-	check(layer.get(&"meshes") == [old.multimesh.mesh], "with it")
+	check(layer.get(&"meshes") == [old.multimesh.mesh], "with this mesh")
 	var sorted := _sorted(_standing(scatter))
-	check_equal(sorted, _sorted(old.multimesh.buffer), "to the float")
-	check(scatter.get(&"state") != null and scatter.get(&"state").resource_path == STATE, "kept in %s" % STATE)
+	check_equal(sorted, _sorted(old.multimesh.buffer), "exact to the float")
+	check(scatter.get(&"state") != null and scatter.get(&"state").resource_path == STATE, "saved in %s" % STATE)
 	history(scatter).undo()
 	check(scatter.get(&"layers").is_empty() and scatter.get(&"state") == null, "undone")
-	check(not FileAccess.file_exists(STATE), "with its file")
+	check(not FileAccess.file_exists(STATE), "its file, too")
 	EditorInterface.save_scene()
-	check_equal(FileAccess.get_file_as_string(SCENE), _scene_before, "the scene as it was, to the byte")
+	check_equal(FileAccess.get_file_as_string(SCENE), _scene_before, "the scene is unchanged, byte for byte")
 	history(scatter).redo()
-	check_equal(_sorted(_standing(scatter)), sorted, "done again")
+	check_equal(_sorted(_standing(scatter)), sorted, "redone")
 	EditorInterface.save_scene()
 	check(FileAccess.file_exists(STATE), "the state has its file")
 	var saved: Resource = ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
 	check(saved != null and saved.get_added_count() == COUNT, "with all instances")
 	var text := FileAccess.get_file_as_string(SCENE)
-	check("wood_scatter_state.res" in text and text.length() < _scene_before.length() + 2000, "and the scene holds none of them")
+	check("wood_scatter_state.res" in text and text.length() < _scene_before.length() + 2000, "the scene contains no instances")
 
 
 func test_a_table() -> void:
@@ -88,7 +88,7 @@ func test_a_table() -> void:
 	dialog.choose_table("res://rocks.csv")
 	check("line 3" in dialog.said() and "'b'" in dialog.said() and dialog.get_ok_button().disabled, dialog.said())
 	dialog.start()
-	check_equal(dialog.imported, 0, "a mistake in a line imports nothing")
+	check_equal(dialog.imported, 0, "an error in one line imports nothing")
 	file = FileAccess.open("res://rocks.csv", FileAccess.WRITE)
 	file.store_string("x,y,z,scale\n-10,2,-30,1.5\n-11,0,-30,2\n")
 	file.close()
@@ -99,14 +99,14 @@ func test_a_table() -> void:
 	dialog.start()
 	check_equal(dialog.imported, 2, "imported: " + dialog.said())
 	check_equal(scatter.get(&"state").get_added_count(), COUNT + 2, "into the same state")
-	check_equal(scatter.get(&"layers").size(), 1, "and layer")
+	check_equal(scatter.get(&"layers").size(), 1, "into the same layer")
 	history(scatter).undo()
 	check_equal(scatter.get(&"state").get_added_count(), COUNT, "one step of undo")
 	history(scatter).redo()
-	check_equal(scatter.get(&"state").get_added_count(), COUNT + 2, "and redo")
+	check_equal(scatter.get(&"state").get_added_count(), COUNT + 2, "one step of redo")
 
 
-## Transforms in an order that says nothing of where they came from.
+## Returns the transforms in sorted order.
 func _sorted(floats: PackedFloat32Array) -> Array:
 	var result := []
 	for at in range(0, floats.size(), 12):

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## One click bakes a layer's impostors: files beside the scene, a last LOD, undo; without a place for files, a sentence.
+## One click bakes a layer's impostors: files beside the scene, a last LOD, undo. Without a path for files, it shows a message.
 
 const SCENE := "res://wood.tscn"
 
@@ -40,20 +40,20 @@ func test_one_click() -> void:
 	check_equal(job.problem, "", "problem")
 	check_equal(job.files, PackedStringArray(["res://wood_old_oaks_impostor_0.res"]), "beside the scene")
 	check_equal(layer.get(&"lod_meshes").size(), 1, "the layer's LODs")
-	check_equal(layer.get(&"lod_distances").size(), 1, "and their distances")
-	check_equal(layer.get(&"lod_meshes")[0].resource_path, "res://wood_old_oaks_impostor_0.res", "the file is what the layer holds")
+	check_equal(layer.get(&"lod_distances").size(), 1, "their distances")
+	check_equal(layer.get(&"lod_meshes")[0].resource_path, "res://wood_old_oaks_impostor_0.res", "the layer refers to the file")
 	var manager := plugin.get_undo_redo()
 	manager.get_history_undo_redo(manager.get_object_history_id(layer)).undo()
 	check_equal([layer.get(&"lod_meshes").size(), layer.get(&"lod_distances").size()], [0, 0], "undone")
 
 
-func test_a_layer_of_no_file() -> void:
+func test_a_layer_without_a_file() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	root.scene_file_path = ""
-	var button: Node = load("res://addons/thicket/editor/impostor_button.gd").new(ClassDB.instantiate(&"ScatterLayer"))
+	var button: Node = load("res://addons/thicket/editor/inspector/impostor_button.gd").new(ClassDB.instantiate(&"ScatterLayer"))
 	plugin.add_child(button)
 	button.press()
-	check(not button.is_processing(), "nothing is begun")
+	check(not button.is_processing(), "nothing starts")
 	root.scene_file_path = SCENE
 	button.press()
 	check(not button.is_processing() and "no mesh" in button.job.problem, button.job.problem)

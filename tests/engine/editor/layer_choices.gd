@@ -1,11 +1,11 @@
 @tool
 extends "res://tests/steps.gd"
-## Where a layer or a region names layers, the inspector has a list to choose from; a renamed layer is followed, with undo.
+## Properties that refer to layers offer a list in the inspector. References follow a renamed layer, with undo.
 
 var scatter: Node3D
 
 
-## The editor of a property in the inspector.
+## Returns the editor of a property in the inspector.
 func property_editor(property: StringName) -> EditorProperty:
 	for editor: EditorProperty in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
 		if editor.get_edited_property() == property:
@@ -25,7 +25,7 @@ func inspect(object: Object) -> void:
 	await frames(2)
 
 
-## What a list offers.
+## Returns the items of a list.
 func items(button: OptionButton) -> PackedStringArray:
 	button.pressed.emit()
 	var result := PackedStringArray()
@@ -40,7 +40,7 @@ func undo_last(object: Object) -> void:
 	await frames(3)
 
 
-## All of it, on a scatter with one layer that is named Posts; undone at the end.
+## Tests everything on a scatter with one layer named "Posts". All changes are undone at the end.
 func choose() -> void:
 	workspace().toolbar.preset_chosen.emit("forest")
 	var names: Array = scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name)
@@ -49,9 +49,9 @@ func choose() -> void:
 	await inspect(fern)
 	var choice: OptionButton = property_editor(&"proximity_layer").find_children("*", "OptionButton", true, false)[0]
 	check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Birch", "Bush", "Stone"]), "layers before the ferns")
-	check_equal(choice.get_item_text(choice.selected), "Spruce", "the chosen one")
+	check_equal(choice.get_item_text(choice.selected), "Spruce", "the current choice")
 	choice.item_selected.emit(3)
-	check_equal(fern.proximity_layer, "Birch", "another is chosen")
+	check_equal(fern.proximity_layer, "Birch", "a new choice")
 	await undo_last(fern)
 	check_equal(fern.proximity_layer, "Spruce", "undone")
 	for start: StringName in [&"color_source", &"variation_source"]:
@@ -74,10 +74,10 @@ func choose() -> void:
 	await frames(3)
 	check_equal(fern.spacing.keys(), ["Spruce", "Birch", "Bush", "Stone"], "a distance is added")
 	var sliders := spacing.find_children("*", "EditorSpinSlider", true, false)
-	check_equal(sliders.size(), 4, "a row for each")
+	check_equal(sliders.size(), 4, "one row per distance")
 	sliders[3].value = 2.5
 	check_equal(fern.spacing["Stone"], 2.5, "set")
-	check(spacing.find_children("*", "EditorSpinSlider", true, false)[3] == sliders[3], "a row that is dragged stays")
+	check(spacing.find_children("*", "EditorSpinSlider", true, false)[3] == sliders[3], "the dragged row stays")
 	await frames(2)
 	(spacing.find_children("*", "Button", true, false).filter(func(button: Button) -> bool: return button.icon != null)[0] as Button).pressed.emit()
 	check_equal(fern.spacing.keys(), ["Birch", "Bush", "Stone"], "removed")
@@ -91,19 +91,19 @@ func choose() -> void:
 	check_equal(ticks.map(func(box: CheckBox) -> String: return box.text), names, "a box for each layer")
 	ticks[1].button_pressed = true
 	await frames(3)
-	check_equal(region.layers, ["Spruce"], "one is ticked")
+	check_equal(region.layers, ["Spruce"], "one box is checked")
 	property_editor(&"layers").find_children("*", "CheckBox", true, false)[2].button_pressed = true
 	await frames(3)
 	await picture("region_layers")
-	check_equal(region.layers, ["Spruce", "Birch"], "two are ticked")
+	check_equal(region.layers, ["Spruce", "Birch"], "two boxes are checked")
 	var spruce: Resource = scatter.layers[1]
 	var undo_redo := plugin.get_undo_redo()
 	undo_redo.create_action("Rename Layer", UndoRedo.MERGE_DISABLE, scatter)
 	undo_redo.add_do_property(spruce, &"resource_name", "Fir")
 	undo_redo.add_undo_property(spruce, &"resource_name", "Spruce")
 	undo_redo.commit_action()
-	check_equal([fern.proximity_layer, region.layers], ["Fir", ["Fir", "Birch"]], "all follow a renamed layer")
-	check(fern.spacing.has("Fir") and scatter.get_problems().is_empty(), "without a problem: %s" % scatter.get_problems())
+	check_equal([fern.proximity_layer, region.layers], ["Fir", ["Fir", "Birch"]], "all references follow a renamed layer")
+	check(fern.spacing.has("Fir") and scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	history(scatter).undo()
 	check_equal([fern.proximity_layer, region.layers], ["Spruce", ["Spruce", "Birch"]], "and back")
 	await inspect(fern)
@@ -112,6 +112,6 @@ func choose() -> void:
 	while scatter.layers.size() > 1 and history(scatter).has_undo():
 		history(scatter).undo()
 	check_equal(scatter.layers.size(), 1, "undone")
-	# Not before: what the editor undoes for a node that is no more, it complains about.
+	# Only now, because the editor prints an error when it undoes an action of a freed node.
 	region.queue_free()
 	await frames(2)

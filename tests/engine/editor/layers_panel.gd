@@ -1,9 +1,9 @@
 @tool
 extends "res://tests/steps.gd"
-## The panel with the layers of a scatter, worked with mouse and keys: from an empty scene to three species that keep apart, without
-## typing a name; marks, order, copies, deletion, strokes on several layers; and what undo and redo leave of the files.
+## The panel with a scatter's layers, used with mouse and keys: from an empty scene to three species that keep apart, without
+## typing a name; marks, order, copies, deletion, strokes on several layers; and the saved files after undo and redo.
 
-const LayersPanel := preload("res://addons/thicket/editor/layers_panel.gd")
+const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const SCENE := "res://wood.tscn"
 const MODELS: PackedStringArray = ["res://old_oak.res", "res://young_pine.res", "res://fern.tscn"]
 
@@ -12,7 +12,7 @@ var scatter: Node3D
 
 
 func panel() -> LayersPanel:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 func tree() -> Tree:
@@ -27,7 +27,7 @@ func layer(title: String) -> Resource:
 	return scatter.layers[names().find(title)]
 
 
-## A button of the panel, by its text.
+## Returns a button of the panel by its text.
 func button(text: String) -> Button:
 	for found: Button in panel().find_children("*", "Button", true, false):
 		if found.text == text:
@@ -36,16 +36,16 @@ func button(text: String) -> Button:
 	return null
 
 
-## Undoes and redoes the last step, and holds what is saved against what was saved before and after it.
-func check_undo(before: Dictionary, what: String) -> void:
+## Undoes and redoes the last step, and compares the saved files with those before and after it.
+func check_undo(before: Dictionary, context: String) -> void:
 	var after := saved_files()
-	check(after != before, what + " changes what is saved")
+	check(after != before, context + " changes the saved files")
 	await undo()
 	await frames(2)
-	check_same(saved_files(), before, what + " undone")
+	check_same(saved_files(), before, context + " undone")
 	await redo()
 	await frames(2)
-	check_same(saved_files(), after, what + " redone")
+	check_same(saved_files(), after, context + " redone")
 
 
 func save_models() -> void:
@@ -90,65 +90,65 @@ func make_scene() -> void:
 	root = await open(SCENE)
 	EditorInterface.set_main_screen_editor("3D")
 	await frames(3)
-	# The editor writes numbers with fewer digits than a new scene has.
+	# The editor saves numbers with fewer digits than a new scene has. After saving once, they stay the same.
 	saved_files()
 
 
-## From an empty scene to three species that keep apart, with the mouse alone.
+## From an empty scene to three species that keep apart, with the mouse only.
 func test_first_minute() -> void:
 	save_models()
 	await make_scene()
 	addon().make_bottom_panel_item_visible(panel())
 	await frames(3)
-	check(panel()._empty.text.contains("make a new one"), "without a scatter the panel says what to do")
+	check(panel()._empty.text.contains("make a new one"), "without a scatter the panel explains what to do")
 	await mouse_click(middle(button("New Scatter")))
 	scatter = root.get_node_or_null("Scatter")
-	if not check(scatter != null, "one click makes a scatter"):
+	if not check(scatter != null, "one click creates a scatter"):
 		return
-	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter] as Array[Node], "which is selected")
-	await look()
-	check(panel().notes._ground.is_visible_in_tree(), "that it has no ground is told")
+	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter] as Array[Node], "the new scatter is selected")
+	await wait_for_panel()
+	check(panel().notes._ground.is_visible_in_tree(), "the panel reports that there is no ground")
 	await picture("panel_empty")
 	EditorInterface.edit_node(root.get_node("Ground"))
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(root.get_node("Ground"))
-	await look()
+	await wait_for_panel()
 	await mouse_click(middle(workspace().ground_buttons._use))
-	check(scatter.terrain != null and scatter.terrain.is_class("ScatterTerrainMeshes"), "a click makes the selected mesh the ground")
+	check(scatter.ground != null and scatter.ground.is_class("ScatterGroundMeshes"), "a click makes the selected mesh the ground")
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(scatter)
 	EditorInterface.edit_node(scatter)
-	await look()
-	check(not panel().notes._ground.visible, "which the panel no longer asks for")
+	await wait_for_panel()
+	check(not panel().notes._ground.visible, "the panel does not report it any more")
 	await drag_files(MODELS, middle(tree()))
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "a layer for each file, the widest first")
 	check_equal(tree().chosen_layers(), scatter.layers, "all of them are chosen")
-	check_equal(workspace().toolbar.chosen, scatter.layers, "for the tools, too")
-	check(not button("Delete").disabled and not button("Duplicate").disabled, "and can be deleted and duplicated")
+	check_equal(workspace().toolbar.chosen, scatter.layers, "chosen for the tools, too")
+	check(not button("Delete").disabled and not button("Duplicate").disabled, "they can be deleted and duplicated")
 	await settle(scatter)
-	await look()
+	await wait_for_panel()
 	for index in 3:
 		var count: int = scatter.get_shown_count(index)
 		check(count > 100, "%s: %d instances" % [names()[index], count])
-		check_equal(tree().row_of(scatter.layers[index]).get_text(1), grouped(count), "told in its row")
+		check_equal(tree().row_of(scatter.layers[index]).get_text(1), grouped(count), "the count is in its row")
 	await until(func() -> bool:
-		RenderingServer.force_draw() # Which makes the pictures.
-		return scatter.layers.all(tree().has_picture), "a picture of each")
+		RenderingServer.force_draw() # Draws the thumbnails.
+		return scatter.layers.all(tree().has_picture), "a thumbnail of each layer")
 	for each: Resource in scatter.layers:
-		check(tree().row_of(each).get_icon(0) != null, each.resource_name + " has it in its row")
+		check(tree().row_of(each).get_icon(0) != null, each.resource_name + " has a thumbnail in its row")
 	await picture("panel_layers")
 	check_apart("Old Oak", "Young Pine", 3.5)
 	check_apart("Old Oak", "Fern", 0.8)
 	check_apart("Young Pine", "Fern", 0.6)
-	check_equal(EditorInterface.get_inspector().get_edited_object(), scatter.layers[0], "the inspector shows the first")
-	check(workspace().toolbar.visible, "and the tools stay")
+	check_equal(EditorInterface.get_inspector().get_edited_object(), scatter.layers[0], "the inspector shows the first layer")
+	check(workspace().toolbar.visible, "the tools stay visible")
 
 
 func grouped(number: int) -> String:
-	return load("res://addons/thicket/editor/preview_bar.gd").grouped(number)
+	return load("res://addons/thicket/editor/layers/preview_bar.gd").grouped(number)
 
 
-## All instances of two layers near the middle are so many meters apart.
+## Checks that all instances of two layers near the middle keep this distance.
 func check_apart(one: String, other: String, meters: float) -> void:
 	var near := 1e9
 	var around := Rect2(-30.0, -30.0, 60.0, 60.0)
@@ -157,11 +157,11 @@ func check_apart(one: String, other: String, meters: float) -> void:
 		if around.has_point(Vector2(at.x, at.z)):
 			for there: Vector3 in others:
 				near = minf(near, Vector2(at.x - there.x, at.z - there.z).length())
-	check(near >= meters - 0.01 and near < meters + 1.0, "%s and %s are %.2f m apart, not %.2f" % [one, other, near, meters])
+	check(near >= meters - 0.01 and near < meters + 1.0, "%s and %s are %.2f m apart, expected %.2f" % [one, other, near, meters])
 
 
-## The plugin looks some times a second.
-func look() -> void:
+## Waits for the plugin's next update. It updates only some times per second.
+func wait_for_panel() -> void:
 	await get_tree().create_timer(0.6).timeout
 
 
@@ -169,15 +169,15 @@ func test_choosing() -> void:
 	await mouse_click(await name_at(layer("Young Pine")))
 	await frames(2)
 	check_equal(workspace().toolbar.chosen, [layer("Young Pine")] as Array[ScatterLayer], "a click chooses the layer of the tools")
-	check_equal(workspace().toolbar.paint.layer, layer("Young Pine"), "of each of them")
+	check_equal(workspace().toolbar.paint.layer, layer("Young Pine"), "also for the brush")
 	check_equal(EditorInterface.get_inspector().get_edited_object(), layer("Young Pine"), "and shows it in the inspector")
-	check(is_instance_valid(workspace()._scatter) and panel()._scatter == scatter, "the scatter is still what is worked on")
+	check(is_instance_valid(workspace()._scatter) and panel()._scatter == scatter, "the scatter is still the edited one")
 	workspace().toolbar.choose_layer(2)
 	await frames(2)
-	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[ScatterLayer], "the toolbar's choice is the panel's")
+	check_equal(tree().chosen_layers(), [layer("Fern")] as Array[ScatterLayer], "the panel follows the toolbar's choice")
 	await mouse_click(await name_at(layer("Old Oak")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(2)
-	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[ScatterLayer], "Ctrl and a click choose one more")
+	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[ScatterLayer], "Ctrl and a click choose one more layer")
 
 
 func test_marks() -> void:
@@ -185,34 +185,34 @@ func test_marks() -> void:
 	await mouse_click(await name_at(layer("Fern")))
 	await mouse_click(await mark_at(layer("Fern"), 2))
 	await settle(scatter)
-	check(workspace().desk.marks.is_hidden(layer("Fern")), "the eye hides")
+	check(workspace().dock.marks.is_hidden(layer("Fern")), "the eye hides")
 	var drawn: int = scatter.get_stats().drawn
-	check_equal(drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "nothing is drawn of it")
-	check(scatter.get_shown_count(2) > 100, "it stands all the same")
+	check_equal(drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "it is not drawn")
+	check(scatter.get_shown_count(2) > 100, "its instances still exist")
 	await mouse_click(await mark_at(layer("Young Pine"), 1))
-	check(workspace().desk.marks.is_locked(layer("Young Pine")), "the lock locks")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "the lock locks")
 	panel()._colored = [layer("Old Oak")]
 	panel()._on_color(5)
-	await look()
+	await wait_for_panel()
 	await picture("panel_marks")
-	check_same(saved_files(), before, "marks are not in the scene")
+	check_same(saved_files(), before, "marks are not saved in the scene")
 	await undo()
 	await undo()
 	await undo()
-	check(not workspace().desk.marks.is_hidden(layer("Fern")), "undone")
+	check(not workspace().dock.marks.is_hidden(layer("Fern")), "undone")
 	await redo()
 	await redo()
-	check(workspace().desk.marks.is_locked(layer("Young Pine")), "redone")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "redone")
 	var state: Dictionary = addon()._get_state()
-	workspace().desk.marks.put(layer("Fern"), &"hidden", null)
-	workspace().desk.marks.put(layer("Young Pine"), &"locked", null)
+	workspace().dock.marks.put(layer("Fern"), &"hidden", null)
+	workspace().dock.marks.put(layer("Young Pine"), &"locked", null)
 	addon()._set_state(state)
-	check(workspace().desk.marks.is_hidden(layer("Fern")), "kept by the editor, for the scene")
-	check(workspace().desk.marks.is_locked(layer("Young Pine")), "all of them")
-	workspace().desk.marks.put(layer("Fern"), &"hidden", null)
-	workspace().desk.marks.put(layer("Young Pine"), &"locked", null)
+	check(workspace().dock.marks.is_hidden(layer("Fern")), "kept by the editor, for the scene")
+	check(workspace().dock.marks.is_locked(layer("Young Pine")), "all marks")
+	workspace().dock.marks.put(layer("Fern"), &"hidden", null)
+	workspace().dock.marks.put(layer("Young Pine"), &"locked", null)
 	await settle(scatter)
-	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances, "all is drawn again")
+	check_equal(scatter.get_stats().drawn, scatter.get_stats().instances, "everything is drawn again")
 
 
 func test_order() -> void:
@@ -226,20 +226,20 @@ func test_order() -> void:
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "undone")
 
 
-## What names a layer by its index follows, and what names one that goes is told and comes back.
-func test_mentions() -> void:
+## References by index follow a new order. References to a deleted layer are removed, and restored by undo.
+func test_references() -> void:
 	layer("Fern").spacing = {0: 0.8, "Young Pine": 0.6}
 	layer("Fern").proximity_layer = 1
 	var before := saved_files()
 	await mouse_drag(await name_at(layer("Young Pine")), await name_at(layer("Old Oak"), 0.1))
 	check_equal(layer("Fern").spacing.keys(), [1, "Young Pine"], "an index follows")
 	check_equal(layer("Fern").proximity_layer, 0, "in all properties")
-	await check_undo(before, "a mention")
+	await check_undo(before, "a reference")
 	await undo()
 	await mouse_click(await name_at(layer("Young Pine")))
 	await mouse_click(middle(button("Delete")))
 	check_equal(names(), PackedStringArray(["Old Oak", "Fern"]), "deleted")
-	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [[0], ""], "nobody mentions it any more")
+	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [[0], ""], "the references are removed")
 	await check_undo(before, "deletion")
 	await undo()
 	layer("Fern").spacing = {"Old Oak": 0.8, "Young Pine": 0.6}
@@ -252,40 +252,40 @@ func test_copies() -> void:
 	await key(KEY_D, KEY_MASK_CTRL)
 	check_equal(names(), PackedStringArray(["Old Oak", "Old Oak 2", "Young Pine", "Fern"]), "a copy beside it")
 	await settle(scatter)
-	check(layer("Old Oak 2").layer_id != layer("Old Oak").layer_id, "with an id of its own")
-	check_equal(layer("Old Oak 2").meshes, layer("Old Oak").meshes, "of the same mesh")
+	check(layer("Old Oak 2").layer_id != layer("Old Oak").layer_id, "with a new id")
+	check_equal(layer("Old Oak 2").meshes, layer("Old Oak").meshes, "with the same mesh")
 	await check_undo(before, "a copy")
 	panel().tree.rename(layer("Old Oak 2"))
 	panel()._on_renamed(layer("Old Oak 2"), "Beech")
 	await frames(3)
 	check_equal(names()[1], "Beech", "renamed")
 	panel()._on_renamed(layer("Beech"), "Fern")
-	check_equal(names()[1], "Fern 2", "never to a name that is taken")
+	check_equal(names()[1], "Fern 2", "a name that is already used is never given")
 	await mouse_click(await name_at(layer("Fern 2")))
 	await key(KEY_DELETE)
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "the key deletes")
 	for step in 4:
 		await undo()
-	check_same(saved_files(), before, "all undone")
+	check_same(saved_files(), before, "all steps are undone")
 
 
-## One stroke on two layers is one step, and leaves a locked one as it is.
+## One stroke on two layers is one step. It does not change a locked layer.
 func test_stroke_on_several_layers() -> void:
 	var before := saved_files()
 	await mouse_click(await name_at(layer("Old Oak")))
 	await mouse_click(await name_at(layer("Young Pine")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await mouse_click(await name_at(layer("Fern")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
-	workspace().desk.marks.put(layer("Fern"), &"locked", true)
+	workspace().dock.marks.put(layer("Fern"), &"locked", true)
 	var paint: Node = workspace().toolbar.paint
 	paint.set_on(true)
 	paint.choose_mode(1)
 	paint.set_brush(8.0, 1.0, 1.0)
 	var version := history(scatter).get_version()
 	await stroke([Vector3(-4.0, 0.0, 0.0), Vector3(4.0, 0.0, 0.0)])
-	check_equal(paint.problem, "", "a stroke is made")
+	check_equal(paint.problem, "", "the stroke is painted")
 	check_equal(history(scatter).get_version(), version + 1, "one step")
-	check(layer("Old Oak").mask != null and layer("Young Pine").mask != null, "of both layers")
-	check(layer("Fern").mask == null, "and not of the locked one")
+	check(layer("Old Oak").mask != null and layer("Young Pine").mask != null, "on both layers")
+	check(layer("Fern").mask == null, "but not on the locked one")
 	check(layer("Old Oak").mask.sample(Vector2.ZERO) == 0.0 and layer("Young Pine").mask.sample(Vector2.ZERO) == 0.0, "painted")
 	await settle(scatter)
 	await check_undo(before, "a stroke")
@@ -293,48 +293,48 @@ func test_stroke_on_several_layers() -> void:
 	check_same(saved_files(), before, "undone")
 	await mouse_click(await name_at(layer("Fern")))
 	await stroke([Vector3.ZERO])
-	check(paint.problem.contains("locked"), "a locked layer says so: " + paint.problem)
-	workspace().desk.marks.put(layer("Fern"), &"locked", null)
+	check(paint.problem.contains("locked"), "a locked layer is reported: " + paint.problem)
+	workspace().dock.marks.put(layer("Fern"), &"locked", null)
 	paint.set_on(false)
 
 
-## Each way to add is one step of undo that leaves the files as they were.
+## Each way to add a layer is one step, whose undo restores the files.
 func test_adding() -> void:
 	var file: Resource = ClassDB.instantiate(&"ScatterLayer")
 	file.meshes = [BoxMesh.new()]
 	ResourceSaver.save(file, "res://stones.tres")
 	var before := saved_files()
 	await drag_files([MODELS[1]], await name_at(layer("Old Oak"), 0.1))
-	check(names().size() == 4 and names().has("Young Pine 2"), "dropped on rows: %s" % [names()])
+	check(names().size() == 4 and names().has("Young Pine 2"), "dropped on a row: %s" % [names()])
 	var apart: Array = layer("Young Pine 2").spacing.keys()
 	check(apart.has("Old Oak") and apart.has("Young Pine"), "apart from the others: %s" % [apart])
 	await check_undo(before, "a drop")
 	await undo()
 	panel()._on_file("res://stones.tres")
-	check_equal(scatter.layers[2].resource_path, "res://stones.tres", "a layer that is a file comes before what is far smaller")
-	check_equal(scatter.layers[2].spacing, {}, "and is not changed")
+	check_equal(scatter.layers[2].resource_path, "res://stones.tres", "a layer in a file comes before a far smaller one")
+	check_equal(scatter.layers[2].spacing, {}, "the layer is not changed")
 	panel()._on_file("res://stones.tres")
-	check_equal(scatter.layers.size(), 4, "once")
+	check_equal(scatter.layers.size(), 4, "only once")
 	await undo()
 	panel()._on_add(panel().Add.FIRST_PRESET + 1)
 	check_equal(names().slice(3), PackedStringArray(["Bush", "Flowers", "Grass"]), "a preset")
 	await undo()
 	panel()._on_add(panel().Add.EMPTY)
-	check_equal(names()[2], "Layer", "an empty one")
+	check_equal(names()[2], "Layer", "an empty layer")
 	await undo()
-	check_same(saved_files(), before, "all undone")
+	check_same(saved_files(), before, "all steps are undone")
 	await mouse_click(middle(button("New Scatter")))
-	check(root.get_child_count() == 3 and root.get_child(2).terrain == scatter.terrain, "a second scatter on the same ground")
-	check(root.get_child(2).seed != scatter.seed, "with another seed")
+	check(root.get_child_count() == 3 and root.get_child(2).ground == scatter.ground, "a second scatter on the same ground")
+	check(root.get_child(2).seed != scatter.seed, "with a different seed")
 	await check_undo(before, "a scatter")
 	await undo()
 	EditorInterface.edit_node(scatter)
-	await look()
+	await wait_for_panel()
 
 
-## The editor keeps marks beside the scene, for the next time it is opened.
-func test_marks_are_kept() -> void:
-	workspace().desk.marks.put(layer("Fern"), &"hidden", true)
+## The editor saves marks beside the scene, for the next time it is opened.
+func test_marks_are_saved() -> void:
+	workspace().dock.marks.put(layer("Fern"), &"hidden", true)
 	saved_files()
 	scatter = null
 	EditorInterface.get_selection().clear()
@@ -344,6 +344,6 @@ func test_marks_are_kept() -> void:
 	scatter = root.get_node("Scatter")
 	EditorInterface.edit_node(scatter)
 	await settle(scatter)
-	await look()
-	check(workspace().desk.marks.is_hidden(layer("Fern")), "what was hidden is hidden")
+	await wait_for_panel()
+	check(workspace().dock.marks.is_hidden(layer("Fern")), "a hidden layer is still hidden")
 	check_equal(scatter.get_stats().drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "in the view, too")

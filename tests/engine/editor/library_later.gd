@@ -1,9 +1,9 @@
 @tool
 extends "res://tests/steps.gd"
-## The library comes while the editor runs: the plugin has its tools then, and they work on once it is reloaded. `later` holds what the build would make. No type of the library is
-## named here, as the editor compiles this script, too.
+## The library is installed while the editor runs. Then the plugin creates its tools, and they keep working after a reload. The folder
+## `later` contains the build output. No type of the library is named here, because the editor compiles this script, too.
 ##
-## Once an extension is loaded the editor reloads all scripts, and no function that waits goes on. So the steps are taken frame by frame.
+## When an extension is loaded, the editor reloads all scripts, and functions that wait never continue. So the steps run in _process.
 
 const SCENE := "res://scene.tscn"
 const ADDON := "res://addons/thicket/"
@@ -37,13 +37,13 @@ func _process(_delta: float) -> void:
 		EditorInterface.get_edited_scene_root().add_child(scatter)
 		scatter.owner = EditorInterface.get_edited_scene_root()
 		EditorInterface.edit_node(scatter)
-	elif step == 2 and workspace().toolbar.is_visible_in_tree() and workspace().desk.panel.tree.rows().size() == 1:
+	elif step == 2 and workspace().toolbar.is_visible_in_tree() and workspace().dock.panel.tree.rows().size() == 1:
 		step = 3
 		print("library later: the tools are there")
 		print("library reloaded: %s" % error_string(GDExtensionManager.reload_extension(ADDON + "thicket.gdextension")))
 		var meshes: Array[Resource] = [BoxMesh.new()]
-		workspace().desk.panel.add(meshes)
-	elif step == 3 and workspace().desk.panel.tree.rows().size() == 2 and workspace().toolbar.chosen.size() == 1:
+		workspace().dock.panel.add(meshes)
+	elif step == 3 and workspace().dock.panel.tree.rows().size() == 2 and workspace().toolbar.chosen.size() == 1:
 		step = 4
 		print("library reloaded: the panel has added a layer")
 		get_tree().quit()

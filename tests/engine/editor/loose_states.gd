@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## No instance is saved in a scene, whoever placed it: what a script has changed, or a state that the inspector made, goes into a file beside
-## the scene; in a scene that had no file, at its second save.
+## Instances are never saved in a scene. Changes by scripts and states from the inspector are saved in a file beside
+## the scene; in a new scene, when it is saved for the second time.
 
 const SCENE := "res://clearing.tscn"
 const STATE := "res://clearing_scatter_state.res"
@@ -14,7 +14,7 @@ func make_scene() -> Node3D:
 	root.name = "Clearing"
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Scatter"
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Stones"
 	layer.meshes = [BoxMesh.new()]
@@ -33,32 +33,32 @@ func save_packed(root: Node, path: String) -> void:
 	ResourceSaver.save(packed, path)
 
 
-## As the keys do it.
+## Saves the scene with the keyboard shortcut.
 func save_with_keys() -> void:
 	await key(KEY_S, KEY_MASK_CTRL)
 	await frames(5)
 
 
-func check_scene(path: String, what: String) -> void:
+func check_scene(path: String, context: String) -> void:
 	var text := FileAccess.get_file_as_string(path)
-	check(text.length() > 100 and text.length() < 2500, "%s: a small scene, %d bytes" % [what, text.length()])
+	check(text.length() > 100 and text.length() < 2500, "%s: a small scene, %d bytes" % [context, text.length()])
 	for word in ["PackedByteArray", "type=\"ScatterState\" id=\"ScatterState", "MultiMesh"]:
-		check(not word in text, "%s: no %s in it" % [what, word])
+		check(not word in text, "%s: it contains no %s" % [context, word])
 
 
-func place(count: int, first: float) -> void:
+func add_instances(count: int, first: float) -> void:
 	for index in count:
-		check(scatter.add_instance(0, Transform3D(Basis(), Vector3(first + 0.01 * index, 0.0, 1.0))) != 0, "placed")
+		check(scatter.add_instance(0, Transform3D(Basis(), Vector3(first + 0.01 * index, 0.0, 1.0))) != 0, "added")
 
 
-func test_what_a_script_places() -> void:
+func test_changes_by_a_script() -> void:
 	save_packed(make_scene(), SCENE)
 	scatter = (await open(SCENE)).get_node("Scatter")
 	EditorInterface.set_main_screen_editor("3D")
 	await settle(scatter)
 	EditorInterface.save_scene()
-	check(not FileAccess.file_exists(STATE), "without a change there is no file")
-	place(300, 0.0)
+	check(not FileAccess.file_exists(STATE), "no file without changes")
+	add_instances(300, 0.0)
 	scatter.remove_instance(scatter.query_nearest(Vector3.ZERO, 10.0).id)
 	var digest: int = scatter.state.get_digest()
 	EditorInterface.mark_scene_as_unsaved()
@@ -66,23 +66,23 @@ func test_what_a_script_places() -> void:
 	check_equal(scatter.state.resource_path, STATE, "the state has a file")
 	check_scene(SCENE, "a script")
 	var loaded := ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
-	check(loaded.get_digest() == digest and loaded.designed, "which holds all of it, and no game writes to it")
+	check(loaded.get_digest() == digest and loaded.copy_at_runtime, "the file contains all changes, and a game gets a copy")
 	var before := FileAccess.get_file_as_bytes(SCENE)
 	EditorInterface.mark_scene_as_unsaved()
 	await save_with_keys()
-	check(FileAccess.get_file_as_bytes(SCENE) == before and files("res://").count("clearing_scatter_state_2.res") == 0, "saved again, the same")
-	place(1, 5.0)
+	check(FileAccess.get_file_as_bytes(SCENE) == before and files("res://").count("clearing_scatter_state_2.res") == 0, "saving again changes nothing")
+	add_instances(1, 5.0)
 	EditorInterface.mark_scene_as_unsaved()
 	await save_with_keys()
 	loaded = ResourceLoader.load(STATE, "", ResourceLoader.CACHE_MODE_IGNORE)
-	check_equal(loaded.get_added_count(), 301, "what follows goes to the same file")
+	check_equal(loaded.get_added_count(), 301, "later changes are saved in the same file")
 	EditorInterface.reload_scene_from_path(SCENE)
 	await frames(5)
 	scatter = EditorInterface.get_edited_scene_root().get_node("Scatter")
-	check_equal(scatter.state.get_added_count(), 301, "opened again, all stand")
+	check_equal(scatter.state.get_added_count(), 301, "after reopening, all instances exist")
 
 
-## One that lies in the scene already, as from the inspector or an older scene.
+## A state that is in the scene already, from the inspector or an older scene.
 func test_a_state_in_the_scene() -> void:
 	var root := make_scene()
 	var state: Resource = ClassDB.instantiate(&"ScatterState")
@@ -91,17 +91,17 @@ func test_a_state_in_the_scene() -> void:
 	root.get_node("Scatter").add_instance(0, Transform3D(Basis(), Vector3(0.0, 0.0, 1.0)))
 	remove_child(root)
 	save_packed(root, "res://older.tscn")
-	check("PackedByteArray" in FileAccess.get_file_as_string("res://older.tscn"), "it is in the scene")
+	check("PackedByteArray" in FileAccess.get_file_as_string("res://older.tscn"), "the state is in the scene")
 	root = await open("res://older.tscn")
 	EditorInterface.mark_scene_as_unsaved()
 	await save_with_keys()
 	check_scene("res://older.tscn", "older")
-	check_equal(root.get_node("Scatter").state.resource_path, "res://older_scatter_state.res", "moved out")
+	check_equal(root.get_node("Scatter").state.resource_path, "res://older_scatter_state.res", "the state is moved to a file")
 
 
-## A new scene has no file to be beside of before it is saved.
+## A new scene has no file before it is saved, and so no folder for the state.
 func test_a_new_scene() -> void:
-	if not EditorInterface.has_method(&"add_root_node"): # Since 4.5.
+	if not EditorInterface.has_method(&"add_root_node"): # Since Godot 4.5.
 		return
 	await key(KEY_N, KEY_MASK_CTRL)
 	await until(func() -> bool: return EditorInterface.get_edited_scene_root() == null, "a new tab")
@@ -110,11 +110,11 @@ func test_a_new_scene() -> void:
 	await frames(3)
 	scatter = root.get_node("Scatter")
 	await settle(scatter)
-	place(40, 0.0)
+	add_instances(40, 0.0)
 	EditorInterface.save_scene_as("res://fresh.tscn")
 	await until(func() -> bool: return FileAccess.file_exists("res://fresh_scatter_state.res"), "a file")
 	check(EditorInterface.get_open_scenes().has("res://fresh.tscn"), "saved")
 	await frames(10)
-	await save_with_keys() # Which the editor does for scenes alone that have changed since.
+	await save_with_keys() # The editor saves only scenes that have changed.
 	check_scene("res://fresh.tscn", "fresh")
-	check_equal(scatter.state.get_added_count(), 40, "and all stand")
+	check_equal(scatter.state.get_added_count(), 40, "all instances exist")

@@ -1,11 +1,11 @@
 @tool
 extends "res://tests/layer_choices.gd"
-## Scenes dropped on a scatter and on a layer, and a scene that is saved while it is scattered; undone at the end.
+## Scenes dropped on a scatter and on a layer, and a scene that is saved while it is scattered. All changes are undone at the end.
 
 const PINE := "res://pine.tscn"
 
 
-## A trunk and a crown, and a shape for the trunk.
+## A trunk with a collision shape, and a crown.
 func save_pine(crown_size: float) -> void:
 	var pine := Node3D.new()
 	pine.name = "Pine"
@@ -28,12 +28,12 @@ func save_pine(crown_size: float) -> void:
 	ResourceSaver.save(packed, PINE)
 
 
-## The field of the inspector on which scenes are dropped.
+## Returns the field of the inspector on which scenes can be dropped.
 func field() -> Control:
 	for control: Control in EditorInterface.get_inspector().find_children("*", "PanelContainer", true, false):
 		if control.get_script() != null and control.get_script().resource_path.ends_with("mesh_drop.gd"):
 			return control
-	check(false, "the inspector has a field to drop on")
+	check(false, "the inspector has a field for drops")
 	return null
 
 
@@ -47,26 +47,26 @@ func drop() -> void:
 	filesystem.update_file(PINE)
 	await frames(5)
 	await inspect(scatter)
-	check(field()._can_drop_data(Vector2.ZERO, dragged([PINE])), "a scene may be dropped")
-	check(not field()._can_drop_data(Vector2.ZERO, dragged([PINE, "res://terrain/valley.tres"])), "not with what is no mesh")
-	check(not field()._can_drop_data(Vector2.ZERO, {"type": "nodes", "nodes": []}), "nodes may not")
+	check(field()._can_drop_data(Vector2.ZERO, dragged([PINE])), "a scene can be dropped")
+	check(not field()._can_drop_data(Vector2.ZERO, dragged([PINE, "res://terrain/valley.tres"])), "but not together with other resources")
+	check(not field()._can_drop_data(Vector2.ZERO, {"type": "nodes", "nodes": []}), "nodes cannot be dropped")
 	var before: Array = scatter.layers
 	field()._drop_data(Vector2.ZERO, dragged([PINE]))
-	check_equal(scatter.layers.size(), before.size() + 1, "a layer more")
+	check_equal(scatter.layers.size(), before.size() + 1, "one more layer")
 	var layer: Resource = scatter.layers[before.size()]
 	check_equal(layer.resource_name, "Pine", "named after its file")
 	check(absf(layer.radius - 2.0) < 0.01, "as far apart as the crown is wide: %f" % layer.radius)
 	check_equal(layer.collision_shape, 5, "with the scene's shape")
 	await settle(scatter)
-	check(instances(scatter, before.size()).size() > 100, "pines stand")
+	check(instances(scatter, before.size()).size() > 100, "there are pines")
 	var mesh: Mesh = scatter.get_tile(before.size(), scatter.get_shown_tiles(before.size())[0]).get_mesh(0)
-	check_equal(mesh.get_surface_count(), 2, "trunk and crown are one")
+	check_equal(mesh.get_surface_count(), 2, "trunk and crown are in one mesh")
 	await picture("dropped")
 
 	await inspect(layer)
 	field()._drop_data(Vector2.ZERO, dragged([PINE]))
-	check_equal(layer.meshes.size(), 2, "on a layer it joins the meshes")
-	check(absf(layer.radius - 2.0) < 0.01, "whose radius stays")
+	check_equal(layer.meshes.size(), 2, "a drop on a layer adds a mesh")
+	check(absf(layer.radius - 2.0) < 0.01, "the radius does not change")
 	await undo_last(layer)
 	check_equal(layer.meshes.size(), 1, "undone")
 
@@ -74,6 +74,6 @@ func drop() -> void:
 	addon().scene_saved.emit(PINE)
 	await settle(scatter)
 	mesh = scatter.get_tile(before.size(), scatter.get_shown_tiles(before.size())[0]).get_mesh(0)
-	check(absf(mesh.get_aabb().size.x - 4.0) < 0.01, "a scene that was saved is drawn as it is now: %s" % mesh.get_aabb())
+	check(absf(mesh.get_aabb().size.x - 4.0) < 0.01, "a saved scene is drawn with its new content: %s" % mesh.get_aabb())
 	history(scatter).undo()
 	check_equal(scatter.layers, before, "undone")

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## An ordinary bake of a NavigationRegion3D by its button in the editor leaves out every trunk, wherever the camera is.
+## A bake of a NavigationRegion3D with its button in the editor leaves out every trunk, at any position of the camera.
 
 const SCENE := "res://grove.tscn"
 const SIDE := 40.0
@@ -27,7 +27,7 @@ func test_open() -> void:
 	(ground.mesh as PlaneMesh).size = Vector2(SIDE, SIDE)
 	var trees: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	add(trees, "Scatter", made, grove)
-	trees.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	trees.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Trees"
 	layer.radius = 4.0
@@ -55,7 +55,7 @@ func test_open() -> void:
 
 func test_the_button() -> void:
 	var found: int = scatter.query_rect(Rect2(-SIDE / 2.0, -SIDE / 2.0, SIDE, SIDE)).size()
-	check(found > 50 and scatter.get_stats().instances < found, "%d stand, of which %d are loaded" % [found, scatter.get_stats().instances])
+	check(found > 50 and scatter.get_stats().instances < found, "%d instances, of which %d are loaded" % [found, scatter.get_stats().instances])
 	var bake: Button
 	for button: Button in EditorInterface.get_base_control().find_children("*", "Button", true, false):
 		if button.is_visible_in_tree() and button.text.begins_with("Bake Navigation"):
@@ -66,8 +66,8 @@ func test_the_button() -> void:
 	await until(func() -> bool: return region.navigation_mesh.get_polygon_count() > 10, "baked")
 	var all: RefCounted = scatter.query_rect(Rect2(-SIDE / 2.0, -SIDE / 2.0, SIDE, SIDE))
 	for index in all.size():
-		check(not is_walkable(all.get_position(index)), "nobody walks through the trunk at %s" % all.get_position(index))
-	check(walkable_share() > 0.4, "and on most of the ground one does: %.2f" % walkable_share())
+		check(not is_walkable(all.get_position(index)), "the trunk at %s is not walkable" % all.get_position(index))
+	check(walkable_share() > 0.4, "most of the ground is walkable: %.2f" % walkable_share())
 	scatter.layers[0].view_distance = 60.0
 	camera().global_position = Vector3(0.0, 30.0, 26.0)
 	camera().look_at(Vector3.ZERO)

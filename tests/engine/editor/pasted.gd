@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## A scatter that is copied in one scene and pasted into another, with mouse and keys: what it shares with the original is told, and made
+## A scatter that is copied in one scene and pasted into another, with mouse and keys. The panel reports its shared resources, and makes them
 ## unique in one step.
 
 const FROM := "res://orchard.tscn"
@@ -12,11 +12,11 @@ var pasted: Node3D
 
 
 func panel() -> Control:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
-## The plugin looks some times a second, and for what is shared less often.
-func look() -> void:
+## Waits for the plugin's next update, which checks shared resources less often than the rest.
+func wait_for_panel() -> void:
 	await get_tree().create_timer(2.0).timeout
 
 
@@ -24,7 +24,7 @@ func select(node: Node) -> void:
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(node)
 	EditorInterface.edit_node(node)
-	await look()
+	await wait_for_panel()
 
 
 func make_layer(title: String, radius: float) -> Resource:
@@ -50,7 +50,7 @@ func test_paste() -> void:
 	orchard.name = "Orchard"
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Trees"
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	made.layers = [make_layer("Apple", 3.0), make_layer("Grass", 1.0), load(MOSS)]
 	made.layers[1].spacing = {"Apple": 0.5}
 	orchard.add_child(made)
@@ -83,10 +83,10 @@ func test_paste() -> void:
 		return
 	await select(pasted)
 	await settle(pasted)
-	check(panel().notes._sharing.is_visible_in_tree(), "the panel tells what is shared")
-	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its layers, what is painted, its state and its seed with"
-			+ " Trees of orchard.tscn: both show the same instances.", "told")
-	check(panel().notes.note_on(pasted.layers[2]).contains("moss.tres"), "of a layer that is a file in its row alone")
+	check(panel().notes._sharing.is_visible_in_tree(), "the panel reports shared resources")
+	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its layers, its painted masks, its state and its seed with"
+			+ " Trees of orchard.tscn: both show the same instances.", "text of the report")
+	check(panel().notes.note_on(pasted.layers[2]).contains("moss.tres"), "a layer in a file has a note in its row only")
 	await picture("pasted")
 
 
@@ -96,13 +96,13 @@ func test_make_unique() -> void:
 	panel().notes.ask_to_make_unique()
 	panel().notes.dialog.get_ok_button().pressed.emit()
 	panel().notes.dialog.hide()
-	await look()
-	check(not panel().notes._sharing.visible, "nothing is shared any more that was not meant")
+	await wait_for_panel()
+	check(not panel().notes._sharing.visible, "no unintended sharing remains")
 	for index in 2:
 		check(not pasted.layers[index] in original.layers, "layer %d is its own" % index)
-	check_equal(pasted.layers[0].mask.resource_path, "res://garden_apple_mask.res", "a mask beside its scene")
-	check_equal(pasted.state.resource_path, "res://garden_trees_state.res", "and what was made by hand")
-	check_equal(pasted.layers[2], original.layers[2], "what is a file stays shared")
+	check_equal(pasted.layers[0].mask.resource_path, "res://garden_apple_mask.res", "the mask is beside its scene")
+	check_equal(pasted.state.resource_path, "res://garden_trees_state.res", "the state, too")
+	check_equal(pasted.layers[2], original.layers[2], "a layer in a file stays shared")
 	var after := saved_files()
 	var text := FileAccess.get_file_as_string(TO)
 	check(not "orchard" in text and "garden_grass_mask.res" in text, "the scene refers to its own files")
@@ -111,7 +111,7 @@ func test_make_unique() -> void:
 	await redo()
 	check_same(saved_files(), after, "redone")
 	pasted.layers[0].radius = 5.0
-	check_equal(state_of(original), kept, "the original is as it was")
+	check_equal(state_of(original), kept, "the original is unchanged")
 	await undo()
 	saved_files()
 
@@ -120,23 +120,23 @@ func state_of(scatter: Node3D) -> Array:
 	return [scatter.seed, scatter.state.get_digest(), scatter.layers[0].radius, scatter.layers[0].mask.resource_path]
 
 
-## With the other scene closed the layers are two; what lies in its files is shared all the same.
-func test_opened_again() -> void:
-	if not EditorInterface.has_method(&"close_scene"): # Since 4.5.
+## When the other scene is closed, the layers differ, but the files are still shared.
+func test_reopening() -> void:
+	if not EditorInterface.has_method(&"close_scene"): # Since Godot 4.5.
 		return
 	pasted = null
 	original = null
 	for path: String in [FROM, TO]:
 		await open(path)
-		await look() # The editor goes on with a scene that has just been opened.
+		await wait_for_panel() # The editor continues with a scene that was just opened.
 		EditorInterface.call(&"close_scene")
-		await look()
+		await wait_for_panel()
 	pasted = (await open(TO)).get_node("Trees")
 	await select(pasted)
-	check(panel().notes._sharing.is_visible_in_tree(), "told again")
-	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares what is painted and its state with orchard.tscn.", "told")
+	check(panel().notes._sharing.is_visible_in_tree(), "reported again")
+	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its painted masks and its state with orchard.tscn.", "text of the report")
 	for layer: Resource in pasted.layers:
 		layer.mask = null
-	await look()
-	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its state with orchard.tscn.", "a state alone is told, too")
+	await wait_for_panel()
+	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its state with orchard.tscn.", "a shared state alone is reported, too")
 	check(panel().notes._sharing.visible, "in the panel")

@@ -1,6 +1,6 @@
 @tool
 extends EditorPlugin
-## Base of what is done in the editor, as a designer would: runs the script named after `--`, with its methods that start
+## Base class of the tests in the editor, which work like a designer. Runs the script given after `--`, with its methods that start
 ## with "test_", prints "editor tests: N checks, 0 failed", and quits.
 
 const SIZE := Vector2i(1440, 900)
@@ -12,14 +12,14 @@ var failures := 0
 func _enter_tree() -> void:
 	if OS.get_cmdline_user_args().is_empty():
 		return
-	# Software takes long to draw the editor, so it draws for pictures alone.
+	# Drawing the editor in software is slow, so it only draws for pictures.
 	RenderingServer.render_loop_enabled = false
-	# What the editor does after its first scan it does before this hears of it: it lays out its docks, draws meanwhile, and hides panels.
+	# After its first scan, the editor first lays out its docks, draws and hides panels. Then it emits this signal.
 	EditorInterface.get_resource_filesystem().sources_changed.connect(_run.unbind(1), CONNECT_ONE_SHOT | CONNECT_DEFERRED)
 
 
 func _run() -> void:
-	await get_tree().process_frame # Within a deferred call the editor refuses to show progress.
+	await get_tree().process_frame # The editor refuses to show progress within a deferred call.
 	while EditorInterface.get_resource_filesystem().is_scanning():
 		await get_tree().process_frame
 	get_window().mode = Window.MODE_WINDOWED
@@ -34,7 +34,7 @@ func _run() -> void:
 			@warning_ignore("redundant_await")
 			await steps.call(method.name)
 			print("%s: %d ms" % [method.name, Time.get_ticks_msec() - begun])
-	# A scan that is cut short by the end is told as a warning.
+	# Quitting during a scan would cause a warning.
 	var deadline := Time.get_ticks_msec() + 10000
 	while EditorInterface.get_resource_filesystem().is_scanning() and Time.get_ticks_msec() < deadline:
 		await get_tree().process_frame

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Terrain plug-ins as ground in the editor: Terrain3D's and HTerrain's doubles are sculpted as their brushes do it, freed and put back,
-## and what stands on them follows. Then water rises over the same ground.
+## Terrain plug-ins as ground in the editor: the doubles of Terrain3D and HTerrain are sculpted like their brushes do, freed and replaced,
+## and the instances follow. Then water rises over the same ground.
 
 const SCENE := "res://plugin_ground.tscn"
 
@@ -10,7 +10,7 @@ var root: Node3D
 var shown: Array[Vector2i] = []
 
 
-## A script with a double, in the copy that the editor runs.
+## Returns a script with a double, from the copy for the editor.
 func double(script: String) -> GDScript:
 	return load("res://doubles/%s.gd" % script)
 
@@ -53,7 +53,7 @@ func test_prepare() -> void:
 	await frames(3)
 
 
-## A picture from above.
+## Takes a picture from above.
 func photograph(picture_name: String) -> void:
 	camera().global_position = Vector3(35.0, 50.0, 85.0)
 	camera().look_at(Vector3(0.0, 0.0, 5.0))
@@ -61,25 +61,25 @@ func photograph(picture_name: String) -> void:
 	await picture(picture_name)
 
 
-## Gives the scatter a node as its ground, as the inspector does.
-func stand_on(path: NodePath) -> void:
-	var terrain: Resource = ClassDB.instantiate(&"ScatterTerrainObject")
+## Sets a node as the scatter's ground, like the inspector does.
+func set_ground(path: NodePath) -> void:
+	var terrain: Resource = ClassDB.instantiate(&"ScatterGroundNode")
 	terrain.set(&"node", path)
 	var manager := plugin.get_undo_redo()
 	manager.create_action("Set terrain", UndoRedo.MERGE_DISABLE, scatter)
-	manager.add_do_property(scatter, &"terrain", terrain)
-	manager.add_undo_property(scatter, &"terrain", scatter.get(&"terrain"))
+	manager.add_do_property(scatter, &"ground", terrain)
+	manager.add_undo_property(scatter, &"ground", scatter.get(&"ground"))
 	manager.commit_action()
 	await settle(scatter)
 
 
-## Puts a plug-in's node into the scene, where nobody saves it.
+## Adds a plug-in's node to the scene. It is not saved.
 func put(node: Node3D, node_name: String) -> void:
 	node.name = node_name
 	root.add_child(node)
 
 
-## The ground as a mesh, for the picture: what the plug-in itself would draw.
+## Draws the ground as a mesh for the picture, in place of the plug-in.
 func draw_ground(height_at: Callable) -> void:
 	var old := root.get_node_or_null("Drawn")
 	if old != null:
@@ -101,62 +101,62 @@ func draw_ground(height_at: Callable) -> void:
 	root.add_child(drawn)
 
 
-## Instances that do not stand on the ground as it is now. They stand 1 m above it, with their middle.
-func check_ground(height_at: Callable, what: String) -> void:
+## Checks that all instances are on the current ground. Their middles are 1 m above it.
+func check_ground(height_at: Callable, context: String) -> void:
 	var stand := instances(scatter, 0)
 	var off := stand.values().filter(func(at: Vector3) -> bool: return not (absf(height_at.call(at) + 1.0 - at.y) < 0.02))
-	check(stand.size() > 1500, "%s: %d instances" % [what, stand.size()])
-	check_equal(off.size(), 0, "%s: instances off the ground" % what)
+	check(stand.size() > 1500, "%s: %d instances" % [context, stand.size()])
+	check_equal(off.size(), 0, "%s: instances off the ground" % context)
 
 
-## Raises a hill by steps, as a brush does while the mouse moves, and looks at what was made anew.
-func sculpt(raise: Callable, height_at: Callable, what: String) -> void:
+## Raises a hill in steps, like a brush does while the mouse moves, and checks which tiles were regenerated.
+func sculpt(raise: Callable, height_at: Callable, context: String) -> void:
 	var all: int = scatter.get_shown_tiles(0).size()
 	shown.clear()
 	for step in 4:
 		raise.call(3.0 * (step + 1))
 		await frames(2)
 	await settle(scatter)
-	check_ground(height_at, what)
+	check_ground(height_at, context)
 	var tiles := {}
 	for tile in shown:
 		tiles[tile] = true
-	check(not tiles.is_empty() and tiles.size() <= all / 3, "%s: %d of %d tiles were made anew" % [what, tiles.size(), all])
+	check(not tiles.is_empty() and tiles.size() <= all / 3, "%s: %d of %d tiles were regenerated" % [context, tiles.size(), all])
 	draw_ground(height_at)
-	await photograph(what)
+	await photograph(context)
 
 
 func test_terrain3d() -> void:
 	var node: Node3D = double("terrain3d_harness").make_terrain3d()
 	put(node, "Terrain3D")
 	var height_at: Callable = node.data.height_at
-	await stand_on(^"../Terrain3D")
-	check("Terrain3D" in scatter.terrain.get(&"recognized"), "known: %s" % scatter.terrain.get(&"recognized"))
+	await set_ground(^"../Terrain3D")
+	check("Terrain3D" in scatter.ground.get(&"recognized"), "recognized: %s" % scatter.ground.get(&"recognized"))
 	check_ground(height_at, "at first")
-	check_equal(node.data.asked, 0, "calls for single places")
+	check_equal(node.data.point_calls, 0, "calls for single positions")
 	await sculpt(func(height: float) -> void:
 		for x in range(-6, 7):
 			for z in range(-6, 7):
 				node.data.set_height(Vector3(10.5 + x, 0.0, 10.5 + z), height)
 		node.data.height_maps_changed.emit()
 		node.data.maps_edited.emit(AABB(Vector3(4.0, -50.0, 4.0), Vector3(14.0, 100.0, 14.0))), height_at, "ground_terrain3d")
-	check(instances(scatter, 0).values().any(func(at: Vector3) -> bool: return absf(at.y - 13.0) < 0.02), "some stand on the new hill")
+	check(instances(scatter, 0).values().any(func(at: Vector3) -> bool: return absf(at.y - 13.0) < 0.02), "some are on the new hill")
 	node.free()
-	await until(func() -> bool: return "Terrain3D" in "\n".join(scatter.get_problems()), "what is gone is told")
+	await until(func() -> bool: return "Terrain3D" in "\n".join(scatter.get_problems()), "a freed node is reported")
 	var other: Node3D = double("terrain3d_harness").make_terrain3d()
 	put(other, "Terrain3D")
-	await until(func() -> bool: return scatter.get_problems().is_empty(), "one of the same name is found")
+	await until(func() -> bool: return scatter.get_problems().is_empty(), "a new node with the same name is found")
 	await settle(scatter)
-	check_ground(other.data.height_at, "put back")
+	check_ground(other.data.height_at, "with the new node")
 
 
 func test_hterrain() -> void:
 	var node: Node3D = double("hterrain_harness").make_hterrain()
 	put(node, "HTerrain")
-	await stand_on(^"../HTerrain")
-	check("HTerrain" in scatter.terrain.get(&"recognized"), "known: %s" % scatter.terrain.get(&"recognized"))
+	await set_ground(^"../HTerrain")
+	check("HTerrain" in scatter.ground.get(&"recognized"), "recognized: %s" % scatter.ground.get(&"recognized"))
 	check_ground(node.ground_at, "at first")
-	check_equal(node.get_data().asked, 0, "calls for single places")
+	check_equal(node.get_data().point_calls, 0, "calls for single positions")
 	await sculpt(func(height: float) -> void:
 		for column in range(20, 27):
 			for row in range(20, 27):
@@ -164,7 +164,7 @@ func test_hterrain() -> void:
 		node.get_data().notify_region_change(Rect2i(20, 20, 7, 7), 0), node.ground_at, "ground_hterrain")
 
 
-## Water of the node, in the inspector's way: what is under it goes, and comes back with Ctrl+Z.
+## Enables water like the inspector does: instances under water are removed, and restored by Ctrl+Z.
 func test_water_rises() -> void:
 	var before := instances(scatter, 0)
 	var manager := plugin.get_undo_redo()
@@ -175,8 +175,8 @@ func test_water_rises() -> void:
 	manager.commit_action()
 	await settle(scatter)
 	var dry := instances(scatter, 0)
-	check(dry.size() > 200 and dry.size() < before.size() - 200, "%d of %d are left" % [dry.size(), before.size()])
-	check(dry.values().all(func(at: Vector3) -> bool: return at.y - 1.0 > 3.99), "all of them above the water")
+	check(dry.size() > 200 and dry.size() < before.size() - 200, "%d of %d remain" % [dry.size(), before.size()])
+	check(dry.values().all(func(at: Vector3) -> bool: return at.y - 1.0 > 3.99), "all of them are above the water")
 	for id: int in dry:
 		if dry[id] != before[id]:
 			check(false, "none of them has moved")

@@ -1,18 +1,18 @@
 @tool
 extends "res://tests/steps.gd"
-## Regions of all shapes on a scatter's ground, as their gizmos draw them, and handles that are dragged.
+## Regions of all shapes on a scatter's ground, drawn by their gizmos, with handles that are dragged.
 
-## The place on the ground that the camera looks at.
+## The camera looks at this position on the ground.
 const AT := Vector2(40.0, -30.0)
 
 var scatter: Node3D
 
 
 func on_ground(x: float, z: float) -> Vector3:
-	return Vector3(x, scatter.terrain.get_height(Vector3(x, 0.0, z)), z)
+	return Vector3(x, scatter.ground.get_height(Vector3(x, 0.0, z)), z)
 
 
-## Regions of all shapes below the scatter are drawn, and their handles set their sizes with undo.
+## Regions of all shapes below the scatter are drawn, and their handles set their sizes, with undo.
 func drag_all() -> void:
 	var regions: Array[Node3D] = []
 	for shape in 5:
@@ -61,13 +61,13 @@ func drag_all() -> void:
 	await frames(2)
 
 
-## Drags a handle of a region to a place in its own space; undo takes it back.
+## Drags a handle of a region to a position in its own space, and undoes that.
 func drag(region: Node3D, handle: int, to: Vector3, property: StringName, expected: Variant) -> void:
 	var gizmo := region.get_gizmos()[0] as EditorNode3DGizmo
 	var gizmos := gizmo.get_plugin()
 	gizmos._begin_handle_action(gizmo, handle, false)
 	var before_drag: Variant = gizmos._get_handle_value(gizmo, handle, false)
-	check(before_drag == region.get(property), "handle %d is about %s" % [handle, property])
+	check(before_drag == region.get(property), "handle %d belongs to %s" % [handle, property])
 	gizmos._set_handle(gizmo, handle, false, camera(), camera().unproject_position(region.to_global(to)))
 	gizmos._commit_handle(gizmo, handle, false, before_drag, false)
 	var message := "%s of shape %d: %s, dragged to %s" % [property, region.shape, region.get(property), expected]
@@ -78,4 +78,4 @@ func drag(region: Node3D, handle: int, to: Vector3, property: StringName, expect
 	else:
 		check(region.get(property)[handle].distance_to(expected[handle]) < 0.02, message)
 	history(region).undo()
-	check(region.get(property) == before_drag, "%s is as before" % property)
+	check(region.get(property) == before_drag, "%s is restored" % property)

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## Regions that a button adds or clicks outline, handles that hold one side and snap, and a bake whose rectangle is drawn in the view and
-## which stands in the scatter's place: each one step of undo.
+## Regions that are added by a button or outlined by clicks, handles that keep the opposite side and snap, and a bake whose rectangle is
+## drawn in the view and which replaces the scatter there. Each is one step of undo.
 
 const SCENE := "res://park.tscn"
 const BAKED := "res://baked"
@@ -16,7 +16,7 @@ func make_scene() -> void:
 	scatter = ClassDB.instantiate(&"TerrainScatter3D")
 	scatter.name = "Posts"
 	scatter.position = Vector3(3.0, 1.0, -2.0)
-	scatter.set(&"terrain", ClassDB.instantiate(&"ScatterTerrainFlat"))
+	scatter.set(&"ground", ClassDB.instantiate(&"ScatterGroundFlat"))
 	var layers: Array = []
 	for name: String in ["Post", "Twig"]:
 		var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
@@ -72,10 +72,10 @@ func test_buttons() -> void:
 			var region: Node3D = regions()[0] if regions().size() == 1 else null
 			if not check(region != null and region.shape == shape and region.exclude == exclude, "a region of shape %d" % shape):
 				return
-			check(region.global_position.distance_to(middle) < 0.1, "at the middle of the view: %s" % region.global_position)
-			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "of the scene, and selected")
-			var problems: PackedStringArray = scatter.get_problems() # The node has moved so that shapes and world differ; it warns of that.
-			check(problems.size() == 1 and "global_transform" in problems[0], "nothing else in the way: %s" % problems)
+			check(region.global_position.distance_to(middle) < 0.1, "in the middle of the view: %s" % region.global_position)
+			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "it belongs to the scene, and is selected")
+			var problems: PackedStringArray = scatter.get_problems() # The node was moved so that shapes and world differ, which is one problem.
+			check(problems.size() == 1 and "global_transform" in problems[0], "no other problems: %s" % problems)
 			if shape == 4 and exclude:
 				await picture("region_path")
 			await undo()
@@ -86,7 +86,7 @@ func test_buttons() -> void:
 				check(regions()[0].get_node("Path3D").owner == root, "with its path")
 			await undo()
 			await select_scatter()
-	check(scene_bytes() == before, "the scene is as it was, to the byte")
+	check(scene_bytes() == before, "the scene is unchanged, byte for byte")
 
 
 func test_a_polygon_by_clicks() -> void:
@@ -101,19 +101,19 @@ func test_a_polygon_by_clicks() -> void:
 	check(tool.is_on(), "the tool is on")
 	await click_at(on_screen(corners[0]))
 	await key(KEY_ENTER)
-	check(tool.is_on() and "three corners" in tool.problem, "a corner is no region: %s" % tool.problem)
+	check(tool.is_on() and "three corners" in tool.problem, "one corner is not a region: %s" % tool.problem)
 	await click_at(on_screen(Vector3(0.4, 0.0, 0.4)))
 	await key(KEY_BACKSPACE)
-	check_equal(tool.corners.size(), 1, "backspace takes one back")
+	check_equal(tool.corners.size(), 1, "backspace removes a corner")
 	for corner in corners.slice(1):
 		await click_at(on_screen(corner))
 	check_equal(tool.corners.size(), 4, "four corners")
 	await picture("polygon")
-	check(regions().is_empty() and history(scatter).get_version() == steps, "nothing is in the scene yet")
+	check(regions().is_empty() and history(scatter).get_version() == steps, "the scene has not changed yet")
 	await key(KEY_ENTER)
 	await frames(2)
 	check_equal(history(scatter).get_version(), steps + 1, "one step")
-	if not check(regions().size() == 1 and not tool.is_on(), "a region, and the tool is away"):
+	if not check(regions().size() == 1 and not tool.is_on(), "a region, and the tool is off"):
 		return
 	var region: Node3D = regions()[0]
 	for index in 4:
@@ -121,13 +121,13 @@ func test_a_polygon_by_clicks() -> void:
 		check(at.distance_to(corners[index]) < 0.05, "corner %d at %s" % [index, at])
 	await settle(scatter)
 	var left := instances(scatter, 0)
-	check(left.size() < full.size() and not left.values().any(func(at: Vector3) -> bool: return at.length() < 0.7), "nothing stands in it")
+	check(left.size() < full.size() and not left.values().any(func(at: Vector3) -> bool: return at.length() < 0.7), "no instances in it")
 	await picture("polygon_done")
 	await undo()
 	await settle(scatter)
-	check(instances(scatter, 0) == full and scene_bytes() == before, "undone, to the byte")
+	check(instances(scatter, 0) == full and scene_bytes() == before, "undone, byte for byte")
 	await select_scatter()
-	# A double click closes, a click on the first corner does, and Escape gives up.
+	# A double click or a click on the first corner closes the polygon, and Escape cancels it.
 	for way: String in ["double", "first", "escape"]:
 		surface().grab_focus()
 		workspace().toolbar.regions._on_chosen(8)
@@ -141,14 +141,14 @@ func test_a_polygon_by_clicks() -> void:
 			await key(KEY_ESCAPE)
 		await frames(2)
 		check_equal(regions().size(), 0 if way == "escape" else 1, way)
-		check(not tool.is_on(), "the tool is away after: %s" % way)
+		check(not tool.is_on(), "the tool is off after: %s" % way)
 		if way != "escape":
-			check(not regions()[0].exclude, "it includes")
+			check(not regions()[0].exclude, "the region includes")
 			await undo()
 		await select_scatter()
 
 
-## Drags a handle of a region to a place in its own space as it is now, or was when the drag began.
+## Drags a handle of a region to a position in its own space at the start of the drag.
 func drag_handle(region: Node3D, handle: int, to: Vector3) -> void:
 	var gizmo := region.get_gizmos()[0] as EditorNode3DGizmo
 	var gizmos := gizmo.get_plugin()
@@ -169,7 +169,7 @@ func hold(keycode: Key, pressed: bool) -> void:
 	Input.flush_buffered_events()
 
 
-func test_handles_hold_one_side() -> void:
+func test_handles_keep_the_opposite_side() -> void:
 	var region: Node3D = ClassDB.instantiate(&"ScatterRegion3D")
 	region.size = Vector3(2.0, 2.0, 2.0)
 	scatter.add_child(region)
@@ -189,19 +189,19 @@ func test_handles_hold_one_side() -> void:
 		drag_handle(region, handle, outwards * 1.5)
 		check(absf(region.size[axis] - 2.5) < 0.03, "handle %d: %s" % [handle, region.size])
 		var stays := region.to_global(-outwards * 0.5 * region.size[axis])
-		check(stays.distance_to(across) < 1e-3, "the face across stays, handle %d" % handle)
+		check(stays.distance_to(across) < 1e-3, "handle %d: the opposite face stays" % handle)
 		await undo()
-		check(region.size == Vector3(2.0, 2.0, 2.0) and region.transform == start, "undone, handle %d" % handle)
+		check(region.size == Vector3(2.0, 2.0, 2.0) and region.transform == start, "handle %d: undone" % handle)
 		hold(KEY_ALT, true)
 		drag_handle(region, handle, outwards * 1.5)
 		hold(KEY_ALT, false)
-		check(absf(region.size[axis] - 3.0) < 0.03 and region.transform == start, "with Alt both sides: %s" % region.size)
+		check(absf(region.size[axis] - 3.0) < 0.03 and region.transform == start, "with Alt, both sides move: %s" % region.size)
 		await undo()
 	hold(KEY_CTRL, true)
 	await frames(2)
 	drag_handle(region, 0, Vector3(1.6, 0.0, 0.0))
 	hold(KEY_CTRL, false)
-	check_equal(region.size, Vector3(3.0, 2.0, 2.0), "with Ctrl it snaps to whole meters")
+	check_equal(region.size, Vector3(3.0, 2.0, 2.0), "with Ctrl, it snaps to whole meters")
 	await undo()
 	region.shape = 2
 	region.height = 2.0
@@ -209,13 +209,13 @@ func test_handles_hold_one_side() -> void:
 	var bottom := region.to_global(Vector3(0.0, -1.0, 0.0))
 	drag_handle(region, 1, Vector3(0.0, 1.4, 0.0))
 	check(absf(region.height - 2.4) < 0.03 and region.to_global(Vector3(0.0, -0.5 * region.height, 0.0)).distance_to(bottom) < 1e-3,
-			"a cylinder holds its bottom: %s" % region.height)
+			"a cylinder keeps its bottom: %s" % region.height)
 	await undo()
 	region.free()
 	await select_scatter()
 
 
-## The rectangle is drawn in the view; what is baked takes the scatter's place there, and nothing stands twice.
+## The rectangle is drawn in the view. The bake replaces the scatter there, and nothing exists twice.
 func test_bake_and_replace() -> void:
 	var by_hand: Node = workspace().toolbar.hand
 	var edits: RefCounted = by_hand.edits
@@ -232,13 +232,13 @@ func test_bake_and_replace() -> void:
 	dialog._draw.pressed.emit()
 	await frames(2)
 	var tool: Node = workspace().toolbar.rectangle
-	check(not dialog.visible and tool.is_on(), "the dialog waits")
+	check(not dialog.visible and tool.is_on(), "the dialog is hidden")
 	surface().grab_focus()
 	await drag_mouse(on_screen(Vector3(-1.05, 0.0, -0.97)), on_screen(Vector3(1.1, 0.0, 1.06)), false, false)
 	await picture("rectangle")
 	await press(on_screen(Vector3(1.1, 0.0, 1.06)), false)
 	await frames(2)
-	check(dialog.visible and not tool.is_on(), "the dialog goes on")
+	check(dialog.visible and not tool.is_on(), "the dialog is back")
 	var rect := Rect2(-1.0, -1.0, 2.0, 2.0)
 	check_equal(dialog._rect(), rect, "the rectangle")
 	dialog.choose_replacing(true)
@@ -247,7 +247,7 @@ func test_bake_and_replace() -> void:
 	var posts := instances(scatter, 0)
 	var twigs := instances(scatter, 1)
 	var expected := posts.values().filter(func(at: Vector3) -> bool: return rect.has_point(Vector2(at.x, at.z)))
-	check(expected.any(func(at: Vector3) -> bool: return at.distance_to(Vector3(0.3, 0.0, 0.3)) < 1e-4), "one of them by hand")
+	check(expected.any(func(at: Vector3) -> bool: return at.distance_to(Vector3(0.3, 0.0, 0.3)) < 1e-4), "one of them is hand-placed")
 	var steps := history(scatter).get_version()
 	dialog.start()
 	await until(func() -> bool: return not dialog.is_processing(), "baked")
@@ -262,18 +262,18 @@ func test_bake_and_replace() -> void:
 	for child: MultiMeshInstance3D in baked.get_children():
 		for index in child.multimesh.instance_count:
 			found.append(child.global_transform * child.multimesh.get_instance_transform(index).origin)
-	check_equal(found.size(), expected.size(), "as many as stood there")
+	check_equal(found.size(), expected.size(), "as many as before")
 	for at: Vector3 in expected:
 		check(found.any(func(other: Vector3) -> bool: return other.distance_to(at) < 1e-3), "%s is baked" % at)
 	await settle(scatter)
-	check(not scatter.has_instance(inside), "not twice, by hand")
-	check(instances(scatter, 0).size() == posts.size() - expected.size(), "nor by the rules")
-	check(instances(scatter, 1) == twigs, "the other layer stands as it did")
+	check(not scatter.has_instance(inside), "the hand-placed instance does not exist twice")
+	check(instances(scatter, 0).size() == posts.size() - expected.size(), "neither do the generated ones")
+	check(instances(scatter, 1) == twigs, "the other layer is unchanged")
 	await picture("replaced")
 	await undo()
 	await settle(scatter)
 	check(instances(scatter, 0) == posts, "undone")
-	check(scene_bytes() == before and FileAccess.get_file_as_bytes(state_file) == state, "to the byte")
+	check(scene_bytes() == before and FileAccess.get_file_as_bytes(state_file) == state, "byte for byte")
 	await redo()
 	await settle(scatter)
 	check(instances(scatter, 0).size() == posts.size() - expected.size() and scatter.has_node("Posts"), "redone")

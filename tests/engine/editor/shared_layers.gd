@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## A scatter that was duplicated shares its layers, seed and masks with the original: that is told, and ended by one step. A change that would
-## show far more than there is asks first.
+## A duplicated scatter shares its layers, seed and masks with the original. The panel reports that, and makes them unique in one step. A
+## change that would show far more instances asks first.
 
 const SCENE := "res://glade.tscn"
 const LAYER_FILE := "res://shared_moss.tres"
@@ -12,7 +12,7 @@ var other: Node3D
 
 
 func panel() -> Control:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 func make_layer(title: String, radius: float, view: float) -> Resource:
@@ -25,13 +25,13 @@ func make_layer(title: String, radius: float, view: float) -> Resource:
 	return layer
 
 
-## Grass with a mask in a file, trees that keep away from it by what it is, and moss that is a file.
+## Grass with a mask in a file, trees that keep away from it by its name, and moss in a file.
 func make_scene() -> void:
 	var new_root := Node3D.new()
 	new_root.name = "Glade"
 	var new: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	new.name = "Scatter"
-	new.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	new.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var moss := make_layer("Moss", 6.0, 60.0)
 	ResourceSaver.save(moss, LAYER_FILE)
 	var layers: Array = new.layers.duplicate()
@@ -55,15 +55,15 @@ func select(node: Node) -> void:
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(node)
 	EditorInterface.edit_node(node)
-	await look()
+	await wait_for_panel()
 
 
-## The plugin looks some times a second.
-func look() -> void:
+## Waits for the plugin's next update. It updates only some times per second.
+func wait_for_panel() -> void:
 	await get_tree().create_timer(1.5).timeout
 
 
-## As Ctrl+D in the Scene dock does it: what lies in the scene is shared.
+## Duplicates like Ctrl+D in the Scene dock: resources of the scene are shared.
 func duplicate_scatter() -> void:
 	var undo_redo := plugin.get_undo_redo()
 	other = scatter.duplicate()
@@ -75,7 +75,7 @@ func duplicate_scatter() -> void:
 	undo_redo.commit_action()
 
 
-func test_a_duplicate_is_told() -> void:
+func test_a_duplicate_is_reported() -> void:
 	await make_scene()
 	var paint: Node = workspace().toolbar.paint
 	paint.set_on(true)
@@ -84,50 +84,50 @@ func test_a_duplicate_is_told() -> void:
 	workspace().toolbar.choose_layer(0)
 	await stroke([Vector3.ZERO])
 	paint.set_on(false)
-	check(FileAccess.file_exists("res://glade_grass_mask.res"), "what is painted lies in a file")
+	check(FileAccess.file_exists("res://glade_grass_mask.res"), "the mask is in a file")
 	saved_files()
 	var edits: RefCounted = workspace().toolbar.hand.edits
-	check(edits.begin(scatter, SCENE), "hand-placed instances go into a file: " + edits.problem)
-	check(edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0) != 0, "one is planted")
+	check(edits.begin(scatter, SCENE), "hand-placed instances are saved in a file: " + edits.problem)
+	check(edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0) != 0, "an instance is planted")
 	edits.commit("Plant")
 	scatter.remove_instance(scatter.query_rect(Rect2(20.0, 20.0, 10.0, 10.0), 0).ids[0])
 	saved_files()
-	check(not panel().notes._sharing.visible, "alone it shares nothing")
+	check(not panel().notes._sharing.visible, "a single scatter shares nothing")
 	duplicate_scatter()
-	await look()
+	await wait_for_panel()
 	await select(other)
-	check(panel().notes._sharing.is_visible_in_tree(), "the panel tells what a duplicate shares")
-	var told: String = panel().notes._shared.tell(other.name)
-	check_equal(told, "Scatter2 shares its layers, its state and its seed with Scatter: both show the same instances.", "told")
-	check(panel().notes.note_on(other.layers[2]).contains("shared_moss.tres"), "of a layer that is a file in its row alone")
+	check(panel().notes._sharing.is_visible_in_tree(), "the panel reports shared resources")
+	var report: String = panel().notes._shared.tell(other.name)
+	check_equal(report, "Scatter2 shares its layers, its state and its seed with Scatter: both show the same instances.", "reported")
+	check(panel().notes.note_on(other.layers[2]).contains("shared_moss.tres"), "a layer in a file has a note in its row only")
 	await picture("panel_shared")
 
 
 func test_make_unique() -> void:
 	var before := saved_files()
 	panel().notes.ask_to_make_unique()
-	check(panel().notes.dialog.visible and panel().notes.dialog._files.visible, "a dialog asks what is meant")
+	check(panel().notes.dialog.visible and panel().notes.dialog._files.visible, "a dialog asks which resources to copy")
 	await picture("make_unique", panel().notes.dialog)
 	panel().notes.dialog.get_ok_button().pressed.emit()
 	panel().notes.dialog.hide()
-	await look()
-	check(not panel().notes._sharing.visible, "nothing is shared any more that was not meant")
+	await wait_for_panel()
+	check(not panel().notes._sharing.visible, "no unintended sharing remains")
 	for index in 2:
 		check(other.layers[index] != scatter.layers[index], "layer %d is its own" % index)
-		check_equal(other.layers[index].resource_name, scatter.layers[index].resource_name, "of the same name")
+		check_equal(other.layers[index].resource_name, scatter.layers[index].resource_name, "with the same name")
 		check_equal(other.layers[index].layer_id, scatter.layers[index].layer_id, "and the same id")
-	check_equal(other.layers[2], scatter.layers[2], "what is a file stays shared")
-	check(other.seed != scatter.seed, "another seed")
-	check_equal(other.layers[0].mask.resource_path, "res://glade_grass_mask_2.res", "a mask in a file of its own")
-	check(other.layers[0].mask.sample(Vector2.ZERO) == 0.0, "painted as it was")
-	check_equal(other.state.resource_path, "res://glade_scatter_2_state.res", "what was made by hand is in a file of its own")
-	check_equal([other.state.get_added_count(), other.state.get_removed_count()], [1, 0], "planted ones stand with any seed, removals do not")
+	check_equal(other.layers[2], scatter.layers[2], "a layer in a file stays shared")
+	check(other.seed != scatter.seed, "a new seed")
+	check_equal(other.layers[0].mask.resource_path, "res://glade_grass_mask_2.res", "the mask has a new file")
+	check(other.layers[0].mask.sample(Vector2.ZERO) == 0.0, "with the same pixels")
+	check_equal(other.state.resource_path, "res://glade_scatter_2_state.res", "the state has a new file")
+	check_equal([other.state.get_added_count(), other.state.get_removed_count()], [1, 0], "hand-placed instances stay with any seed, removals do not")
 	check_equal([scatter.state.get_added_count(), scatter.state.get_removed_count()], [1, 1], "the original keeps both")
 	scatter.layers[1].radius = 9.0
-	check(other.layers[1].radius == 5.0, "a change changes one alone")
+	check(other.layers[1].radius == 5.0, "a change affects only one of them")
 	scatter.layers[1].radius = 5.0
 	var after := saved_files()
-	check(after.has("glade_grass_mask_2.res") and not before.has("glade_grass_mask_2.res"), "a file more")
+	check(after.has("glade_grass_mask_2.res") and not before.has("glade_grass_mask_2.res"), "one more file")
 	await undo()
 	check_equal(other.layers, scatter.layers, "undone")
 	check_equal(other.state, scatter.state, "the state, too")
@@ -136,91 +136,91 @@ func test_make_unique() -> void:
 	check_same(saved_files(), after, "redone")
 	await undo()
 	await undo()
-	check(not other.is_inside_tree(), "the duplicate is undone, too")
+	check(not other.is_inside_tree(), "duplicating is undone, too")
 
 
-## Shared layers in files are no accident.
-func test_files_are_meant() -> void:
+## Shared layers in files are intended.
+func test_shared_files_are_intended() -> void:
 	other = ClassDB.instantiate(&"TerrainScatter3D")
 	var layers: Array = other.layers.duplicate()
 	layers.append(load(LAYER_FILE))
 	other.layers = layers
 	root.add_child(other)
 	await select(other)
-	check(not panel().notes._sharing.visible, "a layer that is a file may stand in two")
+	check(not panel().notes._sharing.visible, "a layer in a file may be used twice")
 	await select(scatter)
 	other.free()
 
 
-## A change that would show more than ten times as much asks, and the view stays; the layer has its value.
+## A change that would show more than ten times as many instances asks first. The layer has the new value, and the view does not change.
 func test_far_more() -> void:
 	var grass: Resource = scatter.layers[0]
-	var bar: Control = workspace().desk.bar
-	var steps: RefCounted = workspace().desk.steps
+	var bar: Control = workspace().dock.bar
+	var steps: RefCounted = workspace().dock.steps
 	await settle(scatter)
-	await look()
+	await wait_for_panel()
 	var before: int = scatter.get_shown_count(0)
 	var ids := instances(scatter, 0)
-	check(before > 1000 and not bar.visible, "%d are on show" % before)
+	check(before > 1000 and not bar.visible, "%d are visible" % before)
 	var undo_redo := plugin.get_undo_redo()
 	undo_redo.create_action("Set radius", UndoRedo.MERGE_DISABLE, grass)
 	undo_redo.add_do_property(grass, &"radius", 0.2)
 	undo_redo.add_undo_property(grass, &"radius", 2.0)
 	undo_redo.commit_action()
-	check(bar.visible, "it is asked first")
+	check(bar.visible, "a question is shown")
 	await settle(scatter)
-	await look()
-	check(instances(scatter, 0) == ids, "the view stays as it was")
-	check_equal(grass.radius, 0.2, "the layer has its value")
-	check(steps.held_of(scatter, grass).estimate() > 90.0 * before, "about a hundred times as many are told")
+	await wait_for_panel()
+	check(instances(scatter, 0) == ids, "the view does not change")
+	check_equal(grass.radius, 0.2, "the layer has the new value")
+	check(steps.held_of(scatter, grass).estimate() > 90.0 * before, "about a hundred times as many are reported")
 	await picture("preview_asked")
-	check(EditorInterface.save_scene() == OK and FileAccess.get_file_as_string(SCENE).contains("radius = 0.2"), "which is saved")
+	check(EditorInterface.save_scene() == OK and FileAccess.get_file_as_string(SCENE).contains("radius = 0.2"), "the new value is saved")
 	await undo()
 	await settle(scatter)
 	check_equal(grass.radius, 2.0, "undone")
-	check(not bar.visible and instances(scatter, 0) == ids, "nothing is asked any more")
+	check(not bar.visible and instances(scatter, 0) == ids, "the question is hidden")
 	await redo()
-	check(bar.visible, "redone, it is asked again")
+	check(bar.visible, "redone, the question is shown again")
 	await mouse_click(bar._keep.get_global_transform_with_canvas() * (bar._keep.size * 0.5))
-	await look()
-	check(bar.visible and not bar._keep.visible and scatter.get_shown_count(0) == before, "kept")
+	await wait_for_panel()
+	check(bar.visible and not bar._keep.visible and scatter.get_shown_count(0) == before, "the old view is kept")
 	grass.radius = 0.5
-	await look()
-	check(bar.visible, "nearer by, it is still far more")
+	await wait_for_panel()
+	check(bar.visible, "with a smaller change, there are still far more")
 	await mouse_click(bar._show.get_global_transform_with_canvas() * (bar._show.size * 0.5))
 	var counts: Array[int] = []
 	await until(func() -> bool:
 		var count: int = scatter.get_shown_count(0)
 		if scatter.is_settled() and (counts.is_empty() or counts[-1] != count):
 			counts.append(count)
-		return not bar.visible, "all is shown")
+		return not bar.visible, "all are shown")
 	await settle(scatter)
-	check(scatter.get_shown_count(0) > 14 * before, "all are shown in the end: %d of %d" % [scatter.get_shown_count(0), before])
+	check(scatter.get_shown_count(0) > 14 * before, "finally all are shown: %d of %d" % [scatter.get_shown_count(0), before])
 	check(counts.any(func(count: int) -> bool: return count > 2 * before and count < 6 * before), "step by step: %s" % [counts])
 
 
-## What is under way can be stopped; a change that shows no more asks nothing.
+## Showing more instances can be stopped. A change that shows few more asks nothing.
 func test_stop() -> void:
 	var trees: Resource = scatter.layers[1]
-	var bar: Control = workspace().desk.bar
+	var bar: Control = workspace().dock.bar
 	trees.spacing = {}
 	await settle(scatter)
-	await look()
+	await wait_for_panel()
 	var before: int = scatter.get_shown_count(1)
 	trees.radius = 4.0
-	check(not bar.visible, "somewhat more asks nothing")
+	check(not bar.visible, "no question for somewhat more")
 	await settle(scatter)
-	await look()
+	await wait_for_panel()
 	trees.radius = 0.25
-	check(bar.visible, "far more asks")
+	check(bar.visible, "a question for far more")
 	bar._show.pressed.emit()
 	bar._keep.pressed.emit()
 	await settle(scatter)
-	await look()
+	await wait_for_panel()
 	var kept: int = scatter.get_shown_count(1)
 	check(kept > before and kept < 20 * before and bar.visible, "stopped at %d" % kept)
 	check_equal(trees.radius, 0.25, "the value stays")
-	workspace().desk.steps.clear()
-	check(not bar.visible, "without the plugin the layer is shown as it is")
+	workspace().dock.steps.clear()
+	check(not bar.visible, "without the plugin, the layer is shown unchanged")
 	trees.radius = 5.0
 	await settle(scatter)

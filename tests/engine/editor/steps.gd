@@ -1,10 +1,10 @@
 @tool
 extends Node
-## What the scripts of editor tests have in common: checks, waiting, the mouse, pictures.
+## Base class of the scripts of editor tests: checks, waiting, the mouse, pictures.
 
 const PATIENCE_MSEC := 60000
 
-## The plugin that runs this.
+## The plugin that runs this script.
 var plugin: EditorPlugin
 
 var _mouse := Vector2.ZERO
@@ -23,7 +23,7 @@ func check_equal(got: Variant, expected: Variant, message: String) -> bool:
 	return check(equal, "%s: got %s, expected %s" % [message, got, expected])
 
 
-## The scene that is edited as it is saved now, and the files beside it: their bytes by their names.
+## Saves the edited scene. Returns the project's files by name, as bytes.
 func saved_files() -> Dictionary[String, PackedByteArray]:
 	check_equal(EditorInterface.save_scene(), OK, "saved")
 	var result: Dictionary[String, PackedByteArray] = {}
@@ -32,15 +32,15 @@ func saved_files() -> Dictionary[String, PackedByteArray]:
 	return result
 
 
-## Holds saved files against others; a failure tells how they differ.
-func check_same(got: Dictionary[String, PackedByteArray], expected: Dictionary[String, PackedByteArray], what: String) -> void:
-	check_equal(got.keys(), expected.keys(), what + ": files")
+## Compares saved files. A failure prints the difference.
+func check_same(got: Dictionary[String, PackedByteArray], expected: Dictionary[String, PackedByteArray], context: String) -> void:
+	check_equal(got.keys(), expected.keys(), context + ": files")
 	for file in expected:
 		if got.has(file) and got[file] != expected[file]:
-			check(false, "%s: %s is another one:\n%s\n--- expected\n%s" % [what, file, text_of(got[file]), text_of(expected[file])])
+			check(false, "%s: %s differs:\n%s\n--- expected\n%s" % [context, file, text_of(got[file]), text_of(expected[file])])
 
 
-## What a file holds; of one that is no text, its size.
+## Returns the text of a file, or the size of a binary file.
 func text_of(bytes: PackedByteArray) -> String:
 	return "%d bytes" % bytes.size() if bytes.has(0) else bytes.get_string_from_utf8()
 
@@ -50,7 +50,7 @@ func frames(count: int) -> void:
 		await get_tree().process_frame
 
 
-## Waits until a condition holds; a failure if that takes too long.
+## Waits until a condition holds. Fails if that takes too long.
 func until(condition: Callable, message: String) -> bool:
 	var deadline := Time.get_ticks_msec() + PATIENCE_MSEC
 	while not condition.call():
@@ -60,10 +60,10 @@ func until(condition: Callable, message: String) -> bool:
 	return true
 
 
-## Waits until a scatter shows what it should.
+## Waits until a scatter shows everything that it should.
 func settle(scatter: Node3D) -> void:
 	await frames(3)
-	await until(func() -> bool: return scatter.is_settled(), "idle")
+	await until(func() -> bool: return scatter.is_settled(), "settled")
 
 
 ## Opens a scene in a tab of the editor and returns its root.
@@ -83,7 +83,7 @@ func addon() -> EditorPlugin:
 	return null
 
 
-## What the plugin does its work with: tools, panel and dialogs.
+## Returns the plugin's workspace: tools, panel and dialogs.
 func workspace() -> RefCounted:
 	return addon().workspace
 
@@ -97,7 +97,7 @@ func middle(control: Control) -> Vector2:
 	return control.get_global_transform_with_canvas() * (control.size * 0.5)
 
 
-## A node's row in the Scene dock, in the window.
+## Returns the position of a node's row of the Scene dock, in the window.
 func row_of(title: String) -> Vector2:
 	for editor: Control in EditorInterface.get_base_control().find_children("*", "SceneTreeEditor", true, false):
 		var tree := editor.find_children("*", "Tree", true, false)[0] as Tree
@@ -111,25 +111,25 @@ func row_of(title: String) -> Vector2:
 	return Vector2.ZERO
 
 
-## Where the name of a layer is on the window, in its row of the panel, once that is scrolled into view: [param section] is a share of the
+## Returns the position of a layer's name in its row of the panel, in the window, and scrolls it into view. [param section] is a fraction of
 ## row's height.
 func name_at(layer: Resource, section := 0.5) -> Vector2:
 	return await _cell_at(layer, 0, Vector2(0.3, section))
 
 
-## The middle of a mark of a layer's row, in the same way: 0 for color, 1 for lock, 2 for eye.
+## Returns the middle of a mark in a layer's row, in the same way: 0 for color, 1 for lock, 2 for eye.
 func mark_at(layer: Resource, index: int) -> Vector2:
 	return await _cell_at(layer, 2, Vector2(0.5, 0.5), index)
 
 
 func _cell_at(layer: Resource, column: int, part: Vector2, button := -1) -> Vector2:
-	# A panel that finds something changed makes its rows anew.
-	await until(func() -> bool: return _seen_cell(layer, column, part, button) != Vector2.INF, "the row of %s is in view" % layer.resource_name)
-	return _seen_cell(layer, column, part, button)
+	# The panel rebuilds its rows after a change.
+	await until(func() -> bool: return _visible_cell(layer, column, part, button) != Vector2.INF, "the row of %s is in view" % layer.resource_name)
+	return _visible_cell(layer, column, part, button)
 
 
-func _seen_cell(layer: Resource, column: int, part: Vector2, button: int) -> Vector2:
-	var tree: Tree = workspace().desk.panel.tree
+func _visible_cell(layer: Resource, column: int, part: Vector2, button: int) -> Vector2:
+	var tree: Tree = workspace().dock.panel.tree
 	var row: TreeItem = tree.row_of(layer)
 	if row == null or not tree.is_visible_in_tree():
 		return Vector2.INF
@@ -139,24 +139,24 @@ func _seen_cell(layer: Resource, column: int, part: Vector2, button: int) -> Vec
 	return tree.get_global_transform_with_canvas() * at if Rect2(Vector2.ZERO, tree.size).has_point(at) else Vector2.INF
 
 
-## Undo and redo of the scene that a node stands in.
+## Returns undo and redo of the scene that a node belongs to.
 func history(node: Node) -> UndoRedo:
 	var manager := plugin.get_undo_redo()
 	return manager.get_history_undo_redo(manager.get_object_history_id(node))
 
 
-## A stroke with the left button over places of the world, as the 3D view hands it to the plugin.
+## Makes a stroke with the left button over positions in the world, as events of the 3D view.
 func stroke(places: PackedVector3Array, with_control := false) -> void:
 	for index in places.size():
 		var at := camera().unproject_position(places[index])
 		if index == 0:
-			_hand(_button(at, true, with_control))
+			_send(_button(at, true, with_control))
 		var motion := InputEventMouseMotion.new()
 		motion.position = at
 		motion.button_mask = MOUSE_BUTTON_MASK_LEFT
-		_hand(motion)
+		_send(motion)
 		await get_tree().process_frame
-	_hand(_button(camera().unproject_position(places[places.size() - 1]), false, with_control))
+	_send(_button(camera().unproject_position(places[places.size() - 1]), false, with_control))
 
 
 func _button(at: Vector2, pressed: bool, with_control: bool) -> InputEventMouseButton:
@@ -168,11 +168,11 @@ func _button(at: Vector2, pressed: bool, with_control: bool) -> InputEventMouseB
 	return button
 
 
-func _hand(event: InputEvent) -> void:
+func _send(event: InputEvent) -> void:
 	addon()._forward_3d_gui_input(camera(), event)
 
 
-## A click at a place of the window, as the mouse does it: it goes through all of the editor's GUI.
+## Clicks at a position in the window, through the editor's whole GUI, like the mouse.
 func mouse_click(at: Vector2, index := MOUSE_BUTTON_LEFT, keys := 0) -> void:
 	await _point(at)
 	await mouse_to(at, 0)
@@ -181,14 +181,14 @@ func mouse_click(at: Vector2, index := MOUSE_BUTTON_LEFT, keys := 0) -> void:
 	await frames(2)
 
 
-## Puts the system's pointer somewhere, as some controls ask where it is, and waits until the editor has heard of that: it would come
-## between a press and a release, or end a drag.
+## Moves the system's pointer, because some controls query its position. Waits until the editor has received the motion, which would
+## otherwise arrive between a press and a release, or end a drag.
 func _point(at: Vector2) -> void:
 	Input.warp_mouse(at)
 	await get_tree().create_timer(0.15).timeout
 
 
-## Drags with the left button from one place of the window to another.
+## Drags with the left button from one position in the window to another.
 func mouse_drag(from: Vector2, to: Vector2) -> void:
 	await _point(from)
 	await mouse_to(from, 0)
@@ -200,11 +200,11 @@ func mouse_drag(from: Vector2, to: Vector2) -> void:
 	await frames(3)
 
 
-## Drags files of the FileSystem dock to a place of the window.
+## Drags files of the FileSystem dock to a position in the window.
 func drag_files(paths: PackedStringArray, to: Vector2) -> void:
 	var dock := EditorInterface.get_file_system_dock()
 	var from := dock.get_global_transform_with_canvas() * (dock.size * 0.5)
-	await _point(to) # Where a drop lands is asked of the system, and what the pointer itself does would end a drag.
+	await _point(to) # The position of a drop is queried from the system, and a motion of the pointer would end a drag.
 	await mouse_to(from, MOUSE_BUTTON_MASK_LEFT)
 	var preview := Label.new()
 	preview.text = ", ".join(paths)
@@ -226,7 +226,7 @@ func mouse_to(at: Vector2, buttons: int) -> void:
 	await get_tree().process_frame
 
 
-## The control of the 3D view that gets the mouse and the keys.
+## Returns the control of the 3D view that receives mouse and key events.
 func surface() -> Control:
 	var container := camera().get_viewport().get_parent()
 	for sibling: Node in container.get_parent().get_children():
@@ -235,12 +235,12 @@ func surface() -> Control:
 	return null
 
 
-## Where a place of the world is in the editor's window.
+## Returns the position of a point of the world in the editor's window.
 func on_screen(place: Vector3) -> Vector2:
 	return surface().get_global_transform() * camera().unproject_position(place)
 
 
-## Moves the mouse to a position of the window, as a real one does.
+## Moves the mouse to a position in the window, like a real one.
 func move_mouse(at: Vector2, held := 0, control := false, shift := false) -> void:
 	var motion := InputEventMouseMotion.new()
 	motion.position = at
@@ -252,7 +252,7 @@ func move_mouse(at: Vector2, held := 0, control := false, shift := false) -> voi
 	await get_tree().process_frame
 
 
-## A key, pressed and released.
+## Presses and releases a key.
 func key(code: Key, keys := 0) -> void:
 	for pressed: bool in [true, false]:
 		var event := InputEventKey.new()
@@ -266,7 +266,7 @@ func key(code: Key, keys := 0) -> void:
 	await frames(2)
 
 
-## As the keys do it.
+## Undoes with the keyboard shortcut.
 func undo() -> void:
 	await key(KEY_Z, KEY_MASK_CTRL)
 
@@ -287,7 +287,7 @@ func _press(at: Vector2, index: MouseButton, pressed: bool, keys: int) -> void:
 	await get_tree().process_frame
 
 
-## Presses or releases the left button at a position of the window.
+## Presses or releases the left button at a position in the window.
 func press(at: Vector2, pressed: bool, control := false, shift := false, double := false) -> void:
 	var event := _button(at, pressed, control)
 	event.global_position = at
@@ -304,7 +304,7 @@ func click_at(at: Vector2, control := false, shift := false, double := false) ->
 	await press(at, false, control, shift)
 
 
-## Drags with the left button from one position of the window to another.
+## Drags with the left button from one position in the window to another.
 func drag_mouse(from: Vector2, to: Vector2, control := false, release := true) -> void:
 	await move_mouse(from, 0, control)
 	await press(from, true, control)
@@ -314,7 +314,7 @@ func drag_mouse(from: Vector2, to: Vector2, control := false, release := true) -
 		await press(to, false, control)
 
 
-## What stands: the digest of each shown tile of a layer.
+## Returns the digest of each visible tile of a layer.
 func digests(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
@@ -322,7 +322,7 @@ func digests(scatter: Node3D, layer: int) -> Dictionary:
 	return result
 
 
-## Every instance of a layer that stands in its shown tiles: id and world transform.
+## Returns the positions of a layer's visible instances in the world, by id.
 func instances(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile: Vector2i in scatter.get_shown_tiles(layer):
@@ -338,18 +338,18 @@ func instances(scatter: Node3D, layer: int) -> Dictionary:
 	return result
 
 
-## A picture of the whole editor, or of another window, in build/editor, where there is a display.
+## Saves a picture of the whole editor, or of another window, in build/editor, if there is a display.
 func picture(picture_name: String, window := get_window()) -> void:
 	if DisplayServer.get_name() == "headless":
 		return
 	await frames(4)
-	# The editor draws only what has changed, so waiting for it to draw may never end.
+	# The editor only draws changes, so waiting for the next frame may never end.
 	for pass_index in 2:
 		RenderingServer.force_draw()
 		await get_tree().process_frame
 	window.get_texture().get_image().save_png("res://pictures_of_tests/%s.png" % picture_name)
 
 
-## The files of a folder, by name.
+## Returns the files in a folder, by name.
 func files(folder: String) -> PackedStringArray:
 	return DirAccess.get_files_at(folder) if DirAccess.dir_exists_absolute(folder) else PackedStringArray()

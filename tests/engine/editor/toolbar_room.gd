@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## The toolbar has room in a window of 1280 pixels, whichever tool is on: it goes on in further lines, and the docks stay where they are.
+## The toolbar fits into a window of 1280 pixels with any tool: it wraps into more lines, and the docks keep their positions.
 
 const SCENE := "res://room.tscn"
 const NARROW := Vector2i(1280, 720)
@@ -23,22 +23,22 @@ func resize(size: Vector2i) -> void:
 	await frames(8)
 
 
-## The editor's own controls, which have no room to give.
-func asked_for() -> float:
+## Returns the minimum width of the editor's main screen.
+func minimum_width() -> float:
 	return (EditorInterface.get_editor_main_screen() as Control).get_combined_minimum_size().x
 
 
-## All that can be seen of the toolbar stands in it, side by side or one below the other.
-func check_whole(what: String) -> void:
+## Checks that all visible controls of the toolbar are inside it and do not overlap.
+func check_whole(context: String) -> void:
 	var bar: Control = workspace().toolbar
 	var before := Rect2()
 	for control: Control in bar.find_children("*", "Control", true, false):
 		if control.is_visible_in_tree() and control.get_parent() == bar:
-			check(bar.get_global_rect().grow(1.0).encloses(control.get_global_rect()), "%s: %s stands in the toolbar" % [what, control])
-			check(not before.intersects(control.get_global_rect().abs()), "%s: %s stands on what is before it" % [what, control])
+			check(bar.get_global_rect().grow(1.0).encloses(control.get_global_rect()), "%s: %s is in the toolbar" % [context, control])
+			check(not before.intersects(control.get_global_rect().abs()), "%s: %s does not overlap the previous control" % [context, control])
 			before = control.get_global_rect()
 			before.size = (before.size - Vector2.ONE).max(Vector2.ZERO)
-	check(EditorInterface.get_editor_main_screen().get_global_rect().grow(1.0).encloses(bar.get_global_rect()), what + ": in the view")
+	check(EditorInterface.get_editor_main_screen().get_global_rect().grow(1.0).encloses(bar.get_global_rect()), context + ": in the view")
 
 
 func lines() -> int:
@@ -58,7 +58,7 @@ func test_narrow() -> void:
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = "Spruce"
 	room.get_node("Scatter").layers = [layer]
-	room.get_node("Scatter").terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	room.get_node("Scatter").ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	(room.get_node("Mesh") as MeshInstance3D).mesh = PlaneMesh.new()
 	var packed := PackedScene.new()
 	packed.pack(room)
@@ -68,16 +68,16 @@ func test_narrow() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await resize(NARROW)
 	await select(null)
-	var alone := asked_for()
+	var alone := minimum_width()
 	await select(root.get_node("Scatter"))
 	for tool: Node in workspace().toolbar.tools:
 		tool.set_on(true)
 		await frames(8)
 		var name: String = tool.button.text
-		check(asked_for() <= alone + 40.0, "%s: the view asks for %d pixels, without a scatter for %d" % [name, asked_for(), alone])
+		check(minimum_width() <= alone + 40.0, "%s: the view needs %d pixels, without a scatter %d" % [name, minimum_width(), alone])
 		var inspector := EditorInterface.get_inspector().get_global_rect()
 		check(Rect2(Vector2.ZERO, NARROW).encloses(inspector), "%s: the inspector is in the window: %s" % [name, inspector])
-		check(lines() > 1, name + ": in lines")
+		check(lines() > 1, name + ": in several lines")
 		check_whole(name)
 	workspace().toolbar.paint.set_on(true)
 	await frames(8)
@@ -87,13 +87,13 @@ func test_narrow() -> void:
 
 func test_wide() -> void:
 	await resize(WIDE)
-	check(lines() <= 2, "%d lines where there is room" % lines())
+	check(lines() <= 2, "%d lines in a wide window" % lines())
 	check_whole("wide")
 	await picture("toolbar_wide")
 
 
-## Beside other nodes' tools the buttons for the ground stand alone, and the editor's own panel is as it was.
-func test_another_node() -> void:
+## Beside the tools of other nodes, the ground buttons stay alone, and the editor's own panel does not change.
+func test_a_different_node() -> void:
 	var ground: Control = workspace().ground_buttons
 	var in_toolbar := ground.get_parent()
 	await select(root.get_node("Mesh"))
@@ -101,5 +101,5 @@ func test_another_node() -> void:
 	check(in_toolbar == workspace().toolbar and ground.get_parent() == workspace().toolbar.get_parent(), "beside the toolbar")
 	check_equal((ground.get_parent().get_parent() as Control).size_flags_horizontal, Control.SIZE_FILL, "in a panel of their width")
 	await select(root.get_node("Scatter"))
-	check(ground.get_parent() == in_toolbar and ground.is_visible_in_tree(), "and come back")
+	check(ground.get_parent() == in_toolbar and ground.is_visible_in_tree(), "they return to the toolbar")
 	await resize(Vector2i(1440, 900))

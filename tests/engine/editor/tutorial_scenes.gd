@@ -1,14 +1,14 @@
 @tool
 extends "res://tests/steps.gd"
-## What the steps of the tutorials need: scenes with a ground, buttons, pictures for the pages. res://pack/oak.glb is there already: see
-## tutorial_tree.gd.
+## Base class of the tests of tutorials: scenes with a ground, buttons, pictures for the pages. tutorial_tree.gd has written
+## res://pack/oak.glb before.
 
-const LayersPanel := preload("res://addons/thicket/editor/layers_panel.gd")
+const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const OAK := "res://pack/oak.glb"
 const SIZE := Vector2i(1280, 800)
-## For pictures of the view alone, with all its tools.
+## Window size for pictures of the view with all its tools.
 const WIDE := Vector2i(1720, 1060)
-## Pixels.
+## Width of the pictures in pixels.
 const WIDTH := 960
 const STATE := """[editor_states]
 
@@ -28,7 +28,7 @@ var scatter: Node3D
 
 
 func panel() -> LayersPanel:
-	return workspace().desk.panel
+	return workspace().dock.panel
 
 
 func button(text: String) -> Button:
@@ -52,7 +52,7 @@ func layer(title: String) -> Resource:
 
 
 func on_ground(x: float, z: float) -> Vector3:
-	return Vector3(x, scatter.terrain.get_height(Vector3(x, 0.0, z)), z)
+	return Vector3(x, scatter.ground.get_height(Vector3(x, 0.0, z)), z)
 
 
 func select(node: Node) -> void:
@@ -62,12 +62,12 @@ func select(node: Node) -> void:
 	await frames(3)
 
 
-## The plugin looks some times a second.
-func look() -> void:
+## Waits for the plugin's next update. It updates only some times per second.
+func wait_for_panel() -> void:
 	await get_tree().create_timer(0.6).timeout
 
 
-## A ground of 200 m with hills, as a mesh.
+## Creates a ground of 200 m with hills, as a mesh.
 func make_ground() -> void:
 	if ResourceLoader.exists("res://ground.res"):
 		return
@@ -91,7 +91,7 @@ func make_ground() -> void:
 	ResourceSaver.save(made.commit(), "res://ground.res")
 
 
-## A new scene with the ground, opened; the camera looks at a place from so many meters.
+## Opens a new scene with the ground. The camera looks at a position from this distance.
 func open_new(path: String, place: Vector3, away: float, down: float, around: float) -> void:
 	make_ground()
 	var world := Node3D.new()
@@ -118,7 +118,7 @@ func open_at(path: String, place: Vector3, away: float, down: float, around: flo
 	await frames(3)
 
 
-## A picture for a page: of the whole editor, or of the 3D view and what stands above it.
+## Takes a picture for a page: of the whole editor, or of the 3D view with its toolbar.
 func page_picture(title: String, of_view := false) -> void:
 	await picture(title)
 	var file := "res://pictures_of_tests/%s.png" % title
@@ -129,32 +129,32 @@ func page_picture(title: String, of_view := false) -> void:
 	image.save_png(file)
 
 
-## The handles of the selected node go: the mouse selects, and does not move.
+## Hides the handles of the selected node, so that the mouse selects and does not move.
 func hide_handles() -> void:
 	surface().grab_focus()
 	await key(KEY_V)
 
 
-## Steps 3 and 4 of the first page.
+## Steps 3 and 4 of the first tutorial.
 func add_scatter() -> void:
 	addon().make_bottom_panel_item_visible(panel())
 	await frames(3)
 	await mouse_click(middle(button("New Scatter")))
 	scatter = root.get_node_or_null("Scatter")
-	check(scatter != null, "New Scatter makes a node")
-	await look()
-	check(button("Use as Ground...").is_visible_in_tree(), "the panel asks for a ground")
+	check(scatter != null, "New Scatter creates a node")
+	await wait_for_panel()
+	check(button("Use as Ground...").is_visible_in_tree(), "the panel offers to set a ground")
 	await mouse_click(middle(button("Use as Ground...")))
 	var dialogs := get_tree().root.find_children("*", "SceneTreeDialog", true, false).filter(func(dialog: Window) -> bool: return dialog.visible)
-	if check_equal(dialogs.size(), 1, "the nodes to choose from"):
+	if check_equal(dialogs.size(), 1, "a dialog with the nodes"):
 		dialogs[0].emit_signal(&"selected", root.get_node("Ground").get_path())
 		dialogs[0].hide()
 		await frames(2)
-	check(scatter.terrain != null and scatter.get_problems().size() <= 1, "it has a ground: %s" % scatter.get_problems())
+	check(scatter.ground != null and scatter.get_problems().size() <= 1, "it has a ground: %s" % scatter.get_problems())
 	await select(scatter)
 
 
-## The file's own steps, in the import dialog, are two lines of its settings.
+## Sets external materials in the import settings, like the import dialog.
 func import_with(materials: Dictionary) -> void:
 	var chosen := {}
 	for title: String in materials:
@@ -168,7 +168,7 @@ func import_as(path: String, parameters: Dictionary) -> void:
 	for parameter: String in parameters:
 		settings.set_value("params", parameter, parameters[parameter])
 	settings.save(path + ".import")
-	RenderingServer.render_loop_enabled = true # The import makes a picture of a scene.
+	RenderingServer.render_loop_enabled = true # The import creates a thumbnail of a scene.
 	EditorInterface.get_resource_filesystem().reimport_files([path])
 	await frames(5)
 	RenderingServer.render_loop_enabled = false
@@ -197,7 +197,7 @@ func menu_of_regions(section: String, item: String) -> int:
 	return -1
 
 
-## What tells one instance from another, of all layers within a circle of the map.
+## Counts the instances of these layers within a circle on the map.
 func count_in(at: Vector2, radius: float, names: PackedStringArray) -> int:
 	var result := 0
 	for title in names:

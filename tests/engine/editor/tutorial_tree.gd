@@ -1,6 +1,6 @@
 extends SceneTree
-## Writes res://pack/oak.glb, a tree as an asset pack has it: trunk and leaves with a material each, in three levels of detail by name,
-## a shape to bump into; and the picture of its leaves and bark beside it. The tree is the demo's oak, whose scripts lie in res://meshes.
+## Writes res://pack/oak.glb, a tree as in an asset pack: trunk and leaves with a material each, three LODs by name and a collision
+## shape. The texture of leaves and bark is saved beside it. The tree is the demo's oak, whose scripts are in res://meshes.
 
 const FILE := "res://pack/oak.glb"
 
@@ -33,7 +33,7 @@ func _initialize() -> void:
 	quit()
 
 
-## Trunk and crown of a level.
+## Returns trunk and crown of a LOD.
 func parts_of(level: int) -> Array:
 	var random := RandomNumberGenerator.new()
 	random.seed = 100
@@ -62,7 +62,7 @@ func material_of(title: String) -> StandardMaterial3D:
 	made.resource_name = title
 	made.vertex_color_use_as_albedo = true
 	made.roughness = 1.0
-	made.albedo_color = Color(0.5, 0.5, 0.5) # Gray without its texture, as it comes.
+	made.albedo_color = Color(0.5, 0.5, 0.5) # Gray without a texture, as in an imported file.
 	return made
 
 

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/tutorial_scenes.gd"
-## The steps of the tutorials, as their reader takes them, with the pictures that stand in the pages; the window that shows the pages, and
+## The steps of the tutorials, as a reader takes them, with the pictures for the pages; the window that shows the pages, and
 ## the links to them in the editor's help.
 
 const FOLDER := "res://addons/thicket/tutorials/"
@@ -14,29 +14,29 @@ func test_first_forest() -> void:
 		check(range(popup.item_count).any(func(index: int) -> bool: return popup.get_item_text(index) == item), "Add Layer offers " + item)
 	panel()._on_add(panel().Add.FIRST_PRESET)
 	await settle(scatter)
-	await look()
+	await wait_for_panel()
 	check_equal(scatter.layers.size(), 6, "five kinds of plants, and stones")
 	for each: Resource in scatter.layers:
 		check(scatter.get_shown_count(each) > 10, "%d of %s" % [scatter.get_shown_count(each), each.resource_name])
 	var before: int = scatter.get_shown_count(0)
 	layer("Spruce").max_slope_degrees = 12.0
 	await settle(scatter)
-	check(scatter.get_shown_count(0) < before, "a rule takes some away: %d of %d" % [scatter.get_shown_count(0), before])
+	check(scatter.get_shown_count(0) < before, "a rule removes some: %d of %d" % [scatter.get_shown_count(0), before])
 	layer("Spruce").max_slope_degrees = 35.0
 	panel().choose([layer("Spruce")] as Array[ScatterLayer])
 	EditorInterface.inspect_object(layer("Spruce"), "", true)
 	await settle(scatter)
-	await look()
-	check(scatter.get_problems().is_empty(), "nothing to complain of: %s" % scatter.get_problems())
+	await wait_for_panel()
+	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	await hide_handles()
 	await page_picture("tutorial_first_forest")
 	check_equal(EditorInterface.save_scene(), OK, "saved")
 
 
 func test_your_own_tree() -> void:
-	# As the editor does by itself, some time after a picture was first seen on a mesh.
+	# The editor does this by itself, some time after a texture was first used in 3D.
 	await import_as("res://pack/oak.png", {"mipmaps/generate": true, "detect_3d/compress_to": 0})
-	await import_as(OAK, {}) # With a picture for the list.
+	await import_as(OAK, {}) # With a thumbnail for the list.
 	await open_new("res://own.tscn", Vector3(0.0, 3.0, 0.0), 80.0, 0.3, 0.6)
 	await add_scatter()
 	await drag_files([OAK], middle(panel().tree))
@@ -47,26 +47,26 @@ func test_your_own_tree() -> void:
 	check(oak.radius > 6.0 and oak.radius < 14.0, "as far apart as it is wide: %s m" % oak.radius)
 	var model: Resource = ClassDB.instantiate(&"ScatterModel")
 	model.scene = load(OAK)
-	check_equal(model.lods.size(), 3, "with its levels of detail")
-	check_equal(oak.collision_shape, ClassDB.class_get_integer_constant(&"ScatterLayer", &"COLLISION_MODEL"), "it brings its shape")
-	check(oak.get_materials().all(func(material: Material) -> bool: return material is StandardMaterial3D), "with the pack's materials")
+	check_equal(model.lods.size(), 3, "with its LODs")
+	check_equal(oak.collision_shape, ClassDB.class_get_integer_constant(&"ScatterLayer", &"COLLISION_MODEL"), "it uses the model's shape")
+	check(oak.get_materials().all(func(material: Material) -> bool: return material is StandardMaterial3D), "with the materials of the file")
 	var leaves := foliage("res://leaves.tres", {})
 	var bark := foliage("res://bark.tres", {&"wind_flutter": 0.0, &"backlight": 0.0})
 	await import_with({"Leaves": "res://leaves.tres", "Bark": "res://bark.tres"})
 	await settle(scatter)
 	var materials: Array = oak.get_materials()
 	check(materials.has(leaves) and materials.has(bark), "with the foliage materials after the import: %s" % [materials])
-	check(materials.all(func(material: Material) -> bool: return material is ShaderMaterial), "on all levels")
+	check(materials.all(func(material: Material) -> bool: return material is ShaderMaterial), "on all LODs")
 	oak.min_scale = 0.8
 	oak.max_scale = 1.2
 	oak.height_offset = -0.1
 	var wind: Node3D = load("res://addons/thicket/shaders/foliage_world.gd").new()
-	wind.name = "FoliageWorld"
+	wind.name = "ScatterFoliageWorld"
 	root.add_child(wind)
 	wind.owner = root
 	await settle(scatter)
 	EditorInterface.inspect_object(oak, "", true)
-	await look()
+	await wait_for_panel()
 	check(scatter.get_shown_count(0) > 100 and scatter.get_problems().is_empty(), "a wood: %s" % scatter.get_problems())
 	await hide_handles()
 	await page_picture("tutorial_your_own_tree")
@@ -77,7 +77,7 @@ func test_paint_and_shapes() -> void:
 	await open_at("res://wood.tscn", Vector3(0.0, 3.0, 0.0), 62.0, 0.3, 0.6)
 	var wood := FileAccess.get_file_as_string("res://wood.tscn")
 	var park := FileAccess.open("res://park.tscn", FileAccess.WRITE)
-	park.store_string(RegEx.create_from_string(" uid=\"uid://\\w+\"").sub(wood, "")) # Of the scene itself, which stands first.
+	park.store_string(RegEx.create_from_string(" uid=\"uid://\\w+\"").sub(wood, "")) # Removes the scene's own uid, which is the first one.
 	park.close()
 	await open_at("res://park.tscn", Vector3(0.0, 0.0, 2.0), 72.0, 1.05, 0.6)
 	get_window().size = WIDE
@@ -90,10 +90,10 @@ func test_paint_and_shapes() -> void:
 	await hide_handles()
 	await settle(scatter)
 	await add_regions()
-	await ask_at_the_first_stroke()
+	await paint_first_stroke()
 	await erase_a_lane()
 	await page_picture("tutorial_paint_and_shapes", true)
-	await ask_why()
+	await explain_clearing()
 	await page_picture("tutorial_why", true)
 	workspace().toolbar.why.set_on(false)
 	check_equal(EditorInterface.save_scene(), OK, "saved")
@@ -102,7 +102,7 @@ func test_paint_and_shapes() -> void:
 
 func add_regions() -> void:
 	var regions: Node = workspace().toolbar.regions
-	regions._on_chosen(menu_of_regions("Nothing stands in", "Cylinder"))
+	regions._on_chosen(menu_of_regions("Exclude Layers", "Cylinder"))
 	await frames(3)
 	var clearing: Node3D = scatter.get_node("WithoutCylinder")
 	clearing.radius = 9.0
@@ -112,7 +112,7 @@ func add_regions() -> void:
 	await settle(scatter)
 	check_equal(count_in(Vector2(-16.0, -10.0), 7.0, ["Spruce", "Birch"]), 0, "the clearing")
 	await select(scatter)
-	regions._on_chosen(menu_of_regions("Nothing stands in", "Path"))
+	regions._on_chosen(menu_of_regions("Exclude Layers", "Path"))
 	await frames(3)
 	var path: Path3D = scatter.get_node("WithoutPath/Path3D")
 	path.global_position = Vector3.ZERO
@@ -122,7 +122,7 @@ func add_regions() -> void:
 	scatter.get_node("WithoutPath").width = 6.0
 	await select(scatter)
 	surface().grab_focus()
-	regions._on_chosen(menu_of_regions("Nothing stands in", "Polygon"))
+	regions._on_chosen(menu_of_regions("Exclude Layers", "Polygon"))
 	await frames(3)
 	for corner: Vector2 in [Vector2(-2, -8), Vector2(8, -10), Vector2(10, 0), Vector2(-1, 2)]:
 		await click_at(on_screen(on_ground(corner.x, corner.y)))
@@ -131,11 +131,11 @@ func add_regions() -> void:
 	check(scatter.has_node("WithoutPolygon"), "a polygon")
 	await select(scatter)
 	await settle(scatter)
-	check_equal(count_in(Vector2(4.0, -4.0), 2.5, ["Spruce", "Birch"]), 0, "nothing stands in it")
+	check_equal(count_in(Vector2(4.0, -4.0), 2.5, ["Spruce", "Birch"]), 0, "no trees in it")
 
 
-## Ferns here only; then all as it was.
-func ask_at_the_first_stroke() -> void:
+## Keeps ferns only where they are painted, then undoes that.
+func paint_first_stroke() -> void:
 	var toolbar: Node = workspace().toolbar
 	toolbar.paint.set_on(true)
 	toolbar.choose_layers([layer("Fern")] as Array[ScatterLayer])
@@ -153,8 +153,8 @@ func ask_at_the_first_stroke() -> void:
 	question.hide()
 	await stroke(places)
 	await settle(scatter)
-	check(layer("Fern").mask != null and count_in(Vector2(40.0, 40.0), 15.0, ["Fern"]) == 0, "ferns here only")
-	check(count_in(Vector2(places[2].x, places[2].z), 4.0, ["Fern"]) > 3, "ferns where it was painted")
+	check(layer("Fern").mask != null and count_in(Vector2(40.0, 40.0), 15.0, ["Fern"]) == 0, "ferns only here")
+	check(count_in(Vector2(places[2].x, places[2].z), 4.0, ["Fern"]) > 3, "ferns on the painted area")
 	while history(scatter).has_undo() and layer("Fern").mask != null:
 		history(scatter).undo()
 	await settle(scatter)
@@ -173,20 +173,20 @@ func erase_a_lane() -> void:
 	await settle(scatter)
 	check_equal(count_in(Vector2(places[4].x, places[4].z), 3.0, ["Spruce", "Birch"]), 0, "a lane")
 	check_equal(count_in(Vector2(-16.0, -10.0), 7.0, ["Spruce", "Birch"]), 0, "and the clearing")
-	await look()
+	await wait_for_panel()
 
 
-## Why does no spruce stand in the clearing?
-func ask_why() -> void:
+## Queries why no spruce grows in the clearing.
+func explain_clearing() -> void:
 	var why: Node = workspace().toolbar.why
 	why.set_on(true)
 	workspace().toolbar.choose_layers([layer("Spruce")] as Array[ScatterLayer])
 	why.choose_colors(1)
-	await look()
+	await wait_for_panel()
 	var at := on_screen(on_ground(-16.0, -10.0))
 	await move_mouse(at)
 	await click_at(at)
-	await until(func() -> bool: return why.overlay.is_complete() and why.panel.rows.size() > 6, "why")
+	await until(func() -> bool: return why.overlay.is_complete() and why.panel.rows.size() > 6, "the reasons")
 	check(why.panel.rows.any(func(row: Array) -> bool: return "WithoutCylinder" in str(row[1])), "%s" % [why.panel.rows])
 	addon().update_overlays()
 
@@ -199,7 +199,7 @@ func tutorial_text() -> RichTextLabel:
 	return texts_of(workspace().tutorials)[0]
 
 
-## Every page is shown whole: its words without their signs, its pictures, and links that lead to others.
+## Every page is shown completely: its text without markup, its pictures, and links to other pages.
 func test_the_window() -> void:
 	var tutorials: Window = workspace().tutorials
 	for page: String in tutorials.PAGES:
@@ -208,38 +208,38 @@ func test_the_window() -> void:
 		var shown := tutorial_text().get_parsed_text()
 		var written := FileAccess.get_file_as_string(FOLDER + page)
 		check(shown.begins_with(tutorials.Text.title(written) + "\n"), "%s begins with its title" % page)
-		check(not shown.contains("**") and not shown.contains("](") and not shown.contains("```"), "%s has no signs of Markdown" % page)
-		check(not shown.contains("[lb]") and not shown.contains("[/"), "%s has no BBCode" % page)
+		check(not shown.contains("**") and not shown.contains("](") and not shown.contains("```"), "%s shows no Markdown" % page)
+		check(not shown.contains("[lb]") and not shown.contains("[/"), "%s shows no BBCode" % page)
 		for line: String in written.split("\n"):
 			if line.begins_with("\t") and line.length() > 20:
 				check(shown.contains(line.strip_edges()), "%s shows its code: %s" % [page, line])
 	var menus := get_tree().root.find_children("*", "PopupMenu", true, false).filter(func(menu: PopupMenu) -> bool:
 		return range(menu.item_count).any(func(index: int) -> bool: return menu.get_item_text(index) == "Thicket Tutorials..."))
-	check_equal(menus.size(), 1, "a menu opens it")
+	check_equal(menus.size(), 1, "one menu opens it")
 	tutorials.open("first_forest.md")
 	check(tutorials.visible, "it is open")
 	tutorial_text().meta_clicked.emit("your_own_tree.md")
-	check_equal(tutorials.page, "your_own_tree.md", "a link leads to another page")
+	check_equal(tutorials.page, "your_own_tree.md", "a link leads to a different page")
 	tutorials.open("first_forest.md")
-	await look()
+	await wait_for_panel()
 	await picture("tutorial_window", tutorials)
 	tutorials.hide()
 
 
-## The text of the editor's help that is open; null for none.
+## Returns the text of the open page of the editor's help, or null.
 func help() -> RichTextLabel:
 	var pages := EditorInterface.get_script_editor().find_children("*", "EditorHelp", true, false)
 	return texts_of(pages[0])[0] if not pages.is_empty() else null
 
 
-## A click on a link of the class reference opens the page, which the editor's help would not do by itself.
+## A click on a link in the class reference opens the page. The editor's help alone would not.
 func test_links_in_the_help() -> void:
 	EditorInterface.get_script_editor().goto_help("class_name:TerrainScatter3D")
 	EditorInterface.set_main_screen_editor("Script")
 	if not await until(func() -> bool: return help() != null and help().get_parsed_text().contains("Paint and shapes"), "the help has the links"):
 		return
 	var text := help()
-	await look()
+	await wait_for_panel()
 	var words := text.get_parsed_text()
 	var line := text.get_character_line(words.find("Paint and shapes"))
 	var scroll := text.get_line_offset(line) - 0.4 * text.size.y
@@ -250,7 +250,7 @@ func test_links_in_the_help() -> void:
 	await picture("tutorial_help")
 	workspace().tutorials.page = ""
 	await mouse_click(text.get_global_transform_with_canvas() * at)
-	check_equal(workspace().tutorials.page, "paint_and_shapes.md", "a click opens it")
+	check_equal(workspace().tutorials.page, "paint_and_shapes.md", "a click opens the page")
 	check(workspace().tutorials.visible, "in its window")
 	workspace().tutorials.hide()
 	EditorInterface.set_main_screen_editor("3D")

@@ -1,17 +1,17 @@
 @tool
 extends "res://tests/steps.gd"
-## What the plugin does to a scene, each as one step of undo: undone and redone, the saved scene and the files beside it are what they were,
-## to the byte. First each step alone, then all of them one by one, then all at once.
+## Each change of a scene by the plugin is one step of undo: undo and redo restore the saved scene and the files beside it,
+## byte for byte. First each step alone, then all of them one by one, then all at once.
 
-const BakeReplacement := preload("res://addons/thicket/editor/bake_replacement.gd")
-const GroundButtons := preload("res://addons/thicket/editor/ground_buttons.gd")
-const ImpostorButton := preload("res://addons/thicket/editor/impostor_button.gd")
-const LayerChoice := preload("res://addons/thicket/editor/layer_choice.gd")
-const LayerChoices := preload("res://addons/thicket/editor/layer_choices.gd")
-const LayerEdits := preload("res://addons/thicket/editor/layer_edits.gd")
-const MeshDrop := preload("res://addons/thicket/editor/mesh_drop.gd")
-const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
-const SpacingEditor := preload("res://addons/thicket/editor/spacing_editor.gd")
+const BakeReplacement := preload("res://addons/thicket/editor/bake/bake_replacement.gd")
+const GroundButtons := preload("res://addons/thicket/editor/ground/ground_buttons.gd")
+const ImpostorButton := preload("res://addons/thicket/editor/inspector/impostor_button.gd")
+const LayerChoice := preload("res://addons/thicket/editor/inspector/layer_property.gd")
+const LayerChoices := preload("res://addons/thicket/editor/inspector/layer_list_property.gd")
+const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
+const MeshDrop := preload("res://addons/thicket/editor/layers/mesh_drop.gd")
+const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
+const SpacingEditor := preload("res://addons/thicket/editor/inspector/spacing_editor.gd")
 const SCENE := "res://heath.tscn"
 const FERN := "res://fern.tres"
 const MOSS := "res://moss.tres"
@@ -21,7 +21,7 @@ var root: Node
 var scatter: Node3D
 var manager: EditorUndoRedoManager
 
-# What was saved before the first step, and after each.
+# The saved files before the first step, and after each.
 var _saved: Array[Dictionary] = []
 var _names := PackedStringArray()
 
@@ -44,7 +44,7 @@ func add(node: Node, title: String, parent: Node, owner_of_all: Node) -> Node:
 	return node
 
 
-## A mesh and a body that may be ground, old instances to import, regions of all shapes that mention layers, and a layer that is a file.
+## A mesh and a body for a ground, old instances to import, regions of all shapes that refer to layers, and a layer in a file.
 func make_scene() -> void:
 	ResourceSaver.save(make_layer("Moss", 3.0), MOSS)
 	ResourceSaver.save(make_layer("Fern", 2.0), FERN)
@@ -67,11 +67,11 @@ func make_scene() -> void:
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	add(made, "Scatter", heath, heath)
 	made.position = Vector3(1.0, 0.0, 0.5)
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	made.layers = [make_layer("Grass", 1.5), make_layer("Trees", 4.0), load(MOSS)]
 	made.layers[1].spacing = {"Grass": 0.5, 2: 1.0}
 	made.layers[0].proximity_layer = 1
-	made.layers[1].color_source = 5 # Distance, as yet to none.
+	made.layers[1].color_source = 5 # Distance, to no layer yet.
 	for kind in 4:
 		var region := add(ClassDB.instantiate(&"ScatterRegion3D"), "Region%d" % kind, made, heath) as Node3D
 		region.shape = kind
@@ -100,18 +100,18 @@ func layer(title: String) -> Resource:
 	return null
 
 
-## Does a step, undoes and redoes it.
-func step(what: String, done: Callable) -> void:
-	_names.append(what)
+## Makes a change, undoes and redoes it.
+func step(title: String, change: Callable) -> void:
+	_names.append(title)
 	@warning_ignore("redundant_await")
-	await done.call()
+	await change.call()
 	await frames(3)
 	var after := saved_files()
-	check(after != _saved[-1], what + " changes what is saved")
+	check(after != _saved[-1], title + " changes the saved files")
 	await undo()
-	check_same(saved_files(), _saved[-1], what + ", undone")
+	check_same(saved_files(), _saved[-1], title + ", undone")
 	await redo()
-	check_same(saved_files(), after, what + ", redone")
+	check_same(saved_files(), after, title + ", redone")
 	_saved.append(after)
 	await settle(scatter)
 
@@ -124,19 +124,19 @@ func test_open() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	await select(scatter)
 	await settle(scatter)
-	# What the editor itself adds when it saves is there from here on.
+	# The editor adds its own data when it saves; from here on the files do not change.
 	saved_files()
 	_saved.append(saved_files())
 
 
 func test_layers() -> void:
-	var panel: Control = workspace().desk.panel
+	var panel: Control = workspace().dock.panel
 	await step("New layers", panel.add.bind([make_layer("Heather", 1.0), SphereMesh.new()] as Array[Resource]))
 	await step("An empty layer", panel._on_add.bind(panel.Add.EMPTY))
-	await step("Meshes for it", func() -> void: MeshDrop.add(layer("Layer"), [BoxMesh.new()] as Array[Resource], manager))
+	await step("Meshes for the empty layer", func() -> void: MeshDrop.add(layer("Layer"), [BoxMesh.new()] as Array[Resource], manager))
 	await step("A preset", panel._on_add.bind(panel.Add.FIRST_PRESET + 1))
 	await step("A name", func() -> void: LayerEdits.rename(scatter, layer("Grass"), "Sedge", manager))
-	await step("A name of a file", func() -> void: LayerEdits.rename(scatter, layer("Moss"), "Lichen", manager))
+	await step("A name of a layer in a file", func() -> void: LayerEdits.rename(scatter, layer("Moss"), "Lichen", manager))
 	await step("A layer to be near", choose_in_inspector.bind("Trees", &"proximity_layer"))
 	await step("A layer for its colors", choose_in_inspector.bind("Trees", &"color_source_layer"))
 	await step("The order", func() -> void: LayerEdits.move(scatter, [layer("Trees")], 0, manager))
@@ -146,13 +146,13 @@ func test_layers() -> void:
 		for property in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
 			if property is SpacingEditor:
 				property._set_distance(0.75, "Trees", false))
-	await step("A layer of a file", panel._on_file.bind(FERN))
+	await step("A layer from a file", panel._on_file.bind(FERN))
 	check(scatter.layers.any(func(each: Resource) -> bool: return each.resource_path == FERN), "the file is a layer")
-	await step("Meshes for a file", func() -> void: MeshDrop.add(layer("Lichen"), [SphereMesh.new()] as Array[Resource], manager))
+	await step("Meshes for a layer in a file", func() -> void: MeshDrop.add(layer("Lichen"), [SphereMesh.new()] as Array[Resource], manager))
 	await select(scatter)
 
 
-## Chooses the first entry of the list by which a property of a layer names another.
+## Chooses the first entry in the list of a property that refers to a layer.
 func choose_in_inspector(title: String, property: StringName) -> void:
 	EditorInterface.inspect_object(layer(title), "", true)
 	await frames(4)
@@ -167,23 +167,23 @@ func stroke_of(mode: int, titles: PackedStringArray, at: Vector2) -> void:
 		layers.append(layer(title))
 	var brush: RefCounted = workspace().toolbar.paint.brush
 	brush.radius = 4.0
-	check_equal(brush.begin(scatter, layers, SCENE, mode, at), "", "a stroke")
+	check_equal(brush.begin(scatter, layers, SCENE, mode, at), "", "the stroke starts")
 	brush.move(at + Vector2(6.0, 0.0))
 	brush.finish(manager)
 
 
 func test_masks() -> void:
 	await step("The first stroke", stroke_of.bind(1, ["Sedge", "Trees"], Vector2(2.0, 3.0)))
-	await step("Another one", stroke_of.bind(1, ["Sedge"], Vector2(2.0, 8.0)))
-	await step("One that paints", stroke_of.bind(0, ["Sedge"], Vector2(0.0, 5.0)))
-	await step("One that smooths", stroke_of.bind(2, ["Sedge", "Trees"], Vector2(1.0, 3.0)))
-	await step("The first one that paints", stroke_of.bind(0, ["Heather"], Vector2(-5.0, 3.0)))
-	await step("The first one on a file", stroke_of.bind(1, ["Lichen"], Vector2(-5.0, 3.0)))
-	check(FileAccess.get_file_as_string(MOSS).contains("heath_lichen_mask.res"), "a layer that is a file is saved with its mask")
-	await step("A copy of what is painted", func() -> void:
-		workspace().desk.panel.choose([layer("Sedge"), layer("Trees")] as Array[ScatterLayer])
-		workspace().desk.panel.duplicate_chosen())
-	await step("A layer less", func() -> void: LayerEdits.remove(scatter, [layer("Trees")], manager))
+	await step("A second stroke", stroke_of.bind(1, ["Sedge"], Vector2(2.0, 8.0)))
+	await step("A stroke that paints", stroke_of.bind(0, ["Sedge"], Vector2(0.0, 5.0)))
+	await step("A stroke that smooths", stroke_of.bind(2, ["Sedge", "Trees"], Vector2(1.0, 3.0)))
+	await step("The first stroke that paints", stroke_of.bind(0, ["Heather"], Vector2(-5.0, 3.0)))
+	await step("The first stroke on a layer in a file", stroke_of.bind(1, ["Lichen"], Vector2(-5.0, 3.0)))
+	check(FileAccess.get_file_as_string(MOSS).contains("heath_lichen_mask.res"), "a layer in a file is saved with its mask")
+	await step("A copy of painted layers", func() -> void:
+		workspace().dock.panel.choose([layer("Sedge"), layer("Trees")] as Array[ScatterLayer])
+		workspace().dock.panel.duplicate_chosen())
+	await step("One layer less", func() -> void: LayerEdits.remove(scatter, [layer("Trees")], manager))
 
 
 func by_hand(change: Callable) -> void:
@@ -216,9 +216,9 @@ func test_instances() -> void:
 			edits.add(sedge, Transform3D(Basis(), Vector3(x, 0.0, 2.0)), 0)))
 	await step("A move", by_hand.bind(func(edits: RefCounted) -> void:
 		edits.set_transform(planted[0], Transform3D(Basis(Vector3.UP, 1.0), Vector3(1.5, 0.0, 2.5)))))
-	await step("A move of one of the rules", by_hand.bind(func(edits: RefCounted) -> void:
+	await step("A move of a generated instance", by_hand.bind(func(edits: RefCounted) -> void:
 		edits.set_transform(by_rules, Transform3D(Basis(), Vector3(-8.0, 0.5, -3.0)))))
-	await step("One less", by_hand.bind(func(edits: RefCounted) -> void: edits.remove(planted[0])))
+	await step("One plant less", by_hand.bind(func(edits: RefCounted) -> void: edits.remove(planted[0])))
 	await step("An import from a node", import_from.bind(root.get_node("Old"), -1))
 	await step("An import from a table", import_from.bind(TABLE, sedge))
 
@@ -269,9 +269,9 @@ func bake_impostors(frames_a_side: int) -> void:
 
 func test_files() -> void:
 	await step("Impostors", bake_impostors.bind(3))
-	await step("Others in their files", bake_impostors.bind(4))
-	check_equal(layer("Sedge").lod_meshes[-1].resource_path, "res://heath_sedge_impostor_0.res", "which the layer refers to")
-	await step("What is baked in its place", func() -> void:
+	await step("New impostors in the same files", bake_impostors.bind(4))
+	check_equal(layer("Sedge").lod_meshes[-1].resource_path, "res://heath_sedge_impostor_0.res", "the layer refers to the file")
+	await step("A bake that replaces instances", func() -> void:
 		var dialog: Node = workspace().bake
 		dialog.choose_folder("res://baked")
 		dialog.fill(scatter, Rect2(0.0, 0.0, 6.0, 6.0))
@@ -290,29 +290,29 @@ func test_nodes() -> void:
 		manager.add_do_reference(other)
 		manager.add_undo_method(root, &"remove_child", other)
 		manager.commit_action())
-	await step("The duplicate's own", func() -> void:
+	await step("A unique duplicate", func() -> void:
 		var other: Node3D = root.get_node("Scatter2")
 		check_equal(Shared.make_unique(other, true, true, workspace().toolbar.paint.brush.files, SCENE, manager), "", "made unique"))
 	await step("A mesh as ground", func() -> void: GroundButtons.use(scatter, [root.get_node("Ground")] as Array[Node], manager))
-	await step("Another scatter", workspace().desk.panel.add_scatter)
+	await step("A second scatter", workspace().dock.panel.add_scatter)
 	await step("A body as its ground", func() -> void: GroundButtons.use(root.get_child(-1), [root.get_node("Floor")] as Array[Node], manager))
 
 
-## All of them back and forth, saved after each.
+## Undoes and redoes all steps, saving after each.
 func test_all_one_by_one() -> void:
 	for index in range(_names.size() - 1, -1, -1):
 		await undo()
-		check_same(saved_files(), _saved[index], _names[index] + ", undone with all that follow")
+		check_same(saved_files(), _saved[index], _names[index] + ", undone with all later steps")
 	for index in _names.size():
 		await redo()
-		check_same(saved_files(), _saved[index + 1], _names[index] + ", redone after all before it")
+		check_same(saved_files(), _saved[index + 1], _names[index] + ", redone after all earlier steps")
 
 
-## All of them back and forth, saved at the ends alone.
+## Undoes and redoes all steps, saving only at the ends.
 func test_all_at_once() -> void:
-	for what in _names:
+	for title in _names:
 		await undo()
-	check_same(saved_files(), _saved[0], "all undone")
-	for what in _names:
+	check_same(saved_files(), _saved[0], "all steps are undone")
+	for title in _names:
 		await redo()
-	check_same(saved_files(), _saved[-1], "all redone")
+	check_same(saved_files(), _saved[-1], "all steps are redone")

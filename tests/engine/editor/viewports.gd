@@ -1,11 +1,11 @@
 @tool
 extends "res://tests/steps.gd"
-## What the editor's 3D viewports show: the views along the axes, which are orthogonal, and a second viewport that looks elsewhere. A node
-## that is moved is marked in the Scene dock.
+## The editor's 3D viewports: the orthogonal views along the axes, and a second viewport with a different view. A moved node is
+## marked in the Scene dock.
 
 const SCENE := "res://yard.tscn"
 const VIEW_DISTANCE := 60.0
-const SECOND := 2 ## Two viewports are the first and the third.
+const SECOND := 2 ## With two viewports, the first and the third are visible.
 
 var scatter: Node3D
 
@@ -14,7 +14,7 @@ func viewport(index: int) -> SubViewport:
 	return EditorInterface.get_editor_viewport_3d(index)
 
 
-## Chooses an item of a menu in the 3D editor, by its text.
+## Chooses a menu item in the 3D editor, by its text.
 func choose(parent: Node, text: String) -> void:
 	for menu: PopupMenu in parent.find_children("*", "PopupMenu", true, false):
 		for index in menu.item_count:
@@ -29,7 +29,7 @@ func view_control(index: int) -> Control:
 	return viewport(index).get_parent().get_parent() as Control
 
 
-## The middle of the tiles that are shown around one of some points: of those that are nearest to it.
+## Returns, for each point, the middle of the visible tiles that are nearest to it.
 func shown_around(points: Array[Vector2]) -> Array[Vector2]:
 	var sums: Array[Vector2] = []
 	var counts: Array[int] = []
@@ -49,7 +49,7 @@ func shown_around(points: Array[Vector2]) -> Array[Vector2]:
 	return middles
 
 
-## The share of a viewport's picture that is red.
+## Returns the fraction of a viewport's picture that is red.
 func red(index: int) -> float:
 	viewport(index).render_target_update_mode = SubViewport.UPDATE_ALWAYS
 	await frames(2)
@@ -71,7 +71,7 @@ func test_open() -> void:
 	yard.name = "Yard"
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Scatter"
-	made.terrain = ClassDB.instantiate(&"ScatterTerrainFlat")
+	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	var material: Material = (load("res://addons/thicket/shaders/foliage.tres") as Material).duplicate()
 	(material as ShaderMaterial).set_shader_parameter(&"albedo", Color.RED)
 	var mesh := BoxMesh.new()
@@ -106,13 +106,13 @@ func test_views_along_the_axes() -> void:
 		check(camera.global_position.length() > 1000.0, "%s: the camera is far away, at %s" % [view, camera.global_position])
 		await settle(scatter)
 		var middle := shown_around([Vector2.ZERO])[0]
-		check(middle.length() < 20.0, "%s: the tiles lie around %s" % [view, middle])
+		check(middle.length() < 20.0, "%s: the tiles surround %s" % [view, middle])
 		var share: float = await red(0)
-		check(share > 0.01, "%s shows foliage: %.3f of it is red" % [view, share])
+		check(share > 0.01, "%s shows foliage: fraction of red pixels %.3f" % [view, share])
 		await picture("viewport_%s" % view.to_snake_case())
 
 
-func test_every_visible_viewport_is_served() -> void:
+func test_every_visible_viewport_has_tiles() -> void:
 	await choose(view_control(0), "Perspective")
 	await choose(EditorInterface.get_editor_main_screen(), "2 Viewports")
 	check(view_control(SECOND).is_visible_in_tree(), "there is a second viewport")
@@ -130,16 +130,16 @@ func test_every_visible_viewport_is_served() -> void:
 	await choose(second, "Focus Selection")
 	await settle(scatter)
 	var at := viewport(SECOND).get_camera_3d().global_position
-	check(Vector2(at.x, at.z).distance_to(Vector2(400.0, 300.0)) < 50.0, "the second view looks at the node: from %s" % at)
+	check(Vector2(at.x, at.z).distance_to(Vector2(400.0, 300.0)) < 50.0, "the second view shows the node: from %s" % at)
 	var middles := shown_around([cameras[0], Vector2(at.x, at.z)])
-	check(middles[0].distance_to(cameras[0]) < 20.0, "tiles around the first view: %s, it is at %s" % [middles[0], cameras[0]])
-	check(middles[1].distance_to(Vector2(at.x, at.z)) < 20.0, "tiles around the second view: %s, it is at %s" % [middles[1], at])
+	check(middles[0].distance_to(cameras[0]) < 20.0, "tiles around the first view: %s, the camera is at %s" % [middles[0], cameras[0]])
+	check(middles[1].distance_to(Vector2(at.x, at.z)) < 20.0, "tiles around the second view: %s, the camera is at %s" % [middles[1], at])
 	check(await red(0) > 0.02 and await red(SECOND) > 0.02, "both show foliage")
 	await picture("two_viewports")
 	await choose(EditorInterface.get_editor_main_screen(), "1 Viewport")
 	await settle(scatter)
 	middles = shown_around([cameras[0], Vector2(at.x, at.z)])
-	check_equal(middles[1], Vector2.ZERO, "a viewport that is hidden gets nothing")
+	check_equal(middles[1], Vector2.ZERO, "a hidden viewport has no tiles")
 
 
 func test_a_moved_node_is_marked() -> void:
@@ -151,5 +151,5 @@ func test_a_moved_node_is_marked() -> void:
 			marked.clear()
 			node.position.x = 5.0 if moved else 0.0
 			await frames(3)
-			check(scatter in marked, "%s moved %s: the warnings of the Scene dock follow" % [node.name, moved])
+			check(scatter in marked, "%s moved %s: the Scene dock updates its warnings" % [node.name, moved])
 			check_equal("global_transform" in "".join(scatter.get_problems()), moved, "%s moved" % node.name)

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Files that the editor's tools replace keep the ids by which scenes find them, and no half of a file shows in the FileSystem dock.
+## Files that the editor's tools replace keep the ids by which scenes find them, and no partial file appears in the FileSystem dock.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
@@ -16,19 +16,19 @@ func id_of(path: String) -> int:
 	return ResourceLoader.get_resource_uid(path)
 
 
-func check_whole(path: String, id: int, mask: Resource, what: String) -> void:
+func check_whole(path: String, id: int, mask: Resource, context: String) -> void:
 	var system := EditorInterface.get_resource_filesystem()
-	check(id != ResourceUID.INVALID_ID and id_of(path) == id, "%s: its id, got %d, expected %d" % [what, id_of(path), id])
-	check_equal(ResourceUID.get_id_path(id), path, what + ": what the id leads to")
-	check_equal(system.get_file_type(path), "ScatterMask", what + ": in the editor's file system")
-	check_equal(system.get_file_type(WholeFile.beside(path)), "", what + ": the file beside it is not")
-	check(not FileAccess.file_exists(WholeFile.beside(path)), what + ": which is gone")
+	check(id != ResourceUID.INVALID_ID and id_of(path) == id, "%s: its id, got %d, expected %d" % [context, id_of(path), id])
+	check_equal(ResourceUID.get_id_path(id), path, context + ": the path of the id")
+	check_equal(system.get_file_type(path), "ScatterMask", context + ": in the editor's file system")
+	check_equal(system.get_file_type(WholeFile.beside(path)), "", context + ": the temporary file is not")
+	check(not FileAccess.file_exists(WholeFile.beside(path)), context + ": it is deleted")
 	var loaded := ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE)
-	check(loaded.get(&"data") == mask.get(&"data"), what + ": what is in it")
+	check(loaded.get(&"data") == mask.get(&"data"), context + ": its content")
 
 
 func test_replaced_files_keep_their_ids() -> void:
-	await until(func() -> bool: return not EditorInterface.get_resource_filesystem().is_scanning(), "the project is known")
+	await until(func() -> bool: return not EditorInterface.get_resource_filesystem().is_scanning(), "the project is scanned")
 	for path: String in ["res://lanes.res", "res://lanes.tres"]:
 		var mask := make_mask(4.0)
 		check_equal(WholeFile.save(mask, path), OK, "a new file")
@@ -39,14 +39,14 @@ func test_replaced_files_keep_their_ids() -> void:
 			mask.call(&"paint", Vector2(50.0 * time, 0.0), 6.0)
 			check_equal(WholeFile.save(mask, path), OK, "replaced")
 			check_whole(path, id, mask, "replaced " + path)
-			check(load(path) == mask, "what was loaded of it stays")
+			check(load(path) == mask, "the loaded resource stays")
 			await frames(3)
 		var bytes := FileAccess.get_file_as_bytes(path)
-		check_equal(WholeFile.save(make_mask(9.0), path), OK, "replaced by another mask")
-		check_equal(WholeFile.store(path, bytes), OK, "put back, as undo does")
+		check_equal(WholeFile.save(make_mask(9.0), path), OK, "replaced by a different mask")
+		check_equal(WholeFile.store(path, bytes), OK, "restored, as undo does")
 		check(FileAccess.get_file_as_bytes(path) == bytes, "the bytes")
-		check_whole(path, id, mask, "put back " + path)
+		check_whole(path, id, mask, "restored " + path)
 		DirAccess.make_dir_absolute(WholeFile.beside(path))
-		check(WholeFile.store(path, bytes.slice(1)) != OK, "something is in the way of the new file")
+		check(WholeFile.store(path, bytes.slice(1)) != OK, "the path of the temporary file is blocked")
 		DirAccess.remove_absolute(WholeFile.beside(path))
 		check_whole(path, id, mask, "after an error, " + path)

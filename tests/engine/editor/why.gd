@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## The tool that says why something stands at a place or not: hovering, pinning, and the colors on the ground.
+## The tool that explains why instances exist at a position or not: hovering, pinning, and the colors on the ground.
 
 const SCENE := "res://demo.tscn"
 
@@ -19,17 +19,17 @@ func make_layer(layer_name: String, radius: float, size: Vector3) -> Resource:
 	return layer
 
 
-## Three layers on the demo's ground, one of which stands on gentle slopes only. Software takes long for the demo's own forest.
+## Three layers on the demo's ground, one of them only on gentle slopes. The demo's own forest is hidden, because software draws it slowly.
 func make_scatter() -> void:
 	var root := await open(SCENE)
 	root.get_node(^"Scatter").visible = false
 	root.get_node(^"Sun").shadow_enabled = false
 	var made: Node3D = ClassDB.instantiate(&"TerrainScatter3D")
 	made.name = "Hills"
-	made.terrain = root.get_node(^"Scatter").terrain
+	made.ground = root.get_node(^"Scatter").ground
 	var trees := make_layer("Trees", 6.0, Vector3(0.6, 5.0, 0.6))
 	trees.max_slope_degrees = 18.0
-	trees.slope_falloff = 6.0
+	trees.slope_falloff_degrees = 6.0
 	var stones := make_layer("Stones", 3.0, Vector3(1.2, 0.8, 1.0))
 	stones.min_slope_degrees = 14.0
 	var grass := make_layer("Grass", 2.0, Vector3(0.15, 0.6, 0.15))
@@ -48,7 +48,7 @@ func tool() -> Control:
 	return workspace().toolbar.why
 
 
-## Moves the mouse over a place of the 3D view, in its pixels, as a window hands it on.
+## Moves the mouse to a position in the 3D view, in pixels, as an event of the window.
 func hover(at: Vector2) -> void:
 	var motion := InputEventMouseMotion.new()
 	motion.position = view_origin() + at
@@ -80,7 +80,7 @@ func test_hover() -> void:
 	EditorInterface.get_selection().add_node(scatter)
 	EditorInterface.edit_node(scatter)
 	await frames(3)
-	addon().hide_bottom_panel() # The view needs its room.
+	addon().hide_bottom_panel() # The view needs the space.
 	await settle(scatter)
 	tool().set_on(true)
 	workspace().toolbar.choose_layer(0)
@@ -89,7 +89,7 @@ func test_hover() -> void:
 	var answers := {}
 	for step in 12:
 		await hover(Vector2(size.x * (0.2 + 0.05 * step), size.y * 0.6))
-		if not await until(func() -> bool: return rows().size() > 2, "an answer at step %d" % step):
+		if not await until(func() -> bool: return rows().size() > 2, "an explanation at step %d" % step):
 			return
 		await get_tree().create_timer(0.1).timeout
 		var at: Vector3 = tool()._cursor.on_ground
@@ -98,7 +98,7 @@ func test_hover() -> void:
 			var line := "%s %s: %s" % [sign, explanation.layer_name, explanation.reason]
 			check(line in rows(), "'%s' is among %s" % [line, rows()])
 			answers["%s %s" % [sign, explanation.layer_name]] = true
-	check(answers.size() >= 4, "different places have different answers: %s" % [answers.keys()])
+	check(answers.size() >= 4, "different positions have different explanations: %s" % [answers.keys()])
 	check(rows().any(func(row: String) -> bool: return "Slope is" in row), "the rules of the chosen layer are listed: %s" % [rows()])
 	await picture("why")
 
@@ -108,11 +108,11 @@ func test_pin() -> void:
 	var at := Vector2(size.x * 0.45, size.y * 0.55)
 	await hover(at)
 	await click(at)
-	check(tool().pinned.is_finite(), "a click pins the answer")
+	check(tool().pinned.is_finite(), "a click pins the explanation")
 	var pinned := rows()
 	await hover(Vector2(size.x * 0.8, size.y * 0.8))
 	await get_tree().create_timer(0.2).timeout
-	check_equal(rows(), pinned, "it stays when the mouse goes")
+	check_equal(rows(), pinned, "it stays when the mouse leaves")
 	check(EditorInterface.get_selection().get_selected_nodes() == [scatter], "the selection stays")
 	scatter.layers[0].max_slope_degrees = 0.01
 	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "0° to 0.01°" in row), "it follows the settings")
@@ -120,7 +120,7 @@ func test_pin() -> void:
 	await settle(scatter)
 	await picture("why_pinned")
 	await click(at)
-	check(not tool().pinned.is_finite(), "a click on the pin lets go of it")
+	check(not tool().pinned.is_finite(), "a click on the pin releases it")
 
 
 func test_colors() -> void:
@@ -136,24 +136,24 @@ func test_colors() -> void:
 	await until(func() -> bool: return tool()._version > version and tool().overlay.is_complete(), "colors follow the settings")
 	workspace().toolbar.choose_layer(2)
 	tool().look()
-	check(not tool().overlay.is_complete(), "and the chosen layer")
+	check(not tool().overlay.is_complete(), "colors follow the chosen layer")
 	tool().choose_colors(0)
 	check(not tool().overlay.is_shown(), "no colors")
 	tool().choose_colors(2)
 	tool().set_on(false)
-	check(not tool().overlay.is_shown() and tool().panel.rows.is_empty(), "all goes with the tool")
+	check(not tool().overlay.is_shown() and tool().panel.rows.is_empty(), "colors and rows disappear with the tool")
 
 
-## Without ground or layers it says so, and nothing is printed.
+## Without ground or layers the tool reports that, and nothing is printed.
 func test_nothing_to_explain() -> void:
-	var terrain: Resource = scatter.terrain
+	var terrain: Resource = scatter.ground
 	var layers: Array = scatter.layers
 	tool().set_on(true)
 	tool().choose_colors(1)
-	scatter.terrain = null
+	scatter.ground = null
 	await hover(Vector2(300, 300))
-	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "set the terrain of Hills" in row), "no ground")
-	scatter.terrain = terrain
+	await until(func() -> bool: return rows().any(func(row: String) -> bool: return "set the ground of Hills" in row), "no ground")
+	scatter.ground = terrain
 	scatter.layers = []
 	workspace().toolbar.update_layers()
 	await hover(Vector2(310, 400))

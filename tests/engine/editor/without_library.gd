@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## The add-on in an editor that has no library for it: the plugin leaves the editor alone. No type of the library is named here, as the
+## The add-on in an editor without its library: the plugin does not disturb the editor. No type of the library is named here, because the
 ## editor compiles this script, too.
 
 const SCENE := "res://scene.tscn"
@@ -8,10 +8,10 @@ const SCENE := "res://scene.tscn"
 
 func test_the_editor_is_usable() -> void:
 	check(not ClassDB.class_exists(&"TerrainScatter3D"), "the library is not loaded")
-	check(addon() != null and workspace() == null, "the plugin is on and has no tools")
+	check(addon() != null and workspace() == null, "the plugin is enabled and has no tools")
 	var root := Node3D.new()
 	root.name = "Scene"
-	var world := FoliageWorld.new()
+	var world := ScatterFoliageWorld.new()
 	world.name = "World"
 	root.add_child(world)
 	world.owner = root
@@ -20,7 +20,7 @@ func test_the_editor_is_usable() -> void:
 	root.free()
 	check_equal(ResourceSaver.save(packed, SCENE), OK, "saved")
 	var opened := await open(SCENE)
-	check(opened.get_node("World") is FoliageWorld, "a node of the add-on that games use is itself")
+	check(opened.get_node("World") is ScatterFoliageWorld, "a node of the add-on for games keeps its class")
 	var child := MeshInstance3D.new()
 	opened.add_child(child)
 	child.owner = opened

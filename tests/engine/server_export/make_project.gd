@@ -1,5 +1,5 @@
 extends SceneTree
-## Makes the scene of a project that is exported as a dedicated server. It needs the project's images imported.
+## Creates the scene of a project that is exported as a dedicated server. The project's images must be imported.
 
 func _initialize() -> void:
 	_make.call_deferred()
@@ -51,10 +51,10 @@ func make_layer(name: String, mesh: Resource, shape: ScatterLayer.CollisionShape
 	return layer
 
 
-func add_scatter(level: Node, name: String, terrain: ScatterTerrain, layers: Array[ScatterLayer]) -> TerrainScatter3D:
+func add_scatter(level: Node, name: String, terrain: ScatterGround, layers: Array[ScatterLayer]) -> TerrainScatter3D:
 	var scatter := TerrainScatter3D.new()
 	scatter.name = name
-	scatter.terrain = terrain
+	scatter.ground = terrain
 	scatter.layers = layers
 	level.add_child(scatter)
 	scatter.owner = level
@@ -66,7 +66,7 @@ func _make() -> void:
 	ResourceSaver.save(make_rock(), "res://rock.res")
 	var level := Node3D.new()
 	level.name = "Level"
-	var ground := ScatterTerrainHeightmap.new()
+	var ground := ScatterGroundHeightmap.new()
 	ground.image = load("res://heights.png")
 	ground.rect = Rect2(-64, -64, 128, 128)
 	ground.max_height = 20.0
@@ -90,7 +90,7 @@ func _make() -> void:
 	map.biomes = [biome]
 	map.map_image = load("res://map.png")
 	map.map_rect = Rect2(-64, -64, 128, 128)
-	add_scatter(level, "Biomes", ScatterTerrainFlat.new(), []).biomes = map
+	add_scatter(level, "Biomes", ScatterGroundFlat.new(), []).biomes = map
 	var camera := Camera3D.new()
 	camera.name = "Camera"
 	level.add_child(camera)

@@ -1,5 +1,5 @@
 extends Node3D
-## The root of a scene that prints what stands in it, and what rays meet of that.
+## The root of a scene that prints its instances, and the hits of rays on them.
 
 func _ready() -> void:
 	for scatter: TerrainScatter3D in find_children("*", "TerrainScatter3D"):

@@ -1,4 +1,4 @@
-"""bash demo_project/bake.sh: the command line of a bake."""
+"""The command line of bash demo_project/bake.sh."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from .command_line import REPO, with_values
-from .driver import Wish, bake
+from .driver import BakeRequest, bake
 from .format import BakeError, tile_of_name
 from .report import Outcome
 from .tile_engine import Source
@@ -17,31 +17,31 @@ from .tile_folder import WORLD, MadeTiles, made_tiles
 from .words import amount, duration
 
 
-MOST_WAIT = 1e6  # Seconds that --wait may be.
+MAX_WAIT = 1e6  # Seconds; the maximum of --wait.
 
 
 def main(arguments: list[str]) -> int:
-    """Returns 0 for a bake that is whole, 1 for one with tiles that failed or that was stopped, 2 for none."""
+    """Returns 0 for a complete bake, 1 if tiles failed or the bake was stopped, 2 if it could not start, 130 if it was interrupted."""
     chosen = _parser().parse_args(with_values(arguments, ("--rect", "--tiles")))
     try:
-        wish = _wish(chosen)
-        outcome = bake(wish, functools.partial(print, flush=True))
+        request = _request(chosen)
+        outcome = bake(request, functools.partial(print, flush=True))
     except BakeError as error:
         print(f"bake: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("\nbake: interrupted; the same command goes on from here", file=sys.stderr)
         return 130
-    return _tell(wish, outcome)
+    return _print_summary(request, outcome)
 
 
-def _tell(wish: Wish, outcome: Outcome) -> int:
+def _print_summary(request: BakeRequest, outcome: Outcome) -> int:
     total = sum(tile["rows"] for tile in outcome.manifest["tiles"].values())
     print(f"{amount(total)} instances in {len(outcome.manifest['tiles'])} tiles, {outcome.made} of them made now in {duration(outcome.seconds)}")
     if outcome.unreported:
         print(f"bake: {outcome.unreported} The tiles are not affected.", file=sys.stderr)
     else:
-        print(f"report and map: {wish.out / 'report.md'}")
+        print(f"report and map: {request.out / 'report.md'}")
     if outcome.manifest["complete"]:
         print(f"digest: {outcome.manifest['digest']}")
     for (i, j), why in sorted(outcome.failed.items())[:10]:
@@ -51,26 +51,26 @@ def _tell(wish: Wish, outcome: Outcome) -> int:
     if outcome.stopped:
         print(f"bake: {outcome.stopped}", file=sys.stderr)
     if outcome.failed or outcome.stopped:
-        print("bake: the same command makes only what is missing", file=sys.stderr)
+        print("bake: the same command makes only the missing tiles", file=sys.stderr)
         return 1
     return 0
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="bake.sh", description="Bakes the world of a scene: every tile of it as a Parquet file.")
-    parser.add_argument("scene", help="the scene, a path or res://...; or a folder with tiles that bake_world.gd has made")
-    parser.add_argument("out", type=Path, help="the folder for the files; a bake that was begun there goes on")
-    parser.add_argument("--rect", default="", metavar="X,Z,WIDTH,DEPTH", help="what to bake, in meters; else all of the terrain")
-    parser.add_argument("--tile-size", default="", metavar="METERS", help="else one that fits the layers")
-    parser.add_argument("--layers", default="", metavar="NAME,NAME", help="names or indices; else all")
-    parser.add_argument("--tiles", type=_tiles, metavar="'I,J I,J'", help="these tiles alone; else all of the rectangle")
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes of this machine (%(default)s)")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="the workers of this Dask scheduler in place of processes of this machine")
-    parser.add_argument("--shuffle", type=int, metavar="SEED", help="in a random order")
-    parser.add_argument("--fresh", action="store_true", help="remove the bake that lies in the folder first")
+    parser.add_argument("scene", help="the scene, a path or res://...; or a folder of tiles from bake_world.gd")
+    parser.add_argument("out", type=Path, help="the folder for the files; an unfinished bake there continues")
+    parser.add_argument("--rect", default="", metavar="X,Z,WIDTH,DEPTH", help="the area to bake, in meters; by default all of the terrain")
+    parser.add_argument("--tile-size", default="", metavar="METERS", help="the side of a tile; by default one that fits the layers")
+    parser.add_argument("--layers", default="", metavar="NAME,NAME", help="names or indices of layers; by default all")
+    parser.add_argument("--tiles", type=_tiles, metavar="'I,J I,J'", help="bake only these tiles; by default all of the rectangle")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="the number of worker processes on this machine (%(default)s)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler instead")
+    parser.add_argument("--shuffle", type=int, metavar="SEED", help="make the tiles in a random order")
+    parser.add_argument("--fresh", action="store_true", help="remove an existing bake in the folder first")
     parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the project of a res:// path (the demo)")
-    parser.add_argument("--node", default="", metavar="PATH", help="the TerrainScatter3D, where the scene has several")
-    parser.add_argument("--wait", type=float, default=120.0, metavar="SECONDS", help="for the scene's ground to be there (%(default)g)")
+    parser.add_argument("--node", default="", metavar="PATH", help="the TerrainScatter3D, if the scene has several")
+    parser.add_argument("--wait", type=float, default=120.0, metavar="SECONDS", help="how long to wait for the scene's ground (%(default)g)")
     return parser
 
 
@@ -84,12 +84,12 @@ def _tiles(text: str) -> list[tuple[int, int]]:
     return tiles
 
 
-def _wish(chosen: argparse.Namespace) -> Wish:
+def _request(chosen: argparse.Namespace) -> BakeRequest:
     if chosen.workers < 1:
-        raise BakeError(f"--workers is {chosen.workers}, and has to be 1 or more. Leave it out for one per processor core.")
-    if not 0.0 <= chosen.wait <= MOST_WAIT:
-        raise BakeError(f"--wait is {chosen.wait:g}, and has to be from 0 to {MOST_WAIT:g} seconds.")
-    return Wish(
+        raise BakeError(f"--workers must be 1 or more, got {chosen.workers}. Leave it out for one per processor core.")
+    if not 0.0 <= chosen.wait <= MAX_WAIT:
+        raise BakeError(f"--wait must be between 0 and {MAX_WAIT:g} seconds, got {chosen.wait:g}. Choose a value in that range.")
+    return BakeRequest(
         source=_source(chosen),
         asked={"rect": chosen.rect, "tile_size": chosen.tile_size, "layers": chosen.layers},
         out=chosen.out.resolve(), tiles=chosen.tiles,
@@ -104,25 +104,25 @@ def _source(chosen: argparse.Namespace) -> Source | MadeTiles:
         return Source((str(REPO / "tools/godot"),), str(project), scene, chosen.node, chosen.wait)
     for option, given in {"--rect": chosen.rect, "--tile-size": chosen.tile_size, "--layers": chosen.layers, "--node": chosen.node}.items():
         if given:
-            raise BakeError(f"{option} is {given}, but what {folder} holds was chosen when it was made. Leave out {option}, or make a different folder with bake_world.gd.")
+            raise BakeError(f"{option} is {given}, but the tiles in {folder} already have a fixed value. Leave out {option}, or make a different folder with bake_world.gd.")
     return made_tiles(folder)
 
 
 def _project_and_scene(scene: str, project: Path) -> tuple[Path, str]:
-    """The project that a scene belongs to, and the scene's path in it."""
+    """The project of a scene, and the scene's path in the project."""
     if scene.startswith("res://"):
         if not (project / "project.godot").is_file():
-            raise BakeError(f"--project is {project}, and has to be a folder with a project.godot.")
+            raise BakeError(f"--project must be a folder with a project.godot, got {project}. Choose the folder of a Godot project.")
         return project.resolve(), scene
     path = Path(scene).resolve()
     if not path.is_file() and (project / scene).is_file():
-        path = (project / scene).resolve()  # As demo_project/run.sh names scenes.
+        path = (project / scene).resolve()  # The form that demo_project/run.sh accepts.
     if not path.is_file():
-        raise BakeError(f"There is no scene {scene}. Name the file by its path, or by res://... with --project.")
+        raise BakeError(f"There is no scene {scene}. Specify its path, or res://... with --project.")
     for folder in path.parents:
         if (folder / "project.godot").is_file():
             return folder, f"res://{path.relative_to(folder).as_posix()}"
-    raise BakeError(f"{scene} lies in no project: no folder above it has a project.godot. Move the scene into a project of Godot.")
+    raise BakeError(f"{scene} is not in a Godot project: no folder above it has a project.godot. Move the scene into a Godot project.")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Workers: those of this machine, or of a Dask cluster that exists."""
+"""Starts workers on this machine, or connects to the workers of an existing Dask cluster."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from distributed import Client, LocalCluster
 from distributed.core import Status
 
 PACKAGE = Path(__file__).resolve().parent
-# Workers that may die on one tile before Dask gives it back; the driver then counts it as failed.
+# The number of workers that may die on one tile before Dask returns it as an error. The driver then counts the tile as failed.
 ALLOWED_DEATHS = 10
-# What a worker's tile frees is kept for its next one: the system takes longer to clear new pages than the sorting of rows does.
+# malloc keeps a tile's memory for the next tile: clearing new pages takes the system longer than sorting the rows.
 KEPT_MEMORY = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": str(1 << 25), "MALLOC_TRIM_THRESHOLD_": str(1 << 28)}
-# Between looks at which workers are there.
-LOOK_SECONDS = 2.0
+# The interval between checks of the workers.
+CHECK_SECONDS = 2.0
 
 
 @contextlib.contextmanager
 def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> Iterator[Client]:
-    """A client of a cluster with `workers` processes of this machine, one thread each; or, with the address of a scheduler, of that
-    one's: then it says when that has no workers. Ends what it has started. Raises OSError where the scheduler cannot be reached."""
+    """Yields a client: of a new cluster with `workers` single-threaded processes on this machine, or of the given scheduler. In the latter
+    case, it reports when the scheduler has no workers. Ends everything that it started. Raises OSError if the scheduler is unreachable."""
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with tempfile.TemporaryDirectory(prefix="thicket_bake_") as scratch:
         settings = {
@@ -48,7 +48,7 @@ def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> I
                     with watched(remote, scheduler, say):
                         yield remote
                 return
-            # Where the workers find this package.
+            # Lets the workers import this package.
             path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
             with (
                 _environment(PYTHONPATH=path),
@@ -60,9 +60,9 @@ def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> I
 
 
 def _local_cluster() -> LocalCluster:
-    """One without workers yet. An interrupt from the terminal is for the driver alone: what this one's threads start inherits that it is
-    blocked."""
-    resource_tracker.ensure_running()  # It unblocks interrupts in the thread that starts it.
+    """A cluster without workers yet. An interrupt from the terminal is for the driver only, so the cluster's threads and processes inherit
+    a mask that blocks it."""
+    resource_tracker.ensure_running()  # Starting it later would unblock interrupts in this thread.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         return LocalCluster(
@@ -75,7 +75,7 @@ def _local_cluster() -> LocalCluster:
 
 @contextlib.contextmanager
 def _kept(cluster: LocalCluster, workers: int) -> Iterator[None]:
-    """Starts workers, and goes on to see that there are as many: Dask does not start those again that were killed while they started."""
+    """Starts workers, and keeps their number constant: Dask does not restart workers that were killed while starting."""
     def replace() -> None:
         for name, nanny in list(cluster.workers.items()):
             if nanny.status in (Status.failed, Status.closed):
@@ -88,12 +88,12 @@ def _kept(cluster: LocalCluster, workers: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Iterator[None]:
-    """Says when a scheduler that is not ours has no workers, and when it has some again."""
+    """Reports when the scheduler has no workers, and when it has workers again."""
     there = True
 
-    def look() -> None:
+    def check() -> None:
         nonlocal there
-        with contextlib.suppress(OSError, TimeoutError):  # Who waits for tiles hears of it.
+        with contextlib.suppress(OSError, TimeoutError):  # The loop that waits for tiles reports it.
             workers = len(client.nthreads())
             if there and workers == 0:
                 say(f"The scheduler at {scheduler} has no workers: the bake waits until some connect. Start workers, or interrupt it and run the same command later.")
@@ -101,19 +101,19 @@ def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Itera
                 say(f"The scheduler at {scheduler} has workers: {workers}.")
             there = workers > 0
 
-    with _repeated(look):
+    with _repeated(check):
         yield
 
 
 @contextlib.contextmanager
-def _repeated(look: Callable[[], None]) -> Iterator[None]:
-    """Calls it in a thread of its own, at once and then every LOOK_SECONDS."""
+def _repeated(check: Callable[[], None]) -> Iterator[None]:
+    """Calls `check` in a separate thread, immediately and then every CHECK_SECONDS."""
     ended = threading.Event()
 
     def watch() -> None:
         while True:
-            look()
-            if ended.wait(LOOK_SECONDS):
+            check()
+            if ended.wait(CHECK_SECONDS):
                 return
 
     watcher = threading.Thread(target=watch, daemon=True)
@@ -126,7 +126,7 @@ def _repeated(look: Callable[[], None]) -> Iterator[None]:
 
 
 def _packed(folder: Path) -> str:
-    """This package as a file that workers elsewhere can be sent."""
+    """This package as a zip file, for workers on other machines."""
     return shutil.make_archive(str(folder / PACKAGE.name), "zip", PACKAGE.parent, PACKAGE.name)
 
 

@@ -1,10 +1,10 @@
-"""The columns of the files of tiles, as a bake's maker and its readers both know them."""
+"""The columns of a tile's file, shared by the code that writes bakes and the code that reads them."""
 
 from __future__ import annotations
 
 import pyarrow as pa
 
-# The columns of a tile's file, in order. Those that may be empty are so in layers without colors, without custom data.
+# The columns of a tile's file, in order. The nullable ones are null in layers without colors or without custom data.
 SCHEMA = pa.schema(
     [
         pa.field("id", pa.uint64(), nullable=False),

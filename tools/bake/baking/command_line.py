@@ -1,4 +1,4 @@
-"""What the commands that make bakes and read them have in common."""
+"""Code shared by the commands that write and read bakes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ REPO = Path(__file__).resolve().parents[3]
 
 
 def with_values(arguments: list[str], options: tuple[str, ...]) -> list[str]:
-    """The arguments with these options joined to their values, which may begin with a minus: argparse would take them for other options."""
+    """Joins these options and their values with "=". argparse would mistake a value that begins with a minus for an option."""
     joined: list[str] = []
     for argument in arguments:
         if joined and joined[-1] in options:

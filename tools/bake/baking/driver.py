@@ -1,4 +1,4 @@
-"""Bakes a scene into a folder: plans, hands tiles to workers, keeps the manifest, and says what came of it."""
+"""Bakes a scene into a folder: plans the tiles, distributes them to workers, updates the manifest and writes the report."""
 
 from __future__ import annotations
 
@@ -22,69 +22,69 @@ from .tile_folder import MadeTiles
 
 # Pixels of the longer side of the map.
 MAP_PIXELS = 1024
-# Of the time, at most, goes to writing the manifest.
+# The share of time that writing the manifest may take.
 MANIFEST_SHARE = 0.05
 
 
 @dataclass
-class Wish:
-    """What somebody wants baked."""
+class BakeRequest:
+    """The settings of a bake."""
 
     source: Source | MadeTiles
     out: Path
-    asked: dict[str, str] = field(default_factory=dict)  # rect, tile_size and layers, as scene_description.gd reads them
-    tiles: list[tuple[int, int]] | None = None  # None for all that the rectangle touches
+    asked: dict[str, str] = field(default_factory=dict)  # rect, tile_size and layers, in the format of scene_description.gd.
+    tiles: list[tuple[int, int]] | None = None  # None for all tiles that the rectangle touches.
     workers: int = 1
     scheduler: str | None = None
-    shuffle: int | None = None  # The seed of a random order
+    shuffle: int | None = None  # The seed of a random order.
     fresh: bool = False
 
 
-def bake(wish: Wish, say: Callable[[str], None] = print) -> Outcome:
-    """Bakes, or goes on with a bake that was begun. Raises BakeError where there is nothing to begin with."""
+def bake(request: BakeRequest, say: Callable[[str], None] = print) -> Outcome:
+    """Starts a bake, or continues an unfinished one. Raises BakeError if it cannot start."""
     try:
-        with files.locked(wish.out):
-            files.sweep(wish.out)
+        with files.locked(request.out):
+            files.sweep(request.out)
             try:
-                with cluster.client(wish.workers, wish.scheduler, say) as client:
-                    return _bake(wish, client, say)
+                with cluster.client(request.workers, request.scheduler, say) as client:
+                    return _bake(request, client, say)
             finally:
-                files.sweep(wish.out)  # Workers that were ended leave their files unfinished.
-    except (files.Taken, files.CannotWrite) as error:
+                files.sweep(request.out)  # Terminated workers leave unfinished files.
+    except (files.FolderInUse, files.CannotWrite) as error:
         raise BakeError(str(error)) from error
     except (OSError, TimeoutError) as error:
-        if wish.scheduler is None:
+        if request.scheduler is None:
             raise
-        raise BakeError(f"No Dask scheduler answers at {wish.scheduler}: {error}. Check --scheduler (tcp://HOST:PORT), or leave it out.") from error
+        raise BakeError(f"No Dask scheduler answers at {request.scheduler}: {error}. Check --scheduler (tcp://HOST:PORT), or leave it out.") from error
 
 
-def _bake(wish: Wish, client: Client, say: Callable[[str], None]) -> Outcome:
-    plan, manifest, starting = _begin(wish, client, say)
-    order = wish.tiles if wish.tiles is not None else plan.grid.tiles()
+def _bake(request: BakeRequest, client: Client, say: Callable[[str], None]) -> Outcome:
+    plan, manifest, starting = _begin(request, client, say)
+    order = request.tiles if request.tiles is not None else plan.grid.tiles()
     _refuse_tiles_beyond(order, plan.grid)
-    if wish.shuffle is not None:
-        random.Random(wish.shuffle).shuffle(order)
+    if request.shuffle is not None:
+        random.Random(request.shuffle).shuffle(order)
     outcome = Outcome(manifest, starting=[starting])
     picture = Map(plan.rect, plan.pixel, manifest["layers"])
     start = time.monotonic()
     own = time.process_time()
     try:
-        _make_all(plan, client, wish.workers, order, outcome, picture, Progress(len(order), say))
+        _make_all(plan, client, request.workers, order, outcome, picture, Progress(len(order), say))
     finally:
         outcome.seconds = time.monotonic() - start
         outcome.driver_seconds = time.process_time() - own
         _keep_costs(outcome)
-        _finish(wish.out, plan.grid, outcome)
-    if wish.scheduler is not None and not outcome.stopped:
-        client.run(tile.close_engines)  # Those workers live on.
-    write_report(wish.out, wish.workers, outcome, picture)
+        _finish(request.out, plan.grid, outcome)
+    if request.scheduler is not None and not outcome.stopped:
+        client.run(tile.close_engines)  # These workers keep running after the bake.
+    write_report(request.out, request.workers, outcome, picture)
     return outcome
 
 
-def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
-    """What is to be made, the manifest so far, which is in its place, and the seconds that an engine took to start."""
+def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
+    """The plan, the manifest so far, which is on disk, and the seconds that an engine took to start."""
     try:
-        described = client.submit(tile.describe, wish.source, wish.asked, pure=False).result()
+        described = client.submit(tile.describe, request.source, request.asked, pure=False).result()
     except (EngineGone, Refused) as error:
         raise BakeError(str(error)) from error
     for problem in described["problems"]:
@@ -92,55 +92,55 @@ def _begin(wish: Wish, client: Client, say: Callable[[str], None]) -> tuple[tile
     rect, layers, grid = list(map(float, described["rect"])), described["layers"], TileGrid.of(described)
     uneven = [layer["name"] or str(layer["index"]) for layer in layers if grid.tile_size % layer["tile_size"] != 0.0]
     if uneven:
-        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}. A --tile-size that all of theirs divide avoids that.")
+        say(f"Tiles of {grid.tile_size:g} m cut through tiles of the game, which are then made more than once: {', '.join(uneven)}. Choose a --tile-size that is a multiple of all their sizes.")
     plan = tile.Plan(
-        source=wish.source, asked=wish.asked, out=str(wish.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
+        source=request.source, asked=request.asked, out=str(request.out), rect=tuple(rect), grid=grid, scene_digest=described["scene_digest"],
         layers={layer["index"]: described["columns"][str(layer["index"])] for layer in layers},
         parts=described["parts"], pixel=max(rect[2], rect[3]) / MAP_PIXELS,
     )  # fmt: skip
     looks = {each["index"]: each for each in described["models"]}
     manifest = {
         "format": FORMAT, "version": VERSION, "thicket": described["thicket"],
-        "scene": wish.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
+        "scene": request.source.scene, "scene_digest": plan.scene_digest, "scene_parts": plan.parts, "seed": int(described["seed"]),
         "rect": rect, "tile_size": grid.tile_size, "grid": list(grid.grid), "world_offset": described["world_offset"],
         "layers": [{**layer, "models": looks[layer["index"]]["models"], "material": looks[layer["index"]]["material"]} for layer in layers],
         "complete": False, "digest": None, "costs": None, "tiles": {},
     }  # fmt: skip
-    _go_on_with(wish, manifest, say)
-    files.sweep_strays(wish.out, set(grid.tiles()))
+    _resume(request, manifest, say)
+    files.sweep_strays(request.out, set(grid.tiles()))
     for path, content in described["files"].items():
         if any(path.startswith(f"models/{layer['index']}_") for layer in layers):
-            files.write_whole(wish.out / path, content)
-    files.write_manifest(wish.out, manifest)
+            files.write_whole(request.out / path, content)
+    files.write_manifest(request.out, manifest)
     return plan, manifest, described["starting"]
 
 
-def _go_on_with(wish: Wish, manifest: dict, say: Callable[[str], None]) -> None:
-    """Takes over what a bake that was begun in the folder knows of its tiles, if it is one of the same world."""
-    if wish.fresh:
-        files.empty(wish.out)
+def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) -> None:
+    """Reuses the tiles of an unfinished bake in the folder, if it is of the same world."""
+    if request.fresh:
+        files.empty(request.out)
     try:
-        before = read_manifest(wish.out)
+        before = read_manifest(request.out)
     except BakeError as error:
-        if (wish.out / MANIFEST).exists():
-            say(f"{error}. It is replaced; every tile in the folder is checked by itself.")
-        return  # Each tile's file names the bake that it belongs to.
-    again = f"Bake into a different folder, or start again in {wish.out} with --fresh."
+        if (request.out / MANIFEST).exists():
+            say(f"{error}. It is replaced; every tile in the folder is checked.")
+        return  # Each tile's file identifies its bake.
+    again = f"Bake into a different folder, or start again in {request.out} with --fresh."
     if before.get("version") != VERSION:
-        raise BakeError(f"{wish.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
-    check_manifest(before, wish.out / MANIFEST)
+        raise BakeError(f"{request.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
+    check_manifest(before, request.out / MANIFEST)
     if before["scene"] != manifest["scene"]:
-        raise BakeError(f"{wish.out} holds a bake of another scene, {before['scene']}, not {manifest['scene']}. {again}")
+        raise BakeError(f"{request.out} holds a bake of a different scene, {before['scene']}, not {manifest['scene']}. {again}")
     for key, name in {"rect": "the rectangle", "tile_size": "the size of tiles"}.items():
         if before[key] != manifest[key]:
-            raise BakeError(f"{wish.out} holds a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
+            raise BakeError(f"{request.out} holds a bake in which {name} is {before[key]}, not {manifest[key]}. {again}")
     if [layer["index"] for layer in before["layers"]] != [layer["index"] for layer in manifest["layers"]]:
-        raise BakeError(f"{wish.out} holds a bake of other layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
+        raise BakeError(f"{request.out} holds a bake of different layers: {', '.join(str(layer['index']) for layer in before['layers'])}. {again}")
     if before["scene_digest"] != manifest["scene_digest"]:
         parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
         raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
-    # What else may be wrong with a file is found when its tile is asked for.
-    manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (wish.out / entry["file"]).is_file()}
+    # Other errors in a file are found when its tile is needed.
+    manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (request.out / entry["file"]).is_file()}
     manifest["costs"] = before.get("costs")
 
 
@@ -154,7 +154,7 @@ def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> No
 def _make_all(
     plan: tile.Plan, client: Client, workers: int, order: list[tuple[int, int]], outcome: Outcome, picture: Map, progress: Progress
 ) -> None:
-    """Hands out tiles, a few more than there are workers at a time, and takes what comes back."""
+    """Distributes the tiles, a few more than there are workers at a time, and collects the results."""
     waiting = iter(order)
     futures = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
     tile_of_key: dict[str, tuple[int, int]] = {}
@@ -177,7 +177,7 @@ def _make_all(
         if outcome.stopped:
             client.cancel([each for each in futures.futures])
             return
-        progress.tell(outcome)
+        progress.print_if_due(outcome)
         if time.monotonic() >= next_manifest:
             start = time.monotonic()
             files.write_manifest(Path(plan.out), outcome.manifest)
@@ -188,7 +188,7 @@ def _make_all(
 
 def _worker_problem(result: object) -> str:
     error = result[1] if isinstance(result, tuple) and len(result) > 1 else result
-    return f"Its workers were killed, or failed: {error}. Check their memory, then bake again: it makes only what is missing."
+    return f"Its workers were killed or failed: {error}. Check their memory, then run the same command: it makes only the missing tiles."
 
 
 def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> None:
@@ -215,7 +215,7 @@ def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> 
 
 
 def _keep_costs(outcome: Outcome) -> None:
-    """What a run that made enough tiles says of the costs that are not a tile's own, for the manifest (see schedule.py)."""
+    """Stores the median costs of a run in the manifest, apart from those of each tile, if the run made enough tiles (see schedule.py)."""
     if outcome.made >= 10:
         outcome.manifest["costs"] = {
             "start_seconds": round(statistics.median(outcome.starting), 3),
@@ -225,13 +225,13 @@ def _keep_costs(outcome: Outcome) -> None:
 
 
 def world_digest(tiles: dict[str, dict]) -> str:
-    """The digest of a whole bake: SHA-256 over the lines "i,j digest" of all tiles, sorted by i, then j."""
+    """The digest of a complete bake: SHA-256 over the lines "i,j digest" of all tiles, sorted by i, then j."""
     lines = [f"{name} {tiles[name]['digest']}\n" for name in sorted(tiles, key=tile_of_name)]
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
 def _finish(out: Path, grid: TileGrid, outcome: Outcome) -> None:
-    """The manifest's last word. Keeps quiet where it cannot be written: the tiles are there, and are found again."""
+    """Completes the manifest. Ignores a failure to write it: the tiles are on disk, and the next run finds them."""
     manifest = outcome.manifest
     manifest["complete"] = set(manifest["tiles"]) == {name_of(at) for at in grid.tiles()}
     manifest["digest"] = world_digest(manifest["tiles"]) if manifest["complete"] else None

@@ -1,4 +1,4 @@
-"""Checks of values that were read from JSON. Each check takes a value and raises Refused, which names the field and what is allowed there."""
+"""Checks of values from JSON. Each check takes a value, and raises Refused with the field's name and its allowed values."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from collections.abc import Callable, Iterable
 
 Check = Callable[[object], None]
 
-MOST_CHARACTERS = 1000
+MAX_CHARACTERS = 1000
 _SHOWN = 80  # Characters of a refused value.
 
 
 class Refused(ValueError):
-    """A value that is not allowed. `str` is a sentence without its end: `layers[0].radius must be a number ..., got null`."""
+    """A value that is not allowed. Its text is a sentence without a period: `layers[0].radius must be a number ..., got null`."""
 
     def __init__(self, value: object, allowed: str):
         super().__init__()
         self.value, self.allowed, self.path = value, allowed, ""
 
     def within(self, name: str) -> Refused:
-        """The same, for a value that is part of a field with this name, or of an entry [I]."""
+        """Prepends the name of the enclosing field, or an index [I], to the path. Returns the error itself."""
         self.path = name + (f".{self.path}" if self.path and not self.path.startswith("[") else self.path)
         return self
 
@@ -29,24 +29,24 @@ class Refused(ValueError):
 
 
 class Missing(Refused):
-    """A field that must be there."""
+    """A required field is missing."""
 
     def __str__(self) -> str:
         return f"{self.path} is missing, and must be there"
 
 
 def shown(value: object) -> str:
-    """The beginning of a value, without more work than that takes."""
+    """The beginning of a value, without converting all of it."""
     if isinstance(value, (dict, list)):
         return f"an {'object' if isinstance(value, dict) else 'array'} with {len(value)} entries"
     try:
         return json.dumps(value)[:_SHOWN]
-    except ValueError:  # A whole number with thousands of digits.
+    except ValueError:  # An integer with thousands of digits.
         return "a huge number"
 
 
 def number(least: float, most: float, allowed: str = "") -> Check:
-    """A finite number in a range."""
+    """Accepts a finite number in a range."""
     allowed = allowed or f"a number from {least:g} to {most:g}"
 
     def check(value: object) -> None:
@@ -57,7 +57,7 @@ def number(least: float, most: float, allowed: str = "") -> Check:
 
 
 def whole(least: int, most: int) -> Check:
-    """A whole number in a range."""
+    """Accepts a whole number in a range."""
     allowed = f"a whole number from {least} to {most}"
 
     def check(value: object) -> None:
@@ -67,8 +67,8 @@ def whole(least: int, most: int) -> Check:
     return check
 
 
-def text(pattern: str = "", allowed: str = "", most: int = MOST_CHARACTERS) -> Check:
-    """A text that a path or a terminal can hold; with a pattern, one that fits it as a whole."""
+def text(pattern: str = "", allowed: str = "", most: int = MAX_CHARACTERS) -> Check:
+    """Accepts text that a path or a terminal can hold. With a pattern, all of the text must match it."""
     allowed = allowed or f"a text of at most {most} characters, none of them a zero or half of a surrogate pair"
     form = re.compile(pattern or r"[^\0\ud800-\udfff]*")
 
@@ -80,13 +80,13 @@ def text(pattern: str = "", allowed: str = "", most: int = MOST_CHARACTERS) -> C
 
 
 def flag(value: object) -> None:
-    """true or false."""
+    """Accepts true or false."""
     if type(value) is not bool:
         raise Refused(value, "true or false")
 
 
 def nullable(check: Check) -> Check:
-    """null, or what another check lets pass."""
+    """Accepts null, and any value that `check` accepts."""
 
     def check_or_null(value: object) -> None:
         if value is not None:
@@ -100,7 +100,7 @@ def nullable(check: Check) -> Check:
 
 
 def items(check: Check, least: int = 0, most: int = 1 << 20) -> Check:
-    """An array of so many values that a check lets pass."""
+    """Accepts an array with `least` to `most` values that `check` accepts."""
     allowed = f"an array of {least} values" if least == most else f"an array of {least} to {most} values"
 
     def check_items(value: object) -> None:
@@ -116,7 +116,7 @@ def items(check: Check, least: int = 0, most: int = 1 << 20) -> Check:
 
 
 def members(checks: dict[str, Check], needed: Iterable[str] = ()) -> Check:
-    """An object with the needed fields. Those that have a check must pass it; others may be anything."""
+    """Accepts an object with the needed fields. Fields with a check must pass it; all other fields may have any value."""
     needed = tuple(needed)
 
     def check_members(value: object) -> None:
@@ -136,7 +136,7 @@ def members(checks: dict[str, Check], needed: Iterable[str] = ()) -> Check:
 
 
 def mapping(key: Check, check: Check, most: int) -> Check:
-    """An object of at most so many fields; each key and each value passes its check."""
+    """Accepts an object of at most `most` fields whose names pass `key` and whose values pass `check`."""
 
     def check_mapping(value: object) -> None:
         if type(value) is not dict or len(value) > most:
@@ -152,7 +152,7 @@ def mapping(key: Check, check: Check, most: int) -> Check:
 
 
 def without_repeats(pairs: list[tuple[str, object]]) -> dict:
-    """For `object_pairs_hook` of `json.loads`: raises ValueError for a field that an object has twice."""
+    """For the `object_pairs_hook` of `json.loads`: raises ValueError if an object has the same field twice."""
     found = dict(pairs)
     if len(found) < len(pairs):
         names = [name for name, _ in pairs]

@@ -1,4 +1,4 @@
-"""The files of a bake: written whole or not at all, and looked at before they are trusted."""
+"""The files of a bake. Each is written completely or not at all, and checked before it is used."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from .whole_file import PART, CannotWrite, write_whole
 
 LOCK = ".lock"
 
-# Hardly any two instances have the same number but in these: a dictionary of others takes longer and makes larger files.
+# Values repeat only in these columns. A dictionary for any other column takes longer and makes the file larger.
 _DICTIONARIES = ["layer", "model"]
 _ENCODINGS = {field.name: "BYTE_STREAM_SPLIT" for field in SCHEMA if pa.types.is_floating(field.type)}
 _ENCODINGS |= {"id": "DELTA_BINARY_PACKED"}
 
 
-class Taken(RuntimeError):
-    """Another bake is at work on the folder."""
+class FolderInUse(RuntimeError):
+    """A different bake is using the folder."""
 
 
 def tile_path(out: Path, tile: tuple[int, int]) -> Path:
-    """Where a tile's file lies."""
+    """The path of a tile's file."""
     return out / "tiles" / f"tile_{tile[0]}_{tile[1]}.parquet"
 
 
 def write_tile(path: Path, columns: rows.Columns, marks: dict[str, str]) -> str:
-    """Writes sorted rows, with marks for the file's metadata. Returns the SHA-256 of the file."""
+    """Writes sorted rows, with `marks` as the file's metadata. Returns the SHA-256 of the file."""
     table = rows.to_table(columns).replace_schema_metadata(marks)
     sink = pa.BufferOutputStream()
     pq.write_table(
@@ -47,8 +47,8 @@ def write_tile(path: Path, columns: rows.Columns, marks: dict[str, str]) -> str:
 
 
 def read_tile(path: Path, marks: dict[str, str], known: dict) -> tuple[rows.Columns, dict[str, str], str] | None:
-    """The rows, all marks and the SHA-256 of a file that is whole and bears these marks; None for any other, or none. Every bit of the rows counts:
-    they have to have the digest that the file names. `known` is what a manifest says of the tile: the file must have its `digest` and `sha256`, as far as it has them."""
+    """The rows, metadata and SHA-256 of a complete file whose metadata includes `marks`, or None for any other file. The rows must have the
+    digest that the file names. `known` is the tile's entry in a manifest: the file must match its `digest` and `sha256`, if it has them."""
     try:
         content = path.read_bytes()
         sha256 = hashlib.sha256(content).hexdigest()
@@ -60,14 +60,14 @@ def read_tile(path: Path, marks: dict[str, str], known: dict) -> tuple[rows.Colu
         if any(found.get(name) != value for name, value in marks.items()):
             return None
         columns = rows.to_columns(table)
-    except (OSError, ValueError, pa.ArrowException):  # A UnicodeDecodeError is a ValueError, and so is BadRows.
+    except (OSError, ValueError, pa.ArrowException):  # UnicodeDecodeError and BadRows are ValueErrors.
         return None
     digest = rows.digest(columns)
     return (columns, found, sha256) if digest == found.get("thicket.digest") == known.get("digest", digest) else None
 
 
 def write_manifest(out: Path, manifest: dict) -> None:
-    """Puts the manifest into its place, a line for each tile."""
+    """Writes the manifest, with one line for each tile."""
     tiles = manifest["tiles"]
     head = json.dumps({**manifest, "tiles": None}, indent=1)
     lines = ",\n".join(f"  {json.dumps(name)}: {json.dumps(tiles[name])}" for name in sorted(tiles, key=tile_of_name))
@@ -76,22 +76,22 @@ def write_manifest(out: Path, manifest: dict) -> None:
 
 @contextlib.contextmanager
 def locked(out: Path) -> Iterator[None]:
-    """Holds a folder for one bake; Taken for who comes second. A bake that ends in whatever way lets go of it."""
+    """Locks a folder for one bake. Raises FolderInUse if a different bake has it. The lock ends with the process, however that ends."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         lock = (out / LOCK).open("a+")
     except OSError as error:
-        raise CannotWrite(f"Cannot write into {out}: {error.strerror}. Choose a folder that may be written.") from error
+        raise CannotWrite(f"Cannot write into {out}: {error.strerror}. Choose a writable folder.") from error
     with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise Taken(f"Another bake is at work on {out}: wait for its end, or bake into another folder.") from None
+            raise FolderInUse(f"A different bake is using {out}. Wait for its end, or bake into a different folder.") from None
         yield
 
 
 def remove(path: Path) -> None:
-    """Removes a file, if it is there. Raises CannotWrite where it stays."""
+    """Removes a file if it exists. Raises CannotWrite if it cannot be removed."""
     try:
         path.unlink(missing_ok=True)
     except OSError as error:
@@ -99,14 +99,14 @@ def remove(path: Path) -> None:
 
 
 def sweep(out: Path) -> None:
-    """Removes what a bake that was killed left unfinished."""
+    """Removes unfinished files of a bake that was killed."""
     for folder in (out, out / "tiles", out / "models"):
         for partial in folder.glob(f".*{PART}"):
             remove(partial)
 
 
 def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
-    """Removes the files of tiles that are none of these: of another bake, whose manifest is gone."""
+    """Removes the files of all tiles that are not in `tiles`. They belong to a bake whose manifest is missing."""
     names = {tile_path(out, tile).name for tile in tiles}
     for path in (out / "tiles").glob("tile_*.parquet"):
         if path.name not in names:
@@ -114,6 +114,6 @@ def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
 
 
 def empty(out: Path) -> None:
-    """Removes a bake, and nothing else that lies in its folder."""
+    """Removes a bake, and no other files in its folder."""
     for path in [out / MANIFEST, *(out / "tiles").glob("tile_*.parquet"), *(out / "models").glob("*.res")]:
         remove(path)

@@ -1,4 +1,4 @@
-"""What a bake is called on the disk, as its maker and its readers both know it: the manifest and the names of tiles."""
+"""The names in a bake's files, shared by the code that writes bakes and the code that reads them: the manifest and the tiles' keys."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ MANIFEST = "manifest.json"
 
 
 class BakeError(RuntimeError):
-    """Why there is no bake, no more of it, or nothing to be made of it: a sentence."""
+    """A sentence that explains why a bake cannot start, continue or be used."""
 
 
 def name_of(tile: tuple[int, int]) -> str:
@@ -17,6 +17,6 @@ def name_of(tile: tuple[int, int]) -> str:
 
 
 def tile_of_name(name: str) -> tuple[int, int]:
-    """The tile of a key in the manifest. Raises ValueError for anything else than two whole numbers with a comma between."""
+    """The tile for a key in the manifest. Raises ValueError unless the key is two whole numbers with a comma between them."""
     i, j = name.split(",")
     return int(i), int(j)

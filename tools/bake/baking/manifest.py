@@ -1,4 +1,4 @@
-"""Reads manifest.json, and checks it before anybody trusts it."""
+"""Reads manifest.json, and checks all of its fields."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from . import fields
 from .fields import flag, items, mapping, members, nullable, number, text, whole
 from .format import FORMAT, MANIFEST, VERSION, BakeError, tile_of_name
 
-MOST_TILES = 1_000_000
-MOST_METERS = 1e12
+MAX_TILES = 1_000_000
+MAX_METERS = 1e12
 RADII = (1e-3, 1e6)  # Meters.
-REMEDY = "put the manifest of the bake back, or bake again with --fresh"
+REMEDY = "restore the manifest of the bake, or bake again with --fresh"
 
-METERS = number(-MOST_METERS, MOST_METERS)
-LENGTH = number(1e-3, MOST_METERS)
+METERS = number(-MAX_METERS, MAX_METERS)
+LENGTH = number(1e-3, MAX_METERS)
 RECT = items(METERS, 4, 4)
-_distance = number(0.0, MOST_METERS)
+_distance = number(0.0, MAX_METERS)
 _whole_32 = whole(-(2**31), 2**31 - 1)
 _rows = whole(0, 2**31 - 1)
 _cost = nullable(number(0.0, 1e12))
@@ -45,13 +45,13 @@ _manifest = members(
     {
         "scene": text(), "scene_digest": text(), "scene_parts": mapping(text(), text(), 1 << 20),
         "rect": RECT, "tile_size": LENGTH, "grid": items(_whole_32, 4, 4), "world_offset": items(METERS, 3, 3),
-        "layers": items(_layer, 1, 0x10000), "tiles": mapping(_tile_name, _tile, MOST_TILES), "complete": flag, "digest": nullable(_sha256),
+        "layers": items(_layer, 1, 0x10000), "tiles": mapping(_tile_name, _tile, MAX_TILES), "complete": flag, "digest": nullable(_sha256),
     },
     ["scene", "scene_digest", "rect", "tile_size", "world_offset", "layers", "tiles"],
 )  # fmt: skip
 _costs = members(
     {
-        "tiles": mapping(text(), members({"core_seconds": _cost}), MOST_TILES),
+        "tiles": mapping(text(), members({"core_seconds": _cost}), MAX_TILES),
         "costs": nullable(members(dict.fromkeys(("start_seconds", "driver_seconds", "bytes"), number(0.0, 1e12)), ["start_seconds", "driver_seconds", "bytes"])),
     },
     ["tiles"],
@@ -60,7 +60,7 @@ _costs = members(
 
 @contextmanager
 def refusing(path: Path, remedy: str) -> Iterator[None]:
-    """Turns the Refused of a check into a BakeError that names the file and says what to do."""
+    """Turns the Refused of a check into a BakeError with the file's name and a remedy."""
     try:
         yield
     except fields.Refused as refused:
@@ -68,14 +68,14 @@ def refusing(path: Path, remedy: str) -> Iterator[None]:
 
 
 def read_json(path: Path) -> dict:
-    """The JSON object in a file. Raises BakeError for anything else, and for one that has a field twice."""
+    """The JSON object in a file. Raises BakeError for any other content, and for an object that has the same field twice."""
     try:
         said = json.loads(path.read_bytes().decode(), object_pairs_hook=fields.without_repeats)
     except FileNotFoundError:
         raise
     except RecursionError:
         raise BakeError(f"{path} cannot be read: its values are nested too deeply") from None
-    except (OSError, ValueError) as error:  # A UnicodeDecodeError is a ValueError.
+    except (OSError, ValueError) as error:  # UnicodeDecodeError is a ValueError.
         raise BakeError(f"{path} cannot be read: {error}") from None
     if not isinstance(said, dict):
         raise BakeError(f"{path} must hold a JSON object")
@@ -83,7 +83,7 @@ def read_json(path: Path) -> dict:
 
 
 def read_manifest(folder: Path) -> dict:
-    """The manifest in a folder, of whatever version, its fields unchecked. Raises BakeError where there is none, or none that can be read."""
+    """The manifest in a folder, of any version and with unchecked fields. Raises BakeError if it is missing or unreadable."""
     manifest = folder / MANIFEST
     try:
         said = read_json(manifest)
@@ -95,17 +95,17 @@ def read_manifest(folder: Path) -> dict:
 
 
 def check_manifest(said: dict, manifest: Path) -> None:
-    """Raises BakeError for a manifest of another version, and for the first field that is missing or has a value without sense."""
+    """Raises BakeError for a manifest of a different version, and for the first field that is missing or invalid."""
     version = said.get("version")
     if type(version) is not int or version != VERSION:
-        raise BakeError(f"{manifest}: version must be {VERSION}, the one that is known here, got {fields.shown(version)}; bake again with this version of Thicket")
+        raise BakeError(f"{manifest}: version must be {VERSION}, got {fields.shown(version)}; bake again with this version of Thicket")
     with refusing(manifest, REMEDY):
         _manifest(said)
         _check_sense(said)
 
 
 def check_costs(said: dict, manifest: Path) -> None:
-    """As check_manifest, for the fields that a forecast reads."""
+    """Like check_manifest, for the fields that a forecast reads."""
     with refusing(manifest, REMEDY):
         _costs(said)
 
@@ -117,7 +117,7 @@ def check_rect(rect: list) -> None:
 
 
 def _check_sense(said: dict) -> None:
-    """What concerns more than one value."""
+    """Checks that involve more than one value."""
     check_rect(said["rect"])
     indices = [layer["index"] for layer in said["layers"]]
     for number, layer in enumerate(said["layers"]):
@@ -127,7 +127,7 @@ def _check_sense(said: dict) -> None:
             begins = [level.get("distance", 0.0) for level in entry.get("lods") or []]
             if begins and (begins[0] != 0 or sorted(begins) != begins):
                 name = f"layers[{number}].models[{model}].lods"
-                raise fields.Refused(next((begin for begin in begins if begin), 0), "levels of which the first begins at 0 m, and each later one no nearer").within(name)
+                raise fields.Refused(next((begin for begin in begins if begin), 0), "levels of which the first begins at 0 m and the others are sorted by distance").within(name)
     for name, tile in said["tiles"].items():
         if max(map(abs, tile_of_name(name))) >= 2**31:
             raise fields.Refused(name, "two whole numbers I,J below 2147483648 as the key").within(f"[{json.dumps(name)}]").within("tiles")

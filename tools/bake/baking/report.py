@@ -1,4 +1,4 @@
-"""What came of a bake, and what a person gets to see of it: a line of progress, a map, and a report."""
+"""The results of a bake, and their presentation: a line of progress, a map and a report."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GROUND = (0.93, 0.92, 0.88)
 
 @dataclass
 class Outcome:
-    """What came of a bake. `failed` holds a sentence for each tile that could not be made; `stopped` why it ended before its end."""
+    """The results of a bake. `failed` has a sentence for each tile that failed, and `stopped` the reason for an early end."""
 
     manifest: dict
     kept: int = 0
@@ -29,14 +29,14 @@ class Outcome:
     bytes: int = 0
     seconds: float = 0.0
     busy_seconds: float = 0.0
-    core_seconds: float = 0.0  # Processor time of workers and engines
-    starting: list[float] = field(default_factory=list)  # Seconds of each engine that was started
-    driver_seconds: float = 0.0  # Processor time of this process, in which Dask's scheduler runs too unless it is elsewhere
+    core_seconds: float = 0.0  # Processor time of workers and engines.
+    starting: list[float] = field(default_factory=list)  # Startup seconds of each engine.
+    driver_seconds: float = 0.0  # Processor time of this process, including Dask's scheduler unless it runs elsewhere.
     worker_memory: int = 0
     engine_memory: int = 0
     failed: dict[tuple[int, int], str] = field(default_factory=dict)
     stopped: str = ""
-    unreported: str = ""  # Why the report or the map was not written
+    unreported: str = ""  # The reason if the report or the map was not written.
 
     @property
     def driver_seconds_a_tile(self) -> float:
@@ -44,7 +44,7 @@ class Outcome:
 
 
 class Progress:
-    """Tells how far a bake is: on a terminal one line that changes, else a line every ten seconds."""
+    """Prints the progress of a bake: on a terminal in a line that changes, otherwise in a new line every ten seconds."""
 
     def __init__(self, tiles: int, say: Callable[[str], None]):
         self.tiles = tiles
@@ -54,7 +54,7 @@ class Progress:
         self.next = self.start
 
     def line(self, outcome: Outcome) -> str:
-        """12 of 400 tiles, 3.1 a second, 1.2 M instances a second, 2 min left"""
+        """For example: 12 of 400 tiles, 3.1 a second, 1.2 M instances a second, 2 min left"""
         passed = max(time.monotonic() - self.start, 1e-3)
         done = outcome.made + outcome.kept + len(outcome.failed)
         left = passed / max(done, 1) * (self.tiles - done)
@@ -64,8 +64,8 @@ class Progress:
             f"{amount(outcome.made_rows / passed)} instances a second, {duration(left)} left"
         )
 
-    def tell(self, outcome: Outcome) -> None:
-        """Says where it is, if it is time to."""
+    def print_if_due(self, outcome: Outcome) -> None:
+        """Prints the progress, if it is time to."""
         now = time.monotonic()
         if now < self.next:
             return
@@ -76,16 +76,16 @@ class Progress:
             self.say(self.line(outcome))
 
     def end(self, outcome: Outcome) -> None:
-        """Says the last of it."""
+        """Prints the final progress."""
         self.next = 0.0
-        self.tell(outcome)
+        self.print_if_due(outcome)
         if self.live:
             print()
 
 
 class Map:
-    """Plan view of a bake, north up as in the engine's x and z: x to the right, z down. A color for each layer; the ones that stand
-    closest together are drawn first."""
+    """A plan view of a bake, with x to the right and z down. Each layer has a color, and the layers with the smallest radius are drawn
+    first."""
 
     def __init__(self, rect: tuple[float, float, float, float], pixel: float, layers: list[dict]):
         self.size = (max(1, int(np.ceil(rect[3] / pixel - 1e-9))), max(1, int(np.ceil(rect[2] / pixel - 1e-9))))
@@ -94,7 +94,7 @@ class Map:
         self.counts = np.zeros((len(layers), *self.size), np.uint32)
 
     def add(self, pixels: list[tuple[np.ndarray, np.ndarray]]) -> None:
-        """Counts what stands in a tile."""
+        """Adds a tile's instances to the counts."""
         for counts, (places, number) in zip(self.counts, pixels, strict=True):
             row = np.minimum(places >> 16, self.size[0] - 1)
             column = np.minimum(places & 0xFFFF, self.size[1] - 1)
@@ -104,7 +104,7 @@ class Map:
         return sorted(range(len(self.layers)), key=lambda index: -self.layers[index]["radius"])
 
     def colors(self) -> list[tuple[float, float, float]]:
-        """Red, green and blue of each layer, 0 to 1: hues that are far apart, dark for large plants, light for small ones."""
+        """Red, green and blue of each layer, 0 to 1. The hues are far apart, and large plants are dark."""
         order = self._largest_first()
         lightness = np.linspace(0.28, 0.72, max(len(order), 2))
         colors = [(0.0, 0.0, 0.0)] * len(order)
@@ -113,8 +113,8 @@ class Map:
         return colors
 
     def picture(self) -> Image.Image:
-        """The map. An instance is a disc that is as wide as its layer's radius; where pixels are larger, they show how much of the
-        ground such discs cover."""
+        """The map. An instance is a disc with its layer's radius as its diameter. If pixels are larger, they show the share of
+        ground that such discs cover."""
         image = np.empty((*self.size, 3), np.float32)
         image[:] = GROUND
         for index in reversed(self._largest_first()):
@@ -124,7 +124,7 @@ class Map:
 
     @staticmethod
     def _cover(counts: np.ndarray, width: float) -> np.ndarray:
-        """0 to 1 for each pixel. `width` is that of an instance, in pixels."""
+        """0 to 1 for each pixel. `width` is the width of an instance in pixels."""
         cover = np.minimum(counts * np.float32(0.25 * np.pi * width * width), 1.0).astype(np.float32)
         reach = int(min(width, 25.0) / 2.0)
         if reach < 1:
@@ -142,7 +142,7 @@ class Map:
 
 
 def write_report(out: Path, workers: int, outcome: Outcome, picture: Map) -> None:
-    """Writes map.png and report.md beside the manifest. A failure ends no bake: it sets `unreported`."""
+    """Writes map.png and report.md beside the manifest. A failure does not end the bake, but sets `unreported`."""
     try:
         write_whole(out / "report.md", report(workers, outcome, picture).encode())
         with whole_file(out / "map.png") as file:
@@ -165,7 +165,7 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         f"{total:,} instances in {len(tiles):,} of {manifest['grid'][2] * manifest['grid'][3]:,} tiles of {manifest['tile_size']:g} m, "
         f"{rect[2]:g} m by {rect[3]:g} m from x {rect[0]:g}, z {rect[1]:g}. Seed {manifest['seed']}.",
         "",
-        f"Digest: `{manifest['digest']}`" if manifest["complete"] else "Not complete: baking again makes only what is missing.",
+        f"Digest: `{manifest['digest']}`" if manifest["complete"] else "Not complete: baking again makes only the missing tiles.",
         "",
         *([f"**Stopped:** {outcome.stopped}", ""] if outcome.stopped else []),
         "![Plan view](map.png)",
@@ -182,15 +182,15 @@ def report(workers: int, outcome: Outcome, picture: Map) -> str:
         "",
         "| This run | |",
         "| --- | ---: |",
-        f"| made, found already there, failed | {outcome.made}, {outcome.kept}, {len(outcome.failed)} tiles |",
+        f"| made, existing, failed | {outcome.made}, {outcome.kept}, {len(outcome.failed)} tiles |",
         f"| time | {duration(outcome.seconds)} |",
-        f"| a second | {outcome.made / seconds:.2f} tiles, {amount(outcome.made_rows / seconds)} instances |",
-        f"| workers of this machine asked for | {workers} |",
-        f"| of that, at work on tiles | {outcome.busy_seconds / seconds:.2f} |",
-        f"| cores that they kept busy | {outcome.core_seconds / seconds:.2f} |",
-        f"| the driver's own work, a tile | {1000 * outcome.driver_seconds_a_tile:.2f} ms |",
-        f"| a worker's own memory, at most | {outcome.worker_memory / 2**20:.0f} MiB |",
-        f"| its engine's, at most | {outcome.engine_memory / 2**20:.0f} MiB |",
+        f"| per second | {outcome.made / seconds:.2f} tiles, {amount(outcome.made_rows / seconds)} instances |",
+        f"| requested workers on this machine | {workers} |",
+        f"| workers busy on average | {outcome.busy_seconds / seconds:.2f} |",
+        f"| cores used on average | {outcome.core_seconds / seconds:.2f} |",
+        f"| driver time per tile | {1000 * outcome.driver_seconds_a_tile:.2f} ms |",
+        f"| peak memory of a worker | {outcome.worker_memory / 2**20:.0f} MiB |",
+        f"| peak memory of its engine | {outcome.engine_memory / 2**20:.0f} MiB |",
         f"| files | {outcome.bytes / 2**20:.1f} MiB |",
     ]
     sheared = sum(tile.get("sheared", 0) for tile in tiles)

@@ -1,4 +1,4 @@
-"""Rows of instances, as the engine sends them and as the files hold them."""
+"""Rows of instances, in the format of the engine and in the format of the files."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ Columns = dict[str, np.ndarray]
 
 
 class BadRows(ValueError):
-    """What came is no table of rows."""
+    """The data is not a table of rows."""
 
 
 def parse(data: bytes | bytearray, layer: int, kinds: dict[str, str]) -> tuple[Columns, int]:
-    """The columns in what ScatterTile.get_rows returns for a layer, whose index and ScatterLayer.get_row_columns are given, and how many instances have a
-    shear. Raises BadRows where the size does not fit."""
+    """The columns in the result of ScatterTile.get_rows for a layer, and the number of instances with a shear. `kinds` is the layer's
+    ScatterLayer.get_row_columns. Raises BadRows if the size does not match."""
     if len(data) < _HEADER_BYTES:
         raise BadRows(f"{len(data)} bytes are too few for rows")
     rows, _, sheared, _ = (int(number) for number in np.frombuffer(data, "<u4", 4))
@@ -52,7 +52,7 @@ def _add_further(columns: Columns, rows: int) -> None:
 
 
 def joined(parts: list[Columns]) -> Columns:
-    """All rows of some parts, sorted by layer, then id."""
+    """All rows of the parts, sorted by layer, then by id."""
     if not parts:
         empty = to_columns(SCHEMA.empty_table())
         return {name: empty[name] for name in [*SCHEMA.names, "has_color", "has_custom"]}
@@ -61,12 +61,12 @@ def joined(parts: list[Columns]) -> Columns:
     return {name: column.take(order) for name, column in whole.items()}
 
 
-# A column may be empty where the mask of its kind says so.
+# The nullable columns, and the masks that are true where they have values.
 _MASKS = {"color": "has_color", "variation": "has_custom", "wind_phase": "has_custom"}
 
 
 def to_table(columns: Columns) -> pa.Table:
-    """The rows as a table of SCHEMA."""
+    """The rows as a table with SCHEMA."""
     arrays = []
     for field in SCHEMA:
         mask = ~columns[_MASKS[field.name]] if field.name in _MASKS else None
@@ -75,9 +75,9 @@ def to_table(columns: Columns) -> pa.Table:
 
 
 def to_columns(table: pa.Table) -> Columns:
-    """The rows of a table of SCHEMA, which raises BadRows for another one."""
+    """The rows of a table. Raises BadRows unless it has SCHEMA."""
     if not table.schema.remove_metadata().equals(SCHEMA):
-        raise BadRows("its columns are others")
+        raise BadRows("its columns are different")
     columns: Columns = {}
     for name in SCHEMA.names:
         columns[name], mask = column_of(table, name)
@@ -87,7 +87,7 @@ def to_columns(table: pa.Table) -> Columns:
 
 
 def column_of(table: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray | None]:
-    """A column of a table, 0 for null, and where it has values; None for a column that has them everywhere."""
+    """A column of a table, with 0 for null, and the mask of its values; None instead of the mask if no value is null."""
     column = table[name].combine_chunks()
     column = column.chunk(0) if isinstance(column, pa.ChunkedArray) and column.num_chunks else column
     if isinstance(column, pa.ChunkedArray):
@@ -100,13 +100,14 @@ def column_of(table: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray | None
 
 
 def digest(columns: Columns) -> str:
-    """SHA-256 over every bit of sorted rows, as hexadecimal digits: column by column in the order of SCHEMA, each as its name, a zero
-    and its little-endian numbers (0 for none), the ones that may be empty with a byte a row, 1 for a number, before them."""
+    """SHA-256 over all bits of sorted rows, in hexadecimal digits. For each column in the order of SCHEMA, the hash contains its
+    name, a zero byte and its little-endian numbers, 0 for null. Before the numbers of a nullable column, there is one byte per row:
+    1 for a value."""
     return digest_of((columns[name], columns.get(_MASKS.get(name, ""))) for name in SCHEMA.names)
 
 
 def digest_of(columns: Iterable[tuple[np.ndarray, np.ndarray | None]]) -> str:
-    """As digest, for columns as column_of returns them, in the order of SCHEMA."""
+    """Like digest, for columns that column_of returned, in the order of SCHEMA."""
     hashing = hashlib.sha256()
     for name, (column, mask) in zip(SCHEMA.names, columns, strict=True):
         hashing.update(name.encode() + b"\0")

@@ -1,5 +1,5 @@
-"""What a worker does: makes one tile, or finds that it is there. Runs in processes that Dask starts, each with an engine of its own
-that stays alive from tile to tile."""
+"""A worker's code: makes one tile, or reuses an existing file. It runs in processes of Dask. Each has an engine of its own, which it
+keeps for all tiles."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from .grid import TileGrid, inside
 from .tile_engine import EngineGone, Refused, Source, TileEngine
 from .tile_folder import MadeTiles, TileFolder
 
-# Engines that may end in the middle of a tile before it is given up.
+# The number of engines that may crash on a tile before it fails.
 _ATTEMPTS = 3
 
 
 @dataclass(frozen=True)
 class Plan:
-    """All that decides what a tile's file holds, and what its maker has to know."""
+    """Everything that determines the content of a tile's file, and that a worker needs to make it."""
 
     source: Source | MadeTiles
-    asked: dict[str, str]  # What the scene was described for
+    asked: dict[str, str]  # The values with which the scene was described.
     out: str
-    rect: tuple[float, float, float, float]  # x, z, width, depth, meters of the world
+    rect: tuple[float, float, float, float]  # x, z, width and depth in world meters.
     grid: TileGrid
-    layers: dict[int, dict[str, str]]  # By index: the columns of their rows, see rows.py
+    layers: dict[int, dict[str, str]]  # The columns of each layer's rows (see rows.py), by the layer's index.
     scene_digest: str
-    parts: dict[str, str]  # The digests of the scene's parts
-    pixel: float  # Meters of a pixel of the map
+    parts: dict[str, str]  # The digests of the scene's parts.
+    pixel: float  # The side of a pixel of the map in meters.
 
     def marks(self, tile: tuple[int, int]) -> dict[str, str]:
-        """What a tile's file says of itself: a file with other marks is another tile's, or another bake's."""
+        """The metadata of a tile's file. A file with other values belongs to a different tile or bake."""
         return {
             "thicket.tile": name_of(tile),
             "thicket.scene_digest": self.scene_digest,
@@ -47,21 +47,21 @@ class Plan:
 
 
 class SceneChanged(RuntimeError):
-    """The scene is not the one that the bake was begun with."""
+    """The scene is different from the one that the bake was started with."""
 
 
 def changed_parts(before: dict[str, str], now: dict[str, str]) -> str:
-    """The names of the parts of a scene that differ, for a sentence."""
-    return ", ".join(part for part in {**before, **now} if before.get(part) != now.get(part)) or "no part that has a name"
+    """The names of the differing parts of a scene, for a message."""
+    return ", ".join(part for part in {**before, **now} if before.get(part) != now.get(part)) or "no named part"
 
 
-# The engine of each thread of this process, and the source that it was started with.
+# Each thread of this process has an engine, and the key of the scene that it was started with.
 _own = threading.local()
 _engines: list[TileEngine | TileFolder] = []
 
 
 def _engine_of(plan: Plan) -> TileEngine:
-    """A running engine whose scene is the plan's. Raises EngineGone, Refused or SceneChanged."""
+    """The running engine of this thread, with the plan's scene. Raises EngineGone, Refused or SceneChanged."""
     if getattr(_own, "key", None) != (plan.source, plan.scene_digest):
         _drop_engine()
         begun = time.perf_counter()
@@ -70,27 +70,28 @@ def _engine_of(plan: Plan) -> TileEngine:
         _own.starting = getattr(_own, "starting", 0.0) + time.perf_counter() - begun
         if described["scene_digest"] != plan.scene_digest:
             raise SceneChanged(
-                f"The scene {plan.source.scene} has changed while it was baked: {changed_parts(plan.parts, described['parts'])}. "
-                "Change it back to go on, or bake from the start with --fresh."
+                f"The scene {plan.source.scene} changed during the bake: {changed_parts(plan.parts, described['parts'])}. "
+                "Revert the change to continue, or start over with --fresh."
             )
         _begin_to_count((plan.source, plan.scene_digest))
     return _own.engine
 
 
 def _begin_to_count(key: tuple[Source | MadeTiles, str]) -> None:
-    """Notes what the engine of this thread, which is ready, makes tiles of. What was spent until here is no tile's."""
+    """Stores the key of this thread's ready engine. Time spent until now counts for no tile."""
     _own.key = key
     _own.spent = _core_seconds()
 
 
 def _core_seconds() -> float:
-    """Processor time of this process and of this thread's engine so far. A process with several such threads counts all of them."""
+    """Processor time of this process and of this thread's engine so far. In a process with several such threads, each counts all of
+    them."""
     engine = getattr(_own, "engine", None)
     return time.process_time() + (engine.core_seconds() if engine is not None else 0.0)
 
 
 def _core_seconds_of_tile() -> float:
-    """Processor time since the last tile was there, what it took to be handed this one included."""
+    """Processor time since the previous tile was done, including the time to receive this one."""
     now = _core_seconds()
     spent, _own.spent = now - getattr(_own, "spent", now), now
     return spent
@@ -111,7 +112,7 @@ def _drop_engine() -> None:
 
 
 def close_engines() -> None:
-    """Ends all engines of this process."""
+    """Stops all engines of this process."""
     while _engines:
         _engines.pop().close()
     _own.__dict__.clear()
@@ -121,8 +122,8 @@ atexit.register(close_engines)
 
 
 def describe(source: Source | MadeTiles, asked: dict[str, str]) -> dict:
-    """What TileEngine.describe says of the scene, what TileEngine.models gives for its layers as `models` and `files`, and the seconds until an engine had
-    started as `starting`. By a new engine, which reads the scene as it is now."""
+    """The result of TileEngine.describe, with the result of TileEngine.models as `models` and `files`, and the engine's startup time in
+    seconds as `starting`. Starts a new engine, which reads the scene in its current state."""
     _drop_engine()
     begun = time.perf_counter()
     _own.engine = _started(source)
@@ -134,10 +135,10 @@ def describe(source: Source | MadeTiles, asked: dict[str, str]) -> dict:
 
 
 def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
-    """Makes a tile's file, unless it is there, whole, and has the digests of its entry in the manifest so far, which may be empty. Returns the tile's entry in the manifest and, beside it, `made` (False for one
-    that was there), `pixels` (see _pixels), `seconds`, `core_seconds` (of this process and the engine), `starting` (seconds besides, for an
-    engine that had to be started) and `memory`. What goes wrong comes as `failed` (this tile cannot be made; others can), `stop` (no other
-    could be either), each a sentence."""
+    """Makes a tile's file, unless it exists, is complete and has the digests of `entry`, the tile's entry in the manifest so far, which may
+    be empty. Returns the tile's new entry, and besides: `made` (False for an existing file), `pixels` (see _pixels), `seconds`,
+    `core_seconds` (of this process and the engine), `starting` (additional seconds to start an engine, if necessary) and `memory`. Errors
+    are returned as sentences: `failed` if this tile cannot be made but others can, `stop` if no other tile can be made either."""
     start = time.perf_counter()
     _own.starting = 0.0
     path = files.tile_path(Path(plan.out), tile)
@@ -145,7 +146,7 @@ def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
     known = files.read_tile(path, marks, entry)
     try:
         if known is None:
-            files.remove(path)  # No reader shall take it for a tile.
+            files.remove(path)  # No reader must mistake it for a tile.
             columns, sheared = _made(plan, tile)
             marks |= {"thicket.digest": rows.digest(columns), "thicket.sheared": str(sheared)}
             sha256 = files.write_tile(path, columns, marks)
@@ -172,16 +173,16 @@ def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
 def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
     for attempt in range(1, _ATTEMPTS + 1):
         try:
-            return _asked(plan, tile, _engine_of(plan))
+            return _requested_rows(plan, tile, _engine_of(plan))
         except (EngineGone, rows.BadRows) as error:
-            _drop_engine()  # Whatever it was in the middle of.
+            _drop_engine()  # It may have stopped in the middle of a message.
             if attempt == _ATTEMPTS:
-                raise EngineGone(f"{_ATTEMPTS} engines in a row could not make it. {error} Bake again: it makes only what is missing.") from error
+                raise EngineGone(f"{_ATTEMPTS} engines in a row could not make it. {error} Run the same command: it makes only the missing tiles.") from error
     raise AssertionError
 
 
-def _asked(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
-    """The sorted rows of a tile, and how many of them have a shear."""
+def _requested_rows(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
+    """The sorted rows of a tile, and the number of rows with a shear."""
     area = plan.grid.area_of(tile)
     parts, sheared = [], 0
     for made, data in engine.rows(tile):
@@ -205,7 +206,7 @@ def _entry(plan: Plan, path: Path, columns: rows.Columns, marks: dict[str, str])
 
 
 def _pixels(plan: Plan, columns: rows.Columns) -> list[tuple[np.ndarray, np.ndarray]]:
-    """For each layer the pixels of the map that instances stand in, as row << 16 | column, and how many stand there."""
+    """For each layer, the pixels of the map that contain instances, as row << 16 | column, and the number of instances in each."""
     found = []
     for layer in plan.layers:
         own = columns["layer"] == layer

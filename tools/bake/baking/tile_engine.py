@@ -1,5 +1,5 @@
-"""One engine that makes tiles: starts it, and asks it over a connection on this machine. What is said over it stands in
-demo_project/addons/thicket/bake_world.gd."""
+"""Starts an engine that makes tiles, and sends it requests over a local connection. demo_project/addons/thicket/bake_world.gd documents
+the protocol."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from pathlib import Path
 import psutil
 
 SCRIPT = "res://addons/thicket/bake_world.gd"
-# Seconds without a word after which an engine counts as stuck.
+# Seconds of silence after which an engine counts as stuck.
 ANSWER_TIMEOUT = 900.0
 
 
 @dataclass(frozen=True)
 class Source:
-    """What an engine is started with: the command that runs Godot, the project's folder, the scene's res:// path, the scatter's path
-    in it (empty for the only one), and the seconds that the ground may take to be there."""
+    """The parameters of an engine: the command that runs Godot, the project's folder, the scene's res:// path, the scatter's path in it
+    (empty if the scene has only one), and the seconds that the ground may take to become available."""
 
     godot: tuple[str, ...]
     project: str
@@ -38,18 +38,32 @@ class Source:
 
 
 class EngineGone(RuntimeError):
-    """The engine has ended or cannot be started; another one may do better."""
+    """The engine has crashed or could not be started. A new engine may work."""
 
 
 class Refused(RuntimeError):
-    """The engine has answered that it cannot do what was asked, with a sentence."""
+    """The engine has refused a request, with a sentence that gives the reason."""
+
+
+class ProcessorTime:
+    """Processor time of some processes, in seconds. It never decreases: a process that has ended keeps its last known value."""
+
+    def __init__(self, processes: list[psutil.Process]):
+        self._seconds = dict.fromkeys(processes, 0.0)
+
+    def total(self) -> float:
+        for process in self._seconds:
+            with contextlib.suppress(psutil.Error):
+                times = process.cpu_times()
+                self._seconds[process] = times.user + times.system
+        return sum(self._seconds.values())
 
 
 class TileEngine:
-    """A running engine with its scene loaded. Not for several threads."""
+    """A running engine with a loaded scene. Not thread-safe."""
 
     def __init__(self, source: Source):
-        """Starts it and waits until it is connected. Raises EngineGone with what it printed where that fails."""
+        """Starts the engine and waits for its connection. Raises EngineGone with the engine's output if that fails."""
         self.log = tempfile.TemporaryFile()
         token = secrets.token_hex(16)
         with socket.create_server(("127.0.0.1", 0)) as listener:
@@ -58,16 +72,18 @@ class TileEngine:
                 arguments.append(f"node={source.node}")
             command = [*source.godot, "--headless", "--path", source.project, "--script", SCRIPT, "--", *arguments]
             try:
-                # From the project's folder: what runs Godot may hide folders that have nothing to do with where it is called.
+                # Started in the project's folder: a wrapper around Godot may make only some folders visible, among them the working
+                # directory.
                 self.process = subprocess.Popen(
                     command, cwd=source.project, stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log
                 )
             except OSError as error:
-                raise EngineGone(f"{source.godot[0]} cannot be started in {source.project}: {error}. Set GODOT to the program of Godot.") from error
+                raise EngineGone(f"{source.godot[0]} cannot be started in {source.project}: {error}. Set GODOT to the path of Godot.") from error
             self.project = source.project
             self.connection = self._accept(listener, token, time.monotonic() + source.wait + 60.0)
         self.connection.settimeout(ANSWER_TIMEOUT)
         self.family = self._family()
+        self.processor_time = ProcessorTime(self.family)
 
     def _accept(self, listener: socket.socket, token: str, deadline: float) -> socket.socket:
         listener.settimeout(0.2)
@@ -82,11 +98,11 @@ class TileEngine:
                     return self.connection
             except (EngineGone, ValueError):
                 pass
-            self.connection.close()  # Somebody else of this machine.
-        raise EngineGone(f"The engine did not connect in time, or ended before: check the project, {self.project}. {self._last_words()}")
+            self.connection.close()  # A different process on this machine.
+        raise EngineGone(f"The engine did not connect in time, or it crashed: check the project, {self.project}. {self._last_words()}")
 
     def _family(self) -> list[psutil.Process]:
-        """The engine's process, and those between it and this one: what runs Godot may be a wrapper."""
+        """The engine's process, and all processes between it and this one, because a wrapper may start Godot."""
         try:
             first = psutil.Process(self.process.pid)
             return [first, *first.children(recursive=True)]
@@ -114,7 +130,7 @@ class TileEngine:
             except OSError as error:
                 raise EngineGone(f"The engine does not answer ({error}). {self._last_words()}") from error
             if size == 0:
-                raise EngineGone(f"The engine has ended in the middle of its work. {self._last_words()}")
+                raise EngineGone(f"The engine has ended in the middle of a tile. {self._last_words()}")
             view = view[size:]
         return taken
 
@@ -126,16 +142,16 @@ class TileEngine:
         return header, self._take(header["bytes"])
 
     def describe(self, asked: dict[str, str]) -> dict:
-        """What scene_description.gd says of the scene for a `rect`, a `tile_size` and `layers`, each a text; what is missing is chosen there. Raises
-        Refused for what cannot be baked, and for a project with an add-on that does not know of this."""
+        """The scene as scene_description.gd describes it. `asked` has a `rect`, a `tile_size` and `layers` as text; missing values
+        get defaults. Raises Refused for a scene that cannot be baked, and for a project with an older version of the add-on."""
         self._send({"do": "describe", **asked})
         described = self._receive()[0]
         if "columns" not in described:
-            raise Refused("The project has the add-on of another version of Thicket: copy the one of this checkout into it.")
+            raise Refused("The project has the add-on of a different version of Thicket: copy the add-on of this checkout into the project.")
         return described
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
-        """For each of the layers what its instances look like, and the contents of the files that this takes, by path."""
+        """For each layer, the models of its instances; and the contents of the required files, by path."""
         self._send({"do": "models", "layers": layers})
         found: list[dict] = []
         files: dict[str, bytes] = {}
@@ -149,8 +165,8 @@ class TileEngine:
                 found.append(header)
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, bytearray]]:
-        """What a tile of what was described last consists of: of each tile of the game its `layer`, its `bounds` (see grid.py) and so on, and its rows;
-        see ScatterTile.get_rows."""
+        """For each of the game's tiles in a tile of the bake, its rows, and its `layer`, `bounds` (see grid.py) and so on. Refers
+        to the scene that was described last; see ScatterTile.get_rows."""
         self._send({"do": "rows", "tile": tile})
         while True:
             part, data = self._receive()
@@ -159,7 +175,7 @@ class TileEngine:
             yield part, data
 
     def peak_memory(self) -> int:
-        """The most bytes that the engine had in memory so far; 0 where the system does not tell."""
+        """The engine's peak memory in bytes, or 0 if the system does not provide it."""
         peak = 0
         with contextlib.suppress(OSError):
             for each in self.family:
@@ -169,16 +185,11 @@ class TileEngine:
         return peak
 
     def core_seconds(self) -> float:
-        """Processor time that the engine has taken so far, of all its threads; what of it is known for one that has ended."""
-        spent = 0.0
-        for each in self.family:
-            with contextlib.suppress(psutil.Error):
-                times = each.cpu_times()
-                spent += times.user + times.system
-        return spent
+        """Processor time of all threads of the engine so far. After it has ended, the last known value."""
+        return self.processor_time.total()
 
     def close(self) -> None:
-        """Ends the engine. It ends by itself, too, when this process does."""
+        """Stops the engine. It also stops by itself when this process ends."""
         self.connection.close()
         try:
             self.process.wait(10.0)

@@ -1,5 +1,5 @@
-"""Tiles that an engine has made into a folder, on a machine without a driver: see demo_project/addons/thicket/baking/bake_to_folder.gd for what
-lies there. In place of the engine itself."""
+"""Replaces the engine by a folder of tiles that an engine has made on a machine without a driver. For the folder's content, see
+demo_project/addons/thicket/baking/bake_to_folder.gd."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from .fields import Refused as BadField
 from .fields import items, mapping, members, number, text, whole
 from .format import BakeError, name_of
-from .manifest import LENGTH, METERS, MOST_TILES, RADII, RECT, check_rect, read_json, refusing
+from .manifest import LENGTH, MAX_TILES, METERS, RADII, RECT, check_rect, read_json, refusing
 from .tile_engine import Refused
 
 WORLD = "world.json"
@@ -21,7 +21,7 @@ WORLD = "world.json"
 
 @dataclass(frozen=True)
 class MadeTiles:
-    """A folder with tiles, and the res:// path of the scene that they are of."""
+    """A folder with tiles, and the res:// path of their scene."""
 
     folder: str
     scene: str
@@ -36,13 +36,13 @@ _checks = {
     "scene": text(), "scene_digest": text(), "thicket": text(), "seed": text("-?[0-9]{1,20}", "a whole number in a text"), "problems": items(text(most=1 << 20)),
     "parts": mapping(text(), text(), 1 << 20), "rect": RECT, "tile_size": LENGTH, "world_offset": items(METERS, 3, 3),
     "layers": items(_layer, 1, 0x10000), "models": items(_models), "grid": items(whole(-(2**31), 2**31 - 1), 4, 4),
-    "edges": items(items(METERS, 2, MOST_TILES + 1), 2, 2), "columns": mapping(text(), mapping(text(), text(), 100), 0x10000),
+    "edges": items(items(METERS, 2, MAX_TILES + 1), 2, 2), "columns": mapping(text(), mapping(text(), text(), 100), 0x10000),
 }  # fmt: skip
 _world = members(_checks, _checks)
 
 
 def made_tiles(folder: Path) -> MadeTiles:
-    """What lies in a folder. Raises BakeError where that is no world's tiles."""
+    """The tiles in a folder. Raises BakeError if the folder contains no tiles of a world."""
     return MadeTiles(str(folder), _read_world(folder)["scene"])
 
 
@@ -53,7 +53,7 @@ def _read_world(folder: Path) -> dict:
     except (OSError, BakeError) as error:
         raise BakeError(f"{error}; {again}") from None
     if "columns" not in world:
-        raise BakeError(f"{folder} was made by another version of Thicket: {again}")
+        raise BakeError(f"{folder} was made by a different version of Thicket: {again}")
     with refusing(folder / WORLD, again):
         _world(world)
         _check_sense(world)
@@ -61,16 +61,16 @@ def _read_world(folder: Path) -> dict:
 
 
 def _check_sense(world: dict) -> None:
-    """What concerns more than one value."""
+    """Checks that involve more than one value."""
     check_rect(world["rect"])
     sides = world["grid"][2:]
-    if min(sides) < 1 or sides[0] * sides[1] > MOST_TILES:
-        raise BadField(sides, f"first column, first row, columns and rows of 1 to {MOST_TILES} tiles").within("grid")
+    if min(sides) < 1 or sides[0] * sides[1] > MAX_TILES:
+        raise BadField(sides, f"first column, first row, columns and rows of 1 to {MAX_TILES} tiles").within("grid")
     if [len(edges) - 1 for edges in world["edges"]] != sides:
-        raise BadField(world["edges"], "the edges of as many columns and rows as grid has").within("edges")
+        raise BadField(world["edges"], "the edges of all columns and rows of the grid").within("edges")
     indices = [layer["index"] for layer in world["layers"]]
     if len(set(indices)) < len(indices):
-        raise BadField(indices, "layers with an index of their own each").within("layers")
+        raise BadField(indices, "layers with different indices").within("layers")
     if {str(index) for index in indices} - world["columns"].keys():
         raise BadField(world["columns"], "an object with the columns of each layer").within("columns")
     if set(indices) - {each["index"] for each in world["models"]}:
@@ -78,37 +78,37 @@ def _check_sense(world: dict) -> None:
 
 
 class TileFolder:
-    """Answers what a TileEngine does."""
+    """Has the interface of a TileEngine."""
 
     def __init__(self, folder: Path):
         self.folder = folder
         try:
             self.world = _read_world(folder)
-        except BakeError as error:  # It was there and sound when the bake began.
+        except BakeError as error:  # It was valid when the bake started.
             raise Refused(str(error)) from None
 
     def describe(self, asked: dict[str, str]) -> dict:
-        """As TileEngine.describe, of what was asked for when the folder was made: `asked` is empty."""
+        """Like TileEngine.describe, with the values for which the folder was made: `asked` is empty."""
         return {key: value for key, value in self.world.items() if key != "models"}
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
-        """As TileEngine.models."""
+        """Like TileEngine.models."""
         files = {f"models/{path.name}": path.read_bytes() for path in sorted(self.folder.glob("models/*.res"))}
         return [each for each in self.world["models"] if each["index"] in layers], files
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
-        """As TileEngine.rows. Raises Refused for a tile that is not there or not whole."""
+        """Like TileEngine.rows. Raises Refused if the tile's file is missing or incomplete."""
         path = self.folder / "tiles" / f"tile_{tile[0]}_{tile[1]}.rows"
         try:
             data = memoryview(path.read_bytes())
         except FileNotFoundError:
-            raise Refused(f"{path} is not there: bake_world.gd has not made it yet.") from None
+            raise Refused(f"{path} is missing: bake_world.gd has not made it yet.") from None
         except OSError as error:
             raise Refused(f"{path} cannot be read: {error.strerror}. Make it readable, or make it again with bake_world.gd.") from None
         try:
             yield from self._parts(data, tile)
         except (ValueError, LookupError, struct.error):
-            raise Refused(f"{path} is damaged, or of another bake: bake_world.gd makes it again.") from None
+            raise Refused(f"{path} is damaged or belongs to a different bake: bake_world.gd makes it again.") from None
 
     def _parts(self, data: memoryview, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
         header, _, data = _message(data)
@@ -131,8 +131,8 @@ class TileFolder:
 
 
 def _message(data: memoryview) -> tuple[dict, memoryview, memoryview]:
-    """The first of some messages: its JSON object, its bytes, and what comes after it. Raises ValueError, struct.error or LookupError
-    where there is none."""
+    """The first message in the data: its JSON object, its bytes, and the data after it. Raises ValueError, struct.error or LookupError if
+    there is no complete message."""
     (length,) = struct.unpack_from("<I", data)
     header = json.loads(bytes(data[4 : 4 + length]))
     end = 4 + length + header["bytes"]

@@ -1,4 +1,4 @@
-"""Files that are put into their places whole or not at all."""
+"""Writes files completely or not at all."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-# What files are called until they are whole.
+# The suffix of files that are not complete yet.
 PART = ".part"
 
 
 class CannotWrite(RuntimeError):
-    """A file could not be written: a full disk, a folder that is read-only. A sentence."""
+    """A sentence that explains why a file could not be written, such as a full disk or a read-only folder."""
 
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
-    """A new file beside `path`, to write to. At the end of the block the disk gets all of it, then it takes the place of `path`. Raises CannotWrite where
-    the disk refuses. After that, and after an exception in the block, what was there is as it was."""
+    """Yields a new file beside `path` for writing. At the end of the block, the file is flushed to disk and replaces `path`. Raises
+    CannotWrite if the disk refuses. Then, and after an exception in the block, the old file is unchanged."""
     partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}{PART}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -36,7 +36,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     except BaseException as error:
         with contextlib.suppress(OSError):
             partial.unlink()
-        # One about another file, which the block reads, has that file's name.
+        # An error of a different file, which the block reads, has that file's name.
         if isinstance(error, OSError) and error.filename in (None, str(partial)):
             raise _cannot_write(path, error) from error
         raise
@@ -44,13 +44,13 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
 
 
 def write_whole(path: Path, content: bytes | memoryview) -> None:
-    """Puts a file into its place with all of its content, or, raising CannotWrite, leaves what was there."""
+    """Writes a complete file. If that fails, raises CannotWrite and keeps the old file."""
     with whole_file(path) as file:
         file.write(content)
 
 
 def _sync_folder(folder: Path) -> None:
-    with contextlib.suppress(OSError):  # Some disks refuse it for folders; the file is in its place all the same.
+    with contextlib.suppress(OSError):  # Some file systems refuse it for folders; the file is written nonetheless.
         opened = os.open(folder, os.O_RDONLY)
         try:
             os.fsync(opened)
@@ -59,4 +59,4 @@ def _sync_folder(folder: Path) -> None:
 
 
 def _cannot_write(path: Path, error: OSError) -> CannotWrite:
-    return CannotWrite(f"Cannot write {path}: {error.strerror or error}. Free space there, or choose a folder that may be written.")
+    return CannotWrite(f"Cannot write {path}: {error.strerror or error}. Free space there, or choose a writable folder.")

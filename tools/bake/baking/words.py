@@ -1,8 +1,8 @@
-"""Numbers as people read them."""
+"""Formats numbers for people."""
 
 
 def duration(seconds: float) -> str:
-    """A time in words: 42 s, 3 min 20 s, 2 h 5 min."""
+    """A duration such as 42 s, 3 min 20 s or 2 h 5 min."""
     whole = round(seconds)
     if whole < 60:
         return f"{seconds:.1f} s" if seconds < 10 else f"{whole} s"
@@ -10,7 +10,7 @@ def duration(seconds: float) -> str:
 
 
 def amount(number: float) -> str:
-    """A count that is easily read: 950, 12.3 k, 4.56 M, 1.20 G."""
+    """A short count such as 950, 12.3 k, 4.56 M or 1.20 G."""
     for factor, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
         if number >= factor:
             return f"{number / factor:.3g}{unit}"

@@ -1,2 +1,2 @@
-"""Takes a bake elsewhere: into a world of Godot, into glTF, onto maps. `bash demo_project/bake_export.sh` runs it; READERS.md beside this
-folder says what it writes."""
+"""Exports a bake to Godot, to glTF and to maps. `bash demo_project/bake_export.sh` runs it; READERS.md beside this folder describes the
+files."""

@@ -1,4 +1,4 @@
-"""bash demo_project/bake_export.sh: the command line of what reads a bake."""
+"""The command line of bash demo_project/bake_export.sh."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from baking.whole_file import CannotWrite
 from . import gltf, godot, maps
 from .say import say
 
-# Each has a sentence about itself, add_options(parser) and export(chosen).
+# Each module has a docstring for --help, add_options(parser) and export(chosen).
 WRITERS = {"godot": godot, "gltf": gltf, "maps": maps}
 
 
 def main(arguments: list[str]) -> int:
-    """Returns 0 for an export that is whole, 1 for one that ended with a sentence, 130 for one that was interrupted; argparse exits with 2."""
+    """Returns 0 for a complete export, 1 for an error with a message, 130 for an interrupted export. argparse exits with 2."""
     chosen = _parser().parse_args(with_values(arguments, ("--tiles", "--origin")))
     try:
         WRITERS[chosen.writer].export(chosen)
@@ -26,7 +26,7 @@ def main(arguments: list[str]) -> int:
         say(str(error))
         return 1
     except OSError as error:
-        say(f"Cannot read or write {error.filename or chosen.bake}: {error.strerror or error}; check that it exists, has room and may be written")
+        say(f"Cannot read or write {error.filename or chosen.bake}: {error.strerror or error}; check that it exists, has space and is writable")
         return 1
     except KeyboardInterrupt:
         say("interrupted")
@@ -35,12 +35,12 @@ def main(arguments: list[str]) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="bake_export.sh", description="Writes what a bake has given for others.")
-    parser.add_argument("bake", type=Path, help="folder that a bake has written")
+    parser = argparse.ArgumentParser(prog="bake_export.sh", description="Exports a bake to other formats.")
+    parser.add_argument("bake", type=Path, help="the folder of a bake")
     writers = parser.add_subparsers(dest="writer", required=True, prog="bake_export.sh BAKE")
     for name, writer in WRITERS.items():
         options = writers.add_parser(name, description=writer.__doc__)
-        options.add_argument("--no-verify", dest="verify", action="store_false", help="read tiles without comparing them with the manifest's digests")
+        options.add_argument("--no-verify", dest="verify", action="store_false", help="do not compare tiles with the digests in the manifest")
         writer.add_options(options)
     return parser
 

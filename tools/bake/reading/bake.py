@@ -1,4 +1,4 @@
-"""Reads what a bake has written: manifest.json, and a Parquet file for each tile."""
+"""Reads a bake: manifest.json, and a Parquet file for each tile."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ from .verify import check
 
 @dataclass(frozen=True)
 class Level:
-    """What is drawn of a model from a distance on."""
+    """A level of detail of a model, used from a distance on."""
 
-    path: str  # As the manifest has it: res://..., or relative to the bake; "" for nothing.
-    begin: float  # Meters; 0 for the first.
+    path: str  # As in the manifest: res://..., or relative to the bake; "" if nothing is drawn.
+    begin: float  # Meters; 0 for the first level.
 
 
 @dataclass(frozen=True)
 class Model:
-    """What stands at the instances of a layer that have its number."""
+    """A model of a layer, for the instances with its number."""
 
     name: str
-    levels: tuple[Level, ...]  # The finest first; at least one.
+    levels: tuple[Level, ...]  # At least one, the finest first.
 
 
 @dataclass(frozen=True)
 class Layer:
-    index: int  # In the scatter's list, and in the tiles.
+    index: int  # Its index in the scatter's list and in the tiles.
     name: str
-    radius: float  # Meters between any two instances, at least.
+    radius: float  # The minimum distance of two instances in meters.
     colored: bool
     custom_data: bool
     models: tuple[Model, ...]
-    # How it is drawn, as far as the manifest says; meters, and numbers of GeometryInstance3D's enumerations.
-    view_distance: float = 0.0  # 0 for any distance.
+    # How the layer is drawn, if the manifest has it. Enumerations have the values of GeometryInstance3D.
+    view_distance: float = 0.0  # Meters; 0 for unlimited.
     cast_shadow: int = 1
     render_layers: int = 1
-    material: str = ""  # The path of what replaces the meshes' own; "" for nothing.
+    material: str = ""  # The path of the material that overrides those of the meshes; "" for none.
 
 
 @dataclass(frozen=True)
@@ -54,9 +54,9 @@ class Tile:
     file: Path
     rows: int
     rows_of_layer: tuple[int, ...]
-    digest: str  # Of the rows.
-    sha256: str  # Of the file; "" in manifests of older bakes.
-    bounds: tuple[float, ...] | None  # Least x, y, z, then greatest; None for no rows.
+    digest: str  # The digest of the rows.
+    sha256: str  # The digest of the file; "" in manifests of older bakes.
+    bounds: tuple[float, ...] | None  # Smallest x, y, z, then largest; None without rows.
     is_verified: bool  # Whether the file is compared with the digests before it is read.
 
     def __str__(self) -> str:
@@ -64,22 +64,22 @@ class Tile:
 
     @property
     def remedy(self) -> str:
-        """What to do about a file that cannot be used."""
-        return f"bake that tile again: give the command of the bake --tiles {self}"
+        """What to do about an unusable file."""
+        return f"bake that tile again: run the command of the bake with --tiles {self}"
 
 
 @dataclass(frozen=True)
 class Bake:
-    """What manifest.json says."""
+    """The content of manifest.json."""
 
     folder: Path
     scene: str
     scene_digest: str
-    rect: tuple[float, float, float, float]  # x, z, width and depth in meters of the world.
+    rect: tuple[float, float, float, float]  # x, z, width and depth in world meters.
     tile_size: float  # Meters.
     world_offset: tuple[float, float, float]
     layers: tuple[Layer, ...]
-    tiles: tuple[Tile, ...] = field(repr=False)  # By row, then by column.
+    tiles: tuple[Tile, ...] = field(repr=False)  # Sorted by row, then by column.
 
     @property
     def rows(self) -> int:
@@ -120,8 +120,8 @@ def _tile(folder: Path, key: str, entry: dict, is_verified: bool) -> Tile:
 
 
 def open_bake(folder: Path | str, verify: bool = True) -> Bake:
-    """What the manifest of a bake says. A bake that is still under way has the tiles that are done. Without `verify`, files of tiles are read without a look
-    at their digests. Raises BakeError where there is no bake, where another version has written it, and where something in it has no sense."""
+    """Reads the manifest of a bake. An unfinished bake has the tiles that are done. Without `verify`, tiles are read without checking their
+    digests. Raises BakeError for a missing bake, for one of a different version, and for invalid values."""
     folder = Path(folder).resolve()
     said = read_manifest(folder)
     check_manifest(said, folder / MANIFEST)
@@ -153,8 +153,8 @@ def _open_tile(tile: Tile) -> pq.ParquetFile:
 
 
 def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
-    """Columns of a tile, at most `most_rows` rows at once, in the file's order. Raises BakeError for a file that is missing or damaged, that has not as
-    many rows as the manifest says, or not the digest that the manifest has (unless the bake was opened without `verify`)."""
+    """Yields columns of a tile in the file's order, at most `most_rows` rows at a time. Raises BakeError if the file is missing or
+    damaged, or does not have the manifest's number of rows or digest. Without `verify` in open_bake, the digest is not checked."""
     if tile.rows == 0:
         return
     with _open_tile(tile) as file:
@@ -169,7 +169,7 @@ def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> It
 
 
 def _numbers(column: pa.Array) -> np.ndarray:
-    """A column as an array. Only colors, where white is meant, and custom data have nulls, which become NaN."""
+    """A column as an array. Nulls exist only in colors, where they become white, and in custom data, where they become NaN."""
     return column.fill_null(0xFFFFFFFF if column.type == pa.uint32() else 0 if pa.types.is_integer(column.type) else float("nan")).to_numpy(
         zero_copy_only=False
     )
@@ -177,24 +177,24 @@ def _numbers(column: pa.Array) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Instances:
-    """The rows of a tile, in the file's order: by layer, then by id. One array entry for each."""
+    """The rows of a tile in the file's order: by layer, then by id. Each array has one entry per row."""
 
     ids: np.ndarray  # uint64
     layers: np.ndarray  # uint16
     models: np.ndarray  # uint16
-    positions: np.ndarray  # float64, n by 3: meters of the world.
+    positions: np.ndarray  # float64, n by 3: world meters.
     rotations: np.ndarray  # float32, n by 4: quaternions, w last.
     scales: np.ndarray  # float32, n by 3
     ranks: np.ndarray  # uint32
-    colors: np.ndarray  # uint8, n by 4: red, green, blue, alpha, as a shader reads them; white where the layer has none.
-    custom: np.ndarray  # float32, n by 4: INSTANCE_CUSTOM, which is variation, phase of the wind, rank, scale; 0 where the layer has none.
+    colors: np.ndarray  # uint8, n by 4: red, green, blue, alpha, as a shader reads them; white in layers without colors.
+    custom: np.ndarray  # float32, n by 4: INSTANCE_CUSTOM (variation, wind phase, rank, scale); 0 in layers without custom data.
 
     def __len__(self) -> int:
         return len(self.ids)
 
 
 def read_tile(tile: Tile) -> Instances:
-    """All instances of a tile. Raises BakeError as read_batches does, and for a layer or a model that has no sense."""
+    """All instances of a tile. Raises BakeError like read_batches, and for an invalid layer or model."""
     parts = list(read_batches(tile, SCHEMA.names))
     column = {name: np.concatenate([part[name] for part in parts]) if parts else np.zeros(0) for name in SCHEMA.names}
     scale = column["scale_x"]
@@ -214,15 +214,15 @@ def read_tile(tile: Tile) -> Instances:
 
 
 def center_of(bake: Bake, tile: Tile) -> np.ndarray:
-    """Where the numbers of a tile start from, in meters of the world, in double precision: the middle of its square, at a whole meter near the middle of
-    its heights."""
+    """The origin of a tile's coordinates, in world meters and double precision: the middle of its square, at a whole meter near the middle
+    of its heights."""
     height = 0.0 if tile.bounds is None else float(np.round((tile.bounds[1] + tile.bounds[4]) / 2))
     return np.array([(tile.x + 0.5) * bake.tile_size, height, (tile.z + 0.5) * bake.tile_size])
 
 
 def groups_of(bake: Bake, tile: Tile, instances: Instances) -> Iterator[tuple[Layer, int, np.ndarray]]:
-    """What each layer and model has of a tile: the layer, the model's index, and the indices of its instances, by rank. Models without instances
-    are left out. Raises BakeError for a layer or a model that the manifest does not name."""
+    """For each layer and model in a tile: the layer, the model's index, and the indices of its instances, sorted by rank. Models without
+    instances are left out. Raises BakeError for a layer or a model that is not in the manifest."""
     layers = {layer.index: layer for layer in bake.layers}
     keys = instances.layers.astype(np.uint32) << 16 | instances.models
     order = np.lexsort((instances.ids, instances.ranks, keys))
@@ -232,5 +232,5 @@ def groups_of(bake: Bake, tile: Tile, instances: Instances) -> Iterator[tuple[La
         end = starts[number + 1] if number + 1 < len(starts) else len(order)
         index, model = int(sorted_keys[start] >> 16), int(sorted_keys[start] & 0xFFFF)
         if index not in layers or model >= len(layers[index].models):
-            raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which the manifest does not name; {tile.remedy}")
+            raise BakeError(f"{tile.file} has instances of layer {index}, model {model}, which is not in the manifest; {tile.remedy}")
         yield layers[index], model, order[start:end]

@@ -1,4 +1,4 @@
-"""Binary glTF 2.0: reads one, puts several together, and writes one."""
+"""Reads, combines and writes binary glTF 2.0."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
 COMPONENTS = {np.dtype(np.float32): 5126, np.dtype(np.uint8): 5121, np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125}
 KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-TEXTURE_NAMES = "Texture"  # In materials and their extensions, what ends so names a texture by its index.
+TEXTURE_NAMES = "Texture"  # In materials and their extensions, fields with this suffix refer to textures.
 
 
 class GlbError(Exception):
-    """A file that is no binary glTF, in a sentence."""
+    """A sentence that explains why a file is not valid binary glTF."""
 
 
 def read_glb(data: bytes) -> tuple[dict, bytes]:
-    """The JSON and the bytes of its buffer. Raises GlbError for anything else than a whole file of version 2."""
+    """The JSON and the bytes of its buffer. Raises GlbError unless the file is complete and of version 2."""
     if len(data) < 20 or struct.unpack_from("<II", data) != (MAGIC, 2) or struct.unpack_from("<I", data, 8)[0] != len(data):
-        raise GlbError(f"it is no whole binary glTF 2.0, in {len(data)} bytes")
+        raise GlbError(f"it is not a complete binary glTF 2.0 file, with {len(data)} bytes")
     chunks, at = {}, 12
     while at + 8 <= len(data):
         length, kind = struct.unpack_from("<II", data, at)
@@ -37,7 +37,7 @@ def read_glb(data: bytes) -> tuple[dict, bytes]:
 
 
 class Glb:
-    """A file that grows: its JSON, and one buffer."""
+    """A file under construction: its JSON, and one buffer."""
 
     def __init__(self, generator: str):
         self.json: dict = {"asset": {"version": "2.0", "generator": generator}, "scene": 0, "scenes": [{"nodes": []}], "nodes": []}
@@ -48,7 +48,7 @@ class Glb:
         return self.json.setdefault(name, [])
 
     def _append(self, data: bytes) -> int:
-        """Where the bytes begin in the buffer, a multiple of four."""
+        """Appends bytes to the buffer, and returns their offset, a multiple of four."""
         start = self._size
         self._parts += [data, bytes(-len(data) % 4)]
         self._size += len(data) + -len(data) % 4
@@ -60,7 +60,7 @@ class Glb:
                 self._list(key).append(name)
 
     def add_node(self, node: dict, parent: int | None = None) -> int:
-        """Appends a node, below another one or at the top, and returns its number."""
+        """Appends a node, below a parent or at the top level, and returns its number."""
         number = len(self.json["nodes"])
         self.json["nodes"].append(node)
         if parent is None:
@@ -70,7 +70,7 @@ class Glb:
         return number
 
     def add_accessor(self, values: np.ndarray, target: int | None = None, is_normalized: bool = False, has_limits: bool = False) -> int:
-        """Appends an array, n by 1 to 4, and returns its number. `has_limits` as positions of meshes need them."""
+        """Appends an array, n by 1 to 4, and returns the number of its accessor. Positions of meshes need `has_limits`."""
         values = np.ascontiguousarray(values)
         view = {"buffer": 0, "byteOffset": self._append(values.tobytes()), "byteLength": values.nbytes}
         self._list("bufferViews").append({**view, "target": target} if target else view)
@@ -86,7 +86,7 @@ class Glb:
         return len(self.json["accessors"]) - 1
 
     def add_pyramid(self, name: str, width: float, height: float, color: tuple[float, float, float]) -> int:
-        """Appends a mesh with four sides and a ground, its middle at the origin, and returns its number."""
+        """Appends a pyramid with four sides and a base, with the middle of the base at the origin. Returns the number of its mesh."""
         w = width / 2
         corners, top = [(-w, 0, -w), (w, 0, -w), (w, 0, w), (-w, 0, w)], (0, height, 0)
         faces = [(corners[(i + 1) % 4], corners[i], top) for i in range(4)]
@@ -103,8 +103,8 @@ class Glb:
         return len(self.json["meshes"]) - 1
 
     def add_meshes(self, other: dict, binary: bytes) -> int:
-        """Appends the meshes of another file with their materials and pictures, and returns the number of the first. The other file has one buffer, as
-        binary files have."""
+        """Appends the meshes of a file with their materials and images, and returns the number of the first mesh. That file has one
+        buffer, like all binary files."""
         names = ("bufferViews", "accessors", "meshes", "materials", "textures", "images", "samplers")
         base = {name: len(self.json.get(name, [])) for name in names}
         start = self._append(binary)
@@ -135,13 +135,13 @@ class Glb:
         for name in names:
             if added[name]:
                 self._list(name).extend(added[name])
-        # Of those that others know; the engine also marks how it nests nodes.
+        # Only the standard extensions; the engine also lists one of its own for nested nodes.
         for name in (name for name in other.get("extensionsUsed", []) if name.startswith(("KHR_", "EXT_"))):
             self.use_extension(name, name in other.get("extensionsRequired", []))
         return base["meshes"]
 
     def to_bytes(self) -> bytes:
-        """The whole file."""
+        """The bytes of the complete file."""
         binary = b"".join(self._parts)
         content = {**self.json, "buffers": [{"byteLength": len(binary)}]} if binary else self.json
         text = json.dumps(content, separators=(",", ":")).encode()
@@ -152,7 +152,7 @@ class Glb:
         return struct.pack("<III", MAGIC, 2, 12 + len(chunks)) + chunks
 
     def write(self, path: Path) -> None:
-        """Puts the file into its place whole, or raises CannotWrite and leaves what was there."""
+        """Writes the complete file, or raises CannotWrite and keeps the old one."""
         write_whole(path, self.to_bytes())
 
 
@@ -162,7 +162,7 @@ def _shift(entry: dict, key: str, by: int) -> None:
 
 
 def _shift_textures(part: dict, by: int) -> None:
-    """In a material and its extensions, all that names a texture."""
+    """Adds `by` to all texture indices in a material and its extensions."""
     for name, value in part.items():
         if isinstance(value, dict):
             if name.endswith(TEXTURE_NAMES) and "index" in value:

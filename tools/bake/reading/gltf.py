@@ -24,19 +24,19 @@ STAND_IN_COLORS = ((0.25, 0.45, 0.2), (0.4, 0.4, 0.15), (0.2, 0.4, 0.35), (0.5, 
 
 
 class Models:
-    """What stands at the instances: the JSON and the bytes of a file of its own for each model, made by the engine once."""
+    """The models of the instances. The engine exports each once; this class holds the JSON and the bytes of the exported files."""
 
     def __init__(self, bake: Bake, lod: int):
         self._bake, self._lod = bake, lod
         self._files: dict[str, tuple[dict, bytes]] = {}
 
     def path(self, layer: Layer, model: int) -> str:
-        """Of what is drawn; "" for nothing."""
+        """The path of the model's mesh at the chosen level of detail; "" if nothing is drawn."""
         levels = layer.models[model].levels
         return levels[min(self._lod, len(levels) - 1)].path
 
     def make(self, project: Path) -> None:
-        """Lets the engine write them all. What cannot be had is told, and gets a stand-in."""
+        """Lets the engine export all models. A model that cannot be exported is reported and replaced by a pyramid."""
         paths = {self.path(layer, model) for layer in self._bake.layers for model in range(len(layer.models))} - {""}
         with tempfile.TemporaryDirectory(prefix="thicket_") as folder, PipedScript(project, SCRIPT) as engine:
             for number, path in enumerate(sorted(paths)):
@@ -51,7 +51,7 @@ class Models:
                     say(f"{path} is drawn as a pyramid: {reason}")
 
     def _reachable(self, path: str, folder: Path) -> str:
-        """What lies in the bake is copied, since the engine may not see that folder."""
+        """A path that the engine can read. Files of the bake are copied, because the engine may not see the bake's folder."""
         if "://" in path:
             return path
         source = (self._bake.folder / path).resolve()
@@ -60,7 +60,7 @@ class Models:
         return str(shutil.copyfile(source, folder / source.name))
 
     def add(self, glb: Glb, layer: Layer, model: int) -> int:
-        """Appends what stands at the instances of a model to a file, and returns the number of its mesh."""
+        """Appends a model to a file, and returns the number of its mesh."""
         path = self.path(layer, model)
         if path in self._files:
             return glb.add_meshes(*self._files[path])
@@ -69,7 +69,7 @@ class Models:
 
 
 def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
-    """A node at the tile's center, and below it one for each layer and model, with its instances by rank."""
+    """A file with a node at the tile's center. Below it is a node for each layer and model, with its instances sorted by rank."""
     center, instances = center_of(bake, tile), read_tile(tile)
     glb = Glb("Thicket")
     extras = {"tile": [tile.x, tile.z], "scene_digest": bake.scene_digest}
@@ -78,7 +78,7 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
     for layer, model, rows in groups_of(bake, tile, instances):
         if not (path := models.path(layer, model)):
             continue
-        # Layers may share a model; stand-ins depend on the layer.
+        # Layers may share a model, but the pyramids depend on the layer.
         key = f"{layer.index} {path}"
         if key not in meshes:
             meshes[key] = models.add(glb, layer, model)
@@ -98,7 +98,7 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
 
 
 def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
-    """The tiles with rows; of them, those that are named as I,J. Raises BakeError for a name that no tile has."""
+    """The tiles with rows; if names I,J are given, only those. Raises BakeError for a name that no tile has."""
     known = {str(tile): tile for tile in bake.tiles}
     for name in wanted:
         if name not in known:
@@ -109,25 +109,25 @@ def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
 def vector(text: str) -> np.ndarray:
     numbers = [float(part) for part in text.split(",")] if re.fullmatch(r"[-+.,\deE]+", text) else []
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-        raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,Z: three finite numbers in meters with commas between")
+        raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,Z: three finite numbers in meters separated by commas")
     return np.array(numbers)
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, help="where tile_I_J.glb go; made if need be")
-    parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="these tiles alone")
-    parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the place in the world that is 0,0,0 in the files, in meters")
-    parser.add_argument("--lod", type=int, default=0, metavar="N", help="which level of detail to take, 0 for the finest (0)")
-    parser.add_argument("--stand-ins", action="store_true", help="a pyramid for every model, without asking Godot")
-    parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the project of Godot that has the models (the demo)")
+    parser.add_argument("folder", type=Path, help="the folder for tile_I_J.glb; created if it does not exist")
+    parser.add_argument("--tiles", default="", metavar="'I,J I,J'", help="export only these tiles")
+    parser.add_argument("--origin", type=vector, default=np.zeros(3), metavar="X,Y,Z", help="the position in the world that is 0,0,0 in the files, in meters")
+    parser.add_argument("--lod", type=int, default=0, metavar="N", help="the level of detail to export, 0 for the finest (0)")
+    parser.add_argument("--stand-ins", action="store_true", help="use a pyramid for every model; does not need Godot")
+    parser.add_argument("--project", type=Path, default=REPO / "demo_project", help="the Godot project with the models (the demo)")
 
 
 def export(chosen: argparse.Namespace) -> None:
-    """Writes a file for each tile that has rows. Raises BakeError for a value without sense, before anything is written."""
+    """Writes a file for each tile that has rows. Raises BakeError for an invalid option before it writes anything."""
     if chosen.lod < 0:
-        raise BakeError(f"--lod is {chosen.lod}, where 0 or more is expected")
+        raise BakeError(f"--lod must be 0 or more, got {chosen.lod}")
     if not chosen.stand_ins and not (chosen.project / "project.godot").is_file():
-        raise BakeError(f"--project: {chosen.project} is no project of Godot: it has no project.godot; use --stand-ins to do without")
+        raise BakeError(f"--project must be a folder with a project.godot, got {chosen.project}; choose a Godot project, or use --stand-ins")
     bake = open_bake(chosen.bake, chosen.verify)
     tiles = chosen_tiles(bake, chosen.tiles.split())
     models = Models(bake, chosen.lod)
@@ -136,4 +136,4 @@ def export(chosen: argparse.Namespace) -> None:
     chosen.folder.mkdir(parents=True, exist_ok=True)
     for tile in tiles:
         tile_glb(bake, tile, models, chosen.origin).write(chosen.folder / f"tile_{tile.x}_{tile.z}.glb")
-    say(f"{sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles lie in {chosen.folder}")
+    say(f"wrote {sum(tile.rows for tile in tiles)} instances in {len(tiles)} tiles to {chosen.folder}")

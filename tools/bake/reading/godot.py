@@ -1,4 +1,4 @@
-"""Writes a bake for Godot: a file for each tile, and a world that streams them. See READERS.md."""
+"""Exports a bake to Godot: a file for each tile, and a scene that streams them. See READERS.md."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .say import say
 SCRIPT = "write_tiles.gd"
 ADDON = tuple(f"addons/thicket/baked_world{part}.gd" for part in ("", "_file", "_format", "_index", "_models", "_tile"))
 WORLD, INDEX = "baked_world.scn", "baked_world.baked"
-OLD_INDEX = "baked_world.res"  # Earlier versions wrote tiles as scenes, and this.
+OLD_INDEX = "baked_world.res"  # The index of earlier versions, which wrote tiles as scenes.
 STALE = ("tiles/tile_*.baked", "tiles/tile_*.scn", "models/*", INDEX, OLD_INDEX, WORLD)
 
 
 class Meshes:
-    """The meshes and materials that tiles name, in the order in which the engine has been told of them."""
+    """The meshes and materials of the tiles, in the order in which they were sent to the engine."""
 
     def __init__(self, bake: Bake, folder: Path, inside: str, engine: PipedScript):
         self._bake, self._folder, self._inside, self._engine = bake, folder, inside, engine
@@ -38,7 +38,7 @@ class Meshes:
         return self._meshes[path]
 
     def material(self, path: str) -> int:
-        """-1 for none."""
+        """The index of a material; -1 for none."""
         if not path:
             return -1
         if path not in self._materials:
@@ -47,7 +47,7 @@ class Meshes:
         return self._materials[path]
 
     def _in_project(self, path: str) -> str:
-        """A path of the project as it is; what lies in the bake is copied."""
+        """A path in the project. Files of the bake are copied into the project."""
         if "://" in path:
             return path
         source = (self._bake.folder / path).resolve()
@@ -59,9 +59,11 @@ class Meshes:
 
 
 def level_nodes(drawn: Drawn, meshes: Meshes, start: int, number: int) -> list[dict]:
-    """What write_tiles.gd makes of one part of a tile: a node for each level of detail, which share `drawn`'s bytes from `start` on.
+    """The nodes that write_tiles.gd creates for one part of a tile: one for each level of detail. They share the bytes of `drawn`
+    from `start` on.
 
-    The engine measures the distance to the middle of a node, and a level counts from its nearest instance: each begins and ends later by the reach."""
+    The engine measures the distance to the center of a node, but a level of detail depends on the nearest instance. So each level
+    begins and ends farther away by the reach."""
     layer, levels = drawn.layer, drawn.layer.models[drawn.model].levels
     entry = {
         "count": drawn.count, "from": start, "to": start + drawn.buffer.nbytes, "use_colors": layer.colored, "use_custom_data": layer.custom_data,
@@ -106,22 +108,22 @@ def write_world(bake: Bake, inside: str, tiles: list[Tile], engine: PipedScript)
 
 
 def project_of(folder: Path) -> Path:
-    """The project in which a folder lies. Raises BakeError for none, and for one without the add-on's scripts that stream a world."""
+    """The project that contains a folder. Raises BakeError if there is none, or if it lacks the add-on's scripts that stream a world."""
     for parent in (folder, *folder.parents):
         if (parent / "project.godot").is_file():
             for script in ADDON:
                 if not (parent / script).is_file():
-                    raise BakeError(f"{parent} has no {script}: copy the add-on, or these scripts alone: {', '.join(ADDON)}")
+                    raise BakeError(f"{parent} has no {script}: copy the add-on, or only these scripts: {', '.join(ADDON)}")
             return parent
-    raise BakeError(f"{folder} lies in no project of Godot: no folder above it has a project.godot; choose a folder in the game's project")
+    raise BakeError(f"{folder} is not in a Godot project: no folder above it has a project.godot; choose a folder in the game's project")
 
 
 def check_folder(bake: Bake, folder: Path) -> None:
-    """Refuses folders that hold something else, so that nothing is lost that nobody baked."""
+    """Refuses a folder with other content, so that an export deletes only earlier exports."""
     if folder == bake.folder or folder.is_relative_to(bake.folder) or bake.folder.is_relative_to(folder):
-        raise BakeError(f"{folder} and the bake in {bake.folder} lie in each other: choose another folder")
+        raise BakeError(f"{folder} contains the bake in {bake.folder}, or is inside of it: choose a different folder")
     if folder.is_dir() and any(folder.iterdir()) and not any((folder / name).is_file() for name in (INDEX, OLD_INDEX, ".unfinished")):
-        raise BakeError(f"{folder} has files in it that no export has written: choose an empty folder")
+        raise BakeError(f"{folder} has files that are not from an export: choose an empty folder")
 
 
 def empty(folder: Path) -> None:
@@ -131,8 +133,8 @@ def empty(folder: Path) -> None:
 
 
 def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
-    """Writes all tiles that have rows, then the world. An export that was there before is replaced. The world is written last: where it is missing, the export
-    has not come to its end."""
+    """Writes all tiles that have rows, then the world, and replaces an earlier export. A missing world means that the export is
+    incomplete, because it is written last."""
     project = project_of(folder)
     check_folder(bake, folder)
     for part in ("tiles", "models"):
@@ -151,18 +153,18 @@ def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
         write_world(bake, inside, tiles, engine)
         for name in (INDEX, WORLD):
             if not (folder / name).is_file():
-                raise BakeError(f"Godot did not write {folder / name}; check that {project} has the add-on of this checkout. It had printed:\n{engine.printed()}")
+                raise BakeError(f"Godot did not write {folder / name}; check that {project} has the add-on of this checkout. Its output:\n{engine.printed()}")
     (folder / ".unfinished").unlink()
     say(f"{inside}/{WORLD} streams {bake.rows} instances in {len(tiles)} tiles")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, help="folder in a project of Godot; an earlier export there is replaced")
-    parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="what changes with distance is parted into cells of about this size at most (64)")
+    parser.add_argument("folder", type=Path, help="a folder in a Godot project; an earlier export there is replaced")
+    parser.add_argument("--cell", type=float, default=64.0, metavar="METERS", help="the maximum size of the cells into which layers with levels of detail are divided (64)")
 
 
 def export(chosen: argparse.Namespace) -> None:
-    """Writes the scenes. Raises BakeError for a value without sense, before anything is written."""
+    """Exports the bake. Raises BakeError for an invalid option before it writes anything."""
     if not (np.isfinite(chosen.cell) and chosen.cell > 0):
-        raise BakeError(f"--cell is {chosen.cell}, where meters above 0 are expected")
+        raise BakeError(f"--cell must be above 0 m, got {chosen.cell}")
     write_scenes(open_bake(chosen.bake, chosen.verify), chosen.folder.resolve(), chosen.cell)

@@ -1,4 +1,4 @@
-"""Writes a map of each layer of a bake: a gray PNG in plan view, west at the left and the engine's least z at the top. See READERS.md."""
+"""Writes a map of each layer of a bake: a gray PNG in plan view, with x to the right and z down. See READERS.md."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from baking.whole_file import whole_file, write_whole
 from .bake import Bake, Layer, Tile, open_bake, read_batches
 from .say import say
 
-LONGEST = 4096  # Pixels of a map's longer side, where nobody says otherwise.
-MOST_PIXELS = 2**31 - 1  # Of a side, in a PNG.
-BATCH = 1 << 18  # Rows of a tile that are read at once.
+LONGEST = 4096  # The default maximum of a map's longer side in pixels.
+MAX_PIXELS = 2**31 - 1  # The maximum side of a PNG.
+BATCH = 1 << 18  # The number of rows of a tile that are read at once.
 
 
 class GrayPng:
-    """A PNG that is written row by row, so that its size does not matter."""
+    """Writes a PNG row by row, so that memory does not limit its size."""
 
     def __init__(self, file: BinaryIO, width: int, height: int, bits: int):
         self._file, self._type = file, ">u2" if bits == 16 else "u1"
@@ -34,10 +34,10 @@ class GrayPng:
         png.Writer(width, height, greyscale=True, bitdepth=bits).write_preamble(file)
 
     def write(self, rows: np.ndarray) -> None:
-        """Appends rows of whole numbers, n by width."""
+        """Appends rows of integers, n by width."""
         lines = rows.astype(self._type)
         raw = lines.view(np.uint8).reshape(len(rows), -1)
-        self._chunk(self._packer.compress(np.insert(raw, 0, 0, axis=1).tobytes()))  # Each row begins with its filter, 0 for none.
+        self._chunk(self._packer.compress(np.insert(raw, 0, 0, axis=1).tobytes()))  # Each row begins with its filter; 0 is none.
 
     def end(self) -> None:
         self._chunk(self._packer.flush())
@@ -50,48 +50,49 @@ class GrayPng:
 
 
 def most_in_a_pixel(radius: float, meters: float) -> int:
-    """As many points as can lie in a square with this side, no two of them nearer than `radius` (N. Oler, 1961, An inequality in the geometry of
-    numbers)."""
+    """The maximum number of points in a square with this side if any two of them are at least `radius` apart (N. Oler, 1961, An inequality
+    in the geometry of numbers)."""
     share = meters / radius
     return math.floor(2 / math.sqrt(3) * share * share + 2 * share + 1)
 
 
 def gray_of_one(layer: Layer, meters: float, bits: int) -> float:
-    """How much brighter an instance makes its pixel. A whole number where there is room for one, so that a program reads counts from a map; the fullest pixel
-    that a layer can have is at most white."""
+    """The gray value of one instance. If possible, it is an integer, so that a program can compute counts from a map. The fullest possible
+    pixel of a layer is white at most."""
     white, most = 2**bits - 1, most_in_a_pixel(layer.radius, meters)
     return white // most if most <= white else white / most
 
 
 class Map:
-    """How the rectangle of a bake is parted into pixels."""
+    """The pixels of a bake's rectangle."""
 
     def __init__(self, bake: Bake, meters: float):
         self._bake, self.meters = bake, meters
         self.left, self.top, width, depth = bake.rect
         self.width, self.height = max(1, math.ceil(width / meters)), max(1, math.ceil(depth / meters))
-        if max(self.width, self.height) > MOST_PIXELS:
-            raise BakeError(f"--meters is {meters}, which gives {self.width} x {self.height} pixels, more than a PNG can have: at most {MOST_PIXELS} a side; choose a larger one")
+        if max(self.width, self.height) > MAX_PIXELS:
+            raise BakeError(f"--meters {meters} results in {self.width} x {self.height} pixels, but a PNG can have at most {MAX_PIXELS} a side; choose a larger value")
         self._slots = np.full(1 << 16, -1, np.int64)
         for slot, layer in enumerate(bake.layers):
             self._slots[layer.index] = slot
 
     def columns(self, x: np.ndarray) -> np.ndarray:
-        """What stands a little outside of the rectangle counts to its border."""
+        """The columns of the positions. Positions a little outside of the rectangle count for its border."""
         return np.floor((x - self.left) / self.meters).clip(0, self.width - 1).astype(np.int64)
 
     def rows(self, z: np.ndarray | float) -> np.ndarray:
         return np.floor((z - self.top) / self.meters).clip(0, self.height - 1).astype(np.int64)
 
     def bands(self, memory: int) -> Iterator[np.ndarray]:
-        """Counts of instances, layers by rows by width, for so many rows at once as fit into `memory` bytes, from the top down."""
-        # The sums of a batch are 8 bytes a pixel beside the 4 of the counts, and encoding takes as much.
+        """Yields counts of instances, layers by rows by width, from the top down. Each array has as many rows as fit into `memory`
+        bytes."""
+        # A pixel takes 4 bytes for its count and 8 for the sum of a batch. Encoding takes as much as the sum.
         row_bytes = self.width * len(self._bake.layers) * 12
         most = memory // row_bytes
         if most < 1:
             raise BakeError(
-                f"--memory is too small for one row of {self.width} pixels in {len(self._bake.layers)} layers: it is {memory / 1e6:g} MB, "
-                f"and has to be {row_bytes / 1e6:g} MB or more; raise it, or choose larger --meters"
+                f"--memory must be {row_bytes / 1e6:g} MB or more for a row of {self.width} pixels in {len(self._bake.layers)} layers, "
+                f"got {memory / 1e6:g} MB; raise it, or choose larger --meters"
             )
         for first in range(0, self.height, most):
             band = np.zeros((len(self._bake.layers), min(most, self.height - first), self.width), np.uint32)
@@ -108,7 +109,7 @@ class Map:
             slots, rows = self._slots[batch["layer"]], self.rows(batch["z"]) - first
             if (slots < 0).any():
                 unknown = batch["layer"][slots < 0][0]
-                raise BakeError(f"{tile.file} has instances of layer {unknown}, which the manifest does not name; {tile.remedy}")
+                raise BakeError(f"{tile.file} has instances of layer {unknown}, which is not in the manifest; {tile.remedy}")
             columns = self.columns(batch["x"])
             inside = (rows >= 0) & (rows < band.shape[1])
             for slot in np.unique(slots[inside]):
@@ -117,7 +118,7 @@ class Map:
 
 
 def _add(counts: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> None:
-    """Adds one at each of these pixels; only the part of `counts` around them is looked at."""
+    """Adds one to each of these pixels. Only visits the part of `counts` around them."""
     top, left = rows.min(), columns.min()
     height, width = rows.max() - top + 1, columns.max() - left + 1
     sums = np.bincount((rows - top) * width + columns - left, minlength=height * width)
@@ -129,14 +130,14 @@ def file_names(layers: tuple[Layer, ...]) -> list[str]:
 
 
 def usual_meters(bake: Bake) -> float:
-    """The least of 1, 2 and 5 times a power of ten with which the longer side has at most LONGEST pixels, and at least 1 m."""
+    """The smallest 1, 2 or 5 times a power of ten with which the longer side has at most LONGEST pixels, and at least 1 m."""
     wanted = max(1.0, max(bake.rect[2:]) / LONGEST)
     power = 10.0 ** math.floor(math.log10(wanted))
     return next(power * factor for factor in (1, 2, 5, 10) if power * factor >= wanted)
 
 
 def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, progress: Callable[[float], None]) -> None:
-    """Writes a PNG for each layer and maps.json, which tells what their grays are. Each file appears when all are whole."""
+    """Writes a PNG for each layer, and maps.json, which describes their gray values. The files appear when all of them are complete."""
     plan = Map(bake, meters)
     grays = [gray_of_one(layer, meters, bits) for layer in bake.layers]
     names, white = file_names(bake.layers), 2**bits - 1
@@ -166,23 +167,23 @@ def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, 
     write_whole(folder / "maps.json", json.dumps({**about, "height": plan.height, "bits": bits, "maps": described}, indent=1).encode())
     for entry in described:
         if entry["pixels_beyond_white"]:
-            say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than points of the layer's radius can have; they are white, so use smaller --meters to tell them apart")
+            say(f"{entry['file']}: {entry['pixels_beyond_white']} pixels have more instances than the layer's radius allows and are white; use smaller --meters to distinguish them")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, help="where the maps go; made if need be")
-    parser.add_argument("--meters", type=float, help=f"meters a pixel; unless told, a round number with which no side has more than {LONGEST} pixels")
+    parser.add_argument("folder", type=Path, help="the folder for the maps; created if it does not exist")
+    parser.add_argument("--meters", type=float, help=f"the side of a pixel in meters; by default a round number with which no side has more than {LONGEST} pixels")
     parser.add_argument("--bits", type=int, choices=(8, 16), default=16, help="bits a pixel (16)")
-    parser.add_argument("--memory", type=float, default=256.0, metavar="MB", help="about how much to take (256)")
+    parser.add_argument("--memory", type=float, default=256.0, metavar="MB", help="the approximate memory to use (256)")
 
 
 def export(chosen: argparse.Namespace) -> None:
-    """Writes the maps. Raises BakeError for a value without sense, before anything is written."""
+    """Writes the maps. Raises BakeError for an invalid option before it writes anything."""
     bake = open_bake(chosen.bake, chosen.verify)
     meters = usual_meters(bake) if chosen.meters is None else chosen.meters
     if not (math.isfinite(meters) and meters > 0):
-        raise BakeError(f"--meters is {meters}, where a length above 0 is expected")
+        raise BakeError(f"--meters must be above 0 m, got {meters}")
     if not (math.isfinite(chosen.memory) and chosen.memory > 0):
-        raise BakeError(f"--memory is {chosen.memory}, where a number of MB above 0 is expected")
+        raise BakeError(f"--memory must be above 0 MB, got {chosen.memory}")
     write_maps(bake, chosen.folder, meters, chosen.bits, int(chosen.memory * 1e6), lambda share: say(f"{share:.0%}"))
-    say(f"{len(bake.layers)} maps lie in {chosen.folder}, {meters:g} m a pixel")
+    say(f"wrote {len(bake.layers)} maps to {chosen.folder}, {meters:g} m a pixel")

@@ -1,4 +1,4 @@
-"""Instances as the engine's MultiMeshes have them, and what each of them is drawn for."""
+"""Converts instances to the format of Godot's MultiMesh, divided into cells for levels of detail."""
 
 from __future__ import annotations
 
@@ -10,32 +10,33 @@ import numpy as np
 from .bake import Bake, Instances, Layer, Tile, center_of, groups_of
 
 TRANSFORM_FLOATS = 12
-MORE_FLOATS = 4  # Of a color, and of custom data.
+MORE_FLOATS = 4  # The floats of a color or of custom data.
 SMALLEST_CELL = 16.0  # Meters.
-FAR_TILES = 4  # As many tiles away it does not matter if a whole tile comes into sight at once.
+FAR_TILES = 4  # From this distance on, in tiles, a whole tile may appear at once.
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """Instances of one model that are drawn together: those of a tile, or of a cell of it."""
+    """Instances of one model that are drawn together, in a tile or in a cell of it."""
 
     layer: Layer
     model: int
     count: int
-    buffer: np.ndarray  # float32: what MultiMesh.buffer takes; around the tile's center.
-    least: np.ndarray  # The box around their positions, in meters from the tile's center.
+    buffer: np.ndarray  # float32: the content of MultiMesh.buffer, relative to the tile's center.
+    least: np.ndarray  # The bounds of the positions, in meters from the tile's center.
     greatest: np.ndarray
     largest_scale: float
 
     @property
     def reach(self) -> float:
-        """Meters from the middle of the box to the farthest instance, at most."""
+        """An upper bound of the distance from the middle of the bounds to an instance, in meters."""
         return float(np.linalg.norm(self.greatest - self.least) / 2)
 
 
 def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, *more: np.ndarray) -> np.ndarray:
-    """As MultiMesh.buffer wants it, n by 12 floats and 4 for each of `more`: the rows of the basis, each with a number of the position after it, then colors,
-    then custom data. Positions are n by 3 in double precision and already count from where they are near 0."""
+    """The content of MultiMesh.buffer: n by 12 floats, and 4 more for each of `more`. The 12 floats are the rows of the basis, each
+    followed by a coordinate of the position. Colors come next, then custom data. Positions are n by 3 in double precision, relative
+    to a nearby origin."""
     x, y, z, w = (rotations / np.linalg.norm(rotations, axis=1, keepdims=True)).astype(np.float64).T
     basis = np.empty((len(positions), 3, 3))
     basis[:, 0] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=1)
@@ -52,8 +53,9 @@ def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, 
 
 
 def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
-    """Into how many cells a side of a tile is parted for a model: one where nothing changes with distance, or only so far away that a whole tile may change
-    at once. A cell is `cell` meters at most, and smaller where the first change comes near, or all of a dense meadow would be drawn as finely as its first meters."""
+    """The number of cells along a side of a tile for a model. It is one if nothing changes with distance, or only so far away that
+    a whole tile may change at once. A cell has a side of at most `cell` meters. It is smaller if the first change is close, because
+    otherwise all of a dense meadow would be drawn at the finest level."""
     levels = layer.models[model].levels
     nearest = levels[1].begin if len(levels) > 1 else layer.view_distance
     if nearest <= 0 or (len(levels) == 1 and nearest >= FAR_TILES * bake.tile_size):
@@ -62,7 +64,7 @@ def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
 
 
 def drawn_of(bake: Bake, tile: Tile, instances: Instances, cell: float) -> Iterator[Drawn]:
-    """What is drawn of a tile: for each layer and model one part, or one for each cell in which something stands."""
+    """Yields the drawn parts of a tile: for each layer and model one part, or one for each cell with instances."""
     local = instances.positions - center_of(bake, tile)
     for layer, model, rows in groups_of(bake, tile, instances):
         parts = parts_of(bake, layer, model, cell)

@@ -1,4 +1,4 @@
-"""A Godot without a display that runs a script of ours, and is handed work in bulk."""
+"""Runs one of our scripts in a Godot without a display, and sends it jobs."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from baking.format import BakeError
 
 SCRIPTS = Path(__file__).with_name("scripts")
 ANSWER = "thicket answer "
-KEPT = 4000  # Characters of what the engine said before it ended.
+KEPT = 4000  # The maximum length of the quoted engine output, in characters.
 
 
 class PipedScript:
-    """Runs `script`, of those in SCRIPTS, in `project` until the block ends. One job after the other: a dictionary, and bytes that belong to it. The script reads both with
-    job_reader.gd, and prints an answer for each, a dictionary."""
+    """Runs `script`, from the folder SCRIPTS, in `project` until the end of the block. It handles one job after the other. A job is
+    a dictionary and its bytes. The script reads both with job_reader.gd, and prints a dictionary as the answer."""
 
     def __init__(self, project: Path, script: str, godot: Path = REPO / "tools/godot"):
         self._said = tempfile.TemporaryFile()
@@ -31,7 +31,7 @@ class PipedScript:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         try:
-            self._process.stdin.close()  # Which tells the script that there is no more.
+            self._process.stdin.close()  # Signals the end of the jobs to the script.
             self._process.wait(60 if kind is None else 1)
         except (OSError, subprocess.TimeoutExpired):
             self._process.kill()
@@ -40,7 +40,7 @@ class PipedScript:
         self._said.close()
 
     def ask(self, job: dict, payload: bytes | memoryview = b"") -> dict:
-        """Hands over a job and waits for its answer. Raises BakeError with what the script says against it, and where the engine ends before."""
+        """Sends a job and waits for its answer. Raises BakeError with the script's error, or if the engine ends before it answers."""
         text = json.dumps({**job, "bytes": len(payload)}).encode()
         try:
             self._process.stdin.write(struct.pack("<I", len(text)) + text)
@@ -58,9 +58,9 @@ class PipedScript:
 
     def _ended(self) -> BakeError:
         self._process.wait()
-        return BakeError(f"Godot ended with status {self._process.returncode} before its work was done; it had printed:\n{self.printed()}")
+        return BakeError(f"Godot ended with status {self._process.returncode} before its work was done. Its output:\n{self.printed()}")
 
     def printed(self) -> str:
-        """The end of the engine's errors so far."""
+        """The end of the engine's error output so far."""
         self._said.seek(0)
         return self._said.read().decode(errors="replace")[-KEPT:]

@@ -1,4 +1,4 @@
-"""What is said to whoever runs the command."""
+"""Messages for the user of the command."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ import sys
 
 
 def say(text: str) -> None:
-    """A line on the standard error: what is written goes to files."""
+    """Prints a line to standard error."""
     print(f"thicket: {text}", file=sys.stderr, flush=True)

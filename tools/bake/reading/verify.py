@@ -1,4 +1,4 @@
-"""Compares the files of tiles with the digests that the manifest has of them, before anything of them is used."""
+"""Compares the files of tiles with the digests in the manifest before their data is used."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ if TYPE_CHECKING:
     from .bake import Tile
 
 _CHUNK = 1 << 20
-# A file that changed this lately may change again and keep its time, which has steps of milliseconds.
+# A file that changed this recently may change again without a new time, because times have steps of milliseconds.
 _SETTLED_NANOSECONDS = 2 * 10**9
 
-# By path: the file's size, its time and so on, and the digest that it was found to have.
+# By path: the identity, size and times of a verified file, and the expected digest.
 _verified: dict[Path, tuple] = {}
 
 
 def check(tile: Tile) -> None:
-    """Raises BakeError for a tile whose file has not the digest that the manifest has. A file is read once in a process, and again if its size or time
-    changes. `sha256` of the manifest is that of the file's bytes; older manifests have `digest` alone, that of the rows, and then every row is read."""
+    """Raises BakeError if a tile's file does not have the manifest's digest. A process reads a file once, and again if its size or
+    time changes. `sha256` in the manifest is the digest of the file's bytes. Older manifests only have `digest`, for which every
+    row is read."""
     try:
         status = tile.file.stat()
         seen = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns, tile.sha256 or tile.digest)
@@ -38,8 +39,8 @@ def check(tile: Tile) -> None:
     if found != (tile.sha256 or tile.digest):
         what = "SHA-256" if tile.sha256 else "digest of rows"
         raise BakeError(
-            f"tile {tile} is damaged, or belongs to another bake: {tile.file} has the {what} {found}, and the manifest has {tile.sha256 or tile.digest}; "
-            f"{tile.remedy}, or read it as it is with --no-verify"
+            f"tile {tile} is damaged or belongs to a different bake: {tile.file} has the {what} {found}, but the manifest has {tile.sha256 or tile.digest}; "
+            f"{tile.remedy}, or skip the check with --no-verify"
         )
     if time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) > _SETTLED_NANOSECONDS:
         _verified[tile.file] = seen
@@ -54,8 +55,8 @@ def _bytes_digest(path: Path) -> str:
 
 
 def _rows_digest(path: Path) -> str:
-    """What `rows.digest` says, a column at a time."""
+    """The result of `rows.digest`, computed one column at a time."""
     with pq.ParquetFile(path) as file:
         if not file.schema_arrow.remove_metadata().equals(SCHEMA):
-            raise ValueError("its columns are others")
+            raise ValueError("its columns are different")
         return rows.digest_of(rows.column_of(file.read(columns=[name]), name) for name in SCHEMA.names)

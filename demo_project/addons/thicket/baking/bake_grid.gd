@@ -1,26 +1,26 @@
 extends RefCounted
-## The tiles of a bake, cut by its rectangle, and the tiles of the game that each of them consists of.
+## The tiles of a bake, clipped to its rectangle, and the tiles of the game that each of them consists of.
 
-## Tiles of a bake, at most: whoever reads its manifest has all of them in memory.
+## The largest number of tiles of a bake, because readers of its manifest hold all of them in memory.
 const MAX_TILES := 1_000_000
-## Rows that a tile should not have by far, for the sake of who reads it: about 300 bytes each.
+## The number of rows that a tile should not exceed by much, because of the programs that read it: a row has about 300 bytes.
 const COMFORTABLE_ROWS := 1.5e6
 
-## Why there is no grid, in a sentence; empty if there is one.
+## The reason why there is no grid, as a sentence; empty if there is one.
 var problem := ""
-## Meters of a tile's side.
+## The side of a tile in meters.
 var tile_size := 0.0
-## The first tile, and how many there are along x and z.
+## The first tile, and the number of tiles along x and z.
 var tiles := Rect2i()
 
 var _edges_x := PackedFloat64Array()
 var _edges_z := PackedFloat64Array()
 var _layers: Array[Dictionary] = []
-var _grids: Array[ScatterTileGrid] = [] # Of each of the layers.
+var _grids: Array[ScatterTileGrid] = [] # One for each layer.
 
 
-## Divides [param rect] (x, z, width and depth in meters of the world) into tiles with a side of [param size] meters. Of [param layers]
-## [code]index[/code] and [code]tile_size[/code] count.
+## Divides [param rect] (x, z, width and depth in meters of the world) into tiles with a side of [param size] meters. Only [code]index[/code] and
+## [code]tile_size[/code] of [param layers] are used.
 func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 	tile_size = size
 	var grid := ScatterTileGrid.new()
@@ -43,8 +43,8 @@ func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 		_grids.append(of_layer)
 
 
-## The grid as plain values: [code]tile_size[/code], [code]grid[/code] (first column, first row, columns, rows), and as [code]edges[/code] the meters of
-## the edges between columns and between rows, those of the rectangle at both ends.
+## The grid as plain values: [code]tile_size[/code], [code]grid[/code] (first column, first row, columns, rows), and [code]edges[/code]: the positions
+## in meters of the edges between columns and between rows. The first and last edges are those of the rectangle.
 func description() -> Dictionary:
 	return {
 		"tile_size": tile_size, "grid": [tiles.position.x, tiles.position.y, tiles.size.x, tiles.size.y],
@@ -52,7 +52,7 @@ func description() -> Dictionary:
 	}
 
 
-## What a tile consists of, layer by layer and row by row: of each tile of the game the index of its [code]layer[/code], its number as
+## The tiles of the game that a tile consists of, layer by layer and row by row. Each has the index of its [code]layer[/code], its column and row as
 ## [code]x[/code] and [code]y[/code], and its [code]bounds[/code] as [method ScatterTileGrid.get_tile_bounds] returns them.
 func parts_of(tile: Vector2i) -> Array[Dictionary]:
 	var parts: Array[Dictionary] = []
@@ -66,7 +66,7 @@ func parts_of(tile: Vector2i) -> Array[Dictionary]:
 	return parts
 
 
-## Edges between tiles along an axis, 0 for x and 1 for z.
+## The edges between tiles along an axis, 0 for x and 1 for z.
 static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, high: float, axis: int) -> PackedFloat64Array:
 	var edges := PackedFloat64Array([low])
 	for tile in range(first + 1, first + count):
@@ -75,9 +75,9 @@ static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, hi
 	return edges
 
 
-## Meters of a tile that holds whole tiles of all layers, whose sides are [param sizes], where that is possible below a kilometer: from 256 m on,
-## larger where there would be more than 4,096 of them, up to 2,048 m, and to [constant COMFORTABLE_ROWS] if instances stood everywhere,
-## [param density] to a square meter.
+## The default side of a tile in meters. Such a tile holds whole tiles of all layers, whose sides are [param sizes], if a side of at most 1,024 m can do
+## that. It begins at 256 m or more, and doubles up to 2,048 m while there are more than 4,096 tiles. It does not double beyond
+## [constant COMFORTABLE_ROWS] rows, counted with instances everywhere at [param density] per square meter.
 static func default_size(rect: Array, sizes: PackedFloat64Array, density: float) -> float:
 	var base := 0.0
 	var common := 1

@@ -1,15 +1,16 @@
 extends RefCounted
-## Makes tiles of a scene into files that a bake can be made of elsewhere: what [code]bake_world.gd[/code] does with
-## [code]out=FOLDER[/code], for machines that have an engine and no Python. [code]tools/bake/README.md[/code] in Thicket's repository says
-## what is done with the folder. It holds
-## - [code]world.json[/code]: what [code]scene_description.gd[/code] says of the scene, and the models of the layers;
-## - [code]models/[/code]: the files of models that the project has no file of;
-## - [code]tiles/tile_I_J.rows[/code]: messages as a driver gets them, each a JSON object behind its length (32 bits, little-endian) and then
-##   as many bytes as its [code]bytes[/code] says. The first says which tile this is, [code]of[/code] which bake, and the
-##   [code]sha256[/code] of all that follows; each further one has a tile of the game, as
-##   [code]bake_grid.gd[/code] describes it, with what [method ScatterTile.get_rows] returns: all that the tile consists of.
+## Generates tiles of a scene as files, from which a bake can be built on a different machine. This is the [code]out=FOLDER[/code] mode of
+## [code]bake_world.gd[/code], for machines that have an engine and no Python. [code]tools/bake/README.md[/code] in Thicket's repository
+## describes how to use the folder. It holds:
+## - [code]world.json[/code]: the description of the scene from [code]scene_description.gd[/code], and the models of the layers;
+## - [code]models/[/code]: files for the models that have no file in the project;
+## - [code]tiles/tile_I_J.rows[/code]: messages as a driver receives them, each a JSON object behind its length (32 bits, little-endian),
+##   followed by the number of bytes in its [code]bytes[/code] field. The first message has the number of the tile, the bake as
+##   [code]of[/code], and the [code]sha256[/code] of all that follows. Each further message has a tile of the game, as
+##   [code]bake_grid.gd[/code] describes it, with the rows from [method ScatterTile.get_rows]. Together they are all that the tile consists
+##   of.
 ##
-## Files come into their places whole. What is there and whole is not made again.
+## Files are moved to their paths only when they are complete. Complete files are not generated again.
 
 const SceneDescription := preload("res://addons/thicket/baking/scene_description.gd")
 const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
@@ -19,25 +20,26 @@ const PART := ".part"
 const UNWRITABLE := "Cannot write %s: %s. Check that the disk has room and the folder may be written, or choose a different out."
 const SECONDS_A_LINE := 10.0
 const CHUNK_BYTES := 1 << 22
-## Keys that must be as they were where a folder has been begun, and what to report if not: the value there, and the one now.
+## Keys whose values must not change when a bake continues in a folder. The texts are reported otherwise, with the value in the folder and
+## the current one.
 const SAME: Dictionary[String, String] = {
-	"scene": "the scene is another (%s, not %s)", "rect": "the rectangle is another (%s, not %s)",
-	"tile_size": "tiles are of another size (%s m, not %s m)", "layers": "there are other layers (%s, not %s)", "parts": "",
+	"scene": "the scene is different (%s, not %s)", "rect": "the rectangle is different (%s, not %s)",
+	"tile_size": "the size of the tiles is different (%s m, not %s m)", "layers": "the layers are different (%s, not %s)", "parts": "",
 }
 
-## What is wrong with the arguments, or why no more can be made, in a sentence; empty if nothing is.
+## The error in the arguments, or the reason why no more tiles can be generated, as a sentence; empty if there is none.
 var problem := ""
 
 var _out := ""
 var _described: SceneDescription
-var _tiles: Array[PackedInt64Array] = [] ## Column and row; none for all.
-var _share := PackedInt64Array([1, 1]) ## Which of how many shares of the tiles.
+var _tiles: Array[PackedInt64Array] = [] ## Columns and rows; empty for all tiles.
+var _share := PackedInt64Array([1, 1]) ## The number of the share, and the number of shares.
 var _world := {}
-var _stored := 0 ## Bytes of the file that is written.
+var _stored := 0 ## Bytes stored in the file that is being written.
 var _counts := {"made": 0, "kept": 0, "failed": 0}
 
 
-## Reads what was asked for, as the command line has it; see [member problem].
+## Reads the arguments of the command line; see [member problem].
 func _init(arguments: Dictionary[String, String]) -> void:
 	_out = arguments.get("out", "")
 	if not _out.is_absolute_path():
@@ -59,8 +61,8 @@ func _init(arguments: Dictionary[String, String]) -> void:
 			_share = PackedInt64Array(share)
 
 
-## Makes what is missing, and returns the exit code: 0 if all is there that was asked for, 1 if tiles failed or could not be written, 2
-## if none was begun.
+## Generates the missing tiles, and returns the exit code: 0 if all requested tiles exist, 1 if tiles failed or could not be written, 2 if
+## none was begun.
 func make(scatter: TerrainScatter3D, scene: String) -> int:
 	if not _describe(scatter, scene) or not _go_on() or not _begin(scatter):
 		printerr("bake_world: ", problem)
@@ -70,16 +72,16 @@ func make(scatter: TerrainScatter3D, scene: String) -> int:
 	for number in range(_share[0] - 1, count, _share[1]):
 		_make_tile(scatter, _tile(number))
 		if problem:
-			printerr("bake_world: ", problem, " The same command makes only what is missing.")
+			printerr("bake_world: ", problem, " Run the same command again to generate the missing tiles.")
 			return 1
 		if Time.get_ticks_msec() >= next_line:
 			next_line = Time.get_ticks_msec() + 1000.0 * SECONDS_A_LINE
 			print("bake_world: %d of %d tiles" % [number / _share[1] + 1, ceili(float(count - _share[0] + 1) / _share[1])])
-	print("bake_world: {made} tiles made, {kept} found already there, {failed} failed".format(_counts))
+	print("bake_world: {made} tiles generated, {kept} kept from before, {failed} failed".format(_counts))
 	return 0 if _counts.failed == 0 else 1
 
 
-## Fills [member _world], but for the models. Returns false with a problem.
+## Fills [member _world], except for the models. Returns false and sets [member problem] on an error.
 func _describe(scatter: TerrainScatter3D, scene: String) -> bool:
 	if not _described.describe(scatter):
 		problem = _described.problem
@@ -97,12 +99,12 @@ func _describe(scatter: TerrainScatter3D, scene: String) -> bool:
 	return problem.is_empty()
 
 
-## As whoever reads a file finds it.
+## The value as it is after writing it to a JSON file and reading it back.
 static func _as_json(value: Variant) -> Variant:
 	return JSON.parse_string(JSON.stringify(value, "", false, true))
 
 
-## Whether the folder, if it was begun, is one of the same bake; a problem if not.
+## Whether the folder is new or belongs to the same bake. Sets [member problem] if it does not.
 func _go_on() -> bool:
 	var path := _out.path_join(WORLD)
 	if not FileAccess.file_exists(path):
@@ -115,7 +117,7 @@ func _go_on() -> bool:
 		world["layers"] = _indices(world["layers"])
 	for key in SAME:
 		if before[key] != now[key]:
-			problem = "%s holds tiles of another bake, in which %s. Choose a different out, or remove the files in this one." % [
+			problem = "%s holds tiles of a different bake: %s. Choose a different out, or remove the files in this one." % [
 				_out, SAME[key] % [before[key], now[key]] if key != "parts"
 				else "these parts of the scene are not the same: " + _changed(before.parts, now.parts)]
 			return false
@@ -130,7 +132,7 @@ static func _changed(before: Dictionary, now: Dictionary) -> String:
 	return ", ".join(before.merged(now).keys().filter(func(part: String) -> bool: return before.get(part) != now.get(part)))
 
 
-## The JSON object that bytes are; an empty one for other bytes.
+## Parses bytes as a JSON object. Returns an empty one for any other bytes.
 static func _parsed(bytes: PackedByteArray) -> Dictionary:
 	var json := JSON.new()
 	return json.data if json.parse(bytes.get_string_from_utf8()) == OK and json.data is Dictionary else {}
@@ -155,7 +157,7 @@ func _count() -> int:
 	return _described.grid.tiles.size.x * _described.grid.tiles.size.y if _tiles.is_empty() else _tiles.size()
 
 
-## A tile, counted row by row, or as they were listed.
+## The tile with this number, counted row by row, or in the order of the list of tiles.
 func _tile(number: int) -> Vector2i:
 	if not _tiles.is_empty():
 		return Vector2i(_tiles[number][0], _tiles[number][1])
@@ -180,7 +182,7 @@ func _make_tile(scatter: TerrainScatter3D, tile: Vector2i) -> void:
 	_counts["failed" if failed else "made"] += 1
 
 
-## Whether a tile's file has this for its first message, but for the digest, and that digest.
+## Whether a tile's file begins with this header, except for the digest, and its content has the digest in the file.
 func _is_whole(path: String, header: Dictionary) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ) if FileAccess.file_exists(path) else null
 	if file == null or file.get_length() < 4:
@@ -195,8 +197,8 @@ func _is_whole(path: String, header: Dictionary) -> bool:
 	return found == expected and hashing.finish().hex_encode() == expected.sha256
 
 
-## Puts a file into its place once [param write] has written all of it; it returns why it has not. Returns that; where the disk refuses
-## there is a problem.
+## Writes a file with [param write] and moves it to its path once it is complete. [param write] returns the reason if it failed; this
+## function returns the same. Sets [member problem] if the disk cannot be written.
 func _write_whole(path: String, write: Callable) -> String:
 	var partial := path.get_base_dir().path_join("." + path.get_file() + PART)
 	var error := DirAccess.make_dir_recursive_absolute(path.get_base_dir())
@@ -207,7 +209,7 @@ func _write_whole(path: String, write: Callable) -> String:
 	_stored = 0
 	var failed: String = write.call(file)
 	file.close()
-	# What was kept back until now may have found no room.
+	# Closing the file writes the last buffered bytes, and the disk may have been full by then.
 	if not failed and not problem:
 		error = DirAccess.rename_absolute(partial, path) if _length(partial) == _stored else ERR_FILE_CANT_WRITE
 		if error != OK:
@@ -229,7 +231,7 @@ func _store(to: FileAccess, bytes: PackedByteArray) -> String:
 	return ""
 
 
-## Writes all messages of a tile; the first once more when the digest is known. Returns why it failed.
+## Writes all messages of a tile, and the first one again when the digest is known. Returns the reason if it failed.
 func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, header: Dictionary) -> String:
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)
@@ -247,12 +249,12 @@ func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, head
 	header.sha256 = hashing.finish().hex_encode()
 	to.seek(0)
 	var stored := _stored
-	_store(to, message(header)) # As long as before.
+	_store(to, message(header)) # Has the same length as before.
 	_stored = stored
 	return ""
 
 
-## A JSON object behind its length.
+## A JSON object, preceded by its length.
 static func message(header: Dictionary) -> PackedByteArray:
 	var text := JSON.stringify(header, "", false, true).to_utf8_buffer()
 	var length := PackedByteArray([0, 0, 0, 0])
@@ -260,12 +262,12 @@ static func message(header: Dictionary) -> PackedByteArray:
 	return length + text
 
 
-## The rows of a tile of the game; none where it cannot be made, which the engine has printed.
+## The rows of a tile of the game. Empty if it cannot be generated; the engine has then printed an error.
 static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteArray:
 	var built := scatter.build_tile(part["layer"], Vector2i(part["x"], part["y"]))
 	return built.get_rows() if built.get_mesh_count() > 0 else PackedByteArray()
 
 
-## Why a tile has no rows.
+## The reason why a tile has no rows.
 static func cannot_make(part: Dictionary) -> String:
-	return "Tile %d, %d of layer %d cannot be made; the error that was printed says why." % [part["x"], part["y"], part["layer"]]
+	return "Tile %d, %d of layer %d cannot be generated; the printed error has the reason." % [part["x"], part["y"], part["layer"]]

@@ -1,19 +1,19 @@
 extends RefCounted
-## What the instances of a layer look like, as paths of files: those that meshes have in the project, and files made here of what is
-## built into a scene or made by a script.
+## The models of a layer's instances, as paths of files: the files that meshes have in the project, and files written here for
+## resources that are built into a scene or created by a script.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
 const FOLDER := "user://thicket_models"
 
 ## One for each entry of the layer's [code]meshes[/code]: a [Dictionary] of [code]path[/code], [code]name[/code] and
-## [code]lods[/code], each of these a [code]path[/code] of a mesh and the [code]distance[/code] in meters from which it is drawn.
+## [code]lods[/code]. Each LOD has the [code]path[/code] of a mesh and the [code]distance[/code] in meters from which it is drawn.
 var models: Array[Dictionary] = []
-## The bytes of the files made here, by their paths beside the manifest.
+## The bytes of the files written here, by their paths relative to the manifest.
 var written: Dictionary[String, PackedByteArray] = {}
-## The path of the material that replaces those of all meshes; empty for none.
+## The path of the material that replaces the materials of all meshes; empty if there is none.
 var material := ""
-## What went wrong, in a sentence; empty if nothing has.
+## The error as a sentence; empty if there is none.
 var problem := ""
 
 var _layer: ScatterLayer
@@ -49,12 +49,12 @@ static func _own_path(resource: Resource) -> String:
 	return "" if "::" in path else path
 
 
-## What it is called, or its file; empty for one without either.
+## The model's own name or the name of its file; empty if it has neither.
 static func _name_of(model: Resource, path: String) -> String:
 	return model.resource_name if model.resource_name else path.get_file().get_basename()
 
 
-## The resource's own path, or the one of a file that is made of it.
+## The resource's own path, or the path of a file that is written for it.
 func _path_of(resource: Resource, file: String) -> String:
 	var own := _own_path(resource)
 	if own:

@@ -1,24 +1,24 @@
 extends RefCounted
-## What is baked of a scene: its layers, the rectangle and its tiles.
+## The layers, the rectangle and the tiles of a scene's bake.
 
 const SceneDigest := preload("res://addons/thicket/baking/scene_digest.gd")
 const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
 
-## Why nothing can be baked, in a sentence; empty if nothing is wrong.
+## The reason why nothing can be baked, as a sentence; empty if there is none.
 var problem := ""
-## All of it as plain values: the scene's seed, digest and so on, the layers that were asked for, [code]rect[/code], and what
-## [code]bake_grid.gd[/code] says of the tiles.
+## The description as plain values: the scene's seed, digest and so on, the requested layers, [code]rect[/code], and the description of the tiles from
+## [code]bake_grid.gd[/code].
 var values: Dictionary = {}
-## The tiles; null before [method describe], and with a [member problem].
+## The tiles; null before [method describe], and if there is a [member problem].
 var grid: BakeGrid
 
-var _rect: Array = [] # x, z, width and depth in meters of the world; empty for where the terrain lies.
+var _rect: Array = [] # x, z, width and depth in meters of the world; empty for the rectangle of the ground.
 var _tile_size := 0.0 # Meters; 0 for a size that fits the layers.
-var _layers := PackedStringArray() # Names or indices; none for all.
+var _layers := PackedStringArray() # Names or indices; empty for all.
 
 
-## Reads what is asked for: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a text as the command line has it. What is missing or
-## empty is chosen by [method describe]. Sets [member problem] for a text without sense.
+## Reads the request: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a text in the form of the command line. [method describe]
+## chooses values for missing or empty ones. Sets [member problem] for a text that cannot be read.
 func _init(asked: Dictionary) -> void:
 	if asked.get("rect"):
 		_rect = numbers_in(asked["rect"], ",")
@@ -34,7 +34,7 @@ func _init(asked: Dictionary) -> void:
 		_layers.append(layer.strip_edges())
 
 
-## The numbers in a text; none if a part of it is no number.
+## The numbers in a text; empty if a part of it is no number.
 static func numbers_in(text: String, between: String) -> Array:
 	var parts := Array(text.split(between))
 	if not parts.all(func(part: String) -> bool: return part.is_valid_float()):
@@ -42,19 +42,19 @@ static func numbers_in(text: String, between: String) -> Array:
 	return parts.map(func(part: String) -> float: return part.to_float())
 
 
-## Fills [member values] and [member grid]. Returns false with a [member problem]. The ground is probed in the rectangle that is baked.
+## Fills [member values] and [member grid]. On an error returns false and sets [member problem]. The ground is probed in the baked rectangle.
 func describe(scatter: TerrainScatter3D) -> bool:
 	var layers := _chosen(_layers_of(scatter))
-	var terrain_rect: Variant = scatter.terrain.get(&"rect") # Not every terrain has one.
+	var ground_rect: Variant = scatter.ground.get(&"rect") # Not every ground has one.
 	var rect := _rect
-	if rect.is_empty() and terrain_rect is Rect2:
-		var ground: Rect2 = terrain_rect
+	if rect.is_empty() and ground_rect is Rect2:
+		var ground: Rect2 = ground_rect
 		if ground.has_area():
 			rect = [ground.position.x, ground.position.y, ground.size.x, ground.size.y]
 	if not problem and rect.is_empty():
-		problem = "The terrain does not say where it lies: give a rect, X,Z,WIDTH,DEPTH in meters, or set the rect of a terrain that has one."
+		problem = "The ground does not report its extent: set rect to X,Z,WIDTH,DEPTH in meters, or set the rect of a ground that has one."
 	if not problem and SceneDigest.version().is_empty():
-		problem = "%s cannot be read or has no version: install the whole add-on in the project." % SceneDigest.PLUGIN
+		problem = "%s cannot be read or has no version: install all files of the add-on in the project." % SceneDigest.PLUGIN
 	if problem:
 		return false
 	grid = BakeGrid.new(rect, _tile_size if _tile_size > 0.0 else _fitting_size(scatter, rect, layers), layers)

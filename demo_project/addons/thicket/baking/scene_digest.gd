@@ -1,24 +1,24 @@
 extends RefCounted
-## What a scattered scene's instances follow from, as a hash for each part of it: a bake that goes on after a break learns
-## from it whether the scene is still the one it was, and if not, what has changed.
+## Hashes of everything that determines a scene's instances, one for each part of it. A bake that continues after an interruption
+## compares them to find out whether the scene has changed, and which parts.
 ##
-## Hashed are the stored properties of the node, its layers, biomes, regions, terrain and state, with all resources in them, the files
-## and scripts that these come from, and the heights of the ground at places all over a rectangle. How instances are drawn does not
-## count. What a script reads from elsewhere is seen by those heights alone.
+## The hashes cover the stored properties of the node, its layers, biomes, regions, ground and state, with all resources in them, the
+## files and scripts that these are loaded from, and heights of the ground all over a rectangle. The look of instances does not
+## count. Data that a script reads from elsewhere affects only those heights.
 
-## Fields of the ground along each side of the rectangle, at whose middles heights are compared.
+## The rectangle has this many fields along each side; the height in the middle of each field is hashed.
 const PROBES := 33
-## The file that has the version.
+## The file that contains the version.
 const PLUGIN := "res://addons/thicket/plugin.cfg"
-## Resources of which only the name counts: they say what an instance looks like.
+## Resources of which only the class and the path are hashed, because they determine only the look of instances.
 const LOOKS: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
 
 var _hashing: HashingContext
 var _seen: Dictionary[Object, int] = {}
 
 
-## The hashes of all parts, by a name that people understand, as hexadecimal digits. [param rect] is the part of the world
-## (x and z in meters) whose ground is probed.
+## The hashes of all parts as hexadecimal digits, by readable names. The ground is probed in [param rect], a part of the world (x and
+## z in meters).
 static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[String, String]:
 	var parts: Dictionary[String, String] = {}
 	var add := func(part: String, values: Array) -> void: parts[part] = new()._digest(values)
@@ -32,15 +32,15 @@ static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[Strin
 			add.call("layer %d (%s)" % [index, layer.resource_name], [layer])
 	add.call("the biomes", [scatter.biomes])
 	add.call("the regions", scatter.find_children("*", "ScatterRegion3D", true, false))
-	add.call("the terrain", [scatter.terrain])
+	add.call("the ground", [scatter.ground])
 	var heights := PackedFloat64Array()
 	for row in PROBES:
 		for column in PROBES:
 			var at := rect.position + rect.size * Vector2(column + 0.5, row + 0.5) / PROBES
-			heights.append(scatter.terrain.get_height(Vector3(at.x, 0.0, at.y)))
+			heights.append(scatter.ground.get_height(Vector3(at.x, 0.0, at.y)))
 	add.call("the heights of the ground", [heights])
 	var changes := scatter.state
-	add.call("what was removed and placed by hand", [changes.get_digest() if changes != null and _holds_anything(changes) else 0])
+	add.call("instances removed and placed by hand", [changes.get_digest() if changes != null and _holds_anything(changes) else 0])
 	return parts
 
 
@@ -48,7 +48,7 @@ static func _holds_anything(state: ScatterState) -> bool:
 	return state.get_removed_count() > 0 or state.get_added_count() > 0
 
 
-## The version of the add-on; empty where [constant PLUGIN] cannot be read.
+## The version of the add-on; empty if [constant PLUGIN] cannot be read.
 static func version() -> String:
 	var config := ConfigFile.new()
 	return config.get_value("plugin", "version", "") if config.load(PLUGIN) == OK else ""

@@ -1,20 +1,20 @@
 extends RefCounted
-## Makes tiles of a scene's [TerrainScatter3D], into a folder or for a driver in another program: the work of [code]bake_world.gd[/code].
-## [constant USAGE] lists its arguments. [code]bake_to_folder.gd[/code] describes the folder, of which [code]bake.sh[/code] in Thicket's
-## repository makes a bake. That script is a driver, too, and starts as many engines as it needs.
+## Generates tiles of a scene's [TerrainScatter3D], into a folder or for a driver in a different program. It does the work of
+## [code]bake_world.gd[/code]. [constant USAGE] lists its arguments. [code]bake_to_folder.gd[/code] describes the folder, from which
+## [code]bake.sh[/code] in Thicket's repository builds a bake. That script is a driver, too, and starts as many engines as it needs.
 ##
-## For a driver it connects to the port of this machine, sends the token, and then answers until the connection ends, with which it ends
-## too. A message is a JSON object behind its length, 32 bits, little-endian; [code]bytes[/code] of an answer is the number of bytes that
-## follow it. A request has [code]do[/code]:
-## - [code]describe[/code]: what [code]scene_description.gd[/code] says of the scene for a [code]rect[/code], a [code]tile_size[/code] and
-##   [code]layers[/code], each a text as above; without one, it is chosen;
-## - [code]models[/code]: for each of [code]layers[/code] an answer with what its instances look like, each after the files of what has no
-##   file in the project; the last answer is [code]{"end": true}[/code];
-## - [code]rows[/code]: for each part of [code]tile[/code], an array of column and row, an answer that says which it is, as
-##   [code]bake_grid.gd[/code] does, with what [method ScatterTile.get_rows] returns; the last answer is [code]{"end": true}[/code].
-## A refusal has [code]error[/code], a sentence.
+## For a driver, it connects to a port of this machine, sends the token, and answers requests until the connection ends. Then it exits. A
+## message is a JSON object behind its length, 32 bits, little-endian. The [code]bytes[/code] field of an answer is the number of bytes
+## that follow it. The [code]do[/code] field of a request is one of:
+## - [code]describe[/code]: returns the description from [code]scene_description.gd[/code] for a [code]rect[/code], a
+##   [code]tile_size[/code] and [code]layers[/code], each a text in the form of the command line. Missing ones are chosen automatically;
+## - [code]models[/code]: for each of [code]layers[/code], returns the files of models that have no file in the project, and then an
+##   answer with the models. The last answer is [code]{"end": true}[/code];
+## - [code]rows[/code]: for each part of [code]tile[/code], an array of column and row, returns the part as [code]bake_grid.gd[/code]
+##   describes it, with the rows from [method ScatterTile.get_rows]. The last answer is [code]{"end": true}[/code].
+## If a request cannot be answered, the answer has [code]error[/code], a sentence.
 ##
-## Baked is the scene as it is once its ground is there: with the state that the scatter has then, and before any frame after that.
+## The scene is baked as it is once its ground is ready: with the state that the scatter has then, and before any later frame.
 
 const BakeToFolder := preload("res://addons/thicket/baking/bake_to_folder.gd")
 const SceneDescription := preload("res://addons/thicket/baking/scene_description.gd")
@@ -24,7 +24,7 @@ const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of wh
   godot --headless --path PROJECT --script res://addons/thicket/bake_world.gd -- scene=res://world.tscn out=/FOLDER [ARGUMENT=VALUE ...]
     scene=res://...              the scene
     out=/FOLDER                  the folder, with its whole path
-    rect=X,Z,WIDTH,DEPTH         what to make, in meters; else all of the terrain
+    rect=X,Z,WIDTH,DEPTH         what to make, in meters; else all of the ground
     tile_size=METERS             else one that fits the layers
     layers=NAME,NAME             names or indices; else all
     tiles='I,J I,J'              these tiles alone; else all of the rectangle
@@ -34,12 +34,12 @@ const USAGE := """Makes tiles of a scene's TerrainScatter3D into a folder, of wh
 Ends with 0 if all tiles are there that were asked for, 1 if some are not, 2 if it could not begin.
 For a driver, in place of out and what follows it: connect=PORT and token=WORD."""
 const NO_SCATTER := "is no TerrainScatter3D"
-const NO_TERRAIN := "is no terrain"
-const NO_GROUND := "is a scatter that still waits for its ground"
-## What to do about each.
+const NO_GROUND := "is no ground"
+const NOT_SETTLED := "is a scatter that still waits for its ground"
+## The remedy for each, for the user.
 const REMEDIES: Dictionary[String, String] = {
-	NO_SCATTER: "Add one, or set node to its path.", NO_TERRAIN: "Set the terrain of the TerrainScatter3D.",
-	NO_GROUND: "Raise wait, or check that the terrain has ground.",
+	NO_SCATTER: "Add one, or set node to its path.", NO_GROUND: "Set TerrainScatter3D.ground.",
+	NOT_SETTLED: "Raise wait, or check that the ground has heights.",
 }
 const FOR_ALL: Array[String] = ["scene", "node", "wait"]
 const FOR_FOLDER: Array[String] = ["out", "rect", "tile_size", "layers", "tiles", "share"]
@@ -60,7 +60,7 @@ func _init(tree: SceneTree) -> void:
 		_arguments[parts[0]] = parts[1] if parts.size() > 1 else ""
 
 
-## Makes all that was requested, over many frames, and ends the program.
+## Does everything that was requested, over many frames, and ends the program.
 func run() -> void:
 	var wrong := _what_is_wrong()
 	var folder := BakeToFolder.new(_arguments) if not wrong and _arguments.has("out") else null
@@ -75,7 +75,7 @@ func run() -> void:
 		printerr("bake_world: ", wrong)
 		_tree.quit(2)
 		return
-	# From here on no frame passes, so that the scene stays as it is; in a physics frame, so that ground may be asked for by rays.
+	# From here on no frame passes, so that the scene does not change. This is a physics frame, because the ground may use ray queries.
 	await _tree.physics_frame
 	if folder != null:
 		_tree.quit(folder.make(_scatter, _arguments["scene"]))
@@ -85,14 +85,14 @@ func run() -> void:
 	_tree.quit()
 
 
-## What is wrong with the arguments, in a sentence.
+## The error in the arguments, as a sentence.
 func _what_is_wrong() -> String:
 	if not (_arguments.has("out") or _arguments.has("connect")):
 		return "out is missing.\n" + USAGE
 	var known := FOR_ALL + (FOR_FOLDER if _arguments.has("out") else FOR_DRIVER)
 	for name in _arguments:
 		if not name in known:
-			return "%s is '%s', and is nothing that can be given here. Arguments are: %s." % [name, _arguments[name], ", ".join(known)]
+			return "%s is '%s', which is not an argument. Arguments are: %s." % [name, _arguments[name], ", ".join(known)]
 	if _arguments.has("wait") and not (_arguments["wait"].is_valid_float() and _arguments["wait"].to_float() >= 0.0):
 		return "wait is '%s', and has to be a number of seconds, 0 or more." % _arguments["wait"]
 	return ""
@@ -110,7 +110,7 @@ func _connect() -> bool:
 	return _send({"token": _arguments.get("token", "")})
 
 
-## Loads the scene and waits for its ground. Returns what is wrong, in a sentence; nothing if all is there.
+## Loads the scene and waits for its ground. Returns an error as a sentence; empty if everything is ready.
 func _open_scene() -> String:
 	var path: String = _arguments.get("scene", "")
 	if not ResourceLoader.exists(path, "PackedScene"):
@@ -118,7 +118,7 @@ func _open_scene() -> String:
 	var packed := load(path) as PackedScene
 	var scene := packed.instantiate() if packed != null else null
 	if scene == null:
-		return "The scene %s cannot be loaded; the error that was printed says why." % path
+		return "The scene %s cannot be loaded; the printed error has the reason." % path
 	_find_scatter(scene)
 	_tree.root.add_child(scene)
 	_tree.current_scene = scene
@@ -138,7 +138,7 @@ func _open_scene() -> String:
 	return ""
 
 
-## Looks for the scatter, and lets it stream no more than the tile that it is in. Returns what is wrong, if more than one could be meant.
+## Finds the scatter, and limits its streaming to the tile that it is in. Returns an error if there are several scatters to choose from.
 func _find_scatter(scene: Node) -> String:
 	if _scatter != null:
 		return ""
@@ -154,7 +154,7 @@ func _find_scatter(scene: Node) -> String:
 		return "The scene has several TerrainScatter3D: choose one by its path (--node, or node), of %s." % ", ".join(paths)
 	if found.size() == 1 and found[0] is TerrainScatter3D:
 		_scatter = found[0]
-		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # A game may begin with a pause.
+		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # A game may start paused.
 		_scatter.viewers = [^"."] as Array[NodePath]
 		_scatter.viewer_distance_scales = PackedFloat32Array([0.0])
 		_scatter.interaction_group = &""
@@ -164,10 +164,10 @@ func _find_scatter(scene: Node) -> String:
 func _what_is_missing() -> String:
 	if _scatter == null:
 		return NO_SCATTER
-	if _scatter.terrain == null:
-		return NO_TERRAIN
-	if not _scatter.is_settled():
+	if _scatter.ground == null:
 		return NO_GROUND
+	if not _scatter.is_settled():
+		return NOT_SETTLED
 	return ""
 
 
@@ -194,7 +194,7 @@ func _answer(problem: String) -> bool:
 			return _send_models(message["layers"])
 		"rows":
 			return _send_rows(message.tile)
-	return _send({"error": "'%s' is no request: do must be describe, models or rows." % message})
+	return _send({"error": "'%s' is not a request: do must be describe, models or rows." % message})
 
 
 func _send_description(asked: Dictionary) -> bool:
@@ -203,7 +203,7 @@ func _send_description(asked: Dictionary) -> bool:
 	return _send(_described.values if fine else {"error": _described.problem})
 
 
-## Of a tile of what was described last.
+## Sends the rows of a tile of the last description.
 func _send_rows(tile: Array) -> bool:
 	if _described == null or _described.grid == null or _described.problem:
 		return _send({"error": "Rows were requested before describe succeeded: request that first."})

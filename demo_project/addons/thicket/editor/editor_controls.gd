@@ -1,9 +1,10 @@
 @tool
 extends RefCounted
-## Controls as the rows of the editor have them.
+## Controls for the toolbars of the editor.
 
 
-## A number to drag: the smallest, the largest and the step of it, with a width in pixels of an unscaled editor.
+## Creates a slider for a number. [param limits] are the minimum, the maximum and the step; [param width] is in pixels of an unscaled
+## editor.
 static func slider(label: String, tip: String, limits: Vector3, value: float, suffix: String, width: float) -> EditorSpinSlider:
 	var made := EditorSpinSlider.new()
 	made.label = label
@@ -17,7 +18,7 @@ static func slider(label: String, tip: String, limits: Vector3, value: float, su
 	return made
 
 
-## A flat button with an icon of the editor, which [method update_icons] gives it.
+## Creates a flat button with an editor icon, which [method update_icons] sets.
 static func button(text: String, icon: StringName, tip: String) -> Button:
 	var made := Button.new()
 	made.text = text
@@ -27,8 +28,8 @@ static func button(text: String, icon: StringName, tip: String) -> Button:
 	return made
 
 
-## Gives the buttons in a control the icons that their meta [code]icon[/code] names. Icons come from the editor's theme, so this is to be
-## called when the theme changes, as it does once the control is in the tree.
+## Sets the icons of the buttons in a control from their meta [code]icon[/code]. Icons come from the editor's theme, so call this when
+## the theme changes, which also happens when the control enters the tree.
 static func update_icons(parent: Control) -> void:
 	for found: Button in parent.find_children("*", "Button", true, false):
 		var icon: StringName = found.get_meta(&"icon", &"")

@@ -1,16 +1,17 @@
 @tool
 extends RefCounted
-## What the editor's 3D view snaps to. The engine tells scripts since 4.6; before, Ctrl snaps to what the editor has at first.
+## The snap settings of the editor's 3D view. Scripts can read them since Godot 4.6. Before, Ctrl snaps with the editor's
+## default settings.
 
 
-## Whether the editor snaps now: its button is on, or, but not both, Ctrl is held.
+## Whether the editor snaps now: either its snap button is on or Ctrl is held, but not both.
 static func is_on() -> bool:
 	if EditorInterface.has_method(&"is_node_3d_snap_enabled"):
 		return EditorInterface.call(&"is_node_3d_snap_enabled")
 	return Input.is_key_pressed(KEY_CTRL)
 
 
-## Meters from one place to the next.
+## The snap step in meters.
 static func meters() -> float:
 	if EditorInterface.has_method(&"get_node_3d_translate_snap"):
 		return EditorInterface.call(&"get_node_3d_translate_snap")

@@ -1,34 +1,34 @@
 @tool
 extends HBoxContainer
-## Base of the tools: what the left button does in the 3D view while a scatter is selected. A tool is the row of its own settings, which
-## the toolbar shows beside its button while it is on. One tool is on at a time.
+## The base class of the tools, which handle the left mouse button in the 3D view while a scatter is selected. A tool is a row with its
+## own settings, which the toolbar shows beside the tool's button while it is on. One tool is on at a time.
 
-const Marks := preload("res://addons/thicket/editor/layer_marks.gd")
+const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 
-## The view is to be drawn again.
+## The view must be drawn again.
 signal redraw_requested
 
 const NOT_MINE := EditorPlugin.AFTER_GUI_INPUT_PASS
 const MINE := EditorPlugin.AFTER_GUI_INPUT_STOP
 
-## Switches the tool on and off; the toolbar places it.
+## Turns the tool on and off; the toolbar places it.
 var button := Button.new()
-## True for a tool that works on the layer which is chosen in the toolbar.
+## True for a tool that works on the layer chosen in the toolbar.
 var needs_layer := true
-## What the tool works on; null for none.
+## The scatter that the tool works on; null if there is none.
 var scatter: TerrainScatter3D
-## The chosen layer; null for none.
+## The chosen layer; null if there is none.
 var layer: ScatterLayer
-## Its index in the scatter's list.
+## The index of [member layer] in the scatter's list.
 var layer_index := -1
-## All chosen layers, for a tool that works on several; the one above is the first.
+## All chosen layers, for a tool that works on several; [member layer] is the first.
 var layers: Array[ScatterLayer] = []
-## What is noted on layers: a locked one is not to be changed by a tool.
+## The marks on layers. Tools must not change locked layers.
 var marks: Marks
 var undo_redo: EditorUndoRedoManager
 
 
-## Names the button, gives it an icon of the editor, and says what it is for.
+## Sets the button's text, its editor icon and its tooltip.
 func _setup(text: String, icon: StringName, tip: String) -> void:
 	button.text = text
 	button.tooltip_text = tip
@@ -38,7 +38,7 @@ func _setup(text: String, icon: StringName, tip: String) -> void:
 	button.toggled.connect(func(_on: bool) -> void: _on_toggled(); redraw_requested.emit())
 
 
-## Whether the tool has the left button.
+## Whether the tool is on.
 func is_on() -> bool:
 	return button.button_pressed
 
@@ -47,7 +47,7 @@ func set_on(on: bool) -> void:
 	button.button_pressed = on
 
 
-## Input over the view, while the tool is on and has a scatter. Returns [constant MINE] or [constant NOT_MINE].
+## Handles input over the view, while the tool is on and has a scatter. Returns [constant MINE] or [constant NOT_MINE].
 func input(_camera: Camera3D, _event: InputEvent) -> int:
 	return NOT_MINE
 
@@ -57,12 +57,12 @@ func draw_over(_overlay: Control) -> void:
 	pass
 
 
-## Looks, some times a second, whether what it shows has changed; called whether the tool is on or not.
+## Checks whether anything that the tool shows has changed. Called several times per second, whether the tool is on or not.
 func look() -> void:
 	pass
 
 
-## Ends what is under way: the scatter or the layer is about to change, or the tool is put away.
+## Ends the current action, because the scatter or the layer is about to change, or the tool is turned off.
 func finish() -> void:
 	pass
 
@@ -71,30 +71,30 @@ func _on_toggled() -> void:
 	pass
 
 
-## Keeps a key from the editor, which would take it as a shortcut.
+## Prevents the editor from handling a key as a shortcut.
 func _take_key() -> void:
 	if is_inside_tree():
 		get_viewport().set_input_as_handled()
 	redraw_requested.emit()
 
 
-## The ground of the scatter; null for none.
-func terrain() -> ScatterTerrain:
-	return scatter.terrain if is_instance_valid(scatter) else null
+## The ground of the scatter; null if there is none.
+func ground() -> ScatterGround:
+	return scatter.ground if is_instance_valid(scatter) else null
 
 
-## The chosen layers that may be changed: those that are not locked.
+## The chosen layers that tools may change: those that are not locked.
 func unlocked() -> Array[ScatterLayer]:
 	return layers.filter(func(chosen: ScatterLayer) -> bool: return marks == null or not marks.is_locked(chosen))
 
 
-## Why a tool may not change the chosen layers, in a sentence; empty if it may change one of them.
+## The reason why a tool must not change the chosen layers, as a sentence; empty if it may change one of them.
 func lock_problem() -> String:
 	if layers.is_empty() or not unlocked().is_empty():
 		return ""
 	return "%s is locked: unlock it in the Scatter panel." % (layer.resource_name if layer.resource_name else "The layer")
 
 
-## The file of the scene that is worked on; empty while it has none.
+## The path of the edited scene; empty if it was never saved.
 static func scene_path() -> String:
 	return EditorInterface.get_edited_scene_root().scene_file_path

@@ -1,28 +1,29 @@
 @tool
 extends RefCounted
-## Keeps what tools make, as painted masks and hand-placed instances, in files of their own beside the scene: a scene holds settings only.
+## Keeps data that tools create, such as painted masks and hand-placed instances, in files beside the scene, so that the scene holds
+## settings only.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
-const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists, has room and may be written, then save the scene again."
-const UNREMOVABLE := "Cannot remove %s, which no scene uses any more: %s. Delete it by hand."
+const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists and is writable and that the disk has room, then save the scene again."
+const UNREMOVABLE := "Cannot remove %s, which no scene uses: %s. Delete it by hand."
 
-## Why [method create] gave nothing, in a sentence.
+## The reason why [method create] failed, as a sentence.
 var problem := ""
 
 var _changed: Dictionary[int, WeakRef] = {}
-var _removed: Dictionary[String, PackedByteArray] = {} ## What was in files that are gone; with it goes the id by which scenes find them.
-var _unwritten: Dictionary[String, bool] = {} ## Files in use no more whose resources had changed since they were written.
-var _unsaved: Dictionary[String, String] = {} ## Files that no saved scene can refer to yet, and the scene that will.
-var _unused: Dictionary[String, String] = {} ## Files that a saved scene may refer to, but no more when it is saved again.
+var _removed: Dictionary[String, PackedByteArray] = {} ## The contents of removed files, which include the ids by which scenes find them.
+var _unwritten: Dictionary[String, bool] = {} ## Unused files whose resources had changed since they were written.
+var _unsaved: Dictionary[String, String] = {} ## Files that no saved scene refers to yet, and the scene that will.
+var _unused: Dictionary[String, String] = {} ## Unused files that the saved scene may still refer to, and the scene.
 
 
-## Gives a new resource a file beside the scene [param scene_path], named after the scene, [param owner_name] and [param kind]. False, with
-## the reason in [member problem], if that cannot be.
+## Writes a new resource to a file beside the scene [param scene_path]. The file is named after the scene, [param owner_name] and
+## [param kind]. On failure, returns false and sets [member problem].
 func create(scene_path: String, resource: Resource, owner_name: String, kind: String) -> bool:
 	problem = ""
 	if scene_path.is_empty():
-		problem = "The scene has no file yet. Save the scene first: what you make goes into a file beside it."
+		problem = "The scene has no file yet. Save the scene first: your changes are stored in a file beside it."
 		return false
 	var path := _free_path(scene_path, owner_name, kind)
 	var error := WholeFile.save(resource, path)
@@ -34,8 +35,8 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	return true
 
 
-## Gives a layer, a copy of another, a copy of the mask that both have, if that is a file. [param r_masks] gets the mask and its copy:
-## layers that shared one share the copy. False, with the reason in [member problem], if that cannot be.
+## Gives a copied layer its own copy of the mask, if the mask is a file. The mask and its copy are added to [param r_masks], so layers that
+## shared a mask share its copy. On failure, returns false and sets [member problem].
 func copy_mask(layer: ScatterLayer, scene_path: String, r_masks: Dictionary[Resource, Resource]) -> bool:
 	var mask := layer.mask
 	if mask == null or mask.resource_path.is_empty() or "::" in mask.resource_path:
@@ -49,27 +50,28 @@ func copy_mask(layer: ScatterLayer, scene_path: String, r_masks: Dictionary[Reso
 	return true
 
 
-## Takes in resources that others have just written to new files beside a scene: they go as those that [method create] gives a file.
+## Adopts resources that other code has just written to new files beside a scene. They are removed and restored like those of
+## [method create].
 func adopt(resources: Array, scene_path: String) -> void:
 	for resource: Resource in resources:
 		_unsaved[resource.resource_path] = scene_path
 
 
-## Makes a file hold what it held at another time, and a resource, if there is one, what is loaded from it; for undo.
+## Restores the content of a file, and the path of a resource, unless it is null; for undo.
 func put(path: String, bytes: PackedByteArray, resource: Resource) -> void:
 	_store(path, bytes)
 	if resource != null:
 		resource.take_over_path(path)
 
 
-## Has resources that were made for a scene come and go with the step of undo that is being made.
+## Adds resources that were created for a scene to the undo step that is being created: undo removes their files, and redo restores them.
 func add_to_undo(resources: Array, scene_path: String, undo_redo: EditorUndoRedoManager) -> void:
 	for resource: Resource in resources:
 		undo_redo.add_do_method(self, &"keep", resource, scene_path)
 		undo_redo.add_undo_method(self, &"drop", resource, scene_path)
 
 
-## The resource that [method create] gave a file for a scene is in use again, after redo.
+## Called when redo uses a resource of [method create] again.
 func keep(resource: Resource, scene_path: String) -> void:
 	var path := resource.resource_path
 	_unused.erase(path)
@@ -82,7 +84,8 @@ func keep(resource: Resource, scene_path: String) -> void:
 		mark(resource)
 
 
-## The same resource is in use no more, after undo. Its file goes; one that the scene on disk refers to stays until that is saved.
+## Called when undo stops using a resource of [method create]. Its file is removed. If the scene on disk refers to the file, it is removed
+## when the scene is saved.
 func drop(resource: Resource, scene_path: String) -> void:
 	if _changed.erase(resource.get_instance_id()):
 		_unwritten[resource.resource_path] = true
@@ -92,7 +95,7 @@ func drop(resource: Resource, scene_path: String) -> void:
 		_unused[resource.resource_path] = scene_path
 
 
-## A scene was saved: what it refers to stays from now on, and what it refers to no more goes.
+## Called when a scene was saved: keeps the files that it refers to, and removes those that it no longer uses.
 func on_scene_saved(scene_path: String) -> void:
 	for path: String in _unsaved.keys():
 		if _unsaved[path] == scene_path:
@@ -103,7 +106,7 @@ func on_scene_saved(scene_path: String) -> void:
 			_remove(path)
 
 
-## A scene was closed: what it would have referred to, had it been saved, goes.
+## Called when a scene was closed: removes the files that only its unsaved version referred to.
 func on_scene_closed(scene_path: String) -> void:
 	for path: String in _unsaved.keys():
 		if _unsaved[path] == scene_path:
@@ -111,17 +114,17 @@ func on_scene_closed(scene_path: String) -> void:
 			_remove(path)
 
 
-## The resource has changed; [method save] will write it.
+## Marks a resource as changed, so that [method save] writes it.
 func mark(resource: Resource) -> void:
 	_changed[resource.get_instance_id()] = weakref(resource)
 
 
-## Writes what has changed since the last call. Resources that nobody holds any more, as after closing a scene
-## without saving it, are left as they are on disk. A file that cannot be written is written by a later call.
+## Writes the resources that have changed since the last call. Resources that are no longer in use, for example after closing a scene
+## without saving it, are not written. If a file cannot be written, a later call tries again.
 func save() -> void:
 	for id: int in _changed.keys():
 		var resource := _changed[id].get_ref() as Resource
-		# One inside of a scene is saved with it, by the editor.
+		# The editor saves a resource inside of a scene with the scene.
 		var has_file := resource != null and not resource.resource_path.is_empty() and not "::" in resource.resource_path
 		if not has_file or _write(resource):
 			_changed.erase(id)
@@ -136,7 +139,7 @@ func _remove(path: String) -> void:
 		return
 	_removed[path] = FileAccess.get_file_as_bytes(path)
 	var error := FileAccess.get_open_error()
-	if error != OK: # Redo writes the resource itself.
+	if error != OK: # Redo writes the resource instead.
 		_removed.erase(path)
 	error = DirAccess.remove_absolute(path)
 	if error != OK:
@@ -158,7 +161,7 @@ static func _reported(path: String, error: Error) -> bool:
 	return error == OK
 
 
-## scene_layer_mask.res, or with a number where another lies already.
+## A path such as scene_layer_mask.res, with a number if that file exists already.
 static func _free_path(scene_path: String, owner_name: String, kind: String) -> String:
 	var name := owner_name.to_snake_case().validate_filename()
 	var stem := "%s_%s_%s" % [scene_path.get_basename(), name if not name.is_empty() else "layer", kind]

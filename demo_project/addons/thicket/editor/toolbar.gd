@@ -1,31 +1,32 @@
 @tool
 extends "res://addons/thicket/editor/wrapping_row.gd"
-## What stands above the 3D view while a scatter is selected: its tools with their settings, the layer that they work on, presets, bake.
+## The toolbar above the 3D view while a scatter is selected: tools with their settings, the layer that they work on, presets, bakes and
+## imports.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
-const HandTool := preload("res://addons/thicket/editor/hand_tool.gd")
-const PaintTool := preload("res://addons/thicket/editor/paint_tool.gd")
-const PolygonTool := preload("res://addons/thicket/editor/polygon_tool.gd")
-const Presets := preload("res://addons/thicket/editor/presets.gd")
-const RectangleTool := preload("res://addons/thicket/editor/rectangle_tool.gd")
-const RegionMenu := preload("res://addons/thicket/editor/region_menu.gd")
-const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
+const HandTool := preload("res://addons/thicket/editor/hand/hand_tool.gd")
+const PaintTool := preload("res://addons/thicket/editor/brush/paint_tool.gd")
+const PolygonTool := preload("res://addons/thicket/editor/regions/polygon_tool.gd")
+const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
+const RectangleTool := preload("res://addons/thicket/editor/bake/rectangle_tool.gd")
+const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 const ScatterTool := preload("res://addons/thicket/editor/scatter_tool.gd")
-const WhyTool := preload("res://addons/thicket/editor/why_tool.gd")
+const WhyTool := preload("res://addons/thicket/editor/explain/why_tool.gd")
 
 signal preset_chosen(name: String)
 signal bake_requested
 signal import_requested
-## Tools work on other layers: [member chosen] has changed.
+## [member chosen] has changed: tools work on these layers now.
 signal layers_chosen
-## The view is to be drawn again.
+## The view must be drawn again.
 signal redraw_requested
 
-## The brush.
+## Paints masks.
 var paint := PaintTool.new()
 ## Plants and changes single instances.
 var hand := HandTool.new()
-## Says why something stands at a place or does not.
+## Explains why instances are placed at a position or not.
 var why := WhyTool.new()
 ## Draws the outline of a region.
 var polygon := PolygonTool.new()
@@ -35,7 +36,7 @@ var rectangle := RectangleTool.new()
 var tools: Array[ScatterTool] = [paint, hand, why, polygon, rectangle]
 ## Adds regions.
 var regions := RegionMenu.new()
-## The layers that tools work on, the first of them before all others.
+## The layers that tools work on; the first is the main one.
 var chosen: Array[ScatterLayer] = []
 
 var _scatter: TerrainScatter3D
@@ -65,16 +66,17 @@ func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
 	add_child(VSeparator.new())
 	_add_presets()
 	_add_regions(undo_redo)
-	var bake := Controls.button("Bake", &"Bake", "Write what stands in a rectangle as MultiMesh resources and a scene.")
+	var bake := Controls.button("Bake", &"Bake", "Bake the instances in a rectangle into MultiMesh resources and a scene.")
 	bake.pressed.connect(bake_requested.emit)
 	add_child(bake)
 	var imports := Controls.button("Import", &"Load",
-			"Make hand-placed instances of MultiMeshes, ProtonScatter's output, Terrain3D's instances or a table.")
+			"Import hand-placed instances from MultiMeshes, ProtonScatter, Terrain3D or a table.")
 	imports.pressed.connect(import_requested.emit)
 	add_child(imports)
 
 
-## Gives all tools a scatter; null for none. Another one puts the tool that is on away, so that a click on another node cannot paint.
+## Sets the scatter of all tools; null for none. A new scatter turns the active tool off, so that a click on a different node cannot
+## paint.
 func set_scatter(scatter: TerrainScatter3D) -> void:
 	for tool in tools:
 		tool.finish()
@@ -86,7 +88,7 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 	update_layers()
 
 
-## Shows the layers that the scatter has now. The chosen ones stay if they are among them; else it is the first.
+## Updates the list of layers. The chosen layers stay chosen if the scatter still has them; else the first layer is chosen.
 func update_layers() -> void:
 	_layers.clear()
 	var layers := _scatter_layers()
@@ -100,14 +102,14 @@ func update_layers() -> void:
 	choose_layers(left)
 
 
-## Chooses the layer at an index in the scatter's list, if it is there.
+## Chooses the layer at an index in the scatter's list, if there is one.
 func choose_layer(index: int) -> void:
 	var layers := _scatter_layers()
 	if index >= 0 and index < layers.size() and layers[index] != null:
 		choose_layers([layers[index]])
 
 
-## Chooses layers of the scatter, the first before all others.
+## Chooses layers of the scatter; the first is the main one.
 func choose_layers(layers: Array[ScatterLayer]) -> void:
 	var others := layers != chosen
 	chosen = layers
@@ -124,7 +126,7 @@ func choose_layers(layers: Array[ScatterLayer]) -> void:
 		layers_chosen.emit()
 
 
-## The tool that is on; null for none.
+## Returns the tool that is on; null if there is none.
 func active_tool() -> ScatterTool:
 	for tool in tools:
 		if tool.is_on():
@@ -132,7 +134,7 @@ func active_tool() -> ScatterTool:
 	return null
 
 
-func _notification(what: int) -> void: # The base gets it, too.
+func _notification(what: int) -> void: # The base class is notified as well.
 	if what == NOTIFICATION_THEME_CHANGED:
 		Controls.update_icons(self)
 
@@ -141,7 +143,7 @@ func _add_presets() -> void:
 	var menu := MenuButton.new()
 	menu.text = "Presets"
 	menu.set_meta(&"icon", &"Add")
-	menu.tooltip_text = "Add layers to start from."
+	menu.tooltip_text = "Add the layers of a preset."
 	for name in Presets.NAMES:
 		menu.get_popup().add_item("Add " + name.capitalize())
 	menu.get_popup().index_pressed.connect(func(index: int) -> void: preset_chosen.emit(Presets.NAMES[index]))

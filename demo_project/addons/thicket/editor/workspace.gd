@@ -1,48 +1,48 @@
 @tool
 extends RefCounted
-## The editor's side of Thicket: tools for the 3D view, gizmos, presets and bake. The nodes work without it. The plugin forwards the
-## editor's calls to this object.
+## The editor's part of Thicket: tools for the 3D view, gizmos, presets and bakes. The nodes work without it. The plugin forwards
+## the editor's calls to this object.
 
-const Bake := preload("res://addons/thicket/editor/bake_dialog.gd")
-const ExtentGizmos := preload("res://addons/thicket/editor/extent_gizmos.gd")
-const FreshLayers := preload("res://addons/thicket/editor/fresh_layers.gd")
-const GroundButtons := preload("res://addons/thicket/editor/ground_buttons.gd")
-const HelpLinks := preload("res://addons/thicket/editor/help_links.gd")
-const Import := preload("res://addons/thicket/editor/import_dialog.gd")
-const LayerInspector := preload("res://addons/thicket/editor/layer_inspector.gd")
-const LayerDesk := preload("res://addons/thicket/editor/layer_desk.gd")
-const LooseStates := preload("res://addons/thicket/editor/loose_states.gd")
-const RegionGizmos := preload("res://addons/thicket/editor/region_gizmos.gd")
-const ScatterLayers := preload("res://addons/thicket/editor/scatter_layers.gd")
-const ServerExport := preload("res://addons/thicket/editor/server_export.gd")
-const Shared := preload("res://addons/thicket/editor/shared_layers.gd")
+const Bake := preload("res://addons/thicket/editor/bake/bake_dialog.gd")
+const ExtentGizmos := preload("res://addons/thicket/editor/ground/extent_gizmos.gd")
+const PresetWatcher := preload("res://addons/thicket/editor/layers/preset_watcher.gd")
+const GroundButtons := preload("res://addons/thicket/editor/ground/ground_buttons.gd")
+const HelpLinks := preload("res://addons/thicket/editor/help/help_links.gd")
+const Import := preload("res://addons/thicket/editor/import/import_dialog.gd")
+const LayerInspector := preload("res://addons/thicket/editor/inspector/layer_inspector.gd")
+const LayersDock := preload("res://addons/thicket/editor/layers/layers_dock.gd")
+const LooseStates := preload("res://addons/thicket/editor/hand/loose_states.gd")
+const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+const ServerExport := preload("res://addons/thicket/editor/export/server_export.gd")
+const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
-const Tutorials := preload("res://addons/thicket/editor/tutorial_window.gd")
+const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 
 ## The item of the menu Project > Tools that opens the tutorials.
 const TUTORIALS_ITEM := "Thicket Tutorials..."
 
-## Seconds between two checks of what the extent and the tools show.
+## Seconds between two updates of the extent and the tools.
 const LOOK_SECONDS := 0.25
 
 ## The row above the 3D view, with the tools.
 var toolbar: Toolbar
-## The buttons beside it that make the selected nodes a ground.
+## The buttons beside the toolbar that set and refresh the ground.
 var ground_buttons: GroundButtons
 ## The panel with the layers, its marks and its bar.
-var desk: LayerDesk
+var dock: LayersDock
 ## The dialog that bakes.
 var bake: Bake
 ## The dialog that imports.
 var imports: Import
-## The pages of the add-on's tutorials.
+## The window with the add-on's tutorials.
 var tutorials: Tutorials
 
 var _plugin: EditorPlugin
 var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
 var _inspector: LayerInspector
-var _fresh_layers := FreshLayers.new()
+var _preset_watcher := PresetWatcher.new()
 var _help_links: HelpLinks
 var _loose_states: LooseStates
 var _server_export := ServerExport.new()
@@ -52,12 +52,12 @@ var _tiles := 0
 var _since_look := 0.0
 
 
-## Puts the tools into the editor.
+## Adds the tools to the editor.
 func _init(plugin: EditorPlugin) -> void:
 	_plugin = plugin
 	var undo_redo := plugin.get_undo_redo()
-	desk = LayerDesk.new(plugin)
-	toolbar = Toolbar.new(undo_redo, desk.marks)
+	dock = LayersDock.new(plugin)
+	toolbar = Toolbar.new(undo_redo, dock.marks)
 	toolbar.redraw_requested.connect(plugin.update_overlays)
 	toolbar.preset_chosen.connect(_add_preset)
 	toolbar.bake_requested.connect(_open_bake)
@@ -66,9 +66,9 @@ func _init(plugin: EditorPlugin) -> void:
 	toolbar.hide()
 	ground_buttons = GroundButtons.new(undo_redo)
 	plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
-	desk.enter(toolbar)
-	desk.panel.preset_chosen.connect(_add_preset)
-	desk.panel.notes.ground_wanted.connect(ground_buttons.choose)
+	dock.enter(toolbar)
+	dock.panel.preset_chosen.connect(_add_preset)
+	dock.panel.notes.ground_wanted.connect(ground_buttons.choose)
 	bake = Bake.new()
 	EditorInterface.get_base_control().add_child(bake)
 	bake.edits = toolbar.hand.edits
@@ -94,7 +94,7 @@ func _init(plugin: EditorPlugin) -> void:
 	plugin.scene_closed.connect(toolbar.paint.brush.files.on_scene_closed)
 
 
-## Takes everything out of the editor.
+## Removes everything from the editor.
 func leave() -> void:
 	edit(null)
 	EditorInterface.get_resource_filesystem().resources_reimported.disconnect(_reload_scenes)
@@ -107,7 +107,7 @@ func leave() -> void:
 	_plugin.remove_control_from_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
 	_place_ground_buttons(false)
 	_plugin.remove_control_from_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
-	desk.leave()
+	dock.leave()
 	toolbar.queue_free()
 	ground_buttons.queue_free()
 	bake.queue_free()
@@ -115,17 +115,17 @@ func leave() -> void:
 	tutorials.queue_free()
 
 
-## True for a node that the tools edit.
+## Returns true for a node that the tools edit.
 func handles(object: Object) -> bool:
 	return object is TerrainScatter3D
 
 
-## Gives the tools a node to edit; null for none.
+## Sets the node that the tools edit; null for none.
 func edit(object: Object) -> void:
 	var last := _scatter
 	_scatter = object as TerrainScatter3D
 	toolbar.set_scatter(_scatter)
-	desk.set_scatter(_scatter)
+	dock.set_scatter(_scatter)
 	_extent.scatter = _scatter
 	for node: TerrainScatter3D in [last, _scatter]:
 		if is_instance_valid(node):
@@ -140,7 +140,7 @@ func make_visible(visible: bool) -> void:
 		edit(null)
 
 
-## Puts the buttons for the ground into the toolbar, where they wrap with the rest, or beside it.
+## Moves the ground buttons into the toolbar, where they wrap with the rest, or beside it.
 func _place_ground_buttons(in_toolbar: bool) -> void:
 	if in_toolbar == (ground_buttons.get_parent() == toolbar):
 		return
@@ -152,25 +152,25 @@ func _place_ground_buttons(in_toolbar: bool) -> void:
 		_plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 
 
-## Gives each state of the open scenes a file before a scene is saved.
+## Writes each state of the open scenes to a file before a scene is saved.
 func apply_changes() -> void:
 	for root in _open_roots():
 		_loose_states.take_in(root)
 
 
-## Writes what was painted, when the scene is saved.
+## Writes painted masks and other changed files when the scene is saved.
 func save_external_data() -> void:
 	toolbar.paint.brush.files.save()
 
 
-## Checks some times a second what has changed; called each frame.
+## Called each frame. Updates everything several times per second.
 func process(delta: float) -> void:
 	_since_look += delta
 	if _since_look < LOOK_SECONDS:
 		return
 	_since_look = 0.0
-	_fresh_layers.look()
-	desk.look()
+	_preset_watcher.look()
+	dock.look()
 	if is_instance_valid(_scatter):
 		var shown := _state(_scatter)
 		if shown != _shown:
@@ -181,12 +181,12 @@ func process(delta: float) -> void:
 		tool.look()
 
 
-## What the extent and the toolbar show of a scatter.
+## The data of a scatter that the extent and the toolbar show.
 func _state(scatter: TerrainScatter3D) -> Array:
-	var state: Array = [scatter, scatter.global_transform, scatter.terrain]
+	var state: Array = [scatter, scatter.global_transform, scatter.ground]
 	for layer in ScatterLayers.of(scatter):
 		state.append_array([layer, layer.resource_name if layer != null else ""])
-	# Tiles come and go as the camera moves; the line waits until they stay.
+	# Tiles are added and removed as the camera moves; the line is updated when they have settled.
 	if scatter.is_settled():
 		_tiles = 0
 		for index in ScatterLayers.of(scatter).size():
@@ -195,7 +195,7 @@ func _state(scatter: TerrainScatter3D) -> Array:
 	return state
 
 
-## Hands input over the 3D view to the tool that is on.
+## Forwards input over the 3D view to the tool that is on.
 func input(camera: Camera3D, event: InputEvent) -> int:
 	var tool := toolbar.active_tool()
 	return tool.input(camera, event) if tool != null and is_instance_valid(_scatter) else EditorPlugin.AFTER_GUI_INPUT_PASS
@@ -210,17 +210,17 @@ func draw_over(overlay: Control) -> void:
 
 func _add_preset(name: String) -> void:
 	if is_instance_valid(_scatter):
-		_fresh_layers.add(name, _scatter, _plugin.get_undo_redo())
+		_preset_watcher.add(name, _scatter, _plugin.get_undo_redo())
 		toolbar.update_layers()
 
 
 func _on_scene_saved(path: String) -> void:
 	toolbar.paint.brush.files.on_scene_saved(path)
-	_loose_states.on_scene_saved.call_deferred(path) # A new scene has its path by then.
+	_loose_states.on_scene_saved.call_deferred(path) # By then, a new scene has its path.
 	_reload_scenes([path])
 
 
-## Redraws plants whose files have changed.
+## Redraws models whose files have changed.
 func _reload_scenes(paths: PackedStringArray) -> void:
 	for scatter in Shared.open_scatters():
 		for layer in ScatterLayers.of(scatter):
@@ -230,7 +230,7 @@ func _reload_scenes(paths: PackedStringArray) -> void:
 
 func _open_roots() -> Array[Node]:
 	var roots: Array = [EditorInterface.get_edited_scene_root()]
-	if EditorInterface.has_method(&"get_open_scene_roots"): # Since 4.5: those in other tabs, too.
+	if EditorInterface.has_method(&"get_open_scene_roots"): # Since 4.5: also those in other tabs.
 		roots = EditorInterface.call(&"get_open_scene_roots")
 	return Array(roots.filter(is_instance_valid), TYPE_OBJECT, &"Node", null)
 

@@ -1,9 +1,10 @@
 @tool
 extends HFlowContainer
-## A row above the 3D view that goes on in further lines where it is too long, as the editor's own row of menus does, instead of pushing the
+## A row above the 3D view that wraps into further lines if it is too long, like the editor's own row of menus. Otherwise it would push the
 ## docks out of the window.
 
-## Pixels of an unscaled editor: as much as the row asks for before it wraps, less than the editor's own menus have.
+## The row requests at most this width before it wraps, in pixels of an unscaled editor. It is less than the width of the editor's own
+## menus.
 const WIDTH := 600.0
 
 
@@ -21,7 +22,7 @@ func _notification(what: int) -> void:
 			_stretch(false)
 
 
-## Asks for all of its length, unless that is much.
+## Requests the full length of the row, up to the limit.
 func _ask_for_width() -> void:
 	var length := 0.0
 	for child: Node in get_children():
@@ -31,7 +32,7 @@ func _ask_for_width() -> void:
 	custom_minimum_size.x = minf(ceilf(length), WIDTH * EditorInterface.get_editor_scale())
 
 
-## Has the editor's panel around it fill its line, while the row is seen: what is left of the line is the room to wrap in.
+## Makes the editor's panel around the row fill its line while the row is visible: the rest of the line is the room for wrapping.
 func _stretch(wide: bool) -> void:
 	var panel := get_parent() as Control
 	while panel != null and not panel.get_parent() is FlowContainer:

@@ -1,8 +1,9 @@
 @tool
 extends ArrayMesh
-## A simple plant or stone for the presets, built when it is loaded: a scene stores no more than its kind.
+## A simple plant or stone for the presets. It is built when it is loaded, so a scene stores only its kind.
 ##
-## Meters, standing on y = 0, vertex colors and no textures. Equal kinds are equal meshes, on every machine.
+## Sizes are in meters, the model stands on y = 0, and the mesh has vertex colors and no textures. A kind has the
+## same mesh on every machine.
 
 const KINDS: PackedStringArray = [
 	"spruce", "birch", "bush", "fern", "grass", "flower", "boulder", "rock", "pebble",
@@ -10,16 +11,16 @@ const KINDS: PackedStringArray = [
 const BARK := Color(0.24, 0.17, 0.12)
 
 const FOLIAGE := preload("res://addons/thicket/shaders/foliage.tres")
-## Plants, and the meters of each at which its sway is full; what is not here is stone.
+## The height in meters at which the sway of each plant is full; kinds that are not listed are stones.
 const SWAY_HEIGHTS := {"spruce": 8.0, "birch": 7.0, "bush": 1.2, "fern": 0.6, "grass": 0.5, "flower": 0.45}
 
 static var _materials := {}
 
-## One of [constant KINDS]; another name prints an error and changes nothing.
+## One of [constant KINDS]. Any other name prints an error and changes nothing.
 @export_enum("spruce", "birch", "bush", "fern", "grass", "flower", "boulder", "rock", "pebble") var kind := "":
 	set(value):
 		if not KINDS.has(value):
-			push_error("PresetMesh.kind must be one of %s, got '%s'. The last kind stays." % [", ".join(KINDS), value])
+			push_error("PresetMesh.kind must be one of %s, got '%s'. The last kind is kept." % [", ".join(KINDS), value])
 			return
 		kind = value
 		_build()
@@ -113,8 +114,8 @@ func _build_pebble() -> void:
 		_blob(at, Vector3(size, size * 0.6, size * 0.85), 0.2, Color(0.28, 0.27, 0.25), Color(0.55, 0.53, 0.5), true, 3)
 
 
-## A ring of quads between two heights, or of triangles where one radius is 0. Seen from outside if it goes up, from
-## below and inside if it goes down.
+## Adds a ring of quads between two heights, or of triangles if one radius is 0. It is visible from outside if
+## [param to] is above [param from], else from below and inside.
 func _cone(from: float, to: float, low_radius: float, high_radius: float, sides: int, low: Color, high: Color,
 		at := Vector3.ZERO) -> void:
 	var lean := (low_radius - high_radius) / (to - from)
@@ -133,7 +134,7 @@ func _cone(from: float, to: float, low_radius: float, high_radius: float, sides:
 			_vertex(corners[corner], normal, high if corner > 1 else low)
 
 
-## A lumpy ellipsoid, darker below; with flat faces, a stone.
+## Adds a lumpy ellipsoid, darker at the bottom. With flat faces, it is a stone.
 func _blob(center: Vector3, radii: Vector3, roughness: float, low: Color, high: Color, faceted := false,
 		rings := 5) -> void:
 	var sides := rings + 2
@@ -150,7 +151,7 @@ func _blob(center: Vector3, radii: Vector3, roughness: float, low: Color, high: 
 		for side in sides:
 			var next := (side + 1) % sides
 			var apart := ring % 2
-			# Rings are turned by half a step, so the diagonals change sides.
+			# Each ring is turned by half a step, so the diagonals alternate.
 			var a := points[ring][side]
 			var b := points[ring][next]
 			var c := points[ring + 1][side]
@@ -171,7 +172,7 @@ func _face(face: Array, center: Vector3, radii: Vector3, low: Color, high: Color
 		_vertex(center + unit * radii, normal, low.lerp(high, clampf(0.5 + 0.5 * height, 0.0, 1.0)))
 
 
-## A blade of two pieces that bends outwards; has two sides, both lit from above.
+## Adds a blade of two pieces that bends outwards. It has two sides, both lit from above.
 func _blade(foot: Vector3, turn: float, length: float, width: float, bend: float, low: Color, high: Color) -> void:
 	var out := Vector3(cos(turn), 0.0, sin(turn))
 	var side := Vector3(-out.z, 0.0, out.x) * width
@@ -196,7 +197,7 @@ static func _material_of(what: String) -> Material:
 	return _materials[what]
 
 
-## The add-on's material, with a sway of the plant's size.
+## The add-on's material, with a sway that fits the size of the plant.
 static func _plant_material(height: float) -> ShaderMaterial:
 	var material := FOLIAGE.duplicate() as ShaderMaterial
 	material.set_shader_parameter(&"sway_height", height)

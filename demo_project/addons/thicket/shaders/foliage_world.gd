@@ -1,43 +1,45 @@
 @tool
-class_name FoliageWorld
+class_name ScatterFoliageWorld
 extends Node3D
-## Hands wind and moving bodies to materials whose shader includes [code]foliage.gdshaderinc[/code].
+## Sets wind and moving bodies on materials whose shader includes [code]foliage.gdshaderinc[/code].
 ##
-## One node in a scene is enough. It works in the editor and in exported games, and asks for no project setting. In the
-## editor it shows the wind and leaves the materials as they are, so that nothing is saved with them; bodies are a game's.
-## Without the native library it still serves [member materials]. So it names none of the library's classes as a type.
+## One node in a scene is enough. It works in the editor and in exported games, and needs no project setting. In the
+## editor it shows the wind but does not change the materials, so nothing is saved with them. Bodies have an effect only
+## in games. Without the native library, the node still updates [member materials]; for that reason, it uses none of the
+## library's classes as a type.
 ##
 ## @tutorial(Your own tree): res://addons/thicket/tutorials/your_own_tree.md
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 
-## As many bodies as the shader takes.
+## The largest number of bodies that the shader supports.
 const MOST_BODIES := 16
 
-## Materials that get the wind and the bodies, besides those of scatters. Empty entries are left alone.
+## Materials that receive the wind and the bodies, in addition to those of scatters. Empty entries are ignored.
 @export var materials: Array[ShaderMaterial] = []
-## Whether the materials of all [TerrainScatter3D]s in the tree get them as well: [method ScatterLayer.get_materials] of
-## each layer, as far as their shader includes [code]foliage.gdshaderinc[/code]. They are looked up anew when such a node
-## comes or goes, or its list of layers or a layer changes; a material that gets another shader counts from then on.
+## If true, the materials of all [TerrainScatter3D]s in the tree receive them as well: those from
+## [method ScatterLayer.get_materials] of each layer whose shader includes [code]foliage.gdshaderinc[/code]. They are
+## collected again when such a node is added or removed, and when its list of layers or a layer changes. Only then is a
+## material checked whose shader has changed.
 @export var include_scatters := true:
 	set(value):
 		include_scatters = value
 		if is_inside_tree():
 			_watch_tree(value)
-## How strong the wind is, 0 for none.
+## The strength of the wind; 0 for no wind.
 @export_range(0.0, 2.0) var wind_strength := 1.0
-## Where the wind blows to: x and z of the world. Its length does not matter.
+## The direction in which the wind blows: x and z of the world. Its length does not matter.
 @export var wind_direction := Vector2(1.0, 0.35)
-## The group of the [Node3D]s that bend plants. Of more than 16, those nearest to the camera count.
+## The group of the [Node3D]s that bend plants. If there are more than 16, the nearest to the camera are used.
 @export var bodies_group := &"scatter_interaction"
 ## The radius of each body in meters.
 @export_range(0.0, 10.0) var body_radius := 0.6
 
-var _scatters: Dictionary[Node, Array] = {} ## The layers of each when its materials were looked up.
+var _scatters: Dictionary[Node, Array] = {} ## The layers of each scatter when its materials were collected.
 var _layers: Array[Resource] = []
 var _found: Array[ShaderMaterial] = []
 var _is_stale := false
-var _shown: Dictionary[ShaderMaterial, PackedStringArray] = {} ## What the renderer was told in the editor.
+var _shown: Dictionary[ShaderMaterial, PackedStringArray] = {} ## The parameters set on the renderer in the editor.
 
 
 func _enter_tree() -> void:
@@ -68,7 +70,7 @@ func _process(_delta: float) -> void:
 				_tell(material, parameters)
 
 
-## What is set in the editor would be saved with the material, so only the renderer gets it there.
+## In the editor, a parameter that is set on a material would be saved with it, so only the renderer receives it.
 func _tell(material: ShaderMaterial, parameters: Dictionary) -> void:
 	for parameter: StringName in parameters:
 		if Engine.is_editor_hint():
@@ -79,7 +81,7 @@ func _tell(material: ShaderMaterial, parameters: Dictionary) -> void:
 		_shown[material] = PackedStringArray(parameters.keys())
 
 
-## Hears of scatters that come and go, beginning with those that are there; or forgets all of them.
+## Starts or stops watching for scatters that are added and removed, including those already in the tree.
 func _watch_tree(watch: bool) -> void:
 	var tree := get_tree()
 	if tree.node_added.is_connected(_on_node_added) == watch:
@@ -97,7 +99,7 @@ func _watch_tree(watch: bool) -> void:
 		_find_materials()
 
 
-## The node above all others, in the editor that of the scene.
+## The topmost node; in the editor, the topmost node of the scene.
 func _top() -> Node:
 	var top: Node = self
 	while top.get_parent() and not (Engine.is_editor_hint() and top.get_parent() is Viewport):
@@ -150,7 +152,7 @@ func _is_foliage(shader: Shader) -> bool:
 	return "wind_strength" in names and "bend_bodies" in names
 
 
-## How many bodies there are, and their places and radii.
+## The number of bodies, and their positions and radii.
 func _bodies() -> Array:
 	var places: Array[Vector3] = []
 	for node in get_tree().get_nodes_in_group(bodies_group):

@@ -6,11 +6,11 @@ namespace godot {
 
 namespace internal {
 
-/// The library as the engine knows it; also the token of all instance bindings.
+/// The engine's handle of this library, which is also the token of all instance bindings.
 extern GDExtensionClassLibraryPtr library;
 
-/// Class reference in the engine's XML format, compressed by zlib, which the editor is given when it starts
-/// (`editor_help_load_xml_from_utf8_chars_and_len`). There is at most one; the data must stay.
+/// The class reference in the engine's XML format, compressed by zlib. The editor gets it at startup
+/// (`editor_help_load_xml_from_utf8_chars_and_len`). There is at most one, and its data must stay valid.
 class DocDataRegistration {
 public:
 	DocDataRegistration(
@@ -26,7 +26,7 @@ enum ModuleInitializationLevel {
 	MODULE_INITIALIZATION_LEVEL_EDITOR = GDEXTENSION_INITIALIZATION_EDITOR,
 };
 
-/// The way in: an entry function makes an InitObject, tells it what to call, and returns its init().
+/// The entry point: the entry function creates an InitObject, registers callbacks in it, and returns its init().
 class GDExtensionBinding {
 public:
 	using Callback = void (*)(ModuleInitializationLevel p_level);
@@ -36,12 +36,12 @@ public:
 		InitObject(GDExtensionInterfaceGetProcAddress p_get_proc_address, GDExtensionClassLibraryPtr p_library,
 				GDExtensionInitialization *r_initialization);
 
-		/// Called with every level, on the way up and on the way down.
+		/// Called for every level during startup and shutdown.
 		void register_initializer(Callback p_callback) const;
 		void register_terminator(Callback p_callback) const;
 		void set_minimum_library_initialization_level(ModuleInitializationLevel p_level) const;
 
-		/// False, with an error, if this engine lacks an interface function that is needed.
+		/// Returns false and prints an error if this engine lacks a required interface function.
 		GDExtensionBool init() const;
 
 	private:

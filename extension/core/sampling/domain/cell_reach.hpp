@@ -12,10 +12,10 @@
 
 namespace thicket {
 
-/// Base squares farther apart hold no points within a radius of each other.
+/// Points in base squares farther apart than this are never within a radius of each other.
 inline constexpr std::uint32_t squares_reached = 2;
 
-/// Calls with the point itself, and on a torus with its images across the seams that are near: action(x, y, base square).
+/// Calls action(x, y, base square) for the point itself and, on a torus, for its nearby images across the seams.
 template <typename Real, class Action>
 void for_each_image(const Frame<Real> &frame, Real x, Real y, glm::uvec2 square, Action &&action) {
 	constexpr int reach = squares_reached;
@@ -37,14 +37,14 @@ void for_each_image(const Frame<Real> &frame, Real x, Real y, glm::uvec2 square,
 	}
 }
 
-/// The cells of width x width base squares that lie in the domain and within a radius of an image, or a rounding more.
+/// The cells of width x width base squares that lie in the domain and within a radius of an image, plus a rounding margin.
 struct NearCells {
 	static constexpr std::size_t most_across = 2 * squares_reached + 1;
 
 	std::array<glm::uvec2, most_across * most_across> cell;
 	std::size_t count = 0;
 
-	/// `square` is the base square of the image, inside the domain or beyond.
+	/// `square` is the base square of the image, inside the domain or outside.
 	template <typename Real>
 	NearCells(const Frame<Real> &frame, std::uint32_t width, Real x, Real y, glm::ivec2 square) {
 		const Across columns(frame, width, 0, static_cast<double>(x) - frame.bias, square.x);

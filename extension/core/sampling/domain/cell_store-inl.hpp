@@ -1,4 +1,4 @@
-// Where the acceleration grid keeps its points. Compiled once for each instruction set, by thrower.cpp.
+// Point storage of the acceleration grid. Compiled once for each instruction set, by thrower.cpp.
 #if defined(THICKET_CELL_STORE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_CELL_STORE_INL
 #undef THICKET_CELL_STORE_INL
@@ -21,21 +21,22 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Points by cells, each with room for a number of them that is likely to suffice; what is beyond goes to an overflow
-/// (section 4.3 of the paper). Large cells keep their points sorted by y, so that a lookup reads a part of them only: where it
-/// begins is guessed, since points fill a cell evenly, and then searched for.
+/// Points by cells. Each cell has room for a number of points that is likely to suffice; excess points go to an overflow (section 4.3 of
+/// the paper). Large cells keep their points sorted by y, so that a lookup reads only a part of them. Points fill a cell evenly, so the
+/// lookup first guesses where this part begins and then searches from there.
 template <typename Real>
 class CellStore {
 public:
 	static constexpr std::size_t block = Near<Real>::block;
 
-	/// A part of a cell: entries [begin, end), `begin` a multiple of `block`.
+	/// A part of a cell: entries [begin, end). `begin` is a multiple of `block`.
 	struct Part {
 		std::size_t begin;
 		std::size_t end;
 	};
 
-	/// Room for about `likely` points a cell, and for a multiple of `least`, block or half a block. Throws std::bad_alloc.
+	/// Room for about `likely` points per cell, rounded up to a multiple of `least`, which is `block` or half a block. Throws
+	/// std::bad_alloc.
 	CellStore(std::size_t cells, double likely, std::size_t least) :
 			sorted_(likely > sorted_above), capacity_(rounded_up(likely, sorted_ ? block : least)),
 			coordinates_(cells * 2 * capacity_), counts_(sorted_ ? cells : 0) {}
@@ -44,14 +45,14 @@ public:
 	std::size_t capacity() const { return capacity_; }
 	bool sorted() const { return sorted_; }
 
-	/// The x of a cell, 0 where there is no point; its y come `capacity` further on.
+	/// The x coordinates of a cell, 0 where there is no point. The y coordinates follow `capacity` entries later.
 	const Real *coordinates(std::size_t cell) const { return coordinates_.data() + cell * 2 * capacity_; }
 
 	bool overflows(std::size_t cell) const {
 		return coordinates(cell)[capacity_ - 1] != Real{0} && overflow_.contains(cell);
 	}
 
-	/// Adds a point; `height` is where it lies between the lowest and the highest of the cell, 0 to 1.
+	/// Adds a point. `height` is its relative y between the lowest and the highest of the cell, 0 to 1.
 	void add(std::size_t cell, Real x, Real y, double height) {
 		Real *const xs = coordinates_.data() + cell * 2 * capacity_;
 		const std::size_t count = sorted_ ? counts_[cell] : vacant(xs);
@@ -72,7 +73,7 @@ public:
 		xs[index + capacity_] = y;
 	}
 
-	/// A part of a sorted cell that holds all its points with y in [low, high), and a few others; their heights as in `add`.
+	/// A part of a sorted cell that holds all its points with y in [low, high), and a few others. The heights are as in `add`.
 	Part part(std::size_t cell, Real low, Real high, double low_height, double high_height) const {
 		const Real *ys = coordinates(cell) + capacity_;
 		const std::size_t count = counts_[cell];
@@ -88,13 +89,12 @@ public:
 		return {begin, end};
 	}
 
-	/// Fetches cells that lie side by side towards the cache. Inlined, because a compiler may take a function that only fetches
-	/// for one that does nothing.
+	/// Prefetches adjacent cells into the cache. Inlined, because a compiler may discard calls to a function that only prefetches.
 	HWY_INLINE void fetch(std::size_t first, std::size_t last) const {
 		fetch_line_by_line(coordinates(first), coordinates(last + 1));
 	}
 
-	/// Fetches what `part` will read of a sorted cell, as far as can be guessed.
+	/// Prefetches the entries of a sorted cell that `part` will probably read.
 	HWY_INLINE void fetch_part(std::size_t cell, double low_height, double high_height) const {
 		__builtin_prefetch(counts_.data() + cell);
 		const Real *low = coordinates(cell) + guess(low_height, capacity_);
@@ -122,13 +122,13 @@ public:
 	}
 
 private:
-	static constexpr double sorted_above = 28.0; ///< Below, reading all is quicker.
+	static constexpr double sorted_above = 28.0; ///< For smaller cells, reading all points is faster.
 
 	bool sorted_;
 	std::size_t capacity_;
 	ZeroedArray<Real> coordinates_;
-	ZeroedArray<std::uint32_t> counts_;                                        ///< Of sorted cells.
-	std::unordered_map<std::size_t, std::vector<glm::vec<2, Real>>> overflow_; ///< Only looked up, never walked.
+	ZeroedArray<std::uint32_t> counts_;                                        ///< Point counts of sorted cells.
+	std::unordered_map<std::size_t, std::vector<glm::vec<2, Real>>> overflow_; ///< Only looked up, never iterated.
 	std::size_t overflow_bytes_ = 0;
 
 	static std::size_t rounded_up(double likely, std::size_t step) {
@@ -146,12 +146,12 @@ private:
 		return capacity_;
 	}
 
-	/// The index of a height in a cell that is filled evenly.
+	/// The index of a height in an evenly filled cell.
 	static std::size_t guess(double height, std::size_t count) {
 		return static_cast<std::size_t>(height * static_cast<double>(count));
 	}
 
-	/// The first of sorted numbers that is not below `y`, from a guess in both directions.
+	/// The first of the sorted numbers that is not below `y`, searched from a guess in both directions.
 	static std::size_t first_not_below(const Real *ys, std::size_t count, Real y, double height) {
 		std::size_t low = guess(height, count);
 		std::size_t high = low;

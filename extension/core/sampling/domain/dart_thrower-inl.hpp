@@ -26,13 +26,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Hierarchical dart throwing (figure 2 of the paper) over one domain, all base squares active from the start or, for the
-/// wavefront, groups of them as darts are accepted.
+/// Hierarchical dart throwing (figure 2 of the paper) over one domain. All base squares are active from the start; for the wavefront,
+/// groups of them become active as darts are accepted.
 ///
-/// Squares are chosen at random all over the domain, so in a large one each choice would wait for memory. Therefore the random
-/// bits of later choices are looked at ahead of time, and what they are likely to need is fetched: first the entry in the
-/// list, then the cells around the square. That changes no outcome, for each choice is made anew when its turn comes. A fetch
-/// waits for the address of its page before anything later can end, so many are begun at once, which wait side by side.
+/// Squares are chosen at random all over the domain, so in a large domain each choice would wait for memory. The thrower therefore draws
+/// the random bits of later choices in advance and prefetches the data they are likely to need: first the entry in the list, then the
+/// cells around the square. This changes no outcome, because each choice is repeated when its turn comes. A prefetch has to find the
+/// address of its page before anything later can retire, so many are started together and wait in parallel.
 ///
 /// `Cells` is the acceleration grid: PointCells or LineCells.
 template <typename Real, class Cells>
@@ -40,7 +40,7 @@ class DartThrower final : public Thrower<Real> {
 public:
 	using Points = std::vector<glm::vec<2, Real>>;
 
-	/// `cell_width` in base squares. Throws std::bad_alloc.
+	/// `cell_width` is in base squares. Throws std::bad_alloc.
 	DartThrower(const DomainRequest &request, std::uint32_t cell_width) :
 			frame_(Frame<Real>::of(request)), wavefront_(request.method == DomainMethod::wavefront),
 			key_(split_mix(request.seed + split_mix_gamma)), active_(frame_.base_squares()),
@@ -52,12 +52,13 @@ public:
 		}
 	}
 
-	/// Throws darts until no square is active, or a cancel. Accepted darts go to the end of `r_points`, if given.
+	/// Throws darts until no square is active or the call is cancelled. Appends accepted darts to `r_points` if it is not null.
 	Status run(Points *r_points, const Progress &progress, double expected_points) override {
 		if (!begin(progress, expected_points)) {
 			return {ErrorCode::cancelled};
 		}
-		// The first choices touch fresh memory all over, whose pages the system has to make: a thousand times slower than later.
+		// The first choices touch fresh memory everywhere, whose pages the system has to create. They are a thousand times slower than
+		// later ones.
 		std::uint64_t between_looks = 8;
 		std::uint64_t until_look = 1;
 		while (!active_.empty()) {
@@ -86,7 +87,7 @@ public:
 	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
-	/// Choices that are looked at together: their entries in the list two batches ahead, their cells one.
+	/// Choices that are prefetched together: their list entries two batches ahead, their cells one batch ahead.
 	static constexpr std::uint64_t batch = 8;
 	static constexpr std::size_t ring = 4 * batch;
 	static constexpr std::uint64_t choices_between_looks = 4096;
@@ -105,11 +106,11 @@ private:
 	DomainStats counts_;
 	std::array<Real, ActiveSquares<Real>::most_levels> half_x_{}; ///< Half the width of a square of each level.
 	std::array<Real, ActiveSquares<Real>::most_levels> half_y_{};
-	std::array<double, ActiveSquares<Real>::most_levels> step_{}; ///< Units that 2^-32 of the width stands for.
+	std::array<double, ActiveSquares<Real>::most_levels> step_{}; ///< Units per 2^-32 of the width.
 	std::array<Draw, ring> draws_{};
 	std::array<Choice, ring> foreseen_{};
 
-	/// Random bits, three words a choice.
+	/// Random bits, three words per choice.
 	HWY_INLINE std::uint64_t bits(std::uint64_t choice, std::uint64_t word) const {
 		return split_mix(key_ + (3 * choice + word) * split_mix_gamma);
 	}
@@ -153,7 +154,7 @@ private:
 				static_cast<std::uint32_t>(square.y >> frame_.finest)};
 	}
 
-	/// Before the first choice of a batch.
+	/// Called before the first choice of a batch.
 	void foresee() {
 		const std::uint64_t next = counts_.selections + batch;
 		const std::uint64_t later = next + batch;
@@ -182,7 +183,7 @@ private:
 		const glm::uvec2 base = base_of(square);
 		const auto near = cells_.near(base, centered);
 		if (any_covers(near, centered, frame_.limit)) {
-			// Fast path: a dart would fail, and leave no quarter that is not covered.
+			// Fast path: a dart would fail, and no uncovered quarter would remain.
 			return;
 		}
 		++counts_.darts;

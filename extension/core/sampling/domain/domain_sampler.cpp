@@ -13,7 +13,7 @@ namespace thicket {
 
 namespace {
 
-/// Accelerator cells of each method, in base squares, chosen by measurement: the quickest from 10^5 to 10^7 points.
+/// Width of the accelerator cells of each method in base squares, chosen by measurement: the fastest for 10^5 to 10^7 points.
 template <typename Real>
 std::uint32_t cell_width(const DomainRequest &request) {
 	constexpr std::uint32_t accumulator = std::is_same_v<Real, float> ? 5 : 3;

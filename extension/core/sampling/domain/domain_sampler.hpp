@@ -13,33 +13,33 @@
 
 namespace thicket {
 
-/// What the last call did.
+/// Statistics of the last call.
 struct DomainStats {
 	std::uint64_t points = 0;
-	std::uint64_t darts = 0;       ///< Darts thrown, accepted ones included.
-	std::uint64_t squares = 0;     ///< Active squares made, base squares included (figure 6 of the paper).
+	std::uint64_t darts = 0;       ///< Darts thrown, including accepted ones.
+	std::uint64_t squares = 0;     ///< Active squares created, including base squares (figure 6 of the paper).
 	std::uint64_t selections = 0;  ///< Choices of an active square.
-	std::uint64_t list_checks = 0; ///< Lists looked at in all choices together (figure 6 of the paper).
-	std::uint64_t discarded = 0;   ///< Squares given up because the precision ends there.
+	std::uint64_t list_checks = 0; ///< Lists checked in all choices together (figure 6 of the paper).
+	std::uint64_t discarded = 0;   ///< Squares discarded because the precision ends there.
 	std::uint32_t levels = 0;      ///< Levels of squares that were in use.
 	double cell_size = 0.0;        ///< Width of an accelerator cell in radii; 0 where there are none.
-	std::size_t grid_bytes = 0;    ///< Accelerator cells, overflow included: the copy of the points (section 4.2).
+	std::size_t grid_bytes = 0;    ///< Accelerator cells, including overflow: the copy of the points (section 4.2).
 	std::size_t square_bytes = 0;  ///< Active squares and the map of groups, at their peak (section 4.2).
 
 	std::size_t workspace_bytes() const { return grid_bytes + square_bytes; }
 };
 
-/// Fills a whole domain with one maximal Poisson-disk point set; see DomainMethod. `Real` is float or double: the type of the
-/// coordinates, and of every distance.
+/// Fills a whole domain with one maximal Poisson-disk point set; see DomainMethod. `Real` is float or double: the type of the coordinates
+/// and of all distances.
 ///
 /// Promises, for each method:
-///  (1) no two points are closer than the radius: exactly, for the coordinates that come out;
-///  (2) no room is left for a point, down to the precision of `Real` (not for `naive`);
+///  (1) no two points are closer than the radius, exactly, in the returned coordinates;
+///  (2) no room is left for a further point, down to the precision of `Real` (not for `naive`);
 ///  (3) every point lies in the half-open domain;
-///  (4) equal requests give equal points, bit for bit, on every machine; `cell_size` does not matter;
+///  (4) equal requests return equal points, bit for bit, on every machine, whatever the `cell_size`;
 ///  (5) all but `wavefront` are distributed like naive dart throwing, `wavefront` nearly so (section 4.4).
 ///
-/// The object keeps its memory only as long as the points can be visited. Not thread safe; one per thread.
+/// The object keeps its memory only as long as the points can be visited. Not thread safe; use one per thread.
 template <typename Real>
 class DomainSampler {
 public:
@@ -48,16 +48,17 @@ public:
 	DomainSampler(DomainSampler &&) noexcept;
 	DomainSampler &operator=(DomainSampler &&) noexcept;
 
-	/// Replaces the contents of `r_points` by the points in the order of their acceptance. A refused or cancelled request, and
-	/// one for which memory does not suffice (ErrorCode::out_of_memory), leave `r_points` as it was. Expected O(points).
+	/// Replaces the contents of `r_points` with the points, in the order of their acceptance. `r_points` is unchanged if the request is
+	/// refused or cancelled, or if memory does not suffice (ErrorCode::out_of_memory). Expected O(points).
 	Status sample(
 			const DomainRequest &request, std::vector<glm::vec<2, Real>> &r_points, const Progress &progress = {});
 
-	/// As `sample`, without handing out points: they stay in the accelerator cells, for `visit`. So the workspace is all the
-	/// memory that is used.
+	/// Like `sample`, but does not return the points: they stay in the accelerator cells, for `visit`. The call uses no memory beyond the
+	/// workspace.
 	Status fill(const DomainRequest &request, const Progress &progress = {});
 
-	/// Hands out the points of the last call, if that was a successful `fill`, cell by cell: as many x as y. Refused calls do not count.
+	/// Passes the points of the last call to `visitor`, cell by cell, with equal numbers of x and y, if that call was a successful
+	/// `fill`. Refused calls do not count.
 	void visit(const std::function<void(std::span<const Real> x, std::span<const Real> y)> &visitor) const;
 
 	const DomainStats &stats() const;

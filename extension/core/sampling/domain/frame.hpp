@@ -19,30 +19,30 @@ namespace thicket {
 template <typename Real>
 using SquareUnit = std::conditional_t<std::is_same_v<Real, float>, std::uint32_t, std::uint64_t>;
 
-/// An active square, known by its lower corner (section 3.3 of the paper); its level is that of its list.
+/// An active square, given by its lower corner (section 3.3 of the paper). Its level is the level of its list.
 template <typename Real>
 struct Square {
 	SquareUnit<Real> x;
 	SquareUnit<Real> y;
 };
 
-/// The numbers of a domain: base squares by equation 1 of the paper, and a lattice on which coordinates stand.
+/// The dimensions of a domain: base squares by equation 1 of the paper, and the lattice of the coordinates.
 ///
-/// All coordinates are whole multiples of `quantum`, of fewer than 2^bits, and are kept with `bias` added: then differences are
-/// exact also across the seam of a torus, and 0 is a coordinate that no point has.
+/// All coordinates are whole multiples of `quantum`, less than 2^bits of them, and are stored with `bias` added. Differences are then
+/// exact, also across the seam of a torus, and 0 is a coordinate that no point has.
 template <typename Real>
 struct Frame {
 	static constexpr int bits = std::numeric_limits<Real>::digits - 1;
 
 	glm::dvec2 period;  ///< Meters; `size` rounded down to a multiple of `quantum`.
 	double quantum;     ///< A power of two.
-	double bias;        ///< quantum * 2^bits; more than any coordinate, and than 8 radii.
+	double bias;        ///< quantum * 2^bits. Greater than any coordinate and than 8 radii.
 	glm::uvec2 squares; ///< Base squares on each axis.
 	glm::dvec2 base;    ///< Width of a base square; at most radius / sqrt(2).
 	int finest;         ///< The last level of squares that the precision allows.
-	glm::dvec2 unit;    ///< Meters a SquareUnit.
+	glm::dvec2 unit;    ///< Meters per SquareUnit.
 	glm::dvec2 reach;   ///< Radius in base squares.
-	Real limit;         ///< A computed squared distance of this much is surely one of the radius.
+	Real limit;         ///< A computed squared distance of at least this means a true distance of at least the radius.
 	bool toroidal;
 
 	static Frame of(const DomainRequest &request) {
@@ -63,13 +63,14 @@ struct Frame {
 		const int by_precision = std::ilogb(std::max(frame.base.x, frame.base.y) / frame.quantum);
 		frame.finest = std::clamp(by_precision, 0, std::min(32, 8 * static_cast<int>(sizeof(Unit)) - index_bits));
 		frame.unit = {std::ldexp(frame.base.x, -frame.finest), std::ldexp(frame.base.y, -frame.finest)};
-		// Squares and sum are each rounded once, so the true squared distance is not below the square of the radius.
+		// Both squares and the sum are rounded once each. This slack ensures that the true squared distance is not below the radius
+		// squared.
 		const double slack = 8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon());
 		frame.limit = static_cast<Real>(request.radius * request.radius * (1.0 + slack));
 		return frame;
 	}
 
-	/// The biased coordinate next to a position in the domain.
+	/// The biased coordinate nearest to a position in the domain.
 	Real coordinate(double meters, int axis) const {
 		const double to_quanta = 1.5 * 0x1p52 * quantum; // Its last bit is worth a quantum.
 		const double rounded = (meters + to_quanta) - to_quanta;

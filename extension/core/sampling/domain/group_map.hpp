@@ -10,7 +10,7 @@
 
 namespace thicket {
 
-/// Which groups of 3 x 3 base squares are active: the wavefront, one bit a group (section 4.3 of the paper).
+/// Stores which groups of 3 x 3 base squares are active: the wavefront, one bit per group (section 4.3 of the paper).
 class GroupMap {
 public:
 	static constexpr std::uint32_t width = 3;
@@ -21,7 +21,7 @@ public:
 
 	std::size_t bytes() const { return active_.bytes(); }
 
-	/// Calls push(square) for every base square of the group.
+	/// Activates a group: calls push(square) for each of its base squares, unless the group is active already.
 	template <class Push>
 	void activate(glm::uvec2 group, Push &&push) {
 		const std::size_t index = std::size_t{group.y} * groups_.x + group.x;
@@ -40,8 +40,8 @@ public:
 		}
 	}
 
-	/// The same for the group of a base square and the eight around it, as far as they are in the domain. A group is wider than
-	/// two radii, so whatever an accepted dart leaves open beside its disk becomes active.
+	/// Activates the group of a base square and the eight groups around it, as far as they lie in the domain. A group is wider than two
+	/// radii, so this activates all area that an accepted dart leaves open beside its disk.
 	template <class Push>
 	void activate_around(glm::uvec2 square, Push &&push) {
 		const glm::ivec2 middle(square / width);

@@ -23,15 +23,15 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// An accumulator (section 3.1 of the paper) whose lookups read one cache line: a point stands in every cell within a radius of
-/// it, rounded to 16 bits. The points themselves stand once, each in its own cell of another grid, which is asked where
+/// An accumulator (section 3.1 of the paper) whose lookups read one cache line. Every cell within a radius of a point stores the point,
+/// rounded to 16 bits. The exact points are stored once, each in its own cell of a second grid. A lookup queries that grid only if
 /// rounding leaves a doubt, about once in 250 lookups.
 ///
-/// In a large domain most of the waiting is for pages to be found. So cells that are neighbors share a page, and accepted
-/// points are stored many at once, which lets their pages be looked for side by side.
+/// In a large domain, most of the waiting time is spent on finding memory pages. Neighboring cells therefore share a page, and accepted
+/// points are stored in batches, so that their pages are found in parallel.
 class LineCells {
 public:
-	/// Wider cells hold more points than a line has room for.
+	/// A cache line has no room for the points of wider cells.
 	static constexpr std::uint32_t widest = 3;
 
 	/// Cells of width x width base squares. Throws std::bad_alloc.
@@ -46,7 +46,7 @@ public:
 
 	std::size_t bytes() const { return lines_.bytes() + points_.bytes(); }
 
-	/// Adds a point at a biased position, whose dart was thrown in a base square.
+	/// Adds a point at a biased position. Its dart was thrown in the base square `square`.
 	void add(double x, double y, glm::uvec2 square) {
 		if (added_count_ == added_.size()) {
 			store_added();
@@ -60,7 +60,7 @@ public:
 		});
 	}
 
-	/// Fetches what `near` will read towards the cache.
+	/// Prefetches the data that `near` will read.
 	HWY_INLINE void prefetch(glm::uvec2 square) const { __builtin_prefetch(&lines_[index_of(square / width_)]); }
 
 	/// The points that can lie within a radius of a part of a base square. Valid until the next call.
@@ -73,13 +73,13 @@ public:
 		return {&lines_[index], scale_, corner_of(cell), this, square, part};
 	}
 
-	/// The same, not rounded.
+	/// Like `near`, but not rounded.
 	Near<double> exactly_near(glm::uvec2 square, const CenteredSquare<double> &part) {
 		store_added();
 		return points_.near(square, part);
 	}
 
-	/// Calls visitor(x, y) with spans of plain coordinates; each point of the domain once.
+	/// Calls visitor(x, y) with spans of plain coordinates. Visits each point of the domain once.
 	template <class Visitor>
 	void visit(Visitor &&visitor) const {
 		points_.visit(visitor);
@@ -110,20 +110,20 @@ private:
 	Frame<double> frame_;
 	std::uint32_t width_;
 	glm::uvec2 cells_;
-	glm::uvec2 block_; ///< Cells of a block on each axis, as powers of two.
+	glm::uvec2 block_; ///< Size of a block in cells on each axis, as powers of two.
 	std::size_t blocks_across_;
 	double radius_ = frame_.reach.x * frame_.base.x;
-	double rim_ = radius_ * (1.0 + 0x1p-12); ///< How far beyond its cell a line reaches; a few steps more than it must.
+	double rim_ = radius_ * (1.0 + 0x1p-12); ///< How far a line reaches beyond its cell, plus a few steps.
 	RoundedScale scale_;
 	ZeroedArray<RoundedPoints> lines_;
 	PointCells<double, false> points_;
-	std::array<Added, at_once> added_; ///< Not in `points_` yet.
+	std::array<Added, at_once> added_; ///< Not yet in `points_`.
 	std::size_t added_count_ = 0;
-	std::array<Rounded, at_once> rounded_;            ///< Not in `lines_` yet.
-	std::array<std::uint32_t, at_once> rounded_into_; ///< The low bits of the lines' indices, to be compared quickly.
+	std::array<Rounded, at_once> rounded_;            ///< Not yet in `lines_`.
+	std::array<std::uint32_t, at_once> rounded_into_; ///< The low bits of the lines' indices, for quick comparison.
 	std::size_t rounded_count_ = 0;
 
-	/// Blocks of 8 x 8 lines fill a page of the usual size. A narrow domain has narrower ones.
+	/// Blocks of 8 x 8 lines fill a page of the usual size. In a narrow domain, blocks are narrower.
 	static glm::uvec2 block_shift(glm::uvec2 cells) {
 		const auto shift = [](std::uint32_t across) {
 			return across > 4 ? 3u : across > 2 ? 2u : across - 1;
@@ -137,7 +137,7 @@ private:
 		return (block << (block_.x + block_.y)) + (within.y << block_.x) + within.x;
 	}
 
-	/// Where the steps of a cell start.
+	/// The origin of a cell's steps.
 	glm::dvec2 corner_of(glm::uvec2 cell) const {
 		return glm::dvec2(cell * width_) * frame_.base + (frame_.bias - rim_);
 	}
@@ -153,7 +153,7 @@ private:
 				&lines_[index], static_cast<std::uint16_t>(steps.x), static_cast<std::uint16_t>(steps.y)};
 	}
 
-	/// Whether `rounded_` has points for a line. May say so of another: then they are stored early, which does not matter.
+	/// Whether `rounded_` has points for a line. False positives are possible: the points are then stored early, which does no harm.
 	bool may_be_rounded_into(std::size_t index) const {
 		const hn::CappedTag<std::uint32_t, at_once> d;
 		const auto wanted = hn::Set(d, static_cast<std::uint32_t>(index));
@@ -165,7 +165,7 @@ private:
 		return false;
 	}
 
-	/// Empties `rounded_`. A line that is full already stays as it is.
+	/// Empties `rounded_`. A line that is already full is unchanged.
 	void store_rounded() {
 		for (std::size_t i = 0; i < rounded_count_; ++i) {
 			__builtin_prefetch(rounded_[i].line, 1);

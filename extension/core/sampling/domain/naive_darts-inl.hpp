@@ -22,8 +22,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Naive dart throwing (section 1 of the paper): darts fall anywhere in the domain, one after the other, and stay where the
-/// minimum distance allows. It never knows whether it is done, so it stops after a number of darts.
+/// Naive dart throwing (section 1 of the paper): darts fall anywhere in the domain, one by one, and are accepted where the minimum
+/// distance allows. The method cannot detect that the set is complete, so it stops after a fixed number of darts.
 template <typename Real>
 class NaiveDarts final : public Thrower<Real> {
 public:
@@ -33,7 +33,7 @@ public:
 			throws_(static_cast<std::uint64_t>(request.darts_each * static_cast<double>(frame_.base_squares()))),
 			cells_(frame_, cell_width) {}
 
-	/// Accepted darts go to the end of `r_points`, if given.
+	/// Appends accepted darts to `r_points` if it is not null.
 	Status run(std::vector<glm::vec<2, Real>> *r_points, const Progress &progress, double) override {
 		for (; counts_.darts < throws_; ++counts_.darts) {
 			if (counts_.darts % throws_between_looks == 0 && !look(progress)) {
@@ -53,7 +53,7 @@ public:
 	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
-	static constexpr std::uint64_t throws_between_looks = 64; // The first ones touch fresh memory, which takes long.
+	static constexpr std::uint64_t throws_between_looks = 64; // The first ones touch fresh memory, which is slow.
 
 	Frame<Real> frame_;
 	std::uint64_t key_;

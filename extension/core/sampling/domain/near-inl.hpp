@@ -1,4 +1,4 @@
-// What a dart and its square must know of the points around. Compiled once for each instruction set, by thrower.cpp.
+// Tests of a dart and its square against the points around. Compiled once for each instruction set, by thrower.cpp.
 #if defined(THICKET_NEAR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_NEAR_INL
 #undef THICKET_NEAR_INL
@@ -16,11 +16,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Points that may lie within a radius of some square: biased coordinates, x and y apart. Unused lanes are 0, which is
-/// farther than a radius from everything.
+/// Points that may lie within a radius of some square: biased coordinates, x and y in separate arrays. Unused lanes are 0, which is
+/// farther than a radius from every position.
 template <typename Real>
 struct Near {
-	static constexpr std::size_t block = 8; ///< `lanes` is a multiple of it.
+	static constexpr std::size_t block = 8; ///< `lanes` is a multiple of this.
 
 	const Real *x;
 	const Real *y;
@@ -39,7 +39,7 @@ HWY_INLINE Vector far_distance(const Real *points, Vector center, Vector half) {
 	return hn::Add(hn::Abs(hn::Sub(hn::LoadU(d, points), center)), half);
 }
 
-/// True when a point lies within the limit of (x, y): the minimum distance check.
+/// Whether a point lies within the limit of (x, y): the minimum distance check.
 template <typename Real>
 HWY_INLINE bool any_within(const Near<Real> &near, Real x, Real y, Real limit) {
 	const Wide<Real> d;
@@ -54,7 +54,7 @@ HWY_INLINE bool any_within(const Near<Real> &near, Real x, Real y, Real limit) {
 	return false;
 }
 
-/// A square by its center and half its width on each axis.
+/// A square given by its center and half its width on each axis.
 template <typename Real>
 struct CenteredSquare {
 	Real x;
@@ -63,7 +63,7 @@ struct CenteredSquare {
 	Real half_y;
 };
 
-/// True when the disk of one point covers the square: by its farthest corner, equation 2 of the paper.
+/// Whether the disk of one point covers the square, tested by its farthest corner (equation 2 of the paper).
 template <typename Real>
 HWY_INLINE bool any_covers(const Near<Real> &near, const CenteredSquare<Real> &square, Real limit) {
 	const Wide<Real> d;
@@ -78,7 +78,7 @@ HWY_INLINE bool any_covers(const Near<Real> &near, const CenteredSquare<Real> &s
 	return false;
 }
 
-/// A bit for each quarter of a square (x first) that the disk of one point covers. `quarter` is that of the lower corner.
+/// One bit for each quarter of a square (x first) that the disk of one point covers. `quarter` is the quarter at the lower corner.
 template <typename Real>
 HWY_INLINE std::uint32_t covered_quarters(
 		const Near<Real> &near, const CenteredSquare<Real> &quarter, Real far_x, Real far_y, Real limit) {

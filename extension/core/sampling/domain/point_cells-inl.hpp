@@ -26,9 +26,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// The acceleration grid (sections 3.1 and 4.3 of the paper): cells of whole base squares, each with room for as many points as
-/// are likely; what is beyond goes to an overflow. With `accumulate`, a point stands in every cell within a radius of it, and
-/// a lookup reads one cell; without, it stands in its own, and a lookup reads the cells around.
+/// The acceleration grid (sections 3.1 and 4.3 of the paper): cells of whole base squares. Each has room for the likely number of points;
+/// excess points go to an overflow. With `accumulate`, every cell within a radius of a point stores it, and a lookup reads one cell.
+/// Without, only the point's own cell stores it, and a lookup reads the cells around.
 template <typename Real, bool accumulate>
 class PointCells {
 public:
@@ -40,7 +40,7 @@ public:
 
 	std::size_t bytes() const { return store_.bytes(); }
 
-	/// Adds a point at a biased position, whose dart was thrown in a base square.
+	/// Adds a point at a biased position. Its dart was thrown in the base square `square`.
 	void add(Real x, Real y, glm::uvec2 square) {
 		if constexpr (accumulate) {
 			for_each_image(frame_, x, y, square,
@@ -53,7 +53,7 @@ public:
 		}
 	}
 
-	/// Fetches what `near` will read towards the cache.
+	/// Prefetches the data that `near` will read.
 	HWY_INLINE void prefetch(glm::uvec2 square) const {
 		const CellRange range = cells_around(square);
 		if (!store_.sorted()) {
@@ -73,7 +73,7 @@ public:
 		}
 	}
 
-	/// Fetches what `add` will read.
+	/// Prefetches the data that `add` will read.
 	HWY_INLINE void prefetch_add(glm::uvec2 square) const {
 		const glm::uvec2 cell = (square + pad_) / width_;
 		store_.fetch(index_of(cell), index_of(cell));
@@ -90,7 +90,7 @@ public:
 		}
 	}
 
-	/// Calls visitor(x, y) with spans of plain coordinates, a cell at a time; each point of the domain once.
+	/// Calls visitor(x, y) with spans of plain coordinates, one cell at a time. Visits each point of the domain once.
 	template <class Visitor>
 	void visit(Visitor &&visitor) const {
 		std::vector<Real> xs;
@@ -118,12 +118,12 @@ private:
 
 	Frame<Real> frame_;
 	std::uint32_t width_;
-	std::uint32_t pad_; ///< Base squares around the domain, for the images of a torus.
+	std::uint32_t pad_; ///< Base squares around the domain, for the images on a torus.
 	glm::uvec2 cells_;
 	double radius_ = frame_.reach.x * frame_.base.x;
-	double margin_ = 4.0 * frame_.quantum; ///< More than roundings move a point or a square.
+	double margin_ = 4.0 * frame_.quantum; ///< More than rounding can move a point or a square.
 	double skirt_ =
-			accumulate ? frame_.reach.y : 0.0; ///< Rows of base squares beyond its own that a cell keeps points of.
+			accumulate ? frame_.reach.y : 0.0; ///< Rows of base squares beyond its own from which a cell stores points.
 	double rows_per_meter_ = 1.0 / frame_.base.y;
 	double heights_per_row_ = 1.0 / (width_ + 2.0 * skirt_);
 	CellStore<Real> store_;
@@ -135,9 +135,9 @@ private:
 		glm::uvec2 last;
 	};
 
-	/// A little more than the mean of a jammed set, in which counts vary little. At most one point a base square.
+	/// A little more than the mean of a jammed set, in which counts vary little. At most one point per base square.
 	static double likely_points(const Frame<Real> &frame, std::uint32_t width) {
-		constexpr double density = 0.6965; // Points a square radius: 0.547070 * 4 / pi.
+		constexpr double density = 0.6965; // Points per square radius: 0.547070 * 4 / pi.
 		const glm::dvec2 sides = static_cast<double>(width) / frame.reach;
 		const double area =
 				accumulate ? sides.x * sides.y + 2.0 * (sides.x + sides.y) + std::numbers::pi : sides.x * sides.y;
@@ -148,7 +148,7 @@ private:
 
 	std::size_t index_of(glm::uvec2 cell) const { return std::size_t{cell.y} * cells_.x + cell.x; }
 
-	/// The cells that `near` looks into.
+	/// The cells that `near` reads.
 	CellRange cells_around(glm::uvec2 square) const {
 		if constexpr (accumulate) {
 			return {square / width_, square / width_};
@@ -160,14 +160,14 @@ private:
 	/// The biased coordinate of a row of base squares.
 	Real bottom_of(std::uint32_t row) const { return static_cast<Real>(row * frame_.base.y + frame_.bias); }
 
-	/// Where y lies between the lowest and the highest point that a row of sorted cells may hold, 0 to 1.
+	/// The relative position of y between the lowest and the highest point that a row of sorted cells may hold, 0 to 1.
 	double height_in(std::uint32_t cell_row, Real y) const {
 		const double rows = (static_cast<double>(y) - frame_.bias) * rows_per_meter_ + skirt_;
 		const double first = static_cast<double>(cell_row) * width_ - pad_;
 		return std::clamp((rows - first) * heights_per_row_, 0.0, 1.0);
 	}
 
-	/// Stores an image in every cell of the domain within a radius of it. All of them are fetched before the first is read.
+	/// Stores an image in every cell of the domain within a radius of it. Prefetches all of these cells before it reads the first.
 	void spread(Real x, Real y, glm::ivec2 square) {
 		const NearCells cells(frame_, width_, x, y, square);
 		for (std::size_t i = 0; i < cells.count; ++i) {
@@ -195,7 +195,7 @@ private:
 		if (!store_.sorted()) {
 			return {0, store_.capacity()};
 		}
-		// Fast path: only the rows that the box reaches, of points that are sorted.
+		// Fast path: in sorted cells, read only the rows that the box reaches.
 		const Real low = box.y - box.half_y;
 		const Real high = box.y + box.half_y;
 		return store_.part(index_of(cell), low, high, height_in(cell.y, low), height_in(cell.y, high));
@@ -207,7 +207,7 @@ private:
 		const Real *xs = store_.coordinates(index) + begin;
 		const std::size_t lanes = (end - begin + block - 1) / block * block;
 		if (!store_.overflows(index)) {
-			// Fast path: the points are read where they are.
+			// Fast path: read the points in place.
 			return {xs, xs + store_.capacity(), lanes};
 		}
 		make_room(lanes);
@@ -232,7 +232,7 @@ private:
 		return finished(count);
 	}
 
-	/// Appends the points of a cell that lie in a box, perhaps with others.
+	/// Appends the points of a cell that lie in a box, possibly along with others.
 	template <class D>
 	HWY_INLINE void gather_cell(D d, glm::uvec2 cell, const CenteredSquare<Real> &box, std::size_t &r_count) {
 		const auto [begin, end] = part_in(cell, box);
@@ -243,7 +243,8 @@ private:
 			const auto y = hn::LoadU(d, xs + store_.capacity() + i);
 			const auto inside = hn::And(hn::Lt(hn::Abs(hn::Sub(x, hn::Set(d, box.x))), hn::Set(d, box.half_x)),
 					hn::Lt(hn::Abs(hn::Sub(y, hn::Set(d, box.y))), hn::Set(d, box.half_y)));
-			// Picking doubles out of a vector costs more than it saves, so a vector with one of them inside is taken whole.
+			// Extracting single doubles from a vector costs more than it saves, so a vector with at least one of them inside is copied
+			// whole.
 			constexpr bool pick = sizeof(Real) == sizeof(float);
 			if (pick || !hn::AllFalse(d, inside)) {
 				hn::StoreU(pick ? hn::Compress(x, inside) : x, d, gathered_x_.data() + r_count);
@@ -256,7 +257,7 @@ private:
 		}
 	}
 
-	/// Room for `count` gathered points, and a vector that is written whole behind them.
+	/// Reserves room for `count` gathered points and for one whole vector that is written after them.
 	void make_room(std::size_t count) {
 		if (count + block > gathered_x_.size()) {
 			gathered_x_.resize(2 * (count + block));
@@ -271,7 +272,7 @@ private:
 		++r_count;
 	}
 
-	/// Closes the gathered points with zeros.
+	/// Terminates the gathered points with zeros.
 	Near<Real> finished(std::size_t count) {
 		make_room(count);
 		std::fill_n(gathered_x_.begin() + static_cast<std::ptrdiff_t>(count), block, Real{0});
@@ -279,7 +280,7 @@ private:
 		return {gathered_x_.data(), gathered_y_.data(), (count + block - 1) / block * block};
 	}
 
-	/// The cell is the one that holds the point for `visit`: not an image's, and with `accumulate` not a neighbor's.
+	/// Whether `visit` reports the point from this cell. False for images and, with `accumulate`, for the copies in neighboring cells.
 	bool is_home(Real x, Real y, glm::uvec2 cell) const {
 		const glm::dvec2 at(static_cast<double>(x) - frame_.bias, static_cast<double>(y) - frame_.bias);
 		if (at.x < 0.0 || at.y < 0.0 || at.x >= frame_.period.x || at.y >= frame_.period.y) {

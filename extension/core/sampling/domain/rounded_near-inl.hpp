@@ -1,4 +1,4 @@
-// The tests of near-inl.hpp against rounded points. Compiled once for each instruction set, by thrower.cpp.
+// The tests of near-inl.hpp for rounded points. Compiled once for each instruction set, by thrower.cpp.
 #if defined(THICKET_ROUNDED_NEAR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_ROUNDED_NEAR_INL
 #undef THICKET_ROUNDED_NEAR_INL
@@ -19,28 +19,28 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// A cache line of points, rounded to whole steps from a corner; see RoundedScale. Lanes without a point are 0, which is
-/// farther than a radius from everything that is looked up.
+/// A cache line of points, rounded to whole steps from a corner; see RoundedScale. Lanes without a point are 0, which is farther than a
+/// radius from every position that is looked up.
 struct alignas(64) RoundedPoints {
 	static constexpr std::size_t lanes = 16;
 
 	std::array<std::uint16_t, lanes> x;
 	std::array<std::uint16_t, lanes> y;
 
-	/// Lanes fill from the first on; beyond the last one, points may be missing.
+	/// Lanes are filled from the first on. If the last one is in use, points may be missing.
 	bool full() const { return x[lanes - 1] != 0; }
 };
 
-/// How points are rounded, and what that leaves certain: a squared distance between rounded points, in steps, decides about
-/// the true one unless it falls between two bounds.
+/// How points are rounded, and the certainty that remains. A squared distance between rounded points, in steps, decides about the true
+/// distance unless it lies between two bounds.
 struct RoundedScale {
 	double steps_per_meter;
-	float surely_below;  ///< Below it, the true squared distance is below the limit.
-	float perhaps_below; ///< From it on, it is not.
+	float surely_below;  ///< Below this, the true squared distance is below the limit.
+	float perhaps_below; ///< From this on, it is not below the limit.
 
-	/// For points up to `width` meters from the corner on each axis, and distances around the root of `limit`.
+	/// For points up to `width` meters from the corner on each axis, and distances around the square root of `limit`.
 	RoundedScale(double width, double limit) : steps_per_meter(65535.0 / width) {
-		// Both coordinates are wrong by up to half a step, and by what the roundings of floats up to 2^16 add.
+		// Both coordinates are off by up to half a step, plus the rounding errors of floats up to 2^16.
 		constexpr double wrong = 0.75;
 		const double steps = std::sqrt(limit) * steps_per_meter;
 		surely_below = static_cast<float>((steps - wrong) * (steps - wrong));
@@ -48,7 +48,7 @@ struct RoundedScale {
 	}
 };
 
-/// What Near is, by rounded points. `Cells` has the points themselves: `exactly_near` a part of a base square.
+/// Like Near, but with rounded points. `Cells` has the exact points: `exactly_near` returns those near a part of a base square.
 template <class Cells>
 struct RoundedNear {
 	const RoundedPoints *points;
@@ -72,7 +72,7 @@ HWY_INLINE hn::Vec<Steps> load_steps(const std::uint16_t *coordinates) {
 	return hn::ConvertTo(Steps(), hn::PromoteTo(whole, hn::LoadU(narrow, coordinates)));
 }
 
-/// True when squared(x, y), in squared steps, stands for less than the limit for any point; exactly() where that is not sure.
+/// True if squared(x, y), in squared steps, means less than the limit for any point. Calls exactly() if this is not certain.
 template <class Cells, class Squared, class Exactly>
 HWY_INLINE bool any_below(const RoundedNear<Cells> &near, Squared &&squared, Exactly &&exactly) {
 	const Steps d;
@@ -81,7 +81,7 @@ HWY_INLINE bool any_below(const RoundedNear<Cells> &near, Squared &&squared, Exa
 		const auto distance = squared(load_steps(near.points->x.data() + i), load_steps(near.points->y.data() + i));
 		if (!hn::AllFalse(d, hn::Lt(distance, hn::Set(d, near.scale.perhaps_below)))) {
 			if (!hn::AllFalse(d, hn::Lt(distance, hn::Set(d, near.scale.surely_below)))) {
-				// Fast path: whatever the roundings were.
+				// Fast path: no rounding can change this result.
 				return true;
 			}
 			unsure = true;

@@ -21,10 +21,10 @@ std::unique_ptr<Thrower<Real>> make(const DomainRequest &request, std::uint32_t 
 	switch (request.method) {
 		case DomainMethod::naive: return std::make_unique<NaiveDarts<Real>>(request, cell_width);
 		case DomainMethod::accumulator:
-			// In single precision a cell takes few lines as it is.
+			// In single precision, a cell takes only a few cache lines anyway.
 			if constexpr (std::is_same_v<Real, double>) {
 				if (cell_width <= LineCells::widest) {
-					// Fast path: the same answers, most of them from one cache line.
+					// Fast path: the same results, most of them from one cache line.
 					return std::make_unique<DartThrower<Real, LineCells>>(request, cell_width);
 				}
 			}

@@ -22,15 +22,15 @@ class Thrower {
 public:
 	virtual ~Thrower() = default;
 
-	/// Throws darts to the end, or until a cancel. Accepted ones go to the end of `r_points`, if given, in the order of their
-	/// acceptance. Throws std::bad_alloc.
+	/// Throws darts until the method ends or the call is cancelled. Appends the accepted ones to `r_points`, if it is not null, in the
+	/// order of their acceptance. Throws std::bad_alloc.
 	virtual Status run(std::vector<glm::vec<2, Real>> *r_points, const Progress &progress, double expected_points) = 0;
 
 	virtual DomainStats stats() const = 0;
 	virtual void visit(const PointVisitor<Real> &visitor) const = 0;
 };
 
-/// The method of the request, for the best instruction set of the processor; all of them give the same bits. `cell_width` is
+/// Creates the method of the request for the processor's best instruction set. All instruction sets return the same bits. `cell_width` is
 /// in base squares. Throws std::bad_alloc.
 template <typename Real>
 std::unique_ptr<Thrower<Real>> make_thrower(const DomainRequest &request, std::uint32_t cell_width);

@@ -9,11 +9,10 @@
 
 namespace thicket {
 
-/// Asks the system for large pages under a block, where it has such a call: an entry that is looked up at random then costs one
-/// cache miss, not two.
+/// Requests large pages for a block where the system has such a call. A random lookup then costs one cache miss instead of two.
 void prefer_large_pages(void *block, std::size_t bytes);
 
-/// A fixed array of zeros that starts a cache line. Large ones cost time and memory only where they are touched.
+/// A fixed array of zeros that starts at a cache line. A large array costs time and memory only for the parts that are touched.
 template <typename Item>
 class ZeroedArray {
 	static_assert(std::is_trivial_v<Item>);

@@ -1,17 +1,17 @@
 extends RefCounted
 ## Reads jobs from the standard input, as piped_script.py writes them: the length of a text in 4 bytes, the text, a dictionary in JSON, and as many bytes as
-## its "bytes" says.
+## its "bytes" field specifies.
 
 const ANSWER := "thicket answer "
 const MOST_AT_ONCE := 1 << 20
 
-## The job that was read last.
+## The last job.
 var job: Dictionary = {}
-## The bytes that belong to it.
+## The bytes of the last job.
 var payload := PackedByteArray()
 
 
-## Waits for a job. False where there is none any more.
+## Waits for a job. Returns false if there are no more.
 func read() -> bool:
 	var length := _read(4)
 	if length.size() < 4:
@@ -21,7 +21,7 @@ func read() -> bool:
 	return payload.size() == int(job.bytes)
 
 
-## Answers the job that was read last.
+## Answers the last job.
 func answer(what: Dictionary) -> void:
 	print(ANSWER, JSON.stringify(what))
 

@@ -1,11 +1,11 @@
 extends RefCounted
-## Reads the mesh that a model's path names. Bakes name meshes, but for old ones, which name the scenes that layers had among their meshes.
+## Loads the mesh at a model's path. Bakes refer to meshes. Old bakes may also refer to scenes, which layers had among their meshes.
 
-## Why there is no mesh, in a sentence.
+## The reason why there is no mesh, as a sentence.
 var problem := ""
 
 
-## The mesh that a path names; null, with a [member problem], for none.
+## Returns the mesh at a path. On failure, returns null and sets [member problem].
 func mesh_at(path: String) -> Mesh:
 	var found: Resource = ResourceLoader.load(path) if ResourceLoader.exists(path) else null
 	if found is Mesh:
@@ -19,7 +19,7 @@ func mesh_at(path: String) -> Mesh:
 	return null
 
 
-## The finest LOD of a scene. Thicket's library reads it, which a project that only shows bakes does without.
+## Returns the finest LOD of a scene. Thicket's library reads it; a project that only shows bakes does not have the library.
 func _finest(scene: PackedScene, path: String) -> Mesh:
 	if not ClassDB.class_exists(&"ScatterModel"):
 		problem = "%s is a scene, which only Thicket's library can read. Install the whole add-on in this project, or bake again: new bakes hold the mesh." % path

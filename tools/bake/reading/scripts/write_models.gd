@@ -3,7 +3,7 @@ extends SceneTree
 
 const JobReader := preload("job_reader.gd")
 const Models := preload("read_models.gd")
-# This checkout's: the project may have no more of the add-on than it takes to show a bake.
+# The script of this checkout, because the project may have only the part of the add-on that shows bakes.
 const Parameters := preload("../../../../demo_project/addons/thicket/shader_parameters.gd")
 
 var _reader := JobReader.new()
@@ -39,7 +39,8 @@ func _write(mesh: Mesh, file: String) -> String:
 	return "" if error == OK else "it cannot be written as glTF: %s" % error_string(error)
 
 
-## glTF has no shaders: what is left are the colors of vertices, and a color and a picture by their usual names.
+## Converts a shader material, because glTF has no shaders. Only vertex colors, and a color and a texture with
+## usual names, are kept.
 func _plain(shaded: ShaderMaterial) -> StandardMaterial3D:
 	var plain := StandardMaterial3D.new()
 	plain.resource_name = shaded.resource_name

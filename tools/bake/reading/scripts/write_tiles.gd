@@ -1,5 +1,5 @@
 extends SceneTree
-## Writes the tiles of a bake as files that BakedWorld reads, without the extension. godot.py says what to write.
+## Writes the tiles of a bake as files for ScatterBakedWorld, without the extension. godot.py sends the jobs.
 
 const JobReader := preload("job_reader.gd")
 const Models := preload("read_models.gd")
@@ -7,12 +7,12 @@ const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 const World := preload("res://addons/thicket/baked_world.gd")
 
-const UNWRITABLE := "Cannot write %s: %s. Check that its folder has room and may be written."
+const UNWRITABLE := "Cannot write %s: %s. Check that its folder is writable and the disk has room."
 
 var _reader := JobReader.new()
 var _meshes: Array[Mesh] = []
 var _materials: Array[Material] = []
-var _digests := PackedByteArray() # Of the tiles, in the order in which they were written.
+var _digests := PackedByteArray() # Of the tiles, in the order of writing.
 
 
 func _initialize() -> void:
@@ -44,7 +44,7 @@ func _take_mesh(job: Dictionary) -> String:
 		return models.problem
 	if mesh.resource_path == job.own and mesh is ArrayMesh and mesh.get_script() != null:
 		mesh = _built(mesh)
-	# What lies in no file of its own would be in every tile again.
+	# A mesh without its own file would be stored in every tile.
 	if mesh.resource_path.is_empty() or "::" in mesh.resource_path:
 		var error := ResourceSaver.save(mesh, job.own, ResourceSaver.FLAG_COMPRESS)
 		if error != OK:
@@ -56,7 +56,7 @@ func _take_mesh(job: Dictionary) -> String:
 	return ""
 
 
-## What a mesh that builds itself has built, so that a game neither needs its script nor builds it anew.
+## Copies the surfaces of a mesh that builds itself, so that a game neither needs its script nor builds it again.
 func _built(mesh: ArrayMesh) -> ArrayMesh:
 	var plain := ArrayMesh.new()
 	plain.set(&"_surfaces", mesh.get(&"_surfaces"))
@@ -88,8 +88,8 @@ func _write_tile(job: Dictionary, payload: PackedByteArray) -> String:
 	return _write(content, job.file)
 
 
-## The box around what a node may draw in any of its levels of detail. The engine measures distances from the middle of a box, so the levels of a
-## model need the same one, or there would be a gap between them.
+## The bounding box of everything that a node may draw in any of its LODs. The engine measures distances from the center of a box, so the LODs of
+## a model need the same box; otherwise there would be a gap between them.
 func _box(entry: Dictionary) -> Array[float]:
 	var least := Vector3(entry.least[0], entry.least[1], entry.least[2])
 	var greatest := Vector3(entry.greatest[0], entry.greatest[1], entry.greatest[2])
@@ -119,7 +119,7 @@ func _write_world(job: Dictionary, payload: PackedByteArray) -> String:
 	if problem:
 		return problem
 	var world := World.new()
-	world.name = "BakedWorld"
+	world.name = "ScatterBakedWorld"
 	world.index_file = job.index
 	var scene := PackedScene.new()
 	var error := scene.pack(world)
@@ -144,7 +144,7 @@ func _save(resource: Resource, path: String) -> String:
 	return _moved(partial, path, ResourceSaver.save(resource, partial, ResourceSaver.FLAG_COMPRESS))
 
 
-## Moves a file to its final path if it was written whole, which [param error] says. Returns what went wrong, or "".
+## Moves a file to its final path if [param error] is OK, which means that it was written completely. Returns an error as a sentence, or "".
 func _moved(partial: String, path: String, error: Error) -> String:
 	if error == OK:
 		error = DirAccess.rename_absolute(partial, path)

@@ -8,7 +8,7 @@
 
 namespace godot {
 
-/// A counted reference to a RefCounted object; the last one to go frees it.
+/// A counted reference to a RefCounted object. The last reference frees it.
 template <typename T>
 class Ref {
 public:
@@ -18,7 +18,7 @@ public:
 	template <typename Other>
 	Ref(const Ref<Other> &p_from) : Ref(Object::cast_to<T>(p_from.ptr())) {}
 	Ref(T *p_object) {
-		// The first reference takes over the one that every new object is born with.
+		// The first reference takes over the initial reference of every new object.
 		if (p_object && p_object->init_ref()) {
 			object_ = p_object;
 		}
@@ -26,7 +26,7 @@ public:
 	Ref(const Variant &p_from) : Ref(Object::cast_to<T>(p_from.get_validated_object())) {}
 	~Ref() {
 		if (object_ && object_->unreference()) {
-			gdextension_interface::object_destroy(object_->_owner); // Its wrapper goes with it.
+			gdextension_interface::object_destroy(object_->_owner); // Also frees its wrapper.
 		}
 	}
 
@@ -42,7 +42,7 @@ public:
 	bool operator==(const Ref &p_other) const { return object_ == p_other.object_; }
 	operator Variant() const { return Variant(static_cast<const Object *>(object_)); }
 
-	/// Takes over a reference that the engine has already counted.
+	/// Takes ownership of a reference that the engine has already counted.
 	static Ref _adopt(T *p_object) {
 		Ref result;
 		result.object_ = p_object;

@@ -20,8 +20,8 @@ class Class;
 
 } // namespace internal
 
-/// The C++ side of an object of the engine. The engine owns it: for its own classes it is an instance binding, made when
-/// the object is first seen (`object_get_instance_binding`); for ours it is also the instance (`object_set_instance`).
+/// The C++ side of an object of the engine, which owns it. For the engine's own classes it is an instance binding, created when
+/// we first see the object (`object_get_instance_binding`). For our classes it is also the instance (`object_set_instance`).
 class Wrapped {
 public:
 	Wrapped(const Wrapped &) = delete;
@@ -33,9 +33,10 @@ protected:
 	Wrapped();
 	virtual ~Wrapped() = default;
 
-	/// Hooks that a class of ours may have, in the form that godot-cpp expects. These do nothing.
+	/// Hooks that our classes may override, with the same signatures as in godot-cpp. These do nothing.
 	static void _bind_methods() {}
 	void _notification(int) {}
+	bool _set(const StringName &, const Variant &) { return false; }
 	void _validate_property(PropertyInfo &) const {}
 
 	template <typename T, typename B>
@@ -50,17 +51,17 @@ private:
 
 namespace internal {
 
-/// Reaches what is not for users of the classes.
+/// Internal access to objects, not for users of the classes.
 class Access {
 public:
-	/// Tells the object that it is complete (NOTIFICATION_POSTINITIALIZE).
+	/// Notifies the object that it is complete (NOTIFICATION_POSTINITIALIZE).
 	static void post_initialize(Object *p_object);
-	/// A new object of a class of the engine. Throws std::bad_alloc where the engine makes none.
+	/// Creates an object of one of the engine's classes. Throws std::bad_alloc if the engine fails.
 	static GodotObject *new_object(const StringName &p_engine_class);
-	/// Has the next Wrapped on this thread wrap an object of the engine: its constructor takes no arguments, so that classes need not pass
-	/// them on.
+	/// Makes the next Wrapped on this thread wrap this object. The constructor of Wrapped takes no arguments, so that classes do not
+	/// have to pass them on.
 	static void expect(GodotObject *p_owner);
-	/// Makes a complete wrapper known to the object that it wraps. `p_extension_class`: null for a class of the engine.
+	/// Connects a complete wrapper with the object that it wraps. `p_extension_class`: null for a class of the engine.
 	static void attach(Wrapped *p_wrapped, const StringName *p_extension_class,
 			const GDExtensionInstanceBindingCallbacks &p_callbacks);
 	static void destroy(Wrapped *p_wrapped) { delete p_wrapped; }
@@ -83,7 +84,7 @@ public: \
 	} \
 	static const ::godot::StringName &get_class_static() { return _class_name().get(); }
 
-/// At the top of a class of ours.
+/// Goes at the top of our classes.
 #define GDCLASS(m_class, m_inherits) \
 	GDCLASS_COMMON(m_class, m_inherits) \
 	static constexpr bool _is_engine_class = false; \
@@ -96,7 +97,7 @@ protected: \
 \
 private:
 
-/// At the top of a class of the engine; the generator writes it.
+/// Goes at the top of a class of the engine. The generator writes it.
 #define GDEXTENSION_CLASS(m_class, m_inherits) \
 	GDCLASS_COMMON(m_class, m_inherits) \
 	static constexpr bool _is_engine_class = true; \

@@ -4,11 +4,11 @@
 
 namespace godot::internal {
 
-/// Prints an error for the exception that is being handled. Takes no memory.
+/// Prints an error for the current exception. Allocates no memory.
 void report_exception(const char *p_entry) noexcept;
 
-/// Does the work of an entry that the engine calls. An exception must not reach the engine, which would keep its locks and end: it becomes
-/// an error, and the result a default one.
+/// Runs a function that the engine has called. An exception must not reach the engine, because it would keep its locks and crash. So
+/// an exception is reported as an error, and the result is a default value.
 template <typename Work>
 std::invoke_result_t<Work> at_border(const char *p_entry, const Work &p_work) noexcept {
 	try {

@@ -7,7 +7,7 @@
 
 namespace godot::internal {
 
-/// Calls `p_call` with pointers to these values as the engine wants to see them.
+/// Calls `p_call` with pointers to these values, in the engine's representation.
 template <typename Call, typename... Args>
 void with_pointers(const Call &p_call, const Args &...p_args) {
 	[&](const auto &...p_wires) {
@@ -34,7 +34,7 @@ R evaluate(const Left &p_left, const Right &p_right) {
 	return result;
 }
 
-/// A method of a builtin type, looked up once.
+/// A method of a builtin type. It is looked up once.
 class BuiltinMethod {
 public:
 	BuiltinMethod(GDExtensionVariantType p_type, const char *p_name, GDExtensionInt p_hash);

@@ -15,7 +15,7 @@ namespace godot {
 
 namespace internal {
 
-/// Makes wrappers of a class of the engine possible; parents go first.
+/// Enables wrappers of one of the engine's classes. Parents must be registered first.
 void register_engine_class(LazyName &p_name, const GDExtensionInstanceBindingCallbacks &p_callbacks);
 
 template <typename T>
@@ -23,10 +23,10 @@ void register_engine_class() {
 	register_engine_class(T::_class_name(), Class<T>::callbacks);
 }
 
-/// Of all classes that used_api.toml names; generated.
+/// Calls register_engine_class for all classes in used_api.toml. Generated.
 void register_engine_classes();
 
-/// A class of ours as `classdb_register_extension_class4` takes it.
+/// One of our classes, as a parameter of `classdb_register_extension_class4`.
 struct ClassDescription {
 	const StringName &name;
 	const StringName &parent;
@@ -36,22 +36,23 @@ struct ClassDescription {
 
 } // namespace internal
 
-/// Makes our classes known to the engine.
+/// Registers our classes with the engine.
 class ClassDB {
 public:
+	/// Scripts and the editor's lists do not show a class that is not exposed, but files may contain it.
 	template <typename T>
-	static void register_class() {
-		add_class(describe<T>());
+	static void register_class(bool p_is_exposed = true) {
+		add_class(describe<T>(p_is_exposed));
 	}
 
-	/// `p_defaults` are for the last arguments, each in a DEFVAL.
+	/// `p_defaults` are the default values of the last arguments, each in a DEFVAL.
 	template <typename M, typename... Defaults>
 	static void bind_method(const MethodDefinition &p_definition, M p_method, const Defaults &...p_defaults) {
 		add_method(internal::Signature<M>::Owner::get_class_static(), p_definition,
 				internal::MethodCalls<M>::describe(), internal::MethodPointer(p_method), {Variant(p_defaults)...});
 	}
 
-	/// A constant of an enumeration, which is named as "Class.Enum".
+	/// A constant of an enumeration. The enumeration's name has the form "Class.Enum".
 	static void bind_integer_constant(
 			const StringName &p_class, const StringName &p_enum, const StringName &p_constant, GDExtensionInt p_value);
 
@@ -63,15 +64,16 @@ public:
 	static void add_virtual_method(
 			const StringName &p_class, MethodInfo p_method, const std::vector<StringName> &p_arguments);
 
-	/// Unregisters all classes, the last one first.
+	/// Unregisters all classes in reverse order.
 	static void unregister_classes();
 
 private:
 	template <typename T>
-	static internal::ClassDescription describe() {
+	static internal::ClassDescription describe(bool p_is_exposed) {
 		using Hooks = internal::Class<T>;
 		GDExtensionClassCreationInfo4 info{};
-		info.is_exposed = true;
+		info.is_exposed = p_is_exposed;
+		info.set_func = Hooks::set;
 		info.validate_property_func = Hooks::validate_property;
 		info.notification_func = Hooks::notification;
 		info.create_instance_func = Hooks::create_instance;
@@ -89,6 +91,7 @@ private:
 } // namespace godot
 
 #define GDREGISTER_CLASS(m_class) ::godot::ClassDB::register_class<m_class>()
+#define GDREGISTER_INTERNAL_CLASS(m_class) ::godot::ClassDB::register_class<m_class>(false)
 
 #define DEFVAL(m_defval) (m_defval)
 #define BIND_ENUM_CONSTANT(m_constant) \

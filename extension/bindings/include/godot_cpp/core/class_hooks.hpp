@@ -15,7 +15,7 @@ namespace godot::internal {
 /// Adds an override of one of the engine's virtual methods to the class that is being registered.
 void add_override(const char *p_name, uint32_t p_hash, GDExtensionClassCallVirtual p_call);
 
-/// Does that if a class has an implementation of its own.
+/// Adds an override if a class has its own implementation.
 template <auto Method, auto BaseMethod>
 void bind_virtual(const char *p_name, uint32_t p_hash) {
 	if constexpr (!std::is_same_v<decltype(Method), decltype(BaseMethod)>) {
@@ -29,17 +29,17 @@ void bind_virtual(const char *p_name, uint32_t p_hash) {
 	}
 }
 
-/// A function as a type: types compare in every constant expression, addresses do not where sanitizers watch them.
+/// A function as a type. Types can be compared in every constant expression, but addresses cannot under sanitizers.
 template <auto Function>
 struct Named;
 
-/// All that the engine may ask of a class, in the form in which it asks. T is a class of the engine or of ours.
+/// The callbacks of a class for the engine. T is a class of the engine or one of ours.
 template <typename T>
 class Class {
 	using Parent = Class<typename T::parent_type>;
 
 public:
-	/// A T that wraps a new object of the engine.
+	/// Creates an object of the engine and its wrapper, a T.
 	static T *construct() {
 		GodotObject *owner = Access::new_object(engine_class<T>());
 		try {
@@ -50,7 +50,7 @@ public:
 		}
 	}
 
-	/// For `GDExtensionClassCreationInfo4`. Null where memory ends.
+	/// For `GDExtensionClassCreationInfo4`. Returns null if memory runs out.
 	static GDExtensionObjectPtr create_instance(void *, GDExtensionBool p_notify) {
 		return at_border("a new object", [=] { return (p_notify ? make() : construct())->_owner; });
 	}
@@ -62,7 +62,7 @@ public:
 		return object;
 	}
 
-	/// The library was loaded anew: `p_owner` lost the instance that the old one gave it.
+	/// Called after the library was reloaded: `p_owner` has lost its instance from the old library.
 	static GDExtensionClassInstancePtr recreate_instance(void *, GDExtensionObjectPtr p_owner) {
 		return at_border("an object after a reload", [=] { return static_cast<Wrapped *>(wrap(p_owner)); });
 	}
@@ -71,12 +71,12 @@ public:
 		Access::destroy(static_cast<Wrapped *>(p_instance));
 	}
 
-	/// Base classes first; from the back where the engine takes something down.
+	/// Notifies base classes first; with `p_reversed`, base classes last.
 	static void notification(GDExtensionClassInstancePtr p_instance, int32_t p_what, GDExtensionBool p_reversed) {
 		at_border("a notification", [=] { notify(self(p_instance), p_what, p_reversed != 0); });
 	}
 
-	/// Lets `_validate_property` change what the inspector is told of a property. Base classes first.
+	/// Lets `_validate_property` change a property before the inspector shows it. Base classes first.
 	static GDExtensionBool validate_property(
 			GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *p_property) {
 		return at_border("a look at a property", [=] {
@@ -87,7 +87,16 @@ public:
 		});
 	}
 
-	/// Calls `_bind_methods`, which every class of ours declares.
+	/// Lets `_set` handle a property that the class does not register. Base classes first.
+	static GDExtensionBool set(GDExtensionClassInstancePtr p_instance, GDExtensionConstStringNamePtr p_name,
+			GDExtensionConstVariantPtr p_value) {
+		return at_border("a property", [=] {
+			return GDExtensionBool{set(self(p_instance), *static_cast<const StringName *>(p_name),
+					*static_cast<const Variant *>(p_value))};
+		});
+	}
+
+	/// Calls `_bind_methods`, which each of our classes must declare.
 	static void bind() {
 		static_assert(!std::is_same_v<Named<&T::_bind_methods>, Named<&T::parent_type::_bind_methods>>,
 				"the class must declare _bind_methods");
@@ -97,8 +106,8 @@ public:
 
 	static constexpr bool is_engine_class = T::_is_engine_class;
 
-	// Instance bindings. Ours come with their instance, so only those of the engine's classes are made here. They hold no
-	// references: the engine asks whether an object may die, and the answer is always yes.
+	// Instance bindings. Objects of our classes are created with their instance, so only the engine's classes need these. They hold no
+	// references: the engine asks whether it may free an object, and the answer is always yes.
 	static void *create_binding(void *, void *p_owner) {
 		if constexpr (is_engine_class) {
 			return at_border("an object's wrapper", [=] { return static_cast<Wrapped *>(instance(p_owner)); });
@@ -115,7 +124,7 @@ public:
 	static constexpr GDExtensionInstanceBindingCallbacks callbacks{create_binding, free_binding, reference_binding};
 
 private:
-	/// A T for an object of the engine, which does not know it yet.
+	/// A T for an object of the engine, before the two are connected.
 	static T *instance(void *p_owner) {
 		Access::expect(p_owner);
 		try {
@@ -167,6 +176,14 @@ private:
 			if constexpr (std::same_as<decltype(&T::_validate_property), void (T::*)(PropertyInfo &) const>) {
 				p_self->_validate_property(r_property);
 			}
+		}
+	}
+
+	static bool set(T *p_self, const StringName &p_name, const Variant &p_value) {
+		if constexpr (is_engine_class) {
+			return false;
+		} else {
+			return Parent::set(p_self, p_name, p_value) || p_self->_set(p_name, p_value);
 		}
 	}
 

@@ -6,8 +6,8 @@
 
 namespace godot::internal {
 
-/// A method of a class of the engine, looked up once (`classdb_get_method_bind`). One that this engine lacks prints an
-/// error at every call, and gives its type's default.
+/// A method of one of the engine's classes. It is looked up once (`classdb_get_method_bind`). If this engine lacks the method, every
+/// call prints an error and returns a default value.
 class EngineMethod {
 public:
 	EngineMethod(const char *p_class, const char *p_name, GDExtensionInt p_hash);
@@ -23,7 +23,7 @@ public:
 		}
 	}
 
-	/// For a method that takes any number of values.
+	/// For methods with any number of arguments.
 	template <typename R>
 	R call_variants(GodotObject *p_owner, std::initializer_list<Variant> p_values) const {
 		const Variant result = run_variants(p_owner, p_values);

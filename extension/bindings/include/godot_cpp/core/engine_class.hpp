@@ -6,4 +6,4 @@
 #include <godot_cpp/core/singleton.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
 
-// What every generated class header needs.
+// Includes that every generated class header needs.

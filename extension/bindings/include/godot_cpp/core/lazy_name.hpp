@@ -7,8 +7,8 @@
 
 namespace godot::internal {
 
-/// A StringName that is made when it is first asked for and released when the library is closed (the engine reports those
-/// that are left). May be asked for again after that: not every system forgets a library that it was told to close.
+/// A StringName that is created on first use and released when the library is closed, because the engine reports leaked names. It may be
+/// used again after that, because some systems keep a closed library loaded.
 class LazyName {
 public:
 	constexpr explicit LazyName(const char *p_text) : text_(p_text) {}

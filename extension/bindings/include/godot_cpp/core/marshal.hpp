@@ -16,30 +16,30 @@ namespace internal {
 
 class Access;
 
-/// The wrapper of an object of the engine, made if there is none yet; null for null.
+/// The wrapper of an object of the engine, created on first use; null for null.
 Object *wrapper_of(GodotObject *p_object);
-/// The object of the engine that is wrapped; null for null.
+/// The object of the engine that a wrapper wraps; null for null.
 GodotObject *owner_of(const Object *p_object);
 
 /// "Class.Enum" for a C++ name with any number of scopes.
 StringName enum_class_name(std::string_view p_cpp_name);
 
-/// How values of a C++ type cross the border to the engine. Every specialisation has
-/// - `type` and `metadata`, and `info()`, which describe the type to scripts;
-/// - `Wire`, what a pointer call (`object_method_bind_ptrcall`) passes a pointer to;
-/// - `wire(value)`, an argument for the engine; `adopt(wire)`, a result from the engine;
-/// - `decode(pointer)`, an argument from the engine; `encode(value, pointer)`, a result for the engine;
-/// - `fits(variant)`, whether `static_cast<T>(variant)` loses nothing.
+/// Converts values of a C++ type to and from the engine's representation. Every specialization has
+/// - `type`, `metadata` and `info()`, which describe the type to scripts;
+/// - `Wire`, the representation in pointer calls (`object_method_bind_ptrcall`);
+/// - `wire(value)` for an argument to the engine, and `adopt(wire)` for a result from the engine;
+/// - `decode(pointer)` for an argument from the engine, and `encode(value, pointer)` for a result to the engine;
+/// - `fits(variant)`, whether `static_cast<T>(variant)` is lossless.
 template <typename T>
 struct Marshal;
 
 /// The engine's name of a Variant type.
 String type_name(GDExtensionVariantType p_type);
 
-/// True where the engine converts a value to a type without loss (`variant_can_convert_strict`).
+/// True if the engine can convert a value to a type without loss (`variant_can_convert_strict`).
 bool converts(const Variant &p_value, GDExtensionVariantType p_type);
 
-/// For types that are copied as they are.
+/// For types with a trivial conversion.
 template <typename T, typename W, GDExtensionVariantType Type>
 struct CopyMarshal {
 	using Wire = W;
@@ -54,7 +54,7 @@ struct CopyMarshal {
 	static void encode(const T &p_value, void *r_wire) { *static_cast<W *>(r_wire) = static_cast<W>(p_value); }
 };
 
-/// As above, without a copy on the way to the engine.
+/// Like CopyMarshal, but passes arguments to the engine without a copy.
 template <typename T, GDExtensionVariantType Type>
 struct DirectMarshal : CopyMarshal<T, T, Type> {
 	static const T &wire(const T &p_value) { return p_value; }
@@ -85,7 +85,9 @@ struct Marshal<T> : CopyMarshal<T, NumberWire<T>, number_type<T>> {
 											  : GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_DOUBLE)
 							: (std::is_signed_v<T> ? GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_INT8
 												   : GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_UINT8) +
-									(sizeof(T) == 8 ? 3 : sizeof(T) / 2)); // 1, 2, 4, 8 bytes follow one another.
+									(sizeof(T) == 8 ? 3
+													: sizeof(T) /
+															2)); // The values for 1, 2, 4 and 8 bytes are consecutive.
 };
 
 template <typename T>
@@ -108,7 +110,7 @@ struct Marshal<T *> {
 		return PropertyInfo(Variant::OBJECT, StringName(), PROPERTY_HINT_NONE, String(), PROPERTY_USAGE_DEFAULT,
 				T::get_class_static());
 	}
-	/// A null fits, and so does every object of the class.
+	/// Accepts null and all objects of the class.
 	static bool fits(const Variant &p_value) {
 		return p_value.get_type() == Variant::NIL ||
 				(p_value.get_type() == Variant::OBJECT && (is_null(p_value) || from(p_value) != nullptr));

@@ -13,7 +13,7 @@
 
 namespace godot {
 
-/// A method's name and those of its arguments.
+/// The names of a method and its arguments.
 struct MethodDefinition {
 	StringName name;
 	std::vector<StringName> arguments;
@@ -28,7 +28,7 @@ MethodDefinition D_METHOD(const StringName &p_name, const Args &...p_arguments) 
 
 namespace internal {
 
-/// A pointer to a member function of any class. All are of one type here, or each would need a class of its own to be kept.
+/// A pointer to a member function of any class. One type for all of them avoids a separate class for storing each.
 class MethodPointer {
 public:
 	template <typename M>
@@ -48,13 +48,13 @@ private:
 	std::array<std::byte, 3 * sizeof(void *)> bytes_{};
 };
 
-/// A method that was registered: what the engine hands back with every call.
+/// A registered method. The engine passes it to every call.
 struct MethodBind {
 	MethodPointer method;
-	std::vector<Variant> defaults; ///< Of the last arguments.
+	std::vector<Variant> defaults; ///< The default values of the last arguments.
 };
 
-/// What the engine is told of a method, and how it reaches it.
+/// The description of a method for the engine, and its entry points.
 struct MethodDescription {
 	std::span<const DescribedType> arguments;
 	DescribedType result;
@@ -64,7 +64,7 @@ struct MethodDescription {
 	GDExtensionClassMethodPtrCall ptrcall;
 };
 
-/// How the engine calls a method whose pointer has this type.
+/// The engine's entry points for methods with this pointer type.
 template <typename M>
 struct MethodCalls {
 	using Sign = Signature<M>;

@@ -11,10 +11,10 @@ namespace godot::internal {
 template <typename T>
 struct Marshal;
 
-/// Asks a constructor to leave the storage for the engine to fill.
+/// Tag for a constructor that leaves the storage uninitialized, for the engine to fill.
 struct Uninitialized {};
 
-/// What the engine has for every Variant type, indexed by type. Null where a type has no such function.
+/// The engine's functions for every Variant type, indexed by type. Null if the type has no such function.
 struct BuiltinFunctions {
 	GDExtensionPtrConstructor construct = nullptr;
 	GDExtensionPtrConstructor copy = nullptr;
@@ -26,10 +26,10 @@ struct BuiltinFunctions {
 
 extern BuiltinFunctions builtin_functions[GDEXTENSION_VARIANT_TYPE_VARIANT_MAX];
 
-/// Fills `builtin_functions`; the interface functions must have been looked up.
+/// Fills `builtin_functions`. The interface functions must have been looked up before.
 void load_builtin_functions();
 
-/// A value whose bytes only the engine understands. All such types may be moved by moving their bytes.
+/// A value whose bytes only the engine understands. All such types can be moved by moving their bytes.
 template <typename Self>
 class Opaque {
 public:
@@ -66,7 +66,7 @@ private:
 
 	void swap(Opaque &r_other) noexcept { std::swap_ranges(storage_, storage_ + sizeof(storage_), r_other.storage_); }
 
-	// No more than its size, so that such values lie side by side as in the engine's packed arrays.
+	// No larger than the engine's type, so that elements of packed arrays are adjacent.
 	alignas(std::min<std::size_t>(8, builtin_size<Self>)) std::byte storage_[builtin_size<Self>];
 };
 

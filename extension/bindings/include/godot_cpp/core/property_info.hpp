@@ -23,10 +23,10 @@ struct PropertyInfo {
 
 	explicit PropertyInfo(const GDExtensionPropertyInfo *p_info);
 
-	/// Writes this over what the engine said, in the engine's own memory.
+	/// Overwrites the engine's description of a property, in the engine's memory.
 	void _update(GDExtensionPropertyInfo *p_info) const;
 
-	/// A view for interface functions, which lives no longer than this.
+	/// A view for interface functions. This object must outlive it.
 	GDExtensionPropertyInfo _native() const;
 };
 

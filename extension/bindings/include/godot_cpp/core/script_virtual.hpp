@@ -8,11 +8,11 @@
 
 namespace godot::internal {
 
-/// True if the object has a script with the method.
+/// Whether the object has a script with the method.
 bool has_script_method(GodotObject *p_owner, const StringName &p_name);
 
-/// Calls the method of the object's script (`object_call_script_method`); false if there is none or it cannot be called
-/// with these.
+/// Calls a method of the object's script (`object_call_script_method`). Returns false if there is none, or if it cannot be called
+/// with these arguments.
 bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Variant *const *p_args,
 		std::size_t p_count, Variant &r_result);
 

@@ -10,7 +10,7 @@
 
 namespace godot::internal {
 
-/// How scripts see a type.
+/// A type's description for scripts.
 struct DescribedType {
 	PropertyInfo (*info)();
 	GDExtensionClassMethodArgumentMetadata metadata;
@@ -19,7 +19,7 @@ struct DescribedType {
 template <typename T>
 inline constexpr DescribedType described_type{&Marshal<T>::info, Marshal<T>::metadata};
 
-/// The values of a call: those that were given, then `p_defaults` for the last ones. False, and why, for a wrong number.
+/// The arguments of a call: the given ones, then `p_defaults` for the missing ones. Returns false and sets `r_error` for a wrong number.
 bool take_arguments(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
 		const std::vector<Variant> &p_defaults, std::span<GDExtensionConstVariantPtr> r_values,
 		GDExtensionCallError &r_error);
@@ -27,25 +27,25 @@ bool take_arguments(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_c
 template <typename M>
 struct Signature;
 
-/// What a member function takes and gives, and how the engine's two ways of calling reach it.
+/// The arguments and the result of a member function, with entry points for the engine's two kinds of calls.
 template <typename C, typename R, typename... Args>
 struct Signature<R (C::*)(Args...)> {
 	using Owner = C;
 	static constexpr bool returns = !std::is_void_v<R>;
 	static constexpr bool is_const = false;
 
-	using Result = std::conditional_t<returns, std::decay_t<R>, bool>; // bool stands in where nothing is returned.
+	using Result = std::conditional_t<returns, std::decay_t<R>, bool>; // bool replaces void.
 
 	static constexpr std::array<DescribedType, sizeof...(Args)> arguments{described_type<std::decay_t<Args>>...};
 
-	/// A pointer call: arguments are of the types that were registered.
+	/// A pointer call: the arguments have the registered types.
 	template <typename M>
 	static void ptrcall(C *p_self, M p_method, const GDExtensionConstTypePtr *p_args, void *r_result) {
 		ptrcall(p_self, p_method, p_args, r_result, std::index_sequence_for<Args...>());
 	}
 
-	/// A call with any number of Variants; `p_defaults` stand in for the last ones. Refuses a wrong number, and names the
-	/// first that does not fit.
+	/// A call with any number of Variants. `p_defaults` replace missing arguments. Refuses a wrong number of arguments, and reports the
+	/// first one with a wrong type.
 	template <typename M>
 	static void call(C *p_self, M p_method, const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
 			const std::vector<Variant> &p_defaults, void *r_result, GDExtensionCallError &r_error) {

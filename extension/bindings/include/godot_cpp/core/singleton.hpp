@@ -4,11 +4,11 @@
 
 namespace godot::internal {
 
-/// The wrapper of a singleton of the engine (`global_get_singleton`), remembered until the library is closed. Null, and
-/// an error of the engine, if there is none of the name.
+/// The wrapper of one of the engine's singletons (`global_get_singleton`). It is kept until the library is closed. Returns null if there is
+/// no singleton with this name; the engine then prints an error.
 Object *find_singleton(const StringName &p_name);
 
-/// Gives back the wrappers of all singletons that still live, and makes no more of any kind.
+/// Frees the wrappers of all singletons that are still alive. No wrappers may be created afterwards.
 void release_wrappers();
 
 template <typename T>

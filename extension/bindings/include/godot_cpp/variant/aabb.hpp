@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// A box: its least corner and its size.
+/// A box: its minimum corner and its size.
 struct AABB {
 	Vector3 position;
 	Vector3 size;

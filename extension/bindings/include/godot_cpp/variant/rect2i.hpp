@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// A corner and the way to the opposite one, in whole numbers.
+/// A corner and the vector to the opposite corner, in integers.
 struct Rect2i {
 	Vector2i position;
 	Vector2i size;

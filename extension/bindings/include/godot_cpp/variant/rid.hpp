@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// The name of something that a server of the engine holds.
+/// The identifier of a resource of one of the engine's servers.
 class RID {
 public:
 	bool is_valid() const { return id_ != 0; }

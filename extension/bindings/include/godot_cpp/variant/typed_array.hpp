@@ -5,12 +5,12 @@
 
 namespace godot {
 
-/// An array that holds values of one type only: numbers, types of the engine, or references to objects of a class.
+/// An array with elements of one type: numbers, types of the engine, or references to objects of a class.
 template <typename T>
 class TypedArray : public Array {
 public:
 	TypedArray() { make_typed(); }
-	/// The same array if its type fits, a converted copy otherwise.
+	/// Shares the array if its type matches, otherwise makes a converted copy.
 	TypedArray(const Array &p_from) {
 		make_typed();
 		if (is_same_typed(p_from)) {

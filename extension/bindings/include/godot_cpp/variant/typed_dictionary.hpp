@@ -5,12 +5,12 @@
 
 namespace godot {
 
-/// A dictionary whose keys and values are each of one type: numbers or types of the engine.
+/// A dictionary with one type for all keys and one for all values: numbers or types of the engine.
 template <typename K, typename V>
 class TypedDictionary : public Dictionary {
 public:
 	TypedDictionary() { make_typed(); }
-	/// The same dictionary if its types fit, a converted copy otherwise.
+	/// Shares the dictionary if its types match, otherwise makes a converted copy.
 	TypedDictionary(const Dictionary &p_from) {
 		make_typed();
 		if (is_same_typed(p_from)) {

@@ -13,14 +13,14 @@ class Object;
 
 namespace internal {
 
-/// A type of the engine, which a Variant holds as it is.
+/// A type of the engine that a Variant holds without conversion.
 template <typename T>
 concept Builtin = builtin_type<T> != GDEXTENSION_VARIANT_TYPE_NIL;
 
 template <typename T>
 concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
-/// How the engine passes a number, and the Variant type that holds it.
+/// The engine's representation of a number, and the Variant type that holds it.
 template <Number T>
 using NumberWire = std::conditional_t<std::is_same_v<T, bool>, GDExtensionBool,
 		std::conditional_t<std::is_floating_point_v<T>, double, int64_t>>;
@@ -32,8 +32,8 @@ inline constexpr GDExtensionVariantType number_type = std::is_same_v<T, bool> ? 
 
 } // namespace internal
 
-/// Any value of the engine. Conversions to a type follow the engine's rules: what cannot be converted becomes that
-/// type's default.
+/// Any value of the engine. Conversions follow the engine's rules: a value that cannot be converted becomes the default of the target
+/// type.
 class Variant {
 public:
 	// clang-format off
@@ -52,8 +52,8 @@ public:
 	Variant(Variant &&p_from) noexcept;
 	Variant(const char *p_utf8);
 	Variant(const Object *p_object);
-	Variant(const Array &p_array);           // Typed arrays, too.
-	Variant(const Dictionary &p_dictionary); // Typed dictionaries, too.
+	Variant(const Array &p_array);           // Also for typed arrays.
+	Variant(const Dictionary &p_dictionary); // Also for typed dictionaries.
 	~Variant();
 	Variant &operator=(const Variant &p_from);
 	Variant &operator=(Variant &&p_from) noexcept;
@@ -89,13 +89,13 @@ public:
 		}
 	}
 
-	/// The object, or null for any other value and for an object that was freed.
+	/// The object, or null for a freed object and for any other value.
 	operator Object *() const { return get_validated_object(); }
 	Object *get_validated_object() const;
 
 	Type get_type() const;
 
-	/// Calls a method of the value with pointers to arguments. Says in `r_error` why it could not.
+	/// Calls a method of the value with pointers to the arguments. On failure, sets `r_error`.
 	void callp(const StringName &p_method, const Variant **p_args, int p_count, Variant &r_result,
 			GDExtensionCallError &r_error);
 
@@ -108,7 +108,7 @@ private:
 
 } // namespace godot
 
-// As in godot-cpp, Variant brings all types that it may hold.
+// As in godot-cpp, this header includes all types that a Variant may hold.
 #include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/array.hpp>
 #include <godot_cpp/variant/callable.hpp>
@@ -134,7 +134,7 @@ private:
 
 namespace godot {
 
-/// The text with its placeholders (%d, %s, ...) filled in, by the rules of GDScript.
+/// Replaces the placeholders in a text (%d, %s, ...), with the same rules as in GDScript.
 template <typename... Args>
 String vformat(const String &p_text, const Args &...p_args) {
 	Array values;

@@ -1,4 +1,4 @@
-//! Times one sampler of the crate faster_poisson, which the benches compare with; prints one JSON line for one set.
+//! Times one sampler of the crate faster_poisson, which the benches compare with. Prints one JSON line for one set.
 //!
 //!     faster_poisson NAME POINTS SEED [dump=FILE]
 //!
@@ -9,18 +9,18 @@
 //!
 //!     method, points, seconds, size, maximal_claimed, toroidal, precision, version
 //!
-//! `seconds` is the processor time of this process while it makes the sampler and runs it, after a run for a small
+//! `seconds` is the processor time of this process for creating the sampler and running it, after a run for a small
 //! set; `size` is the side of the square.
 //!
-//! What the crate does (version 1.3.0, read from its source, and each set's distances and gaps measured): all in double
-//! precision, on one thread, bounded domains, the radius being the least distance between points, which holds. No
-//! sampler claims maximal sets and none makes them: all cover less than 0.49 of the plane (a jammed set 0.547), with
-//! places left that are 1.2 to 1.5 radii from every point. All run with the crate's defaults:
-//! - dart: the cells of a grid of width r / sqrt(2), in random order, six darts at each. Not dart throwing: a cell's
-//!   turn comes once, so places that are hard to hit stay empty.
-//! - bridson: Bridson (2007), 16 candidates whose distance is biased towards the point.
-//! - parental: the same, 14 candidates, none in the part of the ring that the point's own parent covers; what the crate
-//!   offers first.
+//! Behavior of the crate (version 1.3.0, read from its source, with each set's distances and gaps measured): double
+//! precision, one thread and bounded domains. The radius is the least distance between points, which is correct. No
+//! sampler claims or produces maximal sets: all cover less than 0.49 of the plane (a jammed set 0.547), and leave
+//! positions that are 1.2 to 1.5 radii from every point. All run with the crate's defaults:
+//! - dart: the cells of a grid of width r / sqrt(2), in random order, with six darts at each. Not dart throwing: each
+//!   cell has only one turn, so positions that are hard to hit stay empty.
+//! - bridson: Bridson (2007), 16 candidates whose distance is biased toward the point.
+//! - parental: the same with 14 candidates, none of them in the part of the ring that the point's own parent covers.
+//!   The crate's default.
 
 use faster_poisson::{Poisson2D, PoissonBridson2D, PoissonDart2D};
 use std::f64::consts::PI;
@@ -29,7 +29,7 @@ use std::process::ExitCode;
 
 type Points = Vec<[f64; 2]>;
 
-/// Points on a unit of area when disks of diameter 1, thrown at random, jam: coverage 0.547070.
+/// Points per unit of area when randomly thrown disks of diameter 1 jam: coverage 0.547070.
 const JAMMED_DENSITY: f64 = 0.547070 * 4.0 / PI;
 
 const WARM_UP_POINTS: f64 = 1000.0;
@@ -51,7 +51,7 @@ fn sample(name: &str, points: f64, seed: u64) -> Option<Points> {
 /// Processor time that this process has used, in seconds.
 fn cpu_seconds() -> f64 {
 	let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-	// SAFETY: the call writes the structure that it is given and nothing else.
+	// SAFETY: the call writes only the structure that is passed to it.
 	unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut time) };
 	time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

@@ -1,0 +1,60 @@
+@tool
+extends RefCounted
+## Replaces the instances of a scatter in a baked rectangle by the baked scene, as one undo step.
+
+const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
+const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
+
+
+## Adds the scene at [param scene_path] below the scatter, and a region that keeps the baked layers (indices in the scatter's list) out
+## of [param rect]. Removes hand-placed instances there, so that nothing is placed twice. The region does not consider neighbors: for a
+## layer that was not baked and keeps a distance to a baked one, the baked instances are gone. Returns the reason if it failed, as a
+## sentence; empty on success.
+static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: PackedInt32Array) -> String:
+	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
+	if packed == null:
+		return "%s cannot be loaded, so the scatter was not replaced; the Output panel has the reason." % scene_path
+	var by_hand := _by_hand(scatter, rect, layers)
+	if not by_hand.is_empty() and not edits.begin(scatter, EditorInterface.get_edited_scene_root().scene_file_path):
+		return edits.problem
+	for id in by_hand:
+		edits.remove(id)
+	var undo := edits.undo_redo
+	undo.create_action("Replace by %s" % scene_path.get_file(), UndoRedo.MERGE_DISABLE, scatter)
+	edits.close_into_action()
+	var baked: Node3D = packed.instantiate(PackedScene.GEN_EDIT_STATE_INSTANCE)
+	baked.transform = scatter.global_transform.affine_inverse()
+	RegionMenu.put_below(undo, scatter, baked)
+	var region := RegionMenu.make(ScatterRegion3D.SHAPE_POLYGON, true)
+	region.name = "Baked%s" % baked.name
+	var half := rect.size * 0.5
+	region.polygon = PackedVector2Array([-half, Vector2(half.x, -half.y), half, Vector2(-half.x, half.y)])
+	region.layers = _references(scatter, layers)
+	var middle := rect.get_center()
+	region.transform = scatter.global_transform.affine_inverse() * Transform3D(Basis.IDENTITY, Vector3(middle.x, 0.0, middle.y))
+	RegionMenu.put_below(undo, scatter, region)
+	undo.commit_action()
+	return ""
+
+
+## The layers as a region refers to them; empty for all.
+static func _references(scatter: TerrainScatter3D, chosen: PackedInt32Array) -> Array:
+	var layers := scatter.layers
+	var references: Array = []
+	for index in chosen:
+		var name: String = layers[index].resource_name
+		var alike := layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and layer.resource_name == name)
+		references.append(name if not name.is_empty() and alike.size() == 1 else index)
+	return references if chosen.size() < layers.size() - layers.count(null) else []
+
+
+## The ids of the hand-placed instances in a rectangle.
+static func _by_hand(scatter: TerrainScatter3D, rect: Rect2, chosen: PackedInt32Array) -> PackedInt64Array:
+	var found := PackedInt64Array()
+	var state := scatter.state
+	if state != null:
+		for id in state.get_added():
+			var instance := scatter.get_instance(id)
+			if instance != null and chosen.has(instance.layer) and rect.has_point(Vector2(instance.position.x, instance.position.z)):
+				found.append(id)
+	return found

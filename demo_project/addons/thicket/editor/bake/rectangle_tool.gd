@@ -1,0 +1,81 @@
+@tool
+extends "res://addons/thicket/editor/scatter_tool.gd"
+## Draws a rectangle of world x and z on the ground, from corner to corner with the left button.
+
+const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
+const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
+
+## Drawing has ended: the rectangle in meters, or an empty one if it was canceled.
+signal drawn(rect: Rect2)
+
+const HINT := "Drag from corner to corner   Esc cancels"
+const COLOR := Color(0.55, 0.85, 1.0)
+
+var _cursor := GroundCursor.new()
+var _from := Vector3.INF
+
+
+func _init() -> void:
+	needs_layer = false
+	_setup("Rectangle", &"", "")
+	# The bake dialog turns the tool on.
+	button.visible = false
+
+
+func input(camera: Camera3D, event: InputEvent) -> int:
+	var key := event as InputEventKey
+	if key != null and key.pressed and key.keycode in [KEY_ESCAPE, KEY_DELETE]:
+		if key.keycode == KEY_ESCAPE:
+			_end(Rect2())
+		_take_key()
+		return MINE
+	if not event is InputEventMouse:
+		return NOT_MINE
+	_cursor.aim(camera, (event as InputEventMouse).position, ground())
+	redraw_requested.emit()
+	var pressed := event as InputEventMouseButton
+	if pressed == null:
+		return MINE if _from.is_finite() else NOT_MINE
+	if pressed.button_index != MOUSE_BUTTON_LEFT or pressed.alt_pressed:
+		return NOT_MINE
+	if pressed.pressed:
+		_from = _cursor.on_ground
+	elif _from.is_finite() and _cursor.on_ground.is_finite() and _rect().has_area():
+		_end(_rect())
+	else:
+		_from = Vector3.INF
+	return MINE
+
+
+func draw_over(overlay: Control) -> void:
+	if not _cursor.is_over(overlay):
+		return
+	_cursor.hint(overlay, HINT)
+	if not _from.is_finite() or not _cursor.on_ground.is_finite():
+		return
+	var rect := _rect()
+	var corners: Array[Vector2] = [
+		rect.position, Vector2(rect.end.x, rect.position.y), rect.end, Vector2(rect.position.x, rect.end.y), rect.position,
+	]
+	for side in 4:
+		var from := Vector3(corners[side].x, _from.y, corners[side].y)
+		var to := Vector3(corners[side + 1].x, _from.y, corners[side + 1].y)
+		_cursor.draw_path(overlay, _cursor.along_ground(from, to, ground()), COLOR, 2.0)
+
+
+func finish() -> void:
+	_from = Vector3.INF
+
+
+func _end(rect: Rect2) -> void:
+	finish()
+	set_on(false)
+	drawn.emit(rect)
+
+
+## The rectangle, snapped to whole meters, or to the editor's snap step if that is on.
+func _rect() -> Rect2:
+	var step := maxf(0.01, EditorSnap.meters()) if EditorSnap.is_on() else 1.0
+	var from := Vector2(_from.x, _from.z).snapped(Vector2(step, step))
+	var to := Vector2(_cursor.on_ground.x, _cursor.on_ground.z).snapped(Vector2(step, step))
+	return Rect2(from, to - from).abs()

@@ -1,0 +1,128 @@
+@tool
+extends RefCounted
+## Paints the density of layers. A stroke is a row of dabs, and one undo step for all its layers.
+
+const MaskStroke := preload("res://addons/thicket/editor/brush/mask_stroke.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+
+## The distance between dabs, as a part of the radius.
+const SPACING := 0.25
+
+var mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
+## In meters, above 0.
+var radius := 8.0
+## The effect of a single dab at its center, 0 to 1.
+var strength := 0.5
+## The part of the radius within which the strength is full, 0 to 1.
+var hardness := 0.5
+## Manages the files of masks.
+var files := SceneFiles.new()
+
+var _scatter: TerrainScatter3D
+var _strokes: Array[MaskStroke] = []
+var _title := ""
+var _stroke_mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
+var _scene_path := ""
+var _last := Vector2.ZERO
+
+
+## True between [method begin] and [method finish].
+func is_painting() -> bool:
+	return not _strokes.is_empty()
+
+
+## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one: an empty
+## mask for painting, so that the layer grows only where it is painted, and a full one for erasing. Returns the
+## reason if the stroke cannot begin, as a sentence; empty on success.
+func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
+		at: Vector2) -> String:
+	finish(null)
+	for layer in layers:
+		if layer.mask == null and stroke_mode != ScatterMask.MODE_SMOOTH:
+			var mask := ScatterMask.new()
+			mask.background = 0.0 if stroke_mode == ScatterMask.MODE_PAINT else 1.0
+			if not files.create(scene_path, mask, layer.resource_name, "mask"):
+				_give_up(scene_path)
+				return files.problem
+			layer.mask = mask
+			_stroke_of(mask).new_layers.append(layer)
+		elif layer.mask != null:
+			_stroke_of(layer.mask)
+	if _strokes.is_empty():
+		return "Smooth needs a mask, and %s none yet: paint or erase first." % ("these layers have" if layers.size() > 1 else "this layer has")
+	_scatter = scatter
+	_scene_path = scene_path
+	_stroke_mode = stroke_mode
+	var verb: String = ["Paint", "Erase", "Smooth"][stroke_mode]
+	_title = "%s Density of %s" % [verb, layers[0].resource_name if layers.size() == 1 else "%d Layers" % layers.size()]
+	_last = at
+	_dab(at)
+	return ""
+
+
+## Continues the stroke to world x and z, with dabs on the way.
+func move(at: Vector2) -> void:
+	if not is_painting():
+		return
+	var step := maxf(radius * SPACING, 0.01)
+	var way := at - _last
+	var dabs := floori(way.length() / step)
+	var direction := way.normalized()
+	for dab in dabs:
+		_last += direction * step
+		_dab(_last)
+
+
+## Ends the stroke and adds an undo step, unless nothing has changed.
+func finish(undo_redo: EditorUndoRedoManager) -> void:
+	var befores: Array[Dictionary] = []
+	var afters: Array[Dictionary] = []
+	var changed := false
+	for stroke in _strokes:
+		files.mark(stroke.mask)
+		befores.append({})
+		afters.append({})
+		stroke.changes(befores[-1], afters[-1])
+		changed = changed or not stroke.new_layers.is_empty() or not afters[-1].is_empty()
+	if changed and undo_redo != null and is_instance_valid(_scatter):
+		undo_redo.create_action(_title, UndoRedo.MERGE_DISABLE, _scatter)
+		for index in _strokes.size():
+			var stroke := _strokes[index]
+			for layer: ScatterLayer in stroke.new_layers:
+				undo_redo.add_do_property(layer, &"mask", stroke.mask)
+				undo_redo.add_undo_property(layer, &"mask", null)
+			undo_redo.add_do_method(self, &"restore", stroke.mask, afters[index])
+			undo_redo.add_undo_method(self, &"restore", stroke.mask, befores[index])
+			if not stroke.new_layers.is_empty():
+				files.add_to_undo([stroke.mask], _scene_path, undo_redo)
+		undo_redo.commit_action(false)
+	_scatter = null
+	_strokes.clear()
+
+
+## Restores packed blocks of pixels; for undo.
+func restore(mask: ScatterMask, blocks: Dictionary) -> void:
+	MaskStroke.put(mask, blocks)
+	files.mark(mask)
+
+
+## Returns the stroke on a mask. Layers may share a mask, which is then painted once.
+func _stroke_of(mask: ScatterMask) -> MaskStroke:
+	for stroke in _strokes:
+		if stroke.mask == mask:
+			return stroke
+	_strokes.append(MaskStroke.new(mask))
+	return _strokes[-1]
+
+
+func _give_up(scene_path: String) -> void:
+	for stroke in _strokes:
+		for layer in stroke.new_layers:
+			layer.mask = null
+			files.drop(stroke.mask, scene_path)
+	_strokes.clear()
+
+
+func _dab(at: Vector2) -> void:
+	for stroke in _strokes:
+		stroke.dab(at, radius, strength, hardness, _stroke_mode)

@@ -1,0 +1,38 @@
+@tool
+extends ConfirmationDialog
+## The dialog for the first stroke with Paint on a layer without a mask. The layer grows everywhere already, so the user chooses
+## what the stroke means.
+
+## The user chose a brush mode for the stroke that began at world x and z.
+signal chosen(mode: ScatterMask.Mode, at: Vector2)
+
+const TEXT := "%s grows wherever its rules permit, so there is nothing to add.\n
+Only here: it grows where you paint, and nowhere else. %s
+Not here: it stays, and you take it away where you paint."
+const TEXT_OF_MANY := "%s grow wherever their rules permit, so there is nothing to add.\n
+Only here: they grow where you paint, and nowhere else. %s
+Not here: they stay, and you take them away where you paint."
+
+var _at := Vector2.ZERO
+
+
+func _init() -> void:
+	title = "The first stroke on a layer"
+	ok_button_text = "Only here"
+	confirmed.connect(_choose.bind(ScatterMask.MODE_PAINT))
+	add_button("Not here", true, "erase")
+	custom_action.connect(func(_action: StringName) -> void: _choose(ScatterMask.MODE_ERASE))
+
+
+## Opens for layers with these names and this number of visible instances.
+func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
+	_at = at
+	var gone := "All others of the %d visible instances are removed." % instances if instances > 0 else ""
+	var one := names[0] if names[0] else "The layer"
+	dialog_text = TEXT % [one, gone] if names.size() == 1 else TEXT_OF_MANY % [", ".join(names), gone]
+	popup_centered()
+
+
+func _choose(mode: ScatterMask.Mode) -> void:
+	hide()
+	chosen.emit(mode, _at)

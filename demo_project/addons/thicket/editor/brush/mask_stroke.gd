@@ -1,0 +1,54 @@
+@tool
+extends RefCounted
+## The changes of a brush stroke to one mask: the blocks of pixels that have changed, compressed, before and after.
+
+## Pixels along the side of a block.
+const BLOCK := 64
+
+var mask: ScatterMask
+## Layers that had no mask before the stroke and now share this one.
+var new_layers: Array[ScatterLayer] = []
+
+var _before: Dictionary[Vector2i, PackedByteArray] = {}
+
+
+func _init(painted: ScatterMask) -> void:
+	mask = painted
+
+
+## Adds a dab at world x and z. The other parameters are those of [method ScatterMask.paint].
+func dab(at: Vector2, radius: float, strength: float, hardness: float, mode: ScatterMask.Mode) -> void:
+	var reach := Vector2(radius, radius)
+	var touched := mask.get_pixel_rect(Rect2(at - reach, 2.0 * reach))
+	var first := _block_of(touched.position)
+	var last := _block_of(touched.end - Vector2i.ONE)
+	for y in range(first.y, last.y + 1):
+		for x in range(first.x, last.x + 1):
+			var block := Vector2i(x, y)
+			if not _before.has(block):
+				_before[block] = mask.get_pixels(_pixels(block))
+	mask.paint(at, radius, strength, hardness, mode)
+
+
+## Returns the blocks that have changed, before and after.
+func changes(r_before: Dictionary, r_after: Dictionary) -> void:
+	for block in _before:
+		var now := mask.get_pixels(_pixels(block))
+		if now != _before[block]:
+			r_before[block] = _before[block].compress(FileAccess.COMPRESSION_ZSTD)
+			r_after[block] = now.compress(FileAccess.COMPRESSION_ZSTD)
+
+
+## Restores packed blocks of pixels.
+static func put(painted: ScatterMask, blocks: Dictionary) -> void:
+	for block: Vector2i in blocks:
+		var packed: PackedByteArray = blocks[block]
+		painted.set_pixels(_pixels(block), packed.decompress(BLOCK * BLOCK, FileAccess.COMPRESSION_ZSTD))
+
+
+static func _pixels(block: Vector2i) -> Rect2i:
+	return Rect2i(block * BLOCK, Vector2i(BLOCK, BLOCK))
+
+
+static func _block_of(pixel: Vector2i) -> Vector2i:
+	return Vector2i(floori(pixel.x / float(BLOCK)), floori(pixel.y / float(BLOCK)))

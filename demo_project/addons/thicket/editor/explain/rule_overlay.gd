@@ -1,0 +1,87 @@
+@tool
+extends "res://addons/thicket/editor/ground/ground_overlay.gd"
+## Shows the density, the slope or the rank of a layer as colors on the ground, with a legend.
+
+enum Kind { NOTHING, DENSITY, SLOPE, RANK }
+
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+const NAMES: PackedStringArray = ["Nothing", "Density", "Slope", "Rank"]
+const TIPS: PackedStringArray = [
+	"No colors on the ground.",
+	"The density of the chosen layer by all of its rules: red for none, green for full.",
+	"The slope of the ground.",
+	"The order in which the chosen layer is thinned: dark instances are removed last. Each position has the rank of the nearest point of the layer's set.",
+]
+## In each frame.
+const BUDGET := 4000
+const NONE := Color(0.0, 0.0, 0.0, 0.0)
+
+var _scales: Array[Gradient] = [
+	Gradient.new(),
+	_scale([0.0, 0.004, 0.5, 1.0], [Color(0.9, 0.1, 0.1, 0.45), Color(1.0, 0.6, 0.1, 0.45), Color(0.95, 0.95, 0.2, 0.4), Color(0.2, 0.85, 0.25, 0.4)]),
+	_scale([0.0, 0.33, 0.66, 1.0], [Color(0.15, 0.4, 1.0, 0.35), Color(0.3, 0.9, 0.4, 0.4), Color(1.0, 0.75, 0.1, 0.45), Color(0.9, 0.1, 0.3, 0.5)]),
+	_scale([0.0, 0.5, 1.0], [Color(0.1, 0.05, 0.35, 0.6), Color(0.1, 0.6, 0.65, 0.5), Color(1.0, 0.95, 0.5, 0.4)]),
+]
+var _kind := Kind.NOTHING
+var _name := ""
+
+
+## Draws a kind of values of the layer at an index, around a position on the ground, seen from [param away] meters. Does nothing if it
+## was called with the same arguments before. [param version] must change when the settings change.
+func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, away: float, version: int) -> void:
+	var layers := ScatterLayers.of(scatter)
+	var chosen: ScatterLayer = layers[layer] if layer >= 0 and layer < layers.size() else null
+	if kind == Kind.NOTHING or (chosen == null and kind != Kind.SLOPE):
+		return hide()
+	_kind = kind
+	_name = "" if chosen == null else str(chosen.resource_name) if chosen.resource_name else "Layer %d" % layer
+	# Points are a radius apart: with larger quads, their ranks would look like noise.
+	var largest: float = chosen.radius * 0.5 if kind == Kind.RANK else INF
+	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, layer), largest)
+
+
+func hide() -> void:
+	_kind = Kind.NOTHING
+	super()
+
+
+## Draws the legend in a corner of a view.
+func draw_legend(overlay: Control) -> void:
+	if _kind == Kind.NOTHING:
+		return
+	var font := ThemeDB.fallback_font
+	var size := ThemeDB.fallback_font_size
+	var bar := Rect2(Vector2(24.0, overlay.size.y - 56.0), Vector2(220.0, 12.0))
+	overlay.draw_rect(bar.grow_individual(12.0, size + 14.0, 12.0, size + 12.0), Color(0.0, 0.0, 0.0, 0.75))
+	const STEPS := 44
+	for step in STEPS:
+		var color := _scales[_kind].sample(step / (STEPS - 1.0))
+		var part := Rect2(bar.position + Vector2(bar.size.x * step / STEPS, 0.0), Vector2(bar.size.x / STEPS + 0.5, bar.size.y))
+		overlay.draw_rect(part, Color(color, 1.0))
+	var title := NAMES[_kind] if _kind == Kind.SLOPE else "%s of %s" % [NAMES[_kind], _name]
+	overlay.draw_string(font, bar.position - Vector2(0.0, 8.0), title, HORIZONTAL_ALIGNMENT_LEFT, bar.size.x, size)
+	var ends: Array = {
+		Kind.DENSITY: ["0: nothing", "1: all"], Kind.SLOPE: ["0°: flat", "90°"], Kind.RANK: ["0: removed last", "1: removed first"],
+	}[_kind]
+	var below := bar.position + Vector2(0.0, bar.size.y + size)
+	overlay.draw_string(font, below, ends[0], HORIZONTAL_ALIGNMENT_LEFT, bar.size.x, size - 2)
+	overlay.draw_string(font, below, ends[1], HORIZONTAL_ALIGNMENT_RIGHT, bar.size.x, size - 2)
+
+
+func _ask(rect: Rect2, size: Vector2i, scatter: TerrainScatter3D, kind: Kind, layer: int) -> PackedColorArray:
+	var values: PackedFloat32Array
+	match kind:
+		Kind.DENSITY: values = scatter.get_density_map(layer, rect, size)
+		Kind.SLOPE: values = scatter.get_slope_map(rect, size)
+		Kind.RANK: values = scatter.get_rank_map(layer, rect, size)
+	var colors := PackedColorArray()
+	for value in values:
+		colors.append(NONE if is_nan(value) else _scales[kind].sample(value / 90.0 if kind == Kind.SLOPE else value))
+	return colors
+
+
+static func _scale(offsets: PackedFloat32Array, colors: PackedColorArray) -> Gradient:
+	var gradient := Gradient.new()
+	gradient.offsets = offsets
+	gradient.colors = colors
+	return gradient

@@ -1,0 +1,60 @@
+@tool
+extends RefCounted
+## The text that the Why tool shows beside the mouse: a line for each layer, with a sentence that explains why it is placed there or
+## not.
+
+const MOST_LINES := 12
+const WIDTH := 560.0
+const YES := Color(0.55, 1.0, 0.5)
+const NO := Color(1.0, 0.6, 0.5)
+const PLAIN := Color(0.92, 0.92, 0.92)
+const DIM := Color(0.92, 0.92, 0.92, 0.65)
+
+## Rows of a color and a text.
+var rows: Array[Array] = []
+
+
+## Shows the layers of a scatter from the result of [method TerrainScatter3D.explain_position]. For the layer at [param chosen], all
+## rules are listed.
+func fill(explanations: Array, chosen: int) -> void:
+	rows.clear()
+	# The chosen layer is first, so that it is never among the omitted ones.
+	var ordered := explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer == chosen)
+	ordered.append_array(explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer != chosen))
+	for index in ordered.size():
+		if rows.size() >= MOST_LINES:
+			rows.append([DIM, "… and %d more layers" % (ordered.size() - index)])
+			break
+		var explanation: ScatterExplanation = ordered[index]
+		var yes: bool = str(explanation.refused_by).is_empty()
+		var name: String = explanation.layer_name if explanation.layer_name else "Layer %d" % explanation.layer
+		rows.append([YES if yes else NO, "%s %s: %s" % ["✓" if yes else "✗", name, explanation.reason]])
+		if explanation.layer == chosen:
+			for rule: int in explanation.get_rule_count():
+				rows.append([DIM, "    %s" % explanation.get_rule_sentence(rule)])
+
+
+## Shows one line.
+func tell(sentence: String) -> void:
+	rows = [[PLAIN, sentence]]
+
+
+## Draws the rows beside a position of an overlay.
+func draw(overlay: Control, beside: Vector2, pinned: bool) -> void:
+	var font := ThemeDB.fallback_font
+	var size := ThemeDB.fallback_font_size
+	var shown := rows.duplicate()
+	if pinned:
+		shown.append([DIM, "Pinned: click a different position to move it, or click here to unpin."])
+	var extent := Vector2.ZERO
+	var heights := PackedFloat32Array()
+	for row in shown:
+		var text := font.get_multiline_string_size(row[1], HORIZONTAL_ALIGNMENT_LEFT, WIDTH, size)
+		heights.append(text.y)
+		extent = Vector2(maxf(extent.x, text.x), extent.y + text.y + 2.0)
+	var at := (beside + Vector2(20.0, 16.0)).min(overlay.size - extent - Vector2(16.0, 12.0)).max(Vector2(12.0, 12.0))
+	overlay.draw_rect(Rect2(at - Vector2(8.0, 6.0), extent + Vector2(16.0, 10.0)), Color(0.0, 0.0, 0.0, 0.78))
+	for index in shown.size():
+		var line := at + Vector2(0.0, font.get_ascent(size))
+		overlay.draw_multiline_string(font, line, shown[index][1], HORIZONTAL_ALIGNMENT_LEFT, WIDTH, size, -1, shown[index][0])
+		at.y += heights[index] + 2.0

@@ -1,0 +1,144 @@
+@tool
+extends "res://addons/thicket/editor/scatter_tool.gd"
+## Explains why instances are placed at a position or not: each layer's result is shown beside the mouse, and a click pins it. It can
+## color the ground by density, slope or rank.
+
+const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
+const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+const RuleOverlay := preload("res://addons/thicket/editor/explain/rule_overlay.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+const WhyPanel := preload("res://addons/thicket/editor/explain/why_panel.gd")
+
+## The minimum time in milliseconds between two explanations while the mouse moves.
+const PAUSE := 80
+## The distance in pixels from the pin within which a click removes it.
+const NEAR := 24.0
+
+var panel := WhyPanel.new()
+var overlay := RuleOverlay.new()
+## The world position of the pin, in meters; [constant Vector3.INF] while the panel follows the mouse.
+var pinned := Vector3.INF
+
+var _cursor := GroundCursor.new()
+var _colors := OptionButton.new()
+var _asked_at := 0
+var _explained := Vector3.INF
+var _version := 0 ## Increases with each change of the settings.
+var _state: Array = []
+var _camera: Camera3D
+
+
+func _init() -> void:
+	_setup("Why?", &"Help", "Why?: point at the ground to read why each layer is placed there or not; click to pin the text.")
+	_colors.tooltip_text = "Colors on the ground."
+	for kind in RuleOverlay.NAMES.size():
+		_colors.add_item(RuleOverlay.NAMES[kind])
+		_colors.get_popup().set_item_tooltip(kind, RuleOverlay.TIPS[kind])
+	_colors.item_selected.connect(func(_index: int) -> void: look(); redraw_requested.emit())
+	add_child(_colors)
+
+
+## Chooses the colors on the ground.
+func choose_colors(kind: RuleOverlay.Kind) -> void:
+	_colors.select(kind)
+	look()
+	redraw_requested.emit()
+
+
+func input(camera: Camera3D, event: InputEvent) -> int:
+	if not event is InputEventMouse:
+		return NOT_MINE
+	_camera = camera
+	var mouse := event as InputEventMouse
+	_cursor.aim(camera, mouse.position, ground())
+	redraw_requested.emit()
+	var click := mouse as InputEventMouseButton
+	if click == null:
+		if not pinned.is_finite():
+			_explain(_cursor.on_ground, false)
+		return NOT_MINE
+	if click.button_index != MOUSE_BUTTON_LEFT or click.alt_pressed:
+		return NOT_MINE
+	if click.pressed:
+		var lets_go := pinned.is_finite() and _place_of(pinned).distance_to(_place_of(_cursor.on_ground)) < NEAR
+		pinned = Vector3.INF if lets_go else _cursor.on_ground
+		_explain(_cursor.on_ground, true)
+	return MINE
+
+
+func draw_over(over: Control) -> void:
+	overlay.draw_legend(over)
+	if not _cursor.is_over(over) or panel.rows.is_empty():
+		return
+	var at := pinned if pinned.is_finite() else _cursor.on_ground
+	if not at.is_finite():
+		panel.draw(over, _cursor.mouse(), false)
+		return
+	if _camera.is_position_behind(at):
+		return
+	over.draw_circle(_cursor.to_overlay(at), 4.0, Color.BLACK)
+	over.draw_circle(_cursor.to_overlay(at), 3.0, Color.WHITE)
+	panel.draw(over, _cursor.to_overlay(at), pinned.is_finite())
+
+
+func look() -> void:
+	if not is_on() or not is_instance_valid(scatter) or not scatter.is_inside_tree():
+		overlay.hide()
+		return
+	_notice_changes()
+	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
+	if _colors.selected == RuleOverlay.Kind.NOTHING or ground() == null:
+		overlay.hide()
+		return
+	var away := GroundRay.distance(ground(), camera.global_position, -camera.global_basis.z)
+	overlay.show(scatter, _colors.selected as RuleOverlay.Kind, layer_index, camera.global_position - camera.global_basis.z * away, away,
+			_version)
+
+
+func finish() -> void:
+	pinned = Vector3.INF
+	panel.rows.clear()
+	_explained = Vector3.INF
+	_cursor.clear()
+
+
+func _process(_delta: float) -> void:
+	overlay.work(RuleOverlay.BUDGET)
+	if is_on() and not pinned.is_finite() and _cursor.on_ground != _explained:
+		_explain(_cursor.on_ground, false) # The mouse has stopped here.
+
+
+func _on_toggled() -> void:
+	finish()
+	look()
+
+
+func _place_of(position: Vector3) -> Vector2:
+	return _cursor.to_overlay(position) if position.is_finite() and not _camera.is_position_behind(position) else Vector2.INF
+
+
+## Updates the explanation and the colors when the settings have changed and the scatter has settled.
+func _notice_changes() -> void:
+	var state: Array = [scatter, ground(), layer_index, scatter.is_settled(), scatter.get_stats().tiles_made]
+	if state == _state:
+		return
+	_state = state
+	if state[3]:
+		_version += 1
+		_explain(pinned if pinned.is_finite() else _cursor.on_ground, true)
+
+
+func _explain(at: Vector3, at_once: bool) -> void:
+	if not at_once and (Time.get_ticks_msec() - _asked_at < PAUSE or at == _explained):
+		return
+	_asked_at = Time.get_ticks_msec()
+	_explained = at
+	if ground() == null:
+		panel.tell("There is no ground: set the ground of %s, or press Use as Ground." % scatter.name)
+	elif ScatterLayers.of(scatter).is_empty():
+		panel.tell("There is nothing to explain: add a layer to %s in the Scatter panel." % scatter.name)
+	elif not at.is_finite():
+		panel.rows.clear()
+	else:
+		panel.fill(scatter.explain_position(at), layer_index)
+	redraw_requested.emit()

@@ -1,0 +1,61 @@
+@tool
+extends EditorNode3DGizmoPlugin
+## Draws the extent of the layers of the selected [code]TerrainScatter3D[/code]: a line around the tiles that are
+## shown.
+
+const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+
+const COLOR := Color(0.99, 0.62, 0.5)
+const SIDES: Array[Vector2i] = [Vector2i.UP, Vector2i.RIGHT, Vector2i.DOWN, Vector2i.LEFT]
+## The largest number of ground heights for one drawing, for all layers together.
+const MOST_HEIGHTS := 2000
+
+## The selected scatter; no other is drawn.
+var scatter: TerrainScatter3D
+
+var _line := GroundLines.material(Color(COLOR, 0.6))
+
+
+func _get_gizmo_name() -> String:
+	return "TerrainScatter3D"
+
+
+func _has_gizmo(node: Node3D) -> bool:
+	return node is TerrainScatter3D
+
+
+func _redraw(gizmo: EditorNode3DGizmo) -> void:
+	gizmo.clear()
+	if gizmo.get_node_3d() != scatter:
+		return
+	var edges: Array[PackedVector2Array] = []
+	var seen := {}
+	var layers := ScatterLayers.of(scatter)
+	for index in layers.size():
+		if layers[index] == null:
+			continue
+		var reach := Vector2(layers[index].tile_size, layers[index].view_distance)
+		if not seen.has(reach):
+			seen[reach] = true
+			_add_edges(edges, scatter.get_shown_tiles(index), reach.x)
+	if edges.is_empty():
+		return
+	var lines := GroundLines.new(scatter)
+	var pieces := maxi(1, MOST_HEIGHTS / edges.size())
+	for edge in edges:
+		lines.add(edge, false, maxf(2.0, edge[0].distance_to(edge[1]) / pieces))
+	gizmo.add_lines(lines.segments, _line)
+
+
+## Adds the sides of tiles that have no neighbor there.
+static func _add_edges(edges: Array[PackedVector2Array], tiles: Array, size: float) -> void:
+	var shown := {}
+	for tile: Vector2i in tiles:
+		shown[tile] = true
+	for tile: Vector2i in tiles:
+		for side in SIDES.size():
+			if not shown.has(tile + SIDES[side]):
+				var middle := Vector2(tile) + Vector2(0.5, 0.5) + Vector2(SIDES[side]) * 0.5
+				var half := Vector2(SIDES[side]).orthogonal() * 0.5
+				edges.append(PackedVector2Array([(middle - half) * size, (middle + half) * size]))

@@ -1,0 +1,135 @@
+@tool
+extends RefCounted
+## The position on the ground below the mouse, and the shapes that a tool draws there over the view.
+
+const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+
+const SIDES := 64
+const PIECES := 24
+
+## The position on the ground below the mouse, in world meters; [constant Vector3.INF] if there is none.
+var on_ground := Vector3.INF
+## The ray from the eye through the mouse: its start in world meters, and its direction with a length of 1.
+var from := Vector3.ZERO
+var direction := Vector3.FORWARD
+
+var _camera: Camera3D
+var _mouse := Vector2.ZERO
+
+
+## Finds the ground below a position in the camera's viewport. Without a ground there is no position.
+func aim(camera: Camera3D, position: Vector2, ground: ScatterGround) -> void:
+	_camera = camera
+	_mouse = position
+	on_ground = Vector3.INF
+	position /= _shrink(camera)
+	from = camera.project_ray_origin(position)
+	direction = camera.project_ray_normal(position)
+	if ground != null:
+		on_ground = GroundRay.hit(ground, from, direction)
+
+
+## Clears the position until the next [method aim].
+func clear() -> void:
+	on_ground = Vector3.INF
+	_camera = null
+
+
+## True if the mouse was last over the viewport of this overlay. An overlay is beside the container of its
+## viewport.
+func is_over(overlay: Control) -> bool:
+	if not is_instance_valid(_camera):
+		return false
+	var container := _camera.get_viewport().get_parent()
+	return container != null and container.get_parent() != null and container.get_parent().is_ancestor_of(overlay)
+
+
+## The position of the mouse over the viewport, in pixels.
+func mouse() -> Vector2:
+	return _mouse
+
+
+## Writes a sentence beside the mouse.
+func say(overlay: Control, sentence: String) -> void:
+	_write(overlay, sentence, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
+
+
+## Writes a sentence at the lower edge of the view, about what keys and clicks do.
+func hint(overlay: Control, sentence: String) -> void:
+	_write(overlay, sentence, Vector2(12.0, overlay.size.y - 14.0), Color(0.9, 0.95, 1.0))
+
+
+func _write(overlay: Control, sentence: String, at: Vector2, color: Color) -> void:
+	var font := ThemeDB.fallback_font
+	var size := ThemeDB.fallback_font_size
+	var extent := font.get_string_size(sentence, HORIZONTAL_ALIGNMENT_LEFT, -1.0, size)
+	at = at.min(overlay.size - extent - Vector2(8.0, 0.0)).max(Vector2(8.0, extent.y))
+	overlay.draw_rect(Rect2(at - Vector2(6.0, extent.y), extent + Vector2(12.0, 8.0)), Color(0.0, 0.0, 0.0, 0.75))
+	overlay.draw_string(font, at, sentence, HORIZONTAL_ALIGNMENT_LEFT, -1.0, size, color)
+
+
+## Draws a dot at the position below the mouse.
+func draw_dot(overlay: Control, color: Color) -> void:
+	overlay.draw_circle(to_overlay(on_ground), 2.5, color)
+
+
+## Draws a handle at a world position, if it is in front of the camera.
+func draw_knob(overlay: Control, position: Vector3, color: Color) -> void:
+	if not _camera.is_position_behind(position):
+		overlay.draw_circle(to_overlay(position), 6.0, Color(0.0, 0.0, 0.0, 0.6))
+		overlay.draw_circle(to_overlay(position), 4.5, color)
+
+
+## Draws a circle on the ground around the position below the mouse, with a radius in meters.
+func draw_ring(overlay: Control, ground: ScatterGround, radius: float, color: Color, width: float) -> void:
+	var line := PackedVector3Array()
+	for side in SIDES + 1:
+		var angle := TAU * side / SIDES
+		var at := on_ground + Vector3(cos(angle), 0.0, sin(angle)) * radius
+		var height := ground.get_height(at)
+		if not is_nan(height):
+			at.y = height
+		line.append(at)
+	draw_path(overlay, line, color, width)
+
+
+## Converts a world position to a position on the overlay. It must not be behind the camera.
+func to_overlay(position: Vector3) -> Vector2:
+	return _camera.unproject_position(position) * _shrink(_camera)
+
+
+## A line between two positions that follows the ground.
+func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVector3Array:
+	var line := PackedVector3Array()
+	for piece in PIECES + 1:
+		var at := from.lerp(to, piece / float(PIECES))
+		var height := ground.get_height(at)
+		if not is_nan(height):
+			at.y = height
+		line.append(at)
+	return line
+
+
+## Draws a line through world positions, except for those behind the camera.
+func draw_path(overlay: Control, positions: PackedVector3Array, color: Color, width: float) -> void:
+	var line := PackedVector2Array()
+	for position in positions:
+		if _camera.is_position_behind(position):
+			_draw_line(overlay, line, color, width)
+			line = PackedVector2Array()
+		else:
+			line.append(to_overlay(position))
+	_draw_line(overlay, line, color, width)
+
+
+func _draw_line(overlay: Control, line: PackedVector2Array, color: Color, width: float) -> void:
+	if line.size() > 1:
+		overlay.draw_polyline(line, Color(0.0, 0.0, 0.0, 0.5 * color.a), width + 2.0, true)
+		overlay.draw_polyline(line, color, width, true)
+
+
+## The number of overlay pixels per viewport pixel: at half resolution a viewport has fewer pixels than its
+## overlay.
+static func _shrink(camera: Camera3D) -> float:
+	var container := camera.get_viewport().get_parent() as SubViewportContainer
+	return float(container.stretch_shrink) if container != null and container.stretch else 1.0

@@ -1,0 +1,70 @@
+@tool
+extends RefCounted
+## Lines for gizmos, which follow the ground of a scatter.
+
+## Meters above the ground, so that the ground does not hide the lines.
+const LIFT := 0.1
+
+## The ground to follow; if null, lines are at [member level].
+var ground: ScatterGround
+## The world height in meters of lines without a ground.
+var level := 0.0
+## The number of ground heights that may still be queried. After that, lines are straight from corner to corner.
+var budget := 4000
+## Pairs of end points, in the space of the node.
+var segments := PackedVector3Array()
+
+var _to_node: Transform3D
+
+
+## Prepares lines for [param node], which may be outside of a scatter.
+func _init(node: Node3D) -> void:
+	_to_node = node.global_transform.affine_inverse()
+	level = node.global_position.y
+	var scatter := scatter_of(node)
+	if scatter != null:
+		ground = scatter.ground
+
+
+## The scatter above a node, or the node itself; null if there is none.
+static func scatter_of(node: Node) -> TerrainScatter3D:
+	while node != null and not node is TerrainScatter3D:
+		node = node.get_parent()
+	return node as TerrainScatter3D
+
+
+## A material for lines that are visible through everything, and opaque whether their node is selected or not. The
+## materials of a gizmo plugin are not.
+static func material(color: Color) -> StandardMaterial3D:
+	var made := StandardMaterial3D.new()
+	made.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+	made.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	made.no_depth_test = true
+	made.disable_fog = true
+	made.albedo_color = color
+	return made
+
+
+## Adds a line through world positions (x, z), with a ground height every [param piece] meters or less.
+func add(points: PackedVector2Array, closed: bool, piece: float) -> void:
+	var count := points.size() if closed else points.size() - 1
+	for index in count:
+		var from := points[index]
+		var to := points[(index + 1) % points.size()]
+		var pieces := clampi(ceili(from.distance_to(to) / piece), 1, maxi(1, budget))
+		budget -= pieces
+		var last := _on_ground(from)
+		for step in pieces:
+			var next := _on_ground(from.lerp(to, (step + 1.0) / pieces))
+			segments.append(last)
+			segments.append(next)
+			last = next
+
+
+func _on_ground(at: Vector2) -> Vector3:
+	var position := Vector3(at.x, level, at.y)
+	if ground != null:
+		var height := ground.get_height(position)
+		if not is_nan(height):
+			position.y = height + LIFT
+	return _to_node * position

@@ -1,0 +1,140 @@
+@tool
+extends RefCounted
+## A colored overlay on the ground around a position. It exists only in the renderer: it has no node, and adds nothing to the scene. It
+## is generated in parts, a few in each frame, and replaces the previous overlay when all parts are complete.
+
+## Quads along a side, and parts along a side.
+const QUADS := 48
+const PARTS := 4
+## The width of the overlay, as a multiple of the view's distance from the point that it looks at, and its limits in meters.
+const WIDTH := 2.0
+const WIDTHS := Vector2(24.0, 1200.0)
+## Meters above the ground, per meter of a quad's side.
+const LIFT := 0.04
+
+var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## The visible one, and the one that is being generated.
+var _material := StandardMaterial3D.new()
+var _instance := RID()
+var _scatter: TerrainScatter3D
+var _ground: ScatterGround
+var _middle := Vector2i.ZERO ## The center of the overlay, in quads.
+var _quad := 0.0 ## The side of a quad, in meters.
+var _asked: Array = [] ## Everything that determines the overlay; empty if there is none.
+var _colors: Callable
+var _waiting: Array[Vector2i] = [] ## Parts that are still to be generated.
+
+
+func _init() -> void:
+	_material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+	_material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	_material.vertex_color_use_as_albedo = true
+	_material.vertex_color_is_srgb = true
+	_material.cull_mode = BaseMaterial3D.CULL_DISABLED
+
+
+func _notification(what: int) -> void:
+	if what == NOTIFICATION_PREDELETE and _instance.is_valid():
+		RenderingServer.free_rid(_instance)
+
+
+## Removes the overlay.
+func hide() -> void:
+	_asked = []
+	_ground = null
+	_waiting.clear()
+	_take_off()
+
+
+## True if an overlay is shown or being generated.
+func is_shown() -> bool:
+	return not _asked.is_empty()
+
+
+## True if no overlay is being generated.
+func is_complete() -> bool:
+	return _waiting.is_empty()
+
+
+## Begins an overlay on the ground of a scatter around a position, seen from [param away] meters, with quads of at most [param largest]
+## meters. Does nothing if the ground, the position and [param version] are the same as last time. [param colors] is called with a
+## rectangle of world x and z, and with a size that divides the rectangle into fields. It returns a color for the middle of each field,
+## row by row, or an empty array if it cannot, which removes the overlay.
+func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
+	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
+	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
+	var asked := [scatter, scatter.ground, middle, quad, version]
+	if asked == _asked:
+		return
+	_asked = asked
+	_scatter = scatter
+	_ground = scatter.ground
+	_middle = middle
+	_quad = quad
+	_colors = colors
+	_meshes[1].clear_surfaces()
+	_waiting.clear()
+	for z in PARTS:
+		for x in PARTS:
+			_waiting.append(Vector2i(x, z))
+
+
+## Generates parts until this number of microseconds has passed, but at least one.
+func work(microseconds: int) -> void:
+	if _waiting.is_empty():
+		return
+	if not is_instance_valid(_scatter) or not _scatter.is_inside_tree() or _scatter.ground == null:
+		return hide()
+	var deadline := Time.get_ticks_usec() + microseconds
+	while not _waiting.is_empty():
+		var arrays := _part(_waiting.pop_front())
+		if arrays.is_empty(): # The same request is not repeated.
+			_waiting.clear()
+			return _take_off()
+		_meshes[1].add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+		_meshes[1].surface_set_material(_meshes[1].get_surface_count() - 1, _material)
+		if Time.get_ticks_usec() >= deadline:
+			break
+	if _waiting.is_empty():
+		_show()
+
+
+func _take_off() -> void:
+	if _instance.is_valid():
+		RenderingServer.instance_set_scenario(_instance, RID())
+
+
+func _show() -> void:
+	_meshes.reverse()
+	if not _instance.is_valid():
+		_instance = RenderingServer.instance_create()
+		RenderingServer.instance_geometry_set_cast_shadows_setting(_instance, RenderingServer.SHADOW_CASTING_SETTING_OFF)
+	RenderingServer.instance_set_base(_instance, _meshes[0].get_rid())
+	RenderingServer.instance_set_scenario(_instance, _scatter.get_world_3d().scenario)
+
+
+func _part(part: Vector2i) -> Array:
+	const SIDE := QUADS / PARTS
+	var first: Vector2 = Vector2(_middle - Vector2i(QUADS, QUADS) / 2 + part * SIDE) * _quad
+	var size := Vector2i(SIDE + 1, SIDE + 1)
+	var colors: PackedColorArray = _colors.call(Rect2(first - Vector2.ONE * _quad * 0.5, Vector2(size) * _quad), size)
+	if colors.size() != size.x * size.y:
+		return []
+	var vertices := PackedVector3Array()
+	for z in size.y:
+		for x in size.x:
+			var at := first + Vector2(x, z) * _quad
+			var height := _ground.get_height(Vector3(at.x, 0.0, at.y))
+			vertices.append(Vector3(at.x, (0.0 if is_nan(height) else height) + LIFT * _quad, at.y))
+			if is_nan(height):
+				colors[z * size.x + x].a = 0.0
+	var indices := PackedInt32Array()
+	for z in SIDE:
+		for x in SIDE:
+			var corner := z * size.x + x
+			indices.append_array([corner, corner + 1, corner + size.x + 1, corner, corner + size.x + 1, corner + size.x])
+	var arrays: Array = []
+	arrays.resize(Mesh.ARRAY_MAX)
+	arrays[Mesh.ARRAY_VERTEX] = vertices
+	arrays[Mesh.ARRAY_COLOR] = colors
+	arrays[Mesh.ARRAY_INDEX] = indices
+	return arrays

@@ -1,0 +1,179 @@
+@tool
+extends HBoxContainer
+## The settings of the hand tool for planting and moving: snapping, alignment with slopes, random values, and the mesh.
+
+const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
+
+## The next instance has changed.
+signal changed
+
+const ANY_MESH := -1
+
+## The items of the menu, with the values that they have first.
+enum Way { ALIGN, RANDOM_TURN, RANDOM_SIZE }
+const WAY_NAMES: PackedStringArray = ["Lean with the Slope", "Random Turn", "Random Size"]
+const WAY_TIPS: PackedStringArray = [
+	"Align planted and moved instances with the slope of the ground.",
+	"Give planted instances a random yaw within the range of the layer.",
+	"Give planted instances a random scale within the range of the layer.",
+]
+
+## The mesh of the next instance, as an index in the layer's meshes.
+var mesh := 0
+
+var _snap := CheckBox.new()
+var _grid: EditorSpinSlider
+var _degrees: EditorSpinSlider
+var _ways := MenuButton.new()
+var _choice := OptionButton.new()
+var _layer: ScatterLayer
+var _mesh_count := -1
+var _yaw := 0.0
+var _size := 1.0
+var _random := RandomNumberGenerator.new()
+
+
+func _init() -> void:
+	_snap.text = "Snap"
+	_snap.tooltip_text = "Snap positions to the grid and rotations to steps; hold Ctrl to invert."
+	_snap.toggled.connect(func(_on: bool) -> void: changed.emit())
+	add_child(_snap)
+	_grid = Controls.slider("Grid", "The step of the grid in meters, along x and z.", Vector3(0.05, 64.0, 0.05), 1.0, "m", 88.0)
+	add_child(_grid)
+	_degrees = Controls.slider("Turn", "The rotation step in degrees (key R; Shift+R rotates back).", Vector3(1.0, 180.0, 1.0), 15.0, "°", 88.0)
+	add_child(_degrees)
+	_ways.text = "Planting"
+	_ways.tooltip_text = "Random values for planted instances, and alignment with the slope."
+	_ways.get_popup().hide_on_checkable_item_selection = false
+	for way in WAY_NAMES.size():
+		_ways.get_popup().add_check_item(WAY_NAMES[way])
+		_ways.get_popup().set_item_tooltip(way, WAY_TIPS[way])
+		_ways.get_popup().set_item_checked(way, way != Way.ALIGN)
+	_ways.get_popup().index_pressed.connect(func(way: int) -> void: _choose_way(way, not _is_way(way)))
+	add_child(_ways)
+	_choice.tooltip_text = "The mesh to plant. Random picks meshes by their weights in the layer."
+	_choice.item_selected.connect(func(_index: int) -> void: roll(); changed.emit())
+	add_child(_choice)
+
+
+## Sets whether to snap to the grid, align with slopes, and choose the rotation and the size at random.
+func choose(snap: bool, align: bool, random_turn: bool, random_size: bool) -> void:
+	_snap.button_pressed = snap
+	_choose_way(Way.ALIGN, align)
+	_choose_way(Way.RANDOM_TURN, random_turn)
+	_choose_way(Way.RANDOM_SIZE, random_size)
+	_yaw = 0.0
+	_size = 1.0
+	roll()
+
+
+## Sets the snap steps in meters and degrees.
+func set_steps(grid: float, degrees: float) -> void:
+	_grid.value = grid
+	_degrees.value = degrees
+
+
+## Sets the layer to plant, and the number of its meshes.
+func set_layer(layer: ScatterLayer, mesh_count: int) -> void:
+	if layer == _layer and mesh_count == _mesh_count:
+		return
+	_layer = layer
+	_mesh_count = mesh_count
+	_choice.clear()
+	_choice.add_item("Any Mesh", ANY_MESH + 1)
+	for index in mesh_count:
+		_choice.add_item("Mesh %d" % index, index + 1)
+	_choice.visible = mesh_count > 1
+	roll()
+
+
+## Chooses the random values of the next instance.
+func roll() -> void:
+	if _layer == null:
+		return
+	if _is_way(Way.RANDOM_TURN):
+		_yaw = deg_to_rad(_random.randf_range(_layer.min_yaw_degrees, _layer.max_yaw_degrees))
+	if _is_way(Way.RANDOM_SIZE):
+		_size = _random.randf_range(_layer.min_scale, _layer.max_scale)
+	mesh = _choice.get_selected_id() - 1
+	if mesh == ANY_MESH:
+		var weights := _layer.mesh_weights
+		weights.resize(maxi(1, _mesh_count))
+		for index in range(_layer.mesh_weights.size(), weights.size()):
+			weights[index] = 1.0
+		mesh = maxi(0, _random.rand_weighted(weights))
+
+
+func turn(angle: float) -> void:
+	_yaw += angle
+
+
+func scale_by(factor: float) -> void:
+	_size = clampf(_size * factor, 0.01, 100.0)
+
+
+## The rotation step in radians.
+func turn_step() -> float:
+	return deg_to_rad(_degrees.value)
+
+
+## Whether to snap. Ctrl inverts the setting.
+func snaps(with_control: bool) -> bool:
+	return _snap.button_pressed != with_control
+
+
+## An angle in radians, rounded to whole steps if snapping is on.
+func snapped_turn(angle: float, with_control: bool) -> float:
+	return snappedf(angle, turn_step()) if snaps(with_control) else angle
+
+
+## A factor for a basis, so that the resulting scale is a multiple of 0.1 if snapping is on.
+func snapped_size(basis: Basis, factor: float, with_control: bool) -> float:
+	var size := basis.y.length()
+	return snappedf(size * factor, 0.1) / size if snaps(with_control) and size > 0.0 else factor
+
+
+## The transform of an instance that is planted at a position on the ground.
+func transform_at(place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
+	var at := _on_grid(place, ground, with_control)
+	var up := _up(at, ground)
+	var basis := Basis(Quaternion(Vector3.UP, up)) * Basis(Vector3.UP, _yaw)
+	at += Vector3.UP * _layer.height_offset + up * _layer.offset_along_normal
+	return Transform3D(basis * Basis.from_scale(Vector3.ONE * _size), at)
+
+
+## The transform of an instance that is moved to the x and z of a position. It keeps its height above the ground.
+func moved(from: Transform3D, place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
+	var to := _on_grid(place, ground, with_control)
+	var below := ground.get_height(from.origin)
+	var height := ground.get_height(to)
+	to.y = from.origin.y if is_nan(below) or is_nan(height) else height + from.origin.y - below
+	var lean := Quaternion(_up(from.origin, ground), _up(to, ground)) if _is_way(Way.ALIGN) else Quaternion.IDENTITY
+	return Transform3D(Basis(lean) * from.basis if lean != Quaternion.IDENTITY else from.basis, to)
+
+
+func _on_grid(place: Vector3, ground: ScatterGround, with_control: bool) -> Vector3:
+	if not snaps(with_control):
+		return place
+	var at := Vector3(snappedf(place.x, _grid.value), place.y, snappedf(place.z, _grid.value))
+	var height := ground.get_height(at)
+	if not is_nan(height):
+		at.y = height
+	return at
+
+
+func _up(at: Vector3, ground: ScatterGround) -> Vector3:
+	if not _is_way(Way.ALIGN):
+		return Vector3.UP
+	var normal := ground.get_normal(at)
+	return normal.normalized() if normal.is_finite() and normal.y > 0.0 else Vector3.UP
+
+
+func _is_way(way: Way) -> bool:
+	return _ways.get_popup().is_item_checked(way)
+
+
+func _choose_way(way: Way, on: bool) -> void:
+	_ways.get_popup().set_item_checked(way, on)
+	roll()
+	changed.emit()

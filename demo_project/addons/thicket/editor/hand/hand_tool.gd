@@ -1,0 +1,341 @@
+@tool
+extends "res://addons/thicket/editor/scatter_tool.gd"
+## The hand: plants, moves, turns, scales and deletes single instances of the chosen layer.
+
+const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
+const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
+const HandFrame := preload("res://addons/thicket/editor/hand/hand_frame.gd")
+const HandPlanting := preload("res://addons/thicket/editor/hand/hand_planting.gd")
+const InstanceGhost := preload("res://addons/thicket/editor/hand/instance_ghost.gd")
+
+const SIZE_STEP := 1.1
+const LEAST_SIZE := 0.01
+## The distance in pixels that the mouse must move before a click becomes a drag.
+const SLACK := 4.0
+## In meters: the largest distance at which instances can be picked, and the farthest that one drag can move
+## an instance.
+const REACH := 1000.0
+const HINT_PLANTING := "Click plants   R turns   [ ] scale   Ctrl snaps"
+const HINT_HOVERED := "Click selects   Shift+click plants here"
+const HINT_SELECTED := "Drag moves   R turns   [ ] scale   Ctrl snaps   Del deletes   Esc deselects"
+
+var edits := HandEdits.new()
+## The settings of the next instance.
+var planting := HandPlanting.new()
+## The id of the selected instance; 0 if there is none.
+var selected := 0
+## The reason why the last change failed, as a sentence; empty if it succeeded.
+var problem := ""
+
+var _cursor := GroundCursor.new()
+var _ghost := InstanceGhost.new()
+var _frame := HandFrame.new()
+var _hovered := 0
+var _meshes: Array[Mesh] = []
+var _mouse := Vector2.ZERO
+
+# A press of the mouse button on the selected instance, until it is released.
+var _pressed := false
+var _dragged := false
+var _handle := HandFrame.Handle.NONE
+var _pressed_at := Vector2.ZERO
+var _grabbed := Vector3.ZERO
+var _start := HandFrame.new()
+
+
+func _init() -> void:
+	_setup("Hand", &"ToolMove", "Hand: plant, move, rotate, scale and delete single instances, with the left mouse button.")
+	add_child(planting)
+	planting.changed.connect(redraw_requested.emit)
+
+
+func input(camera: Camera3D, event: InputEvent) -> int:
+	if event is InputEventKey:
+		return _on_key(event as InputEventKey)
+	if not event is InputEventMouse:
+		return NOT_MINE
+	var mouse := event as InputEventMouse
+	_mouse = mouse.position
+	_cursor.aim(camera, mouse.position, ground())
+	redraw_requested.emit()
+	if mouse is InputEventMouseMotion:
+		if _pressed:
+			_drag(mouse)
+			return MINE
+		_hover(mouse)
+		return NOT_MINE
+	var button_event := mouse as InputEventMouseButton
+	if button_event == null or button_event.button_index != MOUSE_BUTTON_LEFT or button_event.alt_pressed:
+		return NOT_MINE
+	# The tool always takes the left button, because the editor's box selection would deselect the scatter.
+	if not button_event.pressed:
+		_release()
+	else:
+		problem = _press(button_event)
+	_hover(mouse)
+	return MINE
+
+
+func draw_over(overlay: Control) -> void:
+	if not _cursor.is_over(overlay):
+		return
+	if _hovered != 0 and _hovered != selected and not _pressed:
+		var frame := _frame_of(_hovered)
+		if frame != null:
+			frame.draw_box(overlay, _cursor, HandFrame.HOVERED, 1.0)
+	if selected != 0:
+		_frame.draw_box(overlay, _cursor, HandFrame.SELECTED, 2.0)
+		_frame.draw_handles(overlay, _cursor)
+	_cursor.hint(overlay, HINT_SELECTED if selected != 0 else HINT_HOVERED if _hovered != 0 else HINT_PLANTING)
+	if not problem.is_empty():
+		_cursor.say(overlay, problem)
+
+
+## Updates the meshes of the chosen layer, which may have changed, and the selected instance, which undo may
+## have changed.
+func look() -> void:
+	if not is_on() or layer == null or ground() == null:
+		_ghost.hide()
+		return
+	var built := scatter.build_rect(layer_index, Rect2(0.0, 0.0, 0.01, 0.01))
+	_meshes.clear()
+	for mesh in built.get_mesh_count():
+		_meshes.append(built.get_mesh(mesh))
+	planting.set_layer(layer, _meshes.size())
+	if selected != 0 and not _pressed:
+		var last := _frame.transform
+		_select(selected)
+		if selected == 0 or last != _frame.transform:
+			redraw_requested.emit()
+
+
+func finish() -> void:
+	_release()
+	_select(0)
+	_hovered = 0
+	_ghost.hide()
+
+
+func _on_toggled() -> void:
+	problem = ""
+	_cursor.clear()
+	look()
+
+
+func _on_key(key: InputEventKey) -> int:
+	if not key.pressed or key.ctrl_pressed or key.alt_pressed or key.meta_pressed or Input.is_mouse_button_pressed(MOUSE_BUTTON_RIGHT):
+		return NOT_MINE
+	match key.keycode:
+		# Both are also taken without a selection, because the editor would deselect or delete the scatter.
+		KEY_ESCAPE:
+			_give_up()
+		KEY_DELETE:
+			_delete()
+		KEY_R:
+			_turn(-planting.turn_step() if key.shift_pressed else planting.turn_step())
+		KEY_BRACKETLEFT:
+			_scale(1.0 / SIZE_STEP)
+		KEY_BRACKETRIGHT:
+			_scale(SIZE_STEP)
+		_:
+			return NOT_MINE
+	_take_key()
+	_show_ghost()
+	return MINE
+
+
+## The reason why nothing can be done, as a sentence; empty if there is none.
+func _obstacle() -> String:
+	if ground() == null:
+		return "There is no ground to plant on: set the ground of %s, or press Use as Ground." % scatter.name
+	if layer == null:
+		return "There is nothing to plant: add a layer to %s in the Scatter panel." % scatter.name
+	return ""
+
+
+func _press(mouse: InputEventMouseButton) -> String:
+	_pressed = false
+	var obstacle := _obstacle()
+	if not obstacle.is_empty():
+		return obstacle
+	_handle = _frame.handle_at(_cursor, _mouse) if selected != 0 else HandFrame.Handle.NONE
+	if _handle == HandFrame.Handle.NONE:
+		var found := 0 if mouse.shift_pressed else _pick()
+		if found == 0:
+			return _plant(mouse.ctrl_pressed)
+		_select(found)
+	_pressed = true
+	_dragged = false
+	_pressed_at = _mouse
+	_start.transform = _frame.transform
+	_start.box = _frame.box
+	_grabbed = _on_plane(_start.transform.origin, Vector3.UP, _cursor.on_ground)
+	return ""
+
+
+func _plant(with_control: bool) -> String:
+	if not _cursor.on_ground.is_finite():
+		return "There is no ground below the mouse: click where the ground is."
+	if not edits.begin(scatter, scene_path()):
+		return edits.problem
+	var id := edits.add(layer_index, planting.transform_at(_cursor.on_ground, ground(), with_control), planting.mesh)
+	edits.commit("Plant %s" % layer.resource_name)
+	if id == 0:
+		return "No instance of %s was planted; the Output panel has the reason." % layer.resource_name
+	planting.roll()
+	_select(id)
+	return ""
+
+
+func _drag(mouse: InputEventMouse) -> void:
+	if not _dragged:
+		if _mouse.distance_to(_pressed_at) < SLACK:
+			return
+		if not edits.begin(scatter, scene_path()):
+			problem = edits.problem
+			_pressed = false
+			return
+		_dragged = true
+	var to := _start.transform
+	match _handle:
+		HandFrame.Handle.TURN:
+			var axis := _start.up()
+			var toward := _on_plane(to.origin, axis, _start.handle_position(_handle)) - to.origin
+			var angle := (_start.handle_position(_handle) - to.origin).signed_angle_to(toward, axis)
+			to.basis = Basis(axis, planting.snapped_turn(angle, mouse.ctrl_pressed)) * to.basis
+		HandFrame.Handle.SCALE:
+			var middle := _cursor.to_overlay(to.origin)
+			var factor := middle.distance_to(_mouse) / maxf(1.0, middle.distance_to(_pressed_at))
+			to.basis *= _factor(planting.snapped_size(to.basis, factor, mouse.ctrl_pressed), to.basis)
+		_:
+			if not _grabbed.is_finite():
+				return
+			var way := (_on_plane(_grabbed, Vector3.UP, _grabbed) - _grabbed).limit_length(REACH)
+			to = planting.moved(to, to.origin + way, ground(), mouse.ctrl_pressed)
+	_change(to)
+
+
+## Changes the transform of the selected instance, within the open step.
+func _change(to: Transform3D) -> void:
+	var id := edits.set_transform(selected, to)
+	if id != 0:
+		selected = id
+		_frame.transform = to
+	else:
+		problem = "The instance was not changed; the Output panel has the reason."
+
+
+func _release() -> void:
+	if _pressed and _dragged:
+		edits.commit("%s %s" % [["Move", "Turn", "Scale"][_handle], layer.resource_name if layer != null else "Instance"])
+	_pressed = false
+	_dragged = false
+
+
+func _give_up() -> void:
+	if _pressed and _dragged:
+		edits.abort()
+	_pressed = false
+	_dragged = false
+	_select(0)
+
+
+func _delete() -> void:
+	if selected == 0 or _pressed:
+		return
+	problem = ""
+	if not edits.begin(scatter, scene_path()):
+		problem = edits.problem
+		return
+	edits.remove(selected)
+	edits.commit("Delete %s" % layer.resource_name)
+	_select(0)
+	_hovered = 0
+
+
+## Rotates the selected instance, or else the next one, by an angle in radians.
+func _turn(angle: float) -> void:
+	if selected == 0:
+		planting.turn(angle)
+	elif not _pressed:
+		_change_at_once("Turn", Basis(_frame.up(), angle) * _frame.transform.basis)
+
+
+func _scale(factor: float) -> void:
+	if selected == 0:
+		planting.scale_by(factor)
+	elif not _pressed:
+		_change_at_once("Scale", _frame.transform.basis * _factor(factor, _frame.transform.basis))
+
+
+func _change_at_once(name: String, basis: Basis) -> void:
+	problem = ""
+	if not edits.begin(scatter, scene_path()):
+		problem = edits.problem
+		return
+	_change(Transform3D(basis, _frame.transform.origin))
+	edits.commit("%s %s" % [name, layer.resource_name])
+
+
+func _hover(mouse: InputEventMouse) -> void:
+	_hovered = 0
+	if not _pressed and _obstacle().is_empty() and not mouse.shift_pressed:
+		_hovered = _pick()
+	_show_ghost()
+
+
+func _show_ghost() -> void:
+	var free := _hovered == 0 and not _pressed and _obstacle().is_empty() and _cursor.on_ground.is_finite()
+	if free and planting.mesh < _meshes.size():
+		var with_control := Input.is_key_pressed(KEY_CTRL)
+		_ghost.show(scatter, _meshes[planting.mesh], planting.transform_at(_cursor.on_ground, ground(), with_control))
+	else:
+		_ghost.hide()
+
+
+## The id of the chosen layer's instance under the mouse; 0 if there is none.
+func _pick() -> int:
+	var reach := REACH
+	if _cursor.on_ground.is_finite():
+		reach = minf(reach, _cursor.from.distance_to(_cursor.on_ground) + 2.0 * layer.instance_radius)
+	var met := scatter.query_ray(_cursor.from, _cursor.from + _cursor.direction * reach, [layer_index])
+	return met.id if met != null else 0
+
+
+## Selects an instance if it exists; 0 selects none.
+func _select(id: int) -> void:
+	var frame := _frame_of(id) if id != 0 else null
+	selected = id if frame != null else 0
+	if frame != null:
+		_frame = frame
+
+
+## The frame of an instance; null if the instance does not exist or is not of the chosen layer.
+func _frame_of(id: int) -> HandFrame:
+	if not is_instance_valid(scatter) or ground() == null:
+		return null
+	var instance := scatter.get_instance(id)
+	if instance == null or instance.layer != layer_index:
+		return null
+	var frame := HandFrame.new()
+	frame.transform = instance.transform
+	var mesh := instance.mesh
+	if not _meshes.is_empty() and _meshes[mini(mesh, _meshes.size() - 1)] != null:
+		frame.box = _meshes[mesh if mesh < _meshes.size() else 0].get_aabb()
+	else:
+		var radius := layer.instance_radius
+		frame.box = AABB(Vector3(-radius, 0.0, -radius), Vector3(2.0 * radius, layer.instance_height, 2.0 * radius))
+	return frame
+
+
+## The position where the mouse points at a plane through a position; [param otherwise] if the ray does not
+## meet it.
+func _on_plane(through: Vector3, normal: Vector3, otherwise: Vector3) -> Vector3:
+	var met: Variant = Plane(normal, through).intersects_ray(_cursor.from, _cursor.direction)
+	return met if met is Vector3 else otherwise
+
+
+## A uniform scale as a basis, limited so that the result is at least the least size.
+static func _factor(factor: float, basis: Basis) -> Basis:
+	var size := basis.y.length()
+	return Basis.from_scale(Vector3.ONE * (maxf(factor, LEAST_SIZE / size) if size > 0.0 else 1.0))

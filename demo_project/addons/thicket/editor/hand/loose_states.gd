@@ -1,0 +1,69 @@
+@tool
+extends RefCounted
+## States that were created or changed without the hand tool. A state that a script or the inspector created has no file, so all its
+## instances would be saved in the scene. Such a state gets a file beside the scene, like those of the hand tool. If a script has changed
+## a state in a file, the file is saved with the scene.
+
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
+
+var _files: SceneFiles
+var _revisions: Dictionary[int, int] = {} ## The revisions of states at their last write, by their instance ids.
+
+
+func _init(files: SceneFiles) -> void:
+	_files = files
+
+
+## Gives each state of a scene that contains instances a file, if the scene has one, and marks states that differ from their files.
+## Returns true if there were any without a file.
+func take_in(root: Node) -> bool:
+	var moved := false
+	for scatter in Shared.scatters_of(root):
+		var state := scatter.state
+		if state == null:
+			continue
+		if _is_loose(state, root.scene_file_path):
+			moved = _move_out(state, scatter.name, root.scene_file_path) or moved
+		elif state.resource_path.begins_with("res://") and not "::" in state.resource_path:
+			_look_at(state)
+	return moved
+
+
+func _move_out(state: ScatterState, owner_name: String, scene_path: String) -> bool:
+	if scene_path.is_empty():
+		return false
+	# A game changes its own copy, and never the editor's file.
+	state.copy_at_runtime = true
+	if not _files.create(scene_path, state, owner_name, "state"):
+		EditorInterface.get_editor_toaster().push_toast(_files.problem, EditorToaster.SEVERITY_ERROR)
+		return false
+	_revisions[state.get_instance_id()] = state.get_revision()
+	return true
+
+
+func _look_at(state: ScatterState) -> void:
+	var id := state.get_instance_id()
+	var revision := state.get_revision()
+	if _revisions.get(id, -1) == revision:
+		return
+	var saved: ScatterState
+	if not _revisions.has(id): # The first time, only the file has the saved content.
+		saved = ResourceLoader.load(state.resource_path, "", ResourceLoader.CACHE_MODE_IGNORE)
+	if saved == null or saved.get_digest() != state.get_digest():
+		_files.mark(state)
+	_revisions[id] = revision
+
+
+## Called after a scene was saved. If it had no file before, its states are moved to files now, and it must be saved again.
+func on_scene_saved(path: String) -> void:
+	var root := EditorInterface.get_edited_scene_root()
+	if root != null and root.scene_file_path == path and take_in(root):
+		EditorInterface.mark_scene_as_unsaved()
+		EditorInterface.get_editor_toaster().push_toast("Instances placed in %s are now stored in a separate file. Save the scene once more, so that it refers to the file." %
+				path.get_file(), EditorToaster.SEVERITY_WARNING)
+
+
+static func _is_loose(state: ScatterState, scene_path: String) -> bool:
+	var path := state.resource_path
+	return (path.is_empty() or path.begins_with(scene_path + "::")) and not state.data.is_empty()

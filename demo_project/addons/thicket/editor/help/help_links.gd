@@ -1,0 +1,45 @@
+@tool
+extends RefCounted
+## Makes the links to tutorials in the class reference work. The editor's help opens only web addresses, and the tutorials are files of the
+## add-on, so they open in their own window.
+
+const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
+
+var _window: Tutorials
+var _tabs: Array[Node] = []
+
+
+## Watches all help pages: those that are open, and those that will be opened.
+func _init(window: Tutorials) -> void:
+	_window = window
+	_tabs = EditorInterface.get_script_editor().find_children("*", "TabContainer", true, false)
+	for tabs in _tabs:
+		tabs.child_entered_tree.connect(_on_page)
+		for page in tabs.get_children():
+			_on_page(page)
+
+
+## Stops watching.
+func leave() -> void:
+	for tabs: Node in _tabs.filter(is_instance_valid):
+		tabs.child_entered_tree.disconnect(_on_page)
+		for page: Node in tabs.get_children():
+			for text: RichTextLabel in _texts_of(page):
+				if text.meta_clicked.is_connected(_on_link):
+					text.meta_clicked.disconnect(_on_link)
+
+
+func _on_page(page: Node) -> void:
+	for text: RichTextLabel in _texts_of(page):
+		if not text.meta_clicked.is_connected(_on_link):
+			text.meta_clicked.connect(_on_link)
+
+
+func _on_link(meta: Variant) -> void:
+	if str(meta).begins_with(Tutorials.FOLDER):
+		_window.open(str(meta))
+
+
+static func _texts_of(page: Node) -> Array[Node]:
+	var none: Array[Node] = []
+	return page.find_children("*", "RichTextLabel", true, false) if page.get_class() == "EditorHelp" else none

@@ -1,0 +1,108 @@
+@tool
+extends RefCounted
+## Converts a tutorial for a RichTextLabel. It supports only the parts of Markdown that the pages use.
+
+const PICTURE := "^!\\[(?<words>[^\\]]*)\\]\\((?<file>[^)]+)\\)$"
+const ITEM := "^(?<indent> *)(?<mark>-|\\d+\\.) (?<text>.*)$"
+const INLINE := "`(?<code>[^`]+)`|\\*\\*(?<bold>.+?)\\*\\*|\\*(?<italic>[^*]+)\\*|\\[(?<words>[^\\]]+)\\]\\((?<link>[^)]+)\\)"
+
+## The size of a first-level heading in pixels; a second-level heading has three quarters of it.
+var heading_size := 28
+
+## The result: BBCode, or the file name of a picture after PICTURE_MARK.
+var parts := PackedStringArray()
+
+const PICTURE_MARK := "picture:"
+
+var _picture := RegEx.create_from_string(PICTURE)
+var _item := RegEx.create_from_string(ITEM)
+var _inline := RegEx.create_from_string(INLINE)
+var _block := "" ## Lines of the current paragraph or item.
+var _mark := ""
+var _level := 0
+
+
+## The first line of a page, without its mark.
+static func title(markdown: String) -> String:
+	return markdown.get_slice("\n", 0).trim_prefix("# ").strip_edges()
+
+
+## Reads a page into [member parts].
+func read(markdown: String) -> void:
+	parts.clear()
+	var code := PackedStringArray()
+	var in_code := false
+	for line in markdown.replace("\r", "").split("\n"):
+		if line.begins_with("```"):
+			_flush()
+			if in_code:
+				_add("[indent][code]%s[/code][/indent]\n\n" % _escaped("\n".join(code)))
+			code.clear()
+			in_code = not in_code
+		elif in_code:
+			code.append(line)
+		else:
+			_read_line(line)
+	_flush()
+
+
+func _read_line(line: String) -> void:
+	var picture := _picture.search(line)
+	var item := _item.search(line)
+	if picture != null:
+		_flush()
+		parts.append(PICTURE_MARK + picture.get_string("file"))
+	elif line.begins_with("#"):
+		_flush()
+		var size := heading_size if line.begins_with("# ") else heading_size * 3 / 4
+		_add("[font_size=%d][b]%s[/b][/font_size]\n\n" % [size, _of_inline(line.lstrip("# "))])
+	elif item != null:
+		_flush()
+		_level = 1 + item.get_string("indent").length() / 2
+		_mark = "•" if item.get_string("mark") == "-" else item.get_string("mark")
+		_block = item.get_string("text")
+	elif line.strip_edges().is_empty():
+		_flush()
+	else:
+		_block += ("" if _block.is_empty() else " ") + line.strip_edges()
+
+
+## Ends the current paragraph or item.
+func _flush() -> void:
+	if not _block.is_empty():
+		var text := _of_inline(_block)
+		if _mark.is_empty():
+			_add(text + "\n\n")
+		else:
+			_add("%s%s %s%s\n\n" % ["[indent]".repeat(_level), _mark, text, "[/indent]".repeat(_level)])
+	_block = ""
+	_mark = ""
+	_level = 0
+
+
+func _add(bbcode: String) -> void:
+	if parts.is_empty() or parts[-1].begins_with(PICTURE_MARK):
+		parts.append(bbcode)
+	else:
+		parts[-1] += bbcode
+
+
+func _of_inline(text: String) -> String:
+	var result := ""
+	var at := 0
+	for found in _inline.search_all(text):
+		result += _escaped(text.substr(at, found.get_start() - at))
+		at = found.get_end()
+		if not found.get_string("code").is_empty():
+			result += "[code]%s[/code]" % _escaped(found.get_string("code"))
+		elif not found.get_string("bold").is_empty():
+			result += "[b]%s[/b]" % _of_inline(found.get_string("bold"))
+		elif not found.get_string("italic").is_empty():
+			result += "[i]%s[/i]" % _of_inline(found.get_string("italic"))
+		else:
+			result += "[url=%s]%s[/url]" % [found.get_string("link"), _of_inline(found.get_string("words"))]
+	return result + _escaped(text.substr(at))
+
+
+static func _escaped(text: String) -> String:
+	return text.replace("[", "[lb]")

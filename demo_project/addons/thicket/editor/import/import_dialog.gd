@@ -1,0 +1,180 @@
+@tool
+extends ConfirmationDialog
+## The dialog for importing hand-placed instances: the user chooses a node of the scene or a table, and the layer. It shows the number
+## of instances before the import.
+
+const ImportAction := preload("res://addons/thicket/editor/import/import_action.gd")
+const ImportInstances := preload("res://addons/thicket/import_instances.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+
+## The layer choice that puts each mesh into its own layer.
+const BY_MESH := -1
+
+## The number of instances that the last import placed.
+var imported := 0
+## Manages the files of states beside scenes.
+var files: SceneFiles
+var undo_redo: EditorUndoRedoManager
+
+var _scatter: TerrainScatter3D
+var _reading: ImportInstances.Reading
+var _form := GridContainer.new()
+var _sources := OptionButton.new()
+var _layers := OptionButton.new()
+var _said := Label.new()
+var _tables := EditorFileDialog.new()
+var _nodes: Array[Node] = []
+var _table := ""
+
+
+func _init() -> void:
+	title = "Import Instances"
+	ok_button_text = "Import"
+	dialog_hide_on_ok = false
+	var rows := VBoxContainer.new()
+	add_child(rows)
+	_form.columns = 2
+	rows.add_child(_form)
+	_add_row("From", _sources)
+	_sources.item_selected.connect(func(_index: int) -> void: _choose_source())
+	_add_row("Layer", _layers)
+	_layers.item_selected.connect(func(_index: int) -> void: _say())
+	_said.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART
+	_said.custom_minimum_size = Vector2(420.0, 72.0)
+	rows.add_child(_said)
+	_tables.file_mode = EditorFileDialog.FILE_MODE_OPEN_FILE
+	_tables.access = EditorFileDialog.ACCESS_FILESYSTEM
+	_tables.add_filter("*.csv, *.tsv, *.txt", "Tables of transforms")
+	_tables.file_selected.connect(choose_table)
+	add_child(_tables)
+	confirmed.connect(start)
+
+
+## Opens the dialog for a scatter, and offers the nodes of the scene.
+func open(scatter: TerrainScatter3D, scene: Node) -> void:
+	fill(scatter, scene)
+	popup_centered()
+
+
+## Fills the form, as [method open] does.
+func fill(scatter: TerrainScatter3D, scene: Node) -> void:
+	_scatter = scatter
+	_table = ""
+	_nodes.clear()
+	_sources.clear()
+	if scene != null:
+		_list(scene, scene)
+	_sources.add_separator()
+	_sources.add_item("A table (CSV)...", _nodes.size())
+	_layers.clear()
+	_layers.add_item("The layer with the same mesh; a new one if there is none", 0)
+	_layers.set_item_metadata(0, BY_MESH)
+	var layers := scatter.layers
+	for index in layers.size():
+		if layers[index] != null:
+			_layers.add_item(layers[index].resource_name if layers[index].resource_name else "Layer %d" % index)
+			_layers.set_item_metadata(-1, index)
+	_sources.select(0 if not _nodes.is_empty() else -1)
+	_choose_source()
+
+
+## Chooses a node from the list, for [method start].
+func choose_node(node: Node) -> void:
+	_sources.select(_nodes.find(node))
+	_choose_source()
+
+
+## Chooses a table, for [method start].
+func choose_table(path: String) -> void:
+	_table = path
+	var index := _sources.item_count - 1
+	_sources.set_item_text(index, path.get_file())
+	_sources.select(index)
+	_read(ImportInstances.read_csv(path))
+
+
+## Chooses a layer by its index, or BY_MESH, for [method start].
+func choose_layer(layer_index: int) -> void:
+	for item in _layers.item_count:
+		if _layers.get_item_metadata(item) == layer_index:
+			_layers.select(item)
+	_say()
+
+
+## The text that the dialog shows about the import.
+func said() -> String:
+	return _said.text
+
+
+## Imports with the settings of the form.
+func start() -> void:
+	imported = 0
+	if not is_instance_valid(_scatter) or get_ok_button().disabled:
+		return
+	var action := ImportAction.new()
+	var scene := EditorInterface.get_edited_scene_root()
+	imported = action.run(_scatter, _layer(), _reading, files, scene.scene_file_path if scene != null else "", undo_redo)
+	if imported == 0:
+		_said.text = action.problem
+		return
+	hide()
+
+
+func _add_row(label: String, control: Control) -> void:
+	var name := Label.new()
+	name.text = label
+	_form.add_child(name)
+	control.size_flags_horizontal = Control.SIZE_EXPAND_FILL
+	_form.add_child(control)
+
+
+## Lists the nodes that can be imported. Nodes below such a node are not listed.
+func _list(node: Node, scene: Node) -> void:
+	if node is MultiMeshInstance3D or node.has_node(NodePath(ImportInstances.PROTON_OUTPUT)) or ImportInstances.is_terrain_3d(node):
+		_sources.add_item(String(scene.get_path_to(node)) if node != scene else String(node.name), _nodes.size())
+		_nodes.append(node)
+		return
+	for child in node.get_children():
+		_list(child, scene)
+
+
+func _layer() -> Variant:
+	var layer: int = _layers.get_selected_metadata()
+	return null if layer == BY_MESH else layer
+
+
+func _choose_source() -> void:
+	var id := _sources.get_selected_id() if _sources.selected >= 0 else -1
+	if id >= 0 and id < _nodes.size() and is_instance_valid(_nodes[id]):
+		_read(ImportInstances.read_node(_nodes[id]))
+	elif id == _nodes.size() and id >= 0 and _sources.selected == _sources.item_count - 1:
+		_read(ImportInstances.Reading.new())
+		if visible:
+			_tables.popup_file_dialog()
+	else:
+		_read(ImportInstances.Reading.new())
+
+
+func _read(reading: ImportInstances.Reading) -> void:
+	_reading = reading
+	_say()
+
+
+## Shows the instances that will be imported, or the reason why they cannot be.
+func _say() -> void:
+	var problems := _reading.problems.duplicate()
+	var tables := _reading.batches.any(func(batch: ImportInstances.Batch) -> bool: return batch.mesh == null)
+	if tables and _layer() == null:
+		problems.append("A table names no mesh: choose the layer that its instances belong to.")
+	get_ok_button().disabled = _reading.size() == 0 or not problems.is_empty()
+	if not problems.is_empty():
+		_said.text = "\n".join(problems)
+	elif _reading.size() == 0:
+		_said.text = "Choose a node or a table to import."
+	else:
+		var parts := PackedStringArray()
+		for batch: ImportInstances.Batch in _reading.batches.slice(0, 5):
+			parts.append("%d %s" % [batch.size(), batch.name])
+		var rest := "" if _reading.batches.size() <= 5 else " and %d more" % (_reading.batches.size() - 5)
+		_said.text = "%d instances: %s%s. The source is not changed; hide it after the import." % [
+			_reading.size(), ", ".join(parts), rest]

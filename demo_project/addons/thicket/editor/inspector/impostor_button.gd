@@ -1,0 +1,122 @@
+@tool
+extends VBoxContainer
+## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files beside the scene, and makes them
+## the layer's last LOD, with undo.
+
+const Job := preload("res://addons/thicket/bake_impostors.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+
+## The bake has ended: the layer has its impostors, or [member job] has a problem.
+signal finished(written: bool)
+
+## The current or the last bake.
+var job := Job.new()
+
+var _layer: ScatterLayer
+var _files: SceneFiles
+var _button := Button.new()
+var _bar := ProgressBar.new()
+
+
+func _init(layer: ScatterLayer = null, files: SceneFiles = null) -> void:
+	_layer = layer
+	_files = files
+	_button.text = "Bake Impostors"
+	_button.tooltip_text = "Bakes an impostor of each mesh (pictures from all directions, drawn on two triangles) as its last LOD."
+	_button.pressed.connect(press)
+	add_child(_button)
+	add_child(_bar)
+	_bar.hide()
+
+
+func _ready() -> void:
+	set_process(false) # The engine enables it for every script that has a _process.
+
+
+## Starts a bake, or cancels the current one.
+func press() -> void:
+	if is_processing():
+		job.cancel()
+		_end(false, "Cancelled: no impostor was baked.")
+		return
+	var path := _place()
+	if path.is_empty():
+		_end(false, "The scene has no file yet. Save the scene first: impostors go into files beside it.")
+	elif job.begin(_layer, path.get_base_dir(), path.get_file()) != OK:
+		_end(false, job.problem)
+	else:
+		_button.text = "Cancel"
+		_bar.show()
+		set_process(true)
+
+
+func _process(_delta: float) -> void:
+	var more := job.step()
+	_bar.value = job.progress * 100.0
+	if more:
+		return
+	if not job.problem.is_empty():
+		_end(false, job.problem)
+		return
+	for warning in job.warnings:
+		_toast(warning)
+	var undo := EditorInterface.get_editor_undo_redo()
+	undo.create_action("Bake Impostors", UndoRedo.MERGE_DISABLE, _layer)
+	undo.add_do_property(_layer, &"lod_distances", job.lod_distances)
+	undo.add_undo_property(_layer, &"lod_distances", _layer.lod_distances)
+	undo.add_do_property(_layer, &"lod_meshes", job.lod_meshes)
+	undo.add_undo_property(_layer, &"lod_meshes", _layer.lod_meshes)
+	_add_files(undo)
+	undo.commit_action()
+	for path in job.files: # Not a scan, during which undo might remove a file.
+		EditorInterface.get_resource_filesystem().update_file(path)
+	_end(true, "")
+
+
+## Adds the files to the undo step that is being created: undo removes new files and restores the content of replaced ones.
+func _add_files(undo: EditorUndoRedoManager) -> void:
+	var root := EditorInterface.get_edited_scene_root()
+	var new: Array[Mesh] = []
+	for mesh: Mesh in job.lod_meshes.slice(-_layer.meshes.size()):
+		if mesh == null:
+			continue
+		var path := mesh.resource_path
+		if job.replaced.has(path):
+			undo.add_do_method(_files, &"put", path, FileAccess.get_file_as_bytes(path), mesh)
+			undo.add_undo_method(_files, &"put", path, job.replaced[path].bytes, job.replaced[path].resource)
+		elif root != null: # Otherwise no saved scene will refer to it.
+			new.append(mesh)
+	if not new.is_empty():
+		if _layer.resource_path.is_empty() or "::" in _layer.resource_path: # Otherwise the layer may be saved without the scene.
+			_files.adopt(new, root.scene_file_path)
+		_files.add_to_undo(new, root.scene_file_path, undo)
+
+
+func _exit_tree() -> void:
+	job.cancel()
+	set_process(false)
+
+
+## The path with which the names of files begin: beside the scene, or beside the layer's own file. Empty if there is no such path.
+func _place() -> String:
+	var root := EditorInterface.get_edited_scene_root()
+	var owner := _layer.resource_path.get_slice("::", 0)
+	if owner.is_empty() and root != null:
+		owner = root.scene_file_path
+	if owner.is_empty():
+		return ""
+	var name := _layer.resource_name.to_snake_case().validate_filename()
+	return "%s_%s" % [owner.get_basename(), name if not name.is_empty() else "layer"]
+
+
+func _end(written: bool, problem: String) -> void:
+	set_process(false)
+	_bar.hide()
+	_button.text = "Bake Impostors"
+	if not problem.is_empty():
+		_toast(problem)
+	finished.emit(written)
+
+
+static func _toast(sentence: String) -> void:
+	EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)

@@ -1,0 +1,44 @@
+@tool
+extends EditorInspectorPlugin
+## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are
+## dropped on them. Above a layer's LODs is a button that bakes impostors.
+
+const LayerProperty := preload("res://addons/thicket/editor/inspector/layer_property.gd")
+const LayerListProperty := preload("res://addons/thicket/editor/inspector/layer_list_property.gd")
+const Drop := preload("res://addons/thicket/editor/layers/mesh_drop.gd")
+const Impostors := preload("res://addons/thicket/editor/inspector/impostor_button.gd")
+const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const Spacing := preload("res://addons/thicket/editor/inspector/spacing_editor.gd")
+
+var _files: SceneFiles
+
+
+func _init(files: SceneFiles) -> void:
+	_files = files
+
+
+func _can_handle(object: Object) -> bool:
+	return ["ScatterLayer", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
+
+
+func _parse_begin(object: Object) -> void:
+	if object is ScatterLayer or object is TerrainScatter3D:
+		add_custom_control(Drop.new(object))
+
+
+func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: PropertyHint, _hint_string: String,
+		_usage: int, _wide: bool) -> bool:
+	var editor: EditorProperty
+	match name:
+		_ when object is ScatterLayer and name in Names.reference_properties():
+			editor = LayerProperty.new()
+		"spacing":
+			editor = Spacing.new()
+		"layers" when object is ScatterRegion3D:
+			editor = LayerListProperty.new()
+		"lod_distances" when object is ScatterLayer:
+			add_custom_control(Impostors.new(object as ScatterLayer, _files))
+	if editor != null:
+		add_property_editor(name, editor)
+	return editor != null

@@ -1,0 +1,102 @@
+@tool
+extends EditorProperty
+## An inspector editor for distances to other layers: a row for each layer that has one, and a menu
+## with the others.
+
+const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
+## The distance of a layer that is added, in meters.
+const FIRST_DISTANCE := 1.0
+
+var _rows := VBoxContainer.new()
+var _add := MenuButton.new()
+var _addable: Array = []
+var _shown: Array = []
+var _read_only := false
+
+
+func _init() -> void:
+	_add.text = "Add Layer"
+	_add.flat = false
+	_add.about_to_popup.connect(_list_addable)
+	_add.get_popup().index_pressed.connect(func(index: int) -> void: _set_distance(FIRST_DISTANCE, _addable[index], false))
+	add_child(_add)
+	add_focusable(_add)
+	add_child(_rows)
+	set_bottom_editor(_rows)
+
+
+func _set_read_only(read_only: bool) -> void:
+	_read_only = read_only
+	_add.disabled = read_only
+
+
+func _update_property() -> void:
+	var object := get_edited_object()
+	var spacing: Dictionary = object.get(get_edited_property())
+	# A row that is being dragged must stay.
+	if spacing.keys() == _shown and _rows.get_child_count() == spacing.size():
+		for index in _shown.size():
+			(_rows.get_child(index).get_child(0) as EditorSpinSlider).set_value_no_signal(spacing[_shown[index]])
+		return
+	_shown = spacing.keys()
+	for row in _rows.get_children():
+		_rows.remove_child(row)
+		row.queue_free()
+	for key: Variant in _shown:
+		_rows.add_child(_make_row(key, Names.title(object, key), spacing[key]))
+
+
+func _make_row(key: Variant, title: String, meters: float) -> Control:
+	var slider := EditorSpinSlider.new()
+	slider.label = title
+	slider.suffix = "m"
+	slider.min_value = 0.1
+	slider.max_value = 100.0
+	slider.step = 0.01
+	slider.exp_edit = true
+	slider.allow_greater = true
+	slider.allow_lesser = true
+	slider.value = meters
+	slider.read_only = _read_only
+	slider.size_flags_horizontal = SIZE_EXPAND_FILL
+	slider.value_changed.connect(_set_distance.bind(key, true))
+	slider.ungrabbed.connect(func() -> void: _set_distance(slider.value, key, false))
+	var remove := Button.new()
+	remove.icon = EditorInterface.get_editor_theme().get_icon(&"Remove", &"EditorIcons")
+	remove.tooltip_text = "Keep no distance to this layer."
+	remove.disabled = _read_only
+	remove.pressed.connect(_remove.bind(key))
+	var row := HBoxContainer.new()
+	row.add_child(slider)
+	row.add_child(remove)
+	return row
+
+
+func _list_addable() -> void:
+	var object := get_edited_object()
+	var named: Array = (object.get(get_edited_property()) as Dictionary).keys().map(
+			func(key: Variant) -> ScatterLayer: return Names.layer_of(object, key))
+	var popup := _add.get_popup()
+	popup.clear()
+	_addable = []
+	for layer in Names.others(object):
+		if not layer in named:
+			popup.add_item(Names.title(object, layer))
+			_addable.append(Names.reference_to(layer))
+	if _addable.is_empty():
+		popup.add_item("No other layer")
+		popup.set_item_disabled(0, true)
+
+
+func _set_distance(meters: float, key: Variant, changing: bool) -> void:
+	var spacing: Dictionary = get_edited_object().get(get_edited_property())
+	spacing = spacing.duplicate()
+	spacing[key] = meters
+	emit_changed(get_edited_property(), spacing, &"", changing)
+
+
+func _remove(key: Variant) -> void:
+	var spacing: Dictionary = get_edited_object().get(get_edited_property())
+	spacing = spacing.duplicate()
+	spacing.erase(key)
+	emit_changed(get_edited_property(), spacing)

@@ -1,0 +1,191 @@
+@tool
+extends RefCounted
+## Changes to a scatter's list of layers, each of them one undo step. Layers keep their ids, and references by index are updated.
+
+const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
+const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
+
+
+## Adds a layer for each of these meshes, scenes, models and layers at an index. With an index of -1, each is inserted at a fitting
+## position. Returns the new layers.
+static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, apart: bool,
+		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
+	var old := scatter.layers
+	var fresh := resources.filter(func(resource: Resource) -> bool: return not resource is ScatterLayer or not resource in old)
+	var added := NewLayers.of_resources(fresh, Copies.names(old))
+	if added.is_empty():
+		return added
+	var new: Array[ScatterLayer] = old.duplicate()
+	for index in added.size():
+		new.insert(at + index if at >= 0 else NewLayers.place_for(added[index], new), added[index])
+	if apart:
+		NewLayers.keep_apart(added.filter(func(layer: ScatterLayer) -> bool: return not Copies.is_file(layer)), new)
+	_commit("Add Layers", scatter, new, undo_redo)
+	return added
+
+
+## Names the resources for which [method add] added no layer, in a sentence; empty if there are none. [param added] is the result of
+## [method add].
+static func left_out(resources: Array[Resource], added: Array[ScatterLayer]) -> String:
+	var names := PackedStringArray()
+	for resource in resources:
+		if not added.any(func(layer: ScatterLayer) -> bool: return layer == resource or layer.meshes.has(resource)):
+			names.append(resource.resource_path if resource.resource_path else resource.get_class())
+	return "" if names.is_empty() else "Not added: %s. A mesh needs surfaces, a scene a visible MeshInstance3D, and a layer must not be in the list yet." % \
+			", ".join(names)
+
+
+## Adds copies of layers after the last of them, with their own masks. Returns the copies.
+static func copy(scatter: TerrainScatter3D, layers: Array[ScatterLayer], apart: bool, files: SceneFiles, scene_path: String,
+		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
+	var old := scatter.layers
+	var names := Copies.names(old)
+	var result: Array[ScatterLayer] = []
+	var masks: Dictionary[Resource, Resource] = {}
+	for layer in layers:
+		var copied := Copies.of(layer, {}, false)
+		copied.resource_name = Copies.free_name(layer.resource_name if layer.resource_name else "Layer", names)
+		copied.layer_id = -1
+		names.append(copied.resource_name)
+		if apart and layer.resource_name:
+			var spacing := copied.spacing.duplicate()
+			spacing[layer.resource_name] = NewLayers.distance(layer, copied)
+			copied.spacing = spacing
+		if not files.copy_mask(copied, scene_path, masks):
+			return []
+		result.append(copied)
+	var new: Array[ScatterLayer] = old.duplicate()
+	var at: int = layers.map(func(layer: ScatterLayer) -> int: return old.find(layer)).max() + 1
+	for index in result.size():
+		new.insert(at + index, result[index])
+	_commit("Duplicate Layers", scatter, new, undo_redo, func() -> void: files.add_to_undo(masks.values(), scene_path, undo_redo))
+	return result
+
+
+## Removes layers. Returns the consequences for other layers and regions, as sentences.
+static func remove(scatter: TerrainScatter3D, layers: Array[ScatterLayer], undo_redo: EditorUndoRedoManager) -> PackedStringArray:
+	var new: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return not layer in layers)
+	return _commit("Delete Layers", scatter, new, undo_redo)
+
+
+## Moves layers before the one at an index, and keeps their order. Returns false if they are already there.
+static func move(scatter: TerrainScatter3D, layers: Array[ScatterLayer], to: int, undo_redo: EditorUndoRedoManager) -> bool:
+	var old := scatter.layers
+	var new: Array[ScatterLayer] = []
+	for index in old.size() + 1:
+		if index == to:
+			new.append_array(old.filter(func(layer: ScatterLayer) -> bool: return layer in layers))
+		if index < old.size() and not old[index] in layers:
+			new.append(old[index])
+	if new == old:
+		return false
+	_commit("Move Layers", scatter, new, undo_redo)
+	return true
+
+
+## Renames a layer to a name that no other layer has. References by name are updated automatically.
+static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String, undo_redo: EditorUndoRedoManager) -> void:
+	var others: Array[ScatterLayer] = ScatterLayers.of(scatter).filter(func(other: ScatterLayer) -> bool: return other != layer)
+	var free := Copies.free_name(name.strip_edges(), Copies.names(others))
+	if name.strip_edges().is_empty() or free == layer.resource_name:
+		return
+	undo_redo.create_action("Rename Layer", UndoRedo.MERGE_DISABLE, scatter)
+	undo_redo.add_do_property(layer, &"resource_name", free)
+	undo_redo.add_undo_property(layer, &"resource_name", layer.resource_name)
+	undo_redo.commit_action()
+
+
+## Sets the scatter's list of layers, and updates all references to layers. Returns the references that were removed, as sentences.
+static func _commit(title: String, scatter: TerrainScatter3D, new: Array[ScatterLayer], undo_redo: EditorUndoRedoManager,
+		more := Callable()) -> PackedStringArray:
+	var old := scatter.layers
+	var told := PackedStringArray()
+	undo_redo.create_action(title, UndoRedo.MERGE_DISABLE, scatter)
+	# The list is set first, for undo and redo, because it must contain the layers that are referred to.
+	undo_redo.add_do_property(scatter, &"layers", new)
+	undo_redo.add_undo_property(scatter, &"layers", old)
+	for layer in new:
+		if layer != null and layer in old:
+			_follow_in_layer(layer, old, new, told, undo_redo)
+		elif layer != null and Copies.is_file(layer) and layer.layer_id == -1:
+			# The list assigns an id, which the layer's file stores: with any method call on it, the editor writes the file when it saves
+			# the scene.
+			undo_redo.add_do_method(layer, &"get_layer_id")
+			undo_redo.add_undo_property(layer, &"layer_id", -1)
+	for region: ScatterRegion3D in scatter.find_children("*", "ScatterRegion3D", true, false):
+		_follow_in_region(region, old, new, told, undo_redo)
+	if more.is_valid():
+		more.call()
+	undo_redo.commit_action()
+	return told
+
+
+static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new: Array[ScatterLayer], r_told: PackedStringArray,
+		undo_redo: EditorUndoRedoManager) -> void:
+	var spacing := layer.spacing
+	var followed := {}
+	for key: Variant in spacing:
+		var next: Variant = _next(key, old, new)
+		if next != null:
+			followed[next] = spacing[key]
+		else:
+			r_told.append("%s no longer keeps a distance to %s." % [_title(layer, old), _title_of(key, old)])
+	_change(layer, &"spacing", spacing, followed, undo_redo)
+	for property in Names.reference_properties():
+		var mentioned: Variant = layer.get(property)
+		var next: Variant = _next(mentioned, old, new)
+		if next == null:
+			r_told.append("%s no longer has a %s: it was %s." % [_title(layer, old), property, _title_of(mentioned, old)])
+		_change(layer, property, mentioned, next if next != null else "", undo_redo)
+
+
+static func _follow_in_region(region: ScatterRegion3D, old: Array[ScatterLayer], new: Array[ScatterLayer], r_told: PackedStringArray,
+		undo_redo: EditorUndoRedoManager) -> void:
+	var mentioned := region.layers
+	var followed: Array = mentioned.map(_next.bind(old, new)).filter(func(next: Variant) -> bool: return next != null)
+	if followed.is_empty() and not mentioned.is_empty(): # An empty list would mean all layers.
+		r_told.append("%s no longer applies to any layer." % region.name)
+	elif followed.size() < mentioned.size():
+		r_told.append("%s applies to one layer less." % region.name)
+		_change(region, &"layers", mentioned, followed, undo_redo)
+	else:
+		_change(region, &"layers", mentioned, followed, undo_redo)
+
+
+static func _change(object: Object, property: StringName, before: Variant, after: Variant, undo_redo: EditorUndoRedoManager) -> void:
+	if typeof(before) != typeof(after) or before != after:
+		undo_redo.add_do_property(object, property, after)
+		undo_redo.add_undo_property(object, property, before)
+
+
+## Converts a reference to a layer from the old list to the new one; null if the new list does not have the layer. A reference without a
+## layer is not changed.
+static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
+	var layer := _meant(mentioned, old)
+	if layer == null:
+		return mentioned
+	if not new.has(layer):
+		return mentioned if mentioned is String and Copies.names(new).has(mentioned) else null
+	return new.find(layer) if mentioned is int else mentioned
+
+
+static func _meant(mentioned: Variant, layers: Array[ScatterLayer]) -> ScatterLayer:
+	if mentioned is Resource:
+		return mentioned if layers.has(mentioned) else null
+	if mentioned is int:
+		return layers[mentioned] if mentioned >= 0 and mentioned < layers.size() else null
+	for layer in layers:
+		if layer != null and mentioned and layer.resource_name == str(mentioned):
+			return layer
+	return null
+
+
+static func _title_of(mentioned: Variant, layers: Array[ScatterLayer]) -> String:
+	return _title(_meant(mentioned, layers), layers)
+
+
+static func _title(layer: ScatterLayer, layers: Array[ScatterLayer]) -> String:
+	return layer.resource_name if layer.resource_name else "Layer %d" % layers.find(layer)

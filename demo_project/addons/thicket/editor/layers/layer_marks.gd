@@ -1,0 +1,93 @@
+@tool
+extends RefCounted
+## Marks on layers, for the editor only: hidden in the view, locked against tools, and a color. The editor stores them for each scene,
+## outside of the scene file.
+
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+
+## A mark on a layer has changed.
+signal changed
+
+const HIDDEN := &"hidden"
+const LOCKED := &"locked"
+const COLOR := &"color"
+
+var _notes: Dictionary[int, Dictionary] = {} ## By the layer's instance id.
+
+
+func is_hidden(layer: ScatterLayer) -> bool:
+	return _note(layer, HIDDEN, false)
+
+
+func is_locked(layer: ScatterLayer) -> bool:
+	return _note(layer, LOCKED, false)
+
+
+## The color mark of a layer; transparent if there is none.
+func color(layer: ScatterLayer) -> Color:
+	return _note(layer, COLOR, Color(0.0, 0.0, 0.0, 0.0))
+
+
+## Sets a mark on a layer, by one of the names above. Null removes it.
+func put(layer: ScatterLayer, name: StringName, value: Variant) -> void:
+	var notes: Dictionary = _notes.get_or_add(layer.get_instance_id(), {})
+	if value:
+		notes[name] = value
+	else:
+		notes.erase(name)
+	changed.emit()
+
+
+## Sets a mark on several layers, as one undo step that does not mark the scene as unsaved.
+func put_undoable(layers: Array[ScatterLayer], name: StringName, value: Variant, scatter: TerrainScatter3D,
+		undo_redo: EditorUndoRedoManager) -> void:
+	var action: Array = ["Mark Layers", UndoRedo.MERGE_DISABLE, scatter, false]
+	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since 4.5: does not mark the scene as unsaved.
+		action.append(false)
+	undo_redo.create_action.callv(action)
+	for layer in layers:
+		undo_redo.add_do_method(self, &"put", layer, name, value)
+		undo_redo.add_undo_method(self, &"put", layer, name, _note(layer, name, null))
+	undo_redo.commit_action()
+
+
+## Removes all marks.
+func clear() -> void:
+	_notes.clear()
+	changed.emit()
+
+
+## Hides the layers of a scatter that are marked as hidden.
+func apply(scatter: TerrainScatter3D) -> void:
+	scatter._set_preview_hidden(ScatterLayers.of(scatter).filter(
+			func(layer: ScatterLayer) -> bool: return layer != null and is_hidden(layer)))
+
+
+## The marks on the layers of some scatters of a scene, for the editor to save.
+func to_state(root: Node, scatters: Array[TerrainScatter3D]) -> Dictionary:
+	var state := {}
+	for scatter in scatters:
+		var notes := {}
+		for layer in ScatterLayers.of(scatter):
+			if layer != null and _notes.get(layer.get_instance_id(), {}):
+				notes[layer.layer_id] = _notes[layer.get_instance_id()].duplicate()
+		if notes:
+			state[String(root.get_path_to(scatter))] = notes
+	return state
+
+
+## Restores the marks that [method to_state] returned.
+func from_state(root: Node, state: Dictionary) -> void:
+	for path: String in state:
+		var scatter := root.get_node_or_null(path) as TerrainScatter3D
+		if scatter == null:
+			continue
+		var notes: Dictionary = state[path]
+		for layer in ScatterLayers.of(scatter):
+			if layer != null and notes.has(layer.layer_id):
+				_notes[layer.get_instance_id()] = (notes[layer.layer_id] as Dictionary).duplicate()
+	changed.emit()
+
+
+func _note(layer: ScatterLayer, name: StringName, otherwise: Variant) -> Variant:
+	return _notes[layer.get_instance_id()].get(name, otherwise) if layer != null and _notes.has(layer.get_instance_id()) else otherwise

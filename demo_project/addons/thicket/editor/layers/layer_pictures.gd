@@ -1,0 +1,49 @@
+@tool
+extends RefCounted
+## Preview pictures of the contents of layers, like those in the FileSystem dock.
+
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+
+## A picture of a layer is ready.
+signal made(layer: ScatterLayer, picture: Texture2D)
+
+var _asked: Dictionary[int, int] = {} ## By the layer's instance id: the content that was last requested.
+
+
+## Requests a picture of the first mesh, scene or model of a layer, unless it was requested before. The picture
+## arrives later, or not at all.
+func ask(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
+	var first: Resource = null
+	for mesh: Resource in layer.meshes:
+		first = first if first != null else mesh
+	var of := hash([first.get_instance_id() if first != null else 0])
+	if _asked.get(layer.get_instance_id(), 0) == of or first == null:
+		return
+	_asked[layer.get_instance_id()] = of
+	var previewer := EditorInterface.get_resource_previewer()
+	if first is Mesh:
+		previewer.queue_edited_resource_preview(first, self, &"_on_preview", [layer, scatter])
+	elif not first.resource_path.is_empty():
+		previewer.queue_resource_preview(first.resource_path, self, &"_on_preview", [layer, scatter, first])
+
+
+func _on_preview(_path: String, preview: Texture2D, small: Texture2D, about: Array) -> void:
+	var layer: ScatterLayer = about[0]
+	var picture := preview if preview != null else small
+	if picture != null:
+		made.emit(layer, picture)
+	elif about.size() > 2 and is_instance_valid(about[1]):
+		_ask_for_drawn(about[1], layer)
+
+
+## A scene that was never saved in this editor has no picture, so the mesh that is drawn for it is used.
+func _ask_for_drawn(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
+	if not layer in ScatterLayers.of(scatter):
+		return
+	for tile in scatter.get_shown_tiles(layer):
+		var shown := scatter.get_tile(layer, tile)
+		if shown.get_mesh_count() > 0 and shown.get_mesh(0) != null:
+			EditorInterface.get_resource_previewer().queue_edited_resource_preview(
+					shown.get_mesh(0), self, &"_on_preview", [layer, scatter])
+			return
+	_asked.erase(layer.get_instance_id()) # Tries again, because there are no tiles yet.

@@ -1,0 +1,336 @@
+@tool
+extends VBoxContainer
+## The panel with the layers of the selected scatter: their names, their numbers of visible instances, and all commands for them. The layers
+## chosen here are the ones that tools work on.
+
+const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
+const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
+const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
+const LayersTree := preload("res://addons/thicket/editor/layers/layers_tree.gd")
+const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
+const Notes := preload("res://addons/thicket/editor/layers/panel_notes.gd")
+const Pictures := preload("res://addons/thicket/editor/layers/layer_pictures.gd")
+const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
+const PreviewBar := preload("res://addons/thicket/editor/layers/preview_bar.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
+const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
+
+## The user chose layers here for tools; the first one is the main layer.
+signal layers_chosen(layers: Array[ScatterLayer])
+signal preset_chosen(name: String)
+
+enum Add { MESHES, LAYERS, EMPTY, FIRST_PRESET }
+const MESH_CLASSES: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel"]
+const LAYER_CLASSES: Array[StringName] = [&"ScatterLayer"]
+## The colors of marks, like those of folders in the FileSystem dock.
+const COLORS: Dictionary[String, Color] = {
+	"Red": Color(1.0, 0.27, 0.27), "Orange": Color(1.0, 0.56, 0.27), "Yellow": Color(1.0, 0.89, 0.27), "Green": Color(0.5, 1.0, 0.27),
+	"Teal": Color(0.27, 1.0, 0.64), "Blue": Color(0.27, 0.75, 1.0), "Purple": Color(0.56, 0.27, 1.0), "Pink": Color(1.0, 0.27, 0.65),
+}
+const HEIGHT := 230.0
+
+## The rows.
+var tree := LayersTree.new()
+## Notes about the scatter, above the rows.
+var notes: Notes
+
+var _undo_redo: EditorUndoRedoManager
+var _files: SceneFiles
+var _marks: Marks
+var _steps: Steps
+var _scatter: TerrainScatter3D
+var _shown: Array = []
+var _pictures := Pictures.new()
+var _empty := Label.new()
+var _add := MenuButton.new()
+var _copy: Button
+var _remove: Button
+var _apart := CheckBox.new()
+var _total := Label.new()
+var _colors := PopupMenu.new()
+var _colored: Array[ScatterLayer] = []
+
+
+func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, steps: Steps) -> void:
+	name = "Scatter"
+	_undo_redo = undo_redo
+	_marks = marks
+	_files = files
+	_steps = steps
+	undo_redo.version_changed.connect(look.call_deferred) # Undo must be visible immediately.
+	notes = Notes.new(undo_redo, files)
+	custom_minimum_size.y = HEIGHT * EditorInterface.get_editor_scale()
+	_make_head()
+	add_child(notes)
+	tree.marks = marks
+	tree.size_flags_vertical = SIZE_EXPAND_FILL
+	tree.layers_chosen.connect(_on_chosen)
+	tree.layer_renamed.connect(_on_renamed)
+	tree.layers_moved.connect(func(layers: Array[ScatterLayer], to: int) -> void: LayerEdits.move(_scatter, layers, to, _undo_redo))
+	tree.resources_dropped.connect(add)
+	tree.mark_pressed.connect(_on_mark)
+	tree.gui_input.connect(_on_tree_input)
+	add_child(tree)
+	_empty.set_anchors_preset(PRESET_FULL_RECT)
+	_empty.horizontal_alignment = HORIZONTAL_ALIGNMENT_CENTER
+	_empty.vertical_alignment = VERTICAL_ALIGNMENT_CENTER
+	_empty.modulate.a = 0.7
+	tree.add_child(_empty)
+	_pictures.made.connect(tree.set_picture)
+	_marks.changed.connect(tree.update_marks)
+	for color in COLORS:
+		_colors.add_item(color)
+	_colors.add_item("None")
+	_colors.index_pressed.connect(_on_color)
+	add_child(_colors)
+
+
+## Shows the layers of a scatter; null for no scatter.
+func set_scatter(scatter: TerrainScatter3D) -> void:
+	_scatter = scatter
+	look()
+
+
+## Chooses layers, like clicks on their rows.
+func choose(layers: Array[ScatterLayer]) -> void:
+	if layers != tree.chosen_layers():
+		tree.choose(layers)
+	_enable()
+
+
+## Updates everything that has changed; called several times per second.
+func look() -> void:
+	if not is_instance_valid(_scatter):
+		_scatter = null
+	var layers := ScatterLayers.of(_scatter)
+	var biomes := PackedStringArray(layers.map(func(layer: ScatterLayer) -> String: return ScatterLayers.biome_name(_scatter, layer)))
+	var shown: Array = [_scatter, layers.duplicate(), Copies.names(layers), biomes]
+	if shown != _shown and not get_viewport().gui_is_dragging():
+		_shown = shown
+		tree.show_layers(layers, biomes)
+		_enable()
+	_empty.text = "" if not layers.is_empty() else "Drop meshes, scenes or layers here to add a layer for each." if _scatter != null else (
+			"Select a scatter to see its layers, or make a new one.")
+	if not is_visible_in_tree():
+		return
+	notes.look(_scatter)
+	if _scatter == null:
+		return
+	var total := 0
+	for layer in layers:
+		if layer != null:
+			total += _show_count(layer)
+			_pictures.ask(_scatter, layer)
+	_total.text = "%s visible" % PreviewBar.grouped(total)
+
+
+## Adds a layer for each of these resources at an index, and chooses the new layers. With an index of -1, each is inserted at a fitting
+## position.
+func add(resources: Array[Resource], at := -1) -> void:
+	if not is_instance_valid(_scatter):
+		return
+	var added := LayerEdits.add(_scatter, resources, at, _apart.button_pressed, _undo_redo)
+	_tell(LayerEdits.left_out(resources, added))
+	if added.is_empty():
+		return
+	_choose_new(added)
+
+
+## Adds copies of the chosen layers.
+func duplicate_chosen() -> void:
+	var chosen := _own_chosen()
+	if chosen.is_empty():
+		return
+	var copies := LayerEdits.copy(_scatter, chosen, _apart.button_pressed, _files, scene_path(), _undo_redo)
+	if copies.is_empty():
+		_tell(_files.problem)
+	else:
+		_choose_new(copies)
+
+
+## Deletes the chosen layers.
+func remove_chosen() -> void:
+	var chosen := _own_chosen()
+	if not chosen.is_empty():
+		var told := LayerEdits.remove(_scatter, chosen, _undo_redo)
+		if not told.is_empty():
+			_tell(" ".join(told))
+		look()
+
+
+## Adds a scatter to the edited scene, and selects it.
+func add_scatter() -> void:
+	var root := EditorInterface.get_edited_scene_root()
+	if root == null:
+		_tell("No scene is open to add a scatter to. Open a 3D scene first, or add a root node to the empty one.")
+		return
+	var scatter := TerrainScatter3D.new()
+	scatter.name = "Scatter"
+	scatter.seed = Shared.free_seed(null)
+	var others := Shared.scatters_of(root)
+	if not others.is_empty():
+		scatter.ground = others[0].ground
+	_undo_redo.create_action("New Scatter", UndoRedo.MERGE_DISABLE, root)
+	_undo_redo.add_do_method(root, &"add_child", scatter, true)
+	_undo_redo.add_do_property(scatter, &"owner", root)
+	_undo_redo.add_do_reference(scatter)
+	_undo_redo.add_undo_method(root, &"remove_child", scatter)
+	_undo_redo.commit_action()
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(scatter)
+	EditorInterface.edit_node(scatter)
+
+
+static func scene_path() -> String:
+	return EditorInterface.get_edited_scene_root().scene_file_path
+
+
+func _make_head() -> void:
+	var head := HBoxContainer.new()
+	add_child(head)
+	_button(head, "New Scatter", &"New", "Add a scatter to the scene.", add_scatter)
+	_add.text = "Add Layer"
+	_add.set_meta(&"icon", &"Add")
+	_add.tooltip_text = "Add layers. Files may also be dropped on the list."
+	var popup := _add.get_popup()
+	popup.add_item("Mesh, Scene or Model...", Add.MESHES)
+	popup.add_item("Layer from File...", Add.LAYERS)
+	popup.add_item("Empty Layer", Add.EMPTY)
+	popup.add_separator("Presets", 1000)
+	for index in Presets.NAMES.size():
+		popup.add_item(Presets.NAMES[index].capitalize(), Add.FIRST_PRESET + index)
+	popup.id_pressed.connect(_on_add)
+	head.add_child(_add)
+	_copy = _button(head, "Duplicate", &"Duplicate", "Duplicate the chosen layers (Ctrl+D).", duplicate_chosen)
+	_remove = _button(head, "Delete", &"Remove", "Delete the chosen layers (Delete).", remove_chosen)
+	_apart.text = "Keep apart"
+	_apart.button_pressed = true
+	_apart.tooltip_text = "New layers keep a distance to the other layers, calculated from their sizes (ScatterLayer.spacing)."
+	head.add_child(_apart)
+	head.add_spacer(false)
+	head.add_child(_total)
+
+
+func _button(parent: Control, text: String, icon: StringName, tip: String, pressed: Callable) -> Button:
+	var button := Controls.button(text, icon, tip)
+	button.pressed.connect(pressed)
+	parent.add_child(button)
+	return button
+
+
+func _notification(what: int) -> void:
+	if what == NOTIFICATION_THEME_CHANGED:
+		Controls.update_icons(self)
+
+
+func _enable() -> void:
+	_add.disabled = _scatter == null
+	var none := _own_chosen().is_empty()
+	_copy.disabled = none
+	_remove.disabled = none
+
+
+## The chosen layers without those of biomes. Other scatters may share those, and they are added and removed with their biome.
+func _own_chosen() -> Array[ScatterLayer]:
+	var result: Array[ScatterLayer] = []
+	if is_instance_valid(_scatter):
+		result = ScatterLayers.own(_scatter, tree.chosen_layers())
+	return result
+
+
+func _show_count(layer: ScatterLayer) -> int:
+	var count := _scatter.get_shown_count(layer)
+	var watch := _steps.held_of(_scatter, layer)
+	var text := PreviewBar.grouped(count)
+	var note := notes.note_on(layer)
+	if watch != null:
+		text += " of ~" + PreviewBar.about(watch.estimate())
+		note = "The view shows less than the game: see below the view."
+	tree.show_count(layer, text, note)
+	return count
+
+
+func _choose_new(layers: Array[ScatterLayer]) -> void:
+	if get_viewport().gui_is_dragging(): # Files are being dropped, and rows are added only after that.
+		get_tree().process_frame.connect(_choose_new.bind(layers), CONNECT_ONE_SHOT)
+		return
+	look()
+	tree.choose(layers)
+	_on_chosen(layers)
+
+
+func _on_chosen(layers: Array[ScatterLayer]) -> void:
+	_enable()
+	layers_chosen.emit(layers)
+	if not layers.is_empty():
+		EditorInterface.inspect_object(layers[0], "", true)
+
+
+func _on_renamed(layer: ScatterLayer, text: String) -> void:
+	LayerEdits.rename(_scatter, layer, text, _undo_redo)
+	_shown = []
+	look.call_deferred() # The row is still being edited.
+
+
+func _on_add(id: int) -> void:
+	match id:
+		Add.MESHES:
+			EditorInterface.popup_quick_open(_on_file, MESH_CLASSES)
+		Add.LAYERS:
+			EditorInterface.popup_quick_open(_on_file, LAYER_CLASSES)
+		Add.EMPTY:
+			var layer := ScatterLayer.new()
+			layer.resource_name = Copies.free_name("Layer", Copies.names(_scatter.layers))
+			add([layer] as Array[Resource])
+		_:
+			preset_chosen.emit(Presets.NAMES[id - Add.FIRST_PRESET])
+			look()
+
+
+func _on_file(path: String) -> void:
+	var resource := load(path) as Resource if not path.is_empty() else null
+	if resource != null:
+		add([resource] as Array[Resource])
+	elif not path.is_empty():
+		_tell("%s cannot be loaded; the Output panel has the reason." % path)
+
+
+## Applies a mark to all chosen layers if the clicked layer is one of them, else to the clicked layer.
+func _on_mark(layer: ScatterLayer, mark: StringName) -> void:
+	var layers := tree.chosen_layers()
+	if not layer in layers:
+		layers = [layer]
+	match mark:
+		Marks.HIDDEN:
+			_marks.put_undoable(layers, mark, not _marks.is_hidden(layer), _scatter, _undo_redo)
+		Marks.LOCKED:
+			_marks.put_undoable(layers, mark, not _marks.is_locked(layer), _scatter, _undo_redo)
+		Marks.COLOR:
+			_colored = layers
+			_colors.position = Vector2i(get_screen_position() + get_local_mouse_position())
+			_colors.popup()
+
+
+func _on_color(index: int) -> void:
+	var colors: Array[Color] = COLORS.values()
+	_marks.put_undoable(_colored, Marks.COLOR, colors[index] if index < colors.size() else null, _scatter, _undo_redo)
+
+
+func _on_tree_input(event: InputEvent) -> void:
+	var key := event as InputEventKey
+	if key == null or not key.pressed or key.echo:
+		return
+	if key.keycode == KEY_DELETE and not key.is_command_or_control_pressed():
+		remove_chosen()
+	elif key.keycode == KEY_D and key.is_command_or_control_pressed():
+		duplicate_chosen()
+	else:
+		return
+	tree.accept_event()
+
+
+static func _tell(sentence: String) -> void:
+	if not sentence.is_empty():
+		EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)

@@ -1,0 +1,101 @@
+@tool
+extends PanelContainer
+## Accepts scenes, meshes and models from the FileSystem dock: a layer adds them to its meshes, a scatter adds a layer for each.
+
+const HINT_ON_LAYER := "Drop scenes or meshes here"
+const HINT_ON_SCATTER := "Drop scenes or meshes here: a layer for each"
+const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
+const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
+## Properties that are set from the size of the meshes when they are dropped on a layer without meshes.
+const FITTED: Array[StringName] = [&"radius", &"instance_radius", &"instance_height", &"collision_shape"]
+
+var _object: Object
+
+
+func _init(object: Object) -> void:
+	_object = object
+	var label := Label.new()
+	label.text = HINT_ON_LAYER if object is ScatterLayer else HINT_ON_SCATTER
+	label.horizontal_alignment = HORIZONTAL_ALIGNMENT_CENTER
+	label.mouse_filter = Control.MOUSE_FILTER_PASS
+	label.modulate.a = 0.7
+	add_child(label)
+
+
+func _can_drop_data(_at: Vector2, data: Variant) -> bool:
+	return can_take(data)
+
+
+func _drop_data(_at: Vector2, data: Variant) -> void:
+	add(_object, taken(data), EditorInterface.get_editor_undo_redo())
+
+
+## Adds the dropped resources to a layer or a scatter, as one undo step. Resources that cannot be drawn are not added, and a toast names
+## them.
+static func add(object: Object, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
+	if object is ScatterLayer:
+		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
+	else:
+		var scatter := object as TerrainScatter3D
+		_tell(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, undo_redo)))
+
+
+## Returns true if all dragged resources can be drawn. [param with_layers] also accepts layers.
+static func can_take(data: Variant, with_layers := false) -> bool:
+	return not _paths(data, with_layers).is_empty() or _resource(data, with_layers) != null
+
+
+## Returns the dragged resources; empty if [method can_take] returns false.
+static func taken(data: Variant, with_layers := false) -> Array[Resource]:
+	var result: Array[Resource] = []
+	if _resource(data, with_layers) != null:
+		result.append(_resource(data, with_layers))
+	for path in _paths(data, with_layers):
+		result.append(load(path))
+		if result[-1] == null:
+			_tell("%s cannot be loaded; the Output panel has the reason." % path)
+	return result.filter(func(resource: Resource) -> bool: return resource != null)
+
+
+static func _tell(sentence: String) -> void:
+	if not sentence.is_empty():
+		EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
+
+
+static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
+	var old := layer.meshes
+	var fitted := NewLayers.of_meshes(old + dropped)
+	if fitted == null:
+		_tell(LayerEdits.left_out(dropped, []))
+		return
+	undo_redo.create_action("Add Meshes", UndoRedo.MERGE_DISABLE, layer)
+	undo_redo.add_do_property(layer, &"meshes", old + dropped)
+	undo_redo.add_undo_property(layer, &"meshes", old)
+	if old.is_empty():
+		for property in FITTED:
+			undo_redo.add_do_property(layer, property, fitted.get(property))
+			undo_redo.add_undo_property(layer, property, layer.get(property))
+	undo_redo.commit_action()
+
+
+## The dragged files, if all of them can be drawn; else none.
+static func _paths(data: Variant, with_layers: bool) -> PackedStringArray:
+	if not data is Dictionary or (data as Dictionary).get("type") != "files":
+		return []
+	for path: String in data["files"]:
+		var type := StringName(EditorInterface.get_resource_filesystem().get_file_type(path))
+		if not _is_drawable(type, with_layers):
+			return []
+	return data["files"]
+
+
+static func _resource(data: Variant, with_layers: bool) -> Resource:
+	if not data is Dictionary or (data as Dictionary).get("type") != "resource":
+		return null
+	var resource := (data as Dictionary).get("resource") as Resource
+	return resource if resource != null and _is_drawable(resource.get_class(), with_layers) else null
+
+
+static func _is_drawable(type: StringName, with_layers: bool) -> bool:
+	return ClassDB.class_exists(type) and (ClassDB.is_parent_class(type, &"Mesh") or type in [&"PackedScene", &"ScatterModel"]
+			or with_layers and type == &"ScatterLayer")

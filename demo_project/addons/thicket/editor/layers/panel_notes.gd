@@ -1,0 +1,113 @@
+@tool
+extends VBoxContainer
+## Notes about a scatter, a row each, with a button that helps: it has no ground, or shares resources by accident.
+
+const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
+const UniqueDialog := preload("res://addons/thicket/editor/layers/unique_dialog.gd")
+
+## The user wants to choose a ground.
+signal ground_wanted
+
+## The number of updates between two searches for shared resources.
+const SEARCH_EVERY := 6
+
+## Asks how to make the scatter unique.
+var dialog := UniqueDialog.new()
+
+var _undo_redo: EditorUndoRedoManager
+var _files: SceneFiles
+var _scatter: TerrainScatter3D
+var _ground: HBoxContainer
+var _sharing: HBoxContainer
+var _shared: Shared.Shared
+var _looks := 0
+
+
+func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
+	_undo_redo = undo_redo
+	_files = files
+	_ground = _row(&"NodeWarning")
+	_label(_ground).text = "The scatter has no ground, so nothing is placed."
+	var choose := Button.new()
+	choose.text = "Use as Ground..."
+	choose.tooltip_text = "Choose a mesh or a static body of the scene. Other grounds are in the inspector, under Ground."
+	choose.pressed.connect(ground_wanted.emit)
+	_ground.add_child(choose)
+	_sharing = _row(&"NodeWarning")
+	var unique := Button.new()
+	unique.text = "Make Unique..."
+	unique.pressed.connect(ask_to_make_unique)
+	_sharing.add_child(unique)
+	add_child(dialog)
+	dialog.decided.connect(make_unique)
+
+
+## Updates the notes about a scatter; null for no scatter.
+func look(scatter: TerrainScatter3D) -> void:
+	if scatter != _scatter or _looks % SEARCH_EVERY == 0:
+		_shared = Shared.find(scatter) if scatter != null else null
+		_looks = 0
+	_looks += 1
+	_scatter = scatter
+	_ground.visible = scatter != null and scatter.ground == null
+	_sharing.visible = _shared != null and _shared.is_by_accident()
+	visible = _ground.visible or _sharing.visible
+	if _sharing.visible:
+		_label(_sharing).text = _shared.tell(scatter.name)
+		_label(_sharing).tooltip_text = _shared.tell(scatter.name)
+
+
+## The note on a single layer; empty if there is none.
+func note_on(layer: ScatterLayer) -> String:
+	if _shared == null:
+		return ""
+	if layer in _shared.files:
+		return "A different scatter also uses the file %s: changes apply to both." % layer.resource_path.get_file()
+	return "A different scatter also has this layer: changes apply to both. Press Make Unique to copy it." if layer in _shared.layers else ""
+
+
+## Opens the dialog.
+func ask_to_make_unique() -> void:
+	if is_instance_valid(_scatter) and _shared != null:
+		var has_files := _scatter.layers.any(
+				func(layer: ScatterLayer) -> bool: return layer != null and Copies.is_file(layer))
+		dialog.ask(_shared.tell(_scatter.name), has_files)
+
+
+func make_unique(new_seed: bool, with_files: bool) -> void:
+	if not is_instance_valid(_scatter):
+		return
+	var scene_path := EditorInterface.get_edited_scene_root().scene_file_path
+	var problem := Shared.make_unique(_scatter, new_seed, with_files, _files, scene_path, _undo_redo)
+	if not problem.is_empty():
+		EditorInterface.get_editor_toaster().push_toast(problem, EditorToaster.SEVERITY_ERROR)
+	_looks = 0
+	look(_scatter)
+
+
+func _row(icon: StringName) -> HBoxContainer:
+	var row := HBoxContainer.new()
+	var picture := TextureRect.new()
+	picture.stretch_mode = TextureRect.STRETCH_KEEP_CENTERED
+	picture.set_meta(&"icon", icon)
+	row.add_child(picture)
+	var label := Label.new()
+	label.size_flags_horizontal = SIZE_EXPAND_FILL
+	label.text_overrun_behavior = TextServer.OVERRUN_TRIM_ELLIPSIS
+	label.mouse_filter = MOUSE_FILTER_PASS
+	row.add_child(label)
+	row.hide()
+	add_child(row)
+	return row
+
+
+static func _label(row: HBoxContainer) -> Label:
+	return row.get_child(1) as Label
+
+
+func _notification(what: int) -> void:
+	if what == NOTIFICATION_THEME_CHANGED:
+		for picture: TextureRect in find_children("*", "TextureRect", true, false):
+			picture.texture = get_theme_icon(picture.get_meta(&"icon"), &"EditorIcons")

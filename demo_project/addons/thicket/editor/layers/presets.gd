@@ -1,0 +1,63 @@
+@tool
+extends RefCounted
+## Layers to start with: copies of the layers in the scenes of the presets folder.
+
+const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
+const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
+const FOLDER := "res://addons/thicket/presets/"
+const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
+
+
+## Creates new layers from a preset. In the scatter, their indices start at [param first_index]. Names in [param taken] get a number,
+## and references in other layers are updated. Returns an empty array, and prints an error, if there is no such preset.
+static func layers(name: String, taken: PackedStringArray, first_index := 0) -> Array[ScatterLayer]:
+	var path := FOLDER + name + ".tscn"
+	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
+	var source := scene.instantiate() as TerrainScatter3D if scene != null else null
+	if source == null:
+		push_error("The preset %s cannot be loaded from %s: it must be a scene whose root is a TerrainScatter3D. Presets are: %s. Install all files of the add-on again." % [
+			name, path, ", ".join(NAMES)])
+		return []
+	var copies: Dictionary[Resource, Resource] = {}
+	var result: Array[ScatterLayer] = []
+	for layer in source.layers:
+		var copy := Copies.of(layer, copies)
+		copy.layer_id = -1 # The scatter that it is added to assigns an id.
+		result.append(copy)
+	source.free()
+	_rename(result, taken, first_index)
+	return result
+
+
+## Adds a preset's layers to a scatter, as one undo step.
+static func add(name: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRedoManager) -> void:
+	var old := scatter.layers
+	var new: Array[ScatterLayer] = old.duplicate()
+	new.append_array(layers(name, Copies.names(old), old.size()))
+	if new.size() == old.size():
+		return
+	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
+	undo_redo.add_do_property(scatter, &"layers", new)
+	undo_redo.add_undo_property(scatter, &"layers", old)
+	undo_redo.commit_action()
+
+
+static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray, first_index: int) -> void:
+	var names := {}
+	for layer in new_layers:
+		var name := Copies.free_name(layer.resource_name, taken)
+		names[layer.resource_name] = name
+		layer.resource_name = name
+	for layer in new_layers:
+		var spacing := layer.spacing
+		var renamed := {}
+		for key: Variant in spacing:
+			renamed[_renamed(key, names, first_index)] = spacing[key]
+		layer.spacing = renamed
+		for property in Names.reference_properties():
+			layer.set(property, _renamed(layer.get(property), names, first_index))
+
+
+## A reference to a layer, converted for the scatter: its new name, its new index, or the layer itself.
+static func _renamed(reference: Variant, names: Dictionary, first_index: int) -> Variant:
+	return reference + first_index if reference is int else names.get(reference, reference)

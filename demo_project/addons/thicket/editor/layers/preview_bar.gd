@@ -1,0 +1,87 @@
+@tool
+extends PanelContainer
+## The bar below the 3D view. It asks before many more instances are shown, and shows a note while the view
+## shows fewer instances than the game.
+
+const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
+
+var steps: Steps
+
+var _watch: Steps.Watch
+var _sentence := Label.new()
+var _icon := TextureRect.new()
+var _show := Button.new()
+var _keep := Button.new()
+
+
+func _init(told: Steps) -> void:
+	steps = told
+	steps.told.connect(update)
+	var row := HBoxContainer.new()
+	add_child(row)
+	_icon.stretch_mode = TextureRect.STRETCH_KEEP_CENTERED
+	row.add_child(_icon)
+	_sentence.size_flags_horizontal = SIZE_EXPAND_FILL
+	_sentence.text_overrun_behavior = TextServer.OVERRUN_TRIM_ELLIPSIS
+	_sentence.mouse_filter = Control.MOUSE_FILTER_PASS
+	row.add_child(_sentence)
+	_show.tooltip_text = "Increase the view in steps until it shows all instances; Stop interrupts it."
+	_show.pressed.connect(_on_show)
+	row.add_child(_show)
+	_keep.tooltip_text = "Only the view is limited: the layer has its new values, and the game shows all instances."
+	_keep.pressed.connect(_on_keep)
+	row.add_child(_keep)
+	hide()
+
+
+## Updates the text and the buttons.
+func update() -> void:
+	var held := steps.held()
+	_watch = held[0] if not held.is_empty() else null
+	visible = _watch != null
+	if _watch == null:
+		return
+	var title := _watch.layer.resource_name if _watch.layer.resource_name else "The layer"
+	var now := about(_watch.count)
+	var all := about(_watch.estimate())
+	match _watch.state:
+		Steps.State.ASKING:
+			_sentence.text = "%s would show about %s instances instead of %s." % [title, all, now]
+		Steps.State.KEPT:
+			_sentence.text = "The view shows %s of about %s instances of %s; the game shows all." % [now, all, title]
+		Steps.State.GROWING:
+			_sentence.text = "%s: %s of about %s instances visible." % [title, now, all]
+	_sentence.tooltip_text = _sentence.text
+	_show.text = "Show Them" if _watch.state == Steps.State.ASKING else "Show All"
+	_show.visible = _watch.state != Steps.State.GROWING
+	_keep.text = "Stop" if _watch.state == Steps.State.GROWING else "Keep %s" % now
+	_keep.visible = _watch.state != Steps.State.KEPT
+
+
+## A number for display: a large one is rounded to two digits, and grouped by three.
+static func about(number: float) -> String:
+	var digits := maxi(0, floori(log(maxf(number, 1.0)) / log(10.0)) - 1)
+	return grouped(roundi(snappedf(number, pow(10.0, digits))))
+
+
+## A whole number in groups of three digits.
+static func grouped(number: int) -> String:
+	var text := str(number)
+	for at in range(text.length() - 3, 0, -3):
+		text = text.insert(at, ",")
+	return text
+
+
+func _notification(what: int) -> void:
+	if what == NOTIFICATION_THEME_CHANGED and has_theme_icon(&"StatusWarning", &"EditorIcons"):
+		_icon.texture = get_theme_icon(&"StatusWarning", &"EditorIcons")
+
+
+func _on_show() -> void:
+	if _watch != null:
+		steps.grow(_watch)
+
+
+func _on_keep() -> void:
+	if _watch != null:
+		steps.keep(_watch)

@@ -1,0 +1,168 @@
+@tool
+extends RefCounted
+## Delays large changes in the view. If a layer would show more than ten times its instances, the view keeps the old values until the user
+## has been asked. Then it grows in steps that can be stopped. The layer always has its new values, and the game uses them.
+
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+
+## The result of [method held] has changed.
+signal told
+
+enum State { ASKING, KEPT, GROWING }
+
+## An increase by more than this factor is asked about, if it leads to more than [constant FEW] instances.
+const MANY := 10.0
+const FEW := 50000.0
+## The largest factor from one step to the next.
+const STEP := 4.0
+
+## A watched layer of a scatter.
+class Watch:
+	var scatter: TerrainScatter3D
+	var layer: ScatterLayer
+	var state := State.KEPT
+	## True while the view differs from the layer.
+	var held := false
+	## The values that the view shows, and the number of instances with them.
+	var shown: Array[float] = []
+	var count := 0.0
+	var heard: Callable ## Called when the layer changes.
+
+	func hear() -> void:
+		heard.call(self)
+
+	## The values that determine a layer's number of instances: radius, density and view distance.
+	func numbers() -> Array[float]:
+		return [layer.radius, layer.density, layer.view_distance]
+
+	## The number of instances that the layer would show with its current values.
+	func estimate() -> float:
+		return count * density_of(numbers()) / maxf(density_of(shown), 1e-9)
+
+	## Proportional to the number of instances of a layer with these values.
+	static func density_of(values: Array[float]) -> float:
+		return values[1] * pow(values[2] / values[0], 2.0)
+
+	## Shows the layer with other values in the view; with its own if [param values] is empty.
+	func show(values: Array[float]) -> void:
+		var stand_in: ScatterLayer = null
+		if not values.is_empty():
+			stand_in = layer.duplicate()
+			stand_in.radius = values[0]
+			stand_in.density = values[1]
+			stand_in.view_distance = values[2]
+		held = stand_in != null
+		scatter._set_preview_stand_in(layer, stand_in)
+
+
+var _watches: Array[Watch] = []
+
+
+## The layers that the view shows with other values; those with a question first.
+func held() -> Array[Watch]:
+	var result := _watches.filter(func(watch: Watch) -> bool: return watch.held)
+	result.sort_custom(func(a: Watch, b: Watch) -> bool: return a.state < b.state)
+	return result
+
+
+## The same for one layer; null if the view shows it with its own values.
+func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
+	for watch in _watches:
+		if watch.held and watch.scatter == scatter and watch.layer == layer:
+			return watch
+	return null
+
+
+## Watches the layers of a scatter; called several times per second. Null adds none. Layers that were watched before are still watched.
+func look(scatter: TerrainScatter3D) -> void:
+	for watch: Watch in _watches.duplicate():
+		if not is_instance_valid(watch.scatter) or not watch.layer in ScatterLayers.of(watch.scatter):
+			_forget(watch)
+	if is_instance_valid(scatter):
+		for layer in ScatterLayers.of(scatter):
+			if layer != null and not _watches.any(func(watch: Watch) -> bool: return watch.layer == layer and watch.scatter == scatter):
+				_begin(scatter, layer)
+	for watch in _watches:
+		if watch.scatter.is_inside_tree() and watch.scatter.is_settled():
+			_settled(watch)
+
+
+## Lets the view grow in steps until it shows all instances.
+func grow(watch: Watch) -> void:
+	watch.state = State.GROWING
+	_step(watch)
+
+
+## Keeps the current view.
+func keep(watch: Watch) -> void:
+	watch.state = State.KEPT
+	told.emit()
+
+
+## Shows all layers with their own values, and stops watching them.
+func clear() -> void:
+	for watch: Watch in _watches.duplicate():
+		_forget(watch)
+
+
+func _begin(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
+	var watch := Watch.new()
+	watch.scatter = scatter
+	watch.layer = layer
+	watch.shown = watch.numbers()
+	watch.count = scatter.get_shown_count(layer)
+	watch.heard = _on_changed
+	layer.changed.connect(watch.hear)
+	_watches.append(watch)
+
+
+func _forget(watch: Watch) -> void:
+	watch.layer.changed.disconnect(watch.hear)
+	_watches.erase(watch)
+	if watch.held:
+		if is_instance_valid(watch.scatter):
+			watch.show([])
+		told.emit()
+
+
+## Called before the node has processed the change, so that the view does not generate it.
+func _on_changed(watch: Watch) -> void:
+	if not is_instance_valid(watch.scatter):
+		return
+	var estimate := watch.estimate()
+	if estimate <= maxf(MANY * watch.count, FEW):
+		if watch.held:
+			watch.show([])
+			told.emit()
+	elif watch.held and watch.state == State.GROWING:
+		_step(watch)
+	else:
+		if not watch.held:
+			watch.state = State.ASKING
+		watch.show(watch.shown)
+		told.emit()
+
+
+func _settled(watch: Watch) -> void:
+	if watch.held and watch.state == State.GROWING:
+		watch.count = watch.scatter.get_shown_count(watch.layer)
+		_step(watch)
+	elif watch.held:
+		watch.count = watch.scatter.get_shown_count(watch.layer)
+	else:
+		watch.shown = watch.numbers()
+		watch.count = watch.scatter.get_shown_count(watch.layer)
+
+
+## Takes the next step towards the layer's values; the last step shows the layer itself.
+func _step(watch: Watch) -> void:
+	var wanted := watch.numbers()
+	var times := Watch.density_of(wanted) / maxf(Watch.density_of(watch.shown), 1e-9)
+	if times <= STEP:
+		watch.show([])
+	else:
+		var part := log(STEP) / log(times)
+		for index in wanted.size():
+			watch.shown[index] = maxf(watch.shown[index], 1e-3) * pow(maxf(wanted[index], 1e-3) / maxf(watch.shown[index], 1e-3), part)
+		watch.show(watch.shown)
+	told.emit()

@@ -1,0 +1,42 @@
+@tool
+extends RefCounted
+## The layers that a scatter shows: its own, followed by those of its biomes.
+
+
+## Returns all layers in the order of the scatter's layer indices; null for empty entries. Empty if the scatter
+## is null.
+static func of(scatter: TerrainScatter3D) -> Array[ScatterLayer]:
+	if scatter == null:
+		return []
+	if scatter.biomes == null:
+		return scatter.layers
+	var result: Array[ScatterLayer] = scatter.layers.duplicate()
+	for index in range(result.size(), scatter.get_layer_count()):
+		result.append(scatter.get_layer(index))
+	return result
+
+
+## Returns those layers that are in the scatter's own list, which is the list that the panel changes.
+static func own(scatter: TerrainScatter3D, layers: Array[ScatterLayer]) -> Array[ScatterLayer]:
+	var listed := scatter.layers
+	return layers.filter(func(layer: ScatterLayer) -> bool: return layer in listed)
+
+
+## Returns the name of the first biome that has a layer; empty for a layer of the scatter's own list.
+static func biome_name(scatter: TerrainScatter3D, layer: ScatterLayer) -> String:
+	var map := scatter.biomes
+	if map == null or layer in scatter.layers:
+		return ""
+	var biomes := map.biomes
+	for index in biomes.size():
+		var biome := biomes[index]
+		if biome != null and layer in biome.layers:
+			return _title(biome, index)
+	return ""
+
+
+static func _title(biome: ScatterBiome, index: int) -> String:
+	if biome.resource_name:
+		return biome.resource_name
+	var is_file := not biome.resource_path.is_empty() and not "::" in biome.resource_path
+	return biome.resource_path.get_file().get_basename().capitalize() if is_file else "Biome %d" % index

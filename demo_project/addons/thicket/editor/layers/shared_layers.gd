@@ -1,0 +1,211 @@
+@tool
+extends RefCounted
+## Finds resources that a scatter shares with others by accident, and makes them its own. A duplicated or pasted scatter shares its layers,
+## masks, state and seed with the original. Layers that were saved as files are meant to be shared.
+
+const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+
+## The resources that a scatter shares.
+class Shared:
+	## Layers that are no files and belong to a different scatter as well.
+	var layers: Array[ScatterLayer] = []
+	## Layers that are files and belong to a different scatter of an open scene as well.
+	var files: Array[ScatterLayer] = []
+	## Files of masks that a different scatter or scene uses as well.
+	var masks := PackedStringArray()
+	## True if the scatter and a different one keep their changes in the same state.
+	var state := false
+	## True if these changes are made by hand, and not by a game.
+	var by_hand := false
+	## True if the seed is the same: the same layers then have the same instances.
+	var seed := false
+	## The names of the scatters and scenes that it is shared with.
+	var others := PackedStringArray()
+
+	## True if the sharing is probably not intended.
+	func is_by_accident() -> bool:
+		return not layers.is_empty() or not masks.is_empty() or by_hand
+
+	## Describes the sharing in a sentence.
+	func tell(name: String) -> String:
+		var parts := PackedStringArray()
+		if not layers.is_empty():
+			parts.append("its layers")
+		if not masks.is_empty():
+			parts.append("its painted masks")
+		if state:
+			parts.append("its state")
+		if seed:
+			parts.append("its seed")
+		var what := " and ".join(PackedStringArray([", ".join(parts.slice(0, -1)), parts[-1]])) if parts.size() > 1 else parts[0]
+		var follows := ": both show the same instances" if seed and not layers.is_empty() else ""
+		return "%s shares %s with %s%s." % [name, what, ", ".join(others), follows]
+
+
+## Finds the resources that a scatter shares with others of the open scenes, and with scenes whose masks or states it changes.
+static func find(scatter: TerrainScatter3D) -> Shared:
+	var result := Shared.new()
+	var own: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null)
+	var state := scatter.state
+	var scenes := PackedStringArray()
+	for other in open_scatters():
+		if other == scatter:
+			continue
+		var before := result.layers.size() + result.masks.size()
+		for layer in other.layers:
+			if layer == null:
+				continue
+			if layer in own:
+				(result.files if Copies.is_file(layer) else result.layers).append(layer)
+			for mine in own:
+				var mask := mine.mask
+				if mask != null and mask == layer.mask and mine != layer and not result.masks.has(mask.resource_path):
+					result.masks.append(mask.resource_path)
+		var same_state := state != null and other.state == state
+		if result.layers.size() + result.masks.size() > before or same_state and state.copy_at_runtime:
+			var there := _scene_of(other)
+			scenes.append(there.get_basename())
+			result.others.append(other.name if there == _scene_of(scatter) else StringName("%s of %s" % [other.name, there.get_file()]))
+			result.seed = result.seed or other.seed == scatter.seed
+			result.state = result.state or same_state
+			result.by_hand = result.by_hand or same_state and state.copy_at_runtime
+	_find_files_of_other_scenes(scatter, own, scenes, result)
+	return result
+
+
+## All scatters of the scenes that are open in the editor; before Godot 4.5, of the edited scene.
+static func open_scatters() -> Array[TerrainScatter3D]:
+	var roots: Array = [EditorInterface.get_edited_scene_root()]
+	if EditorInterface.has_method(&"get_open_scene_roots"):
+		roots = EditorInterface.call(&"get_open_scene_roots")
+	var result: Array[TerrainScatter3D] = []
+	for root: Node in roots.filter(is_instance_valid):
+		result.append_array(scatters_of(root))
+	return result
+
+
+static func scatters_of(root: Node) -> Array[TerrainScatter3D]:
+	var result: Array[TerrainScatter3D] = []
+	for node: Node in [root] + root.find_children("*", "TerrainScatter3D", true, false):
+		if node is TerrainScatter3D:
+			result.append(node as TerrainScatter3D)
+	return result
+
+
+## Gives a scatter its own layers, masks and state, as one undo step, and an unused seed if [param new_seed] is true. Layers that are files
+## are copied if [param with_files] is true. Returns the reason if it failed, as a sentence; empty on success.
+static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: bool, files: SceneFiles, scene_path: String,
+		undo_redo: EditorUndoRedoManager) -> String:
+	var old := scatter.layers
+	var new: Array[ScatterLayer] = old.duplicate()
+	var copies: Dictionary[Resource, Resource] = {}
+	var masks: Dictionary[Resource, Resource] = {}
+	for layer in old: # These first, so that they are not copied as references of other layers.
+		if layer != null and Copies.is_file(layer) and not with_files:
+			copies[layer] = layer
+	for index in old.size():
+		if old[index] == null:
+			continue
+		new[index] = Copies.of(old[index], copies, false)
+		if new[index] != old[index] and not files.copy_mask(new[index], scene_path, masks):
+			return files.problem
+	var states: Array[ScatterState] = []
+	if not _copy_state(scatter, new_seed, files, scene_path, states):
+		return files.problem
+	undo_redo.create_action("Make %s Unique" % scatter.name, UndoRedo.MERGE_DISABLE, scatter)
+	if states[0] != scatter.state: # No state in between, because a state fits one seed only.
+		undo_redo.add_do_property(scatter, &"state", null)
+		undo_redo.add_undo_property(scatter, &"state", null)
+	undo_redo.add_do_property(scatter, &"layers", new)
+	undo_redo.add_undo_property(scatter, &"layers", old)
+	if new_seed:
+		undo_redo.add_do_property(scatter, &"seed", free_seed(scatter))
+		undo_redo.add_undo_property(scatter, &"seed", scatter.seed)
+	# A state is checked against the last seed that the scatter has processed. A query makes it process the new one.
+	undo_redo.add_do_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
+	undo_redo.add_undo_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
+	undo_redo.add_do_property(scatter, &"state", states[0])
+	undo_redo.add_undo_property(scatter, &"state", scatter.state)
+	for region: ScatterRegion3D in scatter.find_children("*", "ScatterRegion3D", true, false):
+		var mentioned := region.layers
+		var followed := mentioned.map(func(layer: Variant) -> Variant: return copies.get(layer, layer) if layer is Resource else layer)
+		if followed != mentioned:
+			undo_redo.add_do_property(region, &"layers", followed)
+			undo_redo.add_undo_property(region, &"layers", mentioned)
+	var made := masks.values()
+	if states[0] != scatter.state and states[0] != null and Copies.is_file(states[0]):
+		made.append(states[0])
+	files.add_to_undo(made, scene_path, undo_redo)
+	undo_redo.commit_action()
+	return ""
+
+
+## The smallest seed from 0 that no other scatter of the open scenes has.
+static func free_seed(scatter: TerrainScatter3D) -> int:
+	var taken := open_scatters().map(func(other: TerrainScatter3D) -> int: return other.seed)
+	if scatter != null:
+		taken.append(scatter.seed)
+	var result := 0
+	while result in taken:
+		result += 1
+	return result
+
+
+## Copies a state with changes by hand, into its own file if the original is in a file. A state that a game writes is not copied, because
+## many nodes may share it. With a new seed there are new instances, none of which was removed; hand-placed instances remain. On failure,
+## returns false; the reason is in [code]files.problem[/code].
+static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneFiles, scene_path: String,
+		r_made: Array[ScatterState]) -> bool:
+	var state := scatter.state
+	if state == null or (Copies.is_file(state) and not state.copy_at_runtime):
+		r_made.append(null if new_seed else state)
+		return true
+	var copy := state.duplicate() as ScatterState
+	if new_seed:
+		for id in state.get_removed():
+			copy.restore(id)
+	r_made.append(copy)
+	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
+
+
+## Finds masks that are beside a different scene and have the name that the brush chooses: they belong to that scene. The same applies to
+## states of the hand tool.
+static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[ScatterLayer], scenes: PackedStringArray,
+		r_shared: Shared) -> void:
+	for layer in own:
+		var mask := layer.mask
+		if mask == null or Copies.is_file(layer) or r_shared.masks.has(mask.resource_path):
+			continue
+		var stem := _other_scene_of(mask, scatter)
+		if not stem.is_empty():
+			r_shared.masks.append(mask.resource_path)
+			_add_scene(stem, scenes, r_shared)
+	var state := scatter.state
+	var keeper := _other_scene_of(state, scatter) if state != null and state.copy_at_runtime else ""
+	if not keeper.is_empty():
+		r_shared.state = true
+		r_shared.by_hand = true
+		_add_scene(keeper, scenes, r_shared)
+
+
+## The scene that a file is named after, without its extension; empty if it is the scatter's own scene or there is none.
+static func _other_scene_of(resource: Resource, scatter: TerrainScatter3D) -> String:
+	var stem := resource.resource_path.get_basename()
+	if not Copies.is_file(resource) or stem.begins_with(_scene_of(scatter).get_basename() + "_"):
+		return ""
+	while "_" in stem.get_file():
+		stem = stem.get_base_dir().path_join(stem.get_file().rsplit("_", true, 1)[0])
+		if FileAccess.file_exists(stem + ".tscn") or FileAccess.file_exists(stem + ".scn"):
+			return stem
+	return ""
+
+
+static func _add_scene(stem: String, r_scenes: PackedStringArray, r_shared: Shared) -> void:
+	if not r_scenes.has(stem):
+		r_scenes.append(stem)
+		r_shared.others.append((stem + ".tscn").get_file())
+
+
+static func _scene_of(scatter: TerrainScatter3D) -> String:
+	return (scatter.owner if scatter.owner != null else scatter).scene_file_path

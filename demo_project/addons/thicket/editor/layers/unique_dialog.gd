@@ -1,0 +1,39 @@
+@tool
+extends ConfirmationDialog
+## The dialog for making a scatter unique.
+
+## The user decided: a new seed or the same one, and whether layers that are files are copied, too.
+signal decided(new_seed: bool, with_files: bool)
+
+const TEXT := "%s
+It gets layers, painted masks and hand-placed instances of its own; masks and instances go into files beside the scene."
+
+var _text := Label.new()
+var _seed := CheckBox.new()
+var _files := CheckBox.new()
+
+
+func _init() -> void:
+	title = "Make Unique"
+	ok_button_text = "Make Unique"
+	var rows := VBoxContainer.new()
+	add_child(rows)
+	_text.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART
+	_text.custom_minimum_size = Vector2(420.0, 0.0) * EditorInterface.get_editor_scale()
+	rows.add_child(_text)
+	_seed.text = "Use a new seed: instances are placed at different positions"
+	_seed.button_pressed = true
+	rows.add_child(_seed)
+	_files.text = "Also copy layers that are saved as files"
+	rows.add_child(_files)
+	confirmed.connect(func() -> void: decided.emit(_seed.button_pressed, _files.button_pressed))
+
+
+## Opens with a sentence about the shared resources. [param has_files] is true if there are layers
+## that are files.
+func ask(sentence: String, has_files: bool) -> void:
+	_text.text = TEXT % sentence
+	_files.visible = has_files
+	_files.button_pressed = false
+	reset_size()
+	popup_centered()

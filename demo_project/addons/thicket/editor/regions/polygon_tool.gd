@@ -1,0 +1,144 @@
+@tool
+extends "res://addons/thicket/editor/scatter_tool.gd"
+## Draws a region by clicking the corners of its polygon on the ground.
+
+const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
+const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
+const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
+const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
+
+## The polygon is finished: a region that is not in the scene yet, and its world position.
+signal drawn(region: ScatterRegion3D, place: Vector3)
+
+const HINT_FIRST := "Click the corners   Enter or double click closes   Backspace removes the last one   Esc cancels"
+const HINT_NEXT := "%d corners   Enter or double click closes   Backspace removes the last one   Esc cancels"
+## The distance in pixels from the first corner within which a click closes the polygon.
+const GRAB := 10.0
+## The smallest area of a region in square meters.
+const LEAST_AREA := 1e-4
+
+## Whether the new region excludes.
+var exclude := true
+## World positions of the corners.
+var corners := PackedVector3Array()
+## The reason why the last click did nothing, as a sentence; empty if it succeeded.
+var problem := ""
+
+var _cursor := GroundCursor.new()
+var _mouse := Vector2.ZERO
+
+
+func _init() -> void:
+	needs_layer = false
+	_setup("Polygon", &"ToolAddNode", "Polygon: click the corners of a region on the ground.")
+	# The region menu turns the tool on.
+	button.visible = false
+
+
+func input(camera: Camera3D, event: InputEvent) -> int:
+	if event is InputEventKey:
+		return _on_key(event as InputEventKey)
+	if not event is InputEventMouse:
+		return NOT_MINE
+	_mouse = (event as InputEventMouse).position
+	_cursor.aim(camera, _mouse, ground())
+	redraw_requested.emit()
+	var pressed := event as InputEventMouseButton
+	if pressed == null or pressed.button_index != MOUSE_BUTTON_LEFT or pressed.alt_pressed:
+		return NOT_MINE
+	if pressed.pressed:
+		problem = ""
+		var on_first := corners.size() >= 3 and _cursor.to_overlay(corners[0]).distance_to(_mouse) <= GRAB
+		if pressed.double_click or on_first:
+			close()
+		else:
+			_add_corner()
+	return MINE
+
+
+func draw_over(overlay: Control) -> void:
+	if not _cursor.is_over(overlay):
+		return
+	var color := RegionGizmos.EXCLUDE if exclude else RegionGizmos.INCLUDE
+	var line := PackedVector3Array()
+	for corner in corners + (PackedVector3Array([_corner()]) if _cursor.on_ground.is_finite() else PackedVector3Array()):
+		if not line.is_empty():
+			_cursor.draw_path(overlay, _cursor.along_ground(line[-1], corner, ground()), color, 2.0)
+		line.append(corner)
+	if line.size() > 2:
+		_cursor.draw_path(overlay, _cursor.along_ground(line[-1], line[0], ground()), Color(color, 0.4), 1.0)
+	for corner in corners:
+		_cursor.draw_knob(overlay, corner, color)
+	if not problem.is_empty():
+		_cursor.say(overlay, problem)
+	_cursor.hint(overlay, HINT_NEXT % corners.size() if not corners.is_empty() else HINT_FIRST)
+
+
+func finish() -> void:
+	corners.clear()
+	problem = ""
+
+
+func _on_toggled() -> void:
+	finish()
+	_cursor.clear()
+
+
+## Creates a region from the corners and turns the tool off.
+func close() -> void:
+	var middle := Vector3.ZERO
+	for corner in corners:
+		middle += corner / corners.size()
+	var polygon := PackedVector2Array()
+	var area := 0.0
+	for index in corners.size():
+		var corner := corners[index] - middle
+		polygon.append(Vector2(corner.x, corner.z))
+		area += 0.5 * polygon[index].cross(Vector2(corners[index - 1].x - middle.x, corners[index - 1].z - middle.z))
+	if corners.size() < 3 or absf(area) < LEAST_AREA:
+		problem = "A region needs at least three corners, not in a line, got %d. Click more of them." % corners.size()
+		redraw_requested.emit()
+		return
+	var region := RegionMenu.make(ScatterRegion3D.SHAPE_POLYGON, exclude)
+	region.polygon = polygon
+	set_on(false)
+	drawn.emit(region, middle)
+
+
+func _on_key(key: InputEventKey) -> int:
+	if not key.pressed or key.ctrl_pressed or key.alt_pressed or key.meta_pressed:
+		return NOT_MINE
+	match key.keycode:
+		KEY_ENTER, KEY_KP_ENTER:
+			close()
+		KEY_BACKSPACE:
+			if not corners.is_empty():
+				corners.resize(corners.size() - 1)
+		KEY_ESCAPE:
+			set_on(false)
+		KEY_DELETE:
+			pass # The editor would delete the scatter.
+		_:
+			return NOT_MINE
+	_take_key()
+	return MINE
+
+
+func _add_corner() -> void:
+	if ground() == null:
+		problem = "There is no ground to draw on: set the ground of %s, or press Use as Ground." % scatter.name
+	elif not _cursor.on_ground.is_finite():
+		problem = "There is no ground below the mouse: click where the ground is."
+	elif corners.is_empty() or corners[-1].distance_to(_corner()) > 0.01:
+		corners.append(_corner())
+
+
+## The position of the next corner, snapped like the editor's gizmos.
+func _corner() -> Vector3:
+	var at := _cursor.on_ground
+	if EditorSnap.is_on():
+		var step := maxf(0.01, EditorSnap.meters())
+		at = Vector3(snappedf(at.x, step), at.y, snappedf(at.z, step))
+		var height := ground().get_height(at)
+		at.y = at.y if is_nan(height) else height
+	return at

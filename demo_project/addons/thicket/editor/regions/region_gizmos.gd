@@ -1,0 +1,218 @@
+@tool
+extends EditorNode3DGizmoPlugin
+## Draws a [ScatterRegion3D]: its body, its border on the ground, a second line where the falloff ends, and handles for its size. Handles
+## snap like the editor's gizmos. Dragging a face keeps the opposite face in place, unless Alt is held.
+
+const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
+const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
+const Outline := preload("res://addons/thicket/editor/regions/region_outline.gd")
+
+const INCLUDE := Color(0.45, 0.9, 0.4)
+const EXCLUDE := Color(1.0, 0.42, 0.3)
+## Meters between two ground heights on the border of a small region; larger ones use some hundred pieces.
+const PIECE := 0.5
+const PIECES := 400.0
+const AXES: Array[Vector3] = [Vector3.RIGHT, Vector3.UP, Vector3.BACK]
+
+var undo_redo: EditorUndoRedoManager
+
+# The region as it was when its handle was grabbed.
+var _start_transform := Transform3D.IDENTITY
+var _start_size := Vector3.ONE
+
+# For regions that include, and for those that exclude.
+var _borders: Array[Material] = []
+var _bodies: Array[Material] = []
+var _falloffs: Array[Material] = []
+
+
+func _init() -> void:
+	for color: Color in [INCLUDE, EXCLUDE]:
+		_borders.append(GroundLines.material(color))
+		_bodies.append(GroundLines.material(Color(color, 0.35)))
+		_falloffs.append(GroundLines.material(Color(color, 0.5)))
+	create_handle_material("handles")
+
+
+func _get_gizmo_name() -> String:
+	return "ScatterRegion3D"
+
+
+func _has_gizmo(node: Node3D) -> bool:
+	return node is ScatterRegion3D
+
+
+func _redraw(gizmo: EditorNode3DGizmo) -> void:
+	gizmo.clear()
+	var region := gizmo.get_node_3d() as ScatterRegion3D
+	var rule := int(region.exclude)
+	var body := Outline.body(region)
+	if not body.is_empty():
+		gizmo.add_lines(body, _bodies[rule])
+	var border := _on_ground(region, 0.0)
+	if not border.is_empty():
+		gizmo.add_lines(border, _borders[rule])
+	if region.falloff > 0.0:
+		var full := _on_ground(region, region.falloff)
+		if not full.is_empty():
+			gizmo.add_lines(full, _falloffs[rule])
+	gizmo.add_collision_segments(border + body)
+	var handles := _handles(region)
+	if not handles.is_empty():
+		gizmo.add_handles(handles, get_material("handles", gizmo), [])
+
+
+func _get_handle_name(gizmo: EditorNode3DGizmo, id: int, _secondary: bool) -> String:
+	return {
+		ScatterRegion3D.SHAPE_BOX: "Size", ScatterRegion3D.SHAPE_SPHERE: "Radius",
+		ScatterRegion3D.SHAPE_CYLINDER: ["Radius", "Height"][mini(id, 1)],
+		ScatterRegion3D.SHAPE_POLYGON: "Corner %d" % id, ScatterRegion3D.SHAPE_PATH: "Width",
+	}[(gizmo.get_node_3d() as ScatterRegion3D).shape]
+
+
+func _get_handle_value(gizmo: EditorNode3DGizmo, id: int, _secondary: bool) -> Variant:
+	var region := gizmo.get_node_3d() as ScatterRegion3D
+	return region.get(_property(region, id))
+
+
+func _begin_handle_action(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool) -> void:
+	var region := gizmo.get_node_3d() as ScatterRegion3D
+	_start_transform = region.transform
+	_start_size = region.size
+	if region.shape == ScatterRegion3D.SHAPE_CYLINDER:
+		_start_size = Vector3.ONE * region.height
+
+
+func _set_handle(gizmo: EditorNode3DGizmo, id: int, _secondary: bool, camera: Camera3D, point: Vector2) -> void:
+	var region := gizmo.get_node_3d() as ScatterRegion3D
+	var to_node := (_parent_transform(region) * _start_transform).affine_inverse()
+	var from := to_node * camera.project_ray_origin(point)
+	var to := to_node * (camera.project_ray_origin(point) + camera.project_ray_normal(point) * camera.far)
+	match region.shape:
+		ScatterRegion3D.SHAPE_BOX:
+			var size := _start_size
+			size[id / 2] = _drag_face(region, id / 2, 1.0 - 2.0 * (id % 2), from, to)
+			region.size = size
+		ScatterRegion3D.SHAPE_SPHERE:
+			region.radius = _length(absf(_along(Vector3.RIGHT, from, to)))
+		ScatterRegion3D.SHAPE_CYLINDER:
+			if id == 0:
+				region.radius = _length(absf(_along(Vector3.RIGHT, from, to)))
+			else:
+				region.height = _drag_face(region, Vector3.AXIS_Y, 1.0 if id == 1 else -1.0, from, to)
+		ScatterRegion3D.SHAPE_POLYGON:
+			var position: Variant = Plane(Vector3.UP, 0.0).intersects_segment(from, to)
+			if position is Vector3:
+				var hit: Vector3 = position
+				var corner := Vector2(hit.x, hit.z)
+				var polygon := region.polygon
+				polygon[id] = corner.snapped(Vector2.ONE * EditorSnap.meters()) if EditorSnap.is_on() else corner
+				region.polygon = polygon
+		ScatterRegion3D.SHAPE_PATH:
+			_drag_width(region, region.global_transform * from, region.global_transform * to)
+
+
+func _commit_handle(gizmo: EditorNode3DGizmo, id: int, secondary: bool, restore: Variant, cancel: bool) -> void:
+	var region := gizmo.get_node_3d() as ScatterRegion3D
+	var property := _property(region, id)
+	if cancel:
+		region.set(property, restore)
+		region.transform = _start_transform
+		return
+	undo_redo.create_action("Set %s of %s" % [_get_handle_name(gizmo, id, secondary), region.name])
+	undo_redo.add_do_property(region, property, region.get(property))
+	undo_redo.add_undo_property(region, property, restore)
+	if region.transform != _start_transform:
+		undo_redo.add_do_property(region, &"transform", region.transform)
+		undo_redo.add_undo_property(region, &"transform", _start_transform)
+	undo_redo.commit_action(false)
+
+
+## Drags the face of a box or a cylinder on one side of an axis. The opposite face stays; with Alt, it moves symmetrically. Returns the
+## length along the axis.
+func _drag_face(region: ScatterRegion3D, axis: int, side: float, from: Vector3, to: Vector3) -> float:
+	var outwards := AXES[axis] * side
+	var both := Input.is_key_pressed(KEY_ALT)
+	var face := _along(outwards, from, to)
+	var length := _length(2.0 * face if both else face + 0.5 * _start_size[axis])
+	var shift := 0.0 if both else 0.5 * (length - _start_size[axis])
+	region.transform = _start_transform.translated_local(outwards * shift) if shift != 0.0 else _start_transform
+	return length
+
+
+static func _property(region: ScatterRegion3D, id: int) -> StringName:
+	return [&"size", &"radius", [&"radius", &"height"][mini(id, 1)], &"polygon", &"width"][region.shape]
+
+
+static func _on_ground(region: ScatterRegion3D, inwards: float) -> PackedVector3Array:
+	var lines := GroundLines.new(region)
+	for border in Outline.borders(region, inwards):
+		var length := 0.0
+		for index in border.size():
+			length += border[index].distance_to(border[(index + 1) % border.size()])
+		lines.add(border, true, maxf(PIECE, length / PIECES))
+	return lines.segments
+
+
+## The handles in the node's own space, in the order of their ids.
+func _handles(region: ScatterRegion3D) -> PackedVector3Array:
+	var positions := PackedVector3Array()
+	match region.shape:
+		ScatterRegion3D.SHAPE_BOX:
+			for axis in 3:
+				for side: float in [0.5, -0.5]:
+					positions.append(AXES[axis] * side * region.size[axis])
+		ScatterRegion3D.SHAPE_SPHERE:
+			positions.append(Vector3.RIGHT * region.radius)
+		ScatterRegion3D.SHAPE_CYLINDER:
+			positions.append(Vector3.RIGHT * region.radius)
+			for side: float in [0.5, -0.5]:
+				positions.append(Vector3.UP * side * region.height)
+		ScatterRegion3D.SHAPE_POLYGON:
+			for corner in region.polygon:
+				positions.append(Vector3(corner.x, 0.0, corner.y))
+		ScatterRegion3D.SHAPE_PATH:
+			var start := _path_start(region)
+			if not start.is_empty():
+				var position: Vector3 = start[0] + start[1] * 0.5 * region.width
+				positions.append(region.global_transform.affine_inverse() * position)
+	return positions
+
+
+## The world position where a path begins, and the direction across it; empty if there is no path.
+static func _path_start(region: ScatterRegion3D) -> PackedVector3Array:
+	var path := Outline.path_node(region)
+	if path == null or path.curve == null or path.curve.point_count < 2:
+		return PackedVector3Array()
+	var points := path.curve.tessellate(4, 3.0)
+	var from := path.global_transform * points[0]
+	var ahead := path.global_transform * points[1] - from
+	var across := Vector3(-ahead.z, 0.0, ahead.x).normalized()
+	return PackedVector3Array([from, across] if across != Vector3.ZERO else [])
+
+
+static func _drag_width(region: ScatterRegion3D, from: Vector3, to: Vector3) -> void:
+	var start := _path_start(region)
+	if start.is_empty():
+		return
+	var reach := start[1] * 1e5
+	var nearest := Geometry3D.get_closest_points_between_segments(start[0] - reach, start[0] + reach, from, to)
+	region.width = _length(2.0 * nearest[0].distance_to(start[0]))
+
+
+## The position along an axis through the node's origin at which a ray is nearest to the axis; negative on the other side of the origin.
+static func _along(axis: Vector3, from: Vector3, to: Vector3) -> float:
+	# Not Geometry3D's segment function: its end points are far away, so 32-bit floats are off by centimeters.
+	var direction := (to - from).normalized()
+	var cosine := axis.dot(direction)
+	return (axis.dot(from) - cosine * direction.dot(from)) / maxf(1.0 - cosine * cosine, 1e-6)
+
+
+static func _parent_transform(region: ScatterRegion3D) -> Transform3D:
+	var parent := region.get_parent_node_3d()
+	return parent.global_transform if parent != null and not region.top_level else Transform3D.IDENTITY
+
+
+## A valid length for a region, rounded to centimeters, or to the editor's snap step if that is on.
+static func _length(length: float) -> float:
+	return clampf(snappedf(length, maxf(0.01, EditorSnap.meters()) if EditorSnap.is_on() else 0.01), 0.01, 1e6)

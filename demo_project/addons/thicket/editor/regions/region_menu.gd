@@ -1,0 +1,94 @@
+@tool
+extends MenuButton
+## Adds a region below the scatter: on the ground in the middle of the view, or, for a polygon, by clicking its corners.
+
+const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+
+## The user wants to draw a polygon that excludes or includes.
+signal polygon_requested(exclude: bool)
+
+const SHAPE_NAMES: PackedStringArray = ["Box", "Sphere", "Cylinder", "Polygon", "Path"]
+## In meters: the smallest and the largest size of a new region. Between these, the size is this part of the view's
+## distance.
+const SIZES := Vector2(2.0, 200.0)
+const PART := 0.3
+
+var undo_redo: EditorUndoRedoManager
+var scatter: TerrainScatter3D
+
+
+func _init() -> void:
+	text = "Region"
+	tooltip_text = "Add a region at the center of the view, which excludes layers or limits them to its area."
+	set_meta(&"icon", &"Add")
+	var popup := get_popup()
+	for exclude: bool in [true, false]:
+		popup.add_separator("Exclude Layers" if exclude else "Limit Layers")
+		for shape in SHAPE_NAMES.size():
+			popup.add_item(SHAPE_NAMES[shape], shape + (0 if exclude else SHAPE_NAMES.size()))
+	popup.id_pressed.connect(_on_chosen)
+
+
+## Adds a region of a shape in the middle of the view, as one undo step, and selects it.
+func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
+	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
+	var away := 20.0
+	if scatter.ground != null:
+		away = GroundRay.distance(scatter.ground, camera.global_position, -camera.global_basis.z)
+	var size := clampf(snappedf(away * PART, 1.0), SIZES.x, SIZES.y)
+	var region := make(shape, exclude)
+	region.size = Vector3(size, maxf(size, 10.0), size)
+	region.radius = 0.5 * size
+	region.height = maxf(size, 10.0)
+	if shape == ScatterRegion3D.SHAPE_PATH:
+		var path := Path3D.new()
+		path.name = "Path3D"
+		path.curve = Curve3D.new()
+		for end: float in [-0.5, 0.5]:
+			path.curve.add_point(Vector3(size * end, 0.0, 0.0))
+		region.add_child(path)
+		region.path = NodePath("Path3D")
+		region.width = maxf(1.0, 0.2 * size)
+	insert(region, camera.global_position - camera.global_basis.z * away)
+
+
+## Creates a region that is not in the scene yet.
+static func make(shape: ScatterRegion3D.Shape, exclude: bool) -> ScatterRegion3D:
+	var region := ScatterRegion3D.new()
+	region.name = ("Without%s" if exclude else "Only%s") % SHAPE_NAMES[shape]
+	region.shape = shape
+	region.exclude = exclude
+	return region
+
+
+## Adds a region at a world position, as one undo step, and selects it.
+func insert(region: ScatterRegion3D, place: Vector3) -> void:
+	region.transform = scatter.global_transform.affine_inverse() * Transform3D(Basis.IDENTITY, place)
+	undo_redo.create_action("Add %s" % region.name, UndoRedo.MERGE_DISABLE, scatter)
+	put_below(undo_redo, scatter, region)
+	undo_redo.commit_action()
+	EditorInterface.get_selection().clear()
+	EditorInterface.get_selection().add_node(region)
+
+
+## Adds to the open undo step that a node and all nodes below it are added below a parent.
+static func put_below(undo: EditorUndoRedoManager, parent: Node, node: Node) -> void:
+	var root := EditorInterface.get_edited_scene_root()
+	undo.add_do_method(parent, &"add_child", node, true)
+	undo.add_do_property(node, &"owner", root)
+	if node.scene_file_path.is_empty():
+		for child in node.get_children():
+			undo.add_do_property(child, &"owner", root)
+	undo.add_do_reference(node)
+	undo.add_undo_method(parent, &"remove_child", node)
+
+
+func _on_chosen(id: int) -> void:
+	if not is_instance_valid(scatter):
+		return
+	var shape := (id % SHAPE_NAMES.size()) as ScatterRegion3D.Shape
+	var exclude := id < SHAPE_NAMES.size()
+	if shape == ScatterRegion3D.SHAPE_POLYGON:
+		polygon_requested.emit(exclude)
+	else:
+		add(shape, exclude)

@@ -1,0 +1,91 @@
+@tool
+extends RefCounted
+## The lines of the gizmo of a [ScatterRegion3D]: its body, and its border on the ground.
+
+const SIDES := 48
+
+
+## The edges of a box, sphere or cylinder, as pairs of end points in the node's own space. Empty for flat
+## regions.
+static func body(region: ScatterRegion3D) -> PackedVector3Array:
+	var lines := PackedVector3Array()
+	var radius := region.radius
+	match region.shape:
+		ScatterRegion3D.SHAPE_BOX:
+			var half := 0.5 * region.size
+			for axis in 3:
+				for corner in 4:
+					var from := half
+					from[(axis + 1) % 3] *= 1.0 if corner & 1 else -1.0
+					from[(axis + 2) % 3] *= 1.0 if corner & 2 else -1.0
+					var to := from
+					to[axis] = -from[axis]
+					lines.append_array([from, to])
+		ScatterRegion3D.SHAPE_SPHERE:
+			_circle(lines, Vector3.ZERO, Vector3.RIGHT * radius, Vector3.BACK * radius)
+			_circle(lines, Vector3.ZERO, Vector3.RIGHT * radius, Vector3.UP * radius)
+			_circle(lines, Vector3.ZERO, Vector3.BACK * radius, Vector3.UP * radius)
+		ScatterRegion3D.SHAPE_CYLINDER:
+			var up: Vector3 = Vector3.UP * 0.5 * region.height
+			_circle(lines, up, Vector3.RIGHT * radius, Vector3.BACK * radius)
+			_circle(lines, -up, Vector3.RIGHT * radius, Vector3.BACK * radius)
+			for side: Vector3 in [Vector3.RIGHT, Vector3.BACK, Vector3.LEFT, Vector3.FORWARD]:
+				lines.append_array([side * radius - up, side * radius + up])
+	return lines
+
+
+## The region's borders seen from above, [param inwards] meters inside of it: closed lines of world x and z.
+static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVector2Array]:
+	var result: Array[PackedVector2Array] = []
+	var shape := region.shape
+	if shape == ScatterRegion3D.SHAPE_PATH:
+		var strip := 0.5 * region.width - inwards
+		var points := path_points(region)
+		if strip > 0.0 and points.size() > 1:
+			result = Geometry2D.offset_polyline(points, strip, Geometry2D.JOIN_ROUND, Geometry2D.END_ROUND)
+		return result
+	var outline := PackedVector2Array()
+	if shape == ScatterRegion3D.SHAPE_POLYGON:
+		for corner in region.polygon:
+			outline.append(_flat(region.global_transform * Vector3(corner.x, 0.0, corner.y)))
+	else:
+		for corner in body(region):
+			outline.append(_flat(region.global_transform * corner))
+		outline = Geometry2D.convex_hull(outline)
+		# The hull repeats its first point.
+		outline.resize(maxi(0, outline.size() - 1))
+	if outline.size() < 3:
+		return result
+	if inwards <= 0.0:
+		result.append(outline)
+	else:
+		if Geometry2D.is_polygon_clockwise(outline):
+			outline.reverse()
+		result = Geometry2D.offset_polygon(outline, -inwards, Geometry2D.JOIN_MITER)
+	return result
+
+
+## The path that the region follows, as world x and z; empty if there is none.
+static func path_points(region: ScatterRegion3D) -> PackedVector2Array:
+	var points := PackedVector2Array()
+	var path := path_node(region)
+	if path != null and path.curve != null:
+		for position in path.curve.tessellate(4, 3.0):
+			points.append(_flat(path.global_transform * position))
+	return points
+
+
+## The path that the region follows; null if there is none.
+static func path_node(region: ScatterRegion3D) -> Path3D:
+	return (region.get_parent() if region.path.is_empty() else region.get_node_or_null(region.path)) as Path3D
+
+
+static func _flat(position: Vector3) -> Vector2:
+	return Vector2(position.x, position.z)
+
+
+static func _circle(lines: PackedVector3Array, center: Vector3, right: Vector3, forward: Vector3) -> void:
+	for side in SIDES:
+		for step in 2:
+			var angle := TAU * (side + step) / SIDES
+			lines.append(center + right * cos(angle) + forward * sin(angle))

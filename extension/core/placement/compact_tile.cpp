@@ -1,0 +1,306 @@
+#include "core/placement/compact_tile.hpp"
+
+#include "core/base/instance_id.hpp"
+#include "core/placement/transform_batch.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+glm::vec3 position_of(const MeshInstances &mesh, std::size_t i) {
+	const float *floats = mesh.buffer.data() + i * mesh.stride;
+	return {floats[3], floats[7], floats[11]};
+}
+
+/// Without an alignment, only the signs of x and z of a normal matter, because they decide the signs of zeros.
+bool needs_normals(const LayerSettings &settings) { return settings.placement.align_to_normal != 0.0; }
+
+std::size_t bytes_of(const auto &values) { return values.capacity() * sizeof(values[0]); }
+
+bool same_bits(std::span<const float> a, std::span<const float> b) {
+	return std::ranges::equal(
+			a, b, [](float x, float y) { return std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y); });
+}
+
+bool same_bits(const glm::vec3 &a, const glm::vec3 &b) {
+	return same_bits(std::array{a.x, a.y, a.z}, std::array{b.x, b.y, b.z});
+}
+
+bool same_bits(const InstanceShares &a, const InstanceShares &b) {
+	return same_bits(std::array{a.color, a.variation}, std::array{b.color, b.variation});
+}
+
+} // namespace
+
+CompactMesh::CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings) :
+		settings_(std::move(settings)), stride_(mesh.stride), min_(mesh.min), max_(mesh.max),
+		max_scale_(mesh.max_scale), ranks_(mesh.ranks.begin(), mesh.ranks.end()) {
+	positions_.resize(mesh.size());
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		positions_[i] = position_of(mesh, i);
+	}
+	if (settings_ != nullptr && mesh.normals.size() == mesh.size() && find_cells(mesh)) {
+		keep_sources(mesh);
+	} else {
+		keep_as_it_is(mesh);
+	}
+}
+
+/// False for ids that lie too far apart, or do not belong to points of one layer.
+bool CompactMesh::find_cells(const MeshInstances &mesh) {
+	if (mesh.size() == 0) {
+		return true;
+	}
+	const std::uint16_t layer = unpack(mesh.ids.front()).layer;
+	glm::ivec2 low(std::numeric_limits<int>::max());
+	glm::ivec2 high(std::numeric_limits<int>::min());
+	bool same_layer = true;
+	for (const std::uint64_t id : mesh.ids) {
+		const InstanceId point = unpack(id);
+		same_layer &= point.layer == layer;
+		low = glm::min(low, point.cell);
+		high = glm::max(high, point.cell);
+	}
+	const glm::ivec2 across = high - low;
+	if (!same_layer || std::max(across.x, across.y) > static_cast<int>(cell_mask)) {
+		return false;
+	}
+	first_id_ = pack({layer, low});
+	cells_.resize(mesh.size());
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		const glm::uvec2 cell(unpack(mesh.ids[i]).cell - low);
+		const glm::vec3 &normal = mesh.normals[i];
+		const std::uint32_t signs =
+				(std::signbit(normal.x) ? x_is_negative : 0) | (std::signbit(normal.z) ? z_is_negative : 0);
+		cells_[i] = signs | cell.x << y_bits | cell.y;
+	}
+	return true;
+}
+
+void CompactMesh::keep_as_it_is(const MeshInstances &mesh) {
+	ids_.assign(mesh.ids.begin(), mesh.ids.end());
+	floats_.assign(mesh.buffer.begin(), mesh.buffer.end());
+}
+
+void CompactMesh::keep_sources(const MeshInstances &mesh) {
+	if (needs_normals(*settings_)) {
+		normals_.assign(mesh.normals.begin(), mesh.normals.end());
+	}
+	shares_.assign(mesh.shares.begin(), mesh.shares.end());
+}
+
+CompactMesh::CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> standing) :
+		settings_(base.settings_), stride_(base.stride_), first_id_(base.first_id_) {
+	const std::size_t count = first.size() + standing.size();
+	const auto made =
+			std::ranges::partition_point(standing, [&base](std::uint32_t i) { return i < base.as_they_are(); });
+	positions_.reserve(count);
+	ranks_.reserve(count);
+	ids_.reserve(first.size() + static_cast<std::size_t>(made - standing.begin()));
+	keep_as_it_is(first);
+	for (std::size_t i = 0; i < first.size(); ++i) {
+		positions_.push_back(position_of(first, i));
+		ranks_.push_back(first.ranks[i]);
+	}
+	for (const std::uint32_t i : standing) {
+		positions_.push_back(base.positions_[i]);
+		ranks_.push_back(base.ranks_[i]);
+	}
+	for (auto at = standing.begin(); at != made; ++at) {
+		const auto floats = base.floats_.begin() + static_cast<std::ptrdiff_t>(*at * stride_);
+		ids_.push_back(base.ids_[*at]);
+		floats_.insert(floats_.end(), floats, floats + static_cast<std::ptrdiff_t>(stride_));
+	}
+	const auto choose = [&](const auto &from, auto &r_to) {
+		if (!from.empty()) {
+			r_to.reserve(static_cast<std::size_t>(standing.end() - made));
+			std::for_each(made, standing.end(), [&](std::uint32_t i) { r_to.push_back(from[i - base.as_they_are()]); });
+		}
+	};
+	choose(base.cells_, cells_);
+	choose(base.normals_, normals_);
+	choose(base.shares_, shares_);
+	measure(std::max(base.max_scale_, first.max_scale));
+}
+
+/// Computes the box around the instances.
+void CompactMesh::measure(float max_scale) {
+	max_scale_ = max_scale;
+	if (!positions_.empty()) {
+		min_ = max_ = positions_.front();
+	}
+	for (const glm::vec3 &position : positions_) {
+		min_ = glm::min(min_, position);
+		max_ = glm::max(max_, position);
+	}
+}
+
+std::size_t CompactMesh::find(std::uint64_t id) const {
+	if (const auto found = std::ranges::find(ids_, id); found != ids_.end()) {
+		return static_cast<std::size_t>(found - ids_.begin());
+	}
+	// If the id belongs to none of these cells, either a part of it does not fit or the cell is not found.
+	const std::uint64_t from_first = id - first_id_;
+	const std::uint64_t x = from_first >> 24;
+	const std::uint64_t y = from_first & 0xffffff;
+	if (x > cell_mask || y > cell_mask) {
+		return size();
+	}
+	const auto cell = static_cast<std::uint32_t>(x << y_bits | y);
+	const auto is_it = [cell](std::uint32_t each) {
+		return (each & (x_is_negative - 1)) == cell;
+	};
+	// Many cells at a time without a branch between them, because compilers vectorize such loops.
+	constexpr std::ptrdiff_t many = 64;
+	auto first = cells_.begin();
+	for (; cells_.end() - first >= many; first += many) {
+		// Fast path: a whole batch without a hit is skipped.
+		std::uint32_t hits = 0;
+		for (std::ptrdiff_t i = 0; i < many; ++i) {
+			hits += is_it(first[i]) ? 1 : 0;
+		}
+		if (hits != 0) {
+			break;
+		}
+	}
+	return as_they_are() + static_cast<std::size_t>(std::find_if(first, cells_.end(), is_it) - cells_.begin());
+}
+
+/// A normal that leads to the same floats as the real one.
+glm::vec3 CompactMesh::normal_of(std::size_t source) const {
+	if (!normals_.empty()) {
+		return normals_[source];
+	}
+	const std::uint32_t signs = cells_[source];
+	return {(signs & x_is_negative) != 0 ? -1.0f : 1.0f, 1.0f, (signs & z_is_negative) != 0 ? -1.0f : 1.0f};
+}
+
+/// The transform of an instance that the settings generate. Returns its scale.
+float CompactMesh::read_basis(std::size_t i, std::span<float, transform_floats> r_floats) const {
+	const glm::vec3 normal = normal_of(i - as_they_are());
+	const float scale = write_basis(settings_->placement, settings_->set.seed, id(i), normal, r_floats);
+	write_position(positions_[i], r_floats);
+	return scale;
+}
+
+void CompactMesh::read_transform(std::size_t i, std::span<float, transform_floats> r_floats) const {
+	if (i < as_they_are()) {
+		std::ranges::copy(std::span(floats_).subspan(i * stride_).first<transform_floats>(), r_floats.begin());
+	} else {
+		read_basis(i, r_floats);
+	}
+}
+
+void CompactMesh::read(std::size_t i, std::span<float> r_floats) const {
+	if (i < as_they_are()) {
+		std::ranges::copy(std::span(floats_).subspan(i * stride_, stride_), r_floats.begin());
+		return;
+	}
+	read_behind(i, read_basis(i, r_floats.first<transform_floats>()), r_floats.subspan(transform_floats));
+}
+
+/// The data after the transform of an instance that the settings generate.
+void CompactMesh::read_behind(std::size_t i, float scale, std::span<float> r_floats) const {
+	const InstanceShares shares = shares_.empty() ? InstanceShares() : shares_[i - as_they_are()];
+	write_instance_data(settings_->instance_data, settings_->set.seed, id(i), ranks_[i], scale, r_floats, shares);
+}
+
+/// Reads many instances, batch by batch.
+template <class IndexOf>
+void CompactMesh::read_many(std::size_t count, const IndexOf &index_of, std::span<float> r_floats) const {
+	TransformBatch batch;
+	for (std::size_t first = 0; first < count;) {
+		std::size_t end = first;
+		for (batch.count = 0; end < count && batch.count < TransformBatch::most; ++end) {
+			const std::size_t i = index_of(end);
+			if (i >= as_they_are()) {
+				batch.add(id(i), normal_of(i - as_they_are()), positions_[i]);
+			}
+		}
+		if (batch.count > 0) {
+			batch.make(settings_->placement, settings_->set.seed);
+		}
+		for (std::size_t made = 0; first < end; ++first) {
+			const std::size_t i = index_of(first);
+			const std::span<float> floats = r_floats.subspan(first * stride_, stride_);
+			if (i < as_they_are()) {
+				read(i, floats);
+				continue;
+			}
+			batch.write(made, floats.first<transform_floats>());
+			read_behind(i, batch.scale[made++], floats.subspan(transform_floats));
+		}
+	}
+}
+
+void CompactMesh::read(std::span<const std::uint32_t> order, std::span<float> r_floats) const {
+	read_many(order.size(), [order](std::size_t at) { return std::size_t{order[at]}; }, r_floats);
+}
+
+void CompactMesh::read_all(std::span<float> r_floats) const {
+	read_many(size(), [](std::size_t at) { return at; }, r_floats);
+}
+
+bool CompactMesh::same(std::size_t i, const CompactMesh &other, std::size_t j) const {
+	const bool as_it_is = i < as_they_are();
+	if (stride_ != other.stride_ || as_it_is != (j < other.as_they_are()) || id(i) != other.id(j)) {
+		return false;
+	}
+	if (as_it_is) {
+		return same_bits(std::span(floats_).subspan(i * stride_, stride_),
+				std::span(other.floats_).subspan(j * stride_, stride_));
+	}
+	const std::size_t a = i - as_they_are();
+	const std::size_t b = j - other.as_they_are();
+	return settings_ == other.settings_ && ranks_[i] == other.ranks_[j] &&
+			same_bits(positions_[i], other.positions_[j]) && same_bits(normal_of(a), other.normal_of(b)) &&
+			shares_.empty() == other.shares_.empty() && (shares_.empty() || same_bits(shares_[a], other.shares_[b]));
+}
+
+std::size_t CompactMesh::bytes() const {
+	return bytes_of(positions_) + bytes_of(ranks_) + bytes_of(cells_) + bytes_of(normals_) + bytes_of(shares_) +
+			bytes_of(ids_) + bytes_of(floats_);
+}
+
+CompactTile::CompactTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings) :
+		origin(tile.origin), counts(tile.counts) {
+	meshes.reserve(tile.meshes.size());
+	for (const MeshInstances &mesh : tile.meshes) {
+		meshes.emplace_back(mesh, settings);
+	}
+}
+
+MeshInstances expanded(const CompactMesh &mesh) {
+	MeshInstances result;
+	result.resize(mesh.size(), mesh.stride());
+	mesh.read_all(result.buffer);
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		result.ids[i] = mesh.id(i);
+	}
+	result.ranks.assign(mesh.ranks().begin(), mesh.ranks().end());
+	result.min = mesh.min();
+	result.max = mesh.max();
+	result.max_scale = mesh.max_scale();
+	return result;
+}
+
+TileInstances expanded(const CompactTile &tile) {
+	TileInstances result;
+	result.origin = tile.origin;
+	result.counts = tile.counts;
+	for (const CompactMesh &mesh : tile.meshes) {
+		result.meshes.push_back(expanded(mesh));
+	}
+	return result;
+}
+
+} // namespace thicket

@@ -1,0 +1,89 @@
+#include "core/placement/source_values.hpp"
+
+#include "core/base/floating_point.hpp"
+#include "core/base/progress.hpp"
+#include "core/base/trigonometry.hpp"
+#include "core/rules/instance_random.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+/// Points between two checks of the cancel flag: about a millisecond of work.
+constexpr std::size_t batch = 512;
+
+} // namespace
+
+/// Evaluates the source at the kept points from index `first` on, as many as `r_values` has room for.
+Status SourceValues::measure(const InstanceSource &source, const LayerFilter *other, const StandingPoints &points,
+		std::size_t first, std::span<double> r_values) {
+	const auto standing = points.standing.subspan(first, r_values.size());
+	const auto each = [&](const auto &value_of) {
+		std::transform(standing.begin(), standing.end(), r_values.begin(), value_of);
+	};
+	switch (source.kind) {
+		case SourceKind::random: break;
+		case SourceKind::height: each([&](std::uint32_t point) { return double{points.ground[point].height}; }); break;
+		case SourceKind::slope:
+			each([&](std::uint32_t point) { return slope_degrees(points.ground[point].normal); });
+			break;
+		case SourceKind::rank:
+			std::transform(points.thinning_ranks.begin() + static_cast<std::ptrdiff_t>(first),
+					points.thinning_ranks.begin() + static_cast<std::ptrdiff_t>(first + r_values.size()),
+					r_values.begin(), unit_interval);
+			break;
+		case SourceKind::distance:
+			each([&](std::uint32_t point) {
+				return std::sqrt(other->nearest_squared(points.positions[point], source.max));
+			});
+			break;
+		case SourceKind::noise: {
+			positions_.resize(standing.size());
+			noise_.resize(standing.size());
+			std::transform(standing.begin(), standing.end(), positions_.begin(),
+					[&](std::uint32_t point) { return points.positions[point]; });
+			const Status status = source.noise->sample(positions_, noise_);
+			std::transform(noise_.begin(), noise_.end(), r_values.begin(), unit_density);
+			return status;
+		}
+	}
+	return {};
+}
+
+Status SourceValues::find(const InstanceSource &source, const TileFilter &filter, const StandingPoints &points,
+		const std::atomic<bool> *cancel, std::vector<float> &r_shares) {
+	const LayerFilter *other = source.kind == SourceKind::distance ? &filter.layer_of(source.layer.get()) : nullptr;
+	r_shares.resize(points.positions.size());
+	for (std::size_t first = 0; first < points.standing.size(); first += batch) {
+		if (is_cancelled(cancel)) {
+			return {ErrorCode::cancelled, "tile", 0.0};
+		}
+		values_.resize(std::min(batch, points.standing.size() - first));
+		if (const Status status = measure(source, other, points, first, values_); !status.ok()) {
+			return status;
+		}
+		for (std::size_t i = 0; i < values_.size(); ++i) {
+			r_shares[points.standing[first + i]] = share_of(source, values_[i]);
+		}
+	}
+	return {};
+}
+
+Status SourceValues::find(const TileFilter &filter, StandingPoints &r_points, const std::atomic<bool> *cancel) {
+	const InstanceData &data = filter.own().settings().instance_data;
+	Status status;
+	if (data.color_is_known()) {
+		status = find(data.color, filter, r_points, cancel, color_);
+		r_points.color_shares = color_;
+	}
+	if (status.ok() && data.variation_is_known()) {
+		status = find(data.variation, filter, r_points, cancel, variation_);
+		r_points.variation_shares = variation_;
+	}
+	return status;
+}
+
+} // namespace thicket

@@ -1,0 +1,60 @@
+#include "nodes/common/renames.hpp"
+
+#include <godot_cpp/classes/object.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+#include <godot_cpp/variant/string.hpp>
+
+#include <mutex>
+#include <set>
+#include <string>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+struct RenamedProperty {
+	const char *owner;
+	const char *former;
+	const char *current;
+};
+
+// README.md lists the same names, and a test compares the two lists.
+constexpr RenamedProperty renamed_properties[] = {
+		{"ScatterLayer", "slope_falloff", "slope_falloff_degrees"},
+		{"ScatterLayer", "thin_scale_compensation", "thin_scale_up"},
+		{"ScatterState", "designed", "copy_at_runtime"},
+		{"TerrainScatter3D", "terrain", "ground"},
+};
+
+} // namespace
+
+void warn_of_rename(const char *p_former, const char *p_current) {
+	static std::mutex mutex;
+	static std::set<std::string> warned;
+	{
+		const std::lock_guard lock(mutex);
+		if (!warned.insert(p_former).second) {
+			return;
+		}
+	}
+	WARN_PRINT(
+			vformat("%s is named %s since version 0.3. The file was read as before. Open and save it in the editor to "
+					"store the new name.",
+					p_former, p_current));
+}
+
+bool set_renamed(Object *p_object, const StringName &p_name, const Variant &p_value) {
+	for (const RenamedProperty &property : renamed_properties) {
+		if (p_name == StringName(property.former) && p_object->is_class(property.owner)) {
+			const std::string owner = std::string(property.owner) + ".";
+			warn_of_rename((owner + property.former).c_str(), (owner + property.current).c_str());
+			p_object->call("set", property.current, p_value);
+			return true;
+		}
+	}
+	return false;
+}
+
+} // namespace thicket

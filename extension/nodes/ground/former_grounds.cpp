@@ -1,0 +1,95 @@
+#include "nodes/ground/former_grounds.hpp"
+
+#include "nodes/common/renames.hpp"
+#include "nodes/ground/scatter_ground_colliders.hpp"
+#include "nodes/ground/scatter_ground_flat.hpp"
+#include "nodes/ground/scatter_ground_heightmap.hpp"
+#include "nodes/ground/scatter_ground_meshes.hpp"
+#include "nodes/ground/scatter_ground_node.hpp"
+#include "nodes/ground/scatter_ground_noise.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/memory.hpp>
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/char_string.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
+
+#include <cstdint>
+#include <string>
+
+using namespace godot;
+
+namespace thicket {
+
+// README.md lists the same names, and a test compares the two lists.
+#define THICKET_FORMER_GROUNDS(m_each) \
+	m_each(ScatterTerrain, ScatterGround) m_each(ScatterTerrainColliders, ScatterGroundColliders) \
+			m_each(ScatterTerrainFlat, ScatterGroundFlat) m_each(ScatterTerrainHeightmap, ScatterGroundHeightmap) \
+					m_each(ScatterTerrainMeshes, ScatterGroundMeshes) m_each(ScatterTerrainNoise, ScatterGroundNoise) \
+							m_each(ScatterTerrainObject, ScatterGroundNode)
+
+// NOLINTBEGIN(bugprone-macro-parentheses): names of classes take none.
+#define THICKET_DECLARE(m_former, m_current) \
+	class m_former : public m_current { \
+		GDCLASS(m_former, m_current) \
+\
+	protected: \
+		static void _bind_methods() {} \
+	};
+THICKET_FORMER_GROUNDS(THICKET_DECLARE)
+#undef THICKET_DECLARE
+// NOLINTEND(bugprone-macro-parentheses)
+
+namespace {
+
+constexpr const char *successor_meta = "thicket_successor"; ///< On a former ground: the current one.
+
+/// A new ground of the class that replaces one of release 0.2; null for any other class.
+Ref<ScatterGround> make_successor(const String &p_class) {
+#define THICKET_MAKE(m_former, m_current) \
+	if (p_class == String(#m_former)) { \
+		warn_of_rename(#m_former, #m_current); \
+		return Ref<ScatterGround>(memnew(m_current)); \
+	}
+	THICKET_FORMER_GROUNDS(THICKET_MAKE)
+#undef THICKET_MAKE
+	return {};
+}
+
+} // namespace
+
+void register_former_grounds() {
+#define THICKET_REGISTER(m_former, m_current) GDREGISTER_INTERNAL_CLASS(m_former);
+	THICKET_FORMER_GROUNDS(THICKET_REGISTER)
+#undef THICKET_REGISTER
+}
+
+Ref<ScatterGround> current_ground(const Ref<ScatterGround> &p_ground) {
+	if (p_ground.is_null()) {
+		return p_ground;
+	}
+	// Nodes that share a ground keep sharing it.
+	if (static_cast<bool>(p_ground->call("has_meta", successor_meta))) {
+		return p_ground->call("get_meta", successor_meta);
+	}
+	Ref<ScatterGround> made = make_successor(p_ground->get_class());
+	if (made.is_null()) {
+		return p_ground;
+	}
+	const Array properties = p_ground->call("get_property_list");
+	for (std::int64_t i = 0; i < properties.size(); ++i) {
+		const Dictionary property = properties[i];
+		const std::int64_t usage = property["usage"];
+		if ((usage & PROPERTY_USAGE_STORAGE) != 0) {
+			made->call("set", property["name"], p_ground->get(property["name"]));
+		}
+	}
+	p_ground->call("set_meta", successor_meta, made);
+	const String path = p_ground->get_path();
+	if (const std::string text = path.utf8().get_data(); !text.empty() && text.find("::") == std::string::npos) {
+		made->call("take_over_path", path);
+	}
+	return made;
+}
+
+} // namespace thicket

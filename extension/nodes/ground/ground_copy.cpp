@@ -1,0 +1,60 @@
+#include "nodes/ground/ground_copy.hpp"
+
+#include "nodes/ground/terrain_map.hpp"
+
+#include <godot_cpp/classes/object.hpp>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+std::uint64_t id_of(const Variant &p_object) {
+	const Object *object = p_object.get_validated_object();
+	return object != nullptr ? object->get_instance_id() : 0;
+}
+
+Variant property_of(const Variant &p_object, const StringName &p_name) {
+	const Object *object = p_object.get_validated_object();
+	return object != nullptr ? object->get(p_name) : Variant();
+}
+
+} // namespace
+
+const char *name_of(GroundPlugin plugin) {
+	switch (plugin) {
+		case GroundPlugin::terrain3d: return "Terrain3D";
+		case GroundPlugin::hterrain: return "HTerrain";
+		default: return "";
+	}
+}
+
+void GroundChanges::add(const GroundChanges &other) {
+	everywhere = everywhere || other.everywhere;
+	areas.insert(areas.end(), other.areas.begin(), other.areas.end());
+}
+
+CopyAttempt copy_ground(const Variant &p_node, const GroundCopy *before) {
+	CopyAttempt attempt = copy_terrain3d(p_node);
+	return attempt.plugin != GroundPlugin::none ? attempt : copy_hterrain(p_node, before);
+}
+
+GroundGlance glance_at(const Variant &p_node, bool deep) {
+	GroundGlance glance;
+	glance.node = id_of(p_node);
+	if (glance.node == 0 || !deep) {
+		return glance;
+	}
+	if (has_method(p_node, "get_data") && has_method(p_node, "get_internal_transform")) {
+		glance.data = id_of(result_of(p_node, "get_data"));
+		glance.indexed = uses_indexed_textures(p_node);
+	} else {
+		glance.data = id_of(property_of(p_node, "data"));
+		const Variant spacing = property_of(p_node, "vertex_spacing");
+		glance.spacing = is_number(spacing) ? static_cast<double>(spacing) : 0.0;
+	}
+	return glance;
+}
+
+} // namespace thicket

@@ -1,0 +1,198 @@
+#include "nodes/ground/ground_watch.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/watch.hpp"
+
+#include <godot_cpp/classes/engine.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// A node that has moved counts as at rest after this time.
+constexpr std::chrono::milliseconds rest(100);
+
+/// A node that does not come to rest is followed at this interval.
+constexpr std::chrono::milliseconds longest_wait(400);
+
+/// Bodies reach the positions of their nodes only after the next physics frame.
+constexpr std::uint64_t physics_frames = 2;
+
+/// The fraction of a coordinate that may be lost when a scene is moved: a few bits of a float.
+constexpr double lost = 1.0 / (1 << 21);
+
+} // namespace
+
+bool is_finite(const Transform3D &p_transform) {
+	const glm::dmat3 basis = to_core(p_transform.basis);
+	// 0, or NAN if any number is not finite.
+	const glm::dvec3 sum = (basis[0] + basis[1] + basis[2] + to_core(p_transform.origin)) * 0.0;
+	return sum == glm::dvec3(0.0);
+}
+
+bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b) {
+	if (offset_a == offset_b) {
+		return a == b;
+	}
+	if (a.source != b.source || a.version != b.version || !(a.frame.basis == b.frame.basis)) {
+		return false;
+	}
+	const glm::dvec3 at_a = to_core(a.frame.origin);
+	const glm::dvec3 at_b = to_core(b.frame.origin);
+	for (int axis = 0; axis < 3; ++axis) {
+		const double moved = (at_a[axis] + offset_a[axis]) - (at_b[axis] + offset_b[axis]);
+		const double reach =
+				std::max({std::abs(at_a[axis]), std::abs(at_b[axis]), std::abs(offset_a[axis] - offset_b[axis])});
+		if (!(std::abs(moved) <= lost * reach)) {
+			return false;
+		}
+	}
+	return true;
+}
+
+void GroundWatch::add(std::uint64_t id, const Variant &p_node, const Look &look, bool changed) {
+	const auto [found, is_new] = entries_.try_emplace(id, Entry{p_node, {}});
+	if (!is_new) {
+		return;
+	}
+	Object *source = nullptr;
+	GroundSight &seen = found->second.seen;
+	seen = look(p_node, source);
+	use(seen.source, source);
+	seen.version = version(seen.source);
+	if (changed && seen.source != 0) {
+		touch(id);
+	}
+}
+
+void GroundWatch::remove(std::uint64_t id) {
+	const auto found = entries_.find(id);
+	if (found != entries_.end()) {
+		const std::uint64_t source = found->second.seen.source;
+		entries_.erase(found);
+		if (source != 0) {
+			touch(id);
+		}
+		drop(source);
+	}
+}
+
+void GroundWatch::clear() {
+	for (const auto &[id, source] : std::exchange(sources_, {})) {
+		watch(source.object.get_validated_object(), "changed", owner_, method_, false);
+	}
+	entries_.clear();
+	changed_.clear();
+}
+
+const Variant *GroundWatch::node(std::uint64_t id) const {
+	const auto found = entries_.find(id);
+	return found != entries_.end() ? &found->second.node : nullptr;
+}
+
+std::vector<std::uint64_t> GroundWatch::ids() const {
+	std::vector<std::uint64_t> result;
+	for (const auto &[id, entry] : entries_) {
+		result.push_back(id);
+	}
+	return result;
+}
+
+std::size_t GroundWatch::look(const Look &look) {
+	const std::size_t most = std::min(nodes_per_frame, entries_.size());
+	auto at = entries_.lower_bound(next_);
+	for (std::size_t count = 0; count < most; ++count) {
+		at = at != entries_.end() ? at : entries_.begin();
+		auto &[id, entry] = *at;
+		Object *source = nullptr;
+		GroundSight now = look(entry.node, source);
+		now.version = version(now.source);
+		if (now == entry.seen) {
+			++quiet_looks_;
+		} else {
+			use(now.source, source); // Before the old source is dropped, because it may be the same.
+			drop(entry.seen.source);
+			now.version = version(now.source);
+			entry.seen = now;
+			touch(id);
+		}
+		++at;
+	}
+	next_ = at != entries_.end() ? at->first : 0;
+	return most;
+}
+
+void GroundWatch::use(std::uint64_t id, Object *p_source) {
+	if (id == 0 || p_source == nullptr) {
+		return;
+	}
+	Source &source = sources_[id];
+	if (source.users++ == 0) {
+		source.version = ++versions_;
+		source.object = Variant(p_source);
+		watch(p_source, "changed", owner_, method_, true, static_cast<int64_t>(id));
+	}
+}
+
+void GroundWatch::drop(std::uint64_t id) {
+	const auto found = sources_.find(id);
+	if (found != sources_.end() && --found->second.users == 0) {
+		watch(found->second.object.get_validated_object(), "changed", owner_, method_, false);
+		sources_.erase(found);
+	}
+}
+
+void GroundWatch::source_changed(std::uint64_t source) {
+	const auto found = sources_.find(source);
+	if (found != sources_.end()) {
+		found->second.version = ++versions_;
+	}
+}
+
+std::uint64_t GroundWatch::version(std::uint64_t source) const {
+	const auto found = sources_.find(source);
+	return found != sources_.end() ? found->second.version : 0;
+}
+
+void GroundWatch::touch(std::uint64_t id) {
+	last_change_ = Clock::now();
+	change_frame_ = Engine::get_singleton()->get_physics_frames();
+	quiet_looks_ = 0;
+	if (changed_.empty()) {
+		first_change_ = last_change_;
+	}
+	changed_.insert(id);
+}
+
+void GroundWatch::touch_all(bool distrust) {
+	for (auto &[id, source] : sources_) {
+		source.version = distrust ? ++versions_ : source.version;
+	}
+	for (auto &[id, entry] : entries_) {
+		entry.seen.version = version(entry.seen.source);
+		touch(id);
+	}
+}
+
+bool GroundWatch::rests() const {
+	return quiet_looks_ >= entries_.size() && Clock::now() - last_change_ >= rest &&
+			Engine::get_singleton()->get_physics_frames() >= change_frame_ + physics_frames;
+}
+
+bool GroundWatch::due() const { return !changed_.empty() && (rests() || Clock::now() - first_change_ >= longest_wait); }
+
+std::set<std::uint64_t> GroundWatch::take_changed() {
+	if (rests()) {
+		return std::exchange(changed_, {});
+	}
+	first_change_ = Clock::now();
+	return changed_;
+}
+
+} // namespace thicket

@@ -1,0 +1,204 @@
+#include "nodes/ground/image_posts.hpp"
+
+#include "nodes/common/engine_arrays.hpp"
+
+#include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/classes/texture2d.hpp>
+#include <godot_cpp/core/object.hpp>
+
+#include <bit>
+#include <cstring>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// A copy that may be converted; null if the engine cannot decompress the image.
+Ref<Image> plain_copy(const Ref<Image> &image) {
+	Ref<Image> copy = image->duplicate();
+	if (copy->is_compressed() && copy->decompress() != OK) {
+		return {};
+	}
+	copy->clear_mipmaps();
+	return copy;
+}
+
+bool holds_floats(Image::Format format) {
+	switch (format) {
+		case Image::FORMAT_RF:
+		case Image::FORMAT_RGF:
+		case Image::FORMAT_RGBF:
+		case Image::FORMAT_RGBAF:
+		case Image::FORMAT_RH:
+		case Image::FORMAT_RGH:
+		case Image::FORMAT_RGBH:
+		case Image::FORMAT_RGBAH:
+		case Image::FORMAT_RGBE9995: return true;
+		default: return false;
+	}
+}
+
+/// The number of real channels, without those that a conversion to RGBA would add.
+int channels_of(Image::Format format) {
+	switch (format) {
+		case Image::FORMAT_L8:
+		case Image::FORMAT_R8:
+		case Image::FORMAT_RF:
+		case Image::FORMAT_RH:
+		case Image::FORMAT_RGTC_R:
+		case Image::FORMAT_ETC2_R11: return 1;
+		case Image::FORMAT_RG8:
+		case Image::FORMAT_RGF:
+		case Image::FORMAT_RGH:
+		case Image::FORMAT_RGTC_RG:
+		case Image::FORMAT_ETC2_RG11: return 2;
+		case Image::FORMAT_RGB8:
+		case Image::FORMAT_RGB565:
+		case Image::FORMAT_RGBF:
+		case Image::FORMAT_RGBH:
+		case Image::FORMAT_RGBE9995:
+		case Image::FORMAT_DXT1:
+		case Image::FORMAT_BPTC_RGBF:
+		case Image::FORMAT_BPTC_RGBFU:
+		case Image::FORMAT_ETC:
+		case Image::FORMAT_ETC2_RGB8: return 3;
+		default: return 4;
+	}
+}
+
+/// Bytes of a pixel; 0 for formats that are compressed, and for those that only newer engines have.
+std::int64_t pixel_bytes_of(Image::Format format) {
+	switch (format) {
+		case Image::FORMAT_L8:
+		case Image::FORMAT_R8: return 1;
+		case Image::FORMAT_LA8:
+		case Image::FORMAT_RG8:
+		case Image::FORMAT_RGBA4444:
+		case Image::FORMAT_RGB565:
+		case Image::FORMAT_RH: return 2;
+		case Image::FORMAT_RGB8: return 3;
+		case Image::FORMAT_RGBA8:
+		case Image::FORMAT_RF:
+		case Image::FORMAT_RGH:
+		case Image::FORMAT_RGBE9995: return 4;
+		case Image::FORMAT_RGBH: return 6;
+		case Image::FORMAT_RGF:
+		case Image::FORMAT_RGBAH: return 8;
+		case Image::FORMAT_RGBF: return 12;
+		case Image::FORMAT_RGBAF: return 16;
+		default: return 0;
+	}
+}
+
+std::uint16_t step_of(float unit) { return static_cast<std::uint16_t>(unit * 65535.0F + 0.5F); }
+
+} // namespace
+
+Ref<Image> image_of(const Ref<Resource> &p_resource) {
+	if (const Ref<Texture2D> texture = p_resource; texture.is_valid()) {
+		return texture->get_image();
+	}
+	return p_resource;
+}
+
+bool has_content(const Ref<Image> &p_image) {
+	return p_image.is_valid() && p_image->get_width() > 0 && p_image->get_height() > 0;
+}
+
+Status read_posts(const Ref<Image> &p_image, const char *p_property, Posts &r_posts) {
+	if (!has_content(p_image)) {
+		return Status::wrong_size(p_property, 0, at_least(1, "pixels"));
+	}
+	const Ref<Image> image = plain_copy(p_image);
+	if (image.is_null()) {
+		return {ErrorCode::out_of_range, p_property, static_cast<double>(p_image->get_format()), {}, {},
+				"Use an image format that the engine can decompress"};
+	}
+	const bool floats = holds_floats(image->get_format());
+	image->convert(Image::FORMAT_RF); // Also stores 16 bits exactly.
+	const PackedByteArray bytes = image->get_data();
+	Posts posts;
+	posts.count = {image->get_width(), image->get_height()};
+	posts.floats.resize(static_cast<std::size_t>(bytes.size()) / sizeof(float));
+	if (posts.floats.size() != static_cast<std::size_t>(posts.count.x) * static_cast<std::size_t>(posts.count.y)) {
+		throw std::bad_alloc(); // The engine had no memory to convert it.
+	}
+	std::memcpy(posts.floats.data(), bytes.ptr(), posts.floats.size() * sizeof(float));
+	if (!floats) {
+		posts.steps.reserve(posts.floats.size());
+		for (const float value : posts.floats) {
+			posts.steps.push_back(step_of(value));
+		}
+		posts.floats = {};
+	}
+	r_posts = std::move(posts);
+	return {};
+}
+
+bool read_region(const Ref<Image> &p_image, const PixelRect &rect, Posts &r_posts) {
+	const Image::Format format = p_image->get_format();
+	const std::int64_t pixel = pixel_bytes_of(format);
+	if (pixel == 0) {
+		return false;
+	}
+	const PackedByteArray all = p_image->get_data(); // Shared only during this call.
+	const std::int64_t row = pixel * rect.size().x;
+	PackedByteArray part;
+	std::uint8_t *out = resize(part, row * rect.size().y).data();
+	for (std::int64_t y = rect.min.y; y < rect.max.y; ++y, out += row) {
+		std::memcpy(out, all.ptr() + (y * p_image->get_width() + rect.min.x) * pixel, static_cast<std::size_t>(row));
+	}
+	const Ref<Image> region = Image::create_from_data(rect.size().x, rect.size().y, false, format, part);
+	return read_posts(region, "image", r_posts).ok();
+}
+
+Status read_posts(const PackedByteArray &p_bytes, glm::ivec2 p_count, const char *p_property, Posts &r_posts) {
+	const std::int64_t count = std::int64_t{p_count.x} * p_count.y;
+	const std::int64_t each = count > 0 && p_bytes.size() % count == 0 ? p_bytes.size() / count : 0;
+	if (each != 1 && each != 2 && each != 4) {
+		return Status::wrong_size(
+				p_property, p_bytes.size(), between(count, 4 * count, "bytes: 1, 2 or 4 for each of post_count"));
+	}
+	Posts posts;
+	posts.count = p_count;
+	const std::uint8_t *byte = p_bytes.ptr();
+	for (std::int64_t post = 0; post < count; ++post, byte += each) {
+		if (each == 1) {
+			posts.steps.push_back(static_cast<std::uint16_t>(byte[0] * 257));
+		} else if (each == 2) {
+			posts.steps.push_back(static_cast<std::uint16_t>(byte[0] | byte[1] << 8));
+		} else {
+			const std::uint32_t bits = std::uint32_t{byte[0]} | std::uint32_t{byte[1]} << 8 |
+					std::uint32_t{byte[2]} << 16 | std::uint32_t{byte[3]} << 24;
+			posts.floats.push_back(std::bit_cast<float>(bits));
+		}
+	}
+	r_posts = std::move(posts);
+	return {};
+}
+
+Status read_weights(const Ref<Image> &p_image, const char *p_property, WeightMap &r_weights) {
+	if (!has_content(p_image)) {
+		return Status::wrong_size(p_property, 0, at_least(1, "pixels"));
+	}
+	const Ref<Image> image = plain_copy(p_image);
+	if (image.is_null()) {
+		return {ErrorCode::out_of_range, p_property, static_cast<double>(p_image->get_format()), {}, {},
+				"Use an image format that the engine can decompress"};
+	}
+	const auto channels = static_cast<std::size_t>(channels_of(p_image->get_format()));
+	image->convert(Image::FORMAT_RGBA8);
+	const PackedByteArray bytes = image->get_data();
+	std::vector<std::uint8_t> weights;
+	weights.reserve(static_cast<std::size_t>(bytes.size()) / 4 * channels);
+	for (int64_t pixel = 0; pixel + 3 < bytes.size(); pixel += 4) {
+		const std::uint8_t *first = bytes.ptr() + pixel;
+		weights.insert(weights.end(), first, first + channels);
+	}
+	return r_weights.set({image->get_width(), image->get_height()}, static_cast<int>(channels), weights);
+}
+
+} // namespace thicket

@@ -1,0 +1,141 @@
+#include "nodes/ground/mesh_parts.hpp"
+
+#include "core/base/guard.hpp"
+#include "core/base/progress.hpp"
+#include "core/base/split_mix.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/ground/changed_areas.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <span>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+std::uint64_t digest_of(std::span<const glm::dvec3> corners) {
+	std::uint64_t digest = corners.size();
+	for (const glm::dvec3 &corner : corners) {
+		for (const double coordinate : {corner.x, corner.y, corner.z}) {
+			digest = split_mix(digest + split_mix_gamma) ^ std::bit_cast<std::uint64_t>(coordinate);
+		}
+	}
+	return digest;
+}
+
+/// Adds the areas in which the ground differs.
+void add_changes(const GroundMeshes &before, const GroundMeshes &now, std::vector<Rect> &r_areas) {
+	const auto add_others = [&](const GroundMeshes &parts, const GroundMeshes &others) {
+		for (const auto &[id, part] : parts) {
+			const auto other = others.find(id);
+			if (other == others.end() || other->second->digest != part->digest) {
+				add_changed_area(r_areas, part->ground->area());
+			}
+		}
+	};
+	add_others(before, now);
+	add_others(now, before);
+}
+
+} // namespace
+
+void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel) {
+	status = guarded("corners", static_cast<double>(faces.size()), [&] {
+		const glm::dmat3 basis = to_core(sight.frame.basis);
+		const glm::dvec3 origin = to_world(sight.frame.origin, offset);
+		std::vector<glm::dvec3> corners;
+		corners.reserve(faces.size());
+		for (const glm::vec3 &corner : faces) {
+			corners.push_back(origin + basis * glm::dvec3(corner));
+		}
+		auto made = std::make_shared<GroundMesh>();
+		made->sight = sight;
+		made->offset = offset;
+		made->copy = copy;
+		made->digest = digest_of(corners);
+		if (before != nullptr && before->digest == made->digest) {
+			// Fast path: its corners are unchanged.
+			made->ground = before->ground;
+		} else {
+			auto ground = std::make_shared<TriangleTerrain>();
+			if (const Status refused = ground->set(corners, cancel); !refused.ok()) {
+				const std::size_t corner = TriangleTerrain::find_refused_corner(corners);
+				refused_corner = corner < corners.size() ? corners[corner] : glm::dvec3(0.0);
+				return refused;
+			}
+			made->ground = std::move(ground);
+		}
+		part = std::move(made);
+		return Status{};
+	});
+}
+
+void MeshWork::run(const std::atomic<bool> *cancel) {
+	unneeded.clear();
+	build_readings(cancel);
+	for (GroundWorld &world : worlds) {
+		if (!is_cancelled(cancel)) {
+			update(world);
+		}
+	}
+}
+
+void MeshWork::build_readings(const std::atomic<bool> *cancel) {
+	std::ranges::stable_sort(readings, {}, &MeshReading::copy); // So that instances of one mesh decode it once.
+	std::vector<glm::vec3> faces;
+	const MeshCopy *decoded = nullptr;
+	Status status;
+	for (MeshReading &reading : readings) {
+		if (is_cancelled(cancel)) {
+			return;
+		}
+		if (reading.copy.get() != decoded) {
+			faces.clear();
+			decoded = reading.copy.get();
+			status = guarded("faces", 0.0, [&] { return reading.copy->append_faces(faces); });
+		}
+		reading.status = status;
+		if (status.ok()) {
+			reading.build(faces, cancel);
+		}
+	}
+}
+
+/// Applies the built meshes to the ground. A refused mesh keeps its previous ground.
+void MeshWork::update(GroundWorld &r_world) const {
+	r_world.changes.clear();
+	r_world.status = guarded("parts", static_cast<double>(r_world.parts->size()), [&] {
+		auto parts = std::make_shared<GroundMeshes>(*r_world.parts);
+		for (const std::uint64_t id : gone) {
+			parts->erase(id);
+		}
+		for (const MeshReading &reading : readings) {
+			if (reading.part != nullptr && reading.offset == r_world.offset) {
+				(*parts)[reading.id] = reading.part;
+			}
+		}
+		std::vector<Rect> changes;
+		add_changes(*r_world.parts, *parts, changes);
+		auto ground = r_world.ground;
+		if (ground == nullptr || !changes.empty()) {
+			std::vector<TriangleParts::Part> grounds;
+			grounds.reserve(parts->size());
+			for (const auto &[id, part] : *parts) {
+				grounds.push_back(part->ground);
+			}
+			auto built = std::make_shared<TriangleParts>();
+			if (const Status status = built->set(grounds); !status.ok()) {
+				return status;
+			}
+			ground = std::move(built);
+		}
+		r_world.parts = std::move(parts);
+		r_world.ground = std::move(ground);
+		r_world.changes = std::move(changes);
+		return Status{};
+	});
+}
+
+} // namespace thicket

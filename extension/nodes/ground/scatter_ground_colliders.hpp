@@ -1,0 +1,111 @@
+#pragma once
+
+#include "core/base/rect.hpp"
+#include "nodes/common/guard.hpp"
+#include "nodes/ground/ground_watch.hpp"
+#include "nodes/ground/scatter_ground.hpp"
+#include "nodes/ground/tree_walk.hpp"
+
+#include <godot_cpp/classes/physics_direct_space_state3d.hpp>
+#include <godot_cpp/variant/aabb.hpp>
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace thicket {
+
+/// The colliders of the scene, hit by rays from above. Rays may be cast in physics frames only, a limited number per frame. Shapes of
+/// static bodies are followed: if one is added, removed, moved or changed, the ground changes within about half a second.
+class ScatterGroundColliders : public ScatterGround {
+	GDCLASS(ScatterGroundColliders, ScatterGround)
+	THICKET_GUARDED_METHODS(owner)
+
+public:
+	bool needs_physics_frames() const override { return true; }
+	std::size_t max_positions_per_call() const override { return static_cast<std::size_t>(rays_per_frame_); }
+	bool is_available() const override;
+	bool is_behind() const override { return watch_.restless() || !queue_.empty(); }
+	GroundFigures figures() const override { return figures_; }
+
+	/// The precision of a hit is a fraction of the ray's length.
+	double recheck_tolerance() const override;
+
+	/// Physics layers whose bodies are ground, as a mask of 32 bits. Any other value prints an error and is ignored.
+	void set_collision_mask(int64_t p_mask);
+	int64_t get_collision_mask() const;
+
+	/// World meters at which each ray begins and ends; +-1e6, the top above the bottom. May be set in any order: while they are inverted,
+	/// one error is printed, and existing instances stay.
+	void set_ray_top(double p_height);
+	double get_ray_top() const;
+	void set_ray_bottom(double p_height);
+	double get_ray_bottom() const;
+
+	/// Rays per physics frame, 1 to 1e6. Any other value prints an error and is ignored.
+	void set_rays_per_frame(int64_t p_rays);
+	int64_t get_rays_per_frame() const;
+
+protected:
+	static void _bind_methods();
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
+	bool only_on_main_thread() override { return true; }
+	Status sample_for(const GroundHost &host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
+			std::span<Ground> r_ground) override;
+	bool can_change_unreported() const override { return true; }
+	Status recheck_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+			std::span<std::optional<float>> r_heights) override;
+	void hosts_changed(bool first) override;
+	void offset_changed(const GroundHost &host) override;
+	void follow() override;
+
+private:
+	/// A shape in the state that was last reported.
+	struct Placed {
+		GroundSight sight;
+		std::optional<godot::AABB> bounds; ///< In its own space; none if it may reach everywhere.
+	};
+
+	Status check() const;
+	godot::PhysicsDirectSpaceState3D *space_of(const GroundHost &host) const;
+	bool is_in_scene() const;
+	GroundWatch::Look look() const;
+	void start_over();
+	void find_some();
+	bool follows(const godot::Node *p_node) const;
+	std::optional<Placed> measure(std::uint64_t id, const Placed *before);
+	void update_some();
+	void update(std::uint64_t id);
+	void add_area(const Placed &placed, glm::dvec3 offset);
+	void tell();
+	void source_changed(int64_t p_source);
+	void node_added(godot::Node *p_node);
+
+	int64_t collision_mask_ = 1;
+	double ray_top_ = 1000.0;
+	double ray_bottom_ = -1000.0;
+	int64_t rays_per_frame_ = 250;
+
+	using Offsets = std::map<std::uint64_t, glm::dvec3>; ///< By the hosts' IDs.
+
+	GroundWatch watch_{this, "_source_changed"}; ///< CollisionShape3Ds of static bodies.
+	TreeWalk walk_;
+	godot::Variant tree_;                    ///< The emitter of `node_added`; null until connected.
+	std::map<std::uint64_t, Placed> placed_; ///< By the nodes' IDs; only those that are ground.
+	Offsets offsets_;                        ///< The offsets that `placed_` uses.
+
+	// Changes pass through these in order.
+	std::vector<std::uint64_t> queue_; ///< Shapes to check again.
+	Offsets next_offsets_;             ///< The offsets when the queue was filled.
+	std::size_t points_ = 0;           ///< Points of shapes that were read in this frame.
+	std::vector<Rect> areas_;          ///< Areas of changed ground, in the world.
+	bool everywhere_ = false;
+	GroundFigures figures_;
+};
+
+} // namespace thicket

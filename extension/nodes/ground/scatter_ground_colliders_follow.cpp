@@ -1,0 +1,233 @@
+// How a ground of colliders follows the scene: the shapes of static bodies are found and checked in turn, and their changes are reported.
+
+#include "nodes/ground/scatter_ground_colliders.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/watch.hpp"
+#include "nodes/ground/changed_areas.hpp"
+#include "nodes/ground/collider_shapes.hpp"
+
+#include <godot_cpp/classes/animatable_body3d.hpp>
+#include <godot_cpp/classes/collision_shape3d.hpp>
+#include <godot_cpp/classes/engine.hpp>
+#include <godot_cpp/classes/scene_tree.hpp>
+#include <godot_cpp/classes/static_body3d.hpp>
+#include <godot_cpp/classes/window.hpp>
+#include <godot_cpp/classes/world3d.hpp>
+#include <godot_cpp/core/object.hpp>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Nodes of the scene to visit in a frame, until all were visited.
+constexpr int visits_per_frame = 512;
+
+/// Points of shapes to read in a frame, but at least one shape: less than a millisecond's work.
+constexpr std::size_t points_per_frame = 100'000;
+
+/// The part of the tree that may contain grounds. The editor's own nodes are in the tree as well, thousands of them.
+Node *root_of_scene(SceneTree &tree) {
+	return Engine::get_singleton()->is_editor_hint() ? tree.get_edited_scene_root() : tree.get_root();
+}
+
+} // namespace
+
+bool ScatterGroundColliders::is_in_scene() const { return first_node() != nullptr && first_node()->is_inside_tree(); }
+
+/// Rays hit moving bodies at their current position, but plants do not follow those bodies.
+bool ScatterGroundColliders::follows(const Node *p_node) const {
+	const auto *shape = Object::cast_to<CollisionShape3D>(p_node);
+	const Node *body = shape != nullptr ? shape->get_parent() : nullptr;
+	return Object::cast_to<StaticBody3D>(body) != nullptr && Object::cast_to<AnimatableBody3D>(body) == nullptr &&
+			!belongs_to_scatter(body);
+}
+
+GroundWatch::Look ScatterGroundColliders::look() const {
+	return [mask = collision_mask_, world = first_node()->get_world_3d()](const Variant &p_node, Object *&r_source) {
+		const auto *node = Object::cast_to<CollisionShape3D>(p_node.get_validated_object());
+		if (node == nullptr || !node->is_inside_tree() || node->is_disabled()) {
+			return GroundSight{};
+		}
+		const auto *body = Object::cast_to<StaticBody3D>(node->get_parent());
+		const Ref<Shape3D> shape = node->get_shape();
+		if (body == nullptr || shape.is_null() || (body->get_collision_layer() & mask) == 0 ||
+				!(node->get_world_3d() == world)) {
+			return GroundSight{};
+		}
+		r_source = shape.ptr();
+		return GroundSight{node->get_global_transform(), shape->get_instance_id()};
+	};
+}
+
+void ScatterGroundColliders::hosts_changed(bool first) {
+	if (first) {
+		start_over();
+	}
+}
+
+/// The scene may or may not have moved along.
+void ScatterGroundColliders::offset_changed(const GroundHost &) { watch_.touch_all(false); }
+
+/// Forgets all shapes. They are found again in their current state, and nothing is reported.
+void ScatterGroundColliders::start_over() {
+	watch(tree_.get_validated_object(), "node_added", this, "_node_added", false);
+	tree_ = Variant();
+	walk_.stop();
+	watch_.clear();
+	placed_.clear();
+	offsets_.clear();
+	queue_.clear();
+	areas_.clear();
+	everywhere_ = false;
+}
+
+void ScatterGroundColliders::follow() {
+	figures_.checks = 0;
+	points_ = 0;
+	if (!is_in_scene()) {
+		return;
+	}
+	if (tree_.get_validated_object() == nullptr) {
+		SceneTree *tree = first_node()->get_tree();
+		tree_ = Variant(tree);
+		watch(tree, "node_added", this, "_node_added", true);
+		walk_.start(root_of_scene(*tree));
+		for (const GroundHost &host : hosts()) {
+			offsets_[host.id] = host.offset;
+		}
+	}
+	find_some();
+	figures_.checks = watch_.look(look());
+	if (queue_.empty() && watch_.due()) {
+		const std::set<std::uint64_t> changed = watch_.take_changed();
+		queue_.assign(changed.rbegin(), changed.rend());
+		next_offsets_.clear();
+		for (const GroundHost &host : hosts()) {
+			next_offsets_[host.id] = host.offset;
+		}
+	}
+	update_some();
+}
+
+/// Searches for shapes that were in the tree before its signal was connected.
+void ScatterGroundColliders::find_some() {
+	for (int visits = 0; visits < visits_per_frame && points_ < points_per_frame; ++visits) {
+		Node *node = walk_.next();
+		if (node == nullptr) {
+			return;
+		}
+		const std::uint64_t id = node->get_instance_id();
+		if (!follows(node) || watch_.has(id)) {
+			continue;
+		}
+		watch_.add(id, Variant(node), look(), false);
+		if (const std::optional<Placed> placed = measure(id, nullptr)) {
+			placed_[id] = *placed;
+		}
+	}
+}
+
+void ScatterGroundColliders::node_added(Node *p_node) {
+	if (is_in_scene() && follows(p_node)) {
+		watch_.add(p_node->get_instance_id(), Variant(p_node), look(), true);
+	}
+}
+
+/// The current state of a shape; empty if it is not ground. `before` is its previous state, whose bounds are reused if it has reported no
+/// change.
+std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(std::uint64_t id, const Placed *before) {
+	const Variant *node = watch_.node(id);
+	Object *source = nullptr;
+	GroundSight sight = node != nullptr ? look()(*node, source) : GroundSight{};
+	if (sight.source == 0) {
+		return std::nullopt;
+	}
+	sight.version = watch_.version(sight.source);
+	if (before != nullptr && before->sight.source == sight.source && before->sight.version == sight.version) {
+		// Fast path: the shape is unchanged, wherever its body is now.
+		return Placed{sight, before->bounds};
+	}
+	++figures_.reads;
+	return Placed{sight, bounds_of(Ref<Shape3D>(Object::cast_to<Shape3D>(source)), points_)};
+}
+
+/// Processes the next shapes of the queue. After the last of them, all changes are reported.
+void ScatterGroundColliders::update_some() {
+	if (queue_.empty()) {
+		return;
+	}
+	for (std::size_t looked = 0; !queue_.empty() && looked < GroundWatch::nodes_per_frame; ++looked) {
+		if (points_ >= points_per_frame) {
+			return;
+		}
+		const std::uint64_t id = queue_.back();
+		queue_.pop_back();
+		update(id);
+	}
+	if (queue_.empty()) {
+		offsets_ = std::exchange(next_offsets_, {});
+		tell();
+	}
+}
+
+void ScatterGroundColliders::update(std::uint64_t id) {
+	const auto found = placed_.find(id);
+	const Placed *before = found != placed_.end() ? &found->second : nullptr;
+	const std::optional<Placed> now = measure(id, before);
+	for (const auto &[host, offset] : next_offsets_) {
+		const auto then = offsets_.find(host);
+		const glm::dvec3 offset_before = then != offsets_.end() ? then->second : offset;
+		if (before != nullptr && now && same_in_world(before->sight, offset_before, now->sight, offset)) {
+			// Fast path: instances on it would not change.
+			continue;
+		}
+		if (before != nullptr) {
+			add_area(*before, offset_before);
+		}
+		if (now) {
+			add_area(*now, offset);
+		}
+	}
+	if (now) {
+		placed_[id] = *now;
+		return;
+	}
+	placed_.erase(id);
+	const Variant *node = watch_.node(id);
+	const auto *shape = node != nullptr ? Object::cast_to<Node>(node->get_validated_object()) : nullptr;
+	if (shape == nullptr || !shape->is_inside_tree()) {
+		watch_.remove(id); // The tree emits a signal when it is added again.
+	}
+}
+
+void ScatterGroundColliders::add_area(const Placed &placed, glm::dvec3 offset) {
+	everywhere_ = everywhere_ || !placed.bounds;
+	if (placed.bounds) {
+		const Rect area = area_of(*placed.bounds, placed.sight.frame);
+		const glm::dvec2 by(offset.x, offset.z);
+		add_changed_area(areas_, {area.min + by, area.max + by});
+	}
+}
+
+void ScatterGroundColliders::tell() {
+	const Ref<ScatterGround> held(this); // A handler of changes may release it.
+	const std::vector<Rect> areas = std::exchange(areas_, {});
+	if (std::exchange(everywhere_, false)) {
+		emit_ground_changed(Rect2());
+		return;
+	}
+	for (const Rect &area : areas) {
+		emit_ground_changed(to_engine(area));
+	}
+}
+
+void ScatterGroundColliders::source_changed(int64_t p_source) { watch_.source_changed(core_id(p_source)); }
+
+} // namespace thicket

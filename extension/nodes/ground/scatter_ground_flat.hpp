@@ -1,0 +1,27 @@
+#pragma once
+
+#include "nodes/common/guard.hpp"
+#include "nodes/ground/scatter_ground.hpp"
+
+namespace thicket {
+
+/// Level ground without an edge.
+class ScatterGroundFlat : public ScatterGround {
+	GDCLASS(ScatterGroundFlat, ScatterGround)
+	THICKET_GUARDED_METHODS(owner)
+
+public:
+	/// World height in meters, finite, +-1e6. Any other value prints an error and is ignored.
+	void set_height(double p_height);
+	double get_level() const;
+
+protected:
+	static void _bind_methods();
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
+
+private:
+	double height_ = 0.0;
+};
+
+} // namespace thicket

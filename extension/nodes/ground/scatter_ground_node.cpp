@@ -1,0 +1,332 @@
+#include "nodes/ground/scatter_ground_node.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/error_macros.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// The limit of a float, because raster files mark holes with the lowest one.
+constexpr double max_no_ground_height = std::numeric_limits<float>::max();
+
+} // namespace
+
+std::shared_ptr<const Terrain> ScatterGroundNode::make_snapshot(const GroundHost &host) {
+	find();
+	if (!problem_.is_empty() && !(problem_ == reported_)) {
+		ERR_PRINT(problem_);
+	}
+	reported_ = problem_;
+	missed_ = missed_ || !is_available();
+	return only_on_main_thread() ? nullptr : ground_for(host);
+}
+
+String ScatterGroundNode::find_problem() {
+	find();
+	return problem_;
+}
+
+String ScatterGroundNode::find_remark() {
+	find();
+	return remark_;
+}
+
+bool ScatterGroundNode::has_textures() const {
+	return copy_ != nullptr ? copy_->has_textures() : ground_ != nullptr && ground_->has_textures();
+}
+
+bool ScatterGroundNode::is_available() const {
+	return copy_ != nullptr ? present_ : ground_ != nullptr && ground_->is_open() && ground_->source() != nullptr;
+}
+
+std::shared_ptr<const Terrain> ScatterGroundNode::ground_for(const GroundHost &host) const {
+	const auto found = grounds_.find(host.id);
+	if (found != grounds_.end()) {
+		return found->second;
+	}
+	return copy_ != nullptr ? copy_->at_offset(host.offset) : std::shared_ptr<const Terrain>(ground_);
+}
+
+Status ScatterGroundNode::sample_for(const GroundHost &host, std::span<const glm::dvec2> positions,
+		const GroundNeeds &needs, std::span<Ground> r_ground) {
+	const std::shared_ptr<const Terrain> ground = ground_for(host); // A script that is called may change the property.
+	if (ground == nullptr) {
+		return Status::missing("ScatterGroundNode.node", "Set it to a node in the tree that has get_height()");
+	}
+	return ground->query(positions, needs, r_ground);
+}
+
+/// Finds the node and the kind of ground that it provides. That may run its script, which may do anything: change the path, free the node
+/// or the host, or request the ground. The next call then searches again.
+void ScatterGroundNode::find() {
+	const Node3D *from = first_node();
+	if (finding_ || from == nullptr || !from->is_inside_tree()) {
+		return;
+	}
+	if (!stale_ && is_available()) {
+		// Fast path: the node that was found still exists.
+		return;
+	}
+	stale_ = false;
+	finding_ = true;
+	const Found found = look();
+	finding_ = false;
+	if (!stale_) {
+		take(found);
+	}
+}
+
+ScatterGroundNode::Found ScatterGroundNode::look() const {
+	const Node3D *from = first_node();
+	Found found;
+	found.target = String(node_).is_empty() ? nullptr : from->get_node_or_null(node_);
+	if (found.target.get_validated_object() != nullptr) {
+		const std::shared_ptr<const GroundCopy> before = copy_; // Scripts that are called may release it.
+		found.attempt = copy_ground(found.target, before.get());
+		if (found.attempt.copy == nullptr) {
+			found.ground = ObjectGround::of(found.target, limits());
+		}
+		found.glance = glance_at(found.target, found.ground == nullptr || found.ground->source() == nullptr);
+	}
+	return found;
+}
+
+void ScatterGroundNode::take(const Found &found) {
+	Node *target = cast_to<Node>(found.target.get_validated_object());
+	const bool in_tree = target != nullptr && target->is_inside_tree();
+	const bool copied = found.attempt.copy != nullptr;
+	const bool usable = in_tree && (copied || (found.ground != nullptr && found.ground->source() != nullptr));
+	const bool was_usable = is_available();
+	problem_ = problem_of(found, in_tree, usable);
+	remark_ = {};
+	glance_ = found.glance;
+	if (!usable || copied || followed_node_.get_validated_object() != target) {
+		close();
+	}
+	present_ = usable && copied;
+	if (present_) {
+		take_copy(found);
+	} else if (usable) {
+		give(found.ground);
+		if (found.attempt.plugin != GroundPlugin::none) {
+			remark_ = vformat("ScatterGroundNode.node: \"%s\" is like %s, but %s. So its ground is not copied; it is "
+							  "queried position by position, which is slow.",
+					node_, String(name_of(found.attempt.plugin)), found.attempt.refusal);
+		}
+	}
+	if (usable && !was_usable && missed_ && !told_) {
+		changes_.everywhere = true;
+	}
+	missed_ = missed_ && !usable;
+	told_ = false;
+	const String recognized = !usable ? String()
+			: copied                  ? copy_->description()
+									  : vformat("%s, queried position by position", target->get_class());
+	if (target != nullptr) { // Also an unusable node, because it may become usable once it is back.
+		const bool asked = usable && !copied;
+		follow_node(target, asked ? ground_->source() : found.attempt.data.get_validated_object());
+	}
+	set_recognized(recognized);
+}
+
+/// How far the engine's origin has moved in the world since the offsets `before` of the hosts. Empty if it is not the same for all.
+std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dvec3> before) const {
+	if (before.size() != offsets_.size()) {
+		return glm::dvec3(0.0); // Hosts were added or removed, and request the ground themselves.
+	}
+	std::optional<glm::dvec3> shift = glm::dvec3(0.0);
+	for (std::size_t i = 0; i < before.size() && shift; ++i) {
+		const glm::dvec3 moved = offsets_[i] - before[i];
+		shift = i == 0 || moved == *shift ? std::optional(moved) : std::nullopt;
+	}
+	return shift;
+}
+
+/// Reports the changes since the last copy, unless it is already known that all of the ground has changed.
+void ScatterGroundNode::take_copy(const Found &found) {
+	const std::shared_ptr<const GroundCopy> before = std::exchange(copy_, found.attempt.copy);
+	ground_ = nullptr;
+	grounds_.clear();
+	for (const GroundHost &host : hosts()) {
+		grounds_[host.id] = copy_->at_offset(host.offset);
+	}
+	const std::vector<glm::dvec3> offsets = std::exchange(offsets_, host_offsets());
+	if (before != nullptr && !told_) {
+		const std::optional<glm::dvec3> shift = shift_since(offsets);
+		changes_.everywhere = changes_.everywhere || !shift;
+		changes_.add(copy_->changes_since(*before, shift.value_or(glm::dvec3(0.0))));
+	}
+	edited_ = false;
+	edits_.clear();
+	const String plugin(name_of(copy_->plugin()));
+	if (const String remark = copy_->remark(); !remark.is_empty()) {
+		remark_ = vformat("ScatterGroundNode.node: \"%s\" (%s) %s", node_, plugin, remark);
+	} else if (no_ground_enabled_ || !to_core(bounds_).empty()) {
+		remark_ = vformat("ScatterGroundNode.bounds and no_ground_height have no effect: \"%s\" (%s) determines "
+						  "the extent of its ground.",
+				node_, plugin);
+	}
+}
+
+void ScatterGroundNode::give(const std::shared_ptr<ObjectGround> &ground) {
+	copy_ = nullptr;
+	ground_ = ground;
+	grounds_.clear();
+	std::erase_if(given_, [](const Given &given) { return given.ground.expired(); });
+	for (const GroundHost &host : hosts()) {
+		const std::shared_ptr<ObjectGround> given = ground->at_offset(host.offset);
+		grounds_[host.id] = given;
+		given_.push_back({host.id, given});
+	}
+}
+
+String ScatterGroundNode::problem_of(const Found &found, bool in_tree, bool usable) const {
+	if (usable) {
+		return {};
+	}
+	if (String(node_).is_empty()) {
+		return "ScatterGroundNode.node is missing: choose a node that has get_height(), like Terrain3D or HTerrain.";
+	}
+	if (!in_tree) {
+		return vformat("ScatterGroundNode.node: there is no node at \"%s\" from the TerrainScatter3D.", node_);
+	}
+	if (found.attempt.plugin != GroundPlugin::none) {
+		return vformat("ScatterGroundNode.node: \"%s\" (%s) %s.", node_, String(name_of(found.attempt.plugin)),
+				found.attempt.refusal);
+	}
+	return vformat("ScatterGroundNode.node: \"%s\" (%s) has no get_height(), nor data with get_height(), nor "
+				   "get_data() with get_interpolated_height_at(). A script must be a @tool script to work in the "
+				   "editor.",
+			node_, found.target.get_validated_object()->get_class());
+}
+
+void ScatterGroundNode::set_recognized(const String &p_recognized) {
+	if (!(recognized_ == p_recognized)) {
+		recognized_ = p_recognized;
+		notify_property_list_changed();
+	}
+}
+
+// Tiles in progress may hold an object that has been replaced. They may keep a copy.
+void ScatterGroundNode::close() {
+	present_ = false;
+	if (ground_ != nullptr) {
+		ground_->close();
+	}
+	for (const Given &given : std::exchange(given_, {})) {
+		if (const std::shared_ptr<ObjectGround> ground = given.ground.lock()) {
+			ground->close();
+		}
+	}
+}
+
+void ScatterGroundNode::set_node(const NodePath &p_node) {
+	node_ = p_node;
+	change();
+}
+
+NodePath ScatterGroundNode::get_node() const { return node_; }
+
+void ScatterGroundNode::set_thread_safe(bool p_thread_safe) {
+	if (thread_safe_ != p_thread_safe) {
+		thread_safe_ = p_thread_safe;
+		change();
+	}
+}
+
+bool ScatterGroundNode::is_thread_safe() const { return thread_safe_; }
+
+GroundLimits ScatterGroundNode::limits() const {
+	GroundLimits limits;
+	limits.bounds = to_core(bounds_);
+	if (no_ground_enabled_) {
+		limits.no_ground = static_cast<float>(no_ground_height_);
+	}
+	return limits;
+}
+
+void ScatterGroundNode::set_bounds(const Rect2 &p_bounds) {
+	const Rect bounds = to_core(p_bounds);
+	if (!bounds.finite() || !(p_bounds.size.x >= 0) || !(p_bounds.size.y >= 0)) {
+		ERR_PRINT(
+				vformat("ScatterGroundNode.bounds must be finite, with a size of 0 or more, got %s. Set Rect2() for a "
+						"ground without bounds.",
+						p_bounds));
+		return;
+	}
+	if (!(bounds_ == p_bounds)) {
+		bounds_ = p_bounds;
+		change();
+	}
+}
+
+Rect2 ScatterGroundNode::get_bounds() const { return bounds_; }
+
+void ScatterGroundNode::set_no_ground_enabled(bool p_enabled) {
+	if (no_ground_enabled_ != p_enabled) {
+		no_ground_enabled_ = p_enabled;
+		change();
+	}
+}
+
+bool ScatterGroundNode::is_no_ground_enabled() const { return no_ground_enabled_; }
+
+void ScatterGroundNode::set_no_ground_height(double p_height) {
+	if (accept_number("ScatterGroundNode", "no_ground_height", p_height, -max_no_ground_height, max_no_ground_height) &&
+			no_ground_height_ != p_height) {
+		no_ground_height_ = p_height;
+		change();
+	}
+}
+
+double ScatterGroundNode::get_no_ground_height() const { return no_ground_height_; }
+
+String ScatterGroundNode::get_recognized() const { return recognized_; }
+
+void ScatterGroundNode::_bind_methods() {
+	using Self = ScatterGroundNode;
+	bind_guarded<&Self::set_node>(D_METHOD("set_node", "node"));
+	bind_guarded<&Self::get_node>(D_METHOD("get_node"));
+	bind_guarded<&Self::set_thread_safe>(D_METHOD("set_thread_safe", "thread_safe"));
+	bind_guarded<&Self::is_thread_safe>(D_METHOD("is_thread_safe"));
+	bind_guarded<&Self::set_bounds>(D_METHOD("set_bounds", "bounds"));
+	bind_guarded<&Self::get_bounds>(D_METHOD("get_bounds"));
+	bind_guarded<&Self::set_no_ground_enabled>(D_METHOD("set_no_ground_enabled", "enabled"));
+	bind_guarded<&Self::is_no_ground_enabled>(D_METHOD("is_no_ground_enabled"));
+	bind_guarded<&Self::set_no_ground_height>(D_METHOD("set_no_ground_height", "height"));
+	bind_guarded<&Self::get_no_ground_height>(D_METHOD("get_no_ground_height"));
+	bind_guarded<&Self::get_recognized>(D_METHOD("get_recognized"));
+	bind_guarded<&Self::change>(ThreadUse::relayed, D_METHOD("_change"));
+	bind_guarded<&Self::poll>(ThreadUse::main, D_METHOD("_poll"));
+	bind_guarded<&Self::node_gone>(ThreadUse::relayed, D_METHOD("_node_gone"));
+	bind_guarded<&Self::node_moved>(ThreadUse::relayed, D_METHOD("_node_moved", "transform"));
+	bind_guarded<&Self::area_edited>(ThreadUse::relayed, D_METHOD("_area_edited", "area"));
+	bind_guarded<&Self::maps_changed>(ThreadUse::relayed, D_METHOD("_maps_changed"));
+	bind_guarded<&Self::map_edited>(ThreadUse::relayed, D_METHOD("_map_edited", "x", "z", "width", "depth", "channel"),
+			DEFVAL(Variant()), DEFVAL(Variant()), DEFVAL(Variant()), DEFVAL(Variant()));
+	bind_guarded<&Self::source_edited>(
+			ThreadUse::relayed, D_METHOD("_source_edited", "first", "second"), DEFVAL(Variant()), DEFVAL(Variant()));
+	ADD_PROPERTY(PropertyInfo(Variant::NODE_PATH, "node", PROPERTY_HINT_NODE_PATH_VALID_TYPES, "Node"), "set_node",
+			"get_node");
+	ADD_PROPERTY(PropertyInfo(Variant::STRING, "recognized", PROPERTY_HINT_NONE, "",
+						 PROPERTY_USAGE_EDITOR | PROPERTY_USAGE_READ_ONLY),
+			"", "get_recognized");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "thread_safe"), "set_thread_safe", "is_thread_safe");
+	ADD_PROPERTY(PropertyInfo(Variant::RECT2, "bounds", PROPERTY_HINT_NONE, "suffix:m"), "set_bounds", "get_bounds");
+	ADD_PROPERTY(PropertyInfo(Variant::BOOL, "no_ground_enabled"), "set_no_ground_enabled", "is_no_ground_enabled");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "no_ground_height", PROPERTY_HINT_NONE, "suffix:m"),
+			"set_no_ground_height", "get_no_ground_height");
+}
+
+} // namespace thicket

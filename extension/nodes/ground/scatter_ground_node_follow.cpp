@@ -1,0 +1,254 @@
+// How a ScatterGroundNode follows its node: by signals, and by a check in each frame for changes that emit no signal.
+
+#include "nodes/ground/scatter_ground_node.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/watch.hpp"
+
+#include <godot_cpp/classes/engine.hpp>
+#include <godot_cpp/classes/scene_tree.hpp>
+
+#include <algorithm>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// Heights between posts, and slopes, depend on this many posts around them.
+constexpr real_t posts_around = 2;
+
+/// More areas than this are reported as a change of everything.
+constexpr std::size_t max_areas = 256;
+
+Rect2 grown(const Rect2 &rect, real_t by) {
+	return {rect.position.x - by, rect.position.y - by, rect.size.x + 2 * by, rect.size.y + 2 * by};
+}
+
+} // namespace
+
+void ScatterGroundNode::follow_node(Node *p_target, Object *p_source) {
+	unfollow_node();
+	followed_node_ = Variant(p_target);
+	followed_source_ = Variant(p_source);
+	connect_signals(true);
+}
+
+void ScatterGroundNode::unfollow_node() {
+	connect_signals(false);
+	followed_node_ = Variant();
+	followed_source_ = Variant();
+}
+
+// Only Terrain3D (maps_edited in the editor, the other maps and the region map) and HTerrain report edits, each in its own way.
+void ScatterGroundNode::connect_signals(bool p_connect) {
+	const auto set = [this, p_connect](Object *object, const StringName &signal, const StringName &method) {
+		if (object != nullptr && object->has_signal(signal)) {
+			watch(object, signal, this, method, p_connect);
+		}
+	};
+	Object *node = followed_node_.get_validated_object();
+	Object *source = followed_source_.get_validated_object();
+	set(node, "tree_exiting", "_node_gone");
+	set(node, "tree_entered", "_change");
+	const bool asked = !present_ && is_available();
+	const bool map = asked && ground_->map() != nullptr;
+	if (!asked || map || !p_connect) {
+		set(source, "region_changed", "_map_edited");
+	}
+	if (!asked || !p_connect) { // The node is copied, or may be once it has everything that is required.
+		for (const char *const signal : {"transform_changed", "material_changed"}) {
+			set(node, signal, "_source_edited");
+		}
+		for (const char *const signal : {"maps_edited", "maps_changed", "region_map_changed", "height_maps_changed",
+					 "control_maps_changed", "resolution_changed", "map_added", "map_removed", "map_changed"}) {
+			set(source, signal, "_source_edited");
+		}
+	}
+	if (map || !p_connect) {
+		set(node, "transform_changed", "_node_moved");
+	}
+	if ((asked && !map) || !p_connect) {
+		set(source, "maps_edited", "_area_edited");
+		set(source, "maps_changed", "_maps_changed");
+	}
+}
+
+void ScatterGroundNode::follow_frames(bool p_follow) {
+	SceneTree *tree = p_follow ? first_node()->get_tree() : nullptr;
+	if (Object *before = followed_tree_.get_validated_object(); before != tree) {
+		watch(before, "process_frame", this, "_poll", false);
+	}
+	followed_tree_ = Variant(tree);
+	watch(tree, "process_frame", this, "_poll", true);
+}
+
+void ScatterGroundNode::hosts_changed(bool) {
+	stale_ = true;
+	follow_frames(!hosts().empty());
+	if (hosts().empty()) {
+		unfollow_node();
+		close(); // From now on, no signal reports that the node is freed.
+	}
+}
+
+std::vector<glm::dvec3> ScatterGroundNode::host_offsets() const {
+	std::vector<glm::dvec3> offsets;
+	for (const GroundHost &host : hosts()) {
+		offsets.push_back(host.offset);
+	}
+	return offsets;
+}
+
+void ScatterGroundNode::offset_changed(const GroundHost &host) {
+	edited_ = true; // A copy contains positions in the engine's space, and the node may or may not have moved along.
+	for (const Given &given : std::vector(given_)) {
+		const std::shared_ptr<ObjectGround> ground = given.host == host.id ? given.ground.lock() : nullptr;
+		if (ground != nullptr) {
+			ground->set_offset(host.offset);
+		}
+	}
+}
+
+void ScatterGroundNode::change() {
+	stale_ = true;
+	told_ = true;
+	changes_ = {};
+	emit_changed();
+}
+
+void ScatterGroundNode::node_gone() {
+	close();
+	change();
+}
+
+void ScatterGroundNode::node_moved(const Transform3D &) { change(); }
+
+/// Reports an edited area of the engine's space. It may have a different position in the world for each host.
+void ScatterGroundNode::emit_area(const Rect2 &p_rect) {
+	std::vector<glm::dvec2> corners;
+	for (const GroundHost &host : hosts()) {
+		const glm::dvec2 corner = to_core(p_rect.position) + glm::dvec2(host.offset.x, host.offset.z);
+		if (std::ranges::find(corners, corner) == corners.end()) {
+			corners.push_back(corner);
+		}
+	}
+	const Ref<ScatterGround> held(this); // A handler may release it.
+	const bool told_before = std::exchange(telling_, true);
+	for (const glm::dvec2 corner : corners) {
+		emit_ground_changed(Rect2(to_engine(corner), p_rect.size));
+	}
+	telling_ = told_before;
+}
+
+void ScatterGroundNode::area_edited(const AABB &p_area) {
+	const Object *node = followed_node_.get_validated_object();
+	const Variant spacing = node != nullptr ? node->get("vertex_spacing") : Variant();
+	const real_t margin = is_number(spacing) ? posts_around * std::max<real_t>(spacing, 0) : 0;
+	emit_area(grown({p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z}, margin));
+}
+
+/// In the editor this signal comes in addition to the area of each stroke, and would regenerate all ground each time.
+void ScatterGroundNode::maps_changed() {
+	if (!Engine::get_singleton()->is_editor_hint()) {
+		change();
+	}
+}
+
+/// HTerrain up to 1.8 passes x, z, width, depth and the channel; later versions pass a Rect2i, the channel and the index of the map.
+void ScatterGroundNode::map_edited(const Variant &p_x, const Variant &p_z, const Variant &p_width,
+		const Variant &p_depth, const Variant &p_channel) {
+	Rect2i edited;
+	const bool is_rect = p_x.get_type() == Variant::RECT2I && is_number(p_z);
+	if (is_rect) {
+		edited = p_x;
+	} else if (is_number(p_x) && is_number(p_z) && is_number(p_width) && is_number(p_depth) && is_number(p_channel)) {
+		edited = {Vector2i(static_cast<int32_t>(p_x), static_cast<int32_t>(p_z)),
+				Vector2i(static_cast<int32_t>(p_width), static_cast<int32_t>(p_depth))};
+	} else {
+		change(); // Reported in an unknown way: anything may have changed.
+		return;
+	}
+	const std::int64_t channel = is_rect ? p_z : p_channel;
+	if (present_) {
+		edited_ = edited_ || edits_.size() >= max_areas;
+		// The older way does not specify which of several maps it was.
+		edits_.push_back({channel, is_rect && is_number(p_width) ? static_cast<std::int64_t>(p_width) : -1, edited});
+	} else if (!is_available()) {
+		edited_ = true;
+	} else if (ground_->map() != nullptr) {
+		stale_ = stale_ || TerrainMap::copies(channel);
+		const Rect2 rect(static_cast<real_t>(edited.position.x), static_cast<real_t>(edited.position.y),
+				static_cast<real_t>(edited.size.x), static_cast<real_t>(edited.size.y));
+		emit_area(ground_->map()->world_rect(grown(rect, posts_around)));
+	}
+}
+
+/// Changes of a copied ground are found by comparing, once per frame.
+void ScatterGroundNode::source_edited(const Variant &, const Variant &) { edited_ = true; }
+
+/// Called in each frame: detects nodes that were added, removed or replaced without a signal, and processes reported changes.
+void ScatterGroundNode::poll() {
+	const Ref<ScatterGround> held(this);
+	const Node3D *from = first_node();
+	if (finding_ || stale_ || from == nullptr || !from->is_inside_tree()) {
+		return;
+	}
+	finding_ = true;
+	const Variant target(String(node_).is_empty() ? nullptr : from->get_node_or_null(node_));
+	const GroundGlance glance = glance_at(target, copy_ != nullptr || !is_available());
+	finding_ = false;
+	if (stale_) {
+		return;
+	}
+	if (!(glance == glance_)) {
+		glance_ = glance;
+		change();
+		return;
+	}
+	if (present_ && (edited_ || !edits_.empty())) {
+		copy_again();
+	} else if (std::exchange(edited_, false) && !is_available()) {
+		change(); // It may now have what it lacked.
+		return;
+	}
+	tell();
+}
+
+void ScatterGroundNode::copy_again() {
+	Found found;
+	found.target = followed_node_;
+	found.glance = glance_;
+	const std::vector<MapEdit> edits = std::exchange(edits_, {});
+	finding_ = true;
+	if (!edited_) {
+		found.attempt.copy = copy_->with_edits(followed_source_, edits);
+		found.attempt.data = followed_source_;
+	}
+	if (found.attempt.copy == nullptr) {
+		const std::shared_ptr<const GroundCopy> before = copy_;
+		found.attempt = copy_ground(found.target, before.get());
+	}
+	finding_ = false;
+	edited_ = false;
+	if (found.attempt.copy == nullptr) {
+		change(); // It is found again in its current state.
+	} else if (!stale_) {
+		take(found);
+	}
+}
+
+void ScatterGroundNode::tell() {
+	const GroundChanges changes = std::exchange(changes_, {});
+	if (changes.everywhere || changes.areas.size() > max_areas) {
+		emit_changed();
+		return;
+	}
+	for (const Rect2 &area : changes.areas) {
+		emit_area(area);
+	}
+}
+
+} // namespace thicket

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "nodes/common/guard.hpp"
+#include "nodes/ground/scatter_ground.hpp"
+
+#include <godot_cpp/classes/noise.hpp>
+
+namespace thicket {
+
+/// Endless hills of a Noise. Computed on worker threads, from a copy of the noise, so that the noise may be edited at any time.
+class ScatterGroundNoise : public ScatterGround {
+	GDCLASS(ScatterGroundNoise, ScatterGround)
+	THICKET_GUARDED_METHODS(owner)
+
+public:
+	/// The source of the heights; its own fractal settings determine the octaves. If null, there is no ground.
+	void set_noise(const godot::Ref<godot::Noise> &p_noise);
+	godot::Ref<godot::Noise> get_noise() const;
+
+	/// Meters that a noise value of 1 rises above `base_height`, 0 to 1e6. Any other value prints an error and is ignored.
+	void set_amplitude(double p_amplitude);
+	double get_amplitude() const;
+
+	/// World meters where the noise is 0, +-1e6. Any other value prints an error and is ignored.
+	void set_base_height(double p_height);
+	double get_base_height() const;
+
+protected:
+	static void _bind_methods();
+	std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host) override;
+	godot::String find_problem() override;
+
+private:
+	void change();
+
+	godot::Ref<godot::Noise> noise_;
+	double amplitude_ = 10.0;
+	double base_height_ = 0.0;
+	std::shared_ptr<const Terrain> ground_; ///< Matches the properties; null if it has to be created.
+};
+
+} // namespace thicket

@@ -1,0 +1,107 @@
+#include "nodes/ground/script_answer.hpp"
+
+#include <algorithm>
+#include <godot_cpp/variant/array.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/packed_vector3_array.hpp>
+
+#include <mutex>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+bool is_element(const Variant &p_value, Variant::Type type) {
+	return p_value.get_type() == type || (type == Variant::FLOAT && p_value.get_type() == Variant::INT);
+}
+
+template <class Packed>
+std::int64_t size_of(const Variant &p_array) {
+	const Packed packed = p_array;
+	return packed.size();
+}
+
+/// The number of elements of an array that converts into the expected one; -1 for anything else.
+std::int64_t count_of(const Variant &p_answer, Variant::Type element_type) {
+	switch (p_answer.get_type()) {
+		case Variant::ARRAY: {
+			const Array array = p_answer;
+			for (std::int64_t index = 0; index < array.size(); ++index) {
+				if (!is_element(array[index], element_type)) {
+					return -1;
+				}
+			}
+			return array.size();
+		}
+		case Variant::PACKED_INT32_ARRAY:
+		case Variant::PACKED_INT64_ARRAY:
+		case Variant::PACKED_FLOAT32_ARRAY:
+		case Variant::PACKED_FLOAT64_ARRAY:
+			return element_type == Variant::FLOAT ? size_of<PackedFloat32Array>(p_answer) : -1;
+		case Variant::PACKED_VECTOR3_ARRAY:
+			return element_type == Variant::VECTOR3 ? size_of<PackedVector3Array>(p_answer) : -1;
+		default: return -1;
+	}
+}
+
+/// The script's global name or file; for an inner class of a script, a description with the object's class.
+String script_name(Object *p_owner) {
+	const Variant script = p_owner->get("script");
+	Object *object = script.get_validated_object();
+	if (object == nullptr) {
+		return p_owner->get_class();
+	}
+	const String name = object->call("get_global_name");
+	const String path = object->get("resource_path");
+	const String text = name.is_empty() ? path : path.is_empty() ? name : name + String(" (") + path + String(")");
+	return text.is_empty() ? p_owner->get_class() + String(" with an inner class as its script")
+						   : String("Script ") + text + String(" of ") + p_owner->get_class();
+}
+
+String in_words(GDExtensionCallErrorType error, const Variant &p_answer, std::int64_t size, std::int64_t count) {
+	if (error != GDEXTENSION_CALL_OK) {
+		return "could not be called";
+	}
+	const bool is_empty = size == 0 || p_answer.get_type() == Variant::NIL;
+	if (is_empty) {
+		return String("returned ") + (size == 0 ? "an empty array" : "null") + String(" for ") +
+				String::num_int64(count) + String(" positions, as it does after a script error");
+	}
+	if (size > 0) {
+		return String("returned ") + String::num_int64(size) + String(" elements for ") + String::num_int64(count) +
+				String(" positions");
+	}
+	return p_answer.get_type() >= Variant::ARRAY ? String("returned an array with elements of a wrong type")
+												 : vformat("returned \"%s\"", p_answer);
+}
+
+} // namespace
+
+Status ScriptAnswers::check(Object *p_owner, const ScriptMethod &method, GDExtensionCallErrorType error,
+		const Variant &p_answer, std::int64_t count) {
+	const std::int64_t size = error == GDEXTENSION_CALL_OK ? count_of(p_answer, method.element_type) : -1;
+	if (size == count) {
+		return {};
+	}
+	const bool is_array = size >= 0 || p_answer.get_type() == Variant::NIL;
+	const Status status = is_array
+			? Status::wrong_size(method.result, std::max<std::int64_t>(size, 0), exactly(count, "one a position"))
+			: Status::missing(method.elements, "Return one element for each position");
+	const String text = script_name(p_owner) + String(": ") + String(method.name) + String("() ") +
+			in_words(error, p_answer, size, count) + String(". It must return ") + String(method.expected) +
+			String(". Fix the method, then call TerrainScatter3D.regenerate().");
+	const std::lock_guard lock(mutex_);
+	refusal_ = status;
+	sentence_ = text;
+	return status;
+}
+
+String ScriptAnswers::sentence(const Status &status) const {
+	const std::lock_guard lock(mutex_);
+	const bool is_last = !status.ok() && refusal_.code == status.code && refusal_.property == status.property;
+	return is_last ? sentence_ : String();
+}
+
+} // namespace thicket

@@ -1,0 +1,80 @@
+extends "harness.gd"
+## Scenes and resources saved by release 0.2.0 open under the current names, with one warning per name, and are saved with these names.
+## That release saved tests/engine/data/world_0.2.0.*.
+
+const DATA := "data/world_0.2.0."
+const CURRENT: Dictionary[String, String] = {
+	"Flat": "ScatterGroundFlat", "Noise": "ScatterGroundNoise", "Meshes": "ScatterGroundMeshes", "Colliders": "ScatterGroundColliders",
+	"Object": "ScatterGroundNode", "Heightmap": "ScatterGroundHeightmap", "Shared": "ScatterGroundFlat", "File": "ScatterGroundFlat",
+}
+
+
+func path_of(file: String) -> String:
+	return (get_script() as Script).resource_path.get_base_dir().path_join(file)
+
+
+## Checks a scene that was saved by 0.2.0.
+func check_world(world: Node, context: String) -> void:
+	for scatter: TerrainScatter3D in world.get_children():
+		check_equal(scatter.ground.get_class() if scatter.ground != null else "nothing", CURRENT[scatter.name], "%s: the ground of %s" % [context, scatter.name])
+		var layer := scatter.layers[0]
+		check_equal([layer.slope_falloff_degrees, layer.thin_scale_up], [12.0, true], "%s: the layer of %s" % [context, scatter.name])
+	var ground_of := func(name: String) -> ScatterGround: return (world.get_node(name) as TerrainScatter3D).ground
+	check_equal((ground_of.call("Flat") as ScatterGroundFlat).height, 3.0, context + ": a height")
+	check(ground_of.call("Shared") == ground_of.call("Flat"), context + ": two nodes share their ground")
+	var noise: ScatterGroundNoise = ground_of.call("Noise")
+	check_equal([noise.amplitude, noise.base_height, (noise.noise as FastNoiseLite).seed], [7.0, 2.0, 5], context + ": noise")
+	check_equal((ground_of.call("Meshes") as ScatterGroundMeshes).group, &"rocks", context + ": a group")
+	check_equal((ground_of.call("Colliders") as ScatterGroundColliders).collision_mask, 6, context + ": a mask")
+	var node: ScatterGroundNode = ground_of.call("Object")
+	check_equal([node.node, node.no_ground_enabled, node.no_ground_height], [^"../Land", true, -9.0], context + ": a node")
+	var heightmap: ScatterGroundHeightmap = ground_of.call("Heightmap")
+	check_equal([heightmap.rect, heightmap.max_height, heightmap.image.get_size()], [Rect2(-32, -32, 64, 64), 40.0, Vector2i(8, 8)], context + ": a map")
+	if world.has_node("File"):
+		var file: ScatterGroundFlat = ground_of.call("File")
+		check_equal([file.height, file.resource_name, file.resource_path], [11.0, "Outside", path_of("data/ground_0.2.0.tres")], context + ": a file")
+
+
+func test_scenes_open_and_are_saved_with_current_names() -> void:
+	var expected := ["TerrainScatter3D.terrain is named TerrainScatter3D.ground since", "ScatterLayer.slope_falloff is", "ScatterLayer.thin_scale_compensation is"]
+	for name: String in ["Colliders", "Flat", "Heightmap", "Meshes", "Noise", "Object"]:
+		expected.append("ScatterTerrain%s is named ScatterGround" % name)
+	for extension: String in ["tscn", "scn"]:
+		var scene := ResourceLoader.load(path_of(DATA + extension), "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene
+		var world := scene.instantiate()
+		check_world(world, extension)
+		var warnings := errors.take()
+		check_equal(warnings.size(), expected.size(), "%s: one warning per name, the first time: %s" % [extension, warnings])
+		for words: String in expected:
+			check(Array(warnings).any(func(warning: String) -> bool: return words in warning), "%s: warned that %s" % [extension, words])
+		expected.clear()
+		var again := PackedScene.new()
+		check_equal(again.pack(world), OK, "packed")
+		world.free()
+		var path := "user://current.tscn"
+		check_equal(ResourceSaver.save(again, path), OK, "saved")
+		var text := FileAccess.get_file_as_string(path)
+		for word: String in ["ScatterTerrain", "\nterrain = ", "\nslope_falloff = ", "thin_scale_compensation"]:
+			check(not word in text, "%s: %s is not saved" % [extension, word.strip_edges()])
+		var current: Node = (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate()
+		check_no_error("a scene with current names")
+		current.free()
+
+
+func test_a_former_property_of_a_state_is_read() -> void:
+	var path := "user://designed.tres"
+	var file := FileAccess.open(path, FileAccess.WRITE)
+	file.store_string("[gd_resource type=\"ScatterState\" format=3]\n\n[resource]\ndesigned = true\n")
+	file.close()
+	var state := ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterState
+	check_error(["ScatterState.designed is named ScatterState.copy_at_runtime"], "a former property")
+	check(state.copy_at_runtime, "the state is copied at run time")
+
+
+## Former classes exist only in files: the editor's lists and scripts do not know them.
+func test_former_classes_are_hidden() -> void:
+	for name: String in ["ScatterTerrain", "ScatterTerrainFlat", "ScatterTerrainObject"]:
+		var script := GDScript.new()
+		script.source_code = "extends %s\n" % name
+		check(script.reload() != OK, "%s cannot be extended" % name)
+		errors.take()
