@@ -42,7 +42,7 @@ func _init() -> void:
 	allow_reselect = true
 	column_titles_visible = true
 	var scale := EditorInterface.get_editor_scale()
-	var titles: PackedStringArray = ["Layer", "On show", ""]
+	var titles: PackedStringArray = ["Layer", "Visible", ""]
 	for column in columns:
 		set_column_title(column, titles[column])
 		set_column_expand(column, column == Column.NAME)
