@@ -56,9 +56,7 @@ bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &
 		return false;
 	}
 	const bool wanted = r_layer < world_.layers().size() && world_.layers()[r_layer].wanted;
-	const Status status = wanted ? claim(r_layer)
-								 : Status{ErrorCode::missing, "layer", 0.0, {}, {},
-										   "Fix the problems that get_problems() of the layer returns"};
+	const Status status = wanted ? claim(r_layer) : refused_layer();
 	report(name.c_str(), status);
 	return status.ok();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/status.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 
 #include <godot_cpp/variant/string.hpp>
@@ -25,6 +26,9 @@ godot::String find_layer(
 /// is more often a variable that was never set than a request for all layers.
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
+
+/// The error of a call with a layer whose settings are refused.
+inline Status refused_layer() { return Status::missing("layer", "Fix the problems that its get_problems() returns"); }
 
 /// A copy of the names and object IDs of a list's layers, so that another thread can find a layer among them.
 class LayerNames {

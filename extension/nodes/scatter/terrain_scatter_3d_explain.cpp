@@ -221,9 +221,8 @@ PackedFloat32Array TerrainScatter3D::map_of(
 		const LayerExplainer explainer = layer_explainer();
 		const bool known = layer < explainer.layers.size() && explainer.layers[layer] != nullptr;
 		status = !explainer.ground.is_available() ? Status::missing("ground", "Set TerrainScatter3D.ground")
-				: p_layer != nullptr && !known
-				? Status::missing("layer", "Fix the problems that its get_problems() returns")
-				: ask(explainer, layer, places, values);
+				: p_layer != nullptr && !known    ? refused_layer()
+												  : ask(explainer, layer, places, values);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
 	if (!status.ok()) {
