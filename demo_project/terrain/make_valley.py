@@ -4,8 +4,8 @@
 Writes these files beside this script:
 - valley.r16       385 x 385 unsigned 16-bit little-endian posts, 2 m apart, row by row, rows from north to south, posts
                    from west to east: height = LOW + post / 65535 * (HIGH - LOW) meters. The lake's surface is at 0.
-- valley_soil.png  193 x 193 pixels, 4 m apart: the shares of meadow (red), forest floor (green), rock (blue) and sand (alpha), 0 to
-255. They add up to 255.
+- valley_soil.png  193 x 193 pixels, 4 m apart: the shares of meadow (red), forest floor (green), rock (blue) and sand (alpha), 0
+                   to 255. They add up to 255.
 - valley_biomes.png  48 x 48 pixels, 16 m wide: MEADOW and WOOD, with smooth outlines that the scatter varies.
 
 In the world +x is east, +z is south, y is up, and the map's center is the origin.

@@ -176,7 +176,7 @@ void TerrainScatter3D::refresh() {
 	try {
 		apply_changes();
 	} catch (...) {
-		// Some of the tiles that have changed may be forgotten, so that the next frame regenerates all.
+		// The areas that have changed may be lost by now, so the next frame regenerates all tiles.
 		if (gameplay->alive()) {
 			ground_change_.everywhere = true;
 			mark_edited();

@@ -85,9 +85,7 @@ struct Marshal<T> : CopyMarshal<T, NumberWire<T>, number_type<T>> {
 											  : GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_DOUBLE)
 							: (std::is_signed_v<T> ? GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_INT8
 												   : GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_UINT8) +
-									(sizeof(T) == 8 ? 3
-													: sizeof(T) /
-															2)); // The values for 1, 2, 4 and 8 bytes are consecutive.
+									(sizeof(T) == 8 ? 3 : sizeof(T) / 2)); // Consecutive for 1, 2, 4, 8 bytes.
 };
 
 template <typename T>
