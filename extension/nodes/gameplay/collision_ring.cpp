@@ -27,7 +27,7 @@ CollisionLayer collision_of(const LayerSnapshot *layer) {
 	result.shape.kind = static_cast<ScatterLayer::CollisionShape>(collision.shape);
 	result.shape.cylinder = {layer->gameplay.instance_radius, layer->gameplay.instance_height};
 	if (collision.shape == BodyShape::convex) {
-		result.shape.meshes = layer->drawing.meshes;
+		result.shape.meshes = layer->drawing.finest_meshes();
 		result.shape.boxes = layer->drawing.boxes;
 	}
 	result.shape.parts = collision.parts;

@@ -68,16 +68,15 @@ std::vector<Ref<Material>> materials_of(const LayerDrawing &drawing) {
 		materials.push_back(drawing.material_override);
 		return materials;
 	}
-	for (const std::vector<Ref<Mesh>> *meshes : {&drawing.meshes, &drawing.lod_meshes}) {
-		for (const Ref<Mesh> &mesh : *meshes) {
-			add_materials(mesh, materials);
+	const auto add_all = [&](auto &&mesh_of) {
+		for (const std::vector<MeshLook> *looks : {&drawing.meshes, &drawing.lod_meshes}) {
+			for (const MeshLook &look : *looks) {
+				add_materials(mesh_of(look), materials);
+			}
 		}
-	}
-	for (const std::vector<MeshShadow> *shadows : {&drawing.shadows, &drawing.lod_shadows}) {
-		for (const MeshShadow &shadow : *shadows) {
-			add_materials(shadow.mesh, materials);
-		}
-	}
+	};
+	add_all([](const MeshLook &look) { return look.mesh; });
+	add_all([](const MeshLook &look) { return look.shadow.mesh; }); // After all materials that are drawn.
 	return materials;
 }
 

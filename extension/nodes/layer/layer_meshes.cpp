@@ -8,6 +8,7 @@
 #include <godot_cpp/core/object.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <span>
@@ -19,7 +20,10 @@ namespace thicket {
 
 namespace {
 
-MeshShadow shadow_of(const DrawnLod &lod) { return {lod.shadow, lod.cast_shadow}; }
+/// How an LOD is drawn, as far as its model decides it. Null draws nothing.
+MeshLook look_of(const DrawnLod *lod) {
+	return lod != nullptr ? MeshLook{lod->mesh, {lod->shadow, lod->cast_shadow}, lod->look} : MeshLook();
+}
 
 /// Adds a distance and the LODs that begin there; null for entries that do not change. Adds nothing if no entry changes, or beyond
 /// max_lods.
@@ -38,11 +42,7 @@ void add_row(
 		return;
 	}
 	r_lod.lod_distances.push_back(distance);
-	for (const DrawnLod *begins : row) {
-		r_drawing.lod_meshes.push_back(begins != nullptr ? begins->mesh : Ref<Mesh>());
-		r_drawing.lod_shadows.push_back(begins != nullptr ? shadow_of(*begins) : MeshShadow());
-		r_drawing.lod_looks.push_back(begins != nullptr ? begins->look : LodLook());
-	}
+	std::ranges::transform(row, std::back_inserter(r_drawing.lod_meshes), look_of);
 }
 
 String nothing_to_draw(std::size_t entry, const Ref<PackedScene> &p_scene, const String &p_problem) {
@@ -193,9 +193,7 @@ void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Arra
 	std::set<double> distances;
 	for (std::size_t entry = 0; entry < size(); ++entry) {
 		lods.push_back(lods_of(entry, p_meshes, p_distances));
-		r_drawing.meshes.push_back(lods.back().empty() ? Ref<Mesh>() : lods.back().front().mesh);
-		r_drawing.shadows.push_back(lods.back().empty() ? MeshShadow() : shadow_of(lods.back().front()));
-		r_drawing.looks.push_back(lods.back().empty() ? LodLook() : lods.back().front().look);
+		r_drawing.meshes.push_back(look_of(lods.back().empty() ? nullptr : lods.back().data()));
 		for (std::size_t lod = 1; lod < lods.back().size(); ++lod) {
 			distances.insert(lods.back()[lod].distance);
 		}

@@ -14,8 +14,10 @@
 #include <godot_cpp/classes/packed_scene.hpp>
 #include <godot_cpp/variant/aabb.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,27 +46,23 @@ struct MeshShadow {
 
 /// A mesh as it is drawn.
 struct MeshLook {
-	godot::Ref<godot::Mesh> mesh; ///< Never null.
+	godot::Ref<godot::Mesh> mesh;
 	MeshShadow shadow;
 	LodLook look;
 	bool fades = false; ///< True if all its materials can fade: they include scatter_fade.gdshaderinc.
+
+	/// True if the renderer gets the same mesh and shadow, however often and with whatever parameters it draws them.
+	bool same_meshes(const MeshLook &other) const { return mesh == other.mesh && shadow == other.shadow; }
+
+	friend bool operator==(const MeshLook &, const MeshLook &) = default;
 };
 
 /// The meshes that are drawn for the instances of a layer, and how the renderer draws them. Enumeration values are the engine's.
 struct LayerDrawing {
-	std::vector<godot::Ref<godot::Mesh>> meshes; ///< A null entry draws nothing.
+	std::vector<MeshLook> meshes; ///< One for each mesh of the layer. A null mesh draws nothing.
 
-	/// One row per LOD distance, with an entry for each of the meshes. Null means that the next finer mesh stays.
-	std::vector<godot::Ref<godot::Mesh>> lod_meshes;
-
-	std::vector<MeshShadow> shadows;     ///< One for each of the meshes.
-	std::vector<MeshShadow> lod_shadows; ///< One for each of the lod_meshes that are not null.
-
-	std::vector<LodLook> looks;     ///< One for each of the meshes.
-	std::vector<LodLook> lod_looks; ///< One for each of the lod_meshes that are not null.
-
-	std::vector<bool> fades;     ///< Whether all materials of each of the meshes can fade.
-	std::vector<bool> lod_fades; ///< The same for each of the lod_meshes.
+	/// One row per LOD distance, with an entry for each of the meshes. A null mesh means that the next finer one stays.
+	std::vector<MeshLook> lod_meshes;
 
 	/// Material IDs and vertex counts of the surfaces of all meshes that can fade. A difference means that a resource is the same object
 	/// but has changed.
@@ -92,13 +90,20 @@ struct LayerDrawing {
 	std::int64_t visibility_range_fade_mode = 0;
 
 	/// True if anything is drawn for the mesh at this index.
-	bool draws(std::size_t mesh) const { return mesh < meshes.size() && meshes[mesh].is_valid(); }
+	bool draws(std::size_t mesh) const { return mesh < meshes.size() && meshes[mesh].mesh.is_valid(); }
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 
 	/// True if the renderer gets the same meshes, so that a tile of one can replace a tile of the other.
 	bool same_meshes(const LayerDrawing &other) const {
-		return meshes == other.meshes && lod_meshes == other.lod_meshes && shadows == other.shadows &&
-				lod_shadows == other.lod_shadows;
+		return std::ranges::equal(meshes, other.meshes, &MeshLook::same_meshes) &&
+				std::ranges::equal(lod_meshes, other.lod_meshes, &MeshLook::same_meshes);
+	}
+
+	/// The finest mesh of each model. Null for a model that draws nothing.
+	std::vector<godot::Ref<godot::Mesh>> finest_meshes() const {
+		std::vector<godot::Ref<godot::Mesh>> result;
+		std::ranges::transform(meshes, std::back_inserter(result), &MeshLook::mesh);
+		return result;
 	}
 
 	friend bool operator==(const LayerDrawing &, const LayerDrawing &) = default;

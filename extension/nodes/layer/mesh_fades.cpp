@@ -81,13 +81,10 @@ bool FadeFinder::fades(const Ref<Mesh> &mesh) {
 
 void add_fades(LayerDrawing &r_drawing) {
 	FadeFinder finder(r_drawing.material_override);
-	r_drawing.fades.clear();
-	r_drawing.lod_fades.clear();
-	for (const Ref<Mesh> &mesh : r_drawing.meshes) {
-		r_drawing.fades.push_back(finder.fades(mesh));
-	}
-	for (const Ref<Mesh> &mesh : r_drawing.lod_meshes) {
-		r_drawing.lod_fades.push_back(finder.fades(mesh));
+	for (std::vector<MeshLook> *looks : {&r_drawing.meshes, &r_drawing.lod_meshes}) {
+		for (MeshLook &look : *looks) {
+			look.fades = finder.fades(look.mesh);
+		}
 	}
 	r_drawing.surfaces = std::move(finder.surfaces);
 }

@@ -73,22 +73,21 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	LayerDrawing drawing;
 	LodSettings lod;
 	meshes.draw(lod_meshes_, lod_distances_, drawing, lod);
-	const auto add = [&](double distance, const Ref<Mesh> &mesh, const MeshShadow &shadow, const LodLook &look) {
-		if (mesh.is_valid()) {
+	const auto add = [&](double distance, const MeshLook &drawn) {
+		if (drawn.mesh.is_valid()) {
 			const Ref<ScatterLod> made(memnew(ScatterLod));
-			made->set_mesh(mesh);
+			made->set_mesh(drawn.mesh);
 			made->set_distance(distance);
-			made->set_shadow_mesh(shadow.mesh);
-			made->set_cast_shadow(static_cast<ScatterLod::CastShadow>(shadow.setting));
-			made->set_look(look);
+			made->set_shadow_mesh(drawn.shadow.mesh);
+			made->set_cast_shadow(static_cast<ScatterLod::CastShadow>(drawn.shadow.setting));
+			made->set_look(drawn.look);
 			append(result, made);
 		}
 	};
 	const auto entry = static_cast<std::size_t>(p_index);
-	add(0.0, drawing.meshes[entry], drawing.shadows[entry], drawing.looks[entry]);
+	add(0.0, drawing.meshes[entry]);
 	for (std::size_t row = 0; row < lod.lod_distances.size(); ++row) {
-		const std::size_t at = row * meshes.size() + entry;
-		add(lod.lod_distances[row], drawing.lod_meshes[at], drawing.lod_shadows[at], drawing.lod_looks[at]);
+		add(lod.lod_distances[row], drawing.lod_meshes[row * meshes.size() + entry]);
 	}
 	return result;
 }

@@ -26,16 +26,18 @@ float reach_of(const AABB &box) {
 
 AABB box_of(const Ref<Mesh> &mesh) { return mesh.is_valid() ? mesh->get_aabb() : AABB(); }
 
+float reach_of(const MeshLook &look) {
+	return std::max(reach_of(box_of(look.mesh)), reach_of(box_of(look.shadow.mesh)));
+}
+
 void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
-	for (const Ref<Mesh> &mesh : r_drawing.meshes) {
-		r_drawing.boxes.push_back(box_of(mesh));
-		const Ref<Mesh> &shadow = r_drawing.shadows[r_drawing.boxes.size() - 1].mesh;
-		r_drawing.mesh_reach.push_back(std::max(reach_of(r_drawing.boxes.back()), reach_of(box_of(shadow))));
+	for (const MeshLook &look : r_drawing.meshes) {
+		r_drawing.boxes.push_back(box_of(look.mesh));
+		r_drawing.mesh_reach.push_back(reach_of(look));
 	}
 	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {
 		float &reach = r_drawing.mesh_reach[index % r_drawing.meshes.size()];
-		reach = std::max({reach, reach_of(box_of(r_drawing.lod_meshes[index])),
-				reach_of(box_of(r_drawing.lod_shadows[index].mesh))});
+		reach = std::max(reach, reach_of(r_drawing.lod_meshes[index]));
 	}
 	for (float &reach : r_drawing.mesh_reach) {
 		reach *= static_cast<float>(compensating_scale(lod, lod.thin_density));
@@ -46,8 +48,8 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 /// its default. An LOD with its own shadow mesh keeps its shadow.
 void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
 	const double density = point_density(settings.set) * settings.rules.density;
-	for (std::size_t index = 0; index < r_drawing.lod_shadows.size(); ++index) {
-		MeshShadow &shadow = r_drawing.lod_shadows[index];
+	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {
+		MeshShadow &shadow = r_drawing.lod_meshes[index].shadow;
 		const std::size_t entries = r_drawing.meshes.size();
 		const glm::dvec3 size = to_core(r_drawing.boxes[index % entries].size) * double{settings.placement.max_scale};
 		const bool open = shadow.setting == MeshShadow::as_layer && shadow.mesh.is_null();

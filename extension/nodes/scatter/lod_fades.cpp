@@ -14,9 +14,7 @@ namespace {
 
 std::size_t variant_of(bool comes, LodEnd end) { return (comes ? 3 : 0) + static_cast<std::size_t>(end); }
 
-bool same_look(const MeshLook &a, const MeshLook &b) {
-	return a.mesh == b.mesh && a.shadow == b.shadow && a.look == b.look;
-}
+bool same_look(const MeshLook &a, const MeshLook &b) { return a.same_meshes(b) && a.look == b.look; }
 
 /// A mesh for each of the ranges: the original mesh if nothing fades, or if it has no surface.
 std::vector<Ref<Mesh>> faded(const Ref<Mesh> &mesh, std::span<const FadeRange> ranges) {
@@ -35,14 +33,10 @@ std::vector<Ref<Mesh>> faded(const Ref<Mesh> &mesh, std::span<const FadeRange> r
 } // namespace
 
 std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
-	std::vector<MeshLook> lods{{drawing.meshes[mesh], drawing.shadows[mesh], drawing.looks[mesh], drawing.fades[mesh]}};
+	std::vector<MeshLook> lods{drawing.meshes[mesh]};
 	for (std::size_t at = mesh; at < drawing.lod_meshes.size(); at += drawing.meshes.size()) {
-		if (drawing.lod_meshes[at].is_valid()) {
-			lods.push_back(
-					{drawing.lod_meshes[at], drawing.lod_shadows[at], drawing.lod_looks[at], drawing.lod_fades[at]});
-		} else {
-			lods.push_back(lods.back());
-		}
+		const MeshLook &next = drawing.lod_meshes[at];
+		lods.push_back(next.mesh.is_valid() ? next : MeshLook(lods.back()));
 	}
 	return lods;
 }

@@ -37,7 +37,7 @@ std::string but_not_drawn(const LayerExplanation &explanation, const std::string
 
 bool draws_nothing(const LayerSnapshot &layer) {
 	const bool meshes =
-			std::ranges::any_of(layer.drawing.meshes, [](const Ref<Mesh> &mesh) { return mesh.is_valid(); });
+			std::ranges::any_of(layer.drawing.meshes, [](const MeshLook &look) { return look.mesh.is_valid(); });
 	return !meshes && layer.gameplay.scene.scene.is_null();
 }
 

@@ -265,7 +265,7 @@ Ref<ScatterTile> TerrainScatter3D::build(
 		status = lay_over(*snapshot->settings, rect, state->state(), tile);
 	}
 	report((std::string("TerrainScatter3D.") + p_method).c_str(), status);
-	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.meshes, offset)
+	return status.ok() ? ScatterTile::built(std::move(tile), snapshot->drawing.finest_meshes(), offset)
 					   : Ref<ScatterTile>(memnew(ScatterTile));
 }
 

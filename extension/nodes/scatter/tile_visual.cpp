@@ -124,9 +124,8 @@ void TileVisual::free() {
 
 void TileVisual::apply(const LayerDrawing &drawing) {
 	// Every member is named, so that adding a member requires a decision here.
-	const auto &[meshes, lod_meshes, shadows, lod_shadows, looks, lod_looks, fades, lod_fades, surfaces, boxes,
-			mesh_reach, cell_size, material, cast_shadow, gi_mode, render_layers, lod_bias, margin, begin, begin_margin,
-			end, end_margin, fade_mode] = drawing;
+	const auto &[meshes, lod_meshes, surfaces, boxes, mesh_reach, cell_size, material, cast_shadow, gi_mode,
+			render_layers, lod_bias, margin, begin, begin_margin, end, end_margin, fade_mode] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
 	const bool is_static = gi_mode == gi_static;
 	const bool is_dynamic = gi_mode == gi_dynamic;
