@@ -36,7 +36,7 @@ std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
 	std::vector<MeshLook> lods{drawing.meshes[mesh]};
 	for (std::size_t at = mesh; at < drawing.lod_meshes.size(); at += drawing.meshes.size()) {
 		const MeshLook &next = drawing.lod_meshes[at];
-		lods.push_back(next.mesh.is_valid() ? next : MeshLook(lods.back()));
+		lods.push_back(next.mesh.is_valid() ? next : lods.back());
 	}
 	return lods;
 }
