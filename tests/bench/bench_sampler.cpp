@@ -1,7 +1,7 @@
 // Speed of the tile sampler compared with Bridson's method, in one run: points per second of processor time at several
-// tile sizes and levels, the margin's overhead, the workspace, each instruction set, and the slowest tiles. Prints rows
-// of a Markdown table.
+// tile sizes and levels, each instruction set, and the slowest tiles. Prints rows of a Markdown table.
 //   bench_sampler [rounds = 9] [seconds a measurement = 0.25]
+//   bench_sampler ROUNDS SECONDS counts    only the margin's overhead and the workspace, which take half a minute at any effort
 //   bench_sampler ROUNDS SECONDS alone     only tiles of 64 r, for benches that also measure uses of the points
 
 #include "tests/bench/common/bridson.hpp"
@@ -73,6 +73,23 @@ double bridson_rate(Method &method, int tile_size, std::uint64_t &seed, double s
 	});
 }
 
+/// The counts of the sampler in a fixed number of tiles. Counts of the timed rounds would not be exact: a faster machine computes more
+/// tiles in the same time.
+void print_counts(int tile_size, std::uint32_t levels) {
+	const int tiles = 4096 * 64 / tile_size;
+	TileWalk walk(tile_size, levels);
+	for (int tile = 0; tile < tiles; ++tile) {
+		walk.next();
+	}
+	const std::string tile = "tiles of " + std::to_string(tile_size) + " r: ";
+	const std::string level = ", L = " + std::to_string(levels);
+	print_count(tile + "points computed per point kept" + level, walk.overhead(), "", 3);
+	if (tile_size == 64) { // A tile that is a single block, so the workspace and its cells are the tile's.
+		print_count(tile + "workspace a cell" + level, walk.bytes_per_cell(), " bytes", 1);
+		print_count(tile + "blocks run again with a wider margin, per tile" + level, walk.retries_per_tile(), "", 4);
+	}
+}
+
 /// One tile size: all methods in turn within each round, so that disturbances affect all of them equally.
 void compare(int tile_size, const Effort &effort) {
 	TileWalk plain_order(tile_size, 1);
@@ -94,13 +111,6 @@ void compare(int tile_size, const Effort &effort) {
 	print_row(tile + "tuned Bridson", tuned_rates, 1e-6, " M points/s");
 	print_row(tile + "sampler over plain Bridson", sampler_rates / plain_rates, 1.0, " times");
 	print_row(tile + "sampler over tuned Bridson", sampler_rates / tuned_rates, 1.0, " times");
-	print_count(tile + "points computed per point kept, L = 1", plain_order.overhead(), "", 3);
-	print_count(tile + "points computed per point kept, L = 4", four_levels.overhead(), "", 3);
-	if (tile_size == 64) { // A tile that is a single block, so the workspace and its cells are the tile's.
-		print_count(tile + "workspace a cell, L = 1", plain_order.bytes_per_cell(), " bytes", 1);
-		print_count(tile + "workspace a cell, L = 4", four_levels.bytes_per_cell(), " bytes", 1);
-		print_count(tile + "blocks run again with a wider margin, per tile", plain_order.retries_per_tile(), "", 4);
-	}
 }
 
 /// Adjacent small tiles, with and without cached blocks.
@@ -169,8 +179,16 @@ void measure_alone(const Effort &effort) {
 int main(int argument_count, char **arguments) {
 	using namespace thicket::bench;
 	const Effort effort = effort_of(argument_count, arguments);
-	if (argument_count > 3 && std::string_view(arguments[3]) == "alone") {
+	const std::string_view part = argument_count > 3 ? arguments[3] : "";
+	if (part == "alone") {
 		measure_alone(effort);
+		return 0;
+	}
+	if (part == "counts") {
+		for (const int tile_size : tile_sizes) {
+			print_counts(tile_size, 1);
+			print_counts(tile_size, 4);
+		}
 		return 0;
 	}
 	for (const int tile_size : tile_sizes) {

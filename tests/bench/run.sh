@@ -88,7 +88,12 @@ echo "Measured on $machine, $(date +%F)."
 echo
 echo "| what | median | lowest to highest round | rounds |"
 echo "|---|---|---|---|"
-for part in sampler tile fields shapes; do
+sampler_rows() {
+	"$sampler" "${effort[@]}"
+	"$sampler" 1 1 counts
+}
+measure sampler sampler_rows
+for part in tile fields shapes; do
 	measure "$part" "${programs[0]}/bench_$part" "${effort[@]}"
 done
 measure streamer "${programs[0]}/bench_streamer"
