@@ -88,8 +88,19 @@ def jolt_project(tmp_path_factory) -> Path:
     return new_project(tmp_path_factory.mktemp("jolt"), '[physics]\n3d/physics_engine="Jolt Physics"\n')
 
 
-def assert_passed(done):
+def without_load_tokens(printed: str) -> str:
+    """The output of an engine with `--verbose`, without its report on leaks if that lists nothing but tokens of threaded loads. The
+    engine sometimes forgets one of those, a RefCounted without references: https://github.com/godotengine/godot/issues/120661."""
+    listed = re.findall(r"^Leaked instance: (.*)$", printed, re.MULTILINE)
+    if not listed or not all(re.fullmatch(r"RefCounted:\d+ - Reference count: 0", each) for each in listed):
+        return printed
+    return re.sub(r"^(Leaked instance|Hint: Leaked instances|WARNING: ObjectDB instances leaked).*\n", "", printed, flags=re.MULTILINE)
+
+
+def assert_passed(done, loads_on_threads=False):
     printed = done.stdout + done.stderr
+    if loads_on_threads:
+        printed = without_load_tokens(printed)
     assert done.returncode == 0 and PASSED.search(done.stdout), printed
     assert "leaked" not in printed, printed
 
@@ -352,7 +363,8 @@ def test_quitting_during_generation(godot, project, frames):
 
 def test_loading_in_the_background(godot, project):
     """The main thread waits for loading threads. A setter that waited for the main thread would cause a deadlock."""
-    assert_passed(godot(["--verbose", "--path", project, "--script", ENGINE / "background_load.gd"], timeout=60))
+    done = godot(["--verbose", "--path", project, "--script", ENGINE / "background_load.gd"], timeout=60)
+    assert_passed(done, loads_on_threads=True)
 
 
 @pytest.mark.parametrize("frames", [0, 2, 5, 10])
