@@ -16,7 +16,7 @@ import_demo
 python=$(python_venv)/bin/python
 game=build/tutorials
 say "running the steps of the tutorials"
-"$python" -m pytest -q -n 0 tests/test_tutorials.py -k "steps or players" </dev/null
+"$python" -m pytest -q -n 0 tests/docs/test_tutorials.py -k "steps or players" </dev/null
 say "running the demo"
 timeout 600 tools/godot --xvfb --path demo_project res://gameplay.tscn -- --screenshots="$PWD/$game" </dev/null
 "$python" tools/tutorial_pictures.py build/editor "$game" demo_project/addons/thicket/tutorials

@@ -1,4 +1,4 @@
-// The C library out of memory: whichever request fails, it returns an error and throws nothing. tests/test_c_api.py has
+// The C library out of memory: whichever request fails, it returns an error and throws nothing. tests/core/test_c_api.py has
 // the rest.
 
 #include "allocation_count.hpp"

@@ -1,6 +1,6 @@
 // The part of the engine's C# API that the wrappers of the add-on and the examples of README.md use: names, types and
 // conversions as in GodotSharp, without an implementation. A compiler can check both without an engine for .NET.
-// tests/test_csharp.py adds engine classes that are only named, from the engine's own description of its API.
+// tests/build/test_csharp.py adds engine classes that are only named, from the engine's own description of its API.
 using System;
 using System.Collections;
 using System.Collections.Generic;

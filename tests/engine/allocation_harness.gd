@@ -1,5 +1,5 @@
 extends SceneTree
-## A small scene that uses much of the library, for tests/test_allocations.py, which lets one allocation after another fail in it.
+## A small scene that uses much of the library, for tests/engine/test_allocations.py, which lets one allocation after another fail in it.
 ##
 ## No step waits, so a step that fails returns to `_run` and the next one runs. The last line is "result: " and a hash of all results.
 

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Writing files to a full disk leaves the old files unchanged, byte for byte. tests/test_saves.py passes a folder on a small disk, or limits
+## Writing files to a full disk leaves the old files unchanged, byte for byte. tests/engine/test_saves.py passes a folder on a small disk, or limits
 ## the file size.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")

@@ -1,5 +1,5 @@
 extends SceneTree
-## Takes pictures of models and of their impostors, for tests/test_impostors.py:
+## Takes pictures of models and of their impostors, for tests/engine/test_impostors.py:
 ## `godot --path PROJECT --script tests/engine/impostor_pictures.gd -- FOLDER`. Each picture is taken from the distance at which the
 ## impostor replaces the model on a screen of 1080 lines, from 16 directions, with the sun in two: FOLDER/tree_s0_d05_model.png and so on.
 ## Four samples per pixel keep aliased edges out of the comparison.

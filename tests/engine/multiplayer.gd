@@ -1,6 +1,6 @@
 extends SceneTree
 ## One of several processes that share a world: the server, a client that fells trees at the same time as the others, or a
-## client that joins late. Started by tests/test_multiplayer.py with `-- server`, `-- client PORT NUMBER` or `-- late PORT`.
+## client that joins late. Started by tests/engine/test_multiplayer.py with `-- server`, `-- client PORT NUMBER` or `-- late PORT`.
 ##
 ## Each process fells its share of an area's trees, one per frame, and one share that all of them fell. When all of these trees
 ## are removed, it prints a line "result {...}" that describes the area. The server then waits until all clients have left.

@@ -1,5 +1,5 @@
 extends "queries_harness.gd"
-## Large allocations fail, one after another; tests/test_allocations.py preloads the library that makes them fail. Each call returns its usual
+## Large allocations fail, one after another; tests/engine/test_allocations.py preloads the library that makes them fail. Each call returns its usual
 ## result or prints an error, and the next call works as before. Small allocations are excluded: the engine ends when one fails.
 
 const LARGE := 1000 ## Bytes.

@@ -4,7 +4,7 @@ of the processor, in an emulator if the platform is not this machine's.
     bash tests/golden/matrix.sh                    prints it as a Markdown table; installs the required packages
     bash tests/golden/matrix.sh aarch64 wasm       only these platforms
 
-tests/test_golden.py runs the same cells. Compiled objects are kept in build/golden until one of their sources changes.
+tests/core/test_golden.py runs the same cells. Compiled objects are kept in build/golden until one of their sources changes.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@
 namespace thicket {
 
 // When an allocation fails, the engine's arrays only print an error to the log and keep their size. Each function here throws
-// std::bad_alloc instead, to be caught at the border (guard.hpp). tests/test_allocations.py permits no other way to resize an array of the
+// std::bad_alloc instead, to be caught at the border (guard.hpp). tests/engine/test_allocations.py permits no other way to resize an array of the
 // engine, to write its elements or to append to it.
 
 /// The elements of a packed array, for writing. No other array may share its memory: copy an array that the engine returned with

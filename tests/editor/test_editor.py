@@ -10,15 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import REPO
+from helpers.editor_project import DEMO, PASSED, PICTURES, STEPS, check_passed, link_library, new_plain_project
+from helpers.engine_output import complaints
 from PIL import Image
-
-DEMO = REPO / "demo_project"
-STEPS = REPO / "tests/engine/editor"
-PICTURES = REPO / "build/editor"
-PASSED = re.compile(r"^editor tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
-COMPLAINT = re.compile(r"^(?:SCRIPT |USER |SHADER )?(?:ERROR|WARNING)\b.*", re.MULTILINE)
-# What the software renderer and a machine without sound say on their own.
-HARMLESS = ("V-Sync mode", "audio driver", "X509")
 
 # Where the editor's camera stands when the demo scene is opened for the first time: 45 m from the place that
 # demo_scene.gd calls LOOKED_AT, on the ground there.
@@ -35,16 +29,6 @@ VIEW = """[editor_states]
 }
 """
 GROUND = 564.0
-
-
-def complaints(printed: str) -> list[str]:
-    return [line for line in COMPLAINT.findall(printed) if not any(words in line for words in HARMLESS)]
-
-
-def check_passed(printed: str):
-    """All checks of a script in the editor passed, and nothing complained. A failure tells first what failed."""
-    failed = [line[:400] for line in printed.splitlines() if line.startswith("FAILED: ")] + complaints(printed)
-    assert not failed and PASSED.search(printed), "\n".join([*failed, printed[-4000:]])
 
 
 def new_demo_project(folder: Path) -> Path:
@@ -97,24 +81,6 @@ def test_a_designers_first_hour(designer):
     """Creates a node and a layer, paints, undoes, redoes, saves, reopens, uses presets and shapes, and bakes. The checks are in
     demo_scene.gd."""
     check_passed(designer)
-
-
-def new_plain_project(folder: Path) -> Path:
-    """A new project with the addon but for its library, and nothing else."""
-    text = 'config_version=5\n[application]\nconfig/name="Plain"\n[editor_plugins]\n'
-    (folder / "project.godot").write_text(text + 'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')
-    skipped = shutil.ignore_patterns("bin", "*.gdextension*")
-    shutil.copytree(DEMO / "addons/thicket", folder / "addons/thicket", ignore=skipped)
-    return folder
-
-
-def link_library(folder: Path) -> None:
-    """Gives a plain project the library, which is loaded from the first start on."""
-    addon = folder / "addons/thicket"
-    (addon / "bin").symlink_to(DEMO / "addons/thicket/bin")
-    shutil.copy(DEMO / "addons/thicket/thicket.gdextension", addon)
-    (folder / ".godot").mkdir()
-    (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ import pyarrow as pa
 import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 import pytest
-from bakes.world import (
+from bake.world import (
     PLACED_BY_HAND, RECT, Baked, bake, baked, begin, engines_below, ground, has_ended, is_engine_of, kill,  # noqa: F401
     processes_below, wait_for, workers_of, world,  # noqa: F401 (some are fixtures)
 )  # fmt: skip

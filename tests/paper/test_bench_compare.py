@@ -4,11 +4,10 @@ import importlib.util
 import random
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from conftest import REPO
 
-REPO = Path(__file__).parent.parent
 SPEC = importlib.util.spec_from_file_location("compare", REPO / "tests/bench/compare.py")
 compare = sys.modules["compare"] = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(compare)

@@ -20,7 +20,7 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import REPO, new_project, run
 
-BAKES = REPO / "tests/bakes"
+BAKES = REPO / "tests/bake"
 TOOLS = REPO / "tools/bake"
 RECT = (-70.0, -50.0, 130.0, 100.0)
 # The default area of a bake: 5 by 4 tiles that hold whole tiles of the trees.
@@ -29,7 +29,7 @@ PLACED_BY_HAND = 2
 
 
 def make_world(folder: Path) -> Path:
-    """A project with the scene from tests/bakes/make_world.gd."""
+    """A project with the scene from tests/bake/make_world.gd."""
     folder.mkdir()
     new_project(folder, f'config/use_custom_user_dir=true\nconfig/custom_user_dir_name="{user_folder_name(folder)}"\n')
     for script in ("hills.gd", "make_world.gd", "game.gd"):
@@ -46,7 +46,7 @@ def user_folder_name(project: Path) -> str:
 
 @contextlib.contextmanager
 def ground(project: Path, manner: str) -> Iterator[None]:
-    """Makes the ground "bad" or "slow" within the block; see tests/bakes/hills.gd."""
+    """Makes the ground "bad" or "slow" within the block; see tests/bake/hills.gd."""
     flag = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share") / user_folder_name(project) / "ground"
     flag.parent.mkdir(parents=True, exist_ok=True)
     flag.write_text(manner)

@@ -14,7 +14,7 @@ import pytest
 from conftest import ADDON, CACHE, REPO, run
 
 PYTHON = CACHE / "bake-venv/bin/python"
-BAKES = REPO / "tests/bakes"
+BAKES = REPO / "tests/bake"
 TOOLS = REPO / "tools/bake"
 
 
@@ -37,7 +37,7 @@ def game(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def bake(tmp_path_factory, godot, game) -> Path:
-    """A small bake. See tests/bakes/make_bake.py for its content."""
+    """A small bake. See tests/bake/make_bake.py for its content."""
     folder = tmp_path_factory.mktemp("bakes") / "small"
     done = run([PYTHON, BAKES / "make_bake.py", folder], timeout=60)
     assert done.returncode == 0, f"{done.stderr}\nsetup_bake in tools/setup.sh installs the Python packages"
@@ -90,7 +90,7 @@ def of_tile(rows: dict[str, np.ndarray], tile: list[int], layer: int, model: int
 
 
 def stops_of(engine, game: Path, *steps: str) -> tuple[list[dict], str]:
-    """The visible nodes after each step, and the output. See tests/bakes/stream_tiles.gd."""
+    """The visible nodes after each step, and the output. See tests/bake/stream_tiles.gd."""
     done = engine(["--verbose", "--path", game, "--script", BAKES / "stream_tiles.gd", "--", "res://world/baked_world.scn", *steps], timeout=120)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "stream: done" in done.stdout and "never settled" not in done.stdout, printed[-4000:]

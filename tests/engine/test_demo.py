@@ -8,18 +8,12 @@ import re
 import numpy as np
 import pytest
 from conftest import REPO
+from helpers.engine_output import complaints
 from PIL import Image
 
 DEMO = REPO / "demo_project"
 TERRAIN = DEMO / "terrain"
 PICTURES = REPO / "build/demo"
-COMPLAINT = re.compile(r"^(?:SCRIPT |USER |SHADER )?(?:ERROR|WARNING)\b.*", re.MULTILINE)
-# What the software renderer and a machine without sound say on their own.
-HARMLESS = ("V-Sync mode", "audio driver", "X509")
-
-
-def complaints(printed: str) -> list[str]:
-    return [line for line in COMPLAINT.findall(printed) if not any(words in line for words in HARMLESS)]
 
 
 def test_scene_contains_only_settings():

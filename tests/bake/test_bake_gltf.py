@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bakes.small import bake, copy, edit_manifest, expected, game, manifest_of, of_tile, reader, refused  # noqa: F401 (some are fixtures)
+from bake.small import bake, copy, edit_manifest, expected, game, manifest_of, of_tile, reader, refused  # noqa: F401 (some are fixtures)
 from conftest import CACHE, REPO, run
 
 

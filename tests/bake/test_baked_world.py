@@ -9,8 +9,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from bakes.small import BAKES, bake, game, reader, stops_of  # noqa: F401 (some are fixtures)
-from test_demo import complaints
+from bake.small import BAKES, bake, game, reader, stops_of  # noqa: F401 (some are fixtures)
+from helpers.engine_output import complaints
 
 FIRST = "tile_60000_-20002"
 PRESETS = """[preset.0]

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from bakes.world import RECT, USUAL, Baked, bake, baked, environment, ground, kill, wait_for, world  # noqa: F401 (some are fixtures)
+from bake.world import RECT, USUAL, Baked, bake, baked, environment, ground, kill, wait_for, world  # noqa: F401 (some are fixtures)
 from conftest import REPO, run
 
 sys.path.insert(0, str(REPO / "tools/bake"))

@@ -7,8 +7,9 @@ import re
 import numpy as np
 import pytest
 from conftest import REPO, run
+from helpers.engine_output import complaints
 from PIL import Image
-from test_demo import DEMO, TERRAIN, complaints, is_a_picture
+from test_demo import DEMO, TERRAIN, is_a_picture
 from test_demo_terrain import load_script
 
 ENGINE = REPO / "tests/engine"

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 from conftest import REPO
-from test_editor import complaints, link_library, new_plain_project
+from helpers.editor_project import link_library, new_plain_project
+from helpers.engine_output import complaints
 
 # In scripts that know the library's types, using a member that the declared type of a variable lacks is an error.
 STRICT = """

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bakes.small import PYTHON, TOOLS, bake, copy, edit_manifest, expected, game, manifest_of, reader, refused  # noqa: F401 (some are fixtures)
+from bake.small import PYTHON, TOOLS, bake, copy, edit_manifest, expected, game, manifest_of, reader, refused  # noqa: F401 (some are fixtures)
 from conftest import REPO, run
 from PIL import Image
 

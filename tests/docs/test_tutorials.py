@@ -1,5 +1,5 @@
 """The add-on's tutorials: their links, pictures and quoted names are valid, their steps work in the editor and over the network,
-and the class reference links to them. tests/test_readme.py runs their examples."""
+and the class reference links to them. tests/docs/test_readme.py runs their examples."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from conftest import REPO, new_project
+from helpers.editor_project import PICTURES, STEPS, check_passed, link_library, new_plain_project
+from helpers.engine_output import complaints
+from helpers.engine_process import processes
 from PIL import Image
-from test_editor import PICTURES, STEPS, check_passed, complaints, link_library, new_plain_project
-from test_multiplayer import processes
 
 ADDON = REPO / "demo_project/addons/thicket"
 FOLDER = ADDON / "tutorials"
@@ -88,7 +89,7 @@ def test_code_is_run():
     assert {kind for _, kind in kinds} == {"gdscript", "glsl"}
     assert [page for page, kind in kinds if kind == "glsl"] == ["your_own_tree.md"]
     assert "tutorials/your_own_tree.md" in (REPO / "tests/engine/test_foliage.gd").read_text()
-    assert 'glob("*.md")' in (REPO / "tests/test_readme.py").read_text()
+    assert 'glob("*.md")' in (REPO / "tests/docs/test_readme.py").read_text()
 
 
 def capitalized(name: str) -> str:

@@ -3,11 +3,10 @@
 import importlib.util
 import json
 import subprocess
-from pathlib import Path
 
 import pytest
+from conftest import REPO
 
-REPO = Path(__file__).parent.parent
 SPEC = importlib.util.spec_from_file_location("speed_table", REPO / "tests/bench/speed_table.py")
 speed_table = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(speed_table)

@@ -28,7 +28,7 @@ def test_each_instance_belongs_to_one_area(godot, tmp_path):
     rect = [-1e5 - 17.0, 2e6, 96.5, 81.25]
     sizes = ((32.0, 32.0), (27.0, 20.0), (10.3, 0.7), (64.0, 33.3))
     cases = [json.dumps([rect, size, game_size]) for size, game_size in sizes]
-    done = godot(["--path", new_project(tmp_path), "--script", REPO / "tests/bakes/dump_grid.gd", "--", *cases], timeout=60)
+    done = godot(["--path", new_project(tmp_path), "--script", REPO / "tests/bake/dump_grid.gd", "--", *cases], timeout=60)
     described = [json.loads(line.removeprefix("grid ")) for line in done.stdout.splitlines() if line.startswith("grid ")]
     assert len(described) == len(sizes), done.stdout + done.stderr
     for each in described:

@@ -7,7 +7,7 @@ import re
 
 import pytest
 from conftest import REPO
-from test_demo import complaints
+from helpers.engine_output import complaints
 
 # glibc uses one arena and returns free memory immediately. Otherwise, leaks would be hidden: the arenas of threads grow for a
 # quarter of an hour, and adaptive thresholds change the memory by up to 8 %.

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bakes import make_bake
+from bake import make_bake
 from conftest import REPO
 
 sys.path.insert(0, str(REPO / "tools/bake"))

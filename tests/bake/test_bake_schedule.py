@@ -2,11 +2,10 @@
 
 import json
 import sys
-from pathlib import Path
 
 import pytest
+from conftest import REPO
 
-REPO = Path(__file__).parent.parent
 sys.path.insert(0, str(REPO / "tools/bake"))
 from baking import schedule  # noqa: E402
 from baking.format import FORMAT  # noqa: E402

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bakes.small import BAKES, bake, copy, edit_manifest, expected, game, manifest_of, of_tile, reader, refused, stops_of  # noqa: F401 (some are fixtures)
+from bake.small import BAKES, bake, copy, edit_manifest, expected, game, manifest_of, of_tile, reader, refused, stops_of  # noqa: F401 (some are fixtures)
 from conftest import REPO, run
 from scipy.spatial.transform import Rotation
-from test_demo import complaints
+from helpers.engine_output import complaints
 
 
 # Errors in a bake, for all readers

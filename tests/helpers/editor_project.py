@@ -1,0 +1,39 @@
+"""Projects in which the editor is started, and the result of the checks that ran there."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+from conftest import REPO
+from helpers.engine_output import complaints
+
+DEMO = REPO / "demo_project"
+STEPS = REPO / "tests/editor/steps"
+PICTURES = REPO / "build/editor"
+PASSED = re.compile(r"^editor tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
+
+
+def check_passed(printed: str):
+    """All checks of a script in the editor passed, and nothing complained. A failure tells first what failed."""
+    failed = [line[:400] for line in printed.splitlines() if line.startswith("FAILED: ")] + complaints(printed)
+    assert not failed and PASSED.search(printed), "\n".join([*failed, printed[-4000:]])
+
+
+def new_plain_project(folder: Path) -> Path:
+    """A new project with the addon but for its library, and nothing else."""
+    text = 'config_version=5\n[application]\nconfig/name="Plain"\n[editor_plugins]\n'
+    (folder / "project.godot").write_text(text + 'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')
+    skipped = shutil.ignore_patterns("bin", "*.gdextension*")
+    shutil.copytree(DEMO / "addons/thicket", folder / "addons/thicket", ignore=skipped)
+    return folder
+
+
+def link_library(folder: Path) -> None:
+    """Gives a plain project the library, which is loaded from the first start on."""
+    addon = folder / "addons/thicket"
+    (addon / "bin").symlink_to(DEMO / "addons/thicket/bin")
+    shutil.copy(DEMO / "addons/thicket/thicket.gdextension", addon)
+    (folder / ".godot").mkdir()
+    (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
