@@ -26,7 +26,7 @@
 #include "nodes/ground/scatter_ground_meshes.hpp"
 #include "nodes/ground/scatter_ground_noise.hpp"
 #include "nodes/ground/scatter_ground_node.hpp"
-#include "nodes/scatter/scatter_explanation.hpp"
+#include "nodes/explain/scatter_explanation.hpp"
 #include "nodes/scatter/scatter_tile.hpp"
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 

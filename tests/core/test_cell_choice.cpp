@@ -1,9 +1,9 @@
 // How finely tiles are divided for drawing: finer near the camera, only where that changes the picture, and with
 // hysteresis.
 
-#include "core/placement/cell_choice.hpp"
+#include "core/drawing/cell_choice.hpp"
 
-#include "core/placement/draw_cells.hpp"
+#include "core/drawing/draw_cells.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // A tile divided for drawing: its cells together are bit-identical to the tile, and each prefix of a cell is its share
 // of the tile's.
 
-#include "core/placement/draw_cells.hpp"
+#include "core/drawing/draw_cells.hpp"
 #include "tile_fixture.hpp"
 
 #include <doctest/doctest.h>

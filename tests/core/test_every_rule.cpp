@@ -1,6 +1,6 @@
 // Properties of every rule: it removes points and changes nothing else, in tiles of any size and order.
 
-#include "core/placement/place_explainer.hpp"
+#include "core/explain/place_explainer.hpp"
 #include "core/placement/tile_builder.hpp"
 #include "core/rules/image_mask.hpp"
 #include "core/terrain/heightfield.hpp"

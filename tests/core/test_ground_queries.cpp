@@ -1,6 +1,6 @@
 // Ground queries of tiles: normals and textures are queried only where something uses them.
 
-#include "core/placement/density_probe.hpp"
+#include "core/explain/density_probe.hpp"
 #include "counted_threads.hpp"
 #include "rounding.hpp"
 #include "tile_fixture.hpp"

@@ -1,4 +1,4 @@
-#include "core/placement/lod.hpp"
+#include "core/drawing/lod.hpp"
 #include "refusal.hpp"
 
 #include <doctest/doctest.h>

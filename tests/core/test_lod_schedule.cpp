@@ -1,5 +1,5 @@
-#include "core/placement/lod.hpp"
-#include "core/streaming/lod_schedule.hpp"
+#include "core/drawing/lod.hpp"
+#include "core/drawing/lod_schedule.hpp"
 
 #include <doctest/doctest.h>
 

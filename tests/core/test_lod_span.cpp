@@ -1,4 +1,4 @@
-#include "core/placement/lod_span.hpp"
+#include "core/drawing/lod_span.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // The sentences that explain a rule to a designer: the value, the required range, and which rule excludes a position.
 
-#include "core/placement/rule_sentences.hpp"
+#include "core/explain/rule_sentences.hpp"
 
 #include <doctest/doctest.h>
 

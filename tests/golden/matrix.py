@@ -34,7 +34,7 @@ ZIG = Path(installed.zig_program())
 BUILT = REPO / "build/golden"
 GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
 
-# The rooms that determine the digests; streaming and impostor affect no instance. The room that takes longest to compile is first.
+# The rooms that determine the digests; streaming, drawing, explain and impostor affect no instance. The room that takes longest to compile is first.
 ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near"]
 COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
 # Release builds treat warnings as errors, and -O3 finds other ones than -O2.

@@ -105,9 +105,10 @@ def configure_gnu(env, release):
 
 # Code that runs when a property is set or a scene is read. There is a lot of it, and its speed does not matter.
 RARE = re.compile(
-    r"extension/nodes/(?:biome|impostor|layer|model|region|sampler)/"
+    r"extension/nodes/(?:biome|explain|impostor|layer|model|region|sampler)/"
     r"|extension/nodes/gameplay/(?:collision_shapes|instance_answers|navigation_parse|scene_ring|scatter_gameplay_navigation|scatter_instances|scatter_request)"
-    r"|extension/nodes/scatter/(?:build_at_once|draw_figures|layer_|node_layers|scatter_explanation|scatter_problems|scatter_tile|terrain_scatter_3d\.cpp$)"
+    r"|extension/nodes/(?:drawing/draw_figures|workers/build_at_once)"
+    r"|extension/nodes/scatter/(?:layer_|node_layers|scatter_problems|scatter_tile|terrain_scatter_3d\.cpp$)"
     r"|extension/nodes/ground/(?:ground_watch|scatter_ground)"
     r"|_(?:binding|explain|properties|types)\.cpp$"
 )

@@ -16,6 +16,8 @@ ROOMS = {
     "core/query": ["core/base", "core/sampling", "core/placement", "core/state"],
     "core/near": ["core/base", "core/placement", "core/state", "core/query"],
     "core/streaming": ["core/base"],
+    "core/drawing": ["core/base", "core/placement", "core/streaming"],
+    "core/explain": ["core/base", "core/sampling", "core/terrain", "core/rules", "core/placement"],
     "core/impostor": ["core/base"],
     "core/c_api": ["core/base", "core/sampling"],
     "bindings": [],
@@ -24,13 +26,26 @@ ROOMS = {
     "nodes/ground": ["core/base", "core/terrain", "nodes/common"],
     "nodes/sampler": ["core/base", "core/sampling", "nodes/common"],
     "nodes/model": ["core/base", "core/model", "core/near", "nodes/common"],
-    "nodes/layer": ["core/base", "core/model", "core/rules", "core/placement", "core/state", "core/query", "core/streaming", "nodes/common", "nodes/model"],
+    "nodes/layer": [
+        "core/base", "core/model", "core/rules", "core/placement", "core/state", "core/query", "core/streaming", "core/drawing",
+        "nodes/common", "nodes/model",
+    ],
     "nodes/biome": ["core/rules", "nodes/common", "nodes/ground", "nodes/layer"],
     "nodes/region": ["core/base", "core/rules", "nodes/common", "nodes/layer"],
     "nodes/gameplay": ["core/base", "core/placement", "core/state", "core/query", "core/near", "nodes/common", "nodes/model", "nodes/layer"],
-    "nodes/scatter": [
+    "nodes/workers": [
         "core/base", "core/sampling", "core/terrain", "core/placement", "core/state", "core/near", "core/streaming",
-        "nodes/common", "nodes/ground", "nodes/model", "nodes/layer", "nodes/biome", "nodes/region", "nodes/gameplay",
+        "nodes/common", "nodes/ground", "nodes/layer",
+    ],
+    "nodes/drawing": [
+        "core/base", "core/placement", "core/near", "core/streaming", "core/drawing",
+        "nodes/common", "nodes/model", "nodes/layer", "nodes/workers",
+    ],
+    "nodes/explain": ["core/sampling", "core/explain", "nodes/common", "nodes/ground", "nodes/layer", "nodes/workers"],
+    "nodes/scatter": [
+        "core/base", "core/terrain", "core/placement", "core/near", "core/streaming", "core/explain",
+        "nodes/common", "nodes/ground", "nodes/layer", "nodes/biome", "nodes/region", "nodes/gameplay",
+        "nodes/workers", "nodes/drawing", "nodes/explain",
     ],
     "nodes": ["nodes"],  # Registers the classes of all rooms.
 }  # fmt: skip

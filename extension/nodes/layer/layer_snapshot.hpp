@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/placement/cell_choice.hpp"
-#include "core/placement/lod.hpp"
+#include "core/drawing/cell_choice.hpp"
+#include "core/drawing/lod.hpp"
 #include "core/placement/layer.hpp"
 #include "core/placement/layer_links.hpp"
 #include "core/query/instance_query.hpp"

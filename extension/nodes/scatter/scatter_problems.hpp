@@ -4,7 +4,7 @@
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/scatter/scatter_viewers.hpp"
-#include "nodes/scatter/tile_display.hpp"
+#include "nodes/drawing/tile_display.hpp"
 #include "nodes/ground/scatter_ground.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>

@@ -4,9 +4,9 @@
 #include "core/placement/layer_edits.hpp"
 #include "core/streaming/ground_recheck.hpp"
 #include "nodes/scatter/frame_times.hpp"
-#include "nodes/scatter/tile_display.hpp"
-#include "nodes/scatter/tile_workers.hpp"
-#include "nodes/scatter/upload_queue.hpp"
+#include "nodes/drawing/tile_display.hpp"
+#include "nodes/workers/tile_workers.hpp"
+#include "nodes/drawing/upload_queue.hpp"
 #include "nodes/ground/scatter_ground.hpp"
 
 #include <godot_cpp/variant/packed_string_array.hpp>

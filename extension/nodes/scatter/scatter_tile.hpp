@@ -2,7 +2,7 @@
 
 #include "core/placement/compact_tile.hpp"
 #include "nodes/common/guard.hpp"
-#include "nodes/scatter/tile_display.hpp"
+#include "nodes/drawing/tile_display.hpp"
 
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/ref.hpp>

@@ -3,8 +3,8 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
-#include "nodes/scatter/build_at_once.hpp"
-#include "nodes/scatter/shared_builder.hpp"
+#include "nodes/workers/build_at_once.hpp"
+#include "nodes/workers/shared_builder.hpp"
 
 #include <godot_cpp/classes/engine.hpp>
 

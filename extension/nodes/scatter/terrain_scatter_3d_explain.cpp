@@ -3,12 +3,12 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
-#include "core/placement/place_grid.hpp"
+#include "core/explain/place_grid.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
 #include "nodes/layer/layer_reference.hpp"
-#include "nodes/scatter/layer_explainer.hpp"
+#include "nodes/explain/layer_explainer.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
 
 #include <glm/geometric.hpp>

@@ -1,0 +1,86 @@
+#include "core/drawing/cell_choice.hpp"
+
+#include "core/drawing/draw_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+#include <numbers>
+
+namespace thicket {
+
+namespace {
+
+constexpr double cell_per_distance = 0.25; ///< The size of the smallest cell, as a share of the distance of a change.
+constexpr double hysteresis = 0.1;         ///< Tiles.
+constexpr double look_again = 0.125;       ///< Tiles.
+
+/// The first distance in a range at which the meshes or the thinning change; infinite if they do not. Meters.
+double first_change(const LodSettings &lod, double near, double far) {
+	double first = std::numeric_limits<double>::infinity();
+	for (const double begin : lod.lod_distances) {
+		if (near < begin && lod_hysteresis * begin < far) {
+			first = std::min(first, begin);
+		}
+	}
+	if (lod.thin_density < 1.0 && near < lod.thin_end && lod.thin_begin < far) {
+		first = std::min(first, std::max(near, lod.thin_begin));
+	}
+	return first;
+}
+
+/// The division for a distance, regardless of the current one.
+std::uint32_t division_for(const CellSettings &cells, const LodSettings &lod, double distance) {
+	const double size = cells.tile_size;
+	const double least = cell_per_distance * first_change(lod, distance, distance + std::numbers::sqrt2 * size);
+	std::uint32_t across = cells.most_across;
+	while (across > 1 && size / across < least) {
+		across /= 2;
+	}
+	return across;
+}
+
+} // namespace
+
+std::uint32_t cells_across(double tile_size, double cell_size) {
+	if (!(cell_size > 0.0)) {
+		return 1;
+	}
+	const double cells = std::floor(tile_size / cell_size + 0.5);
+	return static_cast<std::uint32_t>(std::clamp(cells, 1.0, static_cast<double>(max_cells_across)));
+}
+
+double usual_cell_size(double reach, double density) {
+	const double by_model = std::max(std::clamp(8.0 * reach, 24.0, 32.0), 2.0 * reach);
+	return density > 0.0 ? std::max(by_model, std::sqrt(fewest_in_cell / density)) : by_model;
+}
+
+std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown) {
+	if (cells.most_across < 2) {
+		// Fast path: there is only one division.
+		return 1;
+	}
+	const double slack = hysteresis * cells.tile_size;
+	for (const double nearby : {distance - slack, distance + slack}) {
+		if (shown > 0 && division_for(cells, lod, std::max(nearby, 0.0)) == shown) {
+			return shown;
+		}
+	}
+	return division_for(cells, lod, distance);
+}
+
+double division_margin(const CellSettings &cells, const LodSettings &lod, double distance) {
+	const bool thins = lod.thin_density < 1.0;
+	if (cells.most_across < 2 || (lod.lod_distances.empty() && !thins)) {
+		return std::numeric_limits<double>::infinity();
+	}
+	// Beyond either distance, tiles are drawn whole: where even the largest cell, half a tile, is too small, and where nothing changes.
+	const double too_small = 0.5 / cell_per_distance * cells.tile_size;
+	const double last_change =
+			std::max(lod.lod_distances.empty() ? 0.0 : lod.lod_distances.back(), thins ? lod.thin_end : 0.0);
+	const double farthest = std::min(too_small, last_change) + hysteresis * cells.tile_size;
+	return std::max(distance - farthest, look_again * cells.tile_size);
+}
+
+} // namespace thicket

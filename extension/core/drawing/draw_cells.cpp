@@ -1,0 +1,105 @@
+#include "core/drawing/draw_cells.hpp"
+
+#include "core/base/guard.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+/// The cell of a position along one axis, in a tile whose lower edge is at `edge`.
+std::uint32_t cell_along(double position, double edge, double cell_size, std::uint32_t across) {
+	double cell = std::floor((position - edge) / cell_size);
+	// The difference is rounded: a position just below a line may land on it.
+	cell -= position < edge + cell * cell_size ? 1.0 : 0.0;
+	return static_cast<std::uint32_t>(std::clamp(cell, 0.0, static_cast<double>(across - 1)));
+}
+
+/// The number of the cell of each instance. Throws std::bad_alloc, like the functions below.
+std::vector<std::uint16_t> cell_numbers(
+		const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
+	const glm::dvec2 edge = rect.min - glm::dvec2(origin.x, origin.z);
+	const glm::dvec2 cell_size = rect.size() / static_cast<double>(across);
+	std::vector<std::uint16_t> numbers(mesh.size());
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		const glm::vec3 &position = mesh.positions()[i];
+		const std::uint32_t x = cell_along(double{position.x}, edge.x, cell_size.x, across);
+		const std::uint32_t z = cell_along(double{position.z}, edge.y, cell_size.y, across);
+		numbers[i] = static_cast<std::uint16_t>(z * across + x);
+	}
+	return numbers;
+}
+
+void measure(const CompactMesh &mesh, std::span<const std::uint32_t> order, DrawCell &r_cell) {
+	for (const std::uint32_t i : order) {
+		const glm::vec3 &position = mesh.positions()[i];
+		r_cell.min = i == order.front() ? position : glm::min(r_cell.min, position);
+		r_cell.max = i == order.front() ? position : glm::max(r_cell.max, position);
+	}
+}
+
+void add_cells(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
+	const std::vector<std::uint16_t> numbers = cell_numbers(mesh, origin, rect, across);
+	// The end of each cell, one entry after its number.
+	std::vector<std::uint32_t> ends(std::size_t{across} * across + 1);
+	for (const std::uint16_t number : numbers) {
+		++ends[std::size_t{number} + 1];
+	}
+	for (std::size_t number = 1; number < ends.size(); ++number) {
+		ends[number] += ends[number - 1];
+	}
+	r_cells.order.resize(mesh.size());
+	r_cells.ranks.resize(mesh.size());
+	// Each entry now holds the begin of its cell, and moves on to its end.
+	for (std::size_t i = 0; i < mesh.size(); ++i) {
+		const std::uint32_t at = ends[numbers[i]]++;
+		r_cells.order[at] = static_cast<std::uint32_t>(i);
+		r_cells.ranks[at] = mesh.ranks()[i];
+	}
+	std::uint32_t begin = 0;
+	for (std::uint32_t number = 0; number < across * across; ++number) {
+		DrawCell cell{number, begin, ends[number]};
+		begin = cell.end;
+		if (cell.size() > 0) {
+			measure(mesh, r_cells.order_of(cell), cell);
+			r_cells.cells.push_back(cell);
+		}
+	}
+}
+
+} // namespace
+
+Status divide(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
+	r_cells = {};
+	const std::uint32_t allowed = std::clamp(across, std::uint32_t{1}, max_cells_across);
+	DrawCells cells;
+	const Status status = guarded(
+			"instances", static_cast<double>(mesh.size()), [&] { add_cells(mesh, origin, rect, allowed, cells); });
+	if (status.ok()) {
+		r_cells = std::move(cells);
+	}
+	return status;
+}
+
+void gather(const CompactMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer) {
+	mesh.read(order, r_buffer);
+}
+
+void spread(std::span<const float> buffer, std::span<const std::uint32_t> order, std::size_t stride,
+		std::span<float> r_buffer) {
+	for (std::size_t i = 0; i < order.size(); ++i) {
+		std::ranges::copy(buffer.subspan(i * stride, stride), r_buffer.subspan(order[i] * stride, stride).begin());
+	}
+}
+
+bool same_instances(const CompactMesh &a, std::span<const std::uint32_t> order_a, const CompactMesh &b,
+		std::span<const std::uint32_t> order_b) {
+	return std::ranges::equal(
+			order_a, order_b, [&](std::uint32_t at_a, std::uint32_t at_b) { return a.same(at_a, b, at_b); });
+}
+
+} // namespace thicket

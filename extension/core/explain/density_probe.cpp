@@ -1,0 +1,97 @@
+#include "core/explain/density_probe.hpp"
+
+#include "core/base/guard.hpp"
+#include "core/placement/tile_filter.hpp"
+#include "core/sampling/nearest_points.hpp"
+
+namespace thicket {
+
+struct DensityProbe::Workspace {
+	explicit Workspace(const SampleMargins &margins) : filter(margins) {}
+
+	Status find(const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect, bool explains);
+
+	TileFilter filter;
+	bool found = false;
+	std::vector<glm::dvec2> positions;
+	std::vector<GroundQuery> queries;
+	std::vector<Ground> ground;
+	std::span<const Ground> own_ground; ///< The ground of the positions, and then of their surroundings.
+};
+
+Status DensityProbe::Workspace::find(
+		const LayerSettings &layer, std::span<const glm::dvec2> places, const Rect &rect, bool explains) {
+	LayerSettings rules = layer;
+	rules.instance_data = {}; // Layers that colors depend on take time and do not affect the density.
+	rules.placement = {};     // Neither does the placement of an instance.
+	filter.set(rules);
+	if (const double points = filter.points_around(rect); points > max_probed_points) {
+		return Status::too_many_points("rect", points, max_probed_points);
+	}
+	if (const Status status = filter.sample_around(places, rect); !status.ok()) {
+		return status;
+	}
+	positions.clear();
+	queries.clear();
+	filter.add_queries(positions, queries);
+	for (GroundQuery &query : queries) {
+		query.needs.normals = query.needs.normals || explains; // An explanation includes the slope.
+	}
+	found = true;
+	return {};
+}
+
+DensityProbe::DensityProbe(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>(margins)) {}
+DensityProbe::~DensityProbe() = default;
+DensityProbe::DensityProbe(DensityProbe &&) noexcept = default;
+DensityProbe &DensityProbe::operator=(DensityProbe &&) noexcept = default;
+
+Status DensityProbe::find(const LayerSettings &layer, std::span<const glm::dvec2> places, bool explains) {
+	workspace_->found = false;
+	if (const Status status = validate(layer); !status.ok()) {
+		return status;
+	}
+	if (places.empty()) {
+		return {ErrorCode::missing, "places", 0.0};
+	}
+	const Rect rect = enclosing_rect(places);
+	if (!rect.finite()) {
+		return {ErrorCode::not_finite, "places", rect.min.x};
+	}
+	return guarded("places", static_cast<double>(places.size()),
+			[&] { return workspace_->find(layer, places, rect, explains); });
+}
+
+std::span<const glm::dvec2> DensityProbe::positions() const { return workspace_->positions; }
+
+std::span<const GroundQuery> DensityProbe::queries() const { return workspace_->queries; }
+
+Status DensityProbe::look(std::span<const Ground> ground) {
+	if (!workspace_->found) {
+		return {ErrorCode::missing, "places", 0.0};
+	}
+	if (ground.size() != workspace_->positions.size()) {
+		return Status::wrong_size("ground", ground.size(), exactly(workspace_->positions.size()));
+	}
+	return guarded("ground", static_cast<double>(ground.size()), [&] {
+		Workspace &work = *workspace_;
+		work.ground.assign(ground.begin(), ground.end());
+		work.own_ground = std::span<const Ground>(work.ground).last(work.filter.own().position_count());
+		return work.filter.filter_neighbors(work.ground);
+	});
+}
+
+const Ground &DensityProbe::ground_at(std::size_t place) const { return workspace_->own_ground[place]; }
+
+double DensityProbe::density_at(std::size_t place) const {
+	return workspace_->filter.own().density_at(place, workspace_->own_ground);
+}
+
+Status DensityProbe::factors_at(std::size_t place, std::vector<RuleFactor> &r_factors) const {
+	return guarded_answer("factors", 0.0, r_factors, [&] {
+		r_factors.clear();
+		return workspace_->filter.own().factors_at(place, workspace_->own_ground, r_factors);
+	});
+}
+
+} // namespace thicket

@@ -1,0 +1,249 @@
+#include "core/explain/rule_sentences.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace thicket {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::string fixed(double number, int digits) {
+	std::array<char, 400> text{};
+	std::snprintf(text.data(), text.size(), "%.*f", digits, number);
+	std::string result = text.data();
+	if (digits > 0) {
+		result.erase(result.find_last_not_of('0') + 1);
+		result.erase(result.find_last_not_of('.') + 1);
+	}
+	return result == "-0" ? "0" : result;
+}
+
+std::string percent(double share) {
+	// A tiny share is not displayed as 0 %, nor a share just below 1 as 100 %.
+	const double shown = std::clamp(share * 100.0, share > 0.0 ? 0.1 : 0.0, share < 1.0 ? 99.9 : 100.0);
+	return fixed(shown, shown < 1.0 || shown > 99.0 ? 1 : 0) + " %";
+}
+
+std::string name_at(const std::vector<std::string> &names, std::size_t index, const char *otherwise) {
+	return index < names.size() && !names[index].empty() ? names[index] : std::string(otherwise);
+}
+
+/// The required range in words, with enough digits to distinguish it from a value just beyond it.
+std::string range_text(const RuleSentence &range, double value, const char *unit) {
+	const std::string low = number_text(range.min, value) + unit;
+	const std::string high = number_text(range.max, value) + unit;
+	if (std::isinf(range.min)) {
+		return "at most " + high;
+	}
+	return std::isinf(range.max) ? "at least " + low : low + " to " + high;
+}
+
+/// The note for a rule that keeps only a part of the points.
+std::string leaves(double density) { return density > 0.0 && density < 1.0 ? " Leaves " + percent(density) + "." : ""; }
+
+void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleSentence &r_sentence) {
+	const double limit = factor.value < r_sentence.min ? r_sentence.min : r_sentence.max;
+	r_sentence.sentence = std::string(what) + " is " + number_text(factor.value, limit) + unit +
+			"; the layer requires " + range_text(r_sentence, factor.value, unit) + "." + leaves(factor.density);
+}
+
+void describe_height(const RuleFactor &factor, const Rules &rules, RuleSentence &r_sentence) {
+	r_sentence.min = rules.min_height <= -unlimited_height ? -infinity : rules.min_height;
+	r_sentence.max = rules.max_height >= unlimited_height ? infinity : rules.max_height;
+	describe_range("Height", " m", factor, r_sentence);
+}
+
+void describe_water_depth(const RuleFactor &factor, const Rules &rules, RuleSentence &r_sentence) {
+	r_sentence.min = rules.min_water_depth <= -unlimited_height ? -infinity : rules.min_water_depth;
+	r_sentence.max = rules.max_water_depth >= unlimited_height ? infinity : rules.max_water_depth;
+	if (std::isinf(factor.value)) {
+		r_sentence.sentence =
+				"There is no water here; the layer requires a depth of " + range_text(r_sentence, 0.0, " m") + ".";
+		return;
+	}
+	describe_range("Depth of the water", " m", factor, r_sentence);
+}
+
+void describe_slope(const RuleFactor &factor, const Rules &rules, RuleSentence &r_sentence) {
+	r_sentence.min = rules.min_slope_degrees;
+	r_sentence.max = rules.max_slope_degrees;
+	describe_range("Slope", "°", factor, r_sentence);
+}
+
+std::string curve_text(const char *curve, const RuleFactor &factor, const char *unit) {
+	return std::string(curve) + " is " + number_text(factor.density) + " at " + number_text(factor.value) + unit + ".";
+}
+
+std::string textures_text(const RuleFactor &factor, const Rules &rules) {
+	std::string list;
+	for (const std::int32_t texture : rules.ground_textures) {
+		list += (list.empty() ? "" : ", ") + std::to_string(texture);
+	}
+	const std::string share = factor.density > 0.0 ? percent(factor.density) : "None";
+	return share + " of the ground has the layer's textures (" + list + ").";
+}
+
+std::string shapes_text(const RuleFactor &factor, const Rules &rules, const RuleNames &names) {
+	if (factor.index == no_index) {
+		return rules.shapes->includes() && factor.density <= 0.0 ? "Outside of all regions that include the layer."
+																 : "No region excludes anything here.";
+	}
+	const bool exclude = rules.shapes->shapes()[factor.index].exclude;
+	const std::string region = "Region " + name_at(names.shapes, factor.index, "without a name");
+	return region + (exclude ? " excludes the layer here." : " includes the layer here.") + leaves(factor.density);
+}
+
+void describe_neighbor(
+		const RuleFactor &factor, const Neighbor &rule, const std::string &name, RuleSentence &r_sentence) {
+	const bool far = factor.value >= rule.distance;
+	const std::string distance = number_text(rule.distance, factor.value) + " m";
+	if (rule.curve == nullptr) {
+		r_sentence.rule = "spacing";
+		r_sentence.min = rule.distance;
+		r_sentence.sentence = far ? "No " + name + " is nearer than the spacing of " + distance + "."
+								  : "The nearest " + name + " is " + number_text(factor.value, rule.distance) +
+						" m away; the spacing requires " + distance + ".";
+		return;
+	}
+	r_sentence.rule = "proximity";
+	r_sentence.sentence = far ? "No " + name + " within " + distance + "."
+							  : "The nearest " + name + " is " + number_text(factor.value) + " m away.";
+	r_sentence.sentence += factor.density > 0.0 ? leaves(factor.density)
+			: far                               ? " The layer is placed only near it."
+												: " The layer is not placed that near.";
+}
+
+std::string density_sentence(const RuleFactor &factor) {
+	return factor.density > 0.0 ? "Density is " + number_text(factor.density) + "." : "The layer's density is 0.";
+}
+
+std::string field_sentence(const std::string &field, const RuleFactor &factor) {
+	const std::string what = field == "noise" ? "The noise"
+			: field == "mask_texture"         ? "The mask texture"
+											  : "The field";
+	return factor.density > 0.0 ? what + " leaves " + percent(factor.density) + " here."
+								: what + " leaves nothing here.";
+}
+
+std::string mask_sentence(const RuleFactor &factor) {
+	return factor.density > 0.0 ? "The painted mask leaves " + percent(factor.density) + " here."
+								: "The painted mask leaves nothing here.";
+}
+
+std::string biome_sentence(const RuleFactor &factor) {
+	return factor.density > 0.0 ? "The weight of the layer's biomes is " + number_text(factor.density) + "."
+								: "None of the layer's biomes is here.";
+}
+
+std::string clumps_sentence(const RuleFactor &factor) {
+	return factor.density >= 1.0   ? "Inside a clump."
+			: factor.density > 0.0 ? "On the edge of a clump." + leaves(factor.density)
+								   : "Between the layer's clumps.";
+}
+
+std::string edge_sentence(const RuleFactor &factor, const Rules &rules) {
+	return percent(factor.value) + " of the surroundings within " + number_text(rules.edge_feather) +
+			" m are open to the layer" + (factor.density > 0.0 ? "." : "; the edge feather requires more than half.") +
+			leaves(factor.density);
+}
+
+std::string rank_text(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
+	const double density = explanation.at_point.density;
+	const double rank = explanation.point.rank * 0x1p-32;
+	std::string text = "Left out by the density: the nearest point of the set, " + distance_text(explanation.distance) +
+			", has rank " + number_text(rank, density) + ", and the density there is " + number_text(density, rank) +
+			".";
+	if (const RuleFactor *least = strictest(explanation.at_point.factors); least != nullptr) {
+		text += ' ';
+		text += describe(*least, layer, names).sentence;
+	}
+	return text;
+}
+
+} // namespace
+
+std::string number_text(double number, double other) {
+	if (std::isinf(number)) {
+		return number > 0.0 ? "any" : "-any";
+	}
+	const double size = std::abs(number);
+	int digits = size >= 1000.0 ? 0 : size >= 100.0 ? 1 : 2;
+	constexpr int most = 9;
+	while (digits < most && number != other && fixed(number, digits) == fixed(other, digits)) {
+		++digits;
+	}
+	return fixed(number, digits);
+}
+
+std::string distance_text(double meters) {
+	constexpr double nothing = 0.01;
+	return meters < nothing ? "here" : number_text(meters) + " m away";
+}
+
+RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names) {
+	const Rules &rules = layer.rules;
+	RuleSentence result;
+	switch (factor.rule) {
+		case RuleKind::density: return {.rule = "density", .sentence = density_sentence(factor)};
+		case RuleKind::field:
+			result.rule = name_at(names.fields, factor.index, "field");
+			result.sentence = field_sentence(result.rule, factor);
+			return result;
+		case RuleKind::mask: return {.rule = "mask", .sentence = mask_sentence(factor)};
+		case RuleKind::biome: return {.rule = "biome", .sentence = biome_sentence(factor)};
+		case RuleKind::clumping: return {.rule = "clumps", .sentence = clumps_sentence(factor)};
+		case RuleKind::ground: return {.rule = "ground", .sentence = "There is no ground here."};
+		case RuleKind::height:
+			result.rule = "height";
+			describe_height(factor, rules, result);
+			return result;
+		case RuleKind::height_curve:
+			return {.rule = "density_over_height", .sentence = curve_text("Density over height", factor, " m")};
+		case RuleKind::ground_textures: return {.rule = "ground_textures", .sentence = textures_text(factor, rules)};
+		case RuleKind::water_depth:
+			result.rule = "water_depth";
+			describe_water_depth(factor, rules, result);
+			return result;
+		case RuleKind::slope:
+			result.rule = "slope";
+			describe_slope(factor, rules, result);
+			return result;
+		case RuleKind::slope_curve:
+			return {.rule = "density_over_slope", .sentence = curve_text("Density over slope", factor, "°")};
+		case RuleKind::shapes: return {.rule = "regions", .sentence = shapes_text(factor, rules, names)};
+		case RuleKind::neighbor:
+			describe_neighbor(factor, layer.neighbors[factor.index],
+					name_at(names.neighbors, factor.index, "another layer"), result);
+			return result;
+		case RuleKind::edge_feather:
+			return {.rule = "edge_feather", .min = 0.5, .sentence = edge_sentence(factor, rules)};
+	}
+	return result;
+}
+
+RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names) {
+	const auto refused_by = [&](const RuledPlace &place) {
+		const RuleFactor *least = strictest(place.factors);
+		return least != nullptr ? describe(*least, layer, names) : RuleSentence{.rule = "density", .sentence = ""};
+	};
+	if (!explanation.allowed()) {
+		const RuleSentence no = refused_by(explanation.place);
+		return {false, no.rule, no.sentence};
+	}
+	if (explanation.stands()) {
+		return {true, "", "Placed " + distance_text(explanation.distance) + "."};
+	}
+	if (explanation.at_point.density > 0.0) {
+		return {false, "rank", rank_text(explanation, layer, names)};
+	}
+	const RuleSentence no = refused_by(explanation.at_point);
+	return {false, no.rule,
+			"Allowed here, but not at the nearest point of the set, " + distance_text(explanation.distance) + ": " +
+					no.sentence};
+}
+
+} // namespace thicket

@@ -1,0 +1,144 @@
+#include "nodes/drawing/displayed_tile.hpp"
+
+#include "nodes/common/engine_arrays.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+glm::vec3 vector(const Vector3 &p_vector) {
+	return {static_cast<float>(p_vector.x), static_cast<float>(p_vector.y), static_cast<float>(p_vector.z)};
+}
+
+} // namespace
+
+void DisplayedTile::Cell::set_box(const AABB &box) {
+	min = vector(box.position);
+	max = vector(box.position + box.size);
+}
+
+void DisplayedTile::Cell::set_instances(const MeshUpload &upload) {
+	for_each_visual([&](TileVisual &each) { each.set_instances(upload); });
+	set_box(upload.aabb);
+}
+
+void DisplayedTile::grow(const AABB &box) {
+	min = glm::min(min, vector(box.position));
+	max = glm::max(max, vector(box.position + box.size));
+}
+
+void DisplayedTile::set_visible(bool visible) {
+	for (Part &part : parts) {
+		for (Cell &cell : part.cells) {
+			cell.for_each_visual([visible](TileVisual &visual) { visual.set_visible(visible); });
+		}
+	}
+}
+
+void DisplayedTile::set_offset(glm::dvec3 offset) {
+	for (Part &part : parts) {
+		for (Cell &cell : part.cells) {
+			cell.for_each_visual([&offset](TileVisual &visual) { visual.set_offset(offset); });
+		}
+	}
+}
+
+std::size_t DisplayedTile::Part::multimesh_count() const {
+	std::size_t visuals = 0;
+	for (const Cell &cell : cells) {
+		visuals += 1 + cell.others.size();
+	}
+	return visuals * multimeshes_of_a_cell();
+}
+
+std::size_t DisplayedTile::finest_lod() const {
+	constexpr auto none = std::numeric_limits<std::size_t>::max();
+	std::size_t finest = none;
+	for (const Part &part : parts) {
+		for (const Cell &cell : part.cells) {
+			finest = std::min(finest, cell.lod);
+		}
+	}
+	return finest != none ? finest : 0;
+}
+
+void DisplayedTile::set_lod(std::size_t lod) {
+	for (Part &part : parts) {
+		for (Cell &cell : part.cells) {
+			cell.lod = lod;
+			cell.span = {lod, lod, false};
+		}
+	}
+}
+
+std::size_t DisplayedTile::cell_count() const {
+	std::size_t count = 0;
+	for (const Part &part : parts) {
+		count += part.cells.size();
+	}
+	return count;
+}
+
+std::size_t DisplayedTile::bytes() const {
+	std::size_t count = tile->meshes.capacity() * sizeof(CompactMesh);
+	for (std::size_t mesh = 0; mesh < parts.size(); ++mesh) {
+		const Part &part = parts[mesh];
+		const CompactMesh &own = tile->meshes[mesh];
+		count += own.bytes() + (part.shown.get() != &own ? part.shown->bytes() + sizeof(CompactMesh) : 0);
+		count += part.division.bytes();
+	}
+	return count;
+}
+
+std::size_t DisplayedTile::multimesh_count() const {
+	std::size_t count = 0;
+	for (const Part &part : parts) {
+		count += part.multimesh_count();
+	}
+	return count;
+}
+
+std::size_t DisplayedTile::most_multimeshes(std::uint32_t across_then) const {
+	std::size_t count = 0;
+	for (const Part &part : parts) {
+		const std::size_t cells = std::min(part.shown->size(), std::size_t{across_then} * across_then);
+		count += part.lods.empty() ? 0 : cells * part.multimeshes_of_a_cell();
+	}
+	return count;
+}
+
+MeshUpload to_upload(const DisplayedTile::Part &part, std::size_t cell, float reach) {
+	if (part.division.empty()) {
+		return to_upload(*part.shown, reach);
+	}
+	const DrawCell &drawn = part.division.cells[cell];
+	MeshUpload upload;
+	upload.aabb = box_around(drawn.min, drawn.max, reach * part.shown->max_scale());
+	const auto floats = static_cast<int64_t>(drawn.size() * part.shown->stride());
+	gather(*part.shown, part.division.order_of(drawn), resize(upload.buffer, floats));
+	return upload;
+}
+
+PackedFloat32Array read_back(const DisplayedTile::Part &part) {
+	if (part.division.empty()) {
+		return part.cells.front().visual.read_back();
+	}
+	const std::size_t stride = part.shown->stride();
+	PackedFloat32Array result;
+	const std::span<float> floats = resize(result, static_cast<int64_t>(part.shown->size() * stride));
+	for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
+		const PackedFloat32Array buffer = part.cells[cell].visual.read_back();
+		const std::span<const float> read(buffer.ptr(), static_cast<std::size_t>(buffer.size()));
+		const std::span<const std::uint32_t> order = part.division.order_of(part.division.cells[cell]);
+		spread(read, order.first(std::min(order.size(), read.size() / stride)), stride, floats);
+	}
+	return result;
+}
+
+} // namespace thicket

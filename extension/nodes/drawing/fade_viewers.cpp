@@ -1,0 +1,148 @@
+#include "nodes/drawing/fade_viewers.hpp"
+
+#include "nodes/common/engine_arrays.hpp"
+#include "nodes/layer/layer_materials.hpp"
+
+#include <godot_cpp/classes/rendering_server.hpp>
+#include <godot_cpp/classes/shader.hpp>
+#include <godot_cpp/classes/shader_material.hpp>
+#include <godot_cpp/core/object.hpp>
+#include <godot_cpp/variant/packed_float32_array.hpp>
+#include <godot_cpp/variant/string_name.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr const char *count_name = "scatter_viewer_count";
+constexpr const char *viewers_name = "scatter_viewers";
+
+/// The viewers of all nodes.
+struct AllViewers {
+	struct Entry {
+		glm::vec4 place{0.0F};
+		const FadeViewers *owner = nullptr; ///< The node that has set it last.
+	};
+	std::map<std::uint64_t, Entry> by_id;
+	std::uint64_t version = 1; ///< Rises with every change.
+
+	static AllViewers &get() {
+		static AllViewers all;
+		return all;
+	}
+
+	void set(const FadeViewer &viewer, const FadeViewers *owner) {
+		Entry &entry = by_id[viewer.id];
+		version += entry.owner == nullptr || entry.place != viewer.place ? 1 : 0;
+		entry = {viewer.place, owner};
+	}
+
+	void remove(std::uint64_t id, const FadeViewers *owner) {
+		const auto found = by_id.find(id);
+		if (found != by_id.end() && found->second.owner == owner) {
+			by_id.erase(found);
+			++version;
+		}
+	}
+
+	std::vector<glm::vec4> nearest(glm::vec3 camera, std::size_t most) const {
+		std::vector<glm::vec4> places;
+		for (const auto &[id, entry] : by_id) {
+			places.push_back(entry.place);
+		}
+		if (places.size() > most) {
+			std::ranges::stable_sort(
+					places, {}, [camera](const glm::vec4 &place) { return glm::distance(glm::vec3(place), camera); });
+			places.resize(most);
+		}
+		return places;
+	}
+};
+
+bool takes_viewers(const Ref<Material> &material) {
+	const auto *with_shader = Object::cast_to<ShaderMaterial>(material.ptr());
+	const Ref<Shader> shader = with_shader != nullptr ? with_shader->get_shader() : Ref<Shader>();
+	return shader.is_valid() &&
+			RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), count_name).get_type() ==
+			Variant::INT;
+}
+
+} // namespace
+
+void FadeViewers::set_layers(std::span<const SharedSnapshot> layers) {
+	std::vector<Ref<Material>> materials;
+	for (const SharedSnapshot &layer : layers) {
+		if (layer == nullptr) {
+			continue;
+		}
+		for (const Ref<Material> &material : materials_of(layer->drawing)) {
+			if (takes_viewers(material) && std::ranges::find(materials, material) == materials.end()) {
+				materials.push_back(material);
+			}
+		}
+	}
+	materials_ = std::move(materials);
+	written_ = 0;
+}
+
+void FadeViewers::set_viewers(std::span<const FadeViewer> viewers, glm::vec3 camera) {
+	AllViewers &all = AllViewers::get();
+	if (!viewers.empty()) {
+		for (const FadeViewer &old : viewers_) {
+			if (std::ranges::find(viewers, old.id, &FadeViewer::id) == viewers.end()) {
+				all.remove(old.id, this);
+			}
+		}
+		for (const FadeViewer &viewer : viewers) {
+			all.set(viewer, this);
+		}
+		viewers_.assign(viewers.begin(), viewers.end());
+	}
+	if (written_ == all.version) {
+		// Fast path: no viewer has moved since.
+		return;
+	}
+	write(all.nearest(camera, most_viewers));
+	written_ = all.version;
+}
+
+void FadeViewers::write(std::span<const glm::vec4> viewers) {
+	if (materials_.empty()) {
+		// Fast path: nothing fades.
+		return;
+	}
+	PackedFloat32Array places;
+	const std::span<float> out = resize(places, static_cast<int64_t>(4 * most_viewers));
+	for (std::size_t at = 0; at < viewers.size(); ++at) {
+		for (glm::length_t axis = 0; axis < 4; ++axis) {
+			out[4 * at + static_cast<std::size_t>(axis)] = viewers[at][axis];
+		}
+	}
+	RenderingServer *server = RenderingServer::get_singleton();
+	for (const Ref<Material> &material : materials_) {
+		// Set on the server and not on the material resource, because those values would be saved with it.
+		server->material_set_param(material->get_rid(), viewers_name, places);
+		server->material_set_param(material->get_rid(), count_name, static_cast<int64_t>(viewers.size()));
+	}
+}
+
+void FadeViewers::clear() {
+	for (const FadeViewer &viewer : viewers_) {
+		AllViewers::get().remove(viewer.id, this);
+	}
+	viewers_.clear();
+	write(AllViewers::get().nearest(glm::vec3(0.0F), most_viewers)); // Other nodes may share the materials.
+	materials_.clear();
+	written_ = 0;
+}
+
+} // namespace thicket

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/drawing/tile_display.hpp"
+
+#include <godot_cpp/variant/packed_string_array.hpp>
+
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// Finds layers whose settings need more instances than a machine can be expected to hold.
+class InstanceLoad {
+public:
+	/// Call it when the settings or the ground have changed.
+	void forget() { shares_.clear(); }
+
+	/// Measures the share of the points that the rules keep. Call it while all tiles are displayed.
+	void measure(const TileDisplay &display, std::span<const SharedSnapshot> layers);
+
+	void add_problems(std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems) const;
+
+private:
+	std::vector<double> shares_; ///< The kept share of each layer's points, 0 to 1. Empty until measured.
+};
+
+} // namespace thicket

@@ -1,0 +1,84 @@
+#pragma once
+
+#include "core/drawing/lod_span.hpp"
+#include "nodes/layer/layer_snapshot.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// The looks of a layer's mesh: the nearest one, then one for each of its LODs.
+std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh);
+
+/// The LODs of one mesh of a layer, plain and fading. Consecutive LODs that are drawn alike share one look.
+class LodChain {
+public:
+	LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::size_t mesh);
+
+	/// One for each LOD. Nothing fades before everything is created.
+	std::span<const LodStep> steps() const { return steps_; }
+	bool is_made() const { return made_ == looks_.size(); }
+
+	/// Creates the fading variants of the next look. Copies them from `before`, a different chain, if it has the same look. Takes
+	/// milliseconds for a large mesh, which is read back from the renderer.
+	void make_next(const LodChain *before);
+
+	/// True if a part of a tile is drawn with these LODs.
+	bool is_of(std::span<const MeshLook> lods) const;
+
+	/// The number of looks that are drawn in a span, minus one.
+	std::size_t looks_beyond_first(const LodSpan &span) const { return look_of_[span.last] - look_of_[span.first]; }
+
+	/// One of the looks of a span; 0 is the look of its first LOD.
+	const MeshLook &look(const LodSpan &span, std::size_t index) const;
+
+	/// The look of one LOD of a span that is drawn alone in place of the whole span.
+	const MeshLook &only_look(const LodSpan &span, std::size_t lod) const;
+
+private:
+	static constexpr std::size_t variants = 6; ///< Fades in or not, times LodEnd.
+	struct Look {
+		std::size_t first = 0; ///< The first LOD.
+		std::size_t last = 0;
+		MeshLook plain;
+		std::array<MeshLook, variants> faded;
+	};
+	std::vector<FadeRange> ranges_of(const Look &look) const;
+
+	LodSettings settings_;
+	std::vector<std::uint64_t> surfaces_; ///< LayerDrawing::surfaces. A difference means that meshes have changed.
+	std::vector<LodStep> steps_;
+	std::vector<LodStep> steps_when_made_;
+	std::vector<std::size_t> look_of_; ///< The look of each LOD.
+	std::vector<Look> looks_;
+	std::size_t made_ = 0;
+};
+
+/// The chains of all meshes of all layers. Main thread only.
+class LodFades {
+public:
+	void set_layers(std::span<const SharedSnapshot> layers);
+
+	/// Null for a mesh that is not drawn.
+	const LodChain *find(std::uint32_t layer, std::size_t mesh) const;
+
+	/// Creates some of the missing variants; false if none is missing. Sets `r_ready` when a chain is complete, because it fades from then
+	/// on.
+	bool make_some(bool &r_ready);
+	bool is_made() const { return layers_made_ == layers_.size(); }
+
+private:
+	struct Layer {
+		SharedSnapshot of;
+		std::vector<LodChain> chains;
+		std::vector<LodChain> before; ///< The chains from before the layer changed, to copy looks that are the same.
+	};
+	std::vector<Layer> layers_;
+	std::size_t layers_made_ = 0;
+};
+
+} // namespace thicket

@@ -1,0 +1,306 @@
+#include "nodes/drawing/tile_display.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// As in the layer; empty for a mesh that is not drawn.
+std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
+	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
+}
+
+/// The largest number of visuals that a step hides: some ten microseconds.
+constexpr std::size_t hidden_per_step = 16;
+
+} // namespace
+
+TileDisplay::Order TileDisplay::order(const TileKey &key) {
+	return {key.layer, key.tile.x, key.tile.y, -std::int64_t{key.grid}};
+}
+
+TileKey TileDisplay::key_of(const Order &order) {
+	const auto &[layer, x, y, grid] = order;
+	return {layer, static_cast<std::uint32_t>(-grid), {x, y}};
+}
+
+void TileDisplay::set_scenario(const RID &scenario, std::uint64_t node_id) {
+	context_.scenario = scenario;
+	context_.node_id = node_id;
+}
+
+void TileDisplay::set_world_offset(glm::dvec3 offset) {
+	context_.offset = offset;
+	for (auto &[key, tile] : tiles_) {
+		tile.set_offset(offset);
+	}
+	for (TileVisual &visual : leaving_) {
+		visual.set_offset(offset);
+	}
+	for (DisplayedTile::Part &part : division_ ? std::span(division_->parts) : std::span<DisplayedTile::Part>()) {
+		for (DisplayedTile::Cell &cell : part.cells) {
+			cell.for_each_visual([&offset](TileVisual &visual) { visual.set_offset(offset); });
+		}
+	}
+}
+
+void TileDisplay::set_visible(bool visible) {
+	if (visible_ == visible) {
+		// Fast path: all tiles already have this visibility.
+		return;
+	}
+	visible_ = visible;
+	for (auto &[key, tile] : tiles_) {
+		tile.set_visible(visible);
+	}
+}
+
+void TileDisplay::set_layers(const std::vector<SharedSnapshot> &layers) {
+	drawing_versions_.resize(layers.size());
+	bool changed = false;
+	for (std::size_t index = 0; index < layers.size(); ++index) {
+		const SharedSnapshot before = index < layers_.size() ? layers_[index] : nullptr;
+		const SharedSnapshot &now = layers[index];
+		const bool same = before != nullptr && now != nullptr && before->drawing == now->drawing &&
+				before->lod == now->lod && before->cells == now->cells;
+		if (before != now && !same) {
+			drawing_versions_[index] = ++last_version_;
+			changed = true;
+		}
+	}
+	layers_ = layers;
+	fades_.set_layers(layers_);
+	if (changed) {
+		cancel_division();
+		visit_all();
+	}
+}
+
+/// Null for a layer that is not shown.
+const LayerSnapshot *TileDisplay::layer_at(std::uint32_t index) const {
+	return index < layers_.size() ? layers_[index].get() : nullptr;
+}
+
+std::uint64_t TileDisplay::drawing_version(std::uint32_t layer) const {
+	return layer < drawing_versions_.size() ? drawing_versions_[layer] : 0;
+}
+
+void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
+	static const auto nothing = std::make_shared<const CompactTile>();
+	const TileJob &job = *r_upload.job;
+	const TileKey &key = job.request.key;
+	DisplayedTile &tile = r_upload.tile;
+	tile.tile = job.tile != nullptr ? job.tile : nothing; // A tile that could not be generated is empty.
+	tile.settings = job.layer->settings;
+	tile.mesh_reach = job.layer->drawing.mesh_reach;
+	tile.rect = job.request.rect;
+	tile.drawing_version = drawing_version(key.layer);
+	r_upload.shown = overlay(tile);
+	r_upload.overlay_version = overlay_version_;
+	if (r_upload.shown.size() != tile.tile->meshes.size()) {
+		tile.tile = nullptr; // There is no memory now, so it is begun again later.
+		return;
+	}
+	const LayerSnapshot *layer = layer_at(key.layer);
+	std::vector<std::pair<std::size_t, std::size_t>> sizes; // Instances, and multimeshes per cell.
+	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
+		const CompactMesh &shown = *r_upload.shown[mesh];
+		if (layer != nullptr && layer->drawing.draws(mesh) && shown.size() > 0) {
+			tile.grow(box_around(shown.min(), shown.max(), tile.reach_of(mesh) * shown.max_scale()));
+			sizes.emplace_back(shown.size(), casts_by_other_meshes(lods_of(layer->drawing, mesh)) ? 2 : 1);
+		}
+	}
+	const auto found = tiles_.find(order(key));
+	const DisplayedTile *standing = found != tiles_.end() ? &found->second : nullptr;
+	const std::uint32_t across = division_of(key, tile, standing != nullptr ? standing->across : 0);
+	std::uint64_t multimeshes = multimeshes_ - (standing != nullptr ? standing->multimesh_count() : 0);
+	for (const auto &[instances, multimeshes_of_a_cell] : sizes) {
+		multimeshes += std::min(instances, std::size_t{across} * across) * multimeshes_of_a_cell;
+	}
+	const bool may_be_divided = multimeshes <= limits_.max_multimeshes && (standing != nullptr || !others_wait);
+	tile.across = may_be_divided ? across : 1; // Otherwise it may be divided once it is visible.
+}
+
+void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
+	if (!r_upload.is_begun()) {
+		begin(r_upload, others_wait);
+	}
+	if (!r_upload.is_begun() || r_upload.is_complete()) {
+		return;
+	}
+	const TileJob &job = *r_upload.job;
+	DisplayedTile &tile = r_upload.tile;
+	const LayerSnapshot *layer = layer_at(job.request.key.layer);
+	if (!r_upload.has_open_part()) {
+		const std::size_t mesh = tile.parts.size();
+		DisplayedTile::Part part;
+		if (!begin_part(tile, r_upload.shown[mesh], drawn_lods(layer, mesh), tile.across, part)) {
+			return; // There is no memory now.
+		}
+		tile.parts.push_back(std::move(part));
+	}
+	DisplayedTile::Part &part = tile.parts.back();
+	const std::size_t mesh = tile.parts.size() - 1;
+	const bool own = part.division.empty() && part.shown.get() == &job.tile->meshes[mesh];
+	if (layer == nullptr) {
+		part.lods.clear(); // The layer was removed in the meantime: nothing more is drawn of it.
+	} else if (own && r_upload.has_open_part()) {
+		// Fast path: the worker has prepared the buffer.
+		part.cells.push_back(make_cell(tile, part, layer->drawing, job.uploads[mesh]));
+	} else {
+		upload_cells(tile, mesh, layer->drawing, part);
+	}
+}
+
+void TileDisplay::show(TileUpload upload) {
+	const TileKey key = upload.job->request.key;
+	if (division_ && division_->key == key) {
+		cancel_division();
+	}
+	marks_.reserve(marks_.size() + 1); // So that nothing throws between `uncount` and `count`.
+	DisplayedTile &tile = tiles_[order(key)];
+	leaving_.reserve(leaving_.size() + tile.multimesh_count());
+	uncount(tile);
+	upload.tile.set_lod(tile.finest_lod());
+	upload.tile.is_cut = tile.is_cut;
+	upload.tile.to_divide = tile.to_divide;
+	upload.tile.to_fade = tile.to_fade;
+	// The old visuals are hidden now: while both were visible, each instance would be drawn twice.
+	tile.set_visible(false);
+	leave(std::move(tile));
+	tile = std::move(upload.tile);
+	if (upload.overlay_version != overlay_version_) {
+		patch(key, tile);
+	}
+	tile.set_offset(context_.offset); // The origin may have moved since the first part was uploaded.
+	count(tile);
+	note_division(order(key), tile);
+	refine(key, tile);
+	tile.set_visible(visible_);
+}
+
+void TileDisplay::leave(DisplayedTile &&tile) {
+	for (DisplayedTile::Part &part : tile.parts) {
+		leave(std::move(part.cells));
+	}
+}
+
+void TileDisplay::leave(std::vector<DisplayedTile::Cell> &&cells) {
+	for (DisplayedTile::Cell &cell : cells) {
+		cell.for_each_visual([this](TileVisual &visual) { leaving_.push_back(std::move(visual)); });
+	}
+	cells.clear();
+}
+
+bool TileDisplay::holds(const TileKey &key) const { return tiles_.contains(order(key)); }
+
+bool TileDisplay::drop(const TileKey &key) {
+	const auto found = tiles_.find(order(key));
+	if (found == tiles_.end()) {
+		return false;
+	}
+	if (division_ && division_->key == key) {
+		cancel_division();
+	}
+	if (found->second.to_divide) {
+		std::erase(to_divide_, key);
+	}
+	if (found->second.to_fade) {
+		std::erase(to_fade_, key);
+	}
+	uncount(found->second);
+	leave(std::move(found->second));
+	divided_.erase(found->first);
+	tiles_.erase(found);
+	schedule_.remove(key);
+	multimeshes_gone();
+	return true;
+}
+
+/// Hides first, which is quick: removed tiles must not stay visible while all of them are being freed.
+bool TileDisplay::free_step() {
+	if (leaving_hidden_ < leaving_.size()) {
+		const std::size_t end = std::min(leaving_.size(), leaving_hidden_ + hidden_per_step);
+		for (; leaving_hidden_ < end; ++leaving_hidden_) {
+			leaving_[leaving_hidden_].set_visible(false);
+		}
+		return true;
+	}
+	if (leaving_.empty()) {
+		return false;
+	}
+	leaving_.pop_back();
+	leaving_hidden_ = leaving_.size();
+	return true;
+}
+
+void TileDisplay::retire() {
+	cancel_division();
+	for (auto &[key, tile] : tiles_) {
+		leave(std::move(tile));
+	}
+	std::vector<TileVisual> leaving = std::exchange(leaving_, {});
+	const std::size_t hidden = leaving_hidden_;
+	clear();
+	leaving_ = std::move(leaving);
+	leaving_hidden_ = hidden;
+}
+
+void TileDisplay::clear() {
+	leaving_.clear();
+	leaving_hidden_ = 0;
+	division_.reset();
+	to_divide_.clear();
+	to_fade_.clear();
+	denied_.clear();
+	divided_.clear();
+	tiles_.clear();
+	instances_ = instance_bytes_ = multimeshes_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = lod_look_count_ =
+			0;
+	schedule_.clear();
+	cut_.clear();
+	share_ = 1.0;
+	hidden_.clear();
+	marks_.clear();
+	marked_all_ = false;
+	marked_later_.clear();
+}
+
+const DisplayedTile *TileDisplay::find(std::uint32_t layer, glm::ivec2 tile) const {
+	const auto found = tiles_.lower_bound({layer, tile.x, tile.y, std::numeric_limits<std::int64_t>::min()});
+	if (found == tiles_.end()) {
+		return nullptr;
+	}
+	const auto &[at_layer, x, y, grid] = found->first;
+	return at_layer == layer && x == tile.x && y == tile.y ? &found->second : nullptr;
+}
+
+std::vector<glm::ivec2> TileDisplay::tiles(std::uint32_t layer) const {
+	std::vector<glm::ivec2> result;
+	for (auto at = first_of(layer); at != tiles_.end() && std::get<0>(at->first) == layer; ++at) {
+		result.emplace_back(std::get<1>(at->first), std::get<2>(at->first));
+	}
+	return result;
+}
+
+std::uint64_t TileDisplay::instance_count(std::uint32_t layer) const {
+	std::uint64_t result = 0;
+	for (auto at = first_of(layer); at != tiles_.end() && std::get<0>(at->first) == layer; ++at) {
+		for (const DisplayedTile::Part &part : at->second.parts) {
+			result += part.shown->size();
+		}
+	}
+	return result;
+}
+
+std::map<TileDisplay::Order, DisplayedTile>::const_iterator TileDisplay::first_of(std::uint32_t layer) const {
+	constexpr auto lowest = std::numeric_limits<std::int32_t>::min();
+	return tiles_.lower_bound({layer, lowest, lowest, std::numeric_limits<std::int64_t>::min()});
+}
+
+} // namespace thicket

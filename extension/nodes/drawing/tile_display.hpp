@@ -1,0 +1,293 @@
+#pragma once
+
+#include "core/near/tile_overlay.hpp"
+#include "core/drawing/lod_schedule.hpp"
+#include "core/streaming/tile_streamer.hpp"
+#include "nodes/drawing/displayed_tile.hpp"
+#include "nodes/drawing/draw_figures.hpp"
+#include "nodes/drawing/lod_fades.hpp"
+#include "nodes/drawing/upload_queue.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <tuple>
+#include <unordered_set>
+#include <vector>
+
+namespace thicket {
+
+/// Limits on how much of the tiles is drawn, whatever the distance.
+struct DrawLimits {
+	double quality = 1.0;                                                    ///< Share of every tile, 0 to 1.
+	std::uint64_t max_instances = std::numeric_limits<std::uint64_t>::max(); ///< For all tiles together.
+	std::uint64_t max_multimeshes = 8192; ///< For all tiles together: beyond that, no tile is divided for drawing.
+	std::vector<bool> hidden_layers;      ///< By index; hidden layers draw nothing. Missing entries are visible.
+
+	/// The share of a layer's tiles that is drawn, whatever the distance.
+	double share(std::size_t layer) const {
+		return layer < hidden_layers.size() && hidden_layers[layer] ? 0.0 : quality;
+	}
+
+	friend bool operator==(const DrawLimits &, const DrawLimits &) = default;
+};
+
+/// The visible tiles and how they are drawn. Uploads their parts, changes meshes and counts with distance, and redraws tiles that a game
+/// has changed. Main thread only. Works in small steps, so that its caller can stop when the frame's time is spent.
+class TileDisplay {
+public:
+	/// Sets the changes of a game, which apply to all future tiles. Visible tiles follow where they are marked. The state must outlive the
+	/// display.
+	void set_state(const InstanceState *state) { state_ = state; }
+
+	/// From now on an instance of a layer, whose point lies in `area`, is drawn by other means, or no longer is.
+	void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden);
+
+	/// The overlay may have changed in an area (world meters, edges included) of a layer, or everywhere.
+	void mark(std::uint32_t layer, const Rect &area) { marks_.push_back({layer, area}); }
+	void mark_all() { marked_all_ = true; }
+
+	/// Redraws the tiles whose overlay has changed where it was marked, with one upload each. Call it before the frame is drawn.
+	void patch();
+
+	/// The same for changes that `patch_step` redraws, tile by tile.
+	void mark_later(std::uint32_t layer, const Rect &area);
+	void mark_all_later();
+
+	/// Redraws one such tile. False if there is none.
+	bool patch_step();
+	bool has_patches() const { return !marked_later_.empty(); }
+
+	/// The scenario of the RenderingServer for new tiles, and the node that they belong to.
+	void set_scenario(const godot::RID &scenario, std::uint64_t node_id);
+
+	/// The world position of the engine's origin, in meters. Moves all tiles immediately.
+	void set_world_offset(glm::dvec3 offset);
+
+	/// Shows or hides all tiles, including future ones.
+	void set_visible(bool visible);
+
+	/// The layers by index. `lod_step` updates tiles whose layer is now drawn differently, step by step. The meshes of a layer apply to
+	/// future tiles only.
+	void set_layers(const std::vector<SharedSnapshot> &layers);
+
+	/// How much to draw; tiles follow as above.
+	void set_limits(const DrawLimits &limits) { next_limits_ = limits; }
+	const DrawLimits &limits() const { return next_limits_; }
+
+	/// The viewers in this frame: the drawing of a tile depends on its distance to the nearest.
+	void set_viewers(std::span<const Viewer> viewers);
+
+	/// Updates some tiles to their distances, layers and limits, without an upload. False if all tiles are up to date.
+	bool lod_step();
+
+	/// Works on one tile that is to be drawn in cells, in different cells, or as a whole again. Uploads some cells, hidden, or shows them
+	/// all and hides those that they replace, so that no frame draws an instance twice or not at all. False if there is no such tile.
+	bool divide_step();
+
+	/// True if there is such a tile.
+	bool has_divisions() const { return division_ || !to_divide_.empty() || over_limit(); }
+
+	/// Uploads some visuals of LODs that are to fade in, or creates fading meshes. False if there are none.
+	bool fade_step();
+	bool has_fades() const { return !to_fade_.empty() || !fades_.is_made(); }
+
+	/// True if none of these three steps would find work, and no removed tile is still visible.
+	bool settled() const;
+
+	/// Uploads another part of a tile that is not complete. While `others_wait`, a tile that replaces none begins as a whole, and is
+	/// divided once there is time for it.
+	void upload_some(TileUpload &r_upload, bool others_wait);
+
+	/// Shows a complete tile, in place of the one with its key.
+	void show(TileUpload upload);
+
+	/// Takes a tile that was never shown. `free_step` frees its content step by step.
+	void discard(TileUpload upload) { leave(std::move(upload.tile)); }
+
+	/// True if the tile with this key is visible.
+	bool holds(const TileKey &key) const;
+
+	/// Removes a tile. Its content is hidden and then freed step by step, by `free_step`. False if it is not visible.
+	bool drop(const TileKey &key);
+	bool free_step();
+
+	/// Removes all tiles. Their content is hidden and then freed step by step, by `free_step`.
+	void retire();
+
+	/// Visuals that wait to be freed.
+	std::size_t leaving_count() const { return leaving_.size(); }
+
+	/// Frees everything immediately.
+	void clear();
+
+	/// The visible tile of a layer, null if there is none. If there are several, the newest grid takes priority.
+	const DisplayedTile *find(std::uint32_t layer, glm::ivec2 tile) const;
+	std::vector<glm::ivec2> tiles(std::uint32_t layer) const;
+
+	std::size_t tile_count() const { return tiles_.size(); }
+	std::uint64_t instance_count() const { return instances_; }
+
+	/// The same for one layer.
+	std::uint64_t instance_count(std::uint32_t layer) const;
+
+	/// Main memory that all instances take, in bytes, without the renderer's copies.
+	std::uint64_t instance_bytes() const { return instance_bytes_; }
+
+	/// Instances that are drawn when in view, at most as many as the limits allow.
+	std::uint64_t drawn_count() const { return drawn_; }
+
+	/// The share of a layer's instances that is drawn at this distance from a viewer (meters), including all limits: 0 to 1.
+	double drawn_share(const LodSettings &lod, double distance) const {
+		return thinned_density(lod, distance) * limits_.quality * share_;
+	}
+
+	/// Visible multimeshes: one for each mesh of a tile that is drawn as a whole, more for a tile in cells.
+	std::uint64_t multimesh_count() const { return multimeshes_; }
+
+	/// The approximate world y of the tiles' instances, in meters; 0 if there are none.
+	double usual_height() const;
+
+	/// Adds up everything that is drawn now.
+	void count_drawn(DrawCounter &r_counter) const;
+
+	/// Buffers passed to the renderer since the display was created or cleared.
+	std::uint64_t upload_count() const { return upload_count_; }
+
+	/// Tiles that have followed a change of their layer's drawing settings, without an upload, since then.
+	std::uint64_t redrawn_count() const { return redrawn_count_; }
+
+	/// Cells, and tiles that are drawn as a whole, for which an LOD was chosen by distance, counted for each mesh.
+	std::uint64_t lod_look_count() const { return lod_look_count_; }
+
+private:
+	/// layer, x, y, -grid: neighbors in a layer stay together, and the newest grid sorts first.
+	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
+	struct Mark {
+		std::uint32_t layer = 0;
+		Rect area;
+	};
+	static Order order(const TileKey &key);
+	static TileKey key_of(const Order &order);
+	std::map<Order, DisplayedTile>::const_iterator first_of(std::uint32_t layer) const;
+	void leave(DisplayedTile &&tile);
+	void leave(std::vector<DisplayedTile::Cell> &&cells);
+	void count(const DisplayedTile &tile);
+	void uncount(const DisplayedTile &tile);
+	void visit_all();
+	void apply_drawing(const TileKey &key, DisplayedTile &r_tile);
+	void refine(const TileKey &key, DisplayedTile &r_tile);
+	Sight sight_of(std::uint32_t layer) const;
+	DistanceRange distances_to(std::uint32_t layer, const DisplayedTile &tile) const;
+	double distance_to(std::uint32_t layer, const DisplayedTile &tile) const { return distances_to(layer, tile).near; }
+
+	/// How the instances of a mesh are drawn at any distance.
+	struct Drawing {
+		const LodSettings &lod;
+		const LodChain &chain;
+		bool fades;   ///< True if the chain belongs to the looks that the tile is drawn with, and is complete.
+		double share; ///< As DrawLimits::share returns for the layer.
+
+		double margin(const DistanceRange &distance) const;
+	};
+	Drawing drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const;
+	bool draw_whole(const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin);
+	bool draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin);
+	bool draw_cell(
+			const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell);
+	static const MeshLook &first_look(
+			const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell);
+	void show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks, const DisplayedTile::Part &part,
+			DisplayedTile::Cell &r_cell);
+	void add_other(const TileKey &key, const DisplayedTile &tile, std::size_t mesh, DisplayedTile::Part &r_part,
+			std::size_t cell);
+	bool wants_visuals(const TileKey &key, const DisplayedTile &tile) const;
+	bool upload_others(const TileKey &key, DisplayedTile &r_tile);
+	bool upload_others(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
+	void begin(TileUpload &r_upload, bool others_wait) const;
+	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown, std::vector<MeshLook> lods,
+			std::uint32_t across, DisplayedTile::Part &r_part) const;
+	TileVisual make_visual(const DisplayedTile &tile, const DisplayedTile::Part &part, const LayerDrawing &drawing,
+			const MeshUpload &upload);
+	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
+			const LayerDrawing &drawing, const MeshUpload &upload);
+	void upload_cells(
+			const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, DisplayedTile::Part &r_part);
+	const LayerSnapshot *layer_at(std::uint32_t index) const;
+	std::uint64_t drawing_version(std::uint32_t layer) const;
+	void redraw(const TileKey &key, DisplayedTile &r_tile);
+	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
+			DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown);
+	void patch(const TileKey &key, DisplayedTile &r_tile);
+	bool patch_parts(const TileKey &key, DisplayedTile &r_tile);
+	std::vector<std::shared_ptr<const CompactMesh>> overlay(const DisplayedTile &tile) const;
+
+	// How tiles are divided into cells.
+
+	/// A visible tile that is being divided differently: the parts uploaded until now, hidden.
+	struct Division {
+		TileKey key;
+		std::uint32_t across = 1;
+		std::vector<DisplayedTile::Part> parts;
+	};
+	struct FartherCells {
+		const Order *farthest = nullptr; ///< The tile in cells farthest from the viewers; null if there is none.
+		std::uint64_t spare = 0;         ///< Multimeshes that would be freed if all such tiles were drawn as a whole.
+	};
+	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const;
+	void choose_division(const TileKey &key, DisplayedTile &r_tile);
+	bool begin_division();
+	bool begin_division_of(const TileKey &key, DisplayedTile &r_tile);
+	bool over_limit() const { return multimeshes_ > limits_.max_multimeshes && !divided_.empty(); }
+	FartherCells cells_beyond(double distance) const;
+	void continue_division();
+	void finish_division(DisplayedTile &r_tile);
+	void cancel_division();
+	void note_division(const Order &at, const DisplayedTile &tile);
+	void multimeshes_gone();
+
+	VisualContext context_;
+	bool visible_ = true;
+	std::vector<SharedSnapshot> layers_;
+	std::vector<std::uint64_t> drawing_versions_; ///< One for each layer; changes whenever its drawing settings change.
+	std::uint64_t last_version_ = 0;
+	std::map<Order, DisplayedTile> tiles_;
+	std::vector<TileVisual> leaving_;
+	std::size_t leaving_hidden_ = 0; ///< The number of visuals, from the first on, that are hidden.
+	std::uint64_t instances_ = 0;
+	std::uint64_t instance_bytes_ = 0;
+	std::uint64_t multimeshes_ = 0;
+	std::uint64_t upload_count_ = 0;
+	std::uint64_t redrawn_count_ = 0;
+	std::uint64_t lod_look_count_ = 0;
+
+	LodSchedule schedule_;
+	DrawLimits limits_;
+	DrawLimits next_limits_;
+	double share_ = 1.0; ///< The share of the wanted instances that is drawn, so that max_instances is not exceeded.
+	std::uint64_t drawn_ = 0;
+	std::uint64_t wanted_ = 0;
+	std::vector<TileKey> cut_; ///< Tiles that the limit has thinned, to be visited once more. No duplicates.
+
+	std::optional<Division> division_; ///< The division in progress.
+	std::vector<TileKey> to_divide_;   ///< Tiles that wait for a new division. No duplicates.
+	std::vector<TileKey> denied_;      ///< Tiles for which there was no room.
+	std::set<Order> divided_;          ///< Visible tiles in cells.
+
+	LodFades fades_;
+	std::vector<TileKey> to_fade_; ///< Tiles that wait for visuals of LODs. No duplicates.
+
+	const InstanceState *state_ = nullptr;
+	std::unordered_set<std::uint64_t> hidden_;
+	std::vector<Mark> marks_;
+	bool marked_all_ = false;
+	std::set<Order> marked_later_;
+	std::uint64_t overlay_version_ = 0; ///< Rises with every `patch` that had marks.
+};
+
+} // namespace thicket

@@ -1,0 +1,250 @@
+// How much of each tile is drawn: by distance, quality and a limit for all tiles together, and all of it without an upload.
+
+#include "nodes/drawing/tile_display.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// The smallest distance in meters that a viewer must move before a tile is visited again. At a distance where something changes the margin
+/// is 0, and while the viewer does not move the tile would be visited endlessly.
+constexpr double min_margin = 1e-3;
+
+/// The same for a tile in cells, one of which is always near a change: a share of a cell's size.
+constexpr double min_cells_margin = 1.0 / 8.0;
+
+/// Multimeshes that a step checks, or slightly more: a few microseconds. A checked tile is seldom drawn differently.
+constexpr std::size_t cells_per_step = 32;
+
+} // namespace
+
+void TileDisplay::count(const DisplayedTile &tile) {
+	instance_bytes_ += tile.bytes();
+	for (const DisplayedTile::Part &part : tile.parts) {
+		instances_ += part.shown->size();
+		multimeshes_ += part.multimesh_count();
+		for (const DisplayedTile::Cell &cell : part.cells) {
+			drawn_ += cell.drawn;
+			wanted_ += cell.wanted;
+		}
+	}
+}
+
+void TileDisplay::uncount(const DisplayedTile &tile) {
+	instance_bytes_ -= tile.tile != nullptr ? tile.bytes() : 0;
+	for (const DisplayedTile::Part &part : tile.parts) {
+		instances_ -= part.shown->size();
+		multimeshes_ -= part.multimesh_count();
+		for (const DisplayedTile::Cell &cell : part.cells) {
+			drawn_ -= cell.drawn;
+			wanted_ -= cell.wanted;
+		}
+	}
+}
+
+void TileDisplay::count_drawn(DrawCounter &r_counter) const {
+	for (const auto &[at, tile] : tiles_) {
+		const glm::dvec3 origin = tile.tile->origin;
+		for (const DisplayedTile::Part &part : tile.parts) {
+			for (const DisplayedTile::Cell &cell : part.cells) {
+				const glm::dvec3 min = origin + glm::dvec3(cell.min);
+				const glm::dvec3 max = origin + glm::dvec3(cell.max);
+				r_counter.add(cell.visual.mesh(), visible_ ? cell.drawn : 0, min, max);
+				for (const TileVisual &other : cell.others) {
+					r_counter.add(other.mesh(), visible_ ? other.drawn() : 0, min, max);
+				}
+			}
+		}
+	}
+}
+
+void TileDisplay::set_viewers(std::span<const Viewer> viewers) {
+	const double share = limited_share(share_, wanted_, next_limits_.max_instances);
+	const bool others = schedule_.move(viewers);
+	if (others || share != share_ || next_limits_ != limits_) {
+		share_ = share;
+		limits_ = next_limits_;
+		visit_all();
+	}
+	for (const TileKey &key : std::exchange(cut_, {})) {
+		if (const auto found = tiles_.find(order(key)); found != tiles_.end()) {
+			found->second.is_cut = false;
+			found->second.look_at_all = true;
+			schedule_.add(key, 0.0);
+		}
+	}
+}
+
+void TileDisplay::visit_all() {
+	schedule_.clear();
+	cut_.clear();
+	for (auto &[at, tile] : tiles_) {
+		tile.is_cut = false;
+		tile.look_at_all = true;
+		schedule_.add(key_of(at), 0.0);
+	}
+}
+
+bool TileDisplay::lod_step() {
+	std::size_t looked_at = 0;
+	while (looked_at < cells_per_step) {
+		const std::optional<TileKey> key = schedule_.next();
+		if (!key) {
+			break;
+		}
+		if (const auto found = tiles_.find(order(*key)); found != tiles_.end()) {
+			refine(*key, found->second);
+			looked_at += found->second.cell_count() + 1;
+		}
+	}
+	return looked_at > 0;
+}
+
+void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
+	if (r_tile.drawing_version == drawing_version(key.layer)) {
+		// Fast path: the renderer has these settings.
+		return;
+	}
+	r_tile.drawing_version = drawing_version(key.layer);
+	++redrawn_count_;
+	for (DisplayedTile::Part &part : r_tile.parts) {
+		for (DisplayedTile::Cell &cell : part.cells) {
+			cell.for_each_visual([&](TileVisual &visual) { visual.apply(layers_[key.layer]->drawing); });
+		}
+	}
+}
+
+Sight TileDisplay::sight_of(std::uint32_t layer) const {
+	const LayerSnapshot *known = layer_at(layer);
+	return known != nullptr ? known->lod.sight() : Sight();
+}
+
+DistanceRange TileDisplay::distances_to(std::uint32_t layer, const DisplayedTile &tile) const {
+	const glm::dvec3 origin = tile.tile->origin;
+	return schedule_.distances_to(origin + glm::dvec3(tile.min), origin + glm::dvec3(tile.max), sight_of(layer));
+}
+
+double TileDisplay::usual_height() const {
+	double sum = 0.0;
+	std::size_t count = 0;
+	for (const auto &[at, tile] : tiles_) {
+		if (tile.draws_anything()) {
+			sum += tile.tile->origin.y + 0.5 * (static_cast<double>(tile.min.y) + static_cast<double>(tile.max.y));
+			++count;
+		}
+	}
+	return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+/// Draws a tile as its layer requires for its distance, and schedules its next visit.
+void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
+	const LayerSnapshot *layer = layer_at(key.layer);
+	if (!r_tile.draws_anything() || layer == nullptr) {
+		schedule_.remove(key);
+		return;
+	}
+	apply_drawing(key, r_tile);
+	const DistanceRange distance = distances_to(key.layer, r_tile);
+	double margin = std::numeric_limits<double>::infinity();
+	const bool whole = r_tile.across > 1 ? draw_cells(key, r_tile, margin) : draw_whole(key, distance, r_tile, margin);
+	r_tile.look_at_all = false;
+	if (!whole && !std::exchange(r_tile.is_cut, true)) {
+		cut_.push_back(key);
+	}
+	if (wants_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
+		to_fade_.push_back(key);
+	}
+	choose_division(key, r_tile);
+	schedule_.add(
+			key, std::max(std::min(margin, division_margin(layer->cells, layer->lod, distance.near)), min_margin));
+}
+
+/// How far viewers may move until the instances may have to be drawn differently.
+double TileDisplay::Drawing::margin(const DistanceRange &distance) const {
+	const double margin = distance_margin(lod, distance.near);
+	return fades ? std::min(margin, span_margin(lod, chain.steps(), distance)) : margin;
+}
+
+TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
+	static const LodChain none{LayerDrawing(), LodSettings(), 0};
+	const LodChain *chain = fades_.find(key.layer, mesh);
+	const bool fades = chain != nullptr && chain->is_made() && chain->is_of(tile.parts[mesh].lods);
+	return {layers_[key.layer]->lod, fades ? *chain : none, fades, limits_.share(key.layer)};
+}
+
+/// Draws the meshes and the share of the instances that the distance of the tile requires. False if the limit for all tiles thins them.
+/// `r_margin` gets the distance that viewers may move until that changes.
+bool TileDisplay::draw_whole(
+		const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin) {
+	bool whole = true;
+	r_margin = distance_margin(layers_[key.layer]->lod, distance.near);
+	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
+		DisplayedTile::Part &part = r_tile.parts[mesh];
+		for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
+			const Drawing drawing = drawing_of(key, r_tile, mesh);
+			whole = draw_cell(drawing, distance, part, cell) && whole;
+			r_margin = std::min(r_margin, drawing.margin(distance));
+		}
+	}
+	return whole;
+}
+
+/// The same for each cell that is due.
+bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin) {
+	const double now = schedule_.traveled();
+	const glm::dvec3 origin = r_tile.tile->origin;
+	bool whole = true;
+	r_margin = std::numeric_limits<double>::infinity();
+	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
+		DisplayedTile::Part &part = r_tile.parts[mesh];
+		const Drawing drawing = drawing_of(key, r_tile, mesh);
+		part.due.resize(part.cells.size()); // Separate from the cells, because most visits read nothing else.
+		for (std::size_t at = 0; at < part.cells.size(); ++at) {
+			if (!r_tile.look_at_all && part.due[at] > now) {
+				// Fast path: viewers have not moved far enough for a change.
+				r_margin = std::min(r_margin, part.due[at] - now);
+				continue;
+			}
+			const DisplayedTile::Cell &cell = part.cells[at];
+			const DistanceRange distance = schedule_.distances_to(
+					origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max), drawing.lod.sight());
+			whole = draw_cell(drawing, distance, part, at) && whole;
+			part.due[at] = now + drawing.margin(distance);
+			r_margin = std::min(r_margin, part.due[at] - now);
+		}
+	}
+	r_margin = std::max(r_margin, min_cells_margin * r_tile.rect.size().x / r_tile.across);
+	return whole;
+}
+
+bool TileDisplay::draw_cell(
+		const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell_index) {
+	++lod_look_count_;
+	DisplayedTile::Cell &cell = r_part.cells[cell_index];
+	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
+	const double thinned = thinned_density(drawing.lod, distance.near);
+	cell.scale = static_cast<float>(compensating_scale(drawing.lod, thinned));
+	cell.density = thinned * drawing.share * share_;
+	cell.lod = lod_at(drawing.lod, distance.near, cell.lod);
+	cell.span = drawing.fades ? lod_span(drawing.lod, drawing.chain.steps(), distance, cell.span)
+							  : LodSpan{cell.lod, cell.lod, false};
+	const double of_lod = first_look(drawing, r_part, cell).look.density;
+	wanted_ -= std::exchange(cell.wanted, visible_prefix(ranks, thinned * drawing.share * of_lod));
+	wanted_ += cell.wanted;
+	drawn_ -= cell.drawn;
+	const std::uint64_t due = visible_prefix(ranks, cell.density * of_lod);
+	const std::uint64_t room = limits_.max_instances - std::min(limits_.max_instances, drawn_);
+	cell.drawn = static_cast<std::size_t>(std::min(due, room));
+	drawn_ += cell.drawn;
+	show_lods(drawing, ranks, r_part, cell);
+	return cell.drawn == due;
+}
+
+} // namespace thicket

@@ -1,0 +1,240 @@
+// Displays a game's changes: instances that are removed, placed by hand, or drawn by other means.
+
+#include "core/base/guard.hpp"
+#include "nodes/common/property_check.hpp"
+#include "nodes/drawing/tile_display.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <map>
+#include <new>
+#include <optional>
+#include <utility>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+bool same(const CompactMesh &a, const CompactMesh &b) {
+	bool equal = a.size() == b.size();
+	for (std::size_t i = 0; equal && i < a.size(); ++i) {
+		equal = a.same(i, b, i);
+	}
+	return equal;
+}
+
+/// How a cell of a part gets its instances.
+struct CellPatch {
+	std::optional<std::size_t> before; ///< The visible cell to reuse; none for a new one.
+	std::optional<MeshUpload> upload;  ///< None if the renderer already has the instances.
+};
+
+/// One for each cell of `next`, reusing the visible cells of `part`.
+std::vector<CellPatch> cell_patches(
+		const DisplayedTile::Part &part, const DisplayedTile::Part &next, const DisplayedTile &tile, std::size_t mesh) {
+	const bool whole = tile.across == 1;
+	const std::size_t count = whole ? std::max(next.cell_count(), part.cells.size()) : next.division.cells.size();
+	std::vector<CellPatch> result;
+	result.reserve(count);
+	std::size_t before = 0;
+	for (std::size_t at = 0; at < count; ++at) {
+		while (!whole && before < part.cells.size() &&
+				part.division.cells[before].number < next.division.cells[at].number) {
+			++before;
+		}
+		const bool stands = before < part.cells.size() &&
+				(whole || part.division.cells[before].number == next.division.cells[at].number);
+		const bool unchanged = stands && !whole &&
+				same_instances(*part.shown, part.division.order_of(part.division.cells[before]), *next.shown,
+						next.division.order_of(next.division.cells[at]));
+		if (unchanged) {
+			// Fast path: the renderer has the same instances of the cell.
+			result.push_back({before++, {}});
+			continue;
+		}
+		CellPatch patch{{}, to_upload(next, at, tile.reach_of(mesh))};
+		if (stands) {
+			// Fast path: its visuals are reused for the other instances.
+			patch.before = before++;
+		}
+		result.push_back(std::move(patch));
+	}
+	return result;
+}
+
+} // namespace
+
+void TileDisplay::set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) {
+	const bool changed = hidden ? hidden_.insert(id).second : hidden_.erase(id) > 0;
+	if (changed) {
+		mark(layer, area);
+	}
+}
+
+std::vector<std::shared_ptr<const CompactMesh>> TileDisplay::overlay(const DisplayedTile &tile) const {
+	OverlaidMeshes meshes;
+	report("TerrainScatter3D", overlaid(tile.tile, *tile.settings, tile.rect, {state_, &hidden_}, meshes));
+	return meshes;
+}
+
+void TileDisplay::patch() {
+	const std::vector<Mark> marks = std::exchange(marks_, {});
+	const bool all = std::exchange(marked_all_, false);
+	if (marks.empty() && !all) {
+		return;
+	}
+	std::map<std::uint32_t, Rect> bounds;
+	for (const auto &[layer, area] : marks) {
+		Rect &bound = bounds.try_emplace(layer, area).first->second;
+		bound = {glm::min(bound.min, area.min), glm::max(bound.max, area.max)};
+	}
+	const auto is_marked = [&](std::uint32_t layer, const Rect &rect) {
+		const auto bound = bounds.find(layer);
+		if (bound == bounds.end() || !meet(rect, bound->second)) {
+			// Fast path: a rectangle outside the bounds of all marks meets none of them.
+			return false;
+		}
+		return std::ranges::any_of(
+				marks, [&](const Mark &mark) { return mark.layer == layer && meet(rect, mark.area); });
+	};
+	++overlay_version_;
+	for (auto &[at, tile] : tiles_) {
+		if (all || is_marked(std::get<0>(at), tile.rect)) {
+			redraw(key_of(at), tile);
+		}
+	}
+}
+
+void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
+	try {
+		marks_.reserve(marks_.size() + 1); // So that `patch` throws nothing, and the counts stay right.
+		uncount(r_tile);
+		patch(key, r_tile);
+		count(r_tile);
+		refine(key, r_tile);
+	} catch (const std::bad_alloc &) {
+		marked_all_ = true; // Other marks may be lost with this one.
+		throw;
+	}
+}
+
+void TileDisplay::mark_later(std::uint32_t layer, const Rect &area) {
+	++overlay_version_;
+	for (const auto &[at, tile] : tiles_) {
+		if (key_of(at).layer == layer && meet(tile.rect, area)) {
+			marked_later_.insert(at);
+		}
+	}
+}
+
+void TileDisplay::mark_all_later() {
+	++overlay_version_;
+	for (const auto &[at, tile] : tiles_) {
+		marked_later_.insert(at);
+	}
+}
+
+bool TileDisplay::patch_step() {
+	while (!marked_later_.empty()) {
+		const Order at = *marked_later_.begin();
+		marked_later_.erase(marked_later_.begin());
+		if (const auto found = tiles_.find(at); found != tiles_.end()) {
+			redraw(key_of(at), found->second);
+			return true;
+		}
+	}
+	return false;
+}
+
+/// Leaves the counts and the changes with distance to the caller. If memory runs out, the tile stays visible and unchanged until there is
+/// some.
+void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
+	bool patched = false;
+	report("TerrainScatter3D", guarded("tile", r_tile.rect.size().x, [&] { patched = patch_parts(key, r_tile); }));
+	if (!patched) {
+		mark(key.layer, r_tile.rect);
+	}
+}
+
+/// False if there is not enough memory.
+bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
+	const LayerSnapshot *layer = layer_at(key.layer);
+	const std::vector<std::shared_ptr<const CompactMesh>> shown = overlay(r_tile);
+	if (shown.size() != r_tile.parts.size()) {
+		return false;
+	}
+	if (division_ && division_->key == key) {
+		cancel_division(); // Its uploads are outdated.
+	}
+	r_tile.look_at_all = true;
+	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
+		DisplayedTile::Part &part = r_tile.parts[mesh];
+		if (part.shown == shown[mesh] || same(*part.shown, *shown[mesh])) {
+			// Fast path: the renderer has the same instances.
+			part.shown = shown[mesh];
+		} else if (!patch_part(r_tile, mesh, layer, part, shown[mesh])) {
+			return false;
+		}
+		for (const DisplayedTile::Cell &cell : part.cells) {
+			r_tile.min = glm::min(r_tile.min, cell.min);
+			r_tile.max = glm::max(r_tile.max, cell.max);
+		}
+	}
+	return true;
+}
+
+/// Displays the new instances of a mesh. Unchanged cells are not uploaded again. Returns false, without any change, if there is not enough
+/// memory.
+bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
+		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown) {
+	DisplayedTile::Part next;
+	if (!begin_part(tile, std::move(shown), r_part.lods, tile.across, next)) {
+		return false;
+	}
+	if (layer == nullptr || next.lods.empty()) {
+		r_part.shown = next.shown;
+		return true;
+	}
+	const std::vector<CellPatch> patches = cell_patches(r_part, next, tile, mesh);
+	std::vector<DisplayedTile::Cell> fresh;
+	fresh.reserve(patches.size());
+	for (const CellPatch &patch : patches) {
+		if (!patch.before) {
+			fresh.push_back(make_cell(tile, next, layer->drawing, *patch.upload));
+		}
+	}
+	next.cells.reserve(patches.size());
+	std::vector<DisplayedTile::Cell> gone;
+	gone.reserve(r_part.cells.size());
+	std::vector<bool> stays(r_part.cells.size());
+	// Nothing may allocate memory from here on: some cells have moved to the new part, and the others must follow.
+	std::size_t made = 0;
+	for (const CellPatch &patch : patches) {
+		if (!patch.before) {
+			next.cells.push_back(std::move(fresh[made++]));
+			next.cells.back().visual.set_visible(visible_);
+			continue;
+		}
+		stays[*patch.before] = true;
+		next.cells.push_back(std::move(r_part.cells[*patch.before]));
+		if (patch.upload) {
+			next.cells.back().set_instances(*patch.upload);
+			++upload_count_;
+		}
+	}
+	for (std::size_t before = 0; before < r_part.cells.size(); ++before) {
+		if (!stays[before]) {
+			r_part.cells[before].for_each_visual([](TileVisual &visual) { visual.set_visible(false); });
+			gone.push_back(std::move(r_part.cells[before]));
+		}
+	}
+	r_part = std::move(next);
+	leave(std::move(gone));
+	return true;
+}
+
+} // namespace thicket

@@ -1,0 +1,265 @@
+#include "nodes/drawing/tile_visual.hpp"
+
+#include "core/placement/tile_instances.hpp"
+#include "nodes/common/engine_arrays.hpp"
+
+#include <godot_cpp/classes/rendering_server.hpp>
+#include <godot_cpp/variant/basis.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// GeometryInstance3D.GIMode.
+constexpr int64_t gi_static = 1;
+constexpr int64_t gi_dynamic = 2;
+
+/// Not a valid count: a new buffer draws all instances until a count is set.
+constexpr auto everything = std::numeric_limits<std::size_t>::max();
+
+} // namespace
+
+bool casts_by_other_meshes(std::span<const MeshLook> looks) {
+	return std::ranges::any_of(looks, [](const MeshLook &look) { return look.shadow.mesh.is_valid(); });
+}
+
+TileVisual::TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshLook> looks,
+		const MeshUpload &upload) : data_(data) {
+	RenderingServer *server = RenderingServer::get_singleton();
+	const MeshLook &look = looks.front();
+	drawn_by_ = {server->multimesh_create(), RID(), look.mesh};
+	if (casts_by_other_meshes(looks)) {
+		shadow_by_ = {server->multimesh_create(), RID(), look.shadow.mesh.is_valid() ? look.shadow.mesh : look.mesh};
+	}
+	set_instances(upload);
+	for_each_handle([&](Handle &handle) {
+		handle.instance = server->instance_create2(handle.multimesh, context.scenario);
+		server->instance_set_visible(handle.instance, false);
+		server->instance_attach_object_instance_id(handle.instance, context.node_id);
+	});
+	origin_ = context.origin;
+	offset_ = context.offset;
+	move_instances();
+	set_look(look);
+}
+
+TileVisual::~TileVisual() { free(); }
+
+TileVisual::TileVisual(TileVisual &&other) noexcept { *this = std::move(other); }
+
+TileVisual &TileVisual::operator=(TileVisual &&other) noexcept {
+	if (this != &other) {
+		free();
+		data_ = other.data_;
+		instances_ = other.instances_;
+		capacity_ = other.capacity_;
+		drawn_by_ = std::exchange(other.drawn_by_, Handle());
+		shadow_by_ = std::exchange(other.shadow_by_, Handle());
+		layer_shadow_ = other.layer_shadow_;
+		look_shadow_ = other.look_shadow_;
+		casts_apart_ = other.casts_apart_;
+		look_ = other.look_;
+		visible_ = other.visible_;
+		material_ = std::move(other.material_);
+		drawn_ = other.drawn_;
+		scale_ = other.scale_;
+		origin_ = other.origin_;
+		offset_ = other.offset_;
+	}
+	return *this;
+}
+
+void TileVisual::allocate(int64_t instances) {
+	RenderingServer *server = RenderingServer::get_singleton();
+	capacity_ = instances;
+	for_each_handle([&](Handle &handle) {
+		server->multimesh_allocate_data(handle.multimesh, static_cast<int32_t>(capacity_),
+				RenderingServer::MULTIMESH_TRANSFORM_3D, data_.use_colors, data_.use_custom_data);
+		server->multimesh_set_mesh(handle.multimesh, handle.mesh->get_rid());
+	});
+}
+
+void TileVisual::set_instances(const MeshUpload &upload) {
+	RenderingServer *server = RenderingServer::get_singleton();
+	const auto stride = static_cast<int64_t>(floats_per_instance(data_));
+	instances_ = upload.buffer.size() / stride;
+	if (instances_ > capacity_) {
+		allocate(instances_);
+	}
+	PackedFloat32Array buffer = upload.buffer;
+	try {
+		if (instances_ < capacity_) {
+			// The renderer requires a buffer of its whole capacity. The rest is never drawn.
+			buffer = resized_copy(buffer, capacity_ * stride);
+		}
+	} catch (const std::bad_alloc &) {
+		allocate(instances_); // Slower, but the drawn and the counted instances must not differ.
+	}
+	for_each_handle([&](Handle &handle) {
+		// Before the buffer: with our own box the renderer does not compute one from all the transforms.
+		server->multimesh_set_custom_aabb(handle.multimesh, upload.aabb);
+		server->multimesh_set_buffer(handle.multimesh, buffer);
+	});
+	drawn_ = everything;
+	set_drawn(static_cast<std::size_t>(instances_));
+}
+
+void TileVisual::free() {
+	for_each_handle([](Handle &handle) {
+		for (const RID &rid : {handle.instance, handle.multimesh}) {
+			if (rid.is_valid()) {
+				RenderingServer::get_singleton()->free_rid(rid);
+			}
+		}
+		handle = {};
+	});
+}
+
+void TileVisual::apply(const LayerDrawing &drawing) {
+	// Every member is named, so that adding a member requires a decision here.
+	const auto &[meshes, lod_meshes, surfaces, boxes, mesh_reach, cell_size, material, cast_shadow, gi_mode,
+			render_layers, lod_bias, margin, begin, begin_margin, end, end_margin, fade_mode] = drawing;
+	RenderingServer *server = RenderingServer::get_singleton();
+	const bool is_static = gi_mode == gi_static;
+	const bool is_dynamic = gi_mode == gi_dynamic;
+	const RID material_rid = material.is_valid() ? material->get_rid() : RID();
+	for (const RID &instance : {drawn_by_.instance, shadow_by_.instance}) {
+		if (!instance.is_valid()) {
+			continue;
+		}
+		server->instance_set_layer_mask(instance, static_cast<uint32_t>(render_layers));
+		server->instance_geometry_set_flag(instance, RenderingServer::INSTANCE_FLAG_USE_BAKED_LIGHT, is_static);
+		server->instance_geometry_set_flag(instance, RenderingServer::INSTANCE_FLAG_USE_DYNAMIC_GI, is_dynamic);
+		server->instance_geometry_set_lod_bias(instance, static_cast<float>(lod_bias));
+		server->instance_set_extra_visibility_margin(instance, static_cast<float>(margin));
+		server->instance_geometry_set_material_override(instance, material_rid);
+		server->instance_geometry_set_visibility_range(instance, static_cast<float>(begin), static_cast<float>(end),
+				static_cast<float>(begin_margin), static_cast<float>(end_margin),
+				static_cast<RenderingServer::VisibilityRangeFadeMode>(fade_mode));
+	}
+	material_ = material; // Only now: the previous material must not be freed while the instance uses it.
+	layer_shadow_ = cast_shadow;
+	apply_shadows();
+}
+
+/// If a different mesh casts the shadow, that mesh does nothing else, and the drawn mesh casts none.
+void TileVisual::apply_shadows() {
+	RenderingServer *server = RenderingServer::get_singleton();
+	const std::int64_t setting = MeshShadow{{}, look_shadow_}.setting_in(layer_shadow_);
+	const auto engine_setting = static_cast<RenderingServer::ShadowCastingSetting>(setting);
+	server->instance_geometry_set_cast_shadows_setting(
+			drawn_by_.instance, casts_apart_ ? RenderingServer::SHADOW_CASTING_SETTING_OFF : engine_setting);
+	if (shadow_by_.instance.is_valid()) {
+		const bool casts = casts_apart_ && setting != RenderingServer::SHADOW_CASTING_SETTING_OFF;
+		server->instance_geometry_set_cast_shadows_setting(
+				shadow_by_.instance, RenderingServer::SHADOW_CASTING_SETTING_SHADOWS_ONLY);
+		server->instance_set_visible(shadow_by_.instance, visible_ && casts);
+	}
+}
+
+void TileVisual::set_visible(bool visible) {
+	visible_ = visible;
+	RenderingServer::get_singleton()->instance_set_visible(drawn_by_.instance, visible);
+	if (shadow_by_.instance.is_valid()) {
+		apply_shadows();
+	}
+}
+
+void TileVisual::set_offset(glm::dvec3 offset) {
+	if (offset_ == offset) {
+		// Fast path: it is already at that position.
+		return;
+	}
+	offset_ = offset;
+	move_instances();
+}
+
+void TileVisual::move_instances() {
+	const glm::dvec3 at = origin_ - offset_;
+	const Transform3D transform(
+			Basis(), Vector3(static_cast<real_t>(at.x), static_cast<real_t>(at.y), static_cast<real_t>(at.z)));
+	for_each_handle([&](const Handle &handle) {
+		RenderingServer::get_singleton()->instance_set_transform(handle.instance, transform);
+	});
+}
+
+void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
+	if (r_handle.mesh == mesh) {
+		// Fast path: the renderer has this mesh.
+		return;
+	}
+	RenderingServer::get_singleton()->multimesh_set_mesh(r_handle.multimesh, mesh->get_rid());
+	r_handle.mesh = mesh; // Only now, as for the material in `apply`.
+}
+
+void TileVisual::set_look(const MeshLook &look) {
+	set_mesh(look.mesh, drawn_by_);
+	const bool casts_apart = look.shadow.mesh.is_valid() && shadow_by_.multimesh.is_valid();
+	if (casts_apart) {
+		set_mesh(look.shadow.mesh, shadow_by_);
+	}
+	apply_look(look.look);
+	if (casts_apart != casts_apart_ || look.shadow.setting != look_shadow_) {
+		casts_apart_ = casts_apart;
+		look_shadow_ = look.shadow.setting;
+		apply_shadows();
+	}
+}
+
+void TileVisual::apply_look(const LodLook &look) {
+	if (look == look_) {
+		// Fast path: the renderer has this look.
+		return;
+	}
+	RenderingServer *server = RenderingServer::get_singleton();
+	const std::shared_ptr<const ShaderParameters> before = std::exchange(look_, look).parameters;
+	for_each_handle([&](const Handle &handle) {
+		server->instance_geometry_set_transparency(handle.instance, static_cast<float>(look.transparency));
+		for (const auto &[name, value] :
+				before != nullptr && before != look.parameters ? *before : ShaderParameters()) {
+			server->instance_geometry_set_shader_parameter(handle.instance, name, Variant());
+		}
+		for (const auto &[name, value] : look.parameters != nullptr ? *look.parameters : ShaderParameters()) {
+			server->instance_geometry_set_shader_parameter(handle.instance, name, value);
+		}
+	});
+}
+
+void TileVisual::set_drawn(std::size_t count) {
+	if (drawn_ == count) {
+		// Fast path: the renderer has this count.
+		return;
+	}
+	for_each_handle([count](const Handle &handle) {
+		RenderingServer::get_singleton()->multimesh_set_visible_instances(
+				handle.multimesh, static_cast<int32_t>(count));
+	});
+	drawn_ = count;
+}
+
+void TileVisual::set_scale(float scale) {
+	if (scale_ == scale) {
+		// Fast path: the renderer has this scale.
+		return;
+	}
+	for_each_handle([scale](const Handle &handle) {
+		RenderingServer::get_singleton()->instance_geometry_set_shader_parameter(
+				handle.instance, "scatter_scale", scale);
+	});
+	scale_ = scale;
+}
+
+PackedFloat32Array TileVisual::read_back() const {
+	const PackedFloat32Array buffer = RenderingServer::get_singleton()->multimesh_get_buffer(drawn_by_.multimesh);
+	const int64_t floats = instances_ * static_cast<int64_t>(floats_per_instance(data_));
+	return buffer.size() > floats ? resized_copy(buffer, floats) : buffer;
+}
+
+} // namespace thicket

@@ -1,0 +1,106 @@
+#include "nodes/explain/layer_explainer.hpp"
+
+#include "core/explain/density_probe.hpp"
+#include "core/explain/place_grid.hpp"
+#include "core/sampling/nearest_points.hpp"
+#include "nodes/workers/build_at_once.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace thicket {
+
+namespace {
+
+std::string name_of(const LayerSnapshot &layer, std::size_t index) {
+	return layer.links.name.empty() ? "layer " + std::to_string(index) : layer.links.name;
+}
+
+} // namespace
+
+RuleNames LayerExplainer::names_for(const LayerSnapshot &layer) const {
+	RuleNames names{layer.field_names, {}, shapes};
+	for (const Neighbor &neighbor : layer.settings->neighbors) {
+		const auto found = std::ranges::find_if(layers, [&](const SharedSnapshot &other) {
+			return other != nullptr && other->settings->set == neighbor.layer->set;
+		});
+		names.neighbors.push_back(
+				found == layers.end() ? "" : name_of(**found, static_cast<std::size_t>(found - layers.begin())));
+	}
+	return names;
+}
+
+Status LayerExplainer::explain(std::uint32_t layer, glm::dvec2 place, LayerExplanation &r_explanation) const {
+	const LayerSettings &settings = *layers[layer]->settings;
+	PlaceExplainer explainer;
+	std::vector<Ground> answers;
+	Status status = explainer.find(settings, place);
+	if (status.ok()) {
+		status = ask_at_once(terrain.get(), ground, explainer.positions(), explainer.queries(), answers);
+	}
+	if (status.ok()) {
+		status = explainer.explain(answers, r_explanation.rules);
+	}
+	if (!status.ok()) {
+		return status;
+	}
+	const RuleNames names = names_for(*layers[layer]);
+	for (const RuleFactor &factor : r_explanation.rules.place.factors) {
+		r_explanation.sentences.push_back(describe(factor, settings, names));
+	}
+	r_explanation.verdict = judge(r_explanation.rules, settings, names);
+	r_explanation.stands = r_explanation.rules.stands();
+	if (is_ground(r_explanation.rules.place.ground)) {
+		r_explanation.place.y = double{r_explanation.rules.place.ground.height};
+	}
+	return {};
+}
+
+Status LayerExplainer::densities(
+		std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const {
+	DensityProbe probe;
+	std::vector<Ground> answers;
+	Status status = probe.find(*layers[layer]->settings, places, false);
+	if (status.ok()) {
+		status = ask_at_once(terrain.get(), ground, probe.positions(), probe.queries(), answers);
+	}
+	if (status.ok()) {
+		status = probe.look(answers);
+	}
+	r_densities.clear();
+	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {
+		r_densities.push_back(static_cast<float>(probe.density_at(place)));
+	}
+	return status;
+}
+
+Status LayerExplainer::slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const {
+	std::vector<Ground> answers;
+	const std::array<GroundQuery, 1> query{{{0, places.size(), {}}}};
+	const Status status = ask_at_once(terrain.get(), ground, places, query, answers);
+	r_slopes.clear();
+	for (std::size_t place = 0; status.ok() && place < places.size(); ++place) {
+		r_slopes.push_back(ground_slope(answers[place]));
+	}
+	return status;
+}
+
+Status LayerExplainer::ranks(
+		std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_ranks) const {
+	const Rect area = enclosing_rect(places);
+	const PointSet &set = layers[layer]->settings->set;
+	const glm::dvec2 sides = area.size() + 2.0 * set.radius;
+	if (const double count = sides.x * sides.y * point_density(set); count > max_probed_points) {
+		return Status::too_many_points("rect", count, max_probed_points);
+	}
+	TileSampler sampler;
+	std::vector<SamplePoint> points;
+	const Status status = nearest_points(sampler, set, places, points);
+	r_ranks.clear();
+	for (const SamplePoint &point : points) {
+		r_ranks.push_back(static_cast<float>(point.rank * 0x1p-32));
+	}
+	return status;
+}
+
+} // namespace thicket

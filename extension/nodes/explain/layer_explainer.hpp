@@ -1,0 +1,41 @@
+#pragma once
+
+#include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/explain/scatter_explanation.hpp"
+#include "nodes/ground/scatter_ground.hpp"
+
+#include <glm/vec2.hpp>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace thicket {
+
+/// The data of a node that an explanation needs. It is held until the explanation is done, because a script that is called for the ground
+/// may change or free the node. Main thread only.
+struct LayerExplainer {
+	std::vector<SharedSnapshot> layers;
+	std::shared_ptr<const Terrain> terrain; ///< Null for ground that is sampled on the main thread only.
+	HostedGround ground;
+	std::vector<std::string> shapes; ///< The names of the shapes of the layer that is explained next.
+
+	/// Explains the rules of the layer at an index for a world position, and for the point nearest to it. Fails as PlaceExplainer does, and
+	/// as the ground does. Throws std::bad_alloc.
+	Status explain(std::uint32_t layer, glm::dvec2 place, LayerExplanation &r_explanation) const;
+
+	/// The density of a layer at some positions, 0 to 1. Replaces `r_densities`.
+	Status densities(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const;
+
+	/// The slope of the ground at some positions, in degrees; NAN where there is no ground. Replaces `r_slopes`.
+	Status slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const;
+
+	/// The rank of the layer's point nearest to each position, 0 to 1. Replaces `r_ranks`.
+	Status ranks(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_ranks) const;
+
+private:
+	RuleNames names_for(const LayerSnapshot &layer) const;
+};
+
+} // namespace thicket

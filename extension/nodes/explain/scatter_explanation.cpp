@@ -1,0 +1,112 @@
+#include "nodes/explain/scatter_explanation.hpp"
+
+#include "nodes/common/bind_value.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/common/property_check.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/memory.hpp>
+
+#include <cmath>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+Ref<ScatterExplanation> ScatterExplanation::of(LayerExplanation explanation, glm::dvec3 offset) {
+	const Ref<ScatterExplanation> result(memnew(ScatterExplanation));
+	result->it_ = std::move(explanation);
+	result->offset_ = offset;
+	return result;
+}
+
+Vector3 ScatterExplanation::get_position() const { return to_engine(it_.place, offset_); }
+
+Vector3 ScatterExplanation::get_point_position() const {
+	const float height = it_.rules.at_point.ground.height;
+	const glm::dvec2 at = it_.rules.point.position;
+	return to_engine(glm::dvec3(at.x, std::isfinite(height) ? double{height} : it_.place.y, at.y), offset_);
+}
+
+bool ScatterExplanation::check_index(const char *p_method, int64_t p_index) const {
+	const bool there = p_index >= 0 && p_index < get_rule_count();
+	if (!there) {
+		report((std::string("ScatterExplanation.") + p_method).c_str(),
+				Status::out_of_range(
+						"index", p_index, between(0, get_rule_count() - 1, "get_rule_count() counts them")));
+	}
+	return there;
+}
+
+StringName ScatterExplanation::get_rule_name(int64_t p_index) const {
+	return check_index("get_rule_name", p_index)
+			? StringName(it_.sentences[static_cast<std::size_t>(p_index)].rule.c_str())
+			: StringName();
+}
+
+double ScatterExplanation::get_rule_value(int64_t p_index) const {
+	return check_index("get_rule_value", p_index) ? it_.rules.place.factors[static_cast<std::size_t>(p_index)].value
+												  : 0.0;
+}
+
+double ScatterExplanation::get_rule_min(int64_t p_index) const {
+	return check_index("get_rule_min", p_index) ? it_.sentences[static_cast<std::size_t>(p_index)].min : 0.0;
+}
+
+double ScatterExplanation::get_rule_max(int64_t p_index) const {
+	return check_index("get_rule_max", p_index) ? it_.sentences[static_cast<std::size_t>(p_index)].max : 0.0;
+}
+
+double ScatterExplanation::get_rule_density(int64_t p_index) const {
+	return check_index("get_rule_density", p_index) ? it_.rules.place.factors[static_cast<std::size_t>(p_index)].density
+													: 0.0;
+}
+
+String ScatterExplanation::get_rule_sentence(int64_t p_index) const {
+	return check_index("get_rule_sentence", p_index)
+			? String::utf8(it_.sentences[static_cast<std::size_t>(p_index)].sentence.c_str())
+			: String();
+}
+
+void ScatterExplanation::_bind_methods() {
+	using Self = ScatterExplanation;
+	bind_guarded<&Self::get_layer>(D_METHOD("get_layer"));
+	bind_guarded<&Self::get_layer_name>(D_METHOD("get_layer_name"));
+	bind_guarded<&Self::get_position>(D_METHOD("get_position"));
+	bind_guarded<&Self::get_reason>(D_METHOD("get_reason"));
+	bind_guarded<&Self::get_refused_by>(D_METHOD("get_refused_by"));
+	bind_guarded<&Self::get_density>(D_METHOD("get_density"));
+	bind_guarded<&Self::is_allowed>(D_METHOD("is_allowed"));
+	bind_guarded<&Self::is_standing>(D_METHOD("is_standing"));
+	bind_guarded<&Self::is_shown>(D_METHOD("is_shown"));
+	bind_guarded<&Self::get_id>(D_METHOD("get_id"));
+	bind_guarded<&Self::get_point_position>(D_METHOD("get_point_position"));
+	bind_guarded<&Self::get_distance>(D_METHOD("get_distance"));
+	bind_guarded<&Self::get_rank>(D_METHOD("get_rank"));
+	bind_guarded<&Self::get_point_density>(D_METHOD("get_point_density"));
+	bind_guarded<&Self::get_rule_count>(D_METHOD("get_rule_count"));
+	bind_guarded<&Self::get_rule_name>(D_METHOD("get_rule_name", "index"));
+	bind_guarded<&Self::get_rule_value>(D_METHOD("get_rule_value", "index"));
+	bind_guarded<&Self::get_rule_min>(D_METHOD("get_rule_min", "index"));
+	bind_guarded<&Self::get_rule_max>(D_METHOD("get_rule_max", "index"));
+	bind_guarded<&Self::get_rule_density>(D_METHOD("get_rule_density", "index"));
+	bind_guarded<&Self::get_rule_sentence>(D_METHOD("get_rule_sentence", "index"));
+	const char *owner = "ScatterExplanation";
+	bind_value(owner, PropertyInfo(Variant::INT, "layer"), "get_layer");
+	bind_value(owner, PropertyInfo(Variant::STRING, "layer_name"), "get_layer_name");
+	bind_value(owner, PropertyInfo(Variant::VECTOR3, "position"), "get_position");
+	bind_value(owner, PropertyInfo(Variant::STRING, "reason"), "get_reason");
+	bind_value(owner, PropertyInfo(Variant::STRING_NAME, "refused_by"), "get_refused_by");
+	bind_value(owner, PropertyInfo(Variant::FLOAT, "density"), "get_density");
+	bind_value(owner, PropertyInfo(Variant::BOOL, "allowed"), "is_allowed");
+	bind_value(owner, PropertyInfo(Variant::BOOL, "standing"), "is_standing");
+	bind_value(owner, PropertyInfo(Variant::BOOL, "shown"), "is_shown");
+	bind_value(owner, PropertyInfo(Variant::INT, "id"), "get_id");
+	bind_value(owner, PropertyInfo(Variant::VECTOR3, "point_position"), "get_point_position");
+	bind_value(owner, PropertyInfo(Variant::FLOAT, "distance"), "get_distance");
+	bind_value(owner, PropertyInfo(Variant::FLOAT, "rank"), "get_rank");
+	bind_value(owner, PropertyInfo(Variant::FLOAT, "point_density"), "get_point_density");
+}
+
+} // namespace thicket

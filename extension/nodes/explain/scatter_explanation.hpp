@@ -1,0 +1,79 @@
+#pragma once
+
+#include "core/explain/rule_sentences.hpp"
+#include "nodes/common/guard.hpp"
+
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/variant/packed_string_array.hpp>
+#include <godot_cpp/variant/string.hpp>
+#include <godot_cpp/variant/string_name.hpp>
+#include <godot_cpp/variant/vector3.hpp>
+
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace thicket {
+
+/// Why a layer has an instance at a position, or has none.
+struct LayerExplanation {
+	std::uint32_t layer = 0;
+	std::string layer_name;
+	glm::dvec3 place{0.0}; ///< World meters, on the ground if there is any.
+
+	PlaceExplanation rules; ///< If the layer could be explained. `sentences` has one for each factor at the position.
+	std::vector<RuleSentence> sentences;
+	RuleVerdict verdict; ///< The verdict of the rules and of everything else that may prevent an instance.
+	bool stands = false; ///< True if the point nearest to the position is an instance.
+	bool shown = false;  ///< True if that instance is also drawn.
+};
+
+/// The same for scripts, as of the time of the call. An invalid rule index prints an error and returns a default.
+class ScatterExplanation : public godot::RefCounted {
+	GDCLASS(ScatterExplanation, godot::RefCounted)
+	THICKET_GUARDED_METHODS(any)
+
+public:
+	/// `offset` is the world position of the engine's origin, in meters.
+	static godot::Ref<ScatterExplanation> of(LayerExplanation explanation, glm::dvec3 offset);
+
+	int64_t get_layer() const { return it_.layer; }
+	godot::String get_layer_name() const { return godot::String::utf8(it_.layer_name.c_str()); }
+	godot::Vector3 get_position() const;
+	godot::String get_reason() const { return godot::String::utf8(it_.verdict.reason.c_str()); }
+	godot::StringName get_refused_by() const { return it_.verdict.rule.c_str(); }
+	double get_density() const { return it_.rules.place.density; }
+	bool is_allowed() const { return it_.rules.allowed(); }
+	bool is_standing() const { return it_.stands; }
+	bool is_shown() const { return it_.shown; }
+
+	// The point of the set that is nearest to the position.
+	int64_t get_id() const { return static_cast<int64_t>(it_.rules.point.id); }
+	godot::Vector3 get_point_position() const;
+	double get_distance() const { return it_.rules.distance; }
+	double get_rank() const { return it_.rules.point.rank * 0x1p-32; }
+	double get_point_density() const { return it_.rules.at_point.density; }
+
+	// The rules at the position.
+	int64_t get_rule_count() const { return static_cast<int64_t>(it_.sentences.size()); }
+	godot::StringName get_rule_name(int64_t p_index) const;
+	double get_rule_value(int64_t p_index) const;
+	double get_rule_min(int64_t p_index) const;
+	double get_rule_max(int64_t p_index) const;
+	double get_rule_density(int64_t p_index) const;
+	godot::String get_rule_sentence(int64_t p_index) const;
+
+protected:
+	static void _bind_methods();
+
+private:
+	bool check_index(const char *p_method, int64_t p_index) const;
+
+	LayerExplanation it_;
+	glm::dvec3 offset_{0.0};
+};
+
+} // namespace thicket

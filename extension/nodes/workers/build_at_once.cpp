@@ -1,0 +1,108 @@
+#include "nodes/workers/build_at_once.hpp"
+
+#include "core/base/guard.hpp"
+#include "core/near/tile_overlay.hpp"
+#include "nodes/common/threads.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace thicket {
+
+namespace {
+
+/// A builder is kept up to this number of points in its tile, so that the memory of large rectangles is freed.
+constexpr std::size_t most_points_kept = 1 << 16;
+
+} // namespace
+
+Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
+		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers) {
+	r_answers.assign(positions.size(), Ground{});
+	if (terrain != nullptr) {
+		return ask_ground(*terrain, positions, queries, r_answers);
+	}
+	for (const GroundQuery &query : queries) {
+		const Status status = ground.sample_now(positions.subspan(query.first, query.count), query.needs,
+				std::span(r_answers).subspan(query.first, query.count));
+		if (!status.ok()) {
+			return status;
+		}
+	}
+	return {};
+}
+
+std::unique_ptr<TileBuilder> AtOnceBuilder::take_builder() {
+	if (spare_ != nullptr) {
+		// Fast path: the memory of the last builder is reused.
+		return std::move(spare_);
+	}
+	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
+}
+
+/// Throws std::bad_alloc.
+Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
+		const Rect &rect, TileInstances &r_tile) {
+	std::unique_ptr<TileBuilder> builder = take_builder();
+	EngineThreads threads;
+	Status status;
+	if (terrain != nullptr) {
+		status = builder->build(layer, *terrain, rect, r_tile, nullptr, &threads);
+	} else {
+		status = builder->find_points(layer, rect, nullptr, &threads);
+		std::vector<Ground> answers;
+		if (status.ok()) {
+			status = ask_at_once(nullptr, ground, builder->positions(), builder->queries(), answers);
+		}
+		status = status.ok() ? builder->place(answers, r_tile) : status;
+	}
+	points_computed_ += builder->sample_stats().computed;
+	if (builder->positions().size() <= most_points_kept) {
+		spare_ = std::move(builder);
+	}
+	return status;
+}
+
+Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground,
+		const Rect &rect, TileInstances &r_tile) {
+	return guarded("rect", std::max(rect.size().x, rect.size().y),
+			[&] { return build_in_steps(layer, terrain, ground, rect, r_tile); });
+}
+
+Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
+		std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
+	if (terrain != nullptr && orders.size() > 1) {
+		// Fast path: all threads share the work, and the tiles are the same.
+		EngineThreads threads;
+		return parallel_builder_.build(orders, *terrain, threads, r_tiles);
+	}
+	r_tiles.clear();
+	for (const TileOrder &order : orders) {
+		TileInstances made;
+		if (const Status status = build(*order.layer, terrain, ground, order.rect, made); !status.ok()) {
+			return status;
+		}
+		r_tiles.push_back(std::make_shared<const CompactTile>(made, order.layer));
+	}
+	return {};
+}
+
+Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile) {
+	return guarded("rect", std::max(rect.size().x, rect.size().y), [&] {
+		const auto tile = std::make_shared<CompactTile>(std::move(r_tile));
+		OverlaidMeshes meshes;
+		const Status status = overlaid(tile, layer, rect, {.state = &state}, meshes);
+		for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
+			if (meshes[mesh].get() != &tile->meshes[mesh]) {
+				tile->meshes[mesh] = *meshes[mesh];
+			}
+		}
+		r_tile = std::move(*tile);
+		return status;
+	});
+}
+
+} // namespace thicket

@@ -1,0 +1,60 @@
+#include "nodes/workers/mesh_upload.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
+
+#include <algorithm>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+AABB box_around(glm::vec3 min, glm::vec3 max, float margin) {
+	return AABB(to_engine(min - margin), to_engine(max - min + 2.0F * margin));
+}
+
+void SpareBuffers::keep(std::vector<MeshUpload> &&uploads) {
+	std::int64_t floats = 0;
+	for (const PackedFloat32Array &buffer : buffers_) {
+		floats += buffer.size();
+	}
+	for (MeshUpload &upload : uploads) {
+		const std::int64_t more = upload.buffer.size();
+		if (more > 0 && buffers_.size() < most && floats + more <= most_floats) {
+			buffers_.push_back(std::move(upload.buffer));
+			floats += more;
+		}
+	}
+	uploads.clear();
+}
+
+PackedFloat32Array SpareBuffers::take(std::size_t floats) {
+	PackedFloat32Array buffer;
+	if (!buffers_.empty()) {
+		// Fast path: memory that the renderer has already read is reused.
+		buffer = std::move(buffers_.back()); // The most recently used one.
+		buffers_.pop_back();
+		reused_.fetch_add(1, std::memory_order_relaxed);
+	}
+	resize(buffer, static_cast<int64_t>(floats));
+	return buffer;
+}
+
+MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spare) {
+	MeshUpload upload;
+	upload.aabb = box_around(mesh.min, mesh.max, reach * mesh.max_scale);
+	upload.buffer = r_spare.take(mesh.buffer.size());
+	std::ranges::copy(mesh.buffer, writable(upload.buffer).begin());
+	return upload;
+}
+
+MeshUpload to_upload(const CompactMesh &mesh, float reach) {
+	MeshUpload upload;
+	upload.aabb = box_around(mesh.min(), mesh.max(), reach * mesh.max_scale());
+	const std::size_t floats = mesh.size() * mesh.stride();
+	mesh.read_all(resize(upload.buffer, static_cast<int64_t>(floats)));
+	return upload;
+}
+
+} // namespace thicket

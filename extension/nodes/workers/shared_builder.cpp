@@ -1,0 +1,51 @@
+#include "nodes/workers/shared_builder.hpp"
+
+#include "core/base/guard.hpp"
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+/// A workspace is kept up to this number of points in its tile.
+constexpr std::size_t most_points_kept = 1 << 16;
+
+} // namespace
+
+std::unique_ptr<TileBuilder> SharedBuilder::take() {
+	{
+		const std::lock_guard lock(mutex_);
+		if (!spare_.empty()) {
+			// Fast path: the memory of an earlier tile is reused.
+			std::unique_ptr<TileBuilder> builder = std::move(spare_.back());
+			spare_.pop_back();
+			return builder;
+		}
+	}
+	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
+}
+
+void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {
+	const std::lock_guard lock(mutex_);
+	if (spare_.size() < most_spare && builder->positions().size() <= most_points_kept) {
+		spare_.push_back(std::move(builder));
+	}
+}
+
+Status SharedBuilder::build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile) {
+	return guarded("rect", std::max(order.rect.size().x, order.rect.size().y), [&] {
+		std::unique_ptr<TileBuilder> builder = take();
+		TileInstances made;
+		const Status status = builder->build(*order.layer, ground, order.rect, made);
+		if (status.ok()) {
+			r_tile = std::make_shared<const CompactTile>(made, order.layer);
+		}
+		give_back(std::move(builder));
+		return status;
+	});
+}
+
+} // namespace thicket

@@ -1,0 +1,295 @@
+#include "nodes/workers/tile_workers.hpp"
+
+#include "core/base/guard.hpp"
+#include "core/sampling/block_cache.hpp"
+#include "core/streaming/work_order.hpp"
+
+#include <godot_cpp/classes/worker_thread_pool.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <thread>
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers) {
+	std::vector<std::size_t> indices;
+	std::vector<std::shared_ptr<TileJob>> jobs;
+	std::vector<Rect> areas;
+	for (std::size_t index = 0; index < r_jobs.size(); ++index) {
+		const std::shared_ptr<TileJob> &job = r_jobs[index];
+		if (!job->unseen && (job->step != TileJob::Step::needs_ground || job->answered == 0)) {
+			indices.push_back(index);
+			jobs.push_back(job);
+			areas.push_back(job->request.rect);
+		}
+	}
+	std::vector<std::size_t> order;
+	work_order(areas, viewers, order);
+	for (std::size_t i = 0; i < indices.size(); ++i) {
+		r_jobs[indices[i]] = jobs[order[i]];
+	}
+}
+
+TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
+	const auto blocks = std::make_shared<BlockCache>();
+	for (std::size_t index = 0; index < std::max<std::size_t>(threads, 1); ++index) {
+		workers_.push_back(std::make_unique<Worker>(blocks));
+		workers_.back()->owner = this;
+	}
+}
+
+TileWorkers::~TileWorkers() { stop(); }
+
+/// Takes the lock if it becomes free within some microseconds. A worker that holds it may have to wait for a core, and a frame must not
+/// wait for that.
+bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
+	constexpr int tries = 200;
+	for (int i = 0; i < tries && !r_lock.owns_lock(); ++i) {
+		static_cast<void>(r_lock.try_lock());
+	}
+	return r_lock.owns_lock();
+}
+
+void TileWorkers::push(std::shared_ptr<TileJob> job) {
+	incoming_.push_back(std::move(job));
+	hand_over();
+}
+
+/// Queues new jobs, immediately or with a later call.
+void TileWorkers::hand_over() {
+	std::unique_lock lock(mutex_, std::defer_lock);
+	if (lock_soon(lock)) {
+		// So that a worker allocates no memory to return its result, and an error reaches the caller.
+		const std::size_t jobs = finished_.size() + queue_.size() + incoming_.size() + workers_.size();
+		finished_.reserve(std::max(finished_.capacity(), jobs));
+		queue_.insert(queue_.end(), incoming_.begin(), incoming_.end());
+		incoming_.clear();
+		unneeded_.insert(unneeded_.end(), unneeded_here_.begin(), unneeded_here_.end());
+		unneeded_here_.clear();
+		std::ranges::move(uploaded_here_, std::back_inserter(uploaded_));
+		uploaded_here_.clear();
+		waiting_ = queue_.size();
+		// Starting a worker costs some microseconds, too.
+		const std::size_t all_unneeded = unneeded_.size() + uploaded_.size();
+		frames_unneeded_ = all_unneeded == 0 ? 0 : frames_unneeded_ + 1;
+		much_unneeded_ = all_unneeded >= 16 || frames_unneeded_ > 60;
+		lock.unlock();
+	}
+	wake();
+}
+
+bool TileWorkers::sort(std::span<const Viewer> viewers) {
+	std::unique_lock lock(mutex_, std::defer_lock);
+	if (!lock_soon(lock)) {
+		return false;
+	}
+	sort_jobs(queue_, viewers);
+	return true;
+}
+
+std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
+	hand_over();
+	std::vector<std::shared_ptr<TileJob>> taken;
+	std::unique_lock lock(mutex_, std::defer_lock);
+	if (lock_soon(lock)) {
+		taken.reserve(queue_.size() + workers_.size()); // As in `hand_over`.
+		taken.swap(finished_);
+	}
+	return taken;
+}
+
+void TileWorkers::let_go(std::shared_ptr<const void> unneeded) {
+	if (!on_main_thread_) {
+		// Fast path: a worker frees it.
+		unneeded_here_.push_back(std::move(unneeded));
+	}
+}
+
+void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
+	if (!on_main_thread_) {
+		// Fast path: a worker frees them, or fills their buffers again.
+		std::ranges::move(uploads, std::back_inserter(uploaded_here_));
+	}
+}
+
+std::uint64_t TileWorkers::reused() const {
+	std::uint64_t sum = 0;
+	for (const std::unique_ptr<Worker> &worker : workers_) {
+		sum += worker->spare.reused();
+	}
+	return sum;
+}
+
+void TileWorkers::wake() {
+	if (on_main_thread_) {
+		return;
+	}
+	WorkerThreadPool *pool = WorkerThreadPool::get_singleton();
+	std::size_t waiting = std::max<std::size_t>(waiting_, much_unneeded_ ? 1 : 0);
+	for (const std::unique_ptr<Worker> &worker : workers_) {
+		if (waiting == 0) {
+			return;
+		}
+		// A worker that has run dry may still be returning to the pool: waiting for it here could cost the frame milliseconds. Another
+		// worker takes the job, or this one in the next frame.
+		if (worker->task >= 0 && !pool->is_task_completed(worker->task)) {
+			continue;
+		}
+		if (worker->task >= 0) {
+			pool->wait_for_task_completion(worker->task); // It is completed; this call makes the pool forget the task.
+		}
+		worker->task = pool->add_native_task(&TileWorkers::run, worker.get(), false, "Thicket tiles");
+		--waiting;
+	}
+}
+
+void TileWorkers::stop() {
+	incoming_.clear();
+	unneeded_here_.clear();
+	uploaded_here_.clear();
+	{
+		const std::lock_guard lock(mutex_);
+		queue_.clear();
+		waiting_ = 0;
+		for (const std::unique_ptr<Worker> &worker : workers_) {
+			if (worker->job != nullptr) {
+				worker->job->cancelled = true;
+			}
+		}
+	}
+	for (const std::unique_ptr<Worker> &worker : workers_) {
+		if (worker->task >= 0) {
+			WorkerThreadPool::get_singleton()->wait_for_task_completion(worker->task);
+			worker->task = -1;
+		}
+	}
+	finished_.clear();
+	unneeded_.clear();
+	uploaded_.clear();
+}
+
+void TileWorkers::work_until(std::chrono::steady_clock::time_point deadline) {
+	if (!on_main_thread_) {
+		return;
+	}
+	Worker &worker = *workers_.front();
+	while (work_on_next(worker) && std::chrono::steady_clock::now() < deadline) {}
+	const std::lock_guard lock(mutex_);
+	hand_in(worker);
+}
+
+/// Passes on the result of a worker. Call it under the lock.
+void TileWorkers::hand_in(Worker &worker) {
+	if (worker.job != nullptr) {
+		finished_.push_back(std::move(worker.job)); // There is room: see `hand_over`.
+		worker.job = nullptr;
+	}
+}
+
+std::shared_ptr<TileJob> TileWorkers::next(Worker &worker) {
+	std::vector<std::shared_ptr<const void>> unneeded; // Freed after the lock is released.
+	std::vector<MeshUpload> uploaded;
+	std::shared_ptr<TileJob> job;
+	{
+		const std::lock_guard lock(mutex_);
+		unneeded.swap(unneeded_);
+		uploaded.swap(uploaded_);
+		much_unneeded_ = false;
+		hand_in(worker);
+		if (!queue_.empty()) {
+			job = std::move(queue_.front());
+			queue_.pop_front();
+			waiting_ = queue_.size();
+			worker.job = job;
+		}
+	}
+	freed_.fetch_add(unneeded.size() + uploaded.size(), std::memory_order_relaxed);
+	worker.spare.keep(std::move(uploaded));
+	return job;
+}
+
+void TileWorkers::run(void *p_worker) {
+	Worker &worker = *static_cast<Worker *>(p_worker);
+	do {
+		std::this_thread::yield(); // The main thread may be waiting for this core.
+	} while (worker.owner->work_on_next(worker));
+}
+
+/// Does all possible work for the next job; false if none waits.
+bool TileWorkers::work_on_next(Worker &worker) {
+	const std::shared_ptr<TileJob> job = next(worker);
+	if (job == nullptr) {
+		return false;
+	}
+	if (job->cancelled) {
+		// Fast path: the tile is no longer wanted.
+		job->status.code = ErrorCode::cancelled;
+		job->step = TileJob::Step::done;
+		return true;
+	}
+	const auto start = std::chrono::steady_clock::now();
+	const Rect &rect = job->request.rect;
+	const Status status = guarded("tile", std::max(rect.size().x, rect.size().y), [&] { advance(worker, *job); });
+	if (!status.ok()) {
+		job->status = status;
+		job->uploads = {};
+		finish(worker, *job);
+	}
+	const auto time = std::chrono::steady_clock::now() - start;
+	job->microseconds +=
+			static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+	return true;
+}
+
+void TileWorkers::advance(Worker &worker, TileJob &job) {
+	const LayerSettings &settings = *job.layer->settings;
+	TileBuilder &builder = worker.builder;
+	if (job.terrain != nullptr) {
+		job.status = builder.build(settings, *job.terrain, job.request.rect, worker.tile, &job.cancelled);
+		job.points_computed += builder.sample_stats().computed;
+		finish(worker, job);
+		return;
+	}
+	// The points are computed a second time once the ground is known: a script costs more than that, and no job has to hold a workspace
+	// while it waits for the main thread.
+	job.status = builder.find_points(settings, job.request.rect, &job.cancelled);
+	job.points_computed += builder.sample_stats().computed;
+	if (job.status.ok() && job.step == TileJob::Step::start) {
+		job.positions.assign(builder.positions().begin(), builder.positions().end());
+		for (const GroundQuery &query : builder.queries()) {
+			const std::span<const std::int32_t> textures = query.needs.textures;
+			job.parts.push_back({query.first + query.count, {textures.begin(), textures.end()}, query.needs.normals});
+		}
+		job.ground.resize(job.positions.size());
+		job.step = TileJob::Step::needs_ground;
+		return;
+	}
+	if (job.status.ok()) {
+		job.status = builder.place(job.ground, worker.tile, &job.cancelled);
+	}
+	finish(worker, job);
+}
+
+void TileWorkers::finish(Worker &worker, TileJob &job) {
+	job.step = TileJob::Step::done;
+	job.positions = {};
+	job.parts = {};
+	job.ground = {};
+	if (!job.status.ok()) {
+		return;
+	}
+	if (!job.unseen) {
+		job.probes.assign(worker.builder.probes().begin(), worker.builder.probes().end());
+	}
+	for (std::size_t mesh = 0; !job.unseen && mesh < worker.tile.meshes.size(); ++mesh) {
+		job.uploads.push_back(to_upload(worker.tile.meshes[mesh], job.layer->drawing.reach_of(mesh), worker.spare));
+	}
+	job.tile = std::make_shared<const CompactTile>(worker.tile, job.layer->settings);
+}
+
+} // namespace thicket
