@@ -82,7 +82,6 @@ struct DisplayedTile {
 	std::uint64_t drawing_version = 0;                 ///< The layer's drawing version when it was last drawn.
 	bool look_at_all = true;                           ///< The next visit also checks cells that are not due.
 	bool is_cut = false;                               ///< True if the limit for all tiles together thins it.
-	bool to_divide = false;                            ///< True while it waits for a new division.
 	bool to_fade = false;                              ///< True while it waits for visuals of wanted LODs.
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }

@@ -20,15 +20,6 @@ constexpr std::size_t hidden_per_step = 16;
 
 } // namespace
 
-TileDisplay::Order TileDisplay::order(const TileKey &key) {
-	return {key.layer, key.tile.x, key.tile.y, -std::int64_t{key.grid}};
-}
-
-TileKey TileDisplay::key_of(const Order &order) {
-	const auto &[layer, x, y, grid] = order;
-	return {layer, static_cast<std::uint32_t>(-grid), {x, y}};
-}
-
 void TileDisplay::set_scenario(const RID &scenario, std::uint64_t node_id) {
 	context_.scenario = scenario;
 	context_.node_id = node_id;
@@ -42,7 +33,7 @@ void TileDisplay::set_world_offset(glm::dvec3 offset) {
 	for (TileVisual &visual : leaving_) {
 		visual.set_offset(offset);
 	}
-	for (DisplayedTile::Part &part : division_ ? std::span(division_->parts) : std::span<DisplayedTile::Part>()) {
+	for (DisplayedTile::Part &part : next_parts_) {
 		for (DisplayedTile::Cell &cell : part.cells) {
 			cell.for_each_visual([&offset](TileVisual &visual) { visual.set_offset(offset); });
 		}
@@ -115,15 +106,15 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 			sizes.emplace_back(shown.size(), casts_by_other_meshes(lods_of(layer->drawing, mesh)) ? 2 : 1);
 		}
 	}
-	const auto found = tiles_.find(order(key));
+	const auto found = tiles_.find(key);
 	const DisplayedTile *standing = found != tiles_.end() ? &found->second : nullptr;
 	const std::uint32_t across = division_of(key, tile, standing != nullptr ? standing->across : 0);
 	std::uint64_t multimeshes = multimeshes_ - (standing != nullptr ? standing->multimesh_count() : 0);
 	for (const auto &[instances, multimeshes_of_a_cell] : sizes) {
 		multimeshes += std::min(instances, std::size_t{across} * across) * multimeshes_of_a_cell;
 	}
-	const bool may_be_divided = multimeshes <= limits_.max_multimeshes && (standing != nullptr || !others_wait);
-	tile.across = may_be_divided ? across : 1; // Otherwise it may be divided once it is visible.
+	tile.across = DivisionQueue::first_division(
+			across, {multimeshes, limits_.max_multimeshes}, standing != nullptr, others_wait);
 }
 
 void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
@@ -159,16 +150,15 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 
 void TileDisplay::show(TileUpload upload) {
 	const TileKey key = upload.job->request.key;
-	if (division_ && division_->key == key) {
+	if (divisions_.is_current(key)) {
 		cancel_division();
 	}
 	marks_.reserve(marks_.size() + 1); // So that nothing throws between `uncount` and `count`.
-	DisplayedTile &tile = tiles_[order(key)];
+	DisplayedTile &tile = tiles_[key];
 	leaving_.reserve(leaving_.size() + tile.multimesh_count());
 	uncount(tile);
 	upload.tile.set_lod(tile.finest_lod());
 	upload.tile.is_cut = tile.is_cut;
-	upload.tile.to_divide = tile.to_divide;
 	upload.tile.to_fade = tile.to_fade;
 	// The old visuals are hidden now: while both were visible, each instance would be drawn twice.
 	tile.set_visible(false);
@@ -179,7 +169,7 @@ void TileDisplay::show(TileUpload upload) {
 	}
 	tile.set_offset(context_.offset); // The origin may have moved since the first part was uploaded.
 	count(tile);
-	note_division(order(key), tile);
+	divisions_.show(key, tile.across);
 	refine(key, tile);
 	tile.set_visible(visible_);
 }
@@ -197,28 +187,25 @@ void TileDisplay::leave(std::vector<DisplayedTile::Cell> &&cells) {
 	cells.clear();
 }
 
-bool TileDisplay::holds(const TileKey &key) const { return tiles_.contains(order(key)); }
+bool TileDisplay::holds(const TileKey &key) const { return tiles_.contains(key); }
 
 bool TileDisplay::drop(const TileKey &key) {
-	const auto found = tiles_.find(order(key));
+	const auto found = tiles_.find(key);
 	if (found == tiles_.end()) {
 		return false;
 	}
-	if (division_ && division_->key == key) {
+	if (divisions_.is_current(key)) {
 		cancel_division();
 	}
-	if (found->second.to_divide) {
-		std::erase(to_divide_, key);
-	}
+	divisions_.remove(key);
 	if (found->second.to_fade) {
 		std::erase(to_fade_, key);
 	}
 	uncount(found->second);
 	leave(std::move(found->second));
-	divided_.erase(found->first);
 	tiles_.erase(found);
 	schedule_.remove(key);
-	multimeshes_gone();
+	divisions_.room_gained(TileMeasures(*this));
 	return true;
 }
 
@@ -254,11 +241,9 @@ void TileDisplay::retire() {
 void TileDisplay::clear() {
 	leaving_.clear();
 	leaving_hidden_ = 0;
-	division_.reset();
-	to_divide_.clear();
+	divisions_.clear();
+	next_parts_.clear();
 	to_fade_.clear();
-	denied_.clear();
-	divided_.clear();
 	tiles_.clear();
 	instances_ = instance_bytes_ = multimeshes_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = lod_look_count_ =
 			0;
@@ -272,25 +257,22 @@ void TileDisplay::clear() {
 }
 
 const DisplayedTile *TileDisplay::find(std::uint32_t layer, glm::ivec2 tile) const {
-	const auto found = tiles_.lower_bound({layer, tile.x, tile.y, std::numeric_limits<std::int64_t>::min()});
-	if (found == tiles_.end()) {
-		return nullptr;
-	}
-	const auto &[at_layer, x, y, grid] = found->first;
-	return at_layer == layer && x == tile.x && y == tile.y ? &found->second : nullptr;
+	const auto found = tiles_.lower_bound({layer, std::numeric_limits<std::uint32_t>::max(), tile});
+	const bool known = found != tiles_.end() && found->first.layer == layer && found->first.tile == tile;
+	return known ? &found->second : nullptr;
 }
 
 std::vector<glm::ivec2> TileDisplay::tiles(std::uint32_t layer) const {
 	std::vector<glm::ivec2> result;
-	for (auto at = first_of(layer); at != tiles_.end() && std::get<0>(at->first) == layer; ++at) {
-		result.emplace_back(std::get<1>(at->first), std::get<2>(at->first));
+	for (auto at = first_of(layer); at != tiles_.end() && at->first.layer == layer; ++at) {
+		result.push_back(at->first.tile);
 	}
 	return result;
 }
 
 std::uint64_t TileDisplay::instance_count(std::uint32_t layer) const {
 	std::uint64_t result = 0;
-	for (auto at = first_of(layer); at != tiles_.end() && std::get<0>(at->first) == layer; ++at) {
+	for (auto at = first_of(layer); at != tiles_.end() && at->first.layer == layer; ++at) {
 		for (const DisplayedTile::Part &part : at->second.parts) {
 			result += part.shown->size();
 		}
@@ -298,9 +280,9 @@ std::uint64_t TileDisplay::instance_count(std::uint32_t layer) const {
 	return result;
 }
 
-std::map<TileDisplay::Order, DisplayedTile>::const_iterator TileDisplay::first_of(std::uint32_t layer) const {
-	constexpr auto lowest = std::numeric_limits<std::int32_t>::min();
-	return tiles_.lower_bound({layer, lowest, lowest, std::numeric_limits<std::int64_t>::min()});
+TileDisplay::Tiles::const_iterator TileDisplay::first_of(std::uint32_t layer) const {
+	const glm::ivec2 lowest(std::numeric_limits<std::int32_t>::min());
+	return tiles_.lower_bound({layer, std::numeric_limits<std::uint32_t>::max(), lowest});
 }
 
 } // namespace thicket

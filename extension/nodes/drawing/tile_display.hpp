@@ -1,7 +1,9 @@
 #pragma once
 
 #include "core/near/tile_overlay.hpp"
+#include "core/drawing/division_queue.hpp"
 #include "core/drawing/lod_schedule.hpp"
+#include "core/drawing/tile_key_order.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/drawing/displayed_tile.hpp"
 #include "nodes/drawing/draw_figures.hpp"
@@ -16,7 +18,6 @@
 #include <optional>
 #include <set>
 #include <span>
-#include <tuple>
 #include <unordered_set>
 #include <vector>
 
@@ -91,7 +92,7 @@ public:
 	bool divide_step();
 
 	/// True if there is such a tile.
-	bool has_divisions() const { return division_ || !to_divide_.empty() || over_limit(); }
+	bool has_divisions() const { return divisions_.has_work(all_multimeshes()); }
 
 	/// Uploads some visuals of LODs that are to fade in, or creates fading meshes. False if there are none.
 	bool fade_step();
@@ -166,15 +167,12 @@ public:
 	std::uint64_t lod_look_count() const { return lod_look_count_; }
 
 private:
-	/// layer, x, y, -grid: neighbors in a layer stay together, and the newest grid sorts first.
-	using Order = std::tuple<std::uint32_t, std::int32_t, std::int32_t, std::int64_t>;
+	using Tiles = std::map<TileKey, DisplayedTile, TileKeyOrder>;
 	struct Mark {
 		std::uint32_t layer = 0;
 		Rect area;
 	};
-	static Order order(const TileKey &key);
-	static TileKey key_of(const Order &order);
-	std::map<Order, DisplayedTile>::const_iterator first_of(std::uint32_t layer) const;
+	Tiles::const_iterator first_of(std::uint32_t layer) const;
 	void leave(DisplayedTile &&tile);
 	void leave(std::vector<DisplayedTile::Cell> &&cells);
 	void count(const DisplayedTile &tile);
@@ -229,34 +227,35 @@ private:
 
 	// How tiles are divided into cells.
 
-	/// A visible tile that is being divided differently: the parts uploaded until now, hidden.
-	struct Division {
-		TileKey key;
-		std::uint32_t across = 1;
-		std::vector<DisplayedTile::Part> parts;
+	/// The visible tiles, for `divisions_`.
+	class TileMeasures : public DivisionQueue::Tiles {
+	public:
+		explicit TileMeasures(const TileDisplay &display) : display_(display) {}
+
+		double distance(const TileKey &key) const override;
+		std::uint32_t shown(const TileKey &key) const override { return tile(key).across; }
+		std::uint32_t wanted(const TileKey &key) const override;
+		std::uint64_t multimeshes(const TileKey &key) const override { return tile(key).multimesh_count(); }
+		std::uint64_t most_multimeshes(const TileKey &key, std::uint32_t across) const override {
+			return tile(key).most_multimeshes(across);
+		}
+
+	private:
+		const DisplayedTile &tile(const TileKey &key) const { return display_.tiles_.at(key); }
+		const TileDisplay &display_;
 	};
-	struct FartherCells {
-		const Order *farthest = nullptr; ///< The tile in cells farthest from the viewers; null if there is none.
-		std::uint64_t spare = 0;         ///< Multimeshes that would be freed if all such tiles were drawn as a whole.
-	};
+	DivisionQueue::Multimeshes all_multimeshes() const { return {multimeshes_, limits_.max_multimeshes}; }
 	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const;
-	void choose_division(const TileKey &key, DisplayedTile &r_tile);
-	bool begin_division();
-	bool begin_division_of(const TileKey &key, DisplayedTile &r_tile);
-	bool over_limit() const { return multimeshes_ > limits_.max_multimeshes && !divided_.empty(); }
-	FartherCells cells_beyond(double distance) const;
 	void continue_division();
 	void finish_division(DisplayedTile &r_tile);
 	void cancel_division();
-	void note_division(const Order &at, const DisplayedTile &tile);
-	void multimeshes_gone();
 
 	VisualContext context_;
 	bool visible_ = true;
 	std::vector<SharedSnapshot> layers_;
 	std::vector<std::uint64_t> drawing_versions_; ///< One for each layer; changes whenever its drawing settings change.
 	std::uint64_t last_version_ = 0;
-	std::map<Order, DisplayedTile> tiles_;
+	Tiles tiles_;
 	std::vector<TileVisual> leaving_;
 	std::size_t leaving_hidden_ = 0; ///< The number of visuals, from the first on, that are hidden.
 	std::uint64_t instances_ = 0;
@@ -274,10 +273,8 @@ private:
 	std::uint64_t wanted_ = 0;
 	std::vector<TileKey> cut_; ///< Tiles that the limit has thinned, to be visited once more. No duplicates.
 
-	std::optional<Division> division_; ///< The division in progress.
-	std::vector<TileKey> to_divide_;   ///< Tiles that wait for a new division. No duplicates.
-	std::vector<TileKey> denied_;      ///< Tiles for which there was no room.
-	std::set<Order> divided_;          ///< Visible tiles in cells.
+	DivisionQueue divisions_;
+	std::vector<DisplayedTile::Part> next_parts_; ///< The parts of the current division uploaded until now, hidden.
 
 	LodFades fades_;
 	std::vector<TileKey> to_fade_; ///< Tiles that wait for visuals of LODs. No duplicates.
@@ -286,7 +283,7 @@ private:
 	std::unordered_set<std::uint64_t> hidden_;
 	std::vector<Mark> marks_;
 	bool marked_all_ = false;
-	std::set<Order> marked_later_;
+	std::set<TileKey, TileKeyOrder> marked_later_;
 	std::uint64_t overlay_version_ = 0; ///< Rises with every `patch` that had marks.
 };
 

@@ -153,7 +153,7 @@ bool TileDisplay::fade_step() {
 		return false;
 	}
 	const TileKey key = to_fade_.back();
-	DisplayedTile &tile = tiles_.at(order(key));
+	DisplayedTile &tile = tiles_.at(key);
 	if (layer_at(key.layer) == nullptr || upload_others(key, tile)) {
 		tile.to_fade = false;
 		to_fade_.pop_back();

@@ -50,7 +50,7 @@ void TileDisplay::uncount(const DisplayedTile &tile) {
 }
 
 void TileDisplay::count_drawn(DrawCounter &r_counter) const {
-	for (const auto &[at, tile] : tiles_) {
+	for (const auto &[key, tile] : tiles_) {
 		const glm::dvec3 origin = tile.tile->origin;
 		for (const DisplayedTile::Part &part : tile.parts) {
 			for (const DisplayedTile::Cell &cell : part.cells) {
@@ -74,7 +74,7 @@ void TileDisplay::set_viewers(std::span<const Viewer> viewers) {
 		visit_all();
 	}
 	for (const TileKey &key : std::exchange(cut_, {})) {
-		if (const auto found = tiles_.find(order(key)); found != tiles_.end()) {
+		if (const auto found = tiles_.find(key); found != tiles_.end()) {
 			found->second.is_cut = false;
 			found->second.look_at_all = true;
 			schedule_.add(key, 0.0);
@@ -85,10 +85,10 @@ void TileDisplay::set_viewers(std::span<const Viewer> viewers) {
 void TileDisplay::visit_all() {
 	schedule_.clear();
 	cut_.clear();
-	for (auto &[at, tile] : tiles_) {
+	for (auto &[key, tile] : tiles_) {
 		tile.is_cut = false;
 		tile.look_at_all = true;
-		schedule_.add(key_of(at), 0.0);
+		schedule_.add(key, 0.0);
 	}
 }
 
@@ -99,7 +99,7 @@ bool TileDisplay::lod_step() {
 		if (!key) {
 			break;
 		}
-		if (const auto found = tiles_.find(order(*key)); found != tiles_.end()) {
+		if (const auto found = tiles_.find(*key); found != tiles_.end()) {
 			refine(*key, found->second);
 			looked_at += found->second.cell_count() + 1;
 		}
@@ -134,7 +134,7 @@ DistanceRange TileDisplay::distances_to(std::uint32_t layer, const DisplayedTile
 double TileDisplay::usual_height() const {
 	double sum = 0.0;
 	std::size_t count = 0;
-	for (const auto &[at, tile] : tiles_) {
+	for (const auto &[key, tile] : tiles_) {
 		if (tile.draws_anything()) {
 			sum += tile.tile->origin.y + 0.5 * (static_cast<double>(tile.min.y) + static_cast<double>(tile.max.y));
 			++count;
@@ -161,7 +161,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	if (wants_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
 		to_fade_.push_back(key);
 	}
-	choose_division(key, r_tile);
+	divisions_.choose(key, r_tile.across, division_of(key, r_tile, r_tile.across));
 	schedule_.add(
 			key, std::max(std::min(margin, division_margin(layer->cells, layer->lod, distance.near)), min_margin));
 }

@@ -102,9 +102,9 @@ void TileDisplay::patch() {
 				marks, [&](const Mark &mark) { return mark.layer == layer && meet(rect, mark.area); });
 	};
 	++overlay_version_;
-	for (auto &[at, tile] : tiles_) {
-		if (all || is_marked(std::get<0>(at), tile.rect)) {
-			redraw(key_of(at), tile);
+	for (auto &[key, tile] : tiles_) {
+		if (all || is_marked(key.layer, tile.rect)) {
+			redraw(key, tile);
 		}
 	}
 }
@@ -124,26 +124,26 @@ void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
 
 void TileDisplay::mark_later(std::uint32_t layer, const Rect &area) {
 	++overlay_version_;
-	for (const auto &[at, tile] : tiles_) {
-		if (key_of(at).layer == layer && meet(tile.rect, area)) {
-			marked_later_.insert(at);
+	for (const auto &[key, tile] : tiles_) {
+		if (key.layer == layer && meet(tile.rect, area)) {
+			marked_later_.insert(key);
 		}
 	}
 }
 
 void TileDisplay::mark_all_later() {
 	++overlay_version_;
-	for (const auto &[at, tile] : tiles_) {
-		marked_later_.insert(at);
+	for (const auto &[key, tile] : tiles_) {
+		marked_later_.insert(key);
 	}
 }
 
 bool TileDisplay::patch_step() {
 	while (!marked_later_.empty()) {
-		const Order at = *marked_later_.begin();
+		const TileKey key = *marked_later_.begin();
 		marked_later_.erase(marked_later_.begin());
-		if (const auto found = tiles_.find(at); found != tiles_.end()) {
-			redraw(key_of(at), found->second);
+		if (const auto found = tiles_.find(key); found != tiles_.end()) {
+			redraw(key, found->second);
 			return true;
 		}
 	}
@@ -167,7 +167,7 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	if (shown.size() != r_tile.parts.size()) {
 		return false;
 	}
-	if (division_ && division_->key == key) {
+	if (divisions_.is_current(key)) {
 		cancel_division(); // Its uploads are outdated.
 	}
 	r_tile.look_at_all = true;

@@ -1,0 +1,112 @@
+#include "core/drawing/division_queue.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace thicket {
+
+std::uint32_t DivisionQueue::first_division(
+		std::uint32_t wanted, Multimeshes then, bool replaces_visible_tile, bool others_wait) {
+	return then.count <= then.limit && (replaces_visible_tile || !others_wait) ? wanted : 1;
+}
+
+void DivisionQueue::choose(const TileKey &key, std::uint32_t shown, std::uint32_t wanted) {
+	if (shown != wanted && !is_current(key)) {
+		waiting_.insert(key);
+	}
+}
+
+std::optional<DivisionQueue::Division> DivisionQueue::begin(const Tiles &tiles, Multimeshes all) {
+	if (must_shrink(all)) {
+		current_ = {*farther_than(-1.0, tiles).farthest, 1};
+	}
+	while (!current_ && !waiting_.empty()) {
+		const TileKey key = nearest_waiting(tiles);
+		if (begin_with(key, tiles, all)) {
+			break;
+		}
+	}
+	return current_;
+}
+
+TileKey DivisionQueue::nearest_waiting(const Tiles &tiles) const {
+	const auto nearest =
+			std::ranges::min_element(waiting_, {}, [&tiles](const TileKey &key) { return tiles.distance(key); });
+	return *nearest;
+}
+
+/// Begins the division of a waiting tile, or makes room for it. False if it is to stay unchanged: it stops waiting.
+bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimeshes all) {
+	const std::uint32_t shown = tiles.shown(key);
+	const std::uint32_t across = tiles.wanted(key);
+	const std::uint64_t then = all.count - tiles.multimeshes(key) + tiles.most_multimeshes(key, across);
+	const bool exceeds = across > shown && then > all.limit;
+	if (exceeds) {
+		const FartherTiles farther = farther_than(gives_way * tiles.distance(key), tiles);
+		if (then - all.limit <= farther.spare) {
+			current_ = {*farther.farthest, 1};
+			return true;
+		}
+	}
+	waiting_.erase(key);
+	if (exceeds) {
+		refused_.insert(key);
+	}
+	if (exceeds || across == shown) {
+		return false;
+	}
+	current_ = {key, across};
+	return true;
+}
+
+/// The tiles in cells that are farther away than `distance`.
+DivisionQueue::FartherTiles DivisionQueue::farther_than(double distance, const Tiles &tiles) const {
+	FartherTiles result;
+	double farthest = distance;
+	for (const TileKey &key : divided_) {
+		const double its = tiles.distance(key);
+		if (its > distance) {
+			const std::uint64_t now = tiles.multimeshes(key);
+			result.spare += now - std::min(now, tiles.most_multimeshes(key, 1));
+		}
+		if (its > farthest) {
+			farthest = its;
+			result.farthest = &key;
+		}
+	}
+	return result;
+}
+
+void DivisionQueue::finish() {
+	show(current_->key, current_->across);
+	current_.reset();
+}
+
+void DivisionQueue::show(const TileKey &key, std::uint32_t across) {
+	if (across > 1) {
+		divided_.insert(key);
+	} else {
+		divided_.erase(key);
+	}
+}
+
+void DivisionQueue::remove(const TileKey &key) {
+	waiting_.erase(key);
+	refused_.erase(key);
+	divided_.erase(key);
+}
+
+void DivisionQueue::room_gained(const Tiles &tiles) {
+	for (const TileKey &key : std::exchange(refused_, {})) {
+		choose(key, tiles.shown(key), tiles.wanted(key));
+	}
+}
+
+void DivisionQueue::clear() {
+	current_.reset();
+	waiting_.clear();
+	refused_.clear();
+	divided_.clear();
+}
+
+} // namespace thicket

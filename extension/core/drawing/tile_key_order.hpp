@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/streaming/tile_streamer.hpp"
+
+namespace thicket {
+
+/// Sorts tiles by layer, then by position, then the newest grid first. So the tiles of a layer stay together, and of two tiles at the same
+/// position, the one with the current tile size comes first.
+struct TileKeyOrder {
+	bool operator()(const TileKey &a, const TileKey &b) const {
+		if (a.layer != b.layer) {
+			return a.layer < b.layer;
+		}
+		if (a.tile.x != b.tile.x) {
+			return a.tile.x < b.tile.x;
+		}
+		return a.tile.y != b.tile.y ? a.tile.y < b.tile.y : a.grid > b.grid;
+	}
+};
+
+} // namespace thicket
