@@ -62,7 +62,7 @@ std::size_t DisplayedTile::finest_lod() const {
 	std::size_t finest = none;
 	for (const Part &part : parts) {
 		for (const Cell &cell : part.cells) {
-			finest = std::min(finest, cell.lod);
+			finest = std::min(finest, cell.drawing.lod);
 		}
 	}
 	return finest != none ? finest : 0;
@@ -71,8 +71,8 @@ std::size_t DisplayedTile::finest_lod() const {
 void DisplayedTile::set_lod(std::size_t lod) {
 	for (Part &part : parts) {
 		for (Cell &cell : part.cells) {
-			cell.lod = lod;
-			cell.span = {lod, lod, false};
+			cell.drawing.lod = lod;
+			cell.drawing.span = {lod, lod, false};
 		}
 	}
 }
@@ -85,15 +85,25 @@ std::size_t DisplayedTile::cell_count() const {
 	return count;
 }
 
-std::size_t DisplayedTile::bytes() const {
-	std::size_t count = tile->meshes.capacity() * sizeof(CompactMesh);
+DrawAmounts DisplayedTile::amounts() const {
+	DrawAmounts result;
+	if (tile == nullptr) {
+		return result;
+	}
+	result.bytes = tile->meshes.capacity() * sizeof(CompactMesh);
 	for (std::size_t mesh = 0; mesh < parts.size(); ++mesh) {
 		const Part &part = parts[mesh];
 		const CompactMesh &own = tile->meshes[mesh];
-		count += own.bytes() + (part.shown.get() != &own ? part.shown->bytes() + sizeof(CompactMesh) : 0);
-		count += part.division.bytes();
+		result.bytes += own.bytes() + (part.shown.get() != &own ? part.shown->bytes() + sizeof(CompactMesh) : 0);
+		result.bytes += part.division.bytes();
+		result.instances += part.shown->size();
+		result.multimeshes += part.multimesh_count();
+		for (const Cell &cell : part.cells) {
+			result.drawn += cell.drawing.drawn;
+			result.wanted += cell.drawing.wanted;
+		}
 	}
-	return count;
+	return result;
 }
 
 std::size_t DisplayedTile::multimesh_count() const {

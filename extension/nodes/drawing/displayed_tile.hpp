@@ -1,8 +1,9 @@
 #pragma once
 
 #include "core/base/rect.hpp"
+#include "core/drawing/cell_drawing.hpp"
+#include "core/drawing/draw_budget.hpp"
 #include "core/drawing/draw_cells.hpp"
-#include "core/drawing/lod_span.hpp"
 #include "nodes/drawing/tile_visual.hpp"
 
 #include <glm/vec3.hpp>
@@ -29,12 +30,7 @@ struct DisplayedTile {
 		std::vector<TileVisual> others;
 		glm::vec3 min{0.0f}; ///< The box around the drawn instances, relative to the tile's origin.
 		glm::vec3 max{0.0f};
-		LodSpan span;             ///< The wanted LODs.
-		std::size_t lod = 0;      ///< The LOD that is drawn alone until all wanted LODs have a visual.
-		double density = 1.0;     ///< The share left by thinning, quality and the limit for all tiles, for any LOD.
-		float scale = 1.0F;       ///< The last value passed to TileVisual::set_scale.
-		std::size_t drawn = 0;    ///< The number of instances that the visual draws.
-		std::uint64_t wanted = 0; ///< The number that it would draw without the limit for all tiles together.
+		CellDrawing drawing;
 
 		void set_box(const godot::AABB &box);
 		void set_instances(const MeshUpload &upload);
@@ -81,7 +77,6 @@ struct DisplayedTile {
 	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inverted if nothing is drawn.
 	std::uint64_t drawing_version = 0;                 ///< The layer's drawing version when it was last drawn.
 	bool look_at_all = true;                           ///< The next visit also checks cells that are not due.
-	bool is_cut = false;                               ///< True if the limit for all tiles together thins it.
 	bool to_fade = false;                              ///< True while it waits for visuals of wanted LODs.
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
@@ -95,8 +90,8 @@ struct DisplayedTile {
 	void set_lod(std::size_t lod);
 	std::size_t cell_count() const;
 
-	/// Main memory that its instances take.
-	std::size_t bytes() const;
+	/// Its part of the amounts of all tiles; nothing for a tile without content.
+	DrawAmounts amounts() const;
 
 	/// The number of multimeshes of its cells now, and the largest possible number with a different division.
 	std::size_t multimesh_count() const;

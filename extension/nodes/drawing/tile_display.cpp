@@ -109,12 +109,12 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	const auto found = tiles_.find(key);
 	const DisplayedTile *standing = found != tiles_.end() ? &found->second : nullptr;
 	const std::uint32_t across = division_of(key, tile, standing != nullptr ? standing->across : 0);
-	std::uint64_t multimeshes = multimeshes_ - (standing != nullptr ? standing->multimesh_count() : 0);
+	DivisionQueue::Multimeshes multimeshes = all_multimeshes();
+	multimeshes.count -= standing != nullptr ? standing->multimesh_count() : 0;
 	for (const auto &[instances, multimeshes_of_a_cell] : sizes) {
-		multimeshes += std::min(instances, std::size_t{across} * across) * multimeshes_of_a_cell;
+		multimeshes.count += std::min(instances, std::size_t{across} * across) * multimeshes_of_a_cell;
 	}
-	tile.across = DivisionQueue::first_division(
-			across, {multimeshes, limits_.max_multimeshes}, standing != nullptr, others_wait);
+	tile.across = DivisionQueue::first_division(across, multimeshes, standing != nullptr, others_wait);
 }
 
 void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
@@ -153,12 +153,11 @@ void TileDisplay::show(TileUpload upload) {
 	if (divisions_.is_current(key)) {
 		cancel_division();
 	}
-	marks_.reserve(marks_.size() + 1); // So that nothing throws between `uncount` and `count`.
+	marks_.reserve(marks_.size() + 1); // So that nothing throws while the tile is not counted.
 	DisplayedTile &tile = tiles_[key];
 	leaving_.reserve(leaving_.size() + tile.multimesh_count());
-	uncount(tile);
+	budget_.remove(tile.amounts());
 	upload.tile.set_lod(tile.finest_lod());
-	upload.tile.is_cut = tile.is_cut;
 	upload.tile.to_fade = tile.to_fade;
 	// The old visuals are hidden now: while both were visible, each instance would be drawn twice.
 	tile.set_visible(false);
@@ -168,7 +167,7 @@ void TileDisplay::show(TileUpload upload) {
 		patch(key, tile);
 	}
 	tile.set_offset(context_.offset); // The origin may have moved since the first part was uploaded.
-	count(tile);
+	budget_.add(tile.amounts());
 	divisions_.show(key, tile.across);
 	refine(key, tile);
 	tile.set_visible(visible_);
@@ -201,7 +200,7 @@ bool TileDisplay::drop(const TileKey &key) {
 	if (found->second.to_fade) {
 		std::erase(to_fade_, key);
 	}
-	uncount(found->second);
+	budget_.remove(found->second.amounts());
 	leave(std::move(found->second));
 	tiles_.erase(found);
 	schedule_.remove(key);
@@ -245,11 +244,9 @@ void TileDisplay::clear() {
 	next_parts_.clear();
 	to_fade_.clear();
 	tiles_.clear();
-	instances_ = instance_bytes_ = multimeshes_ = drawn_ = wanted_ = upload_count_ = redrawn_count_ = lod_look_count_ =
-			0;
+	upload_count_ = redrawn_count_ = lod_look_count_ = 0;
 	schedule_.clear();
-	cut_.clear();
-	share_ = 1.0;
+	budget_.clear();
 	hidden_.clear();
 	marks_.clear();
 	marked_all_ = false;

@@ -2,6 +2,7 @@
 
 #include "core/near/tile_overlay.hpp"
 #include "core/drawing/division_queue.hpp"
+#include "core/drawing/draw_budget.hpp"
 #include "core/drawing/lod_schedule.hpp"
 #include "core/drawing/tile_key_order.hpp"
 #include "core/streaming/tile_streamer.hpp"
@@ -22,21 +23,6 @@
 #include <vector>
 
 namespace thicket {
-
-/// Limits on how much of the tiles is drawn, whatever the distance.
-struct DrawLimits {
-	double quality = 1.0;                                                    ///< Share of every tile, 0 to 1.
-	std::uint64_t max_instances = std::numeric_limits<std::uint64_t>::max(); ///< For all tiles together.
-	std::uint64_t max_multimeshes = 8192; ///< For all tiles together: beyond that, no tile is divided for drawing.
-	std::vector<bool> hidden_layers;      ///< By index; hidden layers draw nothing. Missing entries are visible.
-
-	/// The share of a layer's tiles that is drawn, whatever the distance.
-	double share(std::size_t layer) const {
-		return layer < hidden_layers.size() && hidden_layers[layer] ? 0.0 : quality;
-	}
-
-	friend bool operator==(const DrawLimits &, const DrawLimits &) = default;
-};
 
 /// The visible tiles and how they are drawn. Uploads their parts, changes meshes and counts with distance, and redraws tiles that a game
 /// has changed. Main thread only. Works in small steps, so that its caller can stop when the frame's time is spent.
@@ -78,8 +64,8 @@ public:
 	void set_layers(const std::vector<SharedSnapshot> &layers);
 
 	/// How much to draw; tiles follow as above.
-	void set_limits(const DrawLimits &limits) { next_limits_ = limits; }
-	const DrawLimits &limits() const { return next_limits_; }
+	void set_limits(const DrawLimits &limits) { budget_.set_limits(limits); }
+	const DrawLimits &limits() const { return budget_.limits(); }
 
 	/// The viewers in this frame: the drawing of a tile depends on its distance to the nearest.
 	void set_viewers(std::span<const Viewer> viewers);
@@ -132,24 +118,22 @@ public:
 	std::vector<glm::ivec2> tiles(std::uint32_t layer) const;
 
 	std::size_t tile_count() const { return tiles_.size(); }
-	std::uint64_t instance_count() const { return instances_; }
+	std::uint64_t instance_count() const { return budget_.amounts().instances; }
 
 	/// The same for one layer.
 	std::uint64_t instance_count(std::uint32_t layer) const;
 
 	/// Main memory that all instances take, in bytes, without the renderer's copies.
-	std::uint64_t instance_bytes() const { return instance_bytes_; }
+	std::uint64_t instance_bytes() const { return budget_.amounts().bytes; }
 
 	/// Instances that are drawn when in view, at most as many as the limits allow.
-	std::uint64_t drawn_count() const { return drawn_; }
+	std::uint64_t drawn_count() const { return budget_.amounts().drawn; }
 
 	/// The share of a layer's instances that is drawn at this distance from a viewer (meters), including all limits: 0 to 1.
-	double drawn_share(const LodSettings &lod, double distance) const {
-		return thinned_density(lod, distance) * limits_.quality * share_;
-	}
+	double drawn_share(const LodSettings &lod, double distance) const { return budget_.drawn_share(lod, distance); }
 
 	/// Visible multimeshes: one for each mesh of a tile that is drawn as a whole, more for a tile in cells.
-	std::uint64_t multimesh_count() const { return multimeshes_; }
+	std::uint64_t multimesh_count() const { return budget_.amounts().multimeshes; }
 
 	/// The approximate world y of the tiles' instances, in meters; 0 if there are none.
 	double usual_height() const;
@@ -175,8 +159,6 @@ private:
 	Tiles::const_iterator first_of(std::uint32_t layer) const;
 	void leave(DisplayedTile &&tile);
 	void leave(std::vector<DisplayedTile::Cell> &&cells);
-	void count(const DisplayedTile &tile);
-	void uncount(const DisplayedTile &tile);
 	void visit_all();
 	void apply_drawing(const TileKey &key, DisplayedTile &r_tile);
 	void refine(const TileKey &key, DisplayedTile &r_tile);
@@ -186,12 +168,16 @@ private:
 
 	/// How the instances of a mesh are drawn at any distance.
 	struct Drawing {
+		std::uint32_t layer;
 		const LodSettings &lod;
-		const LodChain &chain;
-		bool fades;   ///< True if the chain belongs to the looks that the tile is drawn with, and is complete.
-		double share; ///< As DrawLimits::share returns for the layer.
+		const LodChain *chain; ///< Null unless it belongs to the looks that the tile is drawn with, and is complete.
 
-		double margin(const DistanceRange &distance) const;
+		std::span<const LodStep> steps() const {
+			return chain != nullptr ? chain->steps() : std::span<const LodStep>();
+		}
+		std::size_t looks_beyond_first(const LodSpan &span) const {
+			return chain != nullptr ? chain->looks_beyond_first(span) : 0;
+		}
 	};
 	Drawing drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const;
 	bool draw_whole(const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin);
@@ -204,6 +190,7 @@ private:
 			DisplayedTile::Cell &r_cell);
 	void add_other(const TileKey &key, const DisplayedTile &tile, std::size_t mesh, DisplayedTile::Part &r_part,
 			std::size_t cell);
+	static std::size_t wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell);
 	bool wants_visuals(const TileKey &key, const DisplayedTile &tile) const;
 	bool upload_others(const TileKey &key, DisplayedTile &r_tile);
 	bool upload_others(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
@@ -244,7 +231,9 @@ private:
 		const DisplayedTile &tile(const TileKey &key) const { return display_.tiles_.at(key); }
 		const TileDisplay &display_;
 	};
-	DivisionQueue::Multimeshes all_multimeshes() const { return {multimeshes_, limits_.max_multimeshes}; }
+	DivisionQueue::Multimeshes all_multimeshes() const {
+		return {budget_.amounts().multimeshes, budget_.max_multimeshes()};
+	}
 	std::uint32_t division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const;
 	void continue_division();
 	void finish_division(DisplayedTile &r_tile);
@@ -258,20 +247,12 @@ private:
 	Tiles tiles_;
 	std::vector<TileVisual> leaving_;
 	std::size_t leaving_hidden_ = 0; ///< The number of visuals, from the first on, that are hidden.
-	std::uint64_t instances_ = 0;
-	std::uint64_t instance_bytes_ = 0;
-	std::uint64_t multimeshes_ = 0;
 	std::uint64_t upload_count_ = 0;
 	std::uint64_t redrawn_count_ = 0;
 	std::uint64_t lod_look_count_ = 0;
 
 	LodSchedule schedule_;
-	DrawLimits limits_;
-	DrawLimits next_limits_;
-	double share_ = 1.0; ///< The share of the wanted instances that is drawn, so that max_instances is not exceeded.
-	std::uint64_t drawn_ = 0;
-	std::uint64_t wanted_ = 0;
-	std::vector<TileKey> cut_; ///< Tiles that the limit has thinned, to be visited once more. No duplicates.
+	DrawBudget budget_;
 
 	DivisionQueue divisions_;
 	std::vector<DisplayedTile::Part> next_parts_; ///< The parts of the current division uploaded until now, hidden.

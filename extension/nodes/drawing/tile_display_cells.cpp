@@ -128,7 +128,7 @@ void TileDisplay::finish_division(DisplayedTile &r_tile) {
 	const auto [key, across] = *divisions_.current();
 	std::vector<DisplayedTile::Part> next = std::exchange(next_parts_, {});
 	const std::size_t before = r_tile.cell_count();
-	uncount(r_tile);
+	budget_.remove(r_tile.amounts());
 	r_tile.set_visible(false);
 	const std::size_t lod = r_tile.finest_lod();
 	for (std::size_t mesh = 0; mesh < next.size(); ++mesh) {
@@ -140,7 +140,7 @@ void TileDisplay::finish_division(DisplayedTile &r_tile) {
 	r_tile.look_at_all = true;
 	r_tile.set_lod(lod);
 	divisions_.finish();
-	count(r_tile);
+	budget_.add(r_tile.amounts());
 	refine(key, r_tile);
 	r_tile.set_visible(visible_);
 	if (r_tile.cell_count() < before) {

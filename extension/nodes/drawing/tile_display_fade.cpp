@@ -28,46 +28,58 @@ private:
 	std::size_t instances_ = 0;
 };
 
+DrawAmounts multimeshes_only(std::size_t count) {
+	DrawAmounts amounts;
+	amounts.multimeshes = count;
+	return amounts;
+}
+
 } // namespace
 
 /// The look of the visual that each cell has: the first of the wanted LODs, if all of them have a visual; otherwise the LOD that is to be
 /// drawn alone.
 const MeshLook &TileDisplay::first_look(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
-	if (!drawing.fades) {
-		return part.lods[std::min(cell.lod, part.lods.size() - 1)];
+	const LodSpan &span = cell.drawing.span;
+	const std::size_t lod = cell.drawing.lod;
+	if (drawing.chain == nullptr) {
+		return part.lods[std::min(lod, part.lods.size() - 1)];
 	}
-	const bool complete = cell.others.size() >= drawing.chain.looks_beyond_first(cell.span);
-	return complete ? drawing.chain.look(cell.span, 0) : drawing.chain.only_look(cell.span, cell.lod);
+	const bool complete = cell.others.size() >= drawing.looks_beyond_first(span);
+	return complete ? drawing.chain->look(span, 0) : drawing.chain->only_look(span, lod);
 }
 
 /// Draws these looks, and releases visuals that are no longer wanted. `ranks` are those of the cell.
 void TileDisplay::show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks,
 		const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell) {
-	const std::size_t others = drawing.fades ? drawing.chain.looks_beyond_first(r_cell.span) : 0;
+	const LodSpan &span = r_cell.drawing.span;
+	const std::size_t others = drawing.looks_beyond_first(span);
 	while (r_cell.others.size() > others) {
 		r_cell.others.back().set_visible(false);
 		leaving_.push_back(std::move(r_cell.others.back()));
 		r_cell.others.pop_back();
-		multimeshes_ -= part.multimeshes_of_a_cell();
+		budget_.remove(multimeshes_only(part.multimeshes_of_a_cell()));
 	}
 	const MeshLook &first = first_look(drawing, part, r_cell);
 	r_cell.visual.set_look(first);
-	r_cell.visual.set_scale(r_cell.scale);
-	r_cell.visual.set_drawn(r_cell.drawn);
+	r_cell.visual.set_scale(r_cell.drawing.scale);
+	r_cell.visual.set_drawn(r_cell.drawing.drawn);
 	const bool complete = r_cell.others.size() == others;
-	const bool cut = r_cell.drawn < visible_prefix(ranks, r_cell.density * first.look.density);
 	for (std::size_t index = 0; index < r_cell.others.size(); ++index) {
 		TileVisual &other = r_cell.others[index];
 		if (complete) {
-			const MeshLook &look = drawing.chain.look(r_cell.span, index + 1);
-			const std::size_t due = visible_prefix(ranks, r_cell.density * look.look.density);
+			const MeshLook &look = drawing.chain->look(span, index + 1);
 			other.set_look(look);
-			other.set_drawn(cut ? std::min(due, r_cell.drawn) : due);
+			other.set_drawn(drawn_by_other(ranks, first.look.density, look.look.density, r_cell.drawing));
 		}
-		other.set_scale(r_cell.scale);
+		other.set_scale(r_cell.drawing.scale);
 		other.set_visible(visible_ && complete);
 	}
+}
+
+/// The number of further visuals that a cell of a visible tile is to have.
+std::size_t TileDisplay::wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell) {
+	return cell.drawing.density > 0.0 ? drawing.looks_beyond_first(cell.drawing.span) : 0;
 }
 
 /// True if a cell of a tile lacks a visual, and there is room for one.
@@ -75,11 +87,11 @@ bool TileDisplay::wants_visuals(const TileKey &key, const DisplayedTile &tile) c
 	for (std::size_t mesh = 0; mesh < tile.parts.size(); ++mesh) {
 		const Drawing drawing = drawing_of(key, tile, mesh);
 		const DisplayedTile::Part &part = tile.parts[mesh];
-		const bool room = multimeshes_ + part.multimeshes_of_a_cell() <= limits_.max_multimeshes;
 		const auto lacks = [&drawing](const DisplayedTile::Cell &cell) {
-			return cell.density > 0.0 && cell.others.size() < drawing.chain.looks_beyond_first(cell.span);
+			return cell.others.size() < wanted_others(drawing, cell);
 		};
-		if (drawing.fades && room && std::ranges::any_of(part.cells, lacks)) {
+		if (drawing.chain != nullptr && budget_.has_room_for(part.multimeshes_of_a_cell()) &&
+				std::ranges::any_of(part.cells, lacks)) {
 			return true;
 		}
 	}
@@ -93,15 +105,15 @@ bool TileDisplay::upload_others(const TileKey &key, DisplayedTile &r_tile) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		const Drawing drawing = drawing_of(key, r_tile, mesh);
 		const std::size_t more = part.multimeshes_of_a_cell();
-		for (std::size_t at = 0; drawing.fades && at < part.cells.size(); ++at) {
+		for (std::size_t at = 0; drawing.chain != nullptr && at < part.cells.size(); ++at) {
 			DisplayedTile::Cell &cell = part.cells[at];
-			const std::size_t wanted = cell.density > 0.0 ? drawing.chain.looks_beyond_first(cell.span) : 0;
-			while (cell.others.size() < wanted && multimeshes_ + more <= limits_.max_multimeshes) {
+			const std::size_t wanted = wanted_others(drawing, cell);
+			while (cell.others.size() < wanted && budget_.has_room_for(more)) {
 				if (limit.is_reached()) {
 					return false;
 				}
 				add_other(key, r_tile, mesh, part, at);
-				multimeshes_ += more;
+				budget_.add(multimeshes_only(more));
 				limit.add(part.ranks_of(at).size());
 				show_lods(drawing, part.ranks_of(at), part, cell);
 			}
@@ -117,12 +129,13 @@ bool TileDisplay::upload_others(const TileKey &key, const DisplayedTile &tile, s
 	for (std::size_t mesh = 0; mesh < r_parts.size(); ++mesh) {
 		DisplayedTile::Part &part = r_parts[mesh];
 		const Drawing drawing = drawing_of(key, tile, mesh);
-		for (std::size_t at = 0; drawing.fades && at < part.cells.size(); ++at) {
+		for (std::size_t at = 0; drawing.chain != nullptr && at < part.cells.size(); ++at) {
 			DisplayedTile::Cell &cell = part.cells[at];
+			LodSpan &span = cell.drawing.span;
 			const DistanceRange distance = schedule_.distances_to(
 					origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max), drawing.lod.sight());
-			cell.span = lod_span(drawing.lod, drawing.chain.steps(), distance, cell.span);
-			while (cell.others.size() < drawing.chain.looks_beyond_first(cell.span)) {
+			span = lod_span(drawing.lod, drawing.steps(), distance, span);
+			while (cell.others.size() < drawing.looks_beyond_first(span)) {
 				if (limit.is_reached()) {
 					return false;
 				}

@@ -25,30 +25,6 @@ constexpr std::size_t cells_per_step = 32;
 
 } // namespace
 
-void TileDisplay::count(const DisplayedTile &tile) {
-	instance_bytes_ += tile.bytes();
-	for (const DisplayedTile::Part &part : tile.parts) {
-		instances_ += part.shown->size();
-		multimeshes_ += part.multimesh_count();
-		for (const DisplayedTile::Cell &cell : part.cells) {
-			drawn_ += cell.drawn;
-			wanted_ += cell.wanted;
-		}
-	}
-}
-
-void TileDisplay::uncount(const DisplayedTile &tile) {
-	instance_bytes_ -= tile.tile != nullptr ? tile.bytes() : 0;
-	for (const DisplayedTile::Part &part : tile.parts) {
-		instances_ -= part.shown->size();
-		multimeshes_ -= part.multimesh_count();
-		for (const DisplayedTile::Cell &cell : part.cells) {
-			drawn_ -= cell.drawn;
-			wanted_ -= cell.wanted;
-		}
-	}
-}
-
 void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 	for (const auto &[key, tile] : tiles_) {
 		const glm::dvec3 origin = tile.tile->origin;
@@ -56,7 +32,7 @@ void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 			for (const DisplayedTile::Cell &cell : part.cells) {
 				const glm::dvec3 min = origin + glm::dvec3(cell.min);
 				const glm::dvec3 max = origin + glm::dvec3(cell.max);
-				r_counter.add(cell.visual.mesh(), visible_ ? cell.drawn : 0, min, max);
+				r_counter.add(cell.visual.mesh(), visible_ ? cell.drawing.drawn : 0, min, max);
 				for (const TileVisual &other : cell.others) {
 					r_counter.add(other.mesh(), visible_ ? other.drawn() : 0, min, max);
 				}
@@ -66,16 +42,12 @@ void TileDisplay::count_drawn(DrawCounter &r_counter) const {
 }
 
 void TileDisplay::set_viewers(std::span<const Viewer> viewers) {
-	const double share = limited_share(share_, wanted_, next_limits_.max_instances);
 	const bool others = schedule_.move(viewers);
-	if (others || share != share_ || next_limits_ != limits_) {
-		share_ = share;
-		limits_ = next_limits_;
+	if (budget_.begin_frame() || others) {
 		visit_all();
 	}
-	for (const TileKey &key : std::exchange(cut_, {})) {
+	for (const TileKey &key : budget_.take_cut()) {
 		if (const auto found = tiles_.find(key); found != tiles_.end()) {
-			found->second.is_cut = false;
 			found->second.look_at_all = true;
 			schedule_.add(key, 0.0);
 		}
@@ -84,9 +56,8 @@ void TileDisplay::set_viewers(std::span<const Viewer> viewers) {
 
 void TileDisplay::visit_all() {
 	schedule_.clear();
-	cut_.clear();
+	budget_.take_cut(); // These tiles are visited, too.
 	for (auto &[key, tile] : tiles_) {
-		tile.is_cut = false;
 		tile.look_at_all = true;
 		schedule_.add(key, 0.0);
 	}
@@ -155,8 +126,8 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	double margin = std::numeric_limits<double>::infinity();
 	const bool whole = r_tile.across > 1 ? draw_cells(key, r_tile, margin) : draw_whole(key, distance, r_tile, margin);
 	r_tile.look_at_all = false;
-	if (!whole && !std::exchange(r_tile.is_cut, true)) {
-		cut_.push_back(key);
+	if (!whole) {
+		budget_.note_cut(key);
 	}
 	if (wants_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
 		to_fade_.push_back(key);
@@ -166,17 +137,10 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 			key, std::max(std::min(margin, division_margin(layer->cells, layer->lod, distance.near)), min_margin));
 }
 
-/// How far viewers may move until the instances may have to be drawn differently.
-double TileDisplay::Drawing::margin(const DistanceRange &distance) const {
-	const double margin = distance_margin(lod, distance.near);
-	return fades ? std::min(margin, span_margin(lod, chain.steps(), distance)) : margin;
-}
-
 TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
-	static const LodChain none{LayerDrawing(), LodSettings(), 0};
 	const LodChain *chain = fades_.find(key.layer, mesh);
 	const bool fades = chain != nullptr && chain->is_made() && chain->is_of(tile.parts[mesh].lods);
-	return {layers_[key.layer]->lod, fades ? *chain : none, fades, limits_.share(key.layer)};
+	return {key.layer, layers_[key.layer]->lod, fades ? chain : nullptr};
 }
 
 /// Draws the meshes and the share of the instances that the distance of the tile requires. False if the limit for all tiles thins them.
@@ -190,7 +154,7 @@ bool TileDisplay::draw_whole(
 		for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
 			const Drawing drawing = drawing_of(key, r_tile, mesh);
 			whole = draw_cell(drawing, distance, part, cell) && whole;
-			r_margin = std::min(r_margin, drawing.margin(distance));
+			r_margin = std::min(r_margin, adapted_margin(drawing.lod, drawing.steps(), distance));
 		}
 	}
 	return whole;
@@ -216,7 +180,7 @@ bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &
 			const DistanceRange distance = schedule_.distances_to(
 					origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max), drawing.lod.sight());
 			whole = draw_cell(drawing, distance, part, at) && whole;
-			part.due[at] = now + drawing.margin(distance);
+			part.due[at] = now + adapted_margin(drawing.lod, drawing.steps(), distance);
 			r_margin = std::min(r_margin, part.due[at] - now);
 		}
 	}
@@ -229,22 +193,11 @@ bool TileDisplay::draw_cell(
 	++lod_look_count_;
 	DisplayedTile::Cell &cell = r_part.cells[cell_index];
 	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
-	const double thinned = thinned_density(drawing.lod, distance.near);
-	cell.scale = static_cast<float>(compensating_scale(drawing.lod, thinned));
-	cell.density = thinned * drawing.share * share_;
-	cell.lod = lod_at(drawing.lod, distance.near, cell.lod);
-	cell.span = drawing.fades ? lod_span(drawing.lod, drawing.chain.steps(), distance, cell.span)
-							  : LodSpan{cell.lod, cell.lod, false};
-	const double of_lod = first_look(drawing, r_part, cell).look.density;
-	wanted_ -= std::exchange(cell.wanted, visible_prefix(ranks, thinned * drawing.share * of_lod));
-	wanted_ += cell.wanted;
-	drawn_ -= cell.drawn;
-	const std::uint64_t due = visible_prefix(ranks, cell.density * of_lod);
-	const std::uint64_t room = limits_.max_instances - std::min(limits_.max_instances, drawn_);
-	cell.drawn = static_cast<std::size_t>(std::min(due, room));
-	drawn_ += cell.drawn;
+	adapt(drawing.lod, drawing.steps(), distance, cell.drawing);
+	const double look_share = first_look(drawing, r_part, cell).look.density;
+	const bool whole = budget_.draw(drawing.layer, look_share, ranks, cell.drawing);
 	show_lods(drawing, ranks, r_part, cell);
-	return cell.drawn == due;
+	return whole;
 }
 
 } // namespace thicket

@@ -112,9 +112,9 @@ void TileDisplay::patch() {
 void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
 	try {
 		marks_.reserve(marks_.size() + 1); // So that `patch` throws nothing, and the counts stay right.
-		uncount(r_tile);
+		budget_.remove(r_tile.amounts());
 		patch(key, r_tile);
-		count(r_tile);
+		budget_.add(r_tile.amounts());
 		refine(key, r_tile);
 	} catch (const std::bad_alloc &) {
 		marked_all_ = true; // Other marks may be lost with this one.
