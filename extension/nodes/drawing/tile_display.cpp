@@ -92,7 +92,7 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	tile.rect = job.request.rect;
 	tile.drawing_version = drawing_version(key.layer);
 	r_upload.shown = overlay(tile);
-	r_upload.overlay_version = overlay_version_;
+	r_upload.overlay_version = redraws_.version();
 	if (r_upload.shown.size() != tile.tile->meshes.size()) {
 		tile.tile = nullptr; // There is no memory now, so it is begun again later.
 		return;
@@ -153,7 +153,7 @@ void TileDisplay::show(TileUpload upload) {
 	if (divisions_.is_current(key)) {
 		cancel_division();
 	}
-	marks_.reserve(marks_.size() + 1); // So that nothing throws while the tile is not counted.
+	redraws_.reserve_mark(); // So that nothing throws while the tile is not counted.
 	DisplayedTile &tile = tiles_[key];
 	leaving_.reserve(leaving_.size() + tile.multimesh_count());
 	budget_.remove(tile.amounts());
@@ -163,7 +163,7 @@ void TileDisplay::show(TileUpload upload) {
 	tile.set_visible(false);
 	leave(std::move(tile));
 	tile = std::move(upload.tile);
-	if (upload.overlay_version != overlay_version_) {
+	if (upload.overlay_version != redraws_.version()) {
 		patch(key, tile);
 	}
 	tile.set_offset(context_.offset); // The origin may have moved since the first part was uploaded.
@@ -248,9 +248,7 @@ void TileDisplay::clear() {
 	schedule_.clear();
 	budget_.clear();
 	hidden_.clear();
-	marks_.clear();
-	marked_all_ = false;
-	marked_later_.clear();
+	redraws_.clear();
 }
 
 const DisplayedTile *TileDisplay::find(std::uint32_t layer, glm::ivec2 tile) const {

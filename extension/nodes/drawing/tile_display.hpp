@@ -4,6 +4,7 @@
 #include "core/drawing/division_queue.hpp"
 #include "core/drawing/draw_budget.hpp"
 #include "core/drawing/lod_schedule.hpp"
+#include "core/drawing/redraw_queue.hpp"
 #include "core/drawing/tile_key_order.hpp"
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/drawing/displayed_tile.hpp"
@@ -17,7 +18,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <unordered_set>
 #include <vector>
@@ -36,8 +36,8 @@ public:
 	void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden);
 
 	/// The overlay may have changed in an area (world meters, edges included) of a layer, or everywhere.
-	void mark(std::uint32_t layer, const Rect &area) { marks_.push_back({layer, area}); }
-	void mark_all() { marked_all_ = true; }
+	void mark(std::uint32_t layer, const Rect &area) { redraws_.mark(layer, area); }
+	void mark_all() { redraws_.mark_all(); }
 
 	/// Redraws the tiles whose overlay has changed where it was marked, with one upload each. Call it before the frame is drawn.
 	void patch();
@@ -48,7 +48,7 @@ public:
 
 	/// Redraws one such tile. False if there is none.
 	bool patch_step();
-	bool has_patches() const { return !marked_later_.empty(); }
+	bool has_patches() const { return redraws_.has_later(); }
 
 	/// The scenario of the RenderingServer for new tiles, and the node that they belong to.
 	void set_scenario(const godot::RID &scenario, std::uint64_t node_id);
@@ -152,10 +152,6 @@ public:
 
 private:
 	using Tiles = std::map<TileKey, DisplayedTile, TileKeyOrder>;
-	struct Mark {
-		std::uint32_t layer = 0;
-		Rect area;
-	};
 	Tiles::const_iterator first_of(std::uint32_t layer) const;
 	void leave(DisplayedTile &&tile);
 	void leave(std::vector<DisplayedTile::Cell> &&cells);
@@ -262,10 +258,7 @@ private:
 
 	const InstanceState *state_ = nullptr;
 	std::unordered_set<std::uint64_t> hidden_;
-	std::vector<Mark> marks_;
-	bool marked_all_ = false;
-	std::set<TileKey, TileKeyOrder> marked_later_;
-	std::uint64_t overlay_version_ = 0; ///< Rises with every `patch` that had marks.
+	RedrawQueue redraws_;
 };
 
 } // namespace thicket

@@ -7,7 +7,6 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <map>
 #include <new>
 #include <optional>
 #include <utility>
@@ -82,28 +81,12 @@ std::vector<std::shared_ptr<const CompactMesh>> TileDisplay::overlay(const Displ
 }
 
 void TileDisplay::patch() {
-	const std::vector<Mark> marks = std::exchange(marks_, {});
-	const bool all = std::exchange(marked_all_, false);
-	if (marks.empty() && !all) {
+	const RedrawQueue::Marks marks = redraws_.take();
+	if (marks.empty()) {
 		return;
 	}
-	std::map<std::uint32_t, Rect> bounds;
-	for (const auto &[layer, area] : marks) {
-		Rect &bound = bounds.try_emplace(layer, area).first->second;
-		bound = {glm::min(bound.min, area.min), glm::max(bound.max, area.max)};
-	}
-	const auto is_marked = [&](std::uint32_t layer, const Rect &rect) {
-		const auto bound = bounds.find(layer);
-		if (bound == bounds.end() || !meet(rect, bound->second)) {
-			// Fast path: a rectangle outside the bounds of all marks meets none of them.
-			return false;
-		}
-		return std::ranges::any_of(
-				marks, [&](const Mark &mark) { return mark.layer == layer && meet(rect, mark.area); });
-	};
-	++overlay_version_;
 	for (auto &[key, tile] : tiles_) {
-		if (all || is_marked(key.layer, tile.rect)) {
+		if (marks.meet(key.layer, tile.rect)) {
 			redraw(key, tile);
 		}
 	}
@@ -111,39 +94,37 @@ void TileDisplay::patch() {
 
 void TileDisplay::redraw(const TileKey &key, DisplayedTile &r_tile) {
 	try {
-		marks_.reserve(marks_.size() + 1); // So that `patch` throws nothing, and the counts stay right.
+		redraws_.reserve_mark(); // So that `patch` throws nothing, and the amounts stay right.
 		budget_.remove(r_tile.amounts());
 		patch(key, r_tile);
 		budget_.add(r_tile.amounts());
 		refine(key, r_tile);
 	} catch (const std::bad_alloc &) {
-		marked_all_ = true; // Other marks may be lost with this one.
+		redraws_.mark_all(); // Other marks may be lost with this one.
 		throw;
 	}
 }
 
 void TileDisplay::mark_later(std::uint32_t layer, const Rect &area) {
-	++overlay_version_;
-	for (const auto &[key, tile] : tiles_) {
-		if (key.layer == layer && meet(tile.rect, area)) {
-			marked_later_.insert(key);
+	redraws_.begin_later();
+	for (auto at = first_of(layer); at != tiles_.end() && at->first.layer == layer; ++at) {
+		if (meet(at->second.rect, area)) {
+			redraws_.add_later(at->first);
 		}
 	}
 }
 
 void TileDisplay::mark_all_later() {
-	++overlay_version_;
+	redraws_.begin_later();
 	for (const auto &[key, tile] : tiles_) {
-		marked_later_.insert(key);
+		redraws_.add_later(key);
 	}
 }
 
 bool TileDisplay::patch_step() {
-	while (!marked_later_.empty()) {
-		const TileKey key = *marked_later_.begin();
-		marked_later_.erase(marked_later_.begin());
-		if (const auto found = tiles_.find(key); found != tiles_.end()) {
-			redraw(key, found->second);
+	while (const std::optional<TileKey> key = redraws_.next_later()) {
+		if (const auto found = tiles_.find(*key); found != tiles_.end()) {
+			redraw(*key, found->second);
 			return true;
 		}
 	}
