@@ -12,8 +12,6 @@ namespace thicket {
 
 namespace {
 
-std::size_t variant_of(bool comes, LodEnd end) { return (comes ? 3 : 0) + static_cast<std::size_t>(end); }
-
 bool same_look(const MeshLook &a, const MeshLook &b) { return a.same_meshes(b) && a.look == b.look; }
 
 /// A mesh for each of the ranges: the original mesh if nothing fades, or if it has no surface.
@@ -42,95 +40,70 @@ std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh) {
 }
 
 LodChain::LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::size_t mesh) :
-		settings_(lod), surfaces_(drawing.surfaces) {
+		surfaces_(drawing.surfaces) {
 	if (!drawing.draws(mesh)) {
 		return;
 	}
+	std::vector<LodStep> steps;
 	for (const MeshLook &look : lods_of(drawing, mesh)) {
-		const bool same = !looks_.empty() && same_look(look, looks_.back().plain);
-		const std::size_t index = steps_.size();
-		steps_when_made_.push_back({same, look.fades});
-		steps_.push_back({same, false});
-		if (same) {
-			looks_.back().last = index;
-		} else {
-			looks_.push_back({index, index, look, {}});
-		}
-		look_of_.push_back(looks_.size() - 1);
-	}
-	const bool any = settings_.fade > 0.0 && std::ranges::any_of(steps_when_made_, &LodStep::fades);
-	made_ = any ? 0 : looks_.size();
-}
-
-/// All ranges that the look may be drawn with, by variant.
-std::vector<FadeRange> LodChain::ranges_of(const Look &look) const {
-	std::vector<FadeRange> ranges;
-	for (const bool comes : {false, true}) {
-		for (const LodEnd end : {LodEnd::stays, LodEnd::next, LodEnd::sight}) {
-			const bool may_come = !comes || look.first > 0;
-			const bool may_go = end == LodEnd::stays || (end == LodEnd::next && look.last + 1 < steps_.size()) ||
-					(end == LodEnd::sight && settings_.sight_end > 0.0);
-			ranges.push_back(may_come && may_go ? fade_range(settings_, look.first, look.last, comes, end) : no_fade);
+		const bool same = !meshes_.empty() && same_look(look, meshes_.back().plain);
+		steps.push_back({same, look.fades});
+		if (!same) {
+			meshes_.push_back({look, {}});
 		}
 	}
-	return ranges;
+	looks_ = LodLooks(lod, steps);
+	made_ = looks_.fades() ? 0 : meshes_.size();
 }
 
 void LodChain::make_next(const LodChain *before) {
-	Look &look = looks_[made_];
-	const std::vector<FadeRange> ranges = ranges_of(look);
-	const auto is_same = [&](const Look &other) {
-		return same_look(other.plain, look.plain) && before->ranges_of(other) == ranges;
-	};
-	const Look *known = nullptr;
+	auto &[plain, variants] = meshes_[made_];
+	const std::array<FadeRange, LookFade::count> ranges = looks_.ranges(made_);
+	const std::array<MeshLook, LookFade::count> *known = nullptr;
 	if (before != nullptr && before->is_made() && before->surfaces_ == surfaces_) {
-		const auto found = std::ranges::find_if(before->looks_, is_same);
-		known = found != before->looks_.end() ? &*found : nullptr;
+		for (std::size_t look = 0; known == nullptr && look < before->meshes_.size(); ++look) {
+			const Meshes &other = before->meshes_[look];
+			known = same_look(other.plain, plain) && before->looks_.ranges(look) == ranges ? &other.faded : nullptr;
+		}
 	}
 	if (known != nullptr) {
 		// Fast path: existing copies of the mesh fade over the same distances.
-		look.faded = known->faded;
-	} else if (look.plain.fades) {
-		const std::vector<Ref<Mesh>> meshes = faded(look.plain.mesh, ranges);
-		const std::vector<Ref<Mesh>> shadows = faded(look.plain.shadow.mesh, ranges);
-		for (std::size_t variant = 0; variant < variants; ++variant) {
-			look.faded[variant] = {
-					meshes[variant], {shadows[variant], look.plain.shadow.setting}, look.plain.look, true};
+		variants = *known;
+	} else if (plain.fades) {
+		const std::vector<Ref<Mesh>> meshes = faded(plain.mesh, ranges);
+		const std::vector<Ref<Mesh>> shadows = faded(plain.shadow.mesh, ranges);
+		for (std::size_t variant = 0; variant < variants.size(); ++variant) {
+			variants[variant] = {meshes[variant], {shadows[variant], plain.shadow.setting}, plain.look, true};
 		}
 	} else {
-		look.faded.fill(look.plain);
+		variants.fill(plain);
 	}
-	if (++made_ == looks_.size()) {
-		steps_ = steps_when_made_;
-	}
+	++made_;
 }
 
 bool LodChain::is_of(std::span<const MeshLook> lods) const {
-	if (lods.size() != look_of_.size()) {
+	if (lods.size() != looks_.steps().size()) {
 		return false;
 	}
 	for (std::size_t lod = 0; lod < lods.size(); ++lod) {
-		if (!same_look(lods[lod], looks_[look_of_[lod]].plain)) {
+		if (!same_look(lods[lod], meshes_[looks_.look_of(lod)].plain)) {
 			return false;
 		}
 	}
 	return true;
 }
 
+const MeshLook &LodChain::mesh_of(const LodLooks::Drawn &drawn) const {
+	const Meshes &meshes = meshes_[drawn.look];
+	return drawn.fade ? meshes.faded[drawn.fade->index()] : meshes.plain;
+}
+
 const MeshLook &LodChain::look(const LodSpan &span, std::size_t index) const {
-	const Look &look = looks_[look_of_[span.first] + index];
-	const bool comes = index > 0;
-	const LodEnd end = look_of_[span.first] + index < look_of_[span.last] ? LodEnd::next
-			: span.ends                                                   ? LodEnd::sight
-																		  : LodEnd::stays;
-	const bool fades = is_made() && (comes || end != LodEnd::stays) && look.plain.fades;
-	return fades ? look.faded[variant_of(comes, end)] : look.plain;
+	return mesh_of(looks_.drawn(span, index));
 }
 
 const MeshLook &LodChain::only_look(const LodSpan &span, std::size_t lod) const {
-	const Look &look = looks_[look_of_[std::min(lod, look_of_.size() - 1)]];
-	const bool fades = is_made() && span.ends && look.plain.fades;
-	return fades ? look.faded[variant_of(false, LodEnd::sight)] : look.plain;
+	return mesh_of(looks_.drawn_alone(span, lod));
 }
 
 void LodFades::set_layers(std::span<const SharedSnapshot> layers) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/drawing/lod_span.hpp"
+#include "core/drawing/lod_looks.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 
 #include <array>
@@ -19,9 +19,11 @@ class LodChain {
 public:
 	LodChain(const LayerDrawing &drawing, const LodSettings &lod, std::size_t mesh);
 
-	/// One for each LOD. Nothing fades before everything is created.
-	std::span<const LodStep> steps() const { return steps_; }
-	bool is_made() const { return made_ == looks_.size(); }
+	/// One for each LOD.
+	std::span<const LodStep> steps() const { return looks_.steps(); }
+
+	/// True once all fading variants are created. The methods below are for such a chain.
+	bool is_made() const { return made_ == meshes_.size(); }
 
 	/// Creates the fading variants of the next look. Copies them from `before`, a different chain, if it has the same look. Takes
 	/// milliseconds for a large mesh, which is read back from the renderer.
@@ -31,7 +33,7 @@ public:
 	bool is_of(std::span<const MeshLook> lods) const;
 
 	/// The number of looks that are drawn in a span, minus one.
-	std::size_t looks_beyond_first(const LodSpan &span) const { return look_of_[span.last] - look_of_[span.first]; }
+	std::size_t looks_beyond_first(const LodSpan &span) const { return looks_.beyond_first(span); }
 
 	/// One of the looks of a span; 0 is the look of its first LOD.
 	const MeshLook &look(const LodSpan &span, std::size_t index) const;
@@ -40,21 +42,15 @@ public:
 	const MeshLook &only_look(const LodSpan &span, std::size_t lod) const;
 
 private:
-	static constexpr std::size_t variants = 6; ///< Fades in or not, times LodEnd.
-	struct Look {
-		std::size_t first = 0; ///< The first LOD.
-		std::size_t last = 0;
+	struct Meshes {
 		MeshLook plain;
-		std::array<MeshLook, variants> faded;
+		std::array<MeshLook, LookFade::count> faded; ///< By LookFade::index.
 	};
-	std::vector<FadeRange> ranges_of(const Look &look) const;
+	const MeshLook &mesh_of(const LodLooks::Drawn &drawn) const;
 
-	LodSettings settings_;
 	std::vector<std::uint64_t> surfaces_; ///< LayerDrawing::surfaces. A difference means that meshes have changed.
-	std::vector<LodStep> steps_;
-	std::vector<LodStep> steps_when_made_;
-	std::vector<std::size_t> look_of_; ///< The look of each LOD.
-	std::vector<Look> looks_;
+	LodLooks looks_;
+	std::vector<Meshes> meshes_; ///< One for each look.
 	std::size_t made_ = 0;
 };
 
