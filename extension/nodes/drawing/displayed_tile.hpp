@@ -2,6 +2,7 @@
 
 #include "core/base/rect.hpp"
 #include "core/drawing/cell_drawing.hpp"
+#include "core/drawing/cell_visits.hpp"
 #include "core/drawing/draw_budget.hpp"
 #include "core/drawing/draw_cells.hpp"
 #include "nodes/drawing/tile_visual.hpp"
@@ -48,7 +49,7 @@ struct DisplayedTile {
 	struct Part {
 		std::vector<Cell> cells;    ///< One for the whole tile, or as in `division`; empty if there is nothing to draw.
 		DrawCells division;         ///< The division of `shown`; empty for a tile that is drawn as a whole.
-		std::vector<double> due;    ///< For each cell, the LodSchedule::traveled at which its drawing may change.
+		CellVisits visits;          ///< When cells must be drawn again. Only for a tile in cells.
 		std::vector<MeshLook> lods; ///< The mesh, then its coarser LODs; empty if there is no mesh.
 		std::shared_ptr<const CompactMesh> shown; ///< The tile's own mesh, or the one with the overlay's changes.
 

@@ -13,13 +13,6 @@ namespace thicket {
 
 namespace {
 
-/// The smallest distance in meters that a viewer must move before a tile is visited again. At a distance where something changes the margin
-/// is 0, and while the viewer does not move the tile would be visited endlessly.
-constexpr double min_margin = 1e-3;
-
-/// The same for a tile in cells, one of which is always near a change: a share of a cell's size.
-constexpr double min_cells_margin = 1.0 / 8.0;
-
 /// Multimeshes that a step checks, or slightly more: a few microseconds. A checked tile is seldom drawn differently.
 constexpr std::size_t cells_per_step = 32;
 
@@ -123,8 +116,9 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	}
 	apply_drawing(key, r_tile);
 	const DistanceRange distance = distances_to(key.layer, r_tile);
+	const bool in_cells = r_tile.across > 1;
 	double margin = std::numeric_limits<double>::infinity();
-	const bool whole = r_tile.across > 1 ? draw_cells(key, r_tile, margin) : draw_whole(key, distance, r_tile, margin);
+	const bool whole = in_cells ? draw_cells(key, r_tile, margin) : draw_whole(key, distance, r_tile, margin);
 	r_tile.look_at_all = false;
 	if (!whole) {
 		budget_.note_cut(key);
@@ -133,8 +127,8 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 		to_fade_.push_back(key);
 	}
 	divisions_.choose(key, r_tile.across, division_of(key, r_tile, r_tile.across));
-	schedule_.add(
-			key, std::max(std::min(margin, division_margin(layer->cells, layer->lod, distance.near)), min_margin));
+	const double cell_size = in_cells ? r_tile.rect.size().x / r_tile.across : 0.0;
+	schedule_.add(key, visit_margin(margin, cell_size, division_margin(layer->cells, layer->lod, distance.near)));
 }
 
 TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
@@ -162,29 +156,22 @@ bool TileDisplay::draw_whole(
 
 /// The same for each cell that is due.
 bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin) {
-	const double now = schedule_.traveled();
 	const glm::dvec3 origin = r_tile.tile->origin;
 	bool whole = true;
 	r_margin = std::numeric_limits<double>::infinity();
 	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		const Drawing drawing = drawing_of(key, r_tile, mesh);
-		part.due.resize(part.cells.size()); // Separate from the cells, because most visits read nothing else.
-		for (std::size_t at = 0; at < part.cells.size(); ++at) {
-			if (!r_tile.look_at_all && part.due[at] > now) {
-				// Fast path: viewers have not moved far enough for a change.
-				r_margin = std::min(r_margin, part.due[at] - now);
-				continue;
-			}
+		const auto draw = [&](std::size_t at) {
 			const DisplayedTile::Cell &cell = part.cells[at];
 			const DistanceRange distance = schedule_.distances_to(
 					origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max), drawing.lod.sight());
 			whole = draw_cell(drawing, distance, part, at) && whole;
-			part.due[at] = now + adapted_margin(drawing.lod, drawing.steps(), distance);
-			r_margin = std::min(r_margin, part.due[at] - now);
-		}
+			return adapted_margin(drawing.lod, drawing.steps(), distance);
+		};
+		r_margin = std::min(
+				r_margin, part.visits.visit(part.cells.size(), schedule_.traveled(), r_tile.look_at_all, draw));
 	}
-	r_margin = std::max(r_margin, min_cells_margin * r_tile.rect.size().x / r_tile.across);
 	return whole;
 }
 
