@@ -15,23 +15,13 @@ std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
 	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
 }
 
-/// The largest number of visuals that a step hides: some ten microseconds.
-constexpr std::size_t hidden_per_step = 16;
-
 } // namespace
 
-void TileDisplay::set_scenario(const RID &scenario, std::uint64_t node_id) {
-	context_.scenario = scenario;
-	context_.node_id = node_id;
-}
-
 void TileDisplay::set_world_offset(glm::dvec3 offset) {
-	context_.offset = offset;
+	uploader_.set_world_offset(offset);
+	leaving_.set_offset(offset);
 	for (auto &[key, tile] : tiles_) {
 		tile.set_offset(offset);
-	}
-	for (TileVisual &visual : leaving_) {
-		visual.set_offset(offset);
 	}
 	for (DisplayedTile::Part &part : next_parts_) {
 		for (DisplayedTile::Cell &cell : part.cells) {
@@ -52,33 +42,12 @@ void TileDisplay::set_visible(bool visible) {
 }
 
 void TileDisplay::set_layers(const std::vector<SharedSnapshot> &layers) {
-	drawing_versions_.resize(layers.size());
-	bool changed = false;
-	for (std::size_t index = 0; index < layers.size(); ++index) {
-		const SharedSnapshot before = index < layers_.size() ? layers_[index] : nullptr;
-		const SharedSnapshot &now = layers[index];
-		const bool same = before != nullptr && now != nullptr && before->drawing == now->drawing &&
-				before->lod == now->lod && before->cells == now->cells;
-		if (before != now && !same) {
-			drawing_versions_[index] = ++last_version_;
-			changed = true;
-		}
-	}
-	layers_ = layers;
-	fades_.set_layers(layers_);
+	const bool changed = layers_.set(layers);
+	fades_.set_layers(layers);
 	if (changed) {
 		cancel_division();
 		visit_all();
 	}
-}
-
-/// Null for a layer that is not shown.
-const LayerSnapshot *TileDisplay::layer_at(std::uint32_t index) const {
-	return index < layers_.size() ? layers_[index].get() : nullptr;
-}
-
-std::uint64_t TileDisplay::drawing_version(std::uint32_t layer) const {
-	return layer < drawing_versions_.size() ? drawing_versions_[layer] : 0;
 }
 
 void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
@@ -90,14 +59,14 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	tile.settings = job.layer->settings;
 	tile.mesh_reach = job.layer->drawing.mesh_reach;
 	tile.rect = job.request.rect;
-	tile.drawing_version = drawing_version(key.layer);
+	tile.drawing_version = layers_.version(key.layer);
 	r_upload.shown = overlay(tile);
 	r_upload.overlay_version = redraws_.version();
 	if (r_upload.shown.size() != tile.tile->meshes.size()) {
 		tile.tile = nullptr; // There is no memory now, so it is begun again later.
 		return;
 	}
-	const LayerSnapshot *layer = layer_at(key.layer);
+	const LayerSnapshot *layer = layers_.find(key.layer);
 	std::vector<std::pair<std::size_t, std::size_t>> sizes; // Instances, and multimeshes per cell.
 	for (std::size_t mesh = 0; mesh < r_upload.shown.size(); ++mesh) {
 		const CompactMesh &shown = *r_upload.shown[mesh];
@@ -126,11 +95,11 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 	}
 	const TileJob &job = *r_upload.job;
 	DisplayedTile &tile = r_upload.tile;
-	const LayerSnapshot *layer = layer_at(job.request.key.layer);
+	const LayerSnapshot *layer = layers_.find(job.request.key.layer);
 	if (!r_upload.has_open_part()) {
 		const std::size_t mesh = tile.parts.size();
 		DisplayedTile::Part part;
-		if (!begin_part(tile, r_upload.shown[mesh], drawn_lods(layer, mesh), tile.across, part)) {
+		if (!TileUploader::begin_part(tile, r_upload.shown[mesh], drawn_lods(layer, mesh), tile.across, part)) {
 			return; // There is no memory now.
 		}
 		tile.parts.push_back(std::move(part));
@@ -142,9 +111,9 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 		part.lods.clear(); // The layer was removed in the meantime: nothing more is drawn of it.
 	} else if (own && r_upload.has_open_part()) {
 		// Fast path: the worker has prepared the buffer.
-		part.cells.push_back(make_cell(tile, part, layer->drawing, job.uploads[mesh]));
+		part.cells.push_back(uploader_.make_cell(tile, part, layer->drawing, job.uploads[mesh]));
 	} else {
-		upload_cells(tile, mesh, layer->drawing, part);
+		uploader_.upload_cells(tile, mesh, layer->drawing, part);
 	}
 }
 
@@ -155,7 +124,7 @@ void TileDisplay::show(TileUpload upload) {
 	}
 	redraws_.reserve_mark(); // So that nothing throws while the tile is not counted.
 	DisplayedTile &tile = tiles_[key];
-	leaving_.reserve(leaving_.size() + tile.multimesh_count());
+	leaving_.reserve(tile.multimesh_count());
 	budget_.remove(tile.amounts());
 	upload.tile.set_lod(tile.finest_lod());
 	upload.tile.to_fade = tile.to_fade;
@@ -166,7 +135,7 @@ void TileDisplay::show(TileUpload upload) {
 	if (upload.overlay_version != redraws_.version()) {
 		patch(key, tile);
 	}
-	tile.set_offset(context_.offset); // The origin may have moved since the first part was uploaded.
+	tile.set_offset(uploader_.world_offset()); // The origin may have moved since the first part was uploaded.
 	budget_.add(tile.amounts());
 	divisions_.show(key, tile.across);
 	refine(key, tile);
@@ -181,7 +150,7 @@ void TileDisplay::leave(DisplayedTile &&tile) {
 
 void TileDisplay::leave(std::vector<DisplayedTile::Cell> &&cells) {
 	for (DisplayedTile::Cell &cell : cells) {
-		cell.for_each_visual([this](TileVisual &visual) { leaving_.push_back(std::move(visual)); });
+		cell.for_each_visual([this](TileVisual &visual) { leaving_.add(std::move(visual)); });
 	}
 	cells.clear();
 }
@@ -208,43 +177,24 @@ bool TileDisplay::drop(const TileKey &key) {
 	return true;
 }
 
-/// Hides first, which is quick: removed tiles must not stay visible while all of them are being freed.
-bool TileDisplay::free_step() {
-	if (leaving_hidden_ < leaving_.size()) {
-		const std::size_t end = std::min(leaving_.size(), leaving_hidden_ + hidden_per_step);
-		for (; leaving_hidden_ < end; ++leaving_hidden_) {
-			leaving_[leaving_hidden_].set_visible(false);
-		}
-		return true;
-	}
-	if (leaving_.empty()) {
-		return false;
-	}
-	leaving_.pop_back();
-	leaving_hidden_ = leaving_.size();
-	return true;
-}
-
 void TileDisplay::retire() {
 	cancel_division();
 	for (auto &[key, tile] : tiles_) {
 		leave(std::move(tile));
 	}
-	std::vector<TileVisual> leaving = std::exchange(leaving_, {});
-	const std::size_t hidden = leaving_hidden_;
+	LeavingVisuals leaving = std::exchange(leaving_, {});
 	clear();
 	leaving_ = std::move(leaving);
-	leaving_hidden_ = hidden;
 }
 
 void TileDisplay::clear() {
 	leaving_.clear();
-	leaving_hidden_ = 0;
 	divisions_.clear();
 	next_parts_.clear();
 	to_fade_.clear();
 	tiles_.clear();
-	upload_count_ = redrawn_count_ = lod_look_count_ = 0;
+	uploader_.reset_count();
+	redrawn_count_ = lod_look_count_ = 0;
 	schedule_.clear();
 	budget_.clear();
 	hidden_.clear();

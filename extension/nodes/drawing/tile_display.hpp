@@ -9,7 +9,10 @@
 #include "core/streaming/tile_streamer.hpp"
 #include "nodes/drawing/displayed_tile.hpp"
 #include "nodes/drawing/draw_figures.hpp"
+#include "nodes/drawing/drawn_layers.hpp"
+#include "nodes/drawing/leaving_visuals.hpp"
 #include "nodes/drawing/lod_fades.hpp"
+#include "nodes/drawing/tile_uploader.hpp"
 #include "nodes/drawing/upload_queue.hpp"
 
 #include <cstddef>
@@ -51,7 +54,7 @@ public:
 	bool has_patches() const { return redraws_.has_later(); }
 
 	/// The scenario of the RenderingServer for new tiles, and the node that they belong to.
-	void set_scenario(const godot::RID &scenario, std::uint64_t node_id);
+	void set_scenario(const godot::RID &scenario, std::uint64_t node_id) { uploader_.set_scenario(scenario, node_id); }
 
 	/// The world position of the engine's origin, in meters. Moves all tiles immediately.
 	void set_world_offset(glm::dvec3 offset);
@@ -102,7 +105,7 @@ public:
 
 	/// Removes a tile. Its content is hidden and then freed step by step, by `free_step`. False if it is not visible.
 	bool drop(const TileKey &key);
-	bool free_step();
+	bool free_step() { return leaving_.free_step(); }
 
 	/// Removes all tiles. Their content is hidden and then freed step by step, by `free_step`.
 	void retire();
@@ -142,7 +145,7 @@ public:
 	void count_drawn(DrawCounter &r_counter) const;
 
 	/// Buffers passed to the renderer since the display was created or cleared.
-	std::uint64_t upload_count() const { return upload_count_; }
+	std::uint64_t upload_count() const { return uploader_.upload_count(); }
 
 	/// Tiles that have followed a change of their layer's drawing settings, without an upload, since then.
 	std::uint64_t redrawn_count() const { return redrawn_count_; }
@@ -184,23 +187,11 @@ private:
 			const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell);
 	void show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks, const DisplayedTile::Part &part,
 			DisplayedTile::Cell &r_cell);
-	void add_other(const TileKey &key, const DisplayedTile &tile, std::size_t mesh, DisplayedTile::Part &r_part,
-			std::size_t cell);
 	static std::size_t wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell);
 	bool wants_visuals(const TileKey &key, const DisplayedTile &tile) const;
 	bool upload_others(const TileKey &key, DisplayedTile &r_tile);
 	bool upload_others(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 	void begin(TileUpload &r_upload, bool others_wait) const;
-	bool begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown, std::vector<MeshLook> lods,
-			std::uint32_t across, DisplayedTile::Part &r_part) const;
-	TileVisual make_visual(const DisplayedTile &tile, const DisplayedTile::Part &part, const LayerDrawing &drawing,
-			const MeshUpload &upload);
-	DisplayedTile::Cell make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
-			const LayerDrawing &drawing, const MeshUpload &upload);
-	void upload_cells(
-			const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, DisplayedTile::Part &r_part);
-	const LayerSnapshot *layer_at(std::uint32_t index) const;
-	std::uint64_t drawing_version(std::uint32_t layer) const;
 	void redraw(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
 			DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown);
@@ -235,15 +226,11 @@ private:
 	void finish_division(DisplayedTile &r_tile);
 	void cancel_division();
 
-	VisualContext context_;
+	TileUploader uploader_;
 	bool visible_ = true;
-	std::vector<SharedSnapshot> layers_;
-	std::vector<std::uint64_t> drawing_versions_; ///< One for each layer; changes whenever its drawing settings change.
-	std::uint64_t last_version_ = 0;
+	DrawnLayers layers_;
 	Tiles tiles_;
-	std::vector<TileVisual> leaving_;
-	std::size_t leaving_hidden_ = 0; ///< The number of visuals, from the first on, that are hidden.
-	std::uint64_t upload_count_ = 0;
+	LeavingVisuals leaving_;
 	std::uint64_t redrawn_count_ = 0;
 	std::uint64_t lod_look_count_ = 0;
 

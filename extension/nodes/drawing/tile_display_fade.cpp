@@ -56,7 +56,7 @@ void TileDisplay::show_lods(const Drawing &drawing, std::span<const std::uint32_
 	const std::size_t others = drawing.looks_beyond_first(span);
 	while (r_cell.others.size() > others) {
 		r_cell.others.back().set_visible(false);
-		leaving_.push_back(std::move(r_cell.others.back()));
+		leaving_.add(std::move(r_cell.others.back()));
 		r_cell.others.pop_back();
 		budget_.remove(multimeshes_only(part.multimeshes_of_a_cell()));
 	}
@@ -112,7 +112,7 @@ bool TileDisplay::upload_others(const TileKey &key, DisplayedTile &r_tile) {
 				if (limit.is_reached()) {
 					return false;
 				}
-				add_other(key, r_tile, mesh, part, at);
+				uploader_.add_other(r_tile, mesh, layers_.find(key.layer)->drawing, part, at);
 				budget_.add(multimeshes_only(more));
 				limit.add(part.ranks_of(at).size());
 				show_lods(drawing, part.ranks_of(at), part, cell);
@@ -139,19 +139,12 @@ bool TileDisplay::upload_others(const TileKey &key, const DisplayedTile &tile, s
 				if (limit.is_reached()) {
 					return false;
 				}
-				add_other(key, tile, mesh, part, at);
+				uploader_.add_other(tile, mesh, layers_.find(key.layer)->drawing, part, at);
 				limit.add(part.ranks_of(at).size());
 			}
 		}
 	}
 	return true;
-}
-
-void TileDisplay::add_other(const TileKey &key, const DisplayedTile &tile, std::size_t mesh,
-		DisplayedTile::Part &r_part, std::size_t cell) {
-	const MeshUpload upload = to_upload(r_part, cell, tile.reach_of(mesh));
-	r_part.cells[cell].others.push_back(make_visual(tile, r_part, layers_[key.layer]->drawing, upload));
-	r_part.cells[cell].others.back().set_offset(context_.offset);
 }
 
 bool TileDisplay::fade_step() {
@@ -167,7 +160,7 @@ bool TileDisplay::fade_step() {
 	}
 	const TileKey key = to_fade_.back();
 	DisplayedTile &tile = tiles_.at(key);
-	if (layer_at(key.layer) == nullptr || upload_others(key, tile)) {
+	if (layers_.find(key.layer) == nullptr || upload_others(key, tile)) {
 		tile.to_fade = false;
 		to_fade_.pop_back();
 	}

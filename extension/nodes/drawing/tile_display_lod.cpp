@@ -72,21 +72,21 @@ bool TileDisplay::lod_step() {
 }
 
 void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
-	if (r_tile.drawing_version == drawing_version(key.layer)) {
+	if (r_tile.drawing_version == layers_.version(key.layer)) {
 		// Fast path: the renderer has these settings.
 		return;
 	}
-	r_tile.drawing_version = drawing_version(key.layer);
+	r_tile.drawing_version = layers_.version(key.layer);
 	++redrawn_count_;
 	for (DisplayedTile::Part &part : r_tile.parts) {
 		for (DisplayedTile::Cell &cell : part.cells) {
-			cell.for_each_visual([&](TileVisual &visual) { visual.apply(layers_[key.layer]->drawing); });
+			cell.for_each_visual([&](TileVisual &visual) { visual.apply(layers_.find(key.layer)->drawing); });
 		}
 	}
 }
 
 Sight TileDisplay::sight_of(std::uint32_t layer) const {
-	const LayerSnapshot *known = layer_at(layer);
+	const LayerSnapshot *known = layers_.find(layer);
 	return known != nullptr ? known->lod.sight() : Sight();
 }
 
@@ -109,7 +109,7 @@ double TileDisplay::usual_height() const {
 
 /// Draws a tile as its layer requires for its distance, and schedules its next visit.
 void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
-	const LayerSnapshot *layer = layer_at(key.layer);
+	const LayerSnapshot *layer = layers_.find(key.layer);
 	if (!r_tile.draws_anything() || layer == nullptr) {
 		schedule_.remove(key);
 		return;
@@ -134,7 +134,7 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
 	const LodChain *chain = fades_.find(key.layer, mesh);
 	const bool fades = chain != nullptr && chain->is_made() && chain->is_of(tile.parts[mesh].lods);
-	return {key.layer, layers_[key.layer]->lod, fades ? chain : nullptr};
+	return {key.layer, layers_.find(key.layer)->lod, fades ? chain : nullptr};
 }
 
 /// Draws the meshes and the share of the instances that the distance of the tile requires. False if the limit for all tiles thins them.
@@ -142,7 +142,7 @@ TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const Displayed
 bool TileDisplay::draw_whole(
 		const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin) {
 	bool whole = true;
-	r_margin = distance_margin(layers_[key.layer]->lod, distance.near);
+	r_margin = distance_margin(layers_.find(key.layer)->lod, distance.near);
 	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {

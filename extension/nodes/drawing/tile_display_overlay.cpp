@@ -143,7 +143,7 @@ void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 
 /// False if there is not enough memory.
 bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
-	const LayerSnapshot *layer = layer_at(key.layer);
+	const LayerSnapshot *layer = layers_.find(key.layer);
 	const std::vector<std::shared_ptr<const CompactMesh>> shown = overlay(r_tile);
 	if (shown.size() != r_tile.parts.size()) {
 		return false;
@@ -173,7 +173,7 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
 		DisplayedTile::Part &r_part, std::shared_ptr<const CompactMesh> shown) {
 	DisplayedTile::Part next;
-	if (!begin_part(tile, std::move(shown), r_part.lods, tile.across, next)) {
+	if (!TileUploader::begin_part(tile, std::move(shown), r_part.lods, tile.across, next)) {
 		return false;
 	}
 	if (layer == nullptr || next.lods.empty()) {
@@ -185,7 +185,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 	fresh.reserve(patches.size());
 	for (const CellPatch &patch : patches) {
 		if (!patch.before) {
-			fresh.push_back(make_cell(tile, next, layer->drawing, *patch.upload));
+			fresh.push_back(uploader_.make_cell(tile, next, layer->drawing, *patch.upload));
 		}
 	}
 	next.cells.reserve(patches.size());
@@ -203,8 +203,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 		stays[*patch.before] = true;
 		next.cells.push_back(std::move(r_part.cells[*patch.before]));
 		if (patch.upload) {
-			next.cells.back().set_instances(*patch.upload);
-			++upload_count_;
+			uploader_.set_instances(*patch.upload, next.cells.back());
 		}
 	}
 	for (std::size_t before = 0; before < r_part.cells.size(); ++before) {

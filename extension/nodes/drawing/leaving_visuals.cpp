@@ -1,0 +1,41 @@
+#include "nodes/drawing/leaving_visuals.hpp"
+
+#include <algorithm>
+
+namespace thicket {
+
+namespace {
+
+/// The largest number of visuals that a step hides: some ten microseconds.
+constexpr std::size_t hidden_per_step = 16;
+
+} // namespace
+
+bool LeavingVisuals::free_step() {
+	if (!are_hidden()) {
+		const std::size_t end = std::min(visuals_.size(), hidden_ + hidden_per_step);
+		for (; hidden_ < end; ++hidden_) {
+			visuals_[hidden_].set_visible(false);
+		}
+		return true;
+	}
+	if (visuals_.empty()) {
+		return false;
+	}
+	visuals_.pop_back();
+	hidden_ = visuals_.size();
+	return true;
+}
+
+void LeavingVisuals::set_offset(glm::dvec3 offset) {
+	for (TileVisual &visual : visuals_) {
+		visual.set_offset(offset);
+	}
+}
+
+void LeavingVisuals::clear() {
+	visuals_.clear();
+	hidden_ = 0;
+}
+
+} // namespace thicket

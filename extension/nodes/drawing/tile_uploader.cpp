@@ -1,0 +1,78 @@
+#include "nodes/drawing/tile_uploader.hpp"
+
+#include "nodes/common/property_check.hpp"
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+// The largest upload of one step, so that it takes a small part of a frame's time.
+constexpr std::size_t cells_per_step = 4;
+constexpr std::size_t instances_per_step = 4096;
+
+} // namespace
+
+void TileUploader::set_scenario(const RID &scenario, std::uint64_t node_id) {
+	context_.scenario = scenario;
+	context_.node_id = node_id;
+}
+
+bool TileUploader::begin_part(const DisplayedTile &tile, std::shared_ptr<const CompactMesh> shown,
+		std::vector<MeshLook> lods, std::uint32_t across, DisplayedTile::Part &r_part) {
+	r_part.shown = std::move(shown);
+	r_part.lods = std::move(lods);
+	if (across == 1 || r_part.lods.empty()) {
+		return true;
+	}
+	const Status status = divide(*r_part.shown, tile.tile->origin, tile.rect, across, r_part.division);
+	report("TerrainScatter3D", status);
+	return status.ok();
+}
+
+TileVisual TileUploader::make_visual(const DisplayedTile &tile, const DisplayedTile::Part &part,
+		const LayerDrawing &drawing, const MeshUpload &upload) {
+	VisualContext context = context_;
+	context.origin = tile.tile->origin;
+	TileVisual visual(context, tile.settings->instance_data, part.lods, upload);
+	visual.apply(drawing);
+	++upload_count_;
+	return visual;
+}
+
+DisplayedTile::Cell TileUploader::make_cell(const DisplayedTile &tile, const DisplayedTile::Part &part,
+		const LayerDrawing &drawing, const MeshUpload &upload) {
+	DisplayedTile::Cell cell(make_visual(tile, part, drawing, upload));
+	cell.set_box(upload.aabb);
+	return cell;
+}
+
+void TileUploader::upload_cells(
+		const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, DisplayedTile::Part &r_part) {
+	const std::size_t all = r_part.cell_count();
+	std::size_t instances = 0;
+	for (std::size_t cells = 0; cells < cells_per_step && instances < instances_per_step; ++cells) {
+		const std::size_t next = r_part.cells.size();
+		if (next >= all) {
+			return;
+		}
+		instances += r_part.ranks_of(next).size();
+		r_part.cells.push_back(make_cell(tile, r_part, drawing, to_upload(r_part, next, tile.reach_of(mesh))));
+	}
+}
+
+void TileUploader::add_other(const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing,
+		DisplayedTile::Part &r_part, std::size_t cell) {
+	const MeshUpload upload = to_upload(r_part, cell, tile.reach_of(mesh));
+	r_part.cells[cell].others.push_back(make_visual(tile, r_part, drawing, upload));
+}
+
+void TileUploader::set_instances(const MeshUpload &upload, DisplayedTile::Cell &r_cell) {
+	r_cell.set_instances(upload);
+	++upload_count_;
+}
+
+} // namespace thicket
