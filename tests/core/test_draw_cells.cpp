@@ -128,18 +128,43 @@ TEST_CASE("draw cells: an empty tile has none, and numbers of cells are clamped"
 	CHECK(divided(mesh, {0.0, 0.0, 64.0}, tile_of_hills, 1000).cells.back().number == 255);
 }
 
-TEST_CASE("draw cells: cells with the same instances compare equal") {
-	const CompactMesh all = standing_at({{-10.0f, -10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}, {11.0f, 11.0f}});
-	MeshInstances fewer = floats_at({{-10.0f, -10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}});
+TEST_CASE("draw cells: after a change, only cells whose instances differ need an upload") {
+	// One in each quarter, and a second one in the first and the last.
+	const std::vector<glm::vec2> positions{
+			{-10.0f, -10.0f}, {10.0f, -10.0f}, {-10.0f, 10.0f}, {10.0f, 10.0f}, {-11.0f, -11.0f}, {11.0f, 11.0f}};
 	const glm::dvec3 origin{0.0, 0.0, 64.0};
-	const auto same = [&](std::size_t cell) {
-		const CompactMesh less(fewer, nullptr);
-		const DrawCells before = divided(all, origin, tile_of_hills, 2);
-		const DrawCells after = divided(less, origin, tile_of_hills, 2);
-		return same_instances(all, before.order_of(before.cells[cell]), less, after.order_of(after.cells[cell]));
+	const auto reused = [&](const MeshInstances &now) {
+		const CompactMesh before = standing_at(positions);
+		const CompactMesh after(now, nullptr);
+		const std::vector<CellReuse> result = reuse_cells(
+				before, divided(before, origin, tile_of_hills, 2), after, divided(after, origin, tile_of_hills, 2));
+		std::vector<int> cells; // The former cell, or -1; plus 10 if it is unchanged.
+		for (const auto &[from, unchanged] : result) {
+			cells.push_back((from ? static_cast<int>(*from) : -1) + (unchanged ? 10 : 0));
+		}
+		return cells;
 	};
-	CHECK(same(0));
-	CHECK_FALSE(same(1));
-	fewer.floats_of(2)[0] = 1.0f;
-	CHECK_FALSE(same(0));
+	MeshInstances now = floats_at(positions);
+	CHECK(reused(now) == std::vector{10, 11, 12, 13});
+	now.floats_of(4)[0] = 1.0f;
+	CHECK(reused(now) == std::vector{0, 11, 12, 13}); // One of the first cell has turned.
+	CHECK(reused(floats_at({positions.begin(), positions.end() - 1})) == std::vector{10, 11, 12, 3});
+	now = floats_at({positions[0], positions[3], positions[4], positions[5]});
+	now.ids = {1, 4, 5, 6};
+	CHECK(reused(now) == std::vector{10, 13}); // The others are empty now, and have no cell.
+	CHECK(reused(floats_at({})).empty());
+}
+
+TEST_CASE("draw cells: a cell that had no instances is new") {
+	const glm::dvec3 origin{0.0, 0.0, 64.0};
+	const CompactMesh before = standing_at({{10.0f, 10.0f}});
+	const CompactMesh after = standing_at({{10.0f, 10.0f}, {-10.0f, -10.0f}, {20.0f, -20.0f}});
+	const std::vector<CellReuse> cells = reuse_cells(
+			before, divided(before, origin, tile_of_hills, 2), after, divided(after, origin, tile_of_hills, 2));
+	REQUIRE(cells.size() == 3);
+	CHECK_FALSE(cells[0].before);
+	CHECK_FALSE(cells[0].unchanged);
+	CHECK_FALSE(cells[1].before);
+	CHECK(cells[2].before == 0U);
+	CHECK(cells[2].unchanged);
 }

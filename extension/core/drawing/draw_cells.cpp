@@ -96,10 +96,26 @@ void spread(std::span<const float> buffer, std::span<const std::uint32_t> order,
 	}
 }
 
-bool same_instances(const CompactMesh &a, std::span<const std::uint32_t> order_a, const CompactMesh &b,
-		std::span<const std::uint32_t> order_b) {
-	return std::ranges::equal(
-			order_a, order_b, [&](std::uint32_t at_a, std::uint32_t at_b) { return a.same(at_a, b, at_b); });
+std::vector<CellReuse> reuse_cells(const CompactMesh &mesh_before, const DrawCells &cells_before,
+		const CompactMesh &mesh, const DrawCells &cells) {
+	const auto same = [&](std::uint32_t at_before, std::uint32_t at) {
+		return mesh_before.same(at_before, mesh, at);
+	};
+	std::vector<CellReuse> result;
+	result.reserve(cells.cells.size());
+	std::size_t before = 0;
+	for (const DrawCell &cell : cells.cells) {
+		while (before < cells_before.cells.size() && cells_before.cells[before].number < cell.number) {
+			++before;
+		}
+		if (before == cells_before.cells.size() || cells_before.cells[before].number != cell.number) {
+			result.emplace_back();
+			continue;
+		}
+		const std::span<const std::uint32_t> order = cells_before.order_of(cells_before.cells[before]);
+		result.push_back({before++, std::ranges::equal(order, cells.order_of(cell), same)});
+	}
+	return result;
 }
 
 } // namespace thicket

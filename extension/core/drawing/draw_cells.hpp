@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -62,8 +63,14 @@ void gather(const CompactMesh &mesh, std::span<const std::uint32_t> order, std::
 void spread(std::span<const float> buffer, std::span<const std::uint32_t> order, std::size_t stride,
 		std::span<float> r_buffer);
 
-/// True if two cells hold bit-identical instances in the same order.
-bool same_instances(const CompactMesh &a, std::span<const std::uint32_t> order_a, const CompactMesh &b,
-		std::span<const std::uint32_t> order_b);
+/// Where a cell of a tile gets its visuals from after the tile's instances have changed.
+struct CellReuse {
+	std::optional<std::size_t> before; ///< The former cell at the same position, by index; none for a new cell.
+	bool unchanged = false;            ///< It holds bit-identical instances in the same order: nothing needs an upload.
+};
+
+/// One for each cell of `cells`, for two divisions of the same tile into as many cells along a side. O(instances + cells).
+std::vector<CellReuse> reuse_cells(
+		const CompactMesh &mesh_before, const DrawCells &cells_before, const CompactMesh &mesh, const DrawCells &cells);
 
 } // namespace thicket

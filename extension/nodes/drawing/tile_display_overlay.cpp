@@ -26,43 +26,15 @@ bool same(const CompactMesh &a, const CompactMesh &b) {
 	return equal;
 }
 
-/// How a cell of a part gets its instances.
-struct CellPatch {
-	std::optional<std::size_t> before; ///< The visible cell to reuse; none for a new one.
-	std::optional<MeshUpload> upload;  ///< None if the renderer already has the instances.
-};
-
 /// One for each cell of `next`, reusing the visible cells of `part`.
-std::vector<CellPatch> cell_patches(
-		const DisplayedTile::Part &part, const DisplayedTile::Part &next, const DisplayedTile &tile, std::size_t mesh) {
-	const bool whole = tile.across == 1;
-	const std::size_t count = whole ? std::max(next.cell_count(), part.cells.size()) : next.division.cells.size();
-	std::vector<CellPatch> result;
-	result.reserve(count);
-	std::size_t before = 0;
-	for (std::size_t at = 0; at < count; ++at) {
-		while (!whole && before < part.cells.size() &&
-				part.division.cells[before].number < next.division.cells[at].number) {
-			++before;
-		}
-		const bool stands = before < part.cells.size() &&
-				(whole || part.division.cells[before].number == next.division.cells[at].number);
-		const bool unchanged = stands && !whole &&
-				same_instances(*part.shown, part.division.order_of(part.division.cells[before]), *next.shown,
-						next.division.order_of(next.division.cells[at]));
-		if (unchanged) {
-			// Fast path: the renderer has the same instances of the cell.
-			result.push_back({before++, {}});
-			continue;
-		}
-		CellPatch patch{{}, to_upload(next, at, tile.reach_of(mesh))};
-		if (stands) {
-			// Fast path: its visuals are reused for the other instances.
-			patch.before = before++;
-		}
-		result.push_back(std::move(patch));
+std::vector<CellReuse> reuse_cells(const DisplayedTile::Part &part, const DisplayedTile::Part &next, bool whole) {
+	if (!whole) {
+		return thicket::reuse_cells(*part.shown, part.division, *next.shown, next.division);
 	}
-	return result;
+	if (!part.cells.empty()) {
+		return {{0, false}}; // Its visual is reused, even for no instances.
+	}
+	return std::vector<CellReuse>(next.cell_count());
 }
 
 } // namespace
@@ -180,30 +152,38 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 		r_part.shown = next.shown;
 		return true;
 	}
-	const std::vector<CellPatch> patches = cell_patches(r_part, next, tile, mesh);
+	const std::vector<CellReuse> reuses = reuse_cells(r_part, next, tile.across == 1);
+	std::vector<MeshUpload> uploads(reuses.size());
 	std::vector<DisplayedTile::Cell> fresh;
-	fresh.reserve(patches.size());
-	for (const CellPatch &patch : patches) {
-		if (!patch.before) {
-			fresh.push_back(uploader_.make_cell(tile, next, layer->drawing, *patch.upload));
+	fresh.reserve(reuses.size());
+	for (std::size_t at = 0; at < reuses.size(); ++at) {
+		if (reuses[at].unchanged) {
+			// Fast path: the renderer has the same instances of the cell.
+			continue;
+		}
+		uploads[at] = to_upload(next, at, tile.reach_of(mesh));
+		if (!reuses[at].before) {
+			fresh.push_back(uploader_.make_cell(tile, next, layer->drawing, uploads[at]));
 		}
 	}
-	next.cells.reserve(patches.size());
+	next.cells.reserve(reuses.size());
 	std::vector<DisplayedTile::Cell> gone;
 	gone.reserve(r_part.cells.size());
 	std::vector<bool> stays(r_part.cells.size());
 	// Nothing may allocate memory from here on: some cells have moved to the new part, and the others must follow.
 	std::size_t made = 0;
-	for (const CellPatch &patch : patches) {
-		if (!patch.before) {
+	for (std::size_t at = 0; at < reuses.size(); ++at) {
+		const auto &[before, unchanged] = reuses[at];
+		if (!before) {
 			next.cells.push_back(std::move(fresh[made++]));
 			next.cells.back().visual.set_visible(visible_);
 			continue;
 		}
-		stays[*patch.before] = true;
-		next.cells.push_back(std::move(r_part.cells[*patch.before]));
-		if (patch.upload) {
-			uploader_.set_instances(*patch.upload, next.cells.back());
+		stays[*before] = true;
+		next.cells.push_back(std::move(r_part.cells[*before]));
+		if (!unchanged) {
+			// Fast path: the visuals of the cell are reused for the other instances.
+			uploader_.set_instances(uploads[at], next.cells.back());
 		}
 	}
 	for (std::size_t before = 0; before < r_part.cells.size(); ++before) {
