@@ -3,7 +3,6 @@ warnings are errors, and the manifest lists the existing binaries."""
 
 from __future__ import annotations
 
-import fnmatch
 import json
 import os
 import re
@@ -13,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from conftest import BUILD_DIR, LONG_CASES, REPO, run
+from conftest import BUILD_DIR, REPO, run
 
 # These are in tools/scons, which conftest adds to the path.
 import installed
@@ -157,13 +156,6 @@ def test_a_room_can_be_tested_alone():
     assert done.returncode == 0 and re.search(r"test cases: +[1-9]\d* \|", done.stdout), done.stdout + done.stderr
     wrong = run(["bash", "tests/room.sh", "cellar"], timeout=120, cwd=REPO)
     assert wrong.returncode != 0 and "no such room; there are base, sampling" in wrong.stderr, wrong.stderr
-
-
-def test_long_cases_exist():
-    """Each pattern of tests/core/long_cases.txt matches a case."""
-    listed = run([BUILD_DIR / "core_tests", "--list-test-cases"], timeout=60).stdout.splitlines()
-    for pattern in LONG_CASES:
-        assert any(fnmatch.fnmatchcase(case, pattern) for case in listed), pattern
 
 
 @pytest.fixture(scope="module")

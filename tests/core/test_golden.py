@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import pytest
-from golden.matrix import GOLDEN, NATIVE, PLATFORMS, Cell, Outcome, cells, outcome_of, table
+from golden.matrix import GOLDEN, NATIVE, PLATFORMS, Outcome, cells, outcome_of
 
 CELLS = {cell.name: cell for cell in cells()}
 # The cells of a run without --full: two compilers with little and with full optimization, and a second processor. Only x86_64 has "fused".
@@ -94,20 +94,3 @@ def test_widths_of_this_processor(outcome):
     if not wanted:
         pytest.skip("/proc/cpuinfo lists no wide vectors for this processor")
     assert wanted <= set(outcome(f"{NATIVE} g++ -O1").instruction_sets)
-
-
-def test_the_table_shows_differences():
-    """Without this, the matrix could not be trusted."""
-    good, bad = dict(GOLDEN), dict(GOLDEN)
-    bad[next(iter(bad))] = "0" * 16
-    platform = PLATFORMS[0]
-    outcomes = {
-        Cell(platform, "g++", "-O0"): Outcome(good, ["SSE2", "EMU128"]),
-        Cell(platform, "g++", "-O2"): Outcome(bad, ["SSE2"]),
-        Cell(platform, "g++", "-O3"): Outcome(failure="it crashed"),
-        Cell(platform, "zig", "-O0"): Outcome(absent="zig is not installed"),
-    }
-    printed = table(outcomes)
-    assert "| x86_64 | g++ | same |  | **1 differ** | **failed** |  |  | SSE2, EMU128 |" in printed
-    assert "| x86_64 | zig | unavailable |" in printed
-    assert "- x86_64 zig: zig is not installed" in printed

@@ -1,6 +1,6 @@
 extends SceneTree
 ## Quits while tiles are generated and uploaded and while a thread applies a diff. The runner checks the exit code and reported leaks.
-## `-- FRAMES leak` sets the number of frames before it quits, and whether it leaks a MultiMesh on purpose.
+## `-- FRAMES` sets the number of frames before it quits.
 
 class ThreadedGround extends ScatterGround:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
@@ -19,7 +19,6 @@ class Ground extends ThreadedGround:
 
 
 func _initialize() -> void:
-	var arguments := OS.get_cmdline_user_args()
 	var removals := ScatterState.new()
 	for index in 200_000:
 		removals.remove(1 << 50 | index << 3)
@@ -39,10 +38,8 @@ func _initialize() -> void:
 		scatter.ground = terrain
 		scatter.state = state
 		root.add_child(scatter)
-	for frame in int(arguments[0]):
+	for frame in int(OS.get_cmdline_user_args()[0]):
 		await process_frame
-	if arguments[1] == "leak":
-		RenderingServer.multimesh_create()
 	state.apply_diff_async(diff, func(_error: Error) -> void: print("the callback ran after quitting"))
 	print("thicket quits in mid-generation")
 	quit()

@@ -163,13 +163,6 @@ def test_arrays_of_the_engine_grow_only_through_one_function():
     assert not found, "use nodes/common/engine_arrays.hpp:\n" + "\n".join(found)
 
 
-@pytest.mark.parametrize("line", ["values.resize(4);", "float *out = values.ptrw();", "list.push_back(values);", "member_.resize(2);"])
-def test_an_unchecked_array_is_found(line):
-    text = "void work() {\n\tgodot::PackedFloat32Array values;\n\tArray list;\n\t%s\n}\n" % line
-    assert len(unchecked(text, "\tTypedArray<Mesh> member_;\n")) == 1
-    assert not unchecked("void work() {\n\tstd::vector<float> values;\n\tvalues.resize(4);\n}\n", "")
-
-
 def test_failing_large_allocations(godot, preload, tmp_path):
     """Large allocations fail in calls of many kinds, on all threads."""
     script = ENGINE / "test_allocations.gd"

@@ -164,8 +164,14 @@ def described(path: Path) -> dict[str, str]:
     return found
 
 
+def defaults(path: Path) -> dict[str, str]:
+    """{property: its default} on a page of the class reference. The engine's pages only have some of the defaults that are empty."""
+    members = {item.get("name"): item.get("default") for item in ElementTree.parse(path).getroot().iterfind("members/member")}
+    return {name: default for name, default in members.items() if default and default != "<null>" and not default.endswith("()")}
+
+
 def test_class_reference_is_complete(godot, project):
-    """The engine lists the same members, arguments and types as our pages, and each has a description."""
+    """The engine lists the same members, arguments, types and defaults as our pages, and each member has a description."""
     pages = project / "reference"
     (pages / "doc_classes").mkdir(parents=True)
     done = godot(["--path", project, "--doctool", pages, "--gdextension-docs"])
@@ -173,6 +179,9 @@ def test_class_reference_is_complete(godot, project):
     written = {path.stem: described(path) for path in (pages / "doc_classes").glob("*.xml")}
     ours = {name: described(REPO / f"extension/doc_classes/{name}.xml") for name in CLASSES}
     assert {name: sorted(page) for name, page in ours.items()} == {name: sorted(page) for name, page in written.items()}
+    listed = {name: (defaults(pages / f"doc_classes/{name}.xml"), defaults(REPO / f"extension/doc_classes/{name}.xml")) for name in CLASSES}
+    listed = {name: both for name, both in listed.items() if both[0]}  # The engine lists none for a class that scripts cannot create.
+    assert len(listed) >= 15 and not {name: both for name, both in listed.items() if both[0] != both[1]}
     texts = {f"{name}: {what}": text or "" for name, page in ours.items() for what, text in page.items()}
     assert not [what for what, text in texts.items() if not text.strip()]
 

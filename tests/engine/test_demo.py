@@ -320,10 +320,3 @@ def test_other_renderers_draw_the_same_colors(godot_xvfb, imported_demo, picture
         assert not is_a_picture(np.asarray(there.convert("RGB"), np.float64)), name
         apart = np.abs(coarse(there) - here).mean()
         assert apart < 20.0, f"{name}: colors differ by {apart:.1f} of 255"
-
-
-def test_images_without_a_landscape_are_detected():
-    noise = np.random.default_rng(1).uniform(0, 255, (720, 1280, 3))
-    ramp = np.broadcast_to(np.linspace(60, 200, 1280)[None, :, None], (720, 1280, 3))
-    for bad in (np.zeros((720, 1280, 3)), np.full((720, 1280, 3), (40.0, 120.0, 40.0)), ramp, noise):
-        assert is_a_picture(bad)

@@ -87,12 +87,6 @@ def test_the_game_takes_pictures(godot_xvfb, imported_demo, tmp_path):
         before = image
 
 
-def test_the_script_terrain_is_short():
-    """It is meant for copying, so it has at most 30 lines that are neither empty nor comments."""
-    lines = [line.strip() for line in (DEMO / "terrain/island.gd").read_text().splitlines()]
-    assert len([line for line in lines if line and not line.startswith("#")]) <= 30
-
-
 def test_an_unknown_scene_is_named():
     done = run(["bash", DEMO / "run.sh", "nowhere"], timeout=10)
     assert done.returncode == 2

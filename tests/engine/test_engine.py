@@ -353,7 +353,7 @@ def test_the_harness_can_fail(godot, project):
 
 @pytest.mark.parametrize("frames", [0, 1, 2, 5, 20, 80])
 def test_quitting_during_generation(godot, project, frames):
-    arguments = ["--verbose", "--path", project, "--script", ENGINE / "quit_midway.gd", "--", str(frames), "clean"]
+    arguments = ["--verbose", "--path", project, "--script", ENGINE / "quit_midway.gd", "--", str(frames)]
     done = godot(arguments, timeout=60)
     printed = done.stdout + done.stderr
     assert done.returncode == 0 and "thicket quits in mid-generation" in done.stdout, printed
@@ -372,11 +372,6 @@ def test_quitting_while_a_scene_loads(godot, project, frames):
     """The engine waits for its loader on exit. The content of the request may leak, because no code has taken the scene."""
     done = godot(["--path", project, "--script", ENGINE / "quit_loading.gd", "--", str(frames)], timeout=60)
     assert done.returncode == 0 and "thicket quits while it loads" in done.stdout, done.stdout + done.stderr
-
-
-def test_a_leak_is_detected(godot, project):
-    done = godot(["--verbose", "--path", project, "--script", ENGINE / "quit_midway.gd", "--", "5", "leak"], timeout=60)
-    assert re.search(r"1 RID allocations of type .*MultiMesh.* leaked", done.stdout + done.stderr)
 
 
 def test_demo(godot, core_tool, imported_demo, tmp_path):

@@ -53,14 +53,6 @@ def test_the_tutorials_save_can_be_loaded_twice(godot, project):
     assert done.returncode == 0 and not COMPLAINT.search(printed), printed
 
 
-@pytest.mark.parametrize("page", ["README.md", "demo_project/addons/thicket/tutorials/game_that_fells.md", "extension/doc_classes/ScatterState.xml"])
-def test_pages_show_saves_that_cannot_run_code(page):
-    """No page recommends saving or loading a game's changes as a resource."""
-    text = (REPO / page).read_text(encoding="utf-8")
-    assert re.search(r"save_to_file\(\"user://", text) and re.search(r"load_from_file\(\"user://", text)
-    assert not re.search(r"ResourceSaver\.[sS]ave\(|state = load\(", text)
-
-
 def test_scripts_replace_files_through_one_helper():
     """Scripts of the add-on write files through whole_file.gd, which checks for errors that the engine ignores. The bake into a
     folder has its own checks."""

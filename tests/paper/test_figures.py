@@ -10,11 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bench.figures import billion, data, machine, page_text, paper, speed, tables
+from bench.figures import billion, data, paper, speed, tables
 from bench.figures.contenders import CONTENDERS, OURS, Contender
 from bench.figures.parts import PARTS, TABLES
-from bench.figures.peers import CONTENDERS as PEERS
-from bench.figures.point_sets import SOURCES, read_sets
+from bench.figures.point_sets import read_sets
 from bench.figures.programs import Failed, Programs, run_lines
 from bench.figures.settings import FULL, LOSS_FROM, LOSS_TO, QUICK, half_decades
 from bench.figures.spectra import AveragedSpectrum, noise_level, ring_edges
@@ -71,32 +70,7 @@ def test_tables_are_complete(quick):
         assert all(abs(row["points"] / row["asked"] - 1.0) < close for row in rows), rows
 
 
-def test_page_has_every_method_and_every_figure(quick):
-    for contender in CONTENDERS:
-        assert f"| {contender.label}, {contender.precision} |" in quick.page
-    for peer in PEERS:
-        assert f"| {peer.label}, double |" in quick.page or f"{peer.label} is not set up" in quick.done.stderr, (
-            peer.label
-        )
-    for heading in ("Figure 4", "Figure 5", "Figure 6", "Section 4.2", "Section 4.3", "Passed"):
-        assert f"\n## {heading}" in quick.page
-    for source in SOURCES:
-        assert f"| {source.label} |" in quick.page
-
-
-def test_page_compares_with_the_paper(quick):
-    summary = quick.page.split("## Figure 4")[0]
-    for wanted in (
-        "| 211 k |",
-        "| 4.05 k |",
-        "| on par |",
-        "| 9 to 10 |",
-        "| less than 3 |",
-        "| 120 |",
-        "| 416 |",
-        "| 2.50 |",
-    ):
-        assert wanted in summary, wanted
+def test_counts_are_as_in_the_paper(quick):
     counts = quick.tables["figure6"]
     assert all(paper.SQUARES_LEAST.value < row["squares"] < paper.SQUARES_MOST.value for row in counts)
     assert all(row["checks"] < paper.LIST_CHECKS_MOST.value for row in counts)
@@ -278,13 +252,6 @@ def test_tables_are_read_back_unchanged(tmp_path):
     assert tables.read(tmp_path / "none.csv") == []
 
 
-def test_numbers_are_formatted_for_readers():
-    texts = [page_text.number(value) for value in (0, 211_000, 4050, 778, 12.345, 9.4, 0.25, 1e-9)]
-    assert texts == ["0", "211,000", "4,050", "778", "12.3", "9.40", "0.250", "1e-09"]
-    assert [page_text.rate(value) for value in (778, 4050, 999_900, 2.58e6)] == ["778", "4.05 k", "1.00 M", "2.58 M"]
-    assert page_text.span(1.0, 1.0) == "1.00" and page_text.span(1.0, 2.5) == "1.00 to 2.50"
-
-
 class FakePrograms:
     """Replaces Programs. A run takes a fixed time per point, and twice as long above a certain size."""
 
@@ -312,9 +279,3 @@ def test_failures_have_a_reason():
     with pytest.raises(Failed, match="no such file"):
         run_lines(["bash", "-c", "echo no such file >&2; exit 3"])
     assert run_lines(["bash", "-c", "echo '{\"a\": 1}'; exit 1"], accepted=(0, 1)) == [{"a": 1}]
-
-
-def test_machine_is_described(build_dir):
-    facts = machine.describe(REPO, build_dir, quick=True)
-    assert facts["cores"] >= 1 and facts["processor"] and facts["compiler"]
-    assert re.fullmatch(r"\d{4}-\d\d-\d\d", facts["date"])
