@@ -36,7 +36,7 @@ func follow(followed: Node3D, ground: RefCounted) -> void:
 	scatter.connect(&"tile_hidden", _on_tiles_changed)
 
 
-func _on_tiles_changed(_layer: int, _tile: Vector2i) -> void:
+func _on_tiles_changed(_layer: Resource, _tile: Vector2i) -> void:
 	_stale = true
 
 
@@ -57,7 +57,7 @@ func _draw_all() -> void:
 			continue
 		var size: float = layers[index].get(&"tile_size")
 		sizes.append(size)
-		for tile: Vector2i in scatter.call(&"get_shown_tiles", index):
+		for tile: Vector2i in scatter.call(&"get_shown_tiles", layers[index]):
 			if not begun:
 				bands.surface_begin(Mesh.PRIMITIVE_TRIANGLES)
 				begun = true

@@ -33,7 +33,7 @@ func _ready() -> void:
 
 func _fell_around(place: Vector3, count: int) -> void:
 	place.y = world.ground.get_height(place)
-	session.call(&"ask", place, REACH, world.get(&"trees"))
+	session.call(&"ask", place, REACH, PackedStringArray(world.get(&"TREES")))
 	var answer: Array = await session.answered
 	var ids: PackedInt64Array = answer[1]
 	print("client: %d trees within %.0f m" % [ids.size(), REACH])

@@ -42,14 +42,14 @@ func _process(_delta: float) -> void:
 	_looking.visible = tree != null
 	if tree == null:
 		return
-	var mesh: Mesh = world.layers[tree.layer].meshes[tree.mesh]
+	var mesh: Mesh = tree.layer.meshes[tree.mesh]
 	if _highlight.mesh != mesh:
 		_highlight.mesh = mesh
 		_highlight.material_override = _glow_of(mesh)
 	_highlight.global_transform = tree.transform
 	var height := mesh.get_aabb().end.y * tree.transform.basis.get_scale().y
 	_looking.text = "%s, %.1f m tall, %.1f m away\nid %d\nF   fell" % [
-		world.layers[tree.layer].resource_name, height, tree.distance, tree.id]
+		tree.layer.resource_name, height, tree.distance, tree.id]
 
 
 func _unhandled_key_input(event: InputEvent) -> void:
@@ -85,7 +85,7 @@ func fell() -> void:
 	else:
 		scene.reparent(self)
 	scene.global_transform = tree.transform
-	scene.show_as(world.layers[tree.layer].meshes[tree.mesh])
+	scene.show_as(tree.layer.meshes[tree.mesh])
 	var away := (scene.global_position - player.global_position) * Vector3(1.0, 0.0, 1.0)
 	scene.fall(away.normalized().rotated(Vector3.UP, ASIDE), world.ground)
 	falling.append(scene)
@@ -115,7 +115,7 @@ func _say(what: String) -> void:
 
 func _on_scene_shown(id: int, scene: Node3D) -> void:
 	var tree := world.get_instance(id)
-	scene.call(&"show_as", world.layers[tree.layer].meshes[tree.mesh])
+	scene.call(&"show_as", tree.layer.meshes[tree.mesh])
 
 
 func _enlarge_map(large: bool) -> void:

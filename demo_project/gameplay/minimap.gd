@@ -52,10 +52,7 @@ func _process(_delta: float) -> void:
 
 
 func _ask(here: Vector2) -> void:
-	var shown := PackedInt32Array()
-	for place in world.layers.size():
-		if world.layers[place] != null and COLORS.has(world.layers[place].resource_name):
-			shown.append(place)
+	var shown := world.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and COLORS.has(layer.resource_name))
 	var around := Vector2(reach + STEP, reach + STEP)
 	_shown = world.query_rect(Rect2(here - around, around * 2.0), shown)
 	_center = here
@@ -70,7 +67,7 @@ func _draw() -> void:
 	var positions := _shown.positions if _shown != null else PackedVector3Array()
 	dots = 0
 	for i in positions.size():
-		var layer := world.layers[_shown.get_layer(i)]
+		var layer := _shown.get_layer(i)
 		var at := size * 0.5 + (Vector2(positions[i].x, positions[i].z) - here) * scale_here
 		if inside.has_point(at):
 			dots += 1

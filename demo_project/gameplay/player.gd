@@ -49,7 +49,7 @@ func _physics_process(_delta: float) -> void:
 		move_and_slide()
 		_stand_on_ground()
 	var from := eyes.global_position
-	looked_at = world.query_ray(from, from - eyes.global_basis.z * REACH, world.get(&"trees"))
+	looked_at = world.query_ray(from, from - eyes.global_basis.z * REACH, world.get(&"TREES"))
 
 
 ## Obstacles may push the player up or down, so this puts it back on the ground.

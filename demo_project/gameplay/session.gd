@@ -52,8 +52,8 @@ func port() -> int:
 	return (multiplayer.multiplayer_peer as ENetMultiplayerPeer).host.get_local_port()
 
 
-## Queries the server for the instances around a position. [signal answered] is emitted with the returned number.
-func ask(center: Vector3, radius: float, layers: PackedInt32Array) -> int:
+## Queries the server for the instances around a position, of the layers with these names. [signal answered] is emitted with the returned number.
+func ask(center: Vector3, radius: float, layers: PackedStringArray) -> int:
 	_questions += 1
 	_ask.rpc_id(1, _questions, center, radius, layers)
 	return _questions
@@ -88,7 +88,7 @@ func _greet(their_seed: int) -> void:
 
 
 @rpc("any_peer", "call_remote", "reliable")
-func _ask(question: int, center: Vector3, radius: float, layers: PackedInt32Array) -> void:
+func _ask(question: int, center: Vector3, radius: float, layers: PackedStringArray) -> void:
 	var client := multiplayer.get_remote_sender_id()
 	# Data from the network may be anything.
 	if not _known.has(client) or not center.is_finite() or not is_finite(radius):

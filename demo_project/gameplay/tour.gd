@@ -60,7 +60,7 @@ func _arrive() -> void:
 
 ## Walks to the nearest oak, until it is close.
 func _walk() -> void:
-	var oak: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, [_game.world.place_of("Oak")])
+	var oak: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, "Oak")
 	if not _check(oak != null, "no oak near"):
 		return
 	await _walk_to(oak, STAND_BACK)
@@ -81,8 +81,7 @@ func _fell() -> void:
 
 func _wait_for_the_stump() -> void:
 	await _until(func() -> bool: return _game.falling.is_empty(), "it has dissolved")
-	var stumps: PackedInt32Array = [_game.world.place_of("Stump")]
-	var stump: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, stumps)
+	var stump: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, "Stump")
 	if _check(stump != null, "no stump"):
 		await _walk_towards(stump.transform.origin, STAND_NEAR)
 		await _look_at(stump.transform.origin + Vector3.UP * 0.6)
@@ -92,7 +91,7 @@ func _wait_for_the_stump() -> void:
 ## Fells three more trees, each the nearest remaining one.
 func _fell_more() -> void:
 	for count in 3:
-		var tree: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, _game.world.trees)
+		var tree: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, _game.world.TREES)
 		if not _check(tree != null, "no more trees"):
 			return
 		await _walk_to(tree, STAND_BACK)

@@ -10,33 +10,21 @@ const STUMP := "Stump"
 ## Whether felling leaves a stump. Without stumps, peers need to send each other only removals.
 @export var leaves_stumps := true
 
-## The indices of the layers of [constant TREES] in [member layers].
-var trees := PackedInt32Array()
-
 
 func _ready() -> void:
-	for layer_name in TREES:
-		trees.append(place_of(layer_name))
 	if state == null:
 		state = ScatterState.new()
-
-
-## The index of a layer in [member layers]; -1 if no layer has that name.
-func place_of(layer_name: String) -> int:
-	for place in layers.size():
-		if layers[place] != null and layers[place].resource_name == layer_name:
-			return place
-	return -1
 
 
 ## Removes a tree and leaves a stump. [member state] keeps both. Returns false if the instance is no tree or was felled
 ## already.
 func fell(id: int) -> bool:
 	var tree := get_instance(id)
-	if tree == null or not trees.has(tree.layer) or not remove_instance(id):
+	var kind := TREES.find(tree.layer.resource_name) if tree != null else -1
+	if kind < 0 or not remove_instance(id):
 		return false
 	if leaves_stumps:
-		add_instance(place_of(STUMP), tree.transform, trees.find(tree.layer))
+		add_instance(STUMP, tree.transform, kind)
 	return true
 
 

@@ -18,8 +18,8 @@ func _initialize() -> void:
 		await process_frame
 	var file := FileAccess.open(OS.get_cmdline_user_args()[0], FileAccess.WRITE)
 	for layer in 2:
-		for tile in scatter.get_shown_tiles(layer):
-			var rows := scatter.get_tile(layer, tile).get_rows()
+		for tile in scatter.get_shown_tiles(scatter.layers[layer]):
+			var rows := scatter.get_tile(scatter.layers[layer], tile).get_rows()
 			for number: int in [layer, tile.x, tile.y, rows.size()]:
 				file.store_32(number)
 			file.store_buffer(rows)

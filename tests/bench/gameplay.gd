@@ -48,9 +48,9 @@ func _make_layer(radius: float, tile_size: float) -> ScatterLayer:
 
 
 func _measure_circles(rounds: int) -> void:
-	var asked := {"trees": [0], "trees and ferns": [0, 1], "grass": [2]}
+	var asked := {"trees": scatter.layers.slice(0, 1), "trees and ferns": scatter.layers.slice(0, 2), "grass": scatter.layers.slice(2, 3)}
 	for what: String in asked:
-		var layers := PackedInt32Array(asked[what])
+		var layers: Array = asked[what]
 		var warm := []
 		var cold := []
 		var read := []
@@ -66,22 +66,22 @@ func _measure_circles(rounds: int) -> void:
 		row("query_sphere of %.0f m elsewhere, %s, tiles made on the spot" % [RADIUS, what], cold, "ms", 1)
 
 
-func _read_all(layers: PackedInt32Array) -> int:
+func _read_all(layers: Array) -> int:
 	var all := scatter.query_sphere(_center, RADIUS, layers)
 	return all.ids.size() + all.positions.size() + all.transforms.size()
 
 
 ## Rays, nearest and single instances among trees and ferns.
 func _measure_single(rounds: int) -> void:
-	var ids: PackedInt64Array = scatter.query_sphere(_center, RADIUS, [0, 1]).ids
+	var ids: PackedInt64Array = scatter.query_sphere(_center, RADIUS, [scatter.layers[0], scatter.layers[1]]).ids
 	var rays := []
 	var nearest := []
 	var by_id := []
 	for round in rounds:
 		rays.push_back(_each(func() -> void:
 			var from := _somewhere()
-			scatter.query_ray(from, from + 50.0 * Vector3.FORWARD.rotated(Vector3.UP, _random.randf() * TAU), [0, 1])))
-		nearest.push_back(_each(func() -> void: scatter.query_nearest(_somewhere(), 30.0, [0, 1])))
+			scatter.query_ray(from, from + 50.0 * Vector3.FORWARD.rotated(Vector3.UP, _random.randf() * TAU), [scatter.layers[0], scatter.layers[1]])))
+		nearest.push_back(_each(func() -> void: scatter.query_nearest(_somewhere(), 30.0, [scatter.layers[0], scatter.layers[1]])))
 		by_id.push_back(_each(func() -> void: scatter.get_instance(ids[_random.randi() % ids.size()])))
 	row("query_ray over 50 m through trees and ferns, tiles known", rays, "µs", 1)
 	row("query_nearest within 30 m, trees and ferns, tiles known", nearest, "µs", 1)
@@ -110,7 +110,7 @@ func _measure_removals(rounds: int) -> void:
 	var many := []
 	var count := 0
 	for round in rounds:
-		var ids: PackedInt64Array = scatter.query_sphere(_center, 30.0, [1]).ids
+		var ids: PackedInt64Array = scatter.query_sphere(_center, 30.0, scatter.layers[1]).ids
 		single.push_back(ids.size() * 1e6 / time_of(func() -> void:
 			for id in ids:
 				scatter.remove_instance(id)
@@ -118,7 +118,7 @@ func _measure_removals(rounds: int) -> void:
 		_restore(ids)
 		count = ids.size()
 		many.push_back(count * 1e6 / time_of(func() -> void:
-			scatter.remove_in_sphere(_center, 30.0, [1])
+			scatter.remove_in_sphere(_center, 30.0, scatter.layers[1])
 			_draw()))
 		_restore(ids)
 	row("remove_instance, %d one by one in a frame, picture included" % count, single, "a second", 0)
@@ -127,8 +127,8 @@ func _measure_removals(rounds: int) -> void:
 
 ## Reading a tile applies all changes to it.
 func _draw() -> void:
-	for tile: Vector2i in scatter.get_shown_tiles(1):
-		scatter.get_tile(1, tile)
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[1]):
+		scatter.get_tile(scatter.layers[1], tile)
 
 
 func _restore(ids: PackedInt64Array) -> void:
@@ -147,7 +147,7 @@ func _measure_states() -> void:
 	row("state, %d removals: to_bytes" % MILLION, [time_of(spread.to_bytes) / 1e3], "ms", 0)
 	row("state, %d removals: from_bytes" % MILLION, [time_of(loaded.from_bytes.bind(bytes)) / 1e3], "ms", 0)
 	var wood := ScatterState.new()
-	var ids: PackedInt64Array = scatter.query_sphere(_center, 2.0 * RADIUS, [1]).ids
+	var ids: PackedInt64Array = scatter.query_sphere(_center, 2.0 * RADIUS, scatter.layers[1]).ids
 	for id in ids:
 		if _random.randi() % 3 == 0:
 			wood.remove(id)

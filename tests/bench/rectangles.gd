@@ -63,4 +63,4 @@ func _sample_domain() -> void:
 
 
 func _build_rect() -> void:
-	scatter.build_rect(0, RECT)
+	scatter.build_rect(scatter.layers[0], RECT)

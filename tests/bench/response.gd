@@ -77,7 +77,7 @@ func _frame() -> void:
 
 func _find_near() -> void:
 	var at := Vector2(_viewer.global_position.x, _viewer.global_position.z)
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		var rect := Rect2(Vector2(tile) * _layer.tile_size, Vector2.ONE * _layer.tile_size)
 		if at.distance_to(at.clamp(rect.position, rect.end)) <= NEAR:
 			_near.push_back(tile)
@@ -92,7 +92,7 @@ func _on_tile_shown(_index: int, tile: Vector2i) -> void:
 func _change(density: float) -> PackedFloat64Array:
 	var result := PackedFloat64Array([-1.0, -1.0])
 	_missing.clear()
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		_missing[tile] = true
 	var start := Time.get_ticks_usec()
 	_layer.density = density

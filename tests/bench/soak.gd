@@ -146,9 +146,9 @@ func _fly() -> void:
 
 func _change(frame: int) -> void:
 	if frame % 7 == 0:
-		_done.felled += _scatter.remove_in_sphere(_viewer.position, 25.0, [0, 1, 2]).size()
+		_done.felled += _scatter.remove_in_sphere(_viewer.position, 25.0, [_scatter.layers[0], _scatter.layers[1], _scatter.layers[2]]).size()
 	if frame % 5 == 0:
-		var id := _scatter.add_instance(3, Transform3D(Basis.IDENTITY, _viewer.position))
+		var id := _scatter.add_instance(_scatter.layers[3], Transform3D(Basis.IDENTITY, _viewer.position))
 		_expect(id != 0 and _scatter.has_instance(id), "a planted stump exists")
 		_scatter.set_instance_data(id, {"frame": frame, "by": "soak"})
 		_planted.append(id)
@@ -184,13 +184,13 @@ func _ask(frame: int) -> void:
 				"an answer's arrays are equally long")
 		_done.answers += 1
 	if frame % 13 == 0:
-		var nearest := _scatter.query_nearest(here, 100.0, [0], func(_id: int, _layer: int, at: Transform3D) -> bool:
+		var nearest := _scatter.query_nearest(here, 100.0, _scatter.layers[0], func(_id: int, _layer: ScatterLayer, at: Transform3D) -> bool:
 			return at.origin.x > here.x)
 		_expect(nearest == null or _scatter.has_instance(nearest.id), "the nearest instance exists")
 		_scatter.query_ray(here + Vector3(0.0, 5.0, 0.0), here + _heading * 80.0)
 		_done.answers += 2
 	if frame % 37 == 0:
-		var request := _scatter.request_sphere(here + _heading * 3000.0, 100.0, [0, 1])
+		var request := _scatter.request_sphere(here + _heading * 3000.0, 100.0, [_scatter.layers[0], _scatter.layers[1]])
 		request.completed.connect(_on_completed.bind(request.get_instance_id()))
 		_requests[request.get_instance_id()] = true
 	if frame % 111 == 0:
@@ -212,7 +212,7 @@ func _come_and_go(frame: int) -> void:
 		body.position = _viewer.position + _heading * METERS_A_FRAME * 20.0
 		create_timer(0.05).timeout.connect(body.queue_free)
 	if frame % 45 == 0:
-		var nearest := _scatter.query_nearest(_viewer.position, 30.0, [0])
+		var nearest := _scatter.query_nearest(_viewer.position, 30.0, _scatter.layers[0])
 		var scene := _scatter.take_scene(nearest.id) if nearest != null else null
 		if scene != null:
 			scene.reparent(root)

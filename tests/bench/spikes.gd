@@ -115,7 +115,7 @@ func _remove_bodies() -> void:
 ## Removals all over a layer, only a few of which are near.
 func _far_state() -> ScatterState:
 	var state := ScatterState.new()
-	var some: int = scatter.query_rect(Rect2(300.0, -280.0, 20.0, 20.0), [1]).ids[0]
+	var some: int = scatter.query_rect(Rect2(300.0, -280.0, 20.0, 20.0), scatter.layers[1]).ids[0]
 	for index in MILLION:
 		state.remove((some & ~0xffffffffffff) | (index * 7919 << 3))
 	return state

@@ -274,7 +274,7 @@ func _ready() -> void:
 	add_child(forest)
 	var digests: Array[String] = []
 	for tile in 4:
-		digests.append(str(forest.get_tile(0, Vector2i(tile, -tile)).get_digest()))
+		digests.append(str(forest.get_tile(forest.layers[0], Vector2i(tile, -tile)).get_digest()))
 	forest.remove_in_sphere(Vector3.ZERO, 20.0)
 	digests.append(str(forest.state.get_digest()))
 	print("digests ", digests, " ", OS.has_feature("template_release"))

@@ -33,8 +33,8 @@ func _initialize() -> void:
 			for scatter in made.find_children("*", "TerrainScatter3D", true, false):
 				await scatter.settled
 				var ids := 0
-				for tile in scatter.get_shown_tiles(0):
-					var shown: ScatterTile = scatter.get_tile(0, tile)
+				for tile in scatter.get_shown_tiles(scatter.get_all_layers()[0]):
+					var shown: ScatterTile = scatter.get_tile(scatter.get_all_layers()[0], tile)
 					for mesh in shown.get_mesh_count():
 						ids += shown.get_ids(mesh).size()
 				print("example ", example, " shows ", ids)

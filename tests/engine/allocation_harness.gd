@@ -72,11 +72,11 @@ func make_scatter(layers: Array[ScatterLayer], terrain: ScatterGround) -> void:
 
 func read_tiles() -> void:
 	for layer in scatter.layers.size():
-		for at in scatter.get_shown_tiles(layer):
-			var tile := scatter.get_tile(layer, at)
+		for at in scatter.get_shown_tiles(scatter.layers[layer]):
+			var tile := scatter.get_tile(scatter.layers[layer], at)
 			answers.push_back([layer, at, tile.get_digest()])
 			for mesh in tile.get_mesh_count():
 				answers.push_back([tile.get_ids(mesh), tile.get_buffer(mesh)])
-	var built := scatter.build_rect(0, Rect2(0, 0, 16, 16))
+	var built := scatter.build_rect(scatter.layers[0], Rect2(0, 0, 16, 16))
 	for mesh in built.get_mesh_count():
 		answers.push_back([built.get_ids(mesh), built.get_buffer(mesh)])

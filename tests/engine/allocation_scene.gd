@@ -33,7 +33,7 @@ func make_scene() -> void:
 
 func query() -> void:
 	var found := scatter.query_rect(Rect2(-20, -20, 40, 40))
-	answers.push_back([found.ids, found.layers, found.meshes, found.positions, found.transforms])
+	answers.push_back([found.ids, found.layer_indices, found.meshes, found.positions, found.transforms])
 	answers.push_back(scatter.query_ray(Vector3(-10, 1, -10), Vector3(10, 1, 12)))
 	var nearest := scatter.query_nearest(Vector3(3, 0, 3), 20.0)
 	answers.push_back(nearest.id if nearest != null else 0)
@@ -44,11 +44,11 @@ func explain() -> void:
 		answers.push_back([explanation.get_density(), explanation.get_reason()])
 		if explanation.get_refused_by() == &"layer":
 			push_error(explanation.get_reason()) # The explanation names the failure.
-	answers.push_back(scatter.get_density_map(1, Rect2(0, 0, 8, 8), Vector2i(4, 4)))
+	answers.push_back(scatter.get_density_map(scatter.layers[1], Rect2(0, 0, 8, 8), Vector2i(4, 4)))
 
 
 func change() -> void:
-	var found := scatter.query_rect(Rect2(5, 5, 15, 15), [0])
+	var found := scatter.query_rect(Rect2(5, 5, 15, 15), scatter.layers[0])
 	answers.push_back(scatter.remove_instances(found.ids))
 	answers.push_back([scatter.state.get_removed(), scatter.state.get_revision()])
 
@@ -65,7 +65,7 @@ func add_by_hand() -> void:
 	var transforms: PackedFloat32Array
 	for index in 20:
 		transforms.append_array([1, 0, 0, index, 0, 1, 0, 0, 0, 0, 1, 3])
-	answers.push_back(scatter.add_instances(0, transforms))
+	answers.push_back(scatter.add_instances(scatter.layers[0], transforms))
 	answers.push_back(scatter.state.get_added())
 
 

@@ -135,4 +135,4 @@ func test_models_are_read_under_the_budget_of_a_frame() -> void:
 	var late := make_layer(12.0)
 	late.meshes = [pack(make_tree())]
 	scatter.layers = [late]
-	check(scatter.build_rect(0, Rect2(0, 0, 64, 64)).get_mesh(0) != null, "build_rect has the mesh at once")
+	check(scatter.build_rect(scatter.layers[0], Rect2(0, 0, 64, 64)).get_mesh(0) != null, "build_rect has the mesh at once")

@@ -53,10 +53,8 @@ func make_world(map: ScatterBiomeMap, layers: Array[ScatterLayer] = []) -> Terra
 
 
 func index_of(scatter: TerrainScatter3D, layer_name: String) -> int:
-	for index in scatter.get_layer_count():
-		if scatter.get_layer(index) and scatter.get_layer(index).resource_name == layer_name:
-			return index
-	return -1
+	return scatter.get_all_layers().find_custom(
+			func(layer: ScatterLayer) -> bool: return layer != null and layer.resource_name == layer_name)
 
 
 ## Returns the positions of a layer's instances on the map, by id.
@@ -89,20 +87,19 @@ func all_within(found: Dictionary[int, Vector2], test: Callable) -> bool:
 ## Returns the visible tiles of each layer by its name: {tile: digest}.
 func digests_by_name(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
-	for index in scatter.get_layer_count():
-		var layer := scatter.get_layer(index)
+	for layer in scatter.get_all_layers():
 		if layer:
 			result[layer.resource_name] = {}
-			for tile in scatter.get_shown_tiles(index):
-				result[layer.resource_name][tile] = scatter.get_tile(index, tile).get_digest()
+			for tile in scatter.get_shown_tiles(layer):
+				result[layer.resource_name][tile] = scatter.get_tile(layer, tile).get_digest()
 	return result
 
 
 ## Returns the names of the layers that showed a tile during `edit` and until the scatter settled, each with its tiles.
 func shown_by(scatter: TerrainScatter3D, edit: Callable) -> Dictionary:
 	var shown := {}
-	var count := func(layer: int, tile: Vector2i) -> void:
-		shown.get_or_add(scatter.get_layer(layer).resource_name, {})[tile] = true
+	var count := func(layer: ScatterLayer, tile: Vector2i) -> void:
+		shown.get_or_add(layer.resource_name, {})[tile] = true
 	scatter.tile_shown.connect(count)
 	edit.call()
 	await settle(scatter)

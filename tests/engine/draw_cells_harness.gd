@@ -32,7 +32,7 @@ func make_forest() -> ScatterLayer:
 
 
 func multimeshes_of(scatter: TerrainScatter3D, tile: Vector2i) -> Array:
-	var shown := scatter.get_tile(0, tile)
+	var shown := scatter.get_tile(scatter.layers[0], tile)
 	return range(shown.get_mesh_count()).map(shown.get_multimeshes)
 
 
@@ -41,12 +41,12 @@ func is_in_cells(scatter: TerrainScatter3D, tile: Vector2i) -> bool:
 
 
 func tiles_in_cells(scatter: TerrainScatter3D) -> Array[Vector2i]:
-	return scatter.get_shown_tiles(0).filter(func(tile: Vector2i) -> bool: return is_in_cells(scatter, tile))
+	return scatter.get_shown_tiles(scatter.layers[0]).filter(func(tile: Vector2i) -> bool: return is_in_cells(scatter, tile))
 
 
 func multimesh_count(scatter: TerrainScatter3D) -> int:
 	var count := 0
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		for of_mesh: Array in multimeshes_of(scatter, tile):
 			count += of_mesh.size()
 	return count
@@ -59,7 +59,7 @@ func visible_count(multimesh: RID) -> int:
 
 func drawn_of_all(scatter: TerrainScatter3D) -> int:
 	var sum := 0
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		for of_mesh: Array in multimeshes_of(scatter, tile):
 			for multimesh: RID in of_mesh:
 				sum += visible_count(multimesh)
@@ -70,7 +70,7 @@ func drawn_of_all(scatter: TerrainScatter3D) -> int:
 func island_digests(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for tile in island_tiles():
-		result[tile] = scatter.get_tile(0, tile).get_digest()
+		result[tile] = scatter.get_tile(scatter.layers[0], tile).get_digest()
 	return result
 
 
@@ -86,7 +86,7 @@ func island_tiles() -> Array[Vector2i]:
 func built_digests(scatter: TerrainScatter3D) -> Dictionary:
 	var result := {}
 	for tile in island_tiles():
-		result[tile] = scatter.build_rect(0, Rect2(Vector2(tile) * TILE, Vector2.ONE * TILE)).get_digest()
+		result[tile] = scatter.build_rect(scatter.layers[0], Rect2(Vector2(tile) * TILE, Vector2.ONE * TILE)).get_digest()
 	return result
 
 

@@ -34,7 +34,7 @@ class Shown:
 	var tiles: Array[Dictionary] = [{}, {}, {}]
 
 	func _init(scatter: TerrainScatter3D) -> void:
-		scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: tiles[layer][tile] = true)
+		scatter.tile_shown.connect(func(layer: ScatterLayer, tile: Vector2i) -> void: tiles[scatter.layers.find(layer)][tile] = true)
 
 	func take() -> Array[Dictionary]:
 		var taken := tiles

@@ -188,34 +188,41 @@ func ids_of(tile: ScatterTile) -> Array:
 	return range(tile.get_mesh_count()).map(tile.get_ids)
 
 
+## Returns a layer that a test refers to by its index in the list; any other reference unchanged.
+func layer_of(scatter: TerrainScatter3D, layer: Variant) -> Variant:
+	return scatter.layers[layer] if layer is int else layer
+
+
 func tile_buffers(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i) -> Array:
-	return buffers_of(scatter.get_tile(layer, tile))
+	return buffers_of(scatter.get_tile(layer_of(scatter, layer), tile))
 
 
 func tile_ids(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i) -> Array:
-	return ids_of(scatter.get_tile(layer, tile))
+	return ids_of(scatter.get_tile(layer_of(scatter, layer), tile))
 
 
 func tile_multimeshes(scatter: TerrainScatter3D, layer: Variant, tile: Vector2i) -> Array:
-	var shown := scatter.get_tile(layer, tile)
+	var shown := scatter.get_tile(layer_of(scatter, layer), tile)
 	return range(shown.get_mesh_count()).map(shown.get_multimesh)
 
 
 ## Returns the contents of a query's result, which compare by value.
 func content_of(found: ScatterInstances) -> Array:
-	return [found.ids, found.layers, found.meshes, found.positions, found.transforms]
+	var layer_ids := found.layers.map(func(layer: ScatterLayer) -> int: return layer.layer_id)
+	return [found.ids, layer_ids, found.layer_indices, found.meshes, found.positions, found.transforms]
 
 
 ## Returns the visible tiles of a layer; an empty array if the list has no such layer.
 func shown_tiles(scatter: TerrainScatter3D, layer: int) -> Array[Vector2i]:
-	return scatter.get_shown_tiles(layer) if layer < scatter.layers.size() else ([] as Array[Vector2i])
+	var found := scatter.layers[layer] if layer < scatter.layers.size() else null
+	return scatter.get_shown_tiles(found) if found != null else ([] as Array[Vector2i])
 
 
 ## Returns the digests of all visible tiles of a layer, by tile.
 func digests(scatter: TerrainScatter3D, layer: int) -> Dictionary:
 	var result := {}
 	for tile in shown_tiles(scatter, layer):
-		result[tile] = scatter.get_tile(layer, tile).get_digest()
+		result[tile] = scatter.get_tile(scatter.layers[layer], tile).get_digest()
 	return result
 
 
@@ -227,7 +234,7 @@ func floats_of(layer: ScatterLayer) -> int:
 ## Returns the world transforms of a tile's instances according to the RenderingServer, all meshes in a row.
 func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
-	var origin := scatter.get_tile(layer, tile).get_origin()
+	var origin := scatter.get_tile(scatter.layers[layer], tile).get_origin()
 	var floats := floats_of(scatter.layers[layer])
 	for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
 		for at in range(0, buffer.size(), floats):
@@ -242,7 +249,7 @@ func transforms(scatter: TerrainScatter3D, layer: int, tile: Vector2i) -> Array[
 ## Returns the instances of all visible tiles of a layer by id, as the RenderingServer has them.
 func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transform3D]:
 	var result: Dictionary[int, Transform3D] = {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
 		var ids := PackedInt64Array()
 		for part: PackedInt64Array in tile_ids(scatter, layer, tile):
 			ids.append_array(part)
@@ -256,7 +263,7 @@ func instances(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Transfo
 
 func _sum_of_ids(scatter: TerrainScatter3D, layer: int) -> int:
 	var sum := 0
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
 		for part: PackedInt64Array in tile_ids(scatter, layer, tile):
 			sum += part.size()
 	return sum

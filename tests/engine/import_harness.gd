@@ -47,7 +47,7 @@ func make_bare(layers: Array[ScatterLayer] = []) -> TerrainScatter3D:
 
 ## Checks that exactly these transforms were added to a layer by hand, in any order.
 func check_placed(scatter: TerrainScatter3D, layer: Variant, expected: Array[Transform3D], context: String) -> void:
-	var found := scatter.query_rect(Rect2(-250, -250, 500, 500), [layer])
+	var found := scatter.query_rect(Rect2(-250, -250, 500, 500), scatter.layers[layer] if layer is int else layer)
 	var wanted := {}
 	for each in expected:
 		wanted[each] = int(wanted.get(each, 0)) + 1

@@ -16,7 +16,7 @@ class Scan:
 		var size := scatter.layers[layer].tile_size
 		for x in range(roundi(area.position.x / size), roundi(area.end.x / size)):
 			for z in range(roundi(area.position.y / size), roundi(area.end.y / size)):
-				var built := scatter.build_rect(layer, Rect2(x * size, z * size, size, size))
+				var built := scatter.build_rect(scatter.layers[layer], Rect2(x * size, z * size, size, size))
 				for mesh in built.get_mesh_count():
 					_add_mesh(layer, mesh, built.get_origin(), built.get_ids(mesh), built.get_buffer(mesh))
 
@@ -78,6 +78,10 @@ func make_wood(viewer: Node3D) -> TerrainScatter3D:
 	return make_scatter([trees, ferns], ground, viewer)
 
 
+func layers_at(scatter: TerrainScatter3D, indices: PackedInt32Array) -> Array:
+	return Array(indices).map(func(index: int) -> ScatterLayer: return scatter.layers[index])
+
+
 func scan(scatter: TerrainScatter3D) -> Scan:
 	var result := Scan.new()
 	result.add(scatter, 0, AREA)
@@ -87,7 +91,7 @@ func scan(scatter: TerrainScatter3D) -> Scan:
 
 ## Compares a result with those instances of a scan for which `depth` (meters inside, negative outside) is above 0, within
 ## the tolerance. Returns the size of the result.
-func check_answer(answer: ScatterInstances, all: Scan, layers: PackedInt32Array, depth: Callable, context: String) -> int:
+func check_answer(scatter: TerrainScatter3D, answer: ScatterInstances, all: Scan, layers: PackedInt32Array, depth: Callable, context: String) -> int:
 	var ids := answer.ids
 	var place := {}
 	for index in ids.size():
@@ -101,14 +105,14 @@ func check_answer(answer: ScatterInstances, all: Scan, layers: PackedInt32Array,
 			wrong += int(inside > FLOATS)
 			continue
 		var stands := TileBuffer.read(answer.transforms, at * 12)
-		wrong += int(inside < -FLOATS or answer.get_layer(at) != all.layers[index] or
+		wrong += int(inside < -FLOATS or answer.get_layer(at) != scatter.layers[all.layers[index]] or
 				answer.get_mesh(at) != all.meshes[index] or stands.basis != all.transforms[index].basis or
 				stands.origin.distance_to(all.transforms[index].origin) > FLOATS or
 				answer.positions[at] != stands.origin or answer.get_position(at) != stands.origin or
 				answer.get_transform(at) != stands or answer.get_id(at) != all.ids[index])
 		place.erase(all.ids[index])
 	check(wrong == 0 and place.is_empty(), "%s: %d wrong, %d too many of %d" % [context, wrong, place.size(), ids.size()])
-	var of_layers := answer.layers
+	var of_layers := answer.layer_indices
 	for index in range(1, ids.size()):
 		if of_layers[index - 1] == of_layers[index] and ids[index - 1] >= ids[index]:
 			check(false, context + ": sorted by id")
@@ -144,7 +148,7 @@ func check_ray(scatter: TerrainScatter3D, all: Scan, from: Vector3, to: Vector3,
 			if touch < first:
 				first = touch
 				id = all.ids[index]
-	var hit := scatter.query_ray(from, to, layers)
+	var hit := scatter.query_ray(from, to, layers_at(scatter, layers))
 	var same: bool = hit == null if first > 1.0 else \
 			hit != null and absf(hit.distance - first * from.distance_to(to)) < 0.01 and \
 			hit.hit_position.distance_to(from.lerp(to, first)) < 0.01
@@ -163,7 +167,7 @@ func check_nearest(scatter: TerrainScatter3D, all: Scan, at: Vector3, distance: 
 			id = all.ids[index]
 	if absf(best - distance) < FLOATS:
 		return false
-	var found := scatter.query_nearest(at, distance, layers)
+	var found := scatter.query_nearest(at, distance, layers_at(scatter, layers))
 	var same: bool = found == null if best > distance else \
 			found != null and found.id == id and absf(found.distance - best) < FLOATS
 	check(same, "nearest to %s is %d, %f m away: %s" % [at, id, best, found])
@@ -177,11 +181,11 @@ func check_all(scatter: TerrainScatter3D, all: Scan, random: RandomNumberGenerat
 		var layers: PackedInt32Array = [[], [], [0], [1], [1, 0]][random.randi() % 5]
 		var at := Vector3(random.randf_range(-50, 50), random.randf_range(-4, 20), random.randf_range(-50, 50))
 		var rect := Rect2(at.x, at.z, random.randf_range(0, 30), random.randf_range(0, 30))
-		counts["rect"] += check_answer(scatter.query_rect(rect, layers), all, layers, func(place: Vector3) -> float:
+		counts["rect"] += check_answer(scatter, scatter.query_rect(rect, layers_at(scatter, layers)), all, layers, func(place: Vector3) -> float:
 			return minf(minf(place.x - rect.position.x, rect.end.x - place.x),
 					minf(place.z - rect.position.y, rect.end.y - place.z)), "%s: %s" % [context, rect])
 		var radius := random.randf_range(0.5, 30)
-		counts["sphere"] += check_answer(scatter.query_sphere(at, radius, layers), all, layers,
+		counts["sphere"] += check_answer(scatter, scatter.query_sphere(at, radius, layers_at(scatter, layers)), all, layers,
 				func(place: Vector3) -> float: return radius - place.distance_to(at), "%s: sphere" % context)
 		var mark := all.transforms[random.randi() % all.ids.size()].origin.clamp(-50 * Vector3.ONE, 50 * Vector3.ONE)
 		var away := Vector3(random.randf_range(-1, 1), random.randf_range(0, 0.5), random.randf_range(-1, 1))
@@ -190,7 +194,7 @@ func check_all(scatter: TerrainScatter3D, all: Scan, random: RandomNumberGenerat
 		counts["near"] += int(check_nearest(scatter, all, at, random.randf_range(0.5, 20), layers))
 		var any := random.randi() % all.ids.size()
 		var found := scatter.get_instance(all.ids[any])
-		check(found != null and found.id == all.ids[any] and found.layer == all.layers[any] and
+		check(found != null and found.id == all.ids[any] and found.layer == scatter.layers[all.layers[any]] and
 				found.mesh == all.meshes[any] and not found.added and scatter.has_instance(all.ids[any]) and
 				found.position.distance_to(all.transforms[any].origin) < FLOATS, "get_instance")
 	check(counts["rect"] > 200 and counts["sphere"] > 500 and counts["hits"] > 2 and counts["near"] > 2,

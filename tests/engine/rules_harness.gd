@@ -26,8 +26,8 @@ func scatter_on_hillside(layer: ScatterLayer) -> TerrainScatter3D:
 ## Returns {id: [world transform, the floats that follow it in the buffer]} for all visible instances of a layer.
 func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		var origin := scatter.get_tile(layer, tile).get_origin()
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
+		var origin := scatter.get_tile(scatter.layers[layer], tile).get_origin()
 		var buffers := tile_buffers(scatter, layer, tile)
 		var all_ids := tile_ids(scatter, layer, tile)
 		for mesh in buffers.size():
@@ -81,7 +81,9 @@ func check_rule(scatter: TerrainScatter3D, property: String, value: Variant, den
 ## Returns how often each tile was shown during `edit` and until the scatter settled.
 func shown_by(scatter: TerrainScatter3D, edit: Callable) -> Dictionary:
 	var shown := {}
-	var count := func(layer: int, tile: Vector2i) -> void: shown[[layer, tile]] = shown.get([layer, tile], 0) + 1
+	var count := func(shown_layer: ScatterLayer, tile: Vector2i) -> void:
+		var layer := scatter.layers.find(shown_layer)
+		shown[[layer, tile]] = shown.get([layer, tile], 0) + 1
 	scatter.tile_shown.connect(count)
 	edit.call()
 	await settle(scatter)

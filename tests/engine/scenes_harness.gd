@@ -12,7 +12,7 @@ class Plant extends Node3D:
 	static var hooks: Dictionary[StringName, Callable] = {}  # Run in _init, _ready, _scatter_shown and _scatter_hidden.
 
 	var id := 0
-	var layer := -1
+	var layer: ScatterLayer
 	var data: Variant
 	var times_shown := 0
 	var times_hidden := 0
@@ -26,7 +26,7 @@ class Plant extends Node3D:
 		ready_at = global_transform
 		_run_hook(&"_ready")
 
-	func _scatter_shown(p_id: int, p_layer: int, p_data: Variant) -> void:
+	func _scatter_shown(p_id: int, p_layer: ScatterLayer, p_data: Variant) -> void:
 		id = p_id
 		layer = p_layer
 		data = p_data

@@ -14,7 +14,7 @@ func test_save() -> void:
 	await settle(scatter)
 	var felled := scatter.remove_in_sphere(Vector3(10, 0, 10), 15.0)
 	check(felled.size() > 20, "%d trees are felled" % felled.size())
-	var placed := scatter.add_instance(0, Transform3D(Basis(), Vector3(11.5, 2.0, 9.25)))
+	var placed := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(11.5, 2.0, 9.25)))
 	scatter.set_instance_data(placed, {"planted": "spring"})
 	for ending: String in [".tres", ".res"]:
 		check_equal(ResourceSaver.save(scatter.state, folder.path_join("state" + ending)), OK, "saved as " + ending)

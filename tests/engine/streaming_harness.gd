@@ -46,6 +46,6 @@ class Cliff extends ScatterGround:
 
 func all_transforms(scatter: TerrainScatter3D, layer: int) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
 		result.append_array(transforms(scatter, layer, tile))
 	return result

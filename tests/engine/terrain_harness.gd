@@ -3,7 +3,7 @@ extends "harness.gd"
 
 func all_transforms(scatter: TerrainScatter3D, layer := 0) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
 		result.append_array(transforms(scatter, layer, tile))
 	return result
 
@@ -12,7 +12,7 @@ func all_transforms(scatter: TerrainScatter3D, layer := 0) -> Array[Transform3D]
 ## the floats of a tile count from its center.
 func by_id(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	var result := {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
 		var ids: Array[int] = []
 		for of_mesh: PackedInt64Array in tile_ids(scatter, layer, tile):
 			ids.append_array(Array(of_mesh))
@@ -58,7 +58,7 @@ func shared(all: Dictionary, some: Dictionary) -> Dictionary:
 ## Returns the tiles that were shown during `edit` and until the scatter settled.
 func regenerated_by(scatter: TerrainScatter3D, edit: Callable) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
-	var note := func(_layer: int, tile: Vector2i) -> void: made.push_back(tile)
+	var note := func(_layer: ScatterLayer, tile: Vector2i) -> void: made.push_back(tile)
 	scatter.tile_shown.connect(note)
 	@warning_ignore("redundant_await")
 	await edit.call()
@@ -81,7 +81,7 @@ func make_on(node: Node, thread_safe := false, layer := make_layer()) -> Terrain
 ## Makes an edit. Checks that the visible tiles of `under` were regenerated, and no others. With `any`, at least one must have been.
 func check_regenerated_under(scatter: TerrainScatter3D, under: Array[Vector2i], any: bool, context: String, edit: Callable) -> void:
 	var made := await regenerated_by(scatter, edit)
-	var shown := scatter.get_shown_tiles(0)
+	var shown := scatter.get_shown_tiles(scatter.layers[0])
 	for tile in under:
 		check(made.has(tile) or not shown.has(tile), "%s: tile %s was regenerated" % [context, tile])
 	for tile in made:

@@ -33,7 +33,7 @@ func test_answers_of_queries() -> void:
 	await settle(scatter)
 	var all := Rect2(-60, -60, 120, 120)
 	sweep("ids", func() -> PackedInt64Array: return scatter.query_rect(all).ids)
-	sweep("layers", func() -> PackedInt32Array: return scatter.query_rect(all).layers)
+	sweep("layers", func() -> PackedInt32Array: return scatter.query_rect(all).layer_indices)
 	sweep("positions", func() -> PackedVector3Array: return scatter.query_rect(all).positions)
 	sweep("transforms", func() -> PackedFloat32Array: return scatter.query_rect(all).transforms)
 	var found := scatter.query_rect(all)
@@ -47,9 +47,9 @@ func test_answers_of_queries() -> void:
 func test_tiles() -> void:
 	var scatter := make_wood(make_viewer())
 	await settle(scatter)
-	sweep("a tile's ids", func() -> Array: return ids_of(scatter.get_tile(1, Vector2i(0, 0))))
+	sweep("a tile's ids", func() -> Array: return ids_of(scatter.get_tile(scatter.layers[1], Vector2i(0, 0))))
 	sweep("a built area", func() -> Array:
-		var built := scatter.build_rect(1, Rect2(0, 0, 30, 30))
+		var built := scatter.build_rect(scatter.layers[1], Rect2(0, 0, 30, 30))
 		return [ids_of(built), buffers_of(built)] if built != null else [])
 
 
@@ -124,8 +124,8 @@ func test_changes_of_layers() -> void:
 
 func ids_of_shown(scatter: TerrainScatter3D, layer: int) -> Array:
 	var ids := []
-	for tile in scatter.get_shown_tiles(layer):
-		ids.append_array(ids_of(scatter.get_tile(layer, tile)))
+	for tile in scatter.get_shown_tiles(scatter.layers[layer]):
+		ids.append_array(ids_of(scatter.get_tile(scatter.layers[layer], tile)))
 	return ids
 
 
@@ -157,8 +157,8 @@ func stream(number: int) -> Array:
 	var result := []
 	for layer in scatter.layers.size():
 		var tiles := {}
-		for tile in scatter.get_shown_tiles(layer):
-			var shown := scatter.get_tile(layer, tile)
+		for tile in scatter.get_shown_tiles(scatter.layers[layer]):
+			var shown := scatter.get_tile(scatter.layers[layer], tile)
 			tiles[tile] = [ids_of(shown), buffers_of(shown)] if shown.get_mesh_count() > 0 else []
 		result.push_back(tiles)
 	scatter.free()

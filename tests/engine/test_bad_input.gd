@@ -161,13 +161,13 @@ func test_node_properties() -> void:
 	for budget: int in [0, -5, 1 << 40]:
 		refuse(scatter, "frame_budget_usec", budget, "must be between 1 and 1000000, ")
 	for tile: Vector2i in [Vector2i.ZERO, Vector2i(1 << 30, -(1 << 31))]:
-		for layer: int in [0, -1, 1 << 40]:
+		for layer: String in ["", "larch"]:
 			check_equal(scatter.get_tile(layer, tile).get_digest(), 0, "digest")
-			check_error(["TerrainScatter3D.get_tile", "layer %d" % layer], "no layer")
+			check_error(["TerrainScatter3D.get_tile", "\"%s\"" % layer], "no layer")
 			check_equal(scatter.get_tile(layer, tile).get_mesh_count(), 0, "meshes")
-			check_error(["TerrainScatter3D.get_tile", "layer %d" % layer], "no layer")
+			check_error(["TerrainScatter3D.get_tile", "\"%s\"" % layer], "no layer")
 			check(scatter.get_shown_tiles(layer).is_empty(), "tiles")
-			check_error(["TerrainScatter3D.get_shown_tiles", "layer %d" % layer], "no layer")
+			check_error(["TerrainScatter3D.get_shown_tiles", "\"%s\"" % layer], "no layer")
 	scatter.free()
 
 
@@ -184,8 +184,8 @@ func test_missing_parts_cause_warnings() -> void:
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles on a base ground")
 	scatter.ground = ScatterGroundFlat.new()
 	await settle(scatter)
-	check(scatter.get_shown_tiles(1).size() > 10, "the layer between two invalid ones is visible")
-	check_equal(scatter.get_shown_tiles(0).size(), 0, "tiles of an empty layer")
+	check(scatter.get_shown_tiles(scatter.layers[1]).size() > 10, "the layer between two invalid ones is visible")
+	check_equal(shown_tiles(scatter, 0).size(), 0, "tiles of an empty layer")
 	scatter.viewers = [NodePath("nobody"), scatter.get_path_to(root)]
 	check_equal(scatter.get_problems().size(), 4, "warnings of two layers and two viewers")
 	scatter.layers = [make_layer(), make_layer()]
@@ -211,7 +211,7 @@ func test_wrong_resources() -> void:
 	scatter.layers = [make_layer()]
 	scatter.viewers = [scatter.get_path_to(make_viewer())]
 	await settle(scatter)
-	check(scatter.get_shown_tiles(0).size() > 10, "the layer is visible again")
+	check(scatter.get_shown_tiles(scatter.layers[0]).size() > 10, "the layer is visible again")
 
 
 func test_far_away_viewer() -> void:

@@ -60,7 +60,7 @@ func test_whole_tiles() -> void:
 	var scatter := wood()
 	await settle(scatter)
 	var bake := Bake.new()
-	check_equal(bake.begin(scatter, Rect2(-32, -64, 96, 64), FOLDER, "wood", [0]), OK, "begun")
+	check_equal(bake.begin(scatter, Rect2(-32, -64, 96, 64), FOLDER, "wood", [scatter.layers[0]]), OK, "begun")
 	await run_to_end(bake)
 	check_equal(bake.problem, "", "no problem")
 	check_equal(bake.progress, 1.0, "the bake is complete")
@@ -70,7 +70,7 @@ func test_whole_tiles() -> void:
 	for node: MultiMeshInstance3D in scene.get_children():
 		var tile := Vector2i((Vector2(node.position.x, node.position.z) / 32.0).floor())
 		var mesh := 1 if node.multimesh.mesh is CylinderMesh else 0
-		check_equal(node.position, scatter.get_tile(0, tile).get_origin(), "the origin of the tile")
+		check_equal(node.position, scatter.get_tile(scatter.layers[0], tile).get_origin(), "the origin of the tile")
 		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "the instances of tile %s" % tile)
 		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "colors, no custom data")
 		check_equal(node.visibility_range_end, 77.0, "the layer's range")
@@ -94,8 +94,8 @@ func test_parts_of_tiles() -> void:
 	await run_to_end(bake)
 	var expected := 0
 	for layer in 2:
-		for tile: Vector2i in scatter.get_shown_tiles(layer):
-			var origin := scatter.get_tile(layer, tile).get_origin()
+		for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
+			var origin := scatter.get_tile(scatter.layers[layer], tile).get_origin()
 			for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
 				var stride := 16 if layer == 0 else 12
 				for at in range(0, buffer.size(), stride):
@@ -146,9 +146,9 @@ func test_refusals() -> void:
 		check(bake.begin(scatter, wrong[0], FOLDER, wrong[1]) != OK, "refused: %s" % [wrong])
 		check(wrong[2] in bake.problem, "the problem names the reason: " + bake.problem)
 		check(not bake.step(1.0), "a refused bake does not continue")
-	for indices: PackedInt32Array in [[7], [0, 7], [-1, 0]]:
-		check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", indices) != OK, "no such layer: %s" % indices)
-		check(str(indices[0] if indices[0] != 0 else 7) in bake.problem and "layers" in bake.problem, bake.problem)
+	for layers: Array in [["larch"], [scatter.layers[0], "larch"], [0], [null], [ScatterLayer.new()]]:
+		check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood", layers) != OK, "no such layer: %s" % [layers])
+		check("layers has %s" % layers[-1] in bake.problem, bake.problem)
 	scatter.ground = null
 	check(bake.begin(scatter, Rect2(0, 0, 10, 10), FOLDER, "wood") != OK and "TerrainScatter3D.ground" in bake.problem, bake.problem)
 

@@ -4,9 +4,10 @@ extends "biomes_harness.gd"
 func test_layers_appear_in_their_biomes() -> void:
 	var scatter := make_world(three_biomes(), [named("rock", 6.0)])
 	await settle(scatter)
-	check_equal(scatter.get_layer_count(), 5, "layers")
-	check_equal(scatter.get_layer(0), scatter.layers[0], "the node's own layers come first")
-	check_equal(scatter.get_layer(2), scatter.biomes.biomes[1].layers[0], "layers of biomes follow")
+	var all := scatter.get_all_layers()
+	check_equal(all.size(), 5, "layers")
+	check_equal(all[0], scatter.layers[0], "the node's own layers come first")
+	check_equal(all[2], scatter.biomes.biomes[1].layers[0], "layers of biomes follow")
 	var grass := places(scatter, "grass")
 	check(grass.size() > 200 and all_within(grass, func(at: Vector2) -> bool: return at.x < 0 and at.y < 64), "grass")
 	for tree in ["oak", "fern"]:
@@ -26,7 +27,7 @@ func test_layers_of_biomes_are_accepted_everywhere() -> void:
 	var fern := scatter.biomes.biomes[1].layers[1]
 	var found := scatter.query_rect(Rect2(0, 0, 30, 30), fern)
 	check(found.size() > 10, "found: %d" % found.size())
-	check(Array(found.layers).all(func(layer: int) -> bool: return scatter.get_layer(layer) == fern), "all are ferns")
+	check_equal(found.layers, [fern], "all are ferns")
 	check_equal(content_of(scatter.query_rect(Rect2(0, 0, 30, 30), "fern")), content_of(found), "by name")
 	check_equal(scatter.query_rect(Rect2(-40, 0, 30, 30), fern).size(), 0, "none in the meadow")
 	check(scatter.remove_instance(found.ids[0]), "removed")
@@ -42,8 +43,6 @@ func test_layers_of_biomes_are_accepted_everywhere() -> void:
 	scatter.add_child(clearing)
 	await settle(scatter)
 	check(all_within(places(scatter, "oak"), func(at: Vector2) -> bool: return at.distance_to(Vector2(20, 20)) >= 20), "a region excludes oaks")
-	check(scatter.get_layer(99) == null, "no such layer")
-	check_error(["get_layer", 99], "an index beyond the list")
 
 
 func test_replacing_a_biome_by_one_assignment() -> void:
@@ -81,7 +80,7 @@ func test_a_restored_biome_is_unchanged() -> void:
 	var map := scatter.biomes
 	scatter.biomes = null
 	await settle(scatter)
-	check_equal(scatter.get_layer_count(), 0, "no layers without biomes")
+	check_equal(scatter.get_all_layers().size(), 0, "no layers without biomes")
 	scatter.biomes = map
 	await settle(scatter)
 	check_equal(digests_by_name(scatter), before, "all as before, again")
@@ -236,7 +235,7 @@ func test_one_layer_in_several_biomes() -> void:
 	var everywhere := places_in(alone, "shared", Rect2(-50, -50, 100, 100))
 	var scatter := make_world(map)
 	await settle(scatter)
-	check_equal(scatter.get_layer_count(), 2, "one layer, once")
+	check_equal(scatter.get_all_layers().size(), 2, "one layer, once")
 	check_equal(places_in(scatter, "shared", Rect2(-50, -50, 100, 100)), everywhere, "no seam between the biomes")
 	map.biomes[1].density = 0.5
 	await settle(scatter)

@@ -34,14 +34,14 @@ func test_build_rect() -> void:
 		var scatter := make_scatter(make_forest(), ground, make_viewer())
 		scatter.layers[FERN].meshes = [BoxMesh.new(), null, SphereMesh.new()]
 		scatter.add_child(make_clearing())
-		var first := scatter.build_rect(FERN, Rect2(32, 0, 32, 32))
+		var first := scatter.build_rect(scatter.layers[FERN], Rect2(32, 0, 32, 32))
 		await settle(scatter)
 		var tile := Vector2i(1, 0)
-		var built := scatter.build_rect(FERN, tile_rect(scatter, FERN, tile))
-		check_equal(built.get_origin(), scatter.get_tile(FERN, tile).get_origin(), "origin")
+		var built := scatter.build_rect(scatter.layers[FERN], tile_rect(scatter, FERN, tile))
+		check_equal(built.get_origin(), scatter.get_tile(scatter.layers[FERN], tile).get_origin(), "origin")
 		check(buffers_of(built) == tile_buffers(scatter, FERN, tile), "buffers are those of the tile")
 		check(ids_of(built) == tile_ids(scatter, FERN, tile), "ids are those of the tile")
-		check_equal(built.get_digest(), scatter.get_tile(FERN, tile).get_digest(), "the digest is that of the tile")
+		check_equal(built.get_digest(), scatter.get_tile(scatter.layers[FERN], tile).get_digest(), "the digest is that of the tile")
 		check_equal(built.get_mesh_count(), 3, "meshes")
 		for index in 3:
 			check(built.get_mesh(index) == scatter.layers[FERN].meshes[index], "mesh %d" % index)
@@ -59,17 +59,15 @@ func test_build_rect_refuses() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(), null]
 	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
 	for rect: Rect2 in [Rect2(0, 0, -5, 5), Rect2(0, 0, NAN, 5), Rect2(0, 0, 1e6, 1e6)]:
-		check_equal(scatter.build_rect(0, rect).get_mesh_count(), 0, "meshes in %s" % rect)
+		check_equal(scatter.build_rect(scatter.layers[0], rect).get_mesh_count(), 0, "meshes in %s" % rect)
 		check_error(["TerrainScatter3D.build_rect", "rect"], "an invalid rectangle")
-	for layer: Variant in [-1, 2, 70000, "nothing", null, 1.5, ScatterLayer.new()]:
+	for layer: Variant in [-1, 0, "nothing", null, 1.5, ScatterLayer.new()]:
 		check(scatter.build_rect(layer, Rect2(0, 0, 5, 5)).is_empty(), "no instances of layer %s" % layer)
 		check_error(["TerrainScatter3D.build_rect", "ayer"], "no such layer")
-	check(scatter.build_rect(1, Rect2(0, 0, 5, 5)).is_empty(), "no instances of an empty entry")
-	check_error(["TerrainScatter3D.build_rect", "layer"], "an empty entry")
-	check_equal(scatter.build_rect(0, Rect2(3, 3, 0, 5)).get_mesh_count(), 1, "meshes in an empty rectangle")
+	check_equal(scatter.build_rect(scatter.layers[0], Rect2(3, 3, 0, 5)).get_mesh_count(), 1, "meshes in an empty rectangle")
 	check_no_error("an empty rectangle")
 	scatter.ground = null
-	check(scatter.build_rect(0, Rect2(0, 0, 5, 5)).is_empty(), "no ground")
+	check(scatter.build_rect(scatter.layers[0], Rect2(0, 0, 5, 5)).is_empty(), "no ground")
 	check_error(["ground", "missing"], "no ground")
 	await frames(1)
 
@@ -82,17 +80,17 @@ func test_build_tile() -> void:
 		scatter.layers[OAK].use_colors = true
 		scatter.layers[OAK].use_custom_data = true
 		await settle(scatter)
-		var felled := scatter.query_sphere(Vector3.ZERO, 20.0, OAK)
+		var felled := scatter.query_sphere(Vector3.ZERO, 20.0, scatter.layers[OAK])
 		scatter.remove_instances(felled.ids)
-		scatter.add_instance(OAK, Transform3D(Basis.from_scale(Vector3(1, 2, 3)), Vector3(1.0, 2.0, 3.0)))
+		scatter.add_instance(scatter.layers[OAK], Transform3D(Basis.from_scale(Vector3(1, 2, 3)), Vector3(1.0, 2.0, 3.0)))
 		await settle(scatter)
 		var seen := 0
-		for layer: int in [OAK, FERN]:
+		for layer: ScatterLayer in [scatter.layers[OAK], scatter.layers[FERN]]:
 			for tile in scatter.get_shown_tiles(layer):
 				var built := scatter.build_tile(layer, tile)
 				seen += int(not built.is_empty())
-				check_equal(built.get_digest(), scatter.get_tile(layer, tile).get_digest(), "tile %s of layer %d" % [tile, layer])
-				check(built.get_rows() == scatter.get_tile(layer, tile).get_rows(), "rows of tile %s of layer %d" % [tile, layer])
+				check_equal(built.get_digest(), scatter.get_tile(layer, tile).get_digest(), "tile %s of %s" % [tile, layer.resource_name])
+				check(built.get_rows() == scatter.get_tile(layer, tile).get_rows(), "rows of tile %s of %s" % [tile, layer.resource_name])
 		check(seen > 8 and felled.size() > 5, "%d tiles with instances" % seen)
 		scatter.free()
 	check_no_error("tiles")
@@ -137,16 +135,14 @@ func test_rows() -> void:
 func test_build_tile_refuses() -> void:
 	var layers: Array[ScatterLayer] = [make_layer(), null]
 	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
-	check_equal(scatter.build_tile(0, Vector2i(1 << 30, 0)).get_mesh_count(), 0, "meshes beyond the end of the world")
+	check_equal(scatter.build_tile(scatter.layers[0], Vector2i(1 << 30, 0)).get_mesh_count(), 0, "meshes beyond the end of the world")
 	check_error(["TerrainScatter3D.build_tile"], "beyond the end of the world")
 	check(scatter.build_tile("nothing", Vector2i.ZERO).is_empty(), "no such layer")
 	check_error(["TerrainScatter3D.build_tile", "ayer"], "no such layer")
-	check(scatter.build_tile(1, Vector2i.ZERO).is_empty(), "an empty entry")
-	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
-	check_equal(scatter.build_tile(1, Vector2i.ZERO).get_rows(), PackedByteArray([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "no rows")
-	check_error(["TerrainScatter3D.build_tile", "layer"], "an empty entry")
+	check_equal(scatter.build_tile(scatter.layers[1], Vector2i.ZERO).get_rows(), PackedByteArray([0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]), "no rows")
+	check_error(["TerrainScatter3D.build_tile", "<null>"], "an empty entry")
 	scatter.ground = null
-	check(scatter.build_tile(0, Vector2i.ZERO).is_empty(), "no ground")
+	check(scatter.build_tile(scatter.layers[0], Vector2i.ZERO).is_empty(), "no ground")
 	check_error(["ground", "missing"], "no ground")
 	await frames(1)
 
@@ -159,8 +155,8 @@ func test_build_rect_uses_workers() -> void:
 	var alone := make_scatter(layers, single_threaded, make_viewer())
 	var ground := RendezvousGround.new()
 	var together := make_scatter(layers, ground, make_viewer())
-	var expected := alone.build_rect(0, SHARED)
-	var built := together.build_rect(0, SHARED)
+	var expected := alone.build_rect(alone.layers[0], SHARED)
+	var built := together.build_rect(together.layers[0], SHARED)
 	check(ground.threads.size() > 1, "%d threads queried the ground" % ground.threads.size())
 	check_equal(single_threaded.threads.size(), 1, "only the main thread")
 	check(expected.get_ids(0).size() > 20000, "%d instances" % expected.get_ids(0).size())

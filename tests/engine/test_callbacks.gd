@@ -34,11 +34,11 @@ var actions: Dictionary[String, Callable] = {
 	"a new seed": func() -> void: scatter.seed += 1,
 	"regenerate": func() -> void: scatter.regenerate(),
 	"remove more": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 12.0),
-	"add": func() -> void: scatter.add_instance(0, Transform3D(Basis(), Vector3(1, 0, 1))),
+	"add": func() -> void: scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(1, 0, 1))),
 	"query": func() -> void:
 		scatter.query_rect(AROUND)
 		scatter.query_ray(Vector3(-20, 1, 0), Vector3(20, 1, 0))
-		scatter.get_tile(0, Vector2i.ZERO).get_digest(),
+		scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_digest(),
 	"request": func() -> void: scatter.request_sphere(Vector3(200, 0, 0), 20.0),
 	"call again": func() -> void:
 		if again.is_valid():
@@ -62,9 +62,9 @@ var calls: Dictionary[String, Callable] = {
 		var id := a_near_id()
 		scatter.remove_instance(id)
 		scatter.restore_instance(id),
-	"instance_added": func() -> void: scatter.add_instance(0, Transform3D(Basis(), Vector3(3, 0, 3))),
+	"instance_added": func() -> void: scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(3, 0, 3))),
 	"instance_moved": func() -> void:
-		var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(3, 0, 3)))
+		var id := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(3, 0, 3)))
 		scatter.set_instance_transform(id, Transform3D(Basis(), Vector3(-3, 0, 3))),
 	"instance_data_changed": func() -> void: scatter.set_instance_data(a_near_id(), "data"),
 	"instances_changed": func() -> void: scatter.remove_instance(a_near_id()),
@@ -87,7 +87,7 @@ var calls: Dictionary[String, Callable] = {
 	"predicate of query_ray": func() -> void: scatter.query_ray(Vector3(-20, 1, 0), Vector3(20, 1, 0), [], accept),
 	"predicate of remove_in_sphere": func() -> void: scatter.remove_in_sphere(Vector3.ZERO, 9.0, [], accept),
 	"ground in a query": func() -> void: scatter.query_rect(Rect2(900, 900, 30, 30)),
-	"ground in build_rect": func() -> void: scatter.build_rect(0, Rect2(900, 900, 30, 30)),
+	"ground in build_rect": func() -> void: scatter.build_rect(scatter.layers[0], Rect2(900, 900, 30, 30)),
 	"ground in a frame": func() -> void: viewer.position.x += 1000.0,
 	"scene_shown": func() -> void: scatter.layers[0].scene = pack(Plant.new()),
 	"scene_hidden": func() -> void: viewer.position.x += 1000.0,
@@ -128,7 +128,7 @@ func handler2(_a: Variant, _b: Variant) -> void: act()
 func handler3(_a: Variant, _b: Variant, _c: Variant) -> void: act()
 
 
-func accept(_id: int, _layer: int, _at: Transform3D) -> bool:
+func accept(_id: int, _layer: ScatterLayer, _at: Transform3D) -> bool:
 	act()
 	return true
 
@@ -180,7 +180,7 @@ func run_action_in_callback(callback: String, name: String) -> void:
 		# The engine refuses to free a node that emits a signal.
 		var refused := name == "free" and LOCKED in message
 		# Calls of a node without ground or layers are refused, and so is a state of different points.
-		var bare := "is missing" in message or "There is no layer 0" in message or "a different seed" in message
+		var bare := "is missing" in message or "No layer is named" in message or "a different seed" in message
 		check(refused or bare, "%s, %s: the engine printed: %s" % [callback, name, message])
 	Plant.hooks.clear()
 	ground.action = Callable()

@@ -7,7 +7,7 @@ class SignalLog:
 
 	func _init(scatter: TerrainScatter3D) -> void:
 		for event: String in ["instance_removed", "instance_restored", "instance_added", "instance_moved", "instance_data_changed"]:
-			scatter.connect(event, func(id: int, layer: int, at: Transform3D) -> void: events.push_back([event, id, layer, at]))
+			scatter.connect(event, func(id: int, layer: ScatterLayer, at: Transform3D) -> void: events.push_back([event, id, layer, at]))
 
 	func take() -> Array[Array]:
 		var taken := events
@@ -47,7 +47,7 @@ func test_removal_is_immediate_and_changes_nothing_else() -> void:
 	var id := id_near(before, Vector3(5, 0, 7))
 	check(scatter.has_instance(id), "it exists")
 	check(scatter.remove_instance(id), "it can be removed")
-	check_equal(signals.take(), [["instance_removed", id, 0, before[id]]], "one signal")
+	check_equal(signals.take(), [["instance_removed", id, scatter.layers[0], before[id]]], "one signal")
 	check(not scatter.has_instance(id) and scatter.get_instance(id) == null, "queries in the same frame do not find it")
 	var after := instances(scatter, 0)
 	check(not after.has(id), "it disappears in the same frame")
@@ -73,7 +73,7 @@ func test_tiles_update_at_the_end_of_the_frame() -> void:
 	await settle(scatter)
 	var uploads := stats_uploads(scatter)
 	var standing := instances(scatter, 1)
-	var removed := scatter.remove_in_sphere(Vector3(16, 0, 16), 10.0, [1])
+	var removed := scatter.remove_in_sphere(Vector3(16, 0, 16), 10.0, scatter.layers[1])
 	var expected := 0
 	for id in standing:
 		expected += 1 if standing[id].origin.distance_to(Vector3(16, 0, 16)) <= 10.0 else 0
@@ -110,14 +110,14 @@ func test_hand_placed_instances() -> void:
 	var signals := SignalLog.new(scatter)
 	var before := digests(scatter, 0)
 	var at := Transform3D(Basis.from_euler(Vector3(0.1, 2.0, 0.0)).scaled(Vector3.ONE * 1.5), Vector3(10.25, 1.5, 12.5))
-	var id := scatter.add_instance(0, at, 1)
+	var id := scatter.add_instance(scatter.layers[0], at, 1)
 	check(id < 0, "its id is negative")
-	check_equal(signals.take(), [["instance_added", id, 0, at]], "one signal")
+	check_equal(signals.take(), [["instance_added", id, scatter.layers[0], at]], "one signal")
 	check(instances(scatter, 0)[id].is_equal_approx(at), "it is visible where it was placed")
 	check_equal((tile_ids(scatter, 0, Vector2i(0, 0))[1] as PackedInt64Array)[0], id, "it is the first of its mesh")
 	var found := scatter.get_instance(id)
 	check(found.added and found.mesh == 1 and found.transform.is_equal_approx(at), "get_instance")
-	check((scatter.query_rect(Rect2(10, 12, 1, 1), [0]).ids as PackedInt64Array).has(id), "a query of its rectangle finds it")
+	check((scatter.query_rect(Rect2(10, 12, 1, 1), scatter.layers[0]).ids as PackedInt64Array).has(id), "a query of its rectangle finds it")
 	var viewer: Node3D = scatter.get_node(scatter.viewers[0])
 	viewer.global_position.x = 1000.0
 	await settle(scatter)
@@ -127,7 +127,7 @@ func test_hand_placed_instances() -> void:
 	check(scatter.remove_instance(id), "it can be removed")
 	check(digests(scatter, 0) == before, "the tiles are bit-identical to those before")
 	check(not scatter.has_instance(id) and not scatter.restore_instance(id), "it cannot be restored")
-	check(scatter.add_instance(0, at, 1) == id, "when placed again, it has the same id")
+	check(scatter.add_instance(scatter.layers[0], at, 1) == id, "when placed again, it has the same id")
 
 
 ## Returns the instance whose body a ray from above hits at a position; 0 if there is none.
@@ -145,17 +145,17 @@ func test_a_hand_placed_instance_moves() -> void:
 	# In a different tile, tilted, with numbers that cannot be represented exactly.
 	var to := Transform3D(Basis.from_euler(Vector3(0.3, 1.1, -0.2)).scaled(Vector3(1.1, 1.7, 0.9)), Vector3(-21.7, 0.1, 23.3))
 	for place in [at, to]:
-		scatter.remove_in_sphere(place.origin, 6.0, [0])
-	var id := scatter.add_instance(0, at, 1)
+		scatter.remove_in_sphere(place.origin, 6.0, scatter.layers[0])
+	var id := scatter.add_instance(scatter.layers[0], at, 1)
 	scatter.set_instance_data(id, "sown")
 	await settle(scatter)
 	var signals := SignalLog.new(scatter)
 	check_equal(body_at(scatter, at.origin), id, "its body")
 	check_equal(scatter.set_instance_transform(id, to), id, "it keeps its id")
-	check_equal(signals.take(), [["instance_moved", id, 0, to]], "one signal")
+	check_equal(signals.take(), [["instance_moved", id, scatter.layers[0], to]], "one signal")
 	var found := scatter.get_instance(id)
 	check(found.transform == to and found.mesh == 1 and found.data == "sown", "it is at the new position, bit for bit, with its mesh and data")
-	check(not (scatter.query_rect(Rect2(10, 12, 1, 1), [0]).ids as PackedInt64Array).has(id), "and no longer at the old one")
+	check(not (scatter.query_rect(Rect2(10, 12, 1, 1), scatter.layers[0]).ids as PackedInt64Array).has(id), "and no longer at the old one")
 	await frames(2)
 	check(instances(scatter, 0)[id].is_equal_approx(to), "the tiles follow")
 	await settle(scatter)
@@ -201,7 +201,7 @@ func test_a_generated_instance_moves() -> void:
 func test_undo_and_redo_by_diffs() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
-	var planted := scatter.add_instance(0, Transform3D(Basis(), Vector3(4, 0, 4)))
+	var planted := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(4, 0, 4)))
 	scatter.set_instance_data(planted, 7)
 	var standing := id_near(instances(scatter, 0), Vector3(-5.0, 0.0, 5.0))
 	await settle(scatter)
@@ -213,7 +213,7 @@ func test_undo_and_redo_by_diffs() -> void:
 		func() -> PackedInt64Array: scatter.remove_instance(planted); return [planted],
 		func() -> PackedInt64Array: scatter.remove_instance(standing); return [standing],
 		func() -> PackedInt64Array: return [standing, scatter.set_instance_transform(standing, Transform3D())],
-		func() -> PackedInt64Array: return [scatter.add_instance(0, Transform3D(Basis(), Vector3(4, 0, 4)))],
+		func() -> PackedInt64Array: return [scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(4, 0, 4)))],
 	]
 	for index in steps.size():
 		var before := state.diff_of([planted, standing])
@@ -236,7 +236,7 @@ func test_undo_and_redo_by_diffs() -> void:
 func test_a_new_radius_keeps_hand_placed_instances() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
-	var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(4, 0, 4)))
+	var id := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(4, 0, 4)))
 	scatter.layers[0].radius = 2.0
 	scatter.seed = 99
 	await settle(scatter)
@@ -253,16 +253,16 @@ func test_build_rect_includes_changes() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
 	var rect := Rect2(-20, -20, 40, 40)
-	var full := scatter.build_rect(0, rect)
+	var full := scatter.build_rect(scatter.layers[0], rect)
 	var gone := id_near(instances(scatter, 0), Vector3.ZERO)
 	scatter.remove_instance(gone)
-	var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(4, 0, 4)))
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(40, 0, 4)))
-	var ids: PackedInt64Array = scatter.build_rect(0, rect).get_ids(0)
+	var id := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(4, 0, 4)))
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(40, 0, 4)))
+	var ids: PackedInt64Array = scatter.build_rect(scatter.layers[0], rect).get_ids(0)
 	check(not ids.has(gone) and ids[0] == id and ids.size() == full.get_ids(0).size(), "without the removed instance, with the added one")
 	scatter.remove_instance(id)
 	scatter.restore_instance(gone)
-	check_equal(scatter.build_rect(0, rect).get_digest(), full.get_digest(), "bit-identical to the first result")
+	check_equal(scatter.build_rect(scatter.layers[0], rect).get_digest(), full.get_digest(), "bit-identical to the first result")
 
 
 func test_many_instances_placed_in_one_tile() -> void:
@@ -270,7 +270,7 @@ func test_many_instances_placed_in_one_tile() -> void:
 	await settle(scatter)
 	var before := instances(scatter, 0).size()
 	for index in 100:
-		scatter.add_instance(0, Transform3D(Basis(), Vector3(0.3 * index, 0.0, 10.0)))
+		scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(0.3 * index, 0.0, 10.0)))
 	await frames(2)
 	check_equal(instances(scatter, 0).size(), before + 100, "all are visible")
 	check_equal(scatter.get_stats()["drawn"], scatter.get_stats()["instances"], "all are drawn")
@@ -296,7 +296,7 @@ func test_a_state_restores_the_same_world() -> void:
 	var scatter := make_wood()
 	await settle(scatter)
 	scatter.remove_in_sphere(Vector3(10, 0, -10), 15.0)
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(1, 2, 3)))
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(1, 2, 3)))
 	var changed := [digests(scatter, 0), digests(scatter, 1)]
 	var state := ScatterState.new()
 	check_equal(state.from_bytes(scatter.state.to_bytes()), OK, "bytes of the state")
@@ -328,7 +328,7 @@ func test_removed_instances_regrow() -> void:
 	check(scatter.state.get_time() >= 0.4, "after the regrowth time")
 	check(instances(scatter, 0).has(oak), "it is visible, too")
 	check(not scatter.has_instance(fern), "a layer without a regrowth time does not regrow")
-	check_equal(signals.take()[-1].slice(0, 3), ["instance_restored", oak, 0], "a signal reports it")
+	check_equal(signals.take()[-1].slice(0, 3), ["instance_restored", oak, scatter.layers[0]], "a signal reports it")
 
 
 func test_bad_input() -> void:
@@ -337,11 +337,11 @@ func test_bad_input() -> void:
 	for id: int in [0, -1, 12345, 1 << 62, -(1 << 62)]:
 		check(not scatter.has_instance(id) and not scatter.remove_instance(id), "no instance %d" % id)
 	check(scatter.state == null, "nothing was changed")
-	check_equal(scatter.add_instance(7, Transform3D()), 0, "no such layer")
-	check_error(["add_instance", "layer", "7"], "a missing layer")
-	check_equal(scatter.add_instance(0, Transform3D(), -1), 0, "no such mesh")
+	check_equal(scatter.add_instance("larch", Transform3D()), 0, "no such layer")
+	check_error(["add_instance", "\"larch\""], "a missing layer")
+	check_equal(scatter.add_instance(scatter.layers[0], Transform3D(), -1), 0, "no such mesh")
 	check_error(["add_instance", "mesh", "-1"], "a negative mesh")
-	check_equal(scatter.add_instance(0, Transform3D(Basis(), Vector3(NAN, 0, 0))), 0, "an invalid position")
+	check_equal(scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(NAN, 0, 0))), 0, "an invalid position")
 	check_error(["add_instance", "position"], "a position that is not finite")
 	check_equal(scatter.remove_in_sphere(Vector3.ZERO, -1.0), PackedInt64Array(), "an invalid sphere")
 	check_error(["remove_in_sphere", "radius", "-1"], "a negative radius")

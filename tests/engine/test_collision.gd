@@ -266,7 +266,7 @@ func test_hand_placed_instances_have_bodies() -> void:
 	await settle(scatter)
 	var at := Transform3D(Basis().scaled(Vector3(0.5, 2.0, 0.5)), Vector3(1.25, 30.0, 2.5))
 	viewer.position.y = 25.0
-	var id := scatter.add_instance(0, at)
+	var id := scatter.add_instance(scatter.layers[0], at)
 	check(id != 0, "placed")
 	await settle(scatter)
 	check_equal(bodies(scatter).keys(), [id], "the only body nearby")
@@ -281,8 +281,8 @@ func test_flat_instances_have_no_bodies() -> void:
 	var scatter := make_solid([make_solid_layer()], Vector3(0, 500, 0))
 	await settle(scatter)
 	for basis: Basis in [Basis.from_scale(Vector3(1, 0, 1)), Basis(Vector3.ZERO, Vector3.ZERO, Vector3.ZERO)]:
-		check(scatter.add_instance(0, Transform3D(basis, Vector3(0, 500, 0))) != 0, "placed")
-	var mirrored := scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(-1, 1, 1)), Vector3(5, 500, 0)))
+		check(scatter.add_instance(scatter.layers[0], Transform3D(basis, Vector3(0, 500, 0))) != 0, "placed")
+	var mirrored := scatter.add_instance(scatter.layers[0], Transform3D(Basis.from_scale(Vector3(-1, 1, 1)), Vector3(5, 500, 0)))
 	await settle(scatter)
 	check_equal(bodies(scatter, Vector3(0, 500, 0)).keys(), [mirrored], "only the instance with a volume")
 
@@ -354,7 +354,7 @@ func test_changed_and_reordered_layers() -> void:
 	scatter.layers = [a]
 	await settle(scatter)
 	for id in bodies(scatter):
-		check_equal(scatter.get_instance(id).layer, 0, "only the remaining layer has bodies")
+		check_equal(scatter.get_instance(id).layer, scatter.layers[0], "only the remaining layer has bodies")
 	scatter.seed += 1
 	await settle(scatter)
 	check_bodies(scatter, instances(scatter, 0), [Vector3.ZERO], "a new seed")

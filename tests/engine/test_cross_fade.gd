@@ -252,8 +252,8 @@ func test_a_mesh_with_its_own_custom_data_does_not_fade() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), camera)
 	await settle(scatter)
 	var drawn := {}
-	for tile: Vector2i in scatter.get_shown_tiles(0):
-		for multimesh: RID in scatter.get_tile(0, tile).get_multimeshes(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
+		for multimesh: RID in scatter.get_tile(scatter.layers[0], tile).get_multimeshes(0):
 			drawn[RenderingServer.multimesh_get_mesh(multimesh)] = true
 	check_equal(drawn.size(), 2, "the meshes that are drawn")
 	check(drawn.has(mesh.get_rid()), "the mesh itself")
@@ -311,8 +311,8 @@ func test_a_lod_draws_its_density() -> void:
 ## Returns the meshes that are drawn.
 func drawn_meshes(scatter: TerrainScatter3D) -> Dictionary:
 	var drawn := {}
-	for tile: Vector2i in scatter.get_shown_tiles(0):
-		for multimesh: RID in scatter.get_tile(0, tile).get_multimeshes(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
+		for multimesh: RID in scatter.get_tile(scatter.layers[0], tile).get_multimeshes(0):
 			drawn[RenderingServer.multimesh_get_mesh(multimesh)] = true
 	return drawn
 

@@ -65,7 +65,7 @@ func test_forest_along_a_path() -> void:
 		viewer.global_position = Vector3(place.x, 500.0, place.y)
 		await settle(scatter)
 		for layer in scatter.layers.size():
-			for tile: Vector2i in scatter.get_shown_tiles(layer):
+			for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
 				again += check_tile(layer, tile)
 	check(count >= EXPECTED_INSTANCES, "%d instances along the path" % count)
 	check(again > 100, "%d tiles were checked again after they had been removed" % again)
@@ -85,14 +85,14 @@ func test_forest_along_a_path() -> void:
 ## Checks a new tile. For a tile that was visible before, checks that it has not changed, and returns 1.
 func check_tile(layer: int, tile: Vector2i) -> int:
 	var key := Vector3i(layer, tile.x, tile.y)
-	var digest := scatter.get_tile(layer, tile).get_digest()
+	var digest := scatter.get_tile(scatter.layers[layer], tile).get_digest()
 	if known.has(key):
 		if known[key] != digest:
 			check(false, "tile %s came back changed" % key)
 		return 1
 	known[key] = digest
 	tile_log.add_tile(layer, scatter.layers[layer].tile_size, tile, digest)
-	var origin := scatter.get_tile(layer, tile).get_origin()
+	var origin := scatter.get_tile(scatter.layers[layer], tile).get_origin()
 	for buffer: PackedFloat32Array in tile_buffers(scatter, layer, tile):
 		check_buffer(layer, origin, buffer)
 	return 0

@@ -133,15 +133,15 @@ func run() -> void:
 	await idle()
 	var scatter: Node3D = demo.scatter
 	var all: int = scatter.get_stats().instances
-	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
-	var ids: PackedInt64Array = scatter.get_tile(0, tile).get_ids(0)
+	var tile: Vector2i = scatter.get_shown_tiles(scatter.layers[0])[0]
+	var ids: PackedInt64Array = scatter.get_tile(scatter.layers[0], tile).get_ids(0)
 	press(KEY_N)
 	await idle()
 	check(scatter.seed == 8, "N: next seed")
-	check(scatter.get_tile(0, tile).get_ids(0) != ids, "N: other trees")
+	check(scatter.get_tile(scatter.layers[0], tile).get_ids(0) != ids, "N: other trees")
 	press(KEY_B)
 	await idle()
-	check(scatter.get_tile(0, tile).get_ids(0) == ids, "B: the same trees again")
+	check(scatter.get_tile(scatter.layers[0], tile).get_ids(0) == ids, "B: the same trees again")
 	for step in 5:
 		press(KEY_MINUS)
 	await idle()

@@ -61,7 +61,7 @@ func touched(place: Vector3) -> int:
 
 
 ## Returns whether an instance is drawn.
-func drawn(layer: int, id: int) -> bool:
+func drawn(layer: String, id: int) -> bool:
 	for tile: Vector2i in world.get_shown_tiles(layer):
 		for ids: PackedInt64Array in tile_ids(world, layer, tile):
 			if ids.has(id):
@@ -79,7 +79,7 @@ func file_name() -> String:
 func test_felled_and_saved() -> void:
 	await load_game()
 	check_equal(world.get_problems(), PackedStringArray(), "warnings of the scene")
-	var oak := world.query_nearest(player.global_position, 60.0, [world.place_of("Oak")])
+	var oak := world.query_nearest(player.global_position, 60.0, "Oak")
 	check(oak != null, "an oak is near")
 	var trunk: Vector3 = oak.transform.origin
 	await stand_before(trunk)
@@ -128,16 +128,16 @@ func check_felled(id: int, stood: Transform3D) -> void:
 	await physics_frames(2)
 	check(not world.has_instance(id), "the tree does not exist any more")
 	check(looked_id() != id, "the player does not look at it")
-	check(not drawn(world.place_of("Oak"), id), "it is not drawn")
+	check(not drawn("Oak", id), "it is not drawn")
 	check(touched(stood.origin + Vector3.UP * 1.5) != id, "it has no body")
 	check(world.get_scene(id) == null, "it has no scene")
 	var around := Rect2(stood.origin.x - 1.0, stood.origin.z - 1.0, 2.0, 2.0)
-	check_equal(world.query_rect(around, world.trees).ids, PackedInt64Array(), "no tree in the rectangle")
-	var stumps := world.query_rect(around, [world.place_of("Stump")])
+	check_equal(world.query_rect(around, world.TREES).ids, PackedInt64Array(), "no tree in the rectangle")
+	var stumps := world.query_rect(around, "Stump")
 	if check_equal(stumps.ids.size(), 1, "stumps") and stumps.ids.size() == 1:
 		check(stumps.positions[0].distance_to(stood.origin) < 0.01, "the stump is where the tree was")
 		await settle(world)
-		check(drawn(world.place_of("Stump"), stumps.ids[0]), "the stump is drawn")
+		check(drawn("Stump", stumps.ids[0]), "the stump is drawn")
 
 
 func test_felled_after_a_restart() -> void:
@@ -153,7 +153,7 @@ func test_felled_after_a_restart() -> void:
 	# So far away that all surrounding tiles are removed, and back.
 	player.global_position += Vector3(-3000.0, 0.0, 0.0)
 	await settle(world)
-	check(not drawn(world.place_of("Oak"), notes.id), "nothing is drawn there")
+	check(not drawn("Oak", notes.id), "nothing is drawn there")
 	await stand_before(stood.origin)
 	await check_felled(notes.id, stood)
 	DirAccess.remove_absolute("user://gameplay.state")

@@ -18,7 +18,7 @@ func add_instances_around(place: Vector2) -> void:
 	await settle(scatter)
 	for index in scatter.layers.size():
 		var known: Dictionary = standing.get_or_add(scatter.layers[index].resource_name, {})
-		for tile: Vector2i in scatter.get_shown_tiles(index):
+		for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[index]):
 			var ids: Array[int] = []
 			for mesh_ids: PackedInt64Array in tile_ids(scatter, index, tile):
 				ids.append_array(mesh_ids)

@@ -18,7 +18,7 @@ func test_plants_stand_on_the_formula() -> void:
 		await settle(scatter)
 		for index in scatter.layers.size():
 			var offset: float = scatter.layers[index].height_offset
-			for tile: Vector2i in scatter.get_shown_tiles(index):
+			for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[index]):
 				for transform in transforms(scatter, index, tile):
 					var at := transform.origin
 					count += 1

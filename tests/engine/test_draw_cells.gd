@@ -36,7 +36,7 @@ func test_cells_draw_exactly_their_instances() -> void:
 	var viewer := make_viewer(Vector3(64.0, 2.0, 64.0))
 	var scatter := make_scatter([make_forest()], Island.new(), viewer)
 	await settle(scatter)
-	var tile := scatter.get_tile(0, Vector2i.ZERO)
+	var tile := scatter.get_tile(scatter.layers[0], Vector2i.ZERO)
 	for mesh in 2:
 		check_equal(tile.get_multimesh(mesh), RID(), "the single multimesh of mesh %d" % mesh)
 		var count := 0
@@ -56,11 +56,11 @@ func test_cells_draw_exactly_their_instances() -> void:
 			check(box.size.x < CELL + 2.0 and box.size.z < CELL + 2.0, "the box of cell %s is not too large" % cell)
 		check_equal(count, tile.get_ids(mesh).size(), "instances in the cells of mesh %d" % mesh)
 		check(seen.size() > 12, "cells of mesh %d: %d" % [mesh, seen.size()])
-	var far := scatter.get_tile(0, Vector2i(-2, -2))
+	var far := scatter.get_tile(scatter.layers[0], Vector2i(-2, -2))
 	check_equal(far.get_multimeshes(0), [far.get_multimesh(0)] as Array[RID], "a far tile has one multimesh")
 	check(far.get_multimesh(0).is_valid(), "and it is valid")
-	check_equal(scatter.get_tile(0, Vector2i(100, 0)).get_mesh_count(), 0, "a missing tile")
-	scatter.get_tile(0, Vector2i.ZERO).get_multimeshes(2)
+	check_equal(scatter.get_tile(scatter.layers[0], Vector2i(100, 0)).get_mesh_count(), 0, "a missing tile")
+	scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_multimeshes(2)
 	check_error(["get_multimeshes", "index", "2"], "an index beyond the list")
 
 
@@ -75,7 +75,7 @@ func test_mesh_and_thinning_depend_on_a_cells_distance() -> void:
 	await settle(scatter)
 	var meshes := {}
 	for tile: Vector2i in tiles_in_cells(scatter):
-		var shown := scatter.get_tile(0, tile)
+		var shown := scatter.get_tile(scatter.layers[0], tile)
 		meshes[tile] = {}
 		for multimesh: RID in shown.get_multimeshes(0):
 			var buffer := RenderingServer.multimesh_get_buffer(multimesh)
@@ -170,13 +170,13 @@ func test_a_change_uploads_only_its_cell() -> void:
 	var lone: RID = multimeshes[0][0]
 	var floats := RenderingServer.multimesh_get_buffer(lone)
 	var places := range(0, floats.size(), 12).map(func(at: int) -> Vector3: return Vector3(floats[at + 3], 0.0, floats[at + 11]))
-	var origin := scatter.get_tile(0, Vector2i.ZERO).get_origin()
+	var origin := scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_origin()
 	for place: Vector3 in places:
 		for gone in scatter.remove_in_sphere(place + origin, 0.5):
 			check(true, "%d is removed" % gone)
 	await frames(2)
 	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size() - 1, "an empty cell draws nothing")
-	var added := scatter.add_instance(0, Transform3D(Basis(), places[0] + origin), 0)
+	var added := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), places[0] + origin), 0)
 	await frames(2)
 	check(added in tile_ids(scatter, 0, Vector2i.ZERO)[0], "a hand-placed instance is drawn")
 	check_equal(multimeshes_of(scatter, Vector2i.ZERO)[0].size(), multimeshes[0].size(), "the cell is back")

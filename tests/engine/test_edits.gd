@@ -9,7 +9,7 @@ func check_local(scatter: TerrainScatter3D, layer: int, before: Dictionary[int, 
 	for position in changed:
 		outside += int(not areas.any(func(area: Rect2) -> bool: return area.grow(FLOATS).has_point(position)))
 	check_equal(outside, 0, context + ": instances that changed outside of the edit")
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
 		var rect := tile_rect(scatter, layer, tile)
 		if areas.any(func(area: Rect2) -> bool: return rect.intersects(area.grow(-0.1))):
 			check(made.has(tile), "%s: tile %s of layer %d is regenerated" % [context, tile, layer])
@@ -125,13 +125,13 @@ func test_old_tiles_stay_until_new_ones_are_ready() -> void:
 	var region := make_clearing()
 	scatter.add_child(region)
 	await settle(scatter)
-	var tiles := scatter.get_shown_tiles(FERN)
+	var tiles := scatter.get_shown_tiles(scatter.layers[FERN])
 	scatter.tile_hidden.connect(
-			func(layer: int, tile: Vector2i) -> void: check(false, "%d %s is hidden" % [layer, tile]))
+			func(layer: ScatterLayer, tile: Vector2i) -> void: check(false, "%s %s is hidden" % [layer.resource_name, tile]))
 	for round in 30:
 		region.position.x = 2.0 * round
 		await frames(1)
-		check_equal(scatter.get_shown_tiles(FERN), tiles, "visible tiles while the region is dragged")
+		check_equal(scatter.get_shown_tiles(scatter.layers[FERN]), tiles, "visible tiles while the region is dragged")
 	await settle(scatter)
 	var dragged := digests(scatter, FERN)
 	scatter.regenerate()
@@ -143,7 +143,7 @@ func test_first_and_last_including_region() -> void:
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	var shown := Shown.new(scatter)
 	await settle(scatter)
-	var tiles := scatter.get_shown_tiles(0).size()
+	var tiles := scatter.get_shown_tiles(scatter.layers[0]).size()
 	var before := digests(scatter, 0)
 	shown.take()
 	var regions: Array[ScatterRegion3D] = []
@@ -194,7 +194,7 @@ func test_ground_everywhere() -> void:
 	var scatter := make_scatter(make_forest(), mound, make_viewer())
 	var shown := Shown.new(scatter)
 	await settle(scatter)
-	var tiles := scatter.get_shown_tiles(FERN).size()
+	var tiles := scatter.get_shown_tiles(scatter.layers[FERN]).size()
 	for rect: Rect2 in [Rect2(), Rect2(5, 5, 0, 0), Rect2(0, 0, NAN, 1), Rect2(0, 0, INF, 1)]:
 		shown.take()
 		mound.ground_changed.emit(rect)

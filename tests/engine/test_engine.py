@@ -129,6 +129,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_domain_calls",
         pytest.param("test_domain_cancel", marks=pytest.mark.alone),
         "test_layer_inspector",
+        "test_layer_arguments",
         "test_layer_list",
         "test_layer_properties",
         "test_layer_snapshot",

@@ -56,7 +56,7 @@ func test_explanations_match_the_instances() -> void:
 	for place in random_places(1500):
 		var both := scatter.explain_position(place)
 		for explanation: ScatterExplanation in both:
-			var layer: ScatterLayer = scatter.layers[explanation.layer]
+			var layer := explanation.layer
 			var fits := explanation.standing == scatter.has_instance(explanation.id)
 			fits = fits and explanation.distance <= layer.radius and explanation.allowed == (explanation.density > 0.0)
 			fits = fits and is_equal_approx(product(explanation), explanation.density)
@@ -158,7 +158,7 @@ func test_removals_and_visibility_are_explained() -> void:
 	scatter.remove_instance(there.id)
 	var gone := scatter.explain_position(Vector3(3, 0, 3))[0]
 	check_equal([gone.refused_by, gone.standing, gone.allowed], [&"state", false, true], gone.reason)
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(3.2, 0, 3)))
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(3.2, 0, 3)))
 	check("One was placed by hand" in scatter.explain_position(Vector3(3, 0, 3))[0].reason, "a hand-placed instance is mentioned")
 	scatter.restore_instance(there.id)
 	var far := scatter.explain_position(Vector3(2000, 0, 3))[0]
@@ -243,7 +243,7 @@ func test_maps_match_the_explanations() -> void:
 	check_equal(wrong, 0, "pixels that differ")
 	check(some > 30 and some < 240, "%d pixels have a density" % some)
 	check(is_nan(scatter.get_slope_map(Rect2(900, 0, 10, 10), Vector2i(1, 1))[0]), "no slope without ground")
-	check_equal(scatter.get_density_map(0, Rect2(900, 0, 10, 10), Vector2i(1, 1))[0], 0.0, "no density without ground")
+	check_equal(scatter.get_density_map(scatter.layers[0], Rect2(900, 0, 10, 10), Vector2i(1, 1))[0], 0.0, "no density without ground")
 	for bad: Array in [[Rect2(0, 0, NAN, 1), Vector2i(2, 2), "rect"], [Rect2(0, 0, -1, 1), Vector2i(2, 2), "rect"],
 			[Rect2(0, 0, 1, 1), Vector2i(0, 2), "size"], [Rect2(0, 0, 1, 1), Vector2i(5000, 1), "size"]]:
 		check_equal(scatter.get_slope_map(bad[0], bad[1]).size(), 0, "values for %s" % [bad])
@@ -273,14 +273,14 @@ func test_a_ground_that_is_queried_on_the_main_thread() -> void:
 	await settle(scatter)
 	var explanation := scatter.explain_position(Vector3(4, 0, 4))[0]
 	check_equal([explanation.refused_by, explanation.standing], [&"", true], explanation.reason)
-	check_equal(scatter.get_density_map(0, Rect2(0, 0, 9, 9), Vector2i(3, 3)), PackedFloat32Array([1, 1, 1, 1, 1, 1, 1, 1, 1]), "all pixels")
+	check_equal(scatter.get_density_map(scatter.layers[0], Rect2(0, 0, 9, 9), Vector2i(3, 3)), PackedFloat32Array([1, 1, 1, 1, 1, 1, 1, 1, 1]), "all pixels")
 	for method: String in ["explain_position", "get_density_map", "get_slope_map"]:
 		var other := make_scatter([make_layer()], ground, make_viewer())
 		await settle(other)
 		ground.victim = other
 		match method:
 			"explain_position": other.explain_position(Vector3.ZERO)
-			"get_density_map": other.get_density_map(0, Rect2(0, 0, 9, 9), Vector2i(3, 3))
+			"get_density_map": other.get_density_map(other.layers[0], Rect2(0, 0, 9, 9), Vector2i(3, 3))
 			"get_slope_map": other.get_slope_map(Rect2(0, 0, 9, 9), Vector2i(3, 3))
 		ground.victim = null
 		check(was_kept_from_being_freed() or not is_instance_valid(other), "%s survives freeing the node" % method)

@@ -288,7 +288,7 @@ func test_moving_bodies_are_not_followed() -> void:
 	check(scatter.is_settled(), "still settled")
 	check_equal(scatter.get_stats()["tiles_made"], tiles, "no further tile is generated")
 	made = await regenerated_by(scatter, scatter.refresh_ground)
-	check_equal(made.size(), scatter.get_shown_tiles(0).size(), "refresh_ground casts all rays again")
+	check_equal(made.size(), scatter.get_shown_tiles(scatter.layers[0]).size(), "refresh_ground casts all rays again")
 	var on_it := all_transforms(scatter).filter(func(one: Transform3D) -> bool: return one.origin.y > 1.0)
 	check(on_it.size() > 40 and on_it.all(func(one: Transform3D) -> bool: return absf(one.origin.x - 10.0) < 5.1), "at its new position")
 

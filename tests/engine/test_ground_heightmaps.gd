@@ -148,13 +148,13 @@ func test_a_worker_reads() -> void:
 	var image := make_image(4097)
 	image.fill(Color(7.0, 0.0, 0.0))
 	var scatter := await make_on_map(make_image())
-	var shown := scatter.get_shown_count(0)
+	var shown := scatter.get_shown_count(scatter.layers[0])
 	scatter.ground.image = image
 	var least := shown
 	var frames_until := 0
 	while not scatter.is_settled():
 		await process_frame
-		least = mini(least, scatter.get_shown_count(0))
+		least = mini(least, scatter.get_shown_count(scatter.layers[0]))
 		frames_until += 1
 	check(frames_until > 2, "%d frames continued" % frames_until)
 	check(least > shown / 2, "at least %d of %d plants at any time" % [least, shown])

@@ -229,13 +229,13 @@ func test_the_old_ground_stays_until_the_new_one_is_built() -> void:
 	var instance := put(plane(0))
 	var scatter := make_on_meshes()
 	await settle(scatter)
-	var shown := scatter.get_shown_count(0)
+	var shown := scatter.get_shown_count(scatter.layers[0])
 	check(shown > 30, "%d instances" % shown)
 	instance.mesh = mesh_of(Mesh.PRIMITIVE_TRIANGLES, plane(400, 2.0).get_mesh_arrays())
 	var least := shown
 	var heights := {}
 	await until(func() -> bool:
-			least = mini(least, scatter.get_shown_count(0))
+			least = mini(least, scatter.get_shown_count(scatter.layers[0]))
 			heights[scatter.ground.get_height(Vector3(0.5, 0.0, 0.5))] = true
 			return heights.has(2.0), "the new ground is used")
 	check_equal(heights.keys(), [0.0, 2.0], "the old ground, then the new one")
@@ -279,7 +279,7 @@ func test_a_transform_that_is_not_finite() -> void:
 	instance.name = "Broken"
 	var scatter := make_on_meshes()
 	await settle(scatter)
-	var shown := scatter.get_shown_count(0)
+	var shown := scatter.get_shown_count(scatter.layers[0])
 	for bad: Transform3D in [Transform3D(Basis(), Vector3(NAN, 0.0, 0.0)), Transform3D(Basis(), Vector3(0.0, INF, 0.0)),
 			Transform3D(Basis.from_scale(Vector3(1.0, NAN, 1.0)), Vector3.ZERO)]:
 		instance.global_transform = bad
@@ -291,7 +291,7 @@ func test_a_transform_that_is_not_finite() -> void:
 		await create_timer(0.6).timeout
 		check_no_error("reported once")
 		check("\"Broken\"" in "\n".join(scatter.get_problems()), "among the problems")
-		check_equal(scatter.get_shown_count(0), shown, "the instances stay")
+		check_equal(scatter.get_shown_count(scatter.layers[0]), shown, "the instances stay")
 		instance.global_transform = Transform3D()
 		await settle(scatter)
 		check_equal(scatter.get_problems().size(), 0, "no problems with a finite transform")
@@ -312,7 +312,7 @@ func test_invalid_corners_are_refused() -> void:
 	for error in messages:
 		for word: String in ["ScatterGroundMeshes", "corner at (", "finite", "10000000"]:
 			check(word in error, "%s in '%s'" % [word, error])
-	check(scatter.get_shown_count(0) > 30, "the valid mesh is ground")
+	check(scatter.get_shown_count(scatter.layers[0]) > 30, "the valid mesh is ground")
 	var problems := "\n".join(scatter.get_problems())
 	check(("\"Hole\"" in problems or "\"Far\"" in problems) and "1 other" in problems, problems)
 	await create_timer(0.6).timeout

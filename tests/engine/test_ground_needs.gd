@@ -138,7 +138,7 @@ func test_a_node_is_called_only_for_needed_data() -> void:
 			check_equal(node.data.above_nothing, 0, context + ": only heights where there is no ground")
 			var normals := node.data.normals
 			check(scatter.ground.get_height(Vector3(10.0, 0.0, 10.0)) > 0.0, context + ": a height")
-			scatter.get_density_map(0, Rect2(-16, -16, 32, 32), Vector2i(8, 8))
+			scatter.get_density_map(scatter.layers[0], Rect2(-16, -16, 32, 32), Vector2i(8, 8))
 			check_equal(node.data.normals, normals, context + ": a height and a density need no normals")
 			scatter.free()
 			node.free()

@@ -59,7 +59,7 @@ func wrong(scatter: TerrainScatter3D, ground: Object) -> int:
 ## Returns the tiles that were regenerated until `count` instances exist and all are at the right height.
 func regenerated(scatter: TerrainScatter3D, ground: Object, count: int, context: String) -> Array[Vector2i]:
 	var made: Array[Vector2i] = []
-	var note := func(_layer: int, tile: Vector2i) -> void: made.push_back(tile)
+	var note := func(_layer: ScatterLayer, tile: Vector2i) -> void: made.push_back(tile)
 	scatter.tile_shown.connect(note)
 	await until(func() -> bool:
 			return scatter.is_settled() and wrong(scatter, ground) == 0 and all_transforms(scatter).size() == count, context)
@@ -114,7 +114,7 @@ func test_regions_that_are_loaded_later() -> void:
 	coarse.layer_id = 9
 	var scatter := make_scatter([fine, coarse], ground, make_viewer())
 	await settle(scatter)
-	var shown := scatter.get_shown_tiles(0).size() + scatter.get_shown_tiles(1).size()
+	var shown := scatter.get_shown_tiles(scatter.layers[0]).size() + scatter.get_shown_tiles(scatter.layers[1]).size()
 	var made: int = scatter.get_stats()["tiles_made"]
 	ground.height = 0.0
 	await until(func() -> bool:

@@ -133,7 +133,7 @@ func test_tiles_surround_the_target_of_an_orthogonal_camera() -> void:
 	scatter.viewers = []
 	await settle(scatter)
 	var middle := Vector2.ZERO
-	var shown := scatter.get_shown_tiles(0)
+	var shown := scatter.get_shown_tiles(scatter.layers[0])
 	for tile: Vector2i in shown:
 		middle += (Vector2(tile) + Vector2.ONE * 0.5) * layer.tile_size / shown.size()
 	check(middle.distance_to(Vector2(1000.0, -1000.0)) < layer.tile_size, "the middle of the tiles is %s" % middle)
@@ -154,7 +154,7 @@ func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 			look_down_from(height, true)
 			camera.size = size
 			await settle(scatter)
-			var meshes := scatter.get_tile(0, Vector2i.ZERO).get_multimeshes(0).map(
+			var meshes := scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_multimeshes(0).map(
 					func(multimesh: RID) -> RID: return RenderingServer.multimesh_get_mesh(multimesh))
 			fine[[size, height]] = layer.meshes[0].get_rid() in meshes
 	check_equal(fine, {[40.0, 200.0]: true, [40.0, 2000.0]: true, [400.0, 200.0]: false, [400.0, 2000.0]: false},

@@ -14,12 +14,12 @@ func test_add_instances_equals_many_calls_of_add_instance() -> void:
 		meshes.push_back(index % 2)
 	meshes[5] = meshes[4]
 	var added_ids: Array[int] = []
-	scatter.instance_added.connect(func(id: int, _layer: int, _at: Transform3D) -> void: added_ids.push_back(id))
+	scatter.instance_added.connect(func(id: int, _layer: ScatterLayer, _at: Transform3D) -> void: added_ids.push_back(id))
 	var ids := scatter.add_instances(layer, floats_of_transforms(all), meshes)
 	check_equal(ids.size(), all.size(), "all are placed")
 	var other := make_bare([layer])
 	for index in all.size():
-		var id := other.add_instance(0, all[index], meshes[index])
+		var id := other.add_instance(other.layers[0], all[index], meshes[index])
 		if id != ids[index]:
 			check(false, "the id of %d" % index)
 	check_equal(scatter.state.to_bytes(), other.state.to_bytes(), "the same state, byte for byte")
@@ -33,12 +33,12 @@ func test_add_instances_equals_many_calls_of_add_instance() -> void:
 	some.push_back(-12345)
 	check_equal(scatter.remove_instances(some), ids.slice(0, 2000), "existing instances are removed")
 	check_placed(scatter, 0, all.slice(2000), "the others stay")
-	var again := scatter.add_instances(0, floats_of_transforms(all.slice(0, 2000)), meshes.slice(0, 2000))
+	var again := scatter.add_instances(scatter.layers[0], floats_of_transforms(all.slice(0, 2000)), meshes.slice(0, 2000))
 	check_equal(again, ids.slice(0, 2000), "the same ids again")
 	var by_rule := make_layer()
 	var mixed := make_bare([by_rule])
 	var point := mixed.query_rect(Rect2(0, 0, 20, 20)).get_id(0)
-	var hand := mixed.add_instances(0, floats_of_transforms([Transform3D()]))[0]
+	var hand := mixed.add_instances(mixed.layers[0], floats_of_transforms([Transform3D()]))[0]
 	check_equal(mixed.remove_instances(PackedInt64Array([point, hand])), PackedInt64Array([point, hand]), "generated instances, too")
 	check(mixed.state.is_removed(point) and not mixed.has_instance(hand), "removed")
 
@@ -46,26 +46,26 @@ func test_add_instances_equals_many_calls_of_add_instance() -> void:
 func test_add_instances_adds_all_or_none() -> void:
 	var scatter := make_bare([make_layer()])
 	var floats := floats_of_transforms(some_transforms(10))
-	scatter.add_instances(0, floats.slice(1))
+	scatter.add_instances(scatter.layers[0], floats.slice(1))
 	check_error(["add_instances", "transforms", 119], "a missing float")
-	scatter.add_instances(0, floats, PackedInt32Array([1]))
+	scatter.add_instances(scatter.layers[0], floats, PackedInt32Array([1]))
 	check_error(["add_instances", "meshes", 1], "one mesh for ten")
-	scatter.add_instances(7, floats)
-	check_error(["add_instances", "layer"], "no such layer")
-	scatter.add_instances(0, floats, PackedInt32Array([0, 0, 0, -1, 0, 0, 0, 0, 0, 0]))
+	scatter.add_instances("larch", floats)
+	check_error(["add_instances", "\"larch\""], "no such layer")
+	scatter.add_instances(scatter.layers[0], floats, PackedInt32Array([0, 0, 0, -1, 0, 0, 0, 0, 0, 0]))
 	check_error(["transform 3", "mesh", -1], "a missing mesh")
 	for bad: float in [NAN, INF, 2e9]:
 		var broken := floats.duplicate()
 		broken[6 * 12 + 3] = bad
-		check(scatter.add_instances(0, broken).is_empty(), "no instances")
+		check(scatter.add_instances(scatter.layers[0], broken).is_empty(), "no instances")
 		check_error(["transform 6", "position"], "a position of %s" % bad)
 	floats[12 + 1] = NAN
-	scatter.add_instances(0, floats)
+	scatter.add_instances(scatter.layers[0], floats)
 	check_error(["transform 1", "basis"], "a basis of NAN")
 	check(scatter.state == null or scatter.state.get_added_count() == 0, "no instance was added")
-	check_equal(scatter.add_instances(0, PackedFloat32Array()), PackedInt64Array(), "no transforms")
+	check_equal(scatter.add_instances(scatter.layers[0], PackedFloat32Array()), PackedInt64Array(), "no transforms")
 	scatter.ground = null
-	scatter.add_instances(0, PackedFloat32Array())
+	scatter.add_instances(scatter.layers[0], PackedFloat32Array())
 	check_error(["add_instances", "ground"], "without a ground")
 
 
@@ -100,7 +100,7 @@ func test_multimeshes() -> void:
 	check_equal(ImportInstances.from_node(scatter, null, top), 118, "all visible instances")
 	check_equal(scatter.layers.size(), 3, "two new layers")
 	check_placed(scatter, 0, plain, "the mesh of a layer")
-	check_equal(scatter.query_rect(Rect2(-100, -100, 200, 200), [0]).get_mesh(0), 1, "with that mesh")
+	check_equal(scatter.query_rect(Rect2(-100, -100, 200, 200), scatter.layers[0]).get_mesh(0), 1, "with that mesh")
 	var placed: Array[Transform3D] = []
 	for each in moved:
 		placed.push_back(node.global_transform * each)
@@ -300,5 +300,5 @@ func test_a_moved_world() -> void:
 	var all := some_transforms(200)
 	var top := make_multimesh(scatter.layers[0].meshes[0], all)
 	root.add_child(top)
-	check_equal(ImportInstances.from_node(scatter, 0, top), 200, "imported")
+	check_equal(ImportInstances.from_node(scatter, scatter.layers[0], top), 200, "imported")
 	check_placed(scatter, 0, all, "the same position in the engine's space")

@@ -12,7 +12,7 @@ func table(text: String) -> String:
 func one(text: String) -> Transform3D:
 	var scatter := make_bare([make_layer()])
 	scatter.layers[0].density = 0.0
-	check_equal(ImportInstances.from_csv(scatter, 0, table(text)), 1, text)
+	check_equal(ImportInstances.from_csv(scatter, scatter.layers[0], table(text)), 1, text)
 	var found := scatter.query_rect(Rect2(-100, -100, 200, 200))
 	return found.get_transform(0) if found.size() == 1 else Transform3D()
 
@@ -46,7 +46,7 @@ func test_tables() -> void:
 		lines.push_back(",".join(numbers))
 	var scatter := make_bare([make_layer()])
 	scatter.layers[0].density = 0.0
-	check_equal(ImportInstances.from_csv(scatter, 0, table("\n".join(lines))), 500, "12 numbers")
+	check_equal(ImportInstances.from_csv(scatter, scatter.layers[0], table("\n".join(lines))), 500, "12 numbers")
 	var wrong := 0
 	var standing := {}
 	var found := scatter.query_rect(Rect2(-200, -200, 400, 400))
@@ -66,9 +66,9 @@ func test_bad_tables_change_nothing() -> void:
 			["1,2,nan\n", ["line 1", "'nan'"]], ["1,b,3\n4,5,6", ["line 1", "position_y", "'b'"]], ["\n", ["no transforms"]],
 			["x,y,z", ["no transforms"]],
 			["1,2,3\n1,2,inf", ["line 2", "'inf'"]]]:
-		check_equal(ImportInstances.from_csv(scatter, 0, table(bad[0])), 0, str(bad[0]))
+		check_equal(ImportInstances.from_csv(scatter, scatter.layers[0], table(bad[0])), 0, str(bad[0]))
 		check_error(bad[1], str(bad[0]))
-	ImportInstances.from_csv(scatter, 0, "user://not_there.csv")
+	ImportInstances.from_csv(scatter, scatter.layers[0], "user://not_there.csv")
 	check_error(["not_there.csv", "cannot be opened"], "no file")
 	ImportInstances.from_csv(scatter, null, table("1,2,3"))
 	check_error(["layer"], "no layer")

@@ -30,7 +30,7 @@ func test_the_imported_model_is_complete() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	check(scatter.get_stats()["instances"] > 20, "there are instances: %s" % scatter.get_stats())
-	var mesh := scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(0)
+	var mesh := scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0]).get_mesh(0)
 	check_equal(mesh.get_surface_count(), 2, "trunk and leaves in one mesh")
 	check(is_close(sorted_faces(mesh.get_faces()), sorted_faces(faces_of_scene(tree, "LOD0"))), "the triangles of the first LOD")
 	tree.free()

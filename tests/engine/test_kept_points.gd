@@ -50,7 +50,7 @@ func test_rectangles_reuse_points() -> void:
 	var found: Array[int] = []
 	for place in 3: # All in one block.
 		var build := func() -> void:
-			found.push_back(scatter.build_rect(0, Rect2(500 + 8 * place, 500, 8, 8)).get_ids(0).size())
+			found.push_back(scatter.build_rect(scatter.layers[0], Rect2(500 + 8 * place, 500, 8, 8)).get_ids(0).size())
 		var points := await points_computed_by(scatter, build)
 		check(points == 0 if place == 2 else points > found[place], "%d points computed for rectangle %d" % [points, place])
 		check(found[place] > 30, "%d instances" % found[place])

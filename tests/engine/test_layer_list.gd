@@ -7,7 +7,7 @@ const AREA := Rect2(-40.0, -40.0, 80.0, 80.0)
 
 ## Returns the instances of a layer in the area: positions by id.
 func standing(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Vector3]:
-	var found: Variant = scatter.query_rect(AREA, PackedInt32Array([layer]))
+	var found: Variant = scatter.query_rect(AREA, scatter.layers[layer] if layer < scatter.layers.size() else [] as Variant)
 	var result: Dictionary[int, Vector3] = {}
 	for index: int in found.ids.size():
 		result[found.ids[index]] = found.positions[index]
@@ -71,13 +71,13 @@ func test_deleting_a_layer_moves_no_other() -> void:
 func test_a_game_ignores_previews() -> void:
 	var scatter := make_scatter([make_layer(4.0), make_layer(6.0)], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
-	var counts := [scatter.get_shown_count(0), scatter.get_shown_count(1)]
+	var counts := [scatter.get_shown_count(scatter.layers[0]), scatter.get_shown_count(scatter.layers[1])]
 	check(counts[0] > counts[1] and counts[1] > 10, "visible: %s" % [counts])
 	check_equal(counts[0] + counts[1], scatter.get_stats()["instances"], "all of them")
 	scatter.call(&"_set_preview_hidden", scatter.layers)
 	scatter.call(&"_set_preview_stand_in", scatter.layers[0], make_layer(20.0))
 	await settle(scatter)
-	check_equal([scatter.get_shown_count(0), scatter.get_shown_count(scatter.layers[1])], counts, "the same")
+	check_equal([scatter.get_shown_count(scatter.layers[0]), scatter.get_shown_count(scatter.layers[1])], counts, "the same")
 	check_equal(scatter.get_stats()["drawn"], counts[0] + counts[1], "all are drawn")
 	check_equal(scatter.get_shown_count("larch"), 0, "count of a missing layer")
 	check_error(["get_shown_count", "larch"], "a missing layer")
@@ -148,10 +148,10 @@ func test_changes_of_the_array_take_effect_at_once() -> void:
 	check(standing(scatter, 0).size() > 100, "an immediate query finds %d" % standing(scatter, 0).size())
 	check_equal(scatter.layers[0].layer_id, 0, "its id")
 	await settle(scatter)
-	check(scatter.get_shown_tiles(0).size() > 4, "they are visible")
+	check(scatter.get_shown_tiles(scatter.layers[0]).size() > 4, "they are visible")
 	scatter.layers.append(named("fern", 2.0))
 	await settle(scatter)
-	check(scatter.get_shown_tiles(1).size() > 4, "also noticed without a query")
+	check(scatter.get_shown_tiles(scatter.layers[1]).size() > 4, "also noticed without a query")
 	var before := standing(scatter, 0)
 	scatter.layers[1].density = 0.5
 	check(not scatter.is_settled(), "changes of an appended layer are noticed")
@@ -182,7 +182,7 @@ func test_references_follow_a_renamed_layer() -> void:
 	await settle(scatter)
 	var shown := digests(scatter, 1)
 	var shown_count: Array[int] = [0]
-	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void: shown_count[0] += 1)
+	scatter.tile_shown.connect(func(_layer: ScatterLayer, _tile: Vector2i) -> void: shown_count[0] += 1)
 	oak.resource_name = "elm"
 	check_equal(fern.spacing.keys(), ["elm", "moss"], "spacing follows, in its order")
 	check_equal(fern.spacing.values(), [3.0, 1.0], "with its distances")
@@ -248,10 +248,10 @@ func test_refused_references() -> void:
 	var c := make_layer()
 	for bad: Variant in [2.5, null, BoxMesh.new(), Vector2.ZERO]:
 		a.spacing = {bad: 1.0}
-		check_error(["ScatterLayer.spacing", "name or its index"], "spacing by %s" % [bad])
+		check_error(["ScatterLayer.spacing", "Pass a ScatterLayer or its name"], "spacing by %s" % [bad])
 		if bad != null:
 			a.proximity_layer = bad
-			check_error(["ScatterLayer.proximity_layer", "name or its index"], "proximity by %s" % [bad])
+			check_error(["ScatterLayer.proximity_layer", "Pass a ScatterLayer or its name"], "proximity by %s" % [bad])
 	check_equal([a.spacing, a.proximity_layer], [{}, ""], "nothing was stored")
 	a.spacing = {b: 1.0}
 	b.proximity_layer = c

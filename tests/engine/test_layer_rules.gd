@@ -299,7 +299,7 @@ func test_edits_in_place_regenerate_once() -> void:
 	layer.mask = ScatterMask.new()
 	var scatter := scatter_on_hillside(layer)
 	await settle(scatter)
-	var tiles := scatter.get_shown_tiles(0).size()
+	var tiles := scatter.get_shown_tiles(scatter.layers[0]).size()
 	var shown: Dictionary = await shown_by(scatter, func() -> void:
 		for step in 10:
 			curve.set_point_value(1, 0.05 * step))

@@ -157,7 +157,7 @@ func hits(scatter: TerrainScatter3D) -> Array:
 
 
 func seen(scatter: TerrainScatter3D) -> Dictionary:
-	var tiles := scatter.get_shown_tiles(FERNS)
+	var tiles := scatter.get_shown_tiles(scatter.layers[FERNS])
 	tiles.sort()
 	var scenes := scatter.get_children(true).map(func(child: Node) -> String: return child.get_class())
 	return {
@@ -169,7 +169,7 @@ func seen(scatter: TerrainScatter3D) -> Dictionary:
 ## Returns whether a removed instance regrows.
 func regrows(scatter: TerrainScatter3D) -> bool:
 	var id := 0
-	for tile: Vector2i in scatter.get_shown_tiles(FERNS):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[FERNS]):
 		for ids: PackedInt64Array in tile_ids(scatter, FERNS, tile):
 			id = ids[0] if id == 0 and not ids.is_empty() else id
 	check(scatter.remove_instance(id), "an instance is removed")

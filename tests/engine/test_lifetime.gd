@@ -198,7 +198,7 @@ func test_signal_handlers_that_change_the_node() -> void:
 	var layer := make_layer()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	var counts := [0, 0]
-	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void:
+	scatter.tile_shown.connect(func(_layer: ScatterLayer, _tile: Vector2i) -> void:
 		counts[0] += 1
 		if counts[0] == 5:
 			scatter.seed += 1
@@ -293,5 +293,5 @@ func test_workers_reuse_uploaded_buffers() -> void:
 	check(reused >= tiles, "reused: %d, for five times %d tiles" % [reused, tiles])
 	# The reused buffers contain the visible instances.
 	for tile in shown_tiles(scatter, 0):
-		var built := scatter.build_tile(0, tile)
-		check_equal(scatter.get_tile(0, tile).get_digest(), built.get_digest(), "tile %s" % tile)
+		var built := scatter.build_tile(scatter.layers[0], tile)
+		check_equal(scatter.get_tile(scatter.layers[0], tile).get_digest(), built.get_digest(), "tile %s" % tile)

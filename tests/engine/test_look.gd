@@ -23,14 +23,14 @@ func drawn_of(scatter: TerrainScatter3D, tile: Vector2i) -> int:
 
 func drawn_of_all(scatter: TerrainScatter3D) -> int:
 	var sum := 0
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		sum += drawn_of(scatter, tile)
 	return sum
 
 
 func shown_buffers(scatter: TerrainScatter3D) -> Dictionary:
 	var buffers := {}
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		buffers[tile] = tile_buffers(scatter, 0, tile)
 	return buffers
 
@@ -44,7 +44,7 @@ func box_of(scatter: TerrainScatter3D, tile: Vector2i, buffers: Array, stride: i
 			var place := Vector3(buffer[at + 3], buffer[at + 7], buffer[at + 11])
 			box = AABB(place, Vector3.ZERO) if empty else box.expand(place)
 			empty = false
-	box.position += scatter.get_tile(0, tile).get_origin()
+	box.position += scatter.get_tile(scatter.layers[0], tile).get_origin()
 	return box.grow(reach)
 
 
@@ -153,7 +153,7 @@ func test_quality_equals_a_lower_density() -> void:
 		await settle(model)
 		scatter.quality = quality
 		await frames(20)
-		for tile: Vector2i in scatter.get_shown_tiles(0):
+		for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 			var all := tile_ids(scatter, 0, tile)
 			var expected := tile_ids(model, 0, tile)
 			for mesh in 2:
@@ -199,7 +199,7 @@ func test_colors_and_custom_data() -> void:
 	var counts := {}
 	var sums := Vector2.ZERO
 	var total := 0
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		var buffer: PackedFloat32Array = tile_buffers(scatter, 0, tile)[0]
 		check_equal(buffer.size(), 20 * tile_ids(scatter, 0, tile)[0].size(), "floats of tile %s" % tile)
 		var last_rank := 0.0
@@ -218,7 +218,7 @@ func test_colors_and_custom_data() -> void:
 	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the second color with its alpha")
 	check((sums / total).distance_to(Vector2(0.5, 0.5)) < 0.03, "mean of variation and phase: %s" % (sums / total))
 	# This renderer stores colors and custom data with half precision. A built tile was never uploaded but must be equal.
-	var built := scatter.build_rect(0, Rect2(0.0, 0.0, 32.0, 32.0))
+	var built := scatter.build_rect(scatter.layers[0], Rect2(0.0, 0.0, 32.0, 32.0))
 	check_equal(tile_buffers(scatter, 0, Vector2i.ZERO), buffers_of(built), "the renderer's buffers, bit for bit")
 	# New colors regenerate tiles, but do not move instances.
 	var before := transforms_of(scatter, 20)

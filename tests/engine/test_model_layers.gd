@@ -17,22 +17,22 @@ func test_models_and_meshes_have_the_same_instances() -> void:
 	plain.mesh_weights = [1.0, 3.0]
 	var scatter := make_scatter([plain], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
-	var tiles := scatter.get_shown_tiles(0)
-	var digests := tiles.map(func(tile: Vector2i) -> int: return scatter.get_tile(0, tile).get_digest())
+	var tiles := scatter.get_shown_tiles(scatter.layers[0])
+	var digests := tiles.map(func(tile: Vector2i) -> int: return scatter.get_tile(scatter.layers[0], tile).get_digest())
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())
 	plain.meshes = [pack(make_tree()), model]
 	await settle(scatter)
-	check(tiles.size() > 10 and scatter.get_shown_tiles(0) == tiles, "tiles")
+	check(tiles.size() > 10 and scatter.get_shown_tiles(scatter.layers[0]) == tiles, "tiles")
 	for index in tiles.size():
-		var tile := scatter.get_tile(0, tiles[index])
+		var tile := scatter.get_tile(scatter.layers[0], tiles[index])
 		check_equal(tile.get_digest(), digests[index], "digest of tile %s" % tiles[index])
 		check_equal(tile.get_mesh(1), model.get_mesh(), "the mesh that is drawn")
 		check_equal(tile.get_mesh(0).get_surface_count(), 2, "the merged mesh of all parts of the scene")
-	var read := scatter.get_tile(0, tiles[0]).get_mesh(0)
+	var read := scatter.get_tile(scatter.layers[0], tiles[0]).get_mesh(0)
 	plain.meshes = [BoxMesh.new(), plain.meshes[0]]
 	await settle(scatter)
-	check_equal(scatter.get_tile(0, tiles[0]).get_mesh(1), read, "an entry that stays in the list is not read again")
+	check_equal(scatter.get_tile(scatter.layers[0], tiles[0]).get_mesh(1), read, "an entry that stays in the list is not read again")
 
 
 func test_entries() -> void:
@@ -77,12 +77,12 @@ func test_a_list_that_is_changed_in_place() -> void:
 	list.append(pack(make_tree()))
 	check(not scatter.is_settled(), "the node notices the change at once")
 	await settle(scatter)
-	var tile := scatter.get_tile(0, scatter.get_shown_tiles(0)[0])
+	var tile := scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0])
 	check_equal(tile.get_mesh_count(), 2, "it draws the added scene")
 	check_equal(tile.get_mesh(1).get_surface_count(), 2, "it reads the added scene")
 	list[0] = null
 	await settle(scatter)
-	check(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(0) == null, "the removed entry is not drawn")
+	check(scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0]).get_mesh(0) == null, "the removed entry is not drawn")
 	var kept := list.duplicate()
 	list.append(ImageTexture.new())
 	await settle(scatter)
@@ -108,7 +108,7 @@ func test_entries_that_cannot_be_drawn() -> void:
 	await settle(scatter)
 	check_error(["ScatterModel.scene", "no visible MeshInstance3D"], "the node reads it")
 	check_equal(layer.meshes[1], hollow, "the entry stays in the list")
-	check(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]).get_mesh(1) == null, "the entry draws nothing")
+	check(scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0]).get_mesh(1) == null, "the entry draws nothing")
 	layer.density = 0.5
 	await settle(scatter)
 	check_no_error("the scene is not read again")
@@ -153,8 +153,8 @@ func test_lods_of_models_and_of_meshes_together() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
 	var seen := {}
-	for tile: Vector2i in scatter.get_shown_tiles(0):
-		var shown := scatter.get_tile(0, tile)
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
+		var shown := scatter.get_tile(scatter.layers[0], tile)
 		for entry in 2:
 			var multimesh := shown.get_multimesh(entry)
 			if multimesh.is_valid():
@@ -256,17 +256,17 @@ func test_changes_and_bakes() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	scatter.state = ScatterState.new()
 	await settle(scatter)
-	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
-	var digest := scatter.get_tile(0, tile).get_digest()
-	var id := scatter.get_tile(0, tile).get_ids(0)[0]
+	var tile: Vector2i = scatter.get_shown_tiles(scatter.layers[0])[0]
+	var digest := scatter.get_tile(scatter.layers[0], tile).get_digest()
+	var id := scatter.get_tile(scatter.layers[0], tile).get_ids(0)[0]
 	check(scatter.remove_instance(id), "a tree is removed")
-	var added := scatter.add_instance(0, Transform3D(Basis(), scatter.get_tile(0, tile).get_origin()), 0)
+	var added := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), scatter.get_tile(scatter.layers[0], tile).get_origin()), 0)
 	await settle(scatter)
-	check(added != 0 and scatter.get_tile(0, tile).get_ids(0).has(added), "a tree is added")
-	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "the added tree is complete")
+	check(added != 0 and scatter.get_tile(scatter.layers[0], tile).get_ids(0).has(added), "a tree is added")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "the added tree is complete")
 	check(scatter.restore_instance(id) and scatter.remove_instance(added), "both changes are undone")
 	await settle(scatter)
-	check_equal(scatter.get_tile(0, tile).get_digest(), digest, "bit for bit")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_digest(), digest, "bit for bit")
 	var bake: RefCounted = load("res://addons/thicket/bake.gd").new()
 	check_equal(bake.begin(scatter, Rect2(0, 0, 32, 32), "res://baked", "models"), OK, "started")
 	while bake.step(100.0):
@@ -294,17 +294,17 @@ func test_a_reimported_scene_is_read_again() -> void:
 	var layer := make_model_layer([load("user://oak.tscn")])
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
-	var tile: Vector2i = scatter.get_shown_tiles(0)[0]
-	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "before the change")
+	var tile: Vector2i = scatter.get_shown_tiles(scatter.layers[0])[0]
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "before the change")
 	var other := Node3D.new()
 	put_mesh(box_of(Vector3.ONE * 3.0), "Block", other, other)
 	ResourceSaver.save(pack(other), "user://oak.tscn")
 	layer.reload_scenes(["user://elm.tscn"])
 	await settle(scatter)
-	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_surface_count(), 2, "a different file has changed")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_surface_count(), 2, "a different file has changed")
 	layer.reload_scenes(["user://oak.tscn"])
 	await settle(scatter)
-	check_equal(scatter.get_tile(0, tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after the change")
+	check_equal(scatter.get_tile(scatter.layers[0], tile).get_mesh(0).get_aabb().size, Vector3.ONE * 3.0, "after the change")
 
 
 ## The root of a scene, which runs an action when it is created.

@@ -50,7 +50,7 @@ func make_wood(packed: PackedScene, camera: Camera3D) -> TerrainScatter3D:
 
 func shown_instances(scatter: TerrainScatter3D) -> Array[Transform3D]:
 	var result: Array[Transform3D] = []
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		for id in tile_ids(scatter, 0, tile)[0]:
 			result.append(scatter.get_instance(id).transform)
 	return result

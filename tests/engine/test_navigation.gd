@@ -106,7 +106,7 @@ func test_a_bake_leaves_out_every_trunk() -> void:
 	var region := make_region()
 	var scatter := plant(region, [solid_layer()])
 	var before := bake(region)
-	check(scatter.get_shown_tiles(0).is_empty(), "nothing is loaded")
+	check(scatter.get_shown_tiles(scatter.layers[0]).is_empty(), "nothing is loaded")
 	var found := scatter.query_rect(within())
 	var seen := check_left_out(before, found, "unloaded")
 	check(seen > 40, "%d trunks" % seen)
@@ -114,7 +114,7 @@ func test_a_bake_leaves_out_every_trunk() -> void:
 	var viewer := make_viewer()
 	scatter.viewers = [scatter.get_path_to(viewer)]
 	await settle(scatter)
-	check(not scatter.get_shown_tiles(0).is_empty(), "loaded")
+	check(not scatter.get_shown_tiles(scatter.layers[0]).is_empty(), "loaded")
 	var vertices := before.get_vertices()
 	check(bake(region).get_vertices() == vertices, "loading makes no difference")
 	scatter.visible = false
@@ -158,7 +158,7 @@ func test_changes_by_a_game() -> void:
 	check(clearance(bake(region), gone) == 0.0, "a removed tree is not")
 	scatter.restore_instance(found.get_id(0))
 	check(clearance(bake(region), gone) > TRUNK, "a restored tree is")
-	var id := scatter.add_instance(0, Transform3D(Basis(), Vector3(gone.x + 1.5, 0, gone.y)))
+	var id := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(gone.x + 1.5, 0, gone.y)))
 	check(clearance(bake(region), gone + Vector2(1.5, 0)) > TRUNK, "placed by hand")
 	scatter.remove_instance(id)
 	check(clearance(bake(region), gone + Vector2(1.7, 0)) == 0.0, "and removed")
@@ -170,13 +170,13 @@ func test_scale_tilt_and_height() -> void:
 	layer.instance_height = 10.0
 	var region := make_region()
 	var scatter := plant(region, [layer])
-	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(4, 1, 4)), Vector3(-12, 0, 0)))
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis.from_scale(Vector3(4, 1, 4)), Vector3(-12, 0, 0)))
 	# It leans towards x: one meter per meter of height.
-	scatter.add_instance(0, Transform3D(Basis(Vector3.BACK, -PI / 4), Vector3(0, 0, 0)))
-	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3.ONE * 0.5), Vector3(12, 0, 0)))
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(0, 3, 12)))   # High enough for an agent below,
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(0, -12, -12))) # deep enough for an agent above,
-	scatter.add_instance(0, Transform3D(Basis(), Vector3(12, 1, 12)))  # and in an agent's way.
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(Vector3.BACK, -PI / 4), Vector3(0, 0, 0)))
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis.from_scale(Vector3.ONE * 0.5), Vector3(12, 0, 0)))
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(0, 3, 12)))   # High enough for an agent below,
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(0, -12, -12))) # deep enough for an agent above,
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(12, 1, 12)))  # and in an agent's way.
 	var mesh := bake(region)
 	var wide := clearance(mesh, Vector2(-12, 0))
 	check(absf(wide - (4 * TRUNK + AGENT)) < 2 * CELL + ERROR, "scaled: %.3f m" % wide)
@@ -198,17 +198,17 @@ func test_giant_instances_are_ignored() -> void:
 	var expected := obstructions(region).size()
 	check(expected > 40, "%d trunks" % expected)
 	var giant := Basis.from_scale(Vector3.ONE * 1e6)
-	var first := scatter.add_instance(0, Transform3D(giant, Vector3(3, 0, 2)))
+	var first := scatter.add_instance(scatter.layers[0], Transform3D(giant, Vector3(3, 0, 2)))
 	check(obstructions(region).size() == expected, "all others are obstructions")
 	check_error(["hand-placed instance %d of layer 0" % first, "1000 m", "smaller scale"], "one giant")
-	scatter.add_instance(0, Transform3D(giant, Vector3(50000, 0, 0)))
+	scatter.add_instance(scatter.layers[0], Transform3D(giant, Vector3(50000, 0, 0)))
 	check(obstructions(region).size() == expected, "also with two giants")
 	check_error(["%d and 1 more of layer 0" % first], "two giants")
 	# An instance as large as a rock counts, even if it reaches into the bake from far outside.
 	scatter.remove_instances(scatter.state.get_added())
 	scatter.state.clear()
 	check(obstructions(region).size() == expected, "as before")
-	scatter.add_instance(0, Transform3D(Basis.from_scale(Vector3(200, 1, 200)), Vector3(90, 0, 0)))
+	scatter.add_instance(scatter.layers[0], Transform3D(Basis.from_scale(Vector3(200, 1, 200)), Vector3(90, 0, 0)))
 	check(obstructions(region).size() == expected + 1, "a large instance counts")
 	check(clearance(bake(region), Vector2(20, 0)) > 5.0, "and blocks agents")
 
@@ -231,7 +231,7 @@ func test_slopes() -> void:
 	layer.density = 0.0
 	var scatter := plant(region, [layer])
 	for x in range(-10, 11, 10):
-		scatter.add_instance(0, Transform3D(Basis(), Vector3(x, x * rise, 0)))
+		scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(x, x * rise, 0)))
 	var mesh := bake(region)
 	for x in range(-10, 11, 10):
 		for angle in 16:

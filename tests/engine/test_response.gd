@@ -22,7 +22,7 @@ func make_wide_scatter(layer: ScatterLayer) -> TerrainScatter3D:
 	layer.tile_size = TILE
 	layer.view_distance = 200.0
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
-	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: seen[tile] = seen.get(tile, 0) + 1)
+	scatter.tile_shown.connect(func(_layer: ScatterLayer, tile: Vector2i) -> void: seen[tile] = seen.get(tile, 0) + 1)
 	return scatter
 
 
@@ -46,7 +46,7 @@ func test_tiles_follow_a_dragged_slider_without_a_queue() -> void:
 	await drag(scatter, func(step: int) -> void: layer.density = 0.5 + 0.004 * step, 90)
 	check(most_pending <= limit(), "%d pending tiles, limit %d" % [most_pending, limit()])
 	var least := 1 << 30
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		if near(tile):
 			least = mini(least, seen.get(tile, 0))
 	check(least >= 3, "every near tile was regenerated during the drag: one only %d times" % least)
@@ -122,5 +122,5 @@ func test_tiles_of_replaced_layers_are_dropped() -> void:
 	var fresh := make_scatter([other], ScatterGroundFlat.new(), make_viewer())
 	await settle(fresh)
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the tiles are those of the last layer")
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		check_equal(tile_ids(scatter, 0, tile).size(), 2, "meshes of tile %s" % tile)

@@ -64,14 +64,14 @@ func test_properties_that_affect_placement_change_the_digest() -> void:
 	for property in properties:
 		var before: Variant = layer.get(property.name)
 		var digest := layer_part(scatter)
-		var rows := scatter.build_tile(0, Vector2i.ZERO).get_rows()
+		var rows := scatter.build_tile(scatter.layers[0], Vector2i.ZERO).get_rows()
 		layer.set(property.name, other_value(layer, property))
 		check(layer.get(property.name) != before, "%s accepts a new value" % property.name)
 		var counts := layer.affects_placement(property.name)
 		placement += int(counts)
 		check_equal(layer_part(scatter) != digest, counts, "the digest and %s" % property.name)
 		if not counts:
-			check(scatter.build_tile(0, Vector2i.ZERO).get_rows() == rows, "%s moves nothing" % property.name)
+			check(scatter.build_tile(scatter.layers[0], Vector2i.ZERO).get_rows() == rows, "%s moves nothing" % property.name)
 		layer.set(property.name, before)
 		errors.take()
 	check(placement > 40 and properties.size() - placement > 30, "%d of %d properties" % [placement, properties.size()])

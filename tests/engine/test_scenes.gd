@@ -46,7 +46,7 @@ func test_a_scene_has_its_instances_transform() -> void:
 			continue
 		var expected: Transform3D = scatter.get_instance(id).transform
 		check(scene.global_transform.is_equal_approx(expected), "%s is at %s" % [scene.global_transform, expected])
-		check_equal(scene.layer, 1, "layer")
+		check_equal(scene.layer, scatter.layers[1], "layer")
 		check_equal(scene.data, null, "data")
 	check(near["ids"].size() > 50, "many scenes")
 	check_equal(scatter.get_child_count(), 0, "all are internal")
@@ -93,7 +93,7 @@ func test_each_instance_is_visible_once_in_every_frame() -> void:
 					felled.resize(felled.size() - 1)
 		await process_frame
 		check_once(scatter, {}, "step %d" % step)
-		var tiles := scatter.get_shown_tiles(0)
+		var tiles := scatter.get_shown_tiles(scatter.layers[0])
 		var standing: Dictionary[int, bool] = {}
 		for tile: Vector2i in tiles:
 			for id: int in scatter.query_rect(Rect2(Vector2(tile) * 32.0, Vector2(32, 32)))["ids"]:

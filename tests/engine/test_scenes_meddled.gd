@@ -108,7 +108,7 @@ func test_hand_placed() -> void:
 	var scatter := make_garden([make_plants()])
 	await settle(scatter)
 	var at := Transform3D(Basis.from_scale(Vector3(3, 3, 3)), Vector3(1, 8, 2))
-	var id := scatter.add_instance(0, at)
+	var id := scatter.add_instance(scatter.layers[0], at)
 	await settle(scatter)
 	var scene := scatter.get_scene(id)
 	check(scene != null and scene.global_transform.is_equal_approx(at), "a scene at its position")

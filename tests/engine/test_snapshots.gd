@@ -2,17 +2,17 @@ extends "threads_harness.gd"
 ## Calls on worker threads: queries of a ScatterSnapshot, and requests.
 
 
-## Returns the results of some queries by a node or by its snapshot.
-func answers_of(target: Variant, ids: PackedInt64Array) -> Array:
+## Returns the results of some queries by a node or by its snapshot. `layers` are those of the node.
+func answers_of(target: Variant, layers: Array[ScatterLayer], ids: PackedInt64Array) -> Array:
 	var answers := []
 	for question: Callable in [
 			func() -> Variant: return target.query_rect(Rect2(-50, -50, 100, 100)),
 			func() -> Variant: return target.query_rect(Rect2(700, -300, 60, 60), "trees"),
-			func() -> Variant: return target.query_sphere(Vector3(10, 0, 5), 40.0, [0, 1]),
-			func() -> Variant: return target.query_sphere(Vector3(0, 0, 0), 40.0, 0, func(id: int, _layer: int, at: Transform3D) -> bool:
+			func() -> Variant: return target.query_sphere(Vector3(10, 0, 5), 40.0, layers),
+			func() -> Variant: return target.query_sphere(Vector3(0, 0, 0), 40.0, layers[0], func(id: int, _layer: ScatterLayer, at: Transform3D) -> bool:
 				return id % 2 == 0 and at.origin.x > 0.0)]:
 		var found: ScatterInstances = question.call()
-		answers.append_array([found.ids, found.layers, found.meshes, found.transforms])
+		answers.append_array([found.ids, found.layers, found.layer_indices, found.meshes, found.transforms])
 	var hit: ScatterInstance = target.query_ray(Vector3(-60, 1, -3), Vector3(60, 1, 8))
 	answers.append_array([hit.id, hit.transform, hit.distance, hit.hit_position, hit.data] if hit else [null])
 	for at: Vector3 in [Vector3.ZERO, Vector3(400, 0, 20)]:
@@ -35,12 +35,13 @@ func test_a_snapshot_returns_what_the_node_did() -> void:
 	scatter.set_instance_data(some[4], {"name": "old oak"})
 	var placed := scatter.add_instance("trees", Transform3D(Basis(), Vector3(3, 0, 4)))
 	var ids := some.slice(0, 8) + PackedInt64Array([placed, 12345])
-	var expected := answers_of(scatter, ids)
+	var layers := scatter.layers.duplicate()
+	var expected := answers_of(scatter, layers, ids)
 	var snapshots: Array[ScatterSnapshot] = [scatter.make_snapshot()]
 	# Later changes have no effect on the snapshot.
 	scatter.remove_in_sphere(Vector3.ZERO, 50.0)
 	scatter.remove_instance(placed)
-	var next := answers_of(scatter, ids)
+	var next := answers_of(scatter, layers, ids)
 	snapshots.push_back(scatter.make_snapshot())
 	scatter.state.clear()
 	scatter.seed = 1234
@@ -49,7 +50,7 @@ func test_a_snapshot_returns_what_the_node_did() -> void:
 	var threads: Array[Thread] = []
 	for index in 6:
 		var thread := Thread.new()
-		thread.start(answers_of.bind(snapshots[index % 2], ids))
+		thread.start(answers_of.bind(snapshots[index % 2], layers, ids))
 		threads.push_back(thread)
 	for frame in 3:
 		await process_frame
@@ -58,7 +59,7 @@ func test_a_snapshot_returns_what_the_node_did() -> void:
 	for index in threads.size():
 		check_equal(threads[index].wait_to_finish(), [expected, next][index % 2], "on thread %d" % index)
 	scatter.free()
-	check_equal(answers_of(snapshots[0], ids), expected, "after the node was freed")
+	check_equal(answers_of(snapshots[0], layers, ids), expected, "after the node was freed")
 	check(expected != next, "the snapshots differ")
 
 

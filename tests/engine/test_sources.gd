@@ -57,8 +57,8 @@ func seen_in(tile: ScatterTile) -> Dictionary[int, Seen]:
 
 func seen(scatter: TerrainScatter3D, layer: int) -> Dictionary[int, Seen]:
 	var result: Dictionary[int, Seen] = {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		result.merge(seen_in(scatter.get_tile(layer, tile)))
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
+		result.merge(seen_in(scatter.get_tile(scatter.layers[layer], tile)))
 	return result
 
 
@@ -168,7 +168,7 @@ func test_the_distance_to_a_second_layer() -> void:
 		check_shares(seen(scatter, FERN), distance_share(oaks), "distance", 1e-4)
 		all_digests.push_back(digests(scatter, FERN))
 		# Windows, and tiles of a different size, have the same colors.
-		var built := seen_in(scatter.build_rect(FERN, Rect2(-17.0, 3.0, 40.0, 21.0)))
+		var built := seen_in(scatter.build_rect(scatter.layers[FERN], Rect2(-17.0, 3.0, 40.0, 21.0)))
 		var shown := seen(scatter, FERN)
 		scatter.layers[FERN].tile_size = 21.0
 		await settle(scatter)
@@ -193,10 +193,10 @@ func test_an_edit_of_the_second_layer_stays_local() -> void:
 		var area := scatter.layers[OAK].mask.paint(spot, 7.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
 		await settle(scatter)
 		var made: Dictionary = shown.take()[FERN]
-		for tile: Vector2i in scatter.get_shown_tiles(FERN):
+		for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[FERN]):
 			check_equal(made.has(tile), tile_rect(scatter, FERN, tile).intersects(area.grow(8.0)), "tile %s is regenerated" % tile)
 			if not made.has(tile):
-				check_equal(scatter.get_tile(FERN, tile).get_digest(), before[tile], "tile %s" % tile)
+				check_equal(scatter.get_tile(scatter.layers[FERN], tile).get_digest(), before[tile], "tile %s" % tile)
 		check_shares(seen(scatter, FERN), distance_share(map_positions(scatter, OAK)), "after an edit", 1e-4)
 	var whole := digests(scatter, FERN)
 	scatter.layers[OAK].min_scale = 0.5
@@ -230,9 +230,9 @@ func test_references() -> void:
 	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	for bad: Variant in [2.5, BoxMesh.new()]:
 		fern.color_source_layer = bad
-		check_error(["ScatterLayer.color_source_layer", "A layer is meant by"], "%s" % [bad])
+		check_error(["ScatterLayer.color_source_layer", "Pass a ScatterLayer or its name"], "%s" % [bad])
 		fern.variation_source_layer = bad
-		check_error(["ScatterLayer.variation_source_layer", "A layer is meant by"], "%s" % [bad])
+		check_error(["ScatterLayer.variation_source_layer", "Pass a ScatterLayer or its name"], "%s" % [bad])
 	check_equal(fern.color_source_layer, "elm", "the old reference stays")
 	fern.color_source_layer = null
 	check_equal(fern.color_source_layer, "", "no layer")
@@ -281,17 +281,17 @@ func test_hand_placed() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	set_source(layer, ScatterLayer.SOURCE_HEIGHT, 0.0, 10.0)
 	await settle(scatter)
-	var id := scatter.add_instance(0, Transform3D(Basis.IDENTITY, Vector3(3.0, 7.5, 4.0)))
+	var id := scatter.add_instance(scatter.layers[0], Transform3D(Basis.IDENTITY, Vector3(3.0, 7.5, 4.0)))
 	await settle(scatter)
 	await frames(3)
-	var buffer: PackedFloat32Array = scatter.get_tile(0, Vector2i.ZERO).get_buffer(0)
-	var ids: PackedInt64Array = scatter.get_tile(0, Vector2i.ZERO).get_ids(0)
+	var buffer: PackedFloat32Array = scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_buffer(0)
+	var ids: PackedInt64Array = scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_ids(0)
 	var at := ids.find(id) * STRIDE
 	if check(at >= 0, "it exists"):
 		check(absf(buffer[at + 12] - 0.75) < STEP and absf(buffer[at + 16] - 0.75) < 0.001, "at 7.5 of 10 m: %f, %f" % [buffer[at + 12], buffer[at + 16]])
 	set_source(layer, ScatterLayer.SOURCE_SLOPE, 0.0, 45.0)
 	await settle(scatter)
-	var all := seen_in(scatter.get_tile(0, Vector2i.ZERO))
+	var all := seen_in(scatter.get_tile(scatter.layers[0], Vector2i.ZERO))
 	check(all[id].color > 0.0 and all.values().all(func(one: Seen) -> bool: return one.color < 0.01 or one == all[id]),
 			"a random color on level ground: %f" % all[id].color)
 

@@ -255,14 +255,14 @@ func test_nodes_follow() -> void:
 	for index in 50_000:
 		server.remove((standing[0] & ~0xffffffffffff) | (index << 3))
 	var removed := {}
-	nodes[0].instance_removed.connect(func(id: int, _layer: int, _at: Transform3D) -> void:
+	nodes[0].instance_removed.connect(func(id: int, _layer: ScatterLayer, _at: Transform3D) -> void:
 		check(not removed.has(id), "one signal")
 		removed[id] = true)
 	nodes[0].state.apply_diff_async(server.diff_since(0), note)
 	check(nodes[1].has_instance(standing[0]), "not yet")
 	check(nodes[0].remove_instance(standing[2]), "removed by hand and by the diff")
 	check(nodes[0].remove_instance(standing[3]), "removed only by hand")
-	var added := nodes[1].add_instance(0, Transform3D(Basis(), Vector3(1.0, 0.0, 1.0)))
+	var added := nodes[1].add_instance(nodes[1].layers[0], Transform3D(Basis(), Vector3(1.0, 0.0, 1.0)))
 	await wait_for_callbacks(1)
 	server.remove(standing[3])
 	check(not nodes[1].has_instance(standing[0]) and not nodes[0].has_instance(standing[3]), "queries are up to date at once")

@@ -30,7 +30,7 @@ func test_many_changes_at_once() -> void:
 	var standing: PackedInt64Array = scatter.query_rect(Rect2(-60, -60, 120, 120)).ids
 	var server := remove_many(scatter, standing, 300_000)
 	var reported_ids := {}
-	scatter.instance_removed.connect(func(id: int, _layer: int, _at: Transform3D) -> void: reported_ids[id] = true)
+	scatter.instance_removed.connect(func(id: int, _layer: ScatterLayer, _at: Transform3D) -> void: reported_ids[id] = true)
 	var diff := server.diff_since(0)
 	check_equal(scatter.state.apply_diff(diff), OK, "the diff")
 	check_equal(scatter.state.get_digest(), server.get_digest(), "the state is up to date at once")

@@ -8,7 +8,7 @@ func make_wood() -> TerrainScatter3D:
 
 ## Returns the ids of the first layer's instances near the origin.
 func near_ids(scatter: TerrainScatter3D, radius := 20.0) -> PackedInt64Array:
-	return scatter.query_sphere(Vector3.ZERO, radius, [0]).ids
+	return scatter.query_sphere(Vector3.ZERO, radius, scatter.layers[0]).ids
 
 
 func test_a_handler_removes_the_state() -> void:
@@ -17,13 +17,13 @@ func test_a_handler_removes_the_state() -> void:
 		await settle(scatter)
 		var ids := near_ids(scatter)
 		var signal_count := [0]
-		scatter.instance_removed.connect(func(_id: int, _layer: int, _at: Transform3D) -> void:
+		scatter.instance_removed.connect(func(_id: int, _layer: ScatterLayer, _at: Transform3D) -> void:
 			signal_count[0] += 1
 			scatter.state = other)
 		check(scatter.remove_instance(ids[0]), "removed")
 		check_equal(signal_count[0], 1, "one signal")
 		check(scatter.state == other and scatter.has_instance(ids[0]), "the instance exists in the other state")
-		check_equal(scatter.remove_in_sphere(Vector3.ZERO, 10.0, [0]).size() > 2, true, "removed in a sphere")
+		check_equal(scatter.remove_in_sphere(Vector3.ZERO, 10.0, scatter.layers[0]).size() > 2, true, "removed in a sphere")
 		await settle(scatter)
 		check(other != null or scatter.state == null, "the state is removed")
 
@@ -64,7 +64,7 @@ func test_nested_removals_emit_signals_in_order() -> void:
 	scatter.state = ScatterState.new()
 	var events: Array[Array] = []
 	var depth := [0, 0]
-	scatter.instance_removed.connect(func(id: int, _layer: int, _at: Transform3D) -> void:
+	scatter.instance_removed.connect(func(id: int, _layer: ScatterLayer, _at: Transform3D) -> void:
 		depth[0] += 1
 		depth[1] = maxi(depth[1], depth[0])
 		events.push_back(["removed", id])
@@ -88,11 +88,11 @@ func test_nested_restorations_emit_signals_afterwards() -> void:
 	await settle(scatter)
 	var id := near_ids(scatter)[0]
 	var events: PackedStringArray
-	scatter.instance_removed.connect(func(_id: int, _layer: int, _at: Transform3D) -> void:
+	scatter.instance_removed.connect(func(_id: int, _layer: ScatterLayer, _at: Transform3D) -> void:
 		events.push_back("removed")
 		check(scatter.restore_instance(id), "restored")
 		events.push_back("handled"))
-	scatter.instance_restored.connect(func(_id: int, _layer: int, _at: Transform3D) -> void: events.push_back("restored"))
+	scatter.instance_restored.connect(func(_id: int, _layer: ScatterLayer, _at: Transform3D) -> void: events.push_back("restored"))
 	scatter.remove_instance(id)
 	check_equal(events, PackedStringArray(["removed", "handled", "restored"]), "events")
 	check(scatter.has_instance(id), "it is back")

@@ -192,7 +192,7 @@ func test_many_equal_instances() -> void:
 	var equal := PackedFloat32Array()
 	for index in 20_000:
 		equal.append_array([1, 0, 0, 5.0, 0, 1, 0, 0, 0, 0, 1, 7.0])
-	var ids := scatter.add_instances(0, equal)
+	var ids := scatter.add_instances(scatter.layers[0], equal)
 	check_equal(ids.size(), 20_000, "added")
 	check_equal(ids[-1], ids[0] + 19_999, "consecutive ids")
 	check_equal(scatter.state.get_added_count(), 20_000, "stored")

@@ -5,9 +5,9 @@ extends "streaming_harness.gd"
 func test_view_is_covered_and_counted() -> void:
 	var shown := {}
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer(Vector3(5.0, 0.0, -70.0)))
-	scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: shown[[layer, tile]] = true)
+	scatter.tile_shown.connect(func(layer: ScatterLayer, tile: Vector2i) -> void: shown[[layer, tile]] = true)
 	await settle(scatter)
-	var tiles := scatter.get_shown_tiles(0)
+	var tiles := scatter.get_shown_tiles(scatter.layers[0])
 	check_equal(shown.size(), tiles.size(), "one signal per tile")
 	for x in range(-3, 4):
 		for y in range(-6, 2):
@@ -26,15 +26,15 @@ func test_tiles_follow_the_viewer() -> void:
 	var hidden := []
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
-	scatter.tile_hidden.connect(func(_layer: int, tile: Vector2i) -> void: hidden.push_back(tile))
+	scatter.tile_hidden.connect(func(_layer: ScatterLayer, tile: Vector2i) -> void: hidden.push_back(tile))
 	await settle(scatter)
 	var before := digests(scatter, 0)
 	viewer.global_position = Vector3(1000.0, 0.0, 1000.0)
 	await settle(scatter)
 	await frames(30)
 	check_equal(hidden.size(), before.size(), "all old tiles are hidden")
-	check(not Vector2i(0, 0) in scatter.get_shown_tiles(0), "the old tile is gone")
-	check(Vector2i(31, 31) in scatter.get_shown_tiles(0), "the new tile is there")
+	check(not Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the old tile is gone")
+	check(Vector2i(31, 31) in scatter.get_shown_tiles(scatter.layers[0]), "the new tile is there")
 	viewer.global_position = Vector3.ZERO
 	await settle(scatter)
 	check_equal(digests(scatter, 0), before, "the same instances after returning")
@@ -44,25 +44,26 @@ func test_removed_layers_and_grounds() -> void:
 	var hidden := []
 	var layer := make_layer()
 	var scatter := make_scatter([layer, make_layer()], ScatterGroundFlat.new(), make_viewer())
-	scatter.tile_hidden.connect(func(of_layer: int, _tile: Vector2i) -> void: hidden.push_back(of_layer))
+	scatter.tile_hidden.connect(func(of_layer: ScatterLayer, _tile: Vector2i) -> void: hidden.push_back(of_layer))
 	await settle(scatter)
-	var count := scatter.get_shown_tiles(1).size()
+	var removed := scatter.layers[1]
+	var count := scatter.get_shown_tiles(removed).size()
 	scatter.layers = [layer]
 	await settle(scatter)
-	check_equal(hidden.count(1), count, "signals for the tiles of the removed layer")
-	check_equal(hidden.count(0), 0, "signals for the tiles of the remaining layer")
+	check_equal(hidden.count(removed), count, "signals for the tiles of the removed layer")
+	check_equal(hidden.count(layer), 0, "signals for the tiles of the remaining layer")
 	check_equal(scatter.get_stats()["tiles"], count, "tiles of one layer")
 	scatter.layers = []
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles without layers")
-	check_equal(hidden.count(0), count, "signals for the last tiles")
+	check_equal(hidden.count(layer), count, "signals for the last tiles")
 	scatter.layers = [layer]
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], count, "tiles of the restored layer")
 	scatter.ground = null
 	await settle(scatter)
 	check_equal(scatter.get_stats()["tiles"], 0, "tiles without ground")
-	check_equal(hidden.count(0), 2 * count, "signals for tiles without ground")
+	check_equal(hidden.count(layer), 2 * count, "signals for tiles without ground")
 
 
 func test_the_order_of_tiles_has_no_effect() -> void:
@@ -178,7 +179,7 @@ func test_mesh_weights() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var counts := [0, 0, 0]
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		var ids := tile_ids(scatter, 0, tile)
 		var buffers := tile_buffers(scatter, 0, tile)
 		check_equal(buffers.size(), 3, "buffers of tile %s" % tile)
@@ -195,7 +196,7 @@ func test_density_is_a_prefix() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var all := {}
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		all[tile] = tile_ids(scatter, 0, tile)[0]
 	layer.density = 0.5
 	await settle(scatter)
@@ -219,7 +220,7 @@ func test_a_change_keeps_old_tiles_until_new_ones_are_ready() -> void:
 		if scatter.is_settled():
 			break
 	for tile: Vector2i in before:
-		check(before[tile] != scatter.get_tile(0, tile).get_digest(), "tile %s has changed" % tile)
+		check(before[tile] != scatter.get_tile(scatter.layers[0], tile).get_digest(), "tile %s has changed" % tile)
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
 	var made: int = scatter.get_stats()["tiles_made"]
 	await settle(scatter)
@@ -318,10 +319,10 @@ func test_pausing_stops_the_stream() -> void:
 	paused = true
 	viewer.global_position.x = 500.0
 	await frames(20)
-	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "a paused stream keeps its tiles")
+	check(Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "a paused stream keeps its tiles")
 	paused = false
 	await settle(scatter)
-	check(Vector2i(15, 0) in scatter.get_shown_tiles(0), "and continues afterwards")
+	check(Vector2i(15, 0) in scatter.get_shown_tiles(scatter.layers[0]), "and continues afterwards")
 
 
 func test_grounds_can_be_queried_by_scripts() -> void:

@@ -194,7 +194,7 @@ func test_a_scatter_whose_ground_is_released_in_a_call() -> void:
 				if is_instance_valid(holder):
 					holder.query_sphere(Vector3(500, 0, 500), 10.0)
 				if is_instance_valid(holder):
-					holder.build_rect(0, Rect2(0, 0, 10, 10))
+					holder.build_rect(layer, Rect2(0, 0, 10, 10))
 				check(terrain.calls >= mini(after, 2), "%d calls" % terrain.calls)
 				terrain.release = Callable()
 				if is_instance_valid(holder):

@@ -112,12 +112,12 @@ func test_results_may_be_read_on_any_thread() -> void:
 	await settle(scatter)
 	var pages := read_pages()
 	var results: Array[RefCounted] = [scatter.query_sphere(Vector3.ZERO, 30.0), scatter.query_nearest(Vector3.ZERO, 60.0),
-			scatter.build_rect(0, Rect2(0, 0, 32, 32)), scatter.explain_position(Vector3.ZERO)[0], PoissonSampler.new(),
+			scatter.build_rect(scatter.layers[0], Rect2(0, 0, 32, 32)), scatter.explain_position(Vector3.ZERO)[0], PoissonSampler.new(),
 			PoissonSampler.new().sample(Rect2(0, 0, 9, 9)), ScatterTileGrid.new(), ScatterImpostorBaker.new(), scatter.make_snapshot(),
 			scatter.request_sphere(Vector3.ZERO, 9.0)]
 	for result in results:
 		check_rules(result, result.get_class(), pages[result.get_class()], false)
-	check_rules(scatter.get_tile(0, scatter.get_shown_tiles(0)[0]), "ScatterTile", pages["ScatterTile"], true)
+	check_rules(scatter.get_tile(scatter.layers[0], scatter.get_shown_tiles(scatter.layers[0])[0]), "ScatterTile", pages["ScatterTile"], true)
 	await frames(3)
 
 
@@ -204,7 +204,7 @@ func test_threads_that_call_objects_in_use() -> void:
 		"paint": func() -> void: mask.paint(Vector2(randf() * 100.0, 0.0), 10.0),
 		"set_density": func() -> void: layer.density = randf(),
 		"explain_position": func() -> void: scatter.explain_position(at.call()),
-		"build_rect": func() -> void: scatter.build_rect(0, Rect2(randf() * 300.0, 0.0, 50.0, 50.0)),
+		"build_rect": func() -> void: scatter.build_rect("trees", Rect2(randf() * 300.0, 0.0, 50.0, 50.0)),
 	}
 	var removed := scatter.remove_in_sphere(Vector3.ZERO, 10.0).size()
 	for name in works:
@@ -299,7 +299,7 @@ func test_nested_calls() -> void:
 	var scatter := make_wood(make_viewer())
 	await settle(scatter)
 	var inner: Array[int] = []
-	scatter.query_sphere(Vector3.ZERO, 20.0, "trees", func(id: int, _layer: int, _transform: Transform3D) -> bool:
+	scatter.query_sphere(Vector3.ZERO, 20.0, "trees", func(id: int, _layer: ScatterLayer, _transform: Transform3D) -> bool:
 		inner.push_back(scatter.query_sphere(Vector3.ZERO, 5.0).size())
 		return scatter.has_instance(id) and scatter.remove_instance(id))
 	check(inner.size() > 3, "%d nested queries" % inner.size())
@@ -316,4 +316,4 @@ func test_changes_reported_by_a_thread() -> void:
 	await settle(scatter)
 	var after := tile_buffers(scatter, 0, Vector2i.ZERO)
 	check(before != after, "the ground follows")
-	check_equal(after, buffers_of(scatter.build_tile(0, Vector2i.ZERO)), "and its instances, too")
+	check_equal(after, buffers_of(scatter.build_tile(scatter.layers[0], Vector2i.ZERO)), "and its instances, too")

@@ -54,7 +54,7 @@ func test_parts_of_tiles_share_no_instance() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer(far))
 	await frames(2)
 	var rect := Rect2(far.x - 40.0, far.z - 30.0, 97.25, 88.5)
-	var whole := ids_of(scatter.build_rect(0, rect))[0] as PackedInt64Array
+	var whole := ids_of(scatter.build_rect(scatter.layers[0], rect))[0] as PackedInt64Array
 	var parts := PackedInt64Array()
 	var grid := grid_of(layer.tile_size)
 	var x := float(rect.position.x)
@@ -62,13 +62,13 @@ func test_parts_of_tiles_share_no_instance() -> void:
 	var tiles := grid.get_tiles_in([x, z, x + rect.size.x, z + rect.size.y])
 	for tile_z in range(tiles.position.y, tiles.end.y):
 		for tile_x in range(tiles.position.x, tiles.end.x):
-			parts.append_array(ids_of(scatter.build_tile(0, Vector2i(tile_x, tile_z), rect))[0])
+			parts.append_array(ids_of(scatter.build_tile(scatter.layers[0], Vector2i(tile_x, tile_z), rect))[0])
 	var sorted := Array(parts)
 	sorted.sort()
 	var expected := Array(whole)
 	expected.sort()
 	check(whole.size() > 1000 and sorted == expected, "%d instances in parts, %d in all" % [parts.size(), whole.size()])
-	check_equal(ids_of(scatter.build_tile(0, tiles.position, Rect2())), ids_of(scatter.build_tile(0, tiles.position)), "without a rectangle, the whole tile")
+	check_equal(ids_of(scatter.build_tile(scatter.layers[0], tiles.position, Rect2())), ids_of(scatter.build_tile(scatter.layers[0], tiles.position)), "without a rectangle, the whole tile")
 	# A bake divides it in the same way.
 	var bake := Bake.new()
 	check_equal(bake.begin(scatter, rect, "res://baked/far", "far"), OK, "started: " + bake.problem)
@@ -87,7 +87,7 @@ func test_bakes_use_the_tiles_of_a_moved_world() -> void:
 	check_equal(bake.begin(scatter, Rect2(-8.0, -16.0, 32.0, 32.0), "res://baked/moved", "moved"), OK, "started: " + bake.problem)
 	while bake.step(20.0):
 		pass
-	var whole := ids_of(scatter.build_rect(0, Rect2(-8.0, -16.0, 32.0, 32.0)))[0] as PackedInt64Array
+	var whole := ids_of(scatter.build_rect(scatter.layers[0], Rect2(-8.0, -16.0, 32.0, 32.0)))[0] as PackedInt64Array
 	check_equal(bake.instances, whole.size(), "all instances")
 	var scene := (load("res://baked/moved/moved.tscn") as PackedScene).instantiate()
 	check_equal(scene.get_child_count(), 1, "one tile: x from 992 to 1024, z from 1984 to 2016")

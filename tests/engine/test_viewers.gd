@@ -21,11 +21,11 @@ class OrderWatch:
 		size = scatter.layers[layer].tile_size
 		view = scatter.layers[layer].view_distance
 		viewer = of
-		scatter.tile_shown.connect(func(which: int, tile: Vector2i) -> void:
-			if which == layer:
+		scatter.tile_shown.connect(func(which: ScatterLayer, tile: Vector2i) -> void:
+			if which == scatter.layers[layer]:
 				_on_shown(tile))
-		scatter.tile_hidden.connect(func(which: int, tile: Vector2i) -> void:
-			if which == layer:
+		scatter.tile_hidden.connect(func(which: ScatterLayer, tile: Vector2i) -> void:
+			if which == scatter.layers[layer]:
 				shown.erase(tile))
 
 	func away(tile: Vector2i) -> float:
@@ -58,15 +58,15 @@ func test_default_viewer_is_the_camera() -> void:
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), camera)
 	scatter.viewers = []
 	await settle(scatter)
-	check(Vector2i(12, 12) in scatter.get_shown_tiles(0), "the camera's tile is visible")
+	check(Vector2i(12, 12) in scatter.get_shown_tiles(scatter.layers[0]), "the camera's tile is visible")
 
 
 func test_two_viewers() -> void:
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), make_viewer())
 	scatter.viewers = scatter.viewers + [scatter.get_path_to(make_viewer(Vector3(-960.0, 0.0, 0.0)))]
 	await settle(scatter)
-	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "the first viewer's tile")
-	check(Vector2i(-30, 0) in scatter.get_shown_tiles(0), "the second viewer's tile")
+	check(Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the first viewer's tile")
+	check(Vector2i(-30, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the second viewer's tile")
 
 
 ## Each viewer has its own tiles, in a tree as large as on a server.
@@ -81,7 +81,7 @@ func test_two_hundred_viewers() -> void:
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), players[0])
 	scatter.viewers = paths
 	await settle(scatter)
-	var shown := scatter.get_shown_tiles(0)
+	var shown := scatter.get_shown_tiles(scatter.layers[0])
 	var served := players.filter(func(player: Node3D) -> bool:
 		return Vector2i((Vector2(player.position.x, player.position.z) / 32.0).floor()) in shown)
 	check_equal(served.size(), 200, "players with their tile")
@@ -95,7 +95,7 @@ func test_a_viewer_out_of_reach_does_not_affect_the_others() -> void:
 	var scatter := make_scatter([make_layer()], ScatterGroundFlat.new(), viewer)
 	scatter.viewers = scatter.viewers + [scatter.get_path_to(lost)]
 	await settle(scatter)
-	check(Vector2i.ZERO in scatter.get_shown_tiles(0), "the other viewer's tile is visible")
+	check(Vector2i.ZERO in scatter.get_shown_tiles(scatter.layers[0]), "the other viewer's tile is visible")
 	check_error(["viewer.x"], "a viewer out of reach")
 	check("viewer.x" in "".join(scatter.get_problems()), "a problem: %s" % scatter.get_problems())
 	lost.position.x = 1000.0
@@ -124,7 +124,7 @@ func test_a_teleport_unsettles_in_the_same_frame() -> void:
 	viewer.position.x = 5000.0
 	check(not scatter.is_settled(), "not settled in the frame of a teleport")
 	await scatter.settled
-	check(Vector2i(156, 0) in scatter.get_shown_tiles(0), "`settled` waits for the tiles at the new position")
+	check(Vector2i(156, 0) in scatter.get_shown_tiles(scatter.layers[0]), "`settled` waits for the tiles at the new position")
 	check(scatter.is_settled(), "settled then")
 	paused = true
 	viewer.position.x = 0.0
@@ -132,7 +132,7 @@ func test_a_teleport_unsettles_in_the_same_frame() -> void:
 	check(not scatter.is_settled(), "not settled while the tree is paused")
 	paused = false
 	await scatter.settled
-	check(Vector2i(0, 0) in scatter.get_shown_tiles(0), "the tiles appear when it continues")
+	check(Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the tiles appear when it continues")
 
 
 ## Even a change that takes a single frame is followed by the signal. A caller that awaits it must not wait forever.
@@ -222,7 +222,7 @@ func test_each_viewer_has_its_own_radius() -> void:
 	await settle(scatter)
 	var farthest := [0.0, 0.0, 0.0]
 	var places := [Vector3.ZERO, others[0].global_position, others[1].global_position]
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		for index in 3:
 			var off := distance(tile, 32.0, places[index])
 			if off < 500.0:
@@ -234,7 +234,7 @@ func test_each_viewer_has_its_own_radius() -> void:
 	await settle(scatter)
 	await frames(10)
 	var around := 0
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		around += 1 if distance(tile, 32.0, places[1]) < 500.0 else 0
 	check(around <= 9, "a viewer with distance 0 keeps %d tiles" % around)
 	scatter.viewer_distance_scales = PackedFloat32Array([1e6])
@@ -279,7 +279,7 @@ func test_a_server_with_16_players() -> void:
 			players[player].global_position += Vector3(3.0, 0.0, 0.0).rotated(Vector3.UP, player)
 		await process_frame
 	await settle(scatter)
-	var shown := scatter.get_shown_tiles(0)
+	var shown := scatter.get_shown_tiles(scatter.layers[0])
 	for player in players:
 		var middle := Vector2i((on_map(player.global_transform) / 32.0).floor())
 		for x in range(-2, 3):
@@ -327,7 +327,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 	await settle(scatter)
 	var watches := [OrderWatch.new(scatter, 0, viewer), OrderWatch.new(scatter, 1, viewer)]
 	for layer in 2:
-		for tile: Vector2i in scatter.get_shown_tiles(layer):
+		for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
 			watches[layer].shown[tile] = true
 	var spent: Array[int] = []
 	var empty := 0
@@ -338,7 +338,7 @@ func test_flight_at_1000_meters_a_second() -> void:
 		await process_frame
 		spent.push_back(scatter.get_stats()["frame_usec"])
 		var around := 0
-		for tile: Vector2i in scatter.get_shown_tiles(1):
+		for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[1]):
 			around += 1 if distance(tile, 128.0, viewer.global_position) < 300.0 else 0
 		empty += 1 if around == 0 else 0
 	Engine.max_fps = 0

@@ -28,8 +28,8 @@ func test_a_recenter_moves_instances_and_regenerates_nothing() -> void:
 	var digest := digests(scatter, 0)
 	var stats := scatter.get_stats()
 	var events := []
-	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: events.push_back(tile))
-	scatter.tile_hidden.connect(func(_layer: int, tile: Vector2i) -> void: events.push_back(tile))
+	scatter.tile_shown.connect(func(_layer: ScatterLayer, tile: Vector2i) -> void: events.push_back(tile))
+	scatter.tile_hidden.connect(func(_layer: ScatterLayer, tile: Vector2i) -> void: events.push_back(tile))
 	var shift := Vector3(256.0, 16.0, -1024.0)
 	viewer.global_position -= shift
 	scatter.world_offset = shift
@@ -49,15 +49,15 @@ func test_a_recenter_moves_instances_and_regenerates_nothing() -> void:
 			if state[id].basis != before[id].basis:
 				check(false, "instance %d has a different basis" % id)
 		check(worst < 1e-3, "an instance is off by %f m" % worst)
-	for tile: Vector2i in scatter.get_shown_tiles(0):
-		check_equal(scatter.get_tile(0, tile).get_origin().x, (tile.x + 0.5) * 32.0 - shift.x, "origin of tile %s" % tile)
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
+		check_equal(scatter.get_tile(scatter.layers[0], tile).get_origin().x, (tile.x + 0.5) * 32.0 - shift.x, "origin of tile %s" % tile)
 
 
 func test_a_recenter_during_a_flight() -> void:
 	var viewer := make_viewer()
 	var scatter := make_scatter([make_rock()], make_noise(), viewer)
 	var made := {}
-	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: made[tile] = made.get(tile, 0) + 1)
+	scatter.tile_shown.connect(func(_layer: ScatterLayer, tile: Vector2i) -> void: made[tile] = made.get(tile, 0) + 1)
 	var at := Vector3.ZERO # Position in the world.
 	for step in 60:
 		at.x += 9.0
@@ -149,7 +149,7 @@ func test_queries_and_changes_use_the_engines_space() -> void:
 		var off := standing[found.get_id(index)].origin.distance_to(found.get_position(index))
 		if off > 1e-3:
 			check(false, "a query's position is off by %f m" % off)
-	var built := scatter.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
+	var built := scatter.build_rect(scatter.layers[0], Rect2(-8.0, -8.0, 16.0, 16.0))
 	var ids := built.get_ids(0)
 	var buffer := built.get_buffer(0)
 	check(ids.size() > 20, "build_rect")
@@ -159,7 +159,7 @@ func test_queries_and_changes_use_the_engines_space() -> void:
 	# A removed instance stays removed when the game recenters, and an added one keeps its position in the world.
 	var nearest := scatter.query_nearest(Vector3.ZERO, 10.0)
 	check(scatter.remove_instance(nearest["id"]), "removed")
-	var planted := scatter.add_instance(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)))
+	var planted := scatter.add_instance(scatter.layers[0], Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)))
 	var shift := Vector3(128.0, 0.0, 64.0)
 	viewer.global_position -= shift
 	scatter.world_offset = FAR + shift
@@ -311,7 +311,7 @@ func test_nodes_with_different_offsets_share_a_ground() -> void:
 		await settle(there)
 		check_on_slope(here, kind + ", here, after the other node recentered")
 		check_on_slope(there, kind + ", recentered")
-		var built := here.build_rect(0, Rect2(-8.0, -8.0, 16.0, 16.0))
+		var built := here.build_rect(here.layers[0], Rect2(-8.0, -8.0, 16.0, 16.0))
 		check(absf(built.get_origin().y) < 10.0, kind + ": build_rect, around %s" % built.get_origin())
 		here.free()
 		there.regenerate()

@@ -41,9 +41,9 @@ var _mesh_files: Dictionary[Mesh, Mesh] = {}
 
 
 ## Begins to bake [param rect] (world x, z in meters) into [param folder], which is created if it does not exist. The scene is
-## named [param name]. [param layers] are indices in the scatter's list; an empty array means all layers. On failure, returns an
+## named [param name]. [param layers] are layers of the scatter's list or their names; an empty array means all layers. On failure, returns an
 ## error and explains it in [member problem].
-func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers := PackedInt32Array()) -> Error:
+func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers := []) -> Error:
 	cancel()
 	problem = ""
 	instances = 0
@@ -115,7 +115,7 @@ func _refuse(error: Error, why: String) -> Error:
 	return error
 
 
-func _list_tiles(chosen: PackedInt32Array) -> Error:
+func _list_tiles(asked: Array) -> Error:
 	# World x and z in double precision, as tiles use them.
 	var offset: Vector3 = _scatter.get(&"world_offset")
 	var low := [_rect.position.x + offset.x, _rect.position.y + offset.z]
@@ -123,13 +123,16 @@ func _list_tiles(chosen: PackedInt32Array) -> Error:
 	var grid := ClassDB.instantiate(&"ScatterTileGrid") as RefCounted
 	var layers: Array = _scatter.get(&"layers")
 	_tiles.clear()
-	for index in chosen:
-		if not layers.is_empty() and (index < 0 or index >= layers.size() or layers[index] == null):
-			return _refuse(ERR_INVALID_PARAMETER, "layers has %d, and %s has no layer there: indices go from 0 to %d." % [
-				index, _scatter.name, layers.size() - 1])
+	var chosen: Array[Resource] = []
+	for one: Variant in asked:
+		var meant := layers.filter(func(layer: Resource) -> bool: return layer != null and (is_same(one, layer) or str(one) == layer.resource_name))
+		if meant.is_empty():
+			return _refuse(ERR_INVALID_PARAMETER, "layers has %s, which is no layer of %s: pass entries of TerrainScatter3D.layers, or their names." % [
+				one, _scatter.name])
+		chosen.append(meant[0])
 	for index in layers.size():
 		var layer: Resource = layers[index]
-		if layer == null or not (chosen.is_empty() or chosen.has(index)):
+		if layer == null or not (chosen.is_empty() or chosen.has(layer)):
 			continue
 		grid.set(&"tile_size", layer.get(&"tile_size"))
 		var touched: Rect2i = grid.call(&"get_tiles_in", bounds)
@@ -147,7 +150,7 @@ func _list_tiles(chosen: PackedInt32Array) -> Error:
 
 func _bake_tile(tile: Vector3i) -> bool:
 	var layer: Resource = _scatter.get(&"layers")[tile.x]
-	var built: RefCounted = _scatter.call(&"build_tile", tile.x, Vector2i(tile.y, tile.z), _rect)
+	var built: RefCounted = _scatter.call(&"build_tile", layer, Vector2i(tile.y, tile.z), _rect)
 	if built.get_mesh_count() == 0:
 		problem = "Layer %d cannot be baked; the printed error has the reason." % tile.x
 		return false

@@ -60,9 +60,9 @@ class Reading:
 		return batch
 
 
-## Imports the instances of a node and of all nodes below it. [param layer] is a [ScatterLayer], its name or its index, and receives all of
-## them. With [code]null[/code], the instances of each mesh go into the layer that has the mesh, or into a new layer if there is none.
-## Returns the number of placed instances, or 0, with errors printed, if nothing was placed.
+## Imports the instances of a node and of all nodes below it. [param layer] is a [ScatterLayer] or its name, and receives all of them.
+## With [code]null[/code], the instances of each mesh go into the layer that has the mesh, or into a new layer if there is none. Returns
+## the number of placed instances, or 0, with errors printed, if nothing was placed.
 static func from_node(scatter: Node3D, layer: Variant, node: Node) -> int:
 	return _import(scatter, layer, read_node(node))
 
@@ -157,8 +157,6 @@ static func _mesh_index(scatter: Node3D, layer: Variant, mesh: Resource) -> int:
 	var found: Resource = null
 	if layer is Resource:
 		found = layer
-	elif layer is int:
-		found = layers[layer] if layer >= 0 and layer < layers.size() else null
 	else:
 		for each: Resource in layers:
 			found = each if found == null and each != null and each.resource_name == str(layer) else found
@@ -167,7 +165,7 @@ static func _mesh_index(scatter: Node3D, layer: Variant, mesh: Resource) -> int:
 
 static func _import(scatter: Node3D, layer: Variant, reading: Reading) -> int:
 	if layer == null and reading.batches.any(func(batch: Batch) -> bool: return batch.mesh == null):
-		reading.problems.append("A table names no mesh: set layer to the layer that its instances belong to, by object, name or index.")
+		reading.problems.append("A table names no mesh: set layer to the layer that its instances belong to, by object or name.")
 	for problem in reading.problems:
 		push_error("Import of instances: " + problem)
 	return place(scatter, layer, reading).size() if reading.problems.is_empty() else 0

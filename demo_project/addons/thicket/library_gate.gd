@@ -44,8 +44,7 @@ static func is_scatter(node: Node) -> bool:
 ## Returns the layers of a [code]TerrainScatter3D[/code], those of its biomes last; null for empty entries.
 static func layers_of(scatter: Node) -> Array[Resource]:
 	var result: Array[Resource] = []
-	for index: int in scatter.call(&"get_layer_count"):
-		result.append(scatter.call(&"get_layer", index))
+	result.assign(scatter.call(&"get_all_layers"))
 	return result
 
 

@@ -30,6 +30,14 @@ bool QueryRequests::cancel(std::int64_t request) {
 	return std::erase_if(open_, [request](const Open &open) { return open.request == request; }) > 0;
 }
 
+void QueryRequests::renumber(std::span<const std::uint32_t> current) {
+	for (Open &open : open_) {
+		for (std::uint32_t &layer : open.filter.layers) {
+			layer = layer < current.size() ? current[layer] : layer;
+		}
+	}
+}
+
 /// True if all tiles are known. It checks again in every frame, because layers and tile sizes may have changed.
 bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	std::vector<InstanceQuery::Tile> tiles;

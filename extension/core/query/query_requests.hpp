@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -34,6 +35,10 @@ public:
 
 	/// Call it once per frame: requests the missing tiles, and returns the answers that miss no tile, in the order of their requests.
 	std::vector<Answer> frame(const InstanceWorld &world);
+
+	/// The list of layers has changed: the layer that had index i has index `current[i]` now. An index beyond the list is for a layer that is
+	/// no longer there; requests of it get an empty answer.
+	void renumber(std::span<const std::uint32_t> current);
 
 	void clear() { open_.clear(); }
 	std::size_t size() const { return open_.size(); }

@@ -14,9 +14,11 @@ using namespace godot;
 
 namespace thicket {
 
-Ref<ScatterExplanation> ScatterExplanation::of(LayerExplanation explanation, glm::dvec3 offset) {
+Ref<ScatterExplanation> ScatterExplanation::of(
+		LayerExplanation explanation, const Ref<ScatterLayer> &p_layer, glm::dvec3 offset) {
 	const Ref<ScatterExplanation> result(memnew(ScatterExplanation));
 	result->it_ = std::move(explanation);
+	result->layer_ = p_layer;
 	result->offset_ = offset;
 	return result;
 }
@@ -93,7 +95,7 @@ void ScatterExplanation::_bind_methods() {
 	bind_guarded<&Self::get_rule_density>(D_METHOD("get_rule_density", "index"));
 	bind_guarded<&Self::get_rule_sentence>(D_METHOD("get_rule_sentence", "index"));
 	const char *owner = "ScatterExplanation";
-	bind_value(owner, PropertyInfo(Variant::INT, "layer"), "get_layer");
+	bind_value(owner, PropertyInfo(Variant::OBJECT, "layer", PROPERTY_HINT_RESOURCE_TYPE, "ScatterLayer"), "get_layer");
 	bind_value(owner, PropertyInfo(Variant::STRING, "layer_name"), "get_layer_name");
 	bind_value(owner, PropertyInfo(Variant::VECTOR3, "position"), "get_position");
 	bind_value(owner, PropertyInfo(Variant::STRING, "reason"), "get_reason");

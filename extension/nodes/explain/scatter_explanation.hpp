@@ -2,6 +2,7 @@
 
 #include "core/explain/rule_sentences.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/layer/scatter_layer.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
@@ -38,9 +39,10 @@ class ScatterExplanation : public godot::RefCounted {
 
 public:
 	/// `offset` is the world position of the engine's origin, in meters.
-	static godot::Ref<ScatterExplanation> of(LayerExplanation explanation, glm::dvec3 offset);
+	static godot::Ref<ScatterExplanation> of(
+			LayerExplanation explanation, const godot::Ref<ScatterLayer> &p_layer, glm::dvec3 offset);
 
-	int64_t get_layer() const { return it_.layer; }
+	godot::Ref<ScatterLayer> get_layer() const { return layer_; }
 	godot::String get_layer_name() const { return godot::String::utf8(it_.layer_name.c_str()); }
 	godot::Vector3 get_position() const;
 	godot::String get_reason() const { return godot::String::utf8(it_.verdict.reason.c_str()); }
@@ -73,6 +75,7 @@ private:
 	bool check_index(const char *p_method, int64_t p_index) const;
 
 	LayerExplanation it_;
+	godot::Ref<ScatterLayer> layer_;
 	glm::dvec3 offset_{0.0};
 };
 

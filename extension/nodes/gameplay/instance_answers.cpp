@@ -19,22 +19,22 @@ namespace {
 /// A script's predicate.
 class Predicate {
 public:
-	Predicate(std::string method, const Callable &p_callable, glm::dvec3 offset) :
-			method_(std::move(method)), callable_(p_callable), offset_(offset) {}
+	Predicate(std::string method, const Callable &p_callable, glm::dvec3 offset, SharedLayers layers) :
+			method_(std::move(method)), callable_(p_callable), offset_(offset), layers_(std::move(layers)) {}
 
 	bool operator()(const PlacedInstance &instance) {
 		if (failed_) {
 			return false;
 		}
 		const Variant id(script_id(instance.id));
-		const Variant layer(static_cast<int64_t>(instance.layer));
+		const Variant layer(layers_->at(instance.layer));
 		const Variant transform(to_engine(instance, offset_));
 		Variant result;
 		failed_ = call_script(callable_, "call", result, id, layer, transform) != GDEXTENSION_CALL_OK ||
 				result.get_type() != Variant::BOOL;
 		if (failed_) {
-			const std::string problem =
-					method_ + ": predicate must take (id: int, layer: int, transform: Transform3D) and return a bool";
+			const std::string problem = method_ +
+					": predicate must take (id: int, layer: ScatterLayer, transform: Transform3D) and return a bool";
 			ERR_PRINT(String(problem.c_str()));
 		}
 		return !failed_ && static_cast<bool>(result);
@@ -44,6 +44,7 @@ private:
 	std::string method_;
 	Variant callable_;
 	glm::dvec3 offset_;
+	SharedLayers layers_;
 	bool failed_ = false;
 };
 
@@ -66,11 +67,11 @@ AddedInstance to_added(const Transform3D &p_transform, glm::dvec3 offset) {
 }
 
 std::function<bool(const PlacedInstance &)> to_predicate(
-		std::string method, const Callable &p_predicate, glm::dvec3 offset) {
+		std::string method, const Callable &p_predicate, glm::dvec3 offset, SharedLayers layers) {
 	if (p_predicate.is_null()) {
 		return {};
 	}
-	const auto predicate = std::make_shared<Predicate>(std::move(method), p_predicate, offset);
+	const auto predicate = std::make_shared<Predicate>(std::move(method), p_predicate, offset, std::move(layers));
 	return [predicate](const PlacedInstance &instance) {
 		return (*predicate)(instance);
 	};

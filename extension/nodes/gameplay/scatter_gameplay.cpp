@@ -60,10 +60,12 @@ void ScatterGameplay::retire() {
 	scenes_.set_layers({});
 }
 
-void ScatterGameplay::set_layers(
-		const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker) {
+void ScatterGameplay::set_layers(SharedLayers listed, const std::vector<SharedSnapshot> &layers,
+		std::span<const EditedArea> outdated, TileMaker maker) {
 	// The editor shows meshes only: otherwise a scene could be selected there, and its scripts would run.
 	const bool with_scenes = !Engine::get_singleton()->is_editor_hint();
+	renumber_requests(*listed);
+	listed_ = std::move(listed);
 	layers_ = layers;
 	std::vector<QueryLayer> queried;
 	std::vector<CollisionLayer> colliding;
@@ -127,6 +129,9 @@ SceneHost ScatterGameplay::scene_host() {
 			const Rect area = area_of(instance.id, instance.position, instance.layer);
 			host_->set_hidden(instance.layer, instance.id, area, hidden);
 		}
+	};
+	host.layer_at = [this](std::uint32_t index) {
+		return listed_->at(index);
 	};
 	host.data_of = [this](std::uint64_t id) {
 		return get_instance_data(script_id(id));

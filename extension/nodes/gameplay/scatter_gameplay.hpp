@@ -8,6 +8,7 @@
 #include "nodes/gameplay/scatter_snapshot.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/gameplay/scene_ring.hpp"
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 
@@ -26,6 +27,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -37,7 +39,6 @@ class GameplayHost {
 public:
 	/// The parent of scenes, and the emitter of the signals.
 	virtual godot::Node3D *node() = 0;
-	virtual godot::TypedArray<ScatterLayer> layers() const = 0;
 
 	/// Applies settings that were changed in this frame. Refused if there is nothing to query. May run scripts.
 	virtual Status prepare() = 0;
@@ -102,7 +103,13 @@ public:
 
 	/// The same for a node that goes on without layers or ground: bodies and scenes leave step by step, the nearest first.
 	void retire();
-	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated, TileMaker maker);
+
+	/// `listed` has the layers of the snapshots, by the same indices.
+	void set_layers(SharedLayers listed, const std::vector<SharedSnapshot> &layers,
+			std::span<const EditedArea> outdated, TileMaker maker);
+
+	/// The layers by the indices of the world's instances, as last set.
+	const SharedLayers &listed_layers() const { return listed_; }
 	void set_world_offset(glm::dvec3 offset);
 	glm::dvec3 world_offset() const { return offset_; }
 	InstanceWorld &world() { return world_; }
@@ -140,13 +147,18 @@ public:
 
 	// As script_queries.hpp needs them.
 
-	/// Runs a query, and generates missing tiles for it. Holds the state in the meantime.
-	bool ask(const char *p_method, const AskedQuery &query);
-	bool find_filter(const char *p_method, const godot::Variant &p_layers, const godot::Callable &p_predicate,
-			QueryFilter &r_filter) const;
+	static std::string name_of(const char *p_method) { return std::string("TerrainScatter3D.") + p_method; }
 
-	// Queries. `p_layers` are layer references, empty for all. A predicate takes (id, layer, transform) and returns whether that instance
-	// counts. A refused query prints an error and returns an empty result.
+	/// Null, with an error, if there is nothing to query, and for a node that has been freed. Runs scripts.
+	SharedLayers prepare(const char *p_method);
+	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
+		return find_layers(*listed_, p_layers, r_indices);
+	}
+
+	/// Runs a query, and generates missing tiles for it. Holds the state in the meantime. Call `prepare` first.
+	bool ask(const char *p_method, const AskedQuery &query);
+
+	// Queries. `p_layers` are those of find_layers. A predicate takes (id, layer, transform) and returns whether that instance counts. A refused query prints an error and returns an empty result.
 
 	godot::Ref<ScatterInstances> query_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
@@ -226,6 +238,13 @@ private:
 		godot::Ref<ScatterRequest> request;
 	};
 
+	/// An answered request whose predicate is still to be applied.
+	struct Answered {
+		Open open;
+		FoundInstances found;
+		SharedLayers layers; ///< By the indices of the found instances.
+	};
+
 	/// Changes whose signals are emitted over several frames.
 	struct Untold {
 		SharedChanges changes;
@@ -245,11 +264,11 @@ private:
 	};
 
 	SceneHost scene_host();
-	bool prepare(const char *p_method);
 	std::vector<PlacedInstance> find_by_id(const char *p_method, int64_t p_id, bool even_removed);
 	godot::Ref<ScatterRequest> request(Wanted wanted);
 	void open_request(const Wanted &wanted);
 	void give_up_requests();
+	void renumber_requests(const ListedLayers &listed);
 
 	void add_obstructions(
 			const NavigationBake &bake, const Rect &ground, std::uint32_t layer, const SharedSnapshot &snapshot);
@@ -272,6 +291,7 @@ private:
 	std::uint64_t run_ = 0;
 	glm::dvec3 offset_{0.0}; ///< The world position of the engine's origin, in meters.
 	std::vector<SharedSnapshot> layers_;
+	SharedLayers listed_ = std::make_shared<const ListedLayers>(godot::TypedArray<ScatterLayer>());
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
 	std::deque<Untold> backlog_;
@@ -282,7 +302,7 @@ private:
 	std::vector<Wanted> wanted_; ///< From other threads; guarded by `wanted_mutex_`.
 	QueryRequests requests_;
 	std::map<std::int64_t, Open> open_; ///< By their numbers in requests_.
-	std::vector<std::pair<Open, FoundInstances>> answered_;
+	std::vector<Answered> answered_;
 
 	CollisionRing collision_;
 	SceneRing scenes_;

@@ -47,11 +47,12 @@ void report_at(std::size_t index, const Status &status) {
 
 /// False, with an error, for a layer that nothing can be added to. From now on, the state is bound to the layer's points.
 bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &p_layer, std::uint32_t &r_layer) {
-	if (!prepare(p_method)) {
+	const SharedLayers layers = prepare(p_method);
+	if (layers == nullptr) {
 		return false;
 	}
-	const std::string name = std::string("TerrainScatter3D.") + p_method;
-	if (const String problem = find_layer(host_->layers(), p_layer, r_layer); !problem.is_empty()) {
+	const std::string name = name_of(p_method);
+	if (const String problem = find_layer(*layers, p_layer, r_layer); !problem.is_empty()) {
 		ERR_PRINT(String((name + ": ").c_str()) + problem);
 		return false;
 	}
@@ -121,7 +122,7 @@ PackedInt64Array ScatterGameplay::add_instances(
 }
 
 PackedInt64Array ScatterGameplay::remove_instances(const PackedInt64Array &p_ids) {
-	if (!prepare("remove_instances")) {
+	if (prepare("remove_instances") == nullptr) {
 		return {};
 	}
 	const Ref<ScatterState> state = state_;

@@ -135,7 +135,7 @@ bool ScatterGameplay::remove_instance(int64_t p_id) {
 PackedInt64Array ScatterGameplay::remove_in_sphere(
 		const Vector3 &p_center, double p_radius, const Variant &p_layers, const Callable &p_predicate) {
 	std::vector<PlacedInstance> found;
-	find_in_sphere(*this, {"remove_in_sphere", p_layers, p_predicate}, p_center, p_radius).read_all(found);
+	find_in_sphere(*this, {"remove_in_sphere", p_layers, p_predicate}, p_center, p_radius).found.read_all(found);
 	return packed_ids(remove_all(found));
 }
 
@@ -351,7 +351,8 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 		}
 		transform = to_engine(found.front(), offset_);
 	}
-	host_->node()->emit_signal(signals_.of(change.kind), script_id(change.id), index, transform);
+	host_->node()->emit_signal(
+			signals_.of(change.kind), script_id(change.id), listed_->at(static_cast<std::size_t>(index)), transform);
 }
 
 } // namespace thicket

@@ -23,36 +23,25 @@ namespace thicket {
 
 namespace {
 
-std::string name_of(const char *p_method) { return std::string("TerrainScatter3D.") + p_method; }
-
 void report_query(const char *p_method, const Status &status) {
 	if (!status.ok()) {
-		report(name_of(p_method).c_str(), status);
+		report(ScatterGameplay::name_of(p_method).c_str(), status);
 	}
 }
 
 } // namespace
 
-/// False, with an error, if there is nothing to query, and for a node that has been freed.
-bool ScatterGameplay::prepare(const char *p_method) {
+SharedLayers ScatterGameplay::prepare(const char *p_method) {
 	const Status status = alive() ? host_->prepare() : Status{ErrorCode::cancelled};
 	report_query(p_method, status);
-	return status.ok() && alive();
+	return status.ok() && alive() ? listed_ : nullptr;
 }
 
 bool ScatterGameplay::ask(const char *p_method, const AskedQuery &query) {
-	if (!prepare(p_method)) {
-		return false;
-	}
 	const Ref<ScatterState> state = state_;
 	const Status status = world_.ask(query);
 	report_query(p_method, status);
 	return status.ok();
-}
-
-bool ScatterGameplay::find_filter(
-		const char *p_method, const Variant &p_layers, const Callable &p_predicate, QueryFilter &r_filter) const {
-	return alive() && make_filter(name_of(p_method), host_->layers(), p_layers, p_predicate, offset_, r_filter);
 }
 
 Ref<ScatterInstances> ScatterGameplay::query_rect(
@@ -76,7 +65,8 @@ Ref<ScatterInstance> ScatterGameplay::query_nearest(
 }
 
 Ref<ScatterSnapshot> ScatterGameplay::make_snapshot() {
-	if (!prepare("make_snapshot")) {
+	const SharedLayers layers = prepare("make_snapshot");
+	if (layers == nullptr) {
 		return ScatterSnapshot::make_empty();
 	}
 	std::optional<InstanceState> state;
@@ -84,16 +74,18 @@ Ref<ScatterSnapshot> ScatterGameplay::make_snapshot() {
 		state = state_->share();
 	}
 	return ScatterSnapshot::of(
-			std::make_shared<const InstanceSnapshot>(world_, std::move(state), host_->make_worker_maker()),
-			LayerNames(host_->layers()), offset_);
+			std::make_shared<const InstanceSnapshot>(world_, std::move(state), host_->make_worker_maker()), layers,
+			offset_);
 }
 
 /// The instance with an ID or, if `even_removed`, its placement even if it is removed. Empty if there is none.
 std::vector<PlacedInstance> ScatterGameplay::find_by_id(const char *p_method, int64_t p_id, bool even_removed) {
 	std::vector<PlacedInstance> found;
-	ask(p_method, [&](const InstanceQuery &query) {
-		return even_removed ? query.by_id_even_removed(core_id(p_id), found) : query.by_id(core_id(p_id), found);
-	});
+	if (prepare(p_method) != nullptr) {
+		ask(p_method, [&](const InstanceQuery &query) {
+			return even_removed ? query.by_id_even_removed(core_id(p_id), found) : query.by_id(core_id(p_id), found);
+		});
+	}
 	return found;
 }
 
@@ -130,7 +122,7 @@ Ref<ScatterRequest> ScatterGameplay::request(Wanted wanted) {
 void ScatterGameplay::open_request(const Wanted &wanted) {
 	QueryFilter filter;
 	std::int64_t number = 0;
-	if (find_filter(wanted.method, wanted.layers, {}, filter) && prepare(wanted.method)) {
+	if (open_query(*this, {wanted.method, wanted.layers, Callable()}, filter) != nullptr) {
 		std::variant<Rect, QueryRequests::Sphere> area;
 		if (const Rect2 *rect = std::get_if<Rect2>(&wanted.area)) {
 			area = to_world(*rect, offset_);
@@ -144,6 +136,20 @@ void ScatterGameplay::open_request(const Wanted &wanted) {
 		wanted.request->give_up();
 	} else {
 		open_[number] = {wanted.method, wanted.predicate, wanted.request};
+	}
+}
+
+/// Open requests keep their layers, whatever indices these have in the next list.
+void ScatterGameplay::renumber_requests(const ListedLayers &listed) {
+	std::vector<std::uint32_t> current;
+	bool same = true;
+	for (std::uint32_t index = 0; index < static_cast<std::uint32_t>(listed_->size()); ++index) {
+		const Ref<ScatterLayer> layer = listed_->at(index);
+		current.push_back(layer.is_null() || layer == listed.at(index) ? index : listed.find(layer));
+		same = same && current.back() == index;
+	}
+	if (!same) {
+		requests_.renumber(current);
 	}
 }
 
@@ -167,18 +173,18 @@ void ScatterGameplay::answer_requests() {
 	});
 	for (QueryRequests::Answer &answer : requests_.frame(world_)) {
 		if (auto open = open_.extract(answer.request)) {
-			answered_.emplace_back(open.mapped(), std::move(answer.found));
+			answered_.push_back({open.mapped(), std::move(answer.found), listed_});
 		}
 	}
 }
 
 void ScatterGameplay::complete_requests() {
 	const glm::dvec3 offset = offset_; // A predicate may free the node.
-	for (auto &[open, found] : std::exchange(answered_, {})) {
-		if (const auto accepts = to_predicate(name_of(open.method), open.predicate, offset)) {
+	for (auto &[open, found, layers] : std::exchange(answered_, {})) {
+		if (const auto accepts = to_predicate(name_of(open.method), open.predicate, offset, layers)) {
 			found.keep_from(0, accepts);
 		}
-		open.request->complete(ScatterInstances::of(std::move(found), offset));
+		open.request->complete(ScatterInstances::of(std::move(found), offset, layers));
 	}
 }
 
@@ -195,8 +201,8 @@ void ScatterGameplay::give_up_requests() {
 	for (const auto &[number, open] : std::exchange(open_, {})) {
 		open.request->give_up();
 	}
-	for (const auto &[open, found] : std::exchange(answered_, {})) {
-		open.request->give_up();
+	for (const Answered &answered : std::exchange(answered_, {})) {
+		answered.open.request->give_up();
 	}
 }
 

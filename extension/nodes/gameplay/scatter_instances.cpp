@@ -9,6 +9,7 @@
 #include <godot_cpp/core/memory.hpp>
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -39,10 +40,11 @@ std::size_t index_of(int64_t p_index) { return static_cast<std::size_t>(p_index)
 
 } // namespace
 
-Ref<ScatterInstances> ScatterInstances::of(FoundInstances found, glm::dvec3 offset) {
+Ref<ScatterInstances> ScatterInstances::of(FoundInstances found, glm::dvec3 offset, SharedLayers layers) {
 	const Ref<ScatterInstances> result(memnew(ScatterInstances));
 	result->found_ = std::move(found);
 	result->offset_ = offset;
+	result->listed_ = std::move(layers);
 	return result;
 }
 
@@ -59,8 +61,8 @@ int64_t ScatterInstances::get_id(int64_t p_index) const {
 	return has("get_id", p_index) ? script_id(found_.id(index_of(p_index))) : 0;
 }
 
-int64_t ScatterInstances::get_layer(int64_t p_index) const {
-	return has("get_layer", p_index) ? found_.layer(index_of(p_index)) : -1;
+Ref<ScatterLayer> ScatterInstances::get_layer(int64_t p_index) const {
+	return has("get_layer", p_index) ? listed_->at(found_.layer(index_of(p_index))) : Ref<ScatterLayer>();
 }
 
 int64_t ScatterInstances::get_mesh(int64_t p_index) const {
@@ -79,9 +81,41 @@ PackedInt64Array ScatterInstances::get_ids() const {
 	return cached(mutex_, ids_, found_, [this](std::size_t i) { return script_id(found_.id(i)); });
 }
 
-PackedInt32Array ScatterInstances::get_layers() const {
-	return cached(
-			mutex_, layers_, found_, [this](std::size_t i) { return static_cast<std::int32_t>(found_.layer(i)); });
+/// Fills `layers_` and `layer_indices_`. The caller holds the mutex.
+void ScatterInstances::list_layers() const {
+	if (layer_indices_) {
+		// Fast path: found instances never change.
+		return;
+	}
+	std::map<std::uint32_t, std::int32_t> places; // By index in the node's list.
+	std::vector<Ref<ScatterLayer>> layers;
+	PackedInt32Array indices;
+	const auto out = resize(indices, size());
+	for (std::size_t i = 0; i < found_.size(); ++i) {
+		const auto [place, added] = places.try_emplace(found_.layer(i), static_cast<std::int32_t>(places.size()));
+		if (added) {
+			layers.push_back(listed_->at(place->first));
+		}
+		out[i] = place->second;
+	}
+	layers_ = std::move(layers);
+	layer_indices_ = indices;
+}
+
+TypedArray<ScatterLayer> ScatterInstances::get_layers() const {
+	const std::lock_guard lock(mutex_);
+	list_layers();
+	TypedArray<ScatterLayer> layers; // A new one for each call, because scripts share arrays.
+	for (const Ref<ScatterLayer> &layer : layers_) {
+		append(layers, layer);
+	}
+	return layers;
+}
+
+PackedInt32Array ScatterInstances::get_layer_indices() const {
+	const std::lock_guard lock(mutex_);
+	list_layers();
+	return *layer_indices_;
 }
 
 PackedInt32Array ScatterInstances::get_meshes() const {
@@ -125,22 +159,28 @@ void ScatterInstances::_bind_methods() {
 	bind_guarded<&Self::get_transform>(D_METHOD("get_transform", "index"));
 	bind_guarded<&Self::get_ids>(D_METHOD("get_ids"));
 	bind_guarded<&Self::get_layers>(D_METHOD("get_layers"));
+	bind_guarded<&Self::get_layer_indices>(D_METHOD("get_layer_indices"));
 	bind_guarded<&Self::get_meshes>(D_METHOD("get_meshes"));
 	bind_guarded<&Self::get_positions>(D_METHOD("get_positions"));
 	bind_guarded<&Self::get_transforms>(D_METHOD("get_transforms"));
 	const char *owner = "ScatterInstances";
 	bind_value(owner, PropertyInfo(Variant::PACKED_INT64_ARRAY, "ids"), "get_ids");
-	bind_value(owner, PropertyInfo(Variant::PACKED_INT32_ARRAY, "layers"), "get_layers");
+	bind_value(owner,
+			PropertyInfo(Variant::ARRAY, "layers", PROPERTY_HINT_ARRAY_TYPE,
+					vformat("%d/%d:ScatterLayer", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+			"get_layers");
+	bind_value(owner, PropertyInfo(Variant::PACKED_INT32_ARRAY, "layer_indices"), "get_layer_indices");
 	bind_value(owner, PropertyInfo(Variant::PACKED_INT32_ARRAY, "meshes"), "get_meshes");
 	bind_value(owner, PropertyInfo(Variant::PACKED_VECTOR3_ARRAY, "positions"), "get_positions");
 	bind_value(owner, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "transforms"), "get_transforms");
 }
 
-Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &found, glm::dvec3 offset, const Variant &p_data,
-		double distance, std::optional<glm::dvec3> met) {
+Ref<ScatterInstance> ScatterInstance::of(const PlacedInstance &found, glm::dvec3 offset,
+		const Ref<ScatterLayer> &p_layer, const Variant &p_data, double distance, std::optional<glm::dvec3> met) {
 	const Ref<ScatterInstance> result(memnew(ScatterInstance));
 	result->found_ = found;
 	result->offset_ = offset;
+	result->layer_ = p_layer;
 	result->data_ = p_data;
 	result->distance_ = distance;
 	result->met_ = met.value_or(found.position);
@@ -170,7 +210,7 @@ void ScatterInstance::_bind_methods() {
 	bind_guarded<&Self::get_hit_position>(D_METHOD("get_hit_position"));
 	const char *owner = "ScatterInstance";
 	bind_value(owner, PropertyInfo(Variant::INT, "id"), "get_id");
-	bind_value(owner, PropertyInfo(Variant::INT, "layer"), "get_layer");
+	bind_value(owner, PropertyInfo(Variant::OBJECT, "layer", PROPERTY_HINT_RESOURCE_TYPE, "ScatterLayer"), "get_layer");
 	bind_value(owner, PropertyInfo(Variant::INT, "mesh"), "get_mesh");
 	bind_value(owner, PropertyInfo(Variant::TRANSFORM3D, "transform"), "get_transform");
 	bind_value(owner, PropertyInfo(Variant::VECTOR3, "position"), "get_position");

@@ -14,14 +14,8 @@ using namespace godot;
 
 namespace thicket {
 
-namespace {
-
-std::string name_of(const char *p_method) { return std::string("ScatterSnapshot.") + p_method; }
-
-} // namespace
-
 Ref<ScatterSnapshot> ScatterSnapshot::of(
-		std::shared_ptr<const InstanceSnapshot> snapshot, LayerNames layers, glm::dvec3 offset) {
+		std::shared_ptr<const InstanceSnapshot> snapshot, SharedLayers layers, glm::dvec3 offset) {
 	const Ref<ScatterSnapshot> result(memnew(ScatterSnapshot));
 	result->snapshot_ = std::move(snapshot);
 	result->layers_ = std::move(layers);
@@ -29,18 +23,19 @@ Ref<ScatterSnapshot> ScatterSnapshot::of(
 	return result;
 }
 
-bool ScatterSnapshot::ask(const char *p_method, const AskedQuery &query) const {
-	const std::shared_ptr<const InstanceSnapshot> held = snapshot_; // A predicate may release this object.
-	const Status status = held != nullptr
-			? held->ask(query)
-			: Status::missing("world", "Make the snapshot of a node that has a ground and layers");
-	report(name_of(p_method).c_str(), status);
-	return status.ok();
+SharedLayers ScatterSnapshot::prepare(const char *p_method) const {
+	if (snapshot_ == nullptr) {
+		report(name_of(p_method).c_str(),
+				Status::missing("world", "Make the snapshot of a node that has a ground and layers"));
+	}
+	return layers_;
 }
 
-bool ScatterSnapshot::find_filter(
-		const char *p_method, const Variant &p_layers, const Callable &p_predicate, QueryFilter &r_filter) const {
-	return make_filter(name_of(p_method), layers_, p_layers, p_predicate, offset_, r_filter);
+bool ScatterSnapshot::ask(const char *p_method, const AskedQuery &query) const {
+	const std::shared_ptr<const InstanceSnapshot> held = snapshot_; // A predicate may release this object.
+	const Status status = held->ask(query);
+	report(name_of(p_method).c_str(), status);
+	return status.ok();
 }
 
 Ref<ScatterInstances> ScatterSnapshot::query_rect(
@@ -70,8 +65,9 @@ Ref<ScatterInstance> ScatterSnapshot::get_instance(int64_t p_id) const {
 
 bool ScatterSnapshot::has_instance(int64_t p_id) const {
 	std::vector<PlacedInstance> found;
-	ask("has_instance", [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); });
-	return !found.empty();
+	return prepare("has_instance") != nullptr &&
+			ask("has_instance", [&](const InstanceQuery &query) { return query.by_id(core_id(p_id), found); }) &&
+			!found.empty();
 }
 
 Variant ScatterSnapshot::get_instance_data(int64_t p_id) const {

@@ -18,6 +18,8 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace thicket {
 
@@ -33,7 +35,7 @@ class ScatterSnapshot : public godot::RefCounted {
 public:
 	/// `offset` is the world position of the engine's origin, in meters.
 	static godot::Ref<ScatterSnapshot> of(
-			std::shared_ptr<const InstanceSnapshot> snapshot, LayerNames layers, glm::dvec3 offset);
+			std::shared_ptr<const InstanceSnapshot> snapshot, SharedLayers layers, glm::dvec3 offset);
 
 	/// A snapshot without instances.
 	static godot::Ref<ScatterSnapshot> make_empty() { return memnew(ScatterSnapshot); }
@@ -52,16 +54,19 @@ public:
 
 	// As script_queries.hpp needs them.
 	glm::dvec3 world_offset() const { return offset_; }
+	static std::string name_of(const char *p_method) { return std::string("ScatterSnapshot.") + p_method; }
+	SharedLayers prepare(const char *p_method) const;
+	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
+		return find_layers(*layers_, p_layers, r_indices);
+	}
 	bool ask(const char *p_method, const AskedQuery &query) const;
-	bool find_filter(const char *p_method, const godot::Variant &p_layers, const godot::Callable &p_predicate,
-			QueryFilter &r_filter) const;
 
 protected:
 	static void _bind_methods();
 
 private:
 	std::shared_ptr<const InstanceSnapshot> snapshot_; ///< Null for an empty snapshot.
-	LayerNames layers_{godot::TypedArray<ScatterLayer>()};
+	SharedLayers layers_;                              ///< Null for an empty snapshot.
 	glm::dvec3 offset_{0.0};
 };
 

@@ -3,6 +3,7 @@
 #include "core/near/near_queue.hpp"
 #include "nodes/gameplay/scene_pool.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
+#include "nodes/layer/scatter_layer.hpp"
 
 #include <godot_cpp/variant/string.hpp>
 
@@ -41,6 +42,7 @@ enum class SceneEvent : std::uint8_t {
 struct SceneHost {
 	godot::Node3D *parent = nullptr;
 	std::function<void(const PlacedInstance &instance, bool hidden)> hide_mesh; ///< In the drawing of this frame.
+	std::function<godot::Ref<ScatterLayer>(std::uint32_t index)> layer_at;
 	std::function<godot::Variant(std::uint64_t id)> data_of;
 	std::function<void(SceneEvent event, std::uint64_t id, godot::Node3D *scene)> tell;
 	std::function<void()> recycle_later; ///< Calls `recycle` before this frame is drawn and before bodies move again.

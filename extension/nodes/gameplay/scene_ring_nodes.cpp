@@ -85,7 +85,7 @@ void SceneRing::tell(SceneEvent event, const Shown &shown) {
 		node->call("_scatter_hidden");
 	} else if (event == SceneEvent::shown && node != nullptr && node->has_method("_scatter_shown")) {
 		const Variant data = host_.data_of(shown.instance.id);
-		node->call("_scatter_shown", id, static_cast<int64_t>(shown.instance.layer), data);
+		node->call("_scatter_shown", id, host_.layer_at(shown.instance.layer), data);
 	}
 	if (alive.expired()) {
 		return;

@@ -19,9 +19,9 @@ public:
 	explicit LiveLayers(const TypedArray<ScatterLayer> &p_layers) : layers_(p_layers) {}
 
 	int64_t size() const { return layers_.size(); }
-	bool is_named(int64_t p_index, const String &p_name) const {
+	String name(int64_t p_index) const {
 		const Ref<ScatterLayer> layer = layers_[p_index];
-		return layer.is_valid() && layer->get_name() == p_name;
+		return layer.is_valid() ? layer->get_name() : String();
 	}
 	bool holds(int64_t p_index, const Ref<ScatterLayer> &p_layer) const {
 		return Ref<ScatterLayer>(layers_[p_index]) == p_layer;
@@ -31,46 +31,52 @@ private:
 	const TypedArray<ScatterLayer> &layers_;
 };
 
+/// All names, for a message.
 template <class Layers>
-String find_index(const Layers &p_layers, int64_t p_index, std::uint32_t &r_index) {
-	if (p_index < 0 || p_index >= p_layers.size()) {
-		return vformat("There is no layer %d: the list of layers has %d entries.", p_index, p_layers.size());
+String names_of(const Layers &p_layers) {
+	String names;
+	for (int64_t index = 0; index < p_layers.size(); ++index) {
+		if (const String name = p_layers.name(index); !name.is_empty()) {
+			names = names + String(names.is_empty() ? "\"" : ", \"") + name + String("\"");
+		}
 	}
-	r_index = static_cast<std::uint32_t>(p_index);
-	return {};
+	return names.is_empty() ? String("no layer has a name") : String("the names are ") + names;
 }
 
 template <class Layers>
 String find_name(const Layers &p_layers, const String &p_name, std::uint32_t &r_index) {
 	for (int64_t index = 0; index < p_layers.size() && !p_name.is_empty(); ++index) {
-		if (p_layers.is_named(index, p_name)) {
-			return find_index(p_layers, index, r_index);
+		if (p_layers.name(index) == p_name) {
+			r_index = static_cast<std::uint32_t>(index);
+			return {};
 		}
 	}
-	return vformat("No layer is named \"%s\".", p_name);
+	return vformat("No layer is named \"%s\": %s.", p_name, names_of(p_layers));
 }
 
 template <class Layers>
 String find_resource(const Layers &p_layers, const Ref<ScatterLayer> &p_layer, std::uint32_t &r_index) {
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
 		if (p_layers.holds(index, p_layer)) {
-			return find_index(p_layers, index, r_index);
+			r_index = static_cast<std::uint32_t>(index);
+			return {};
 		}
 	}
 	const String name = p_layer->get_name();
-	return name.is_empty() ? String("A ScatterLayer without a name is not in the list of layers.")
-						   : vformat("The ScatterLayer \"%s\" is not in the list of layers.", name);
+	const String layer =
+			name.is_empty() ? String("A ScatterLayer without a name") : vformat("The ScatterLayer \"%s\"", name);
+	return layer + String(" is not in the list of layers: add it to TerrainScatter3D.layers or to a biome.");
 }
 
-bool is_list(Variant::Type p_type) {
-	return p_type == Variant::ARRAY || p_type == Variant::PACKED_INT32_ARRAY || p_type == Variant::PACKED_INT64_ARRAY ||
-			p_type == Variant::PACKED_STRING_ARRAY;
-}
+bool is_list(Variant::Type p_type) { return p_type == Variant::ARRAY || p_type == Variant::PACKED_STRING_ARRAY; }
 
 template <class Layers>
 String find_in(const Layers &p_layers, const Variant &p_reference, std::uint32_t &r_index) {
 	switch (p_reference.get_type()) {
-		case Variant::INT: return find_index(p_layers, p_reference, r_index);
+		case Variant::INT:
+			return vformat("Pass a ScatterLayer or its name, not the index %s: TerrainScatter3D.get_all_layers() has "
+						   "the layers.",
+					p_reference);
 		case Variant::STRING:
 		case Variant::STRING_NAME: return find_name(p_layers, p_reference, r_index);
 		case Variant::OBJECT:
@@ -107,20 +113,25 @@ String find_all_in(const Layers &p_layers, const Variant &p_references, std::vec
 
 } // namespace
 
-LayerNames::LayerNames(const TypedArray<ScatterLayer> &p_layers) {
+ListedLayers::ListedLayers(const TypedArray<ScatterLayer> &p_layers) {
+	entries_.reserve(static_cast<std::size_t>(p_layers.size()));
 	for (int64_t index = 0; index < p_layers.size(); ++index) {
 		const Ref<ScatterLayer> layer = p_layers[index];
-		entries_.push_back(layer.is_valid() ? Entry{layer->get_instance_id(), layer->get_name()} : Entry{0, String()});
+		entries_.push_back({layer, layer.is_valid() ? layer->get_name() : String()});
 	}
 }
 
-bool LayerNames::is_named(int64_t p_index, const String &p_name) const {
-	const Entry &entry = entries_[static_cast<std::size_t>(p_index)];
-	return entry.id != 0 && entry.name == p_name;
+Ref<ScatterLayer> ListedLayers::at(std::size_t index) const {
+	return index < entries_.size() ? entries_[index].layer : Ref<ScatterLayer>();
 }
 
-bool LayerNames::holds(int64_t p_index, const Ref<ScatterLayer> &p_layer) const {
-	return entries_[static_cast<std::size_t>(p_index)].id == p_layer->get_instance_id();
+std::uint32_t ListedLayers::find(const Ref<ScatterLayer> &p_layer) const {
+	const auto found = std::ranges::find(entries_, p_layer, &Entry::layer);
+	return found != entries_.end() ? static_cast<std::uint32_t>(found - entries_.begin()) : no_index;
+}
+
+bool ListedLayers::holds(int64_t p_index, const Ref<ScatterLayer> &p_layer) const {
+	return entries_[static_cast<std::size_t>(p_index)].layer == p_layer;
 }
 
 String find_layer(const TypedArray<ScatterLayer> &p_layers, const Variant &p_reference, std::uint32_t &r_index) {
@@ -132,7 +143,23 @@ String find_layers(
 	return find_all_in(LiveLayers(p_layers), p_references, r_indices);
 }
 
-String find_layers(const LayerNames &p_layers, const Variant &p_references, std::vector<std::uint32_t> &r_indices) {
+String find_stored_layer(const TypedArray<ScatterLayer> &p_layers, const Variant &p_reference, std::uint32_t &r_index) {
+	if (p_reference.get_type() != Variant::INT) {
+		return find_layer(p_layers, p_reference, r_index);
+	}
+	const int64_t index = p_reference;
+	if (index < 0 || index >= p_layers.size()) {
+		return vformat("There is no layer %d: the list of layers has %d entries.", index, p_layers.size());
+	}
+	r_index = static_cast<std::uint32_t>(index);
+	return {};
+}
+
+String find_layer(const ListedLayers &p_layers, const Variant &p_reference, std::uint32_t &r_index) {
+	return find_in(p_layers, p_reference, r_index);
+}
+
+String find_layers(const ListedLayers &p_layers, const Variant &p_references, std::vector<std::uint32_t> &r_indices) {
 	return find_all_in(p_layers, p_references, r_indices);
 }
 
@@ -163,8 +190,6 @@ LayerReference core_reference(const Variant &p_stored) {
 	return result;
 }
 
-String no_reference(const Variant &p_value) {
-	return vformat("A layer is meant by a ScatterLayer, its name or its index, not by %s.", p_value);
-}
+String no_reference(const Variant &p_value) { return vformat("Pass a ScatterLayer or its name, not %s.", p_value); }
 
 } // namespace thicket

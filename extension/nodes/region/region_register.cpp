@@ -39,7 +39,7 @@ bool RegionRegister::Entry::counts_for(const TypedArray<ScatterLayer> &p_layers,
 	bool counts = shape.has_value() && layers.is_empty();
 	for (int64_t i = 0; shape.has_value() && !counts && i < layers.size(); ++i) {
 		std::uint32_t meant = 0;
-		counts = find_layer(p_layers, layers[i], meant).is_empty() && meant == index;
+		counts = find_stored_layer(p_layers, layers[i], meant).is_empty() && meant == index;
 	}
 	return counts;
 }

@@ -60,7 +60,7 @@ void LayerList::clear() {
 
 void LayerList::complain(std::size_t index, bool own, const Status &status) {
 	const std::string place = std::to_string(index);
-	const std::string owner = (own ? "layers[" + place + "]" : "get_layer(" + place + ")") + ": ScatterLayer";
+	const std::string owner = (own ? "layers[" + place + "]" : "get_all_layers()[" + place + "]") + ": ScatterLayer";
 	const String complaint = status.ok() ? String() : sentence(owner.c_str(), status);
 	if (!complaint.is_empty() && !(complaint == entries_[index].complaint)) {
 		ERR_PRINT(complaint);

@@ -232,10 +232,15 @@ void TerrainScatter3D::patch_in_steps(Clock::time_point deadline) {
 void TerrainScatter3D::emit_events() {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const Presence here(gameplay);
+	const SharedLayers layers = gameplay->listed_layers();
+	const SharedLayers former = std::exchange(former_layers_, nullptr);
 	for (const TileEvent &event : stream_->take_events()) {
+		Ref<ScatterLayer> layer = layers->at(event.layer);
+		if (layer.is_null() && former != nullptr) {
+			layer = former->at(event.layer);
+		}
 		if (here) {
-			emit_signal(event.shown ? "tile_shown" : "tile_hidden", static_cast<int64_t>(event.layer),
-					Vector2i(event.tile.x, event.tile.y));
+			emit_signal(event.shown ? "tile_shown" : "tile_hidden", layer, Vector2i(event.tile.x, event.tile.y));
 		}
 	}
 	gameplay->complete_requests();
@@ -304,7 +309,7 @@ void TerrainScatter3D::set_fade_viewers(const FoundViewers &found) {
 
 String TerrainScatter3D::layer_problem(const Variant &p_reference) const {
 	std::uint32_t index = 0;
-	return find_layer(all_layers(), p_reference, index);
+	return find_stored_layer(all_layers(), p_reference, index);
 }
 
 /// Applies settings that were changed in this frame. Refused if there is nothing to query.

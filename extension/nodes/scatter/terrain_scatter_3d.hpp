@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nodes/biome/scatter_biome_map.hpp"
+#include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/renames.hpp"
 #include "nodes/gameplay/navigation_parse.hpp"
@@ -67,10 +68,8 @@ public:
 	void set_biomes(const godot::Ref<ScatterBiomeMap> &p_biomes);
 	godot::Ref<ScatterBiomeMap> get_biomes() const { return biomes_; }
 
-	/// All layers, the node's own and those of its biomes, by the index that signals and results use. Null for an empty entry; null with an
-	/// error for an invalid index.
-	int64_t get_layer_count() const { return all_layers().size(); }
-	godot::Ref<ScatterLayer> get_layer(int64_t p_index) const;
+	/// A new list of all layers, the node's own and those of its biomes. Null for an empty entry.
+	godot::TypedArray<ScatterLayer> get_all_layers() const { return copied(all_layers()); }
 
 	/// Whether there is water below water_level, for the rules of layers. It is not drawn.
 	void set_water_enabled(bool p_enabled);
@@ -140,7 +139,7 @@ public:
 		return guarded_call("TerrainScatter3D._get_configuration_warnings", [this] { return get_problems(); });
 	}
 
-	/// The visible tiles of a layer; `p_layer` is a layer reference, see find_layer.
+	/// The visible tiles of a layer. For `p_layer`, here and below, see find_layer.
 	godot::TypedArray<godot::Vector2i> get_shown_tiles(const godot::Variant &p_layer) const;
 
 	/// The number of instances of a layer in visible tiles.
@@ -264,7 +263,6 @@ private:
 	public:
 		explicit Host(TerrainScatter3D &node) : node_(node) {}
 		godot::Node3D *node() override { return &node_; }
-		godot::TypedArray<ScatterLayer> layers() const override { return node_.all_layers(); }
 		Status prepare() override { return node_.prepare(); }
 		TileMaker make_worker_maker() override { return node_.worker_tile_maker(); }
 		void set_overlay(const InstanceState *state) override { node_.display().set_state(state); }
@@ -377,6 +375,8 @@ private:
 	LayerPreviews previews_;
 	FadeViewers fade_viewers_;
 	RegionRegister regions_;
+	SharedLayers
+			former_layers_; ///< Those before the last change, until the signals for tiles that it has hidden were emitted.
 	godot::PackedStringArray layer_names_; ///< By index, as last passed to the regions.
 	std::shared_ptr<const Terrain> ground_snapshot_;
 	EditedArea ground_change_{.everywhere = true, .areas = {}}; ///< Since `ground_snapshot_` was taken.

@@ -105,8 +105,7 @@ void TerrainScatter3D::bind_streaming() {
 
 void TerrainScatter3D::bind_places() {
 	using Self = TerrainScatter3D;
-	bind_guarded<&Self::get_layer_count>(ThreadUse::main, D_METHOD("get_layer_count"));
-	bind_guarded<&Self::get_layer>(ThreadUse::main, D_METHOD("get_layer", "index"));
+	bind_guarded<&Self::get_all_layers>(ThreadUse::main, D_METHOD("get_all_layers"));
 	bind_guarded<&Self::set_water_enabled>(D_METHOD("set_water_enabled", "enabled"));
 	bind_guarded<&Self::is_water_enabled>(D_METHOD("is_water_enabled"));
 	bind_guarded<&Self::set_water_level>(D_METHOD("set_water_level", "level"));
@@ -174,14 +173,15 @@ void TerrainScatter3D::bind_queries() {
 }
 
 void TerrainScatter3D::bind_signals() {
+	const PropertyInfo layer(Variant::OBJECT, "layer", PROPERTY_HINT_RESOURCE_TYPE, "ScatterLayer");
 	for (const char *name : {"tile_shown", "tile_hidden"}) {
-		ADD_SIGNAL(MethodInfo(name, PropertyInfo(Variant::INT, "layer"), PropertyInfo(Variant::VECTOR2I, "tile")));
+		ADD_SIGNAL(MethodInfo(name, layer, PropertyInfo(Variant::VECTOR2I, "tile")));
 	}
 	ADD_SIGNAL(MethodInfo("settled"));
 	for (const char *name :
 			{"instance_removed", "instance_restored", "instance_added", "instance_moved", "instance_data_changed"}) {
-		ADD_SIGNAL(MethodInfo(name, PropertyInfo(Variant::INT, "id"), PropertyInfo(Variant::INT, "layer"),
-				PropertyInfo(Variant::TRANSFORM3D, "transform")));
+		ADD_SIGNAL(MethodInfo(
+				name, PropertyInfo(Variant::INT, "id"), layer, PropertyInfo(Variant::TRANSFORM3D, "transform")));
 	}
 	for (const char *name : {"scene_shown", "scene_hidden"}) {
 		ADD_SIGNAL(MethodInfo(name, PropertyInfo(Variant::INT, "id"),

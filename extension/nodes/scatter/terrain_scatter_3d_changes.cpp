@@ -217,7 +217,11 @@ void TerrainScatter3D::apply_changes() {
 		return;
 	}
 	const std::vector<EditedArea> outdated = layer_list_.update(node_layers_, layer_world(), ground_change);
-	gameplay->set_layers(layer_list_.snapshots(), outdated, tile_maker());
+	if (former_layers_ == nullptr) {
+		former_layers_ = gameplay->listed_layers();
+	}
+	gameplay->set_layers(std::make_shared<const ListedLayers>(node_layers_.by_index()), layer_list_.snapshots(),
+			outdated, tile_maker());
 	stream->set_layers(layer_list_.snapshots(), outdated, {ground_snapshot_, {ground_, get_instance_id()}});
 	fade_viewers_.set_layers(layer_list_.snapshots());
 	instance_load_.forget();

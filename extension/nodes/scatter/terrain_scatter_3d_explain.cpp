@@ -172,7 +172,7 @@ TypedArray<ScatterExplanation> TerrainScatter3D::explain_position(const Vector3 
 		} else {
 			explain_layer(layer, gameplay, explanation);
 		}
-		append(result, ScatterExplanation::of(std::move(explanation), offset));
+		append(result, ScatterExplanation::of(std::move(explanation), layer, offset));
 	}
 	return result;
 }

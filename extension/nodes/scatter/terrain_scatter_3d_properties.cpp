@@ -53,12 +53,6 @@ void TerrainScatter3D::set_biomes(const Ref<ScatterBiomeMap> &p_biomes) {
 	mark_dirty();
 }
 
-Ref<ScatterLayer> TerrainScatter3D::get_layer(int64_t p_index) const {
-	std::uint32_t layer = 0;
-	return find_layer_index("get_layer", p_index, layer) ? Ref<ScatterLayer>(all_layers()[p_index])
-														 : Ref<ScatterLayer>();
-}
-
 void TerrainScatter3D::set_water_enabled(bool p_enabled) {
 	if (std::exchange(water_enabled_, p_enabled) != p_enabled) {
 		notify_property_list_changed();

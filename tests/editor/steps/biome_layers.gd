@@ -13,9 +13,9 @@ func tree() -> Tree:
 
 
 func layer(title: String) -> Resource:
-	for index: int in scatter.get_layer_count():
-		if scatter.get_layer(index) != null and scatter.get_layer(index).resource_name == title:
-			return scatter.get_layer(index)
+	for each: Resource in scatter.get_all_layers():
+		if each != null and each.resource_name == title:
+			return each
 	return null
 
 
@@ -93,7 +93,7 @@ func test_a_layer_of_a_biome_is_chosen_and_hidden() -> void:
 	await frames(2)
 	check_equal(workspace().toolbar.chosen, [layer("Reed")] as Array[ScatterLayer], "a click chooses it for the tools")
 	check_equal(workspace().toolbar.paint.layer, layer("Reed"), "for the brush, too")
-	check_equal(scatter.get_layer(workspace().toolbar.paint.layer_index), layer("Reed"), "the scatter knows it by this index")
+	check_equal(scatter.get_all_layers()[workspace().toolbar.paint.layer_index], layer("Reed"), "the scatter knows it by this index")
 	check(workspace().dock.panel._remove.disabled and workspace().dock.panel._copy.disabled, "layers of biomes cannot be removed or copied")
 	await key(KEY_DELETE)
 	check(layer("Reed") != null, "the key does not delete it")

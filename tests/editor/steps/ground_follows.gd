@@ -250,10 +250,10 @@ func test_use_a_body() -> void:
 	await settle(scatter)
 	check(instances(scatter, 0).values().all(func(at: Vector3) -> bool: return absf(at.y + 1.5) < 0.01), "a moved body is followed")
 	var made := [0]
-	scatter.tile_shown.connect(func(_layer: int, _tile: Vector2i) -> void: made[0] += 1)
+	scatter.tile_shown.connect(func(_layer: Resource, _tile: Vector2i) -> void: made[0] += 1)
 	await click("Refresh Ground")
 	await settle(scatter)
-	check_equal(made[0], scatter.get_shown_tiles(0).size(), "the button casts all rays again")
+	check_equal(made[0], scatter.get_shown_tiles(scatter.layers[0]).size(), "the button casts all rays again")
 	await picture("ground_body")
 	floor_body.position.y = -6.0
 	await undo()

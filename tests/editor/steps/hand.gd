@@ -213,7 +213,7 @@ func test_generated_instances() -> void:
 	workspace().toolbar.choose_layer(1)
 	await settle(scatter)
 	hand.look()
-	var near: RefCounted = scatter.query_nearest(Vector3(0.5, 0.0, 0.5), 3.0, [1])
+	var near: RefCounted = scatter.query_nearest(Vector3(0.5, 0.0, 0.5), 3.0, scatter.layers[1])
 	var id: int = near.id
 	var placed_at: Transform3D = near.transform
 	await click_at(on_screen(placed_at.origin + Vector3.UP * 0.1))
@@ -230,7 +230,7 @@ func test_generated_instances() -> void:
 	check(not scatter.has_instance(id), "deleted")
 	await settle(scatter)
 	check(not instances(scatter, 1).has(id), "it is not drawn")
-	check_equal(scatter.build_rect(1, Rect2(placed_at.origin.x - 0.01, placed_at.origin.z - 0.01, 0.02, 0.02)).is_empty(), true, "nor baked")
+	check_equal(scatter.build_rect(scatter.layers[1], Rect2(placed_at.origin.x - 0.01, placed_at.origin.z - 0.01, 0.02, 0.02)).is_empty(), true, "nor baked")
 	await undo()
 	await settle(scatter)
 	check(instances(scatter, 1).has(id), "undone")

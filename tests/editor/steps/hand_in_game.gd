@@ -29,8 +29,8 @@ func _initialize() -> void:
 	check(first.state.get_digest() == noted[2], "the designer's state")
 	var drawn := {}
 	for layer in 2:
-		for tile: Vector2i in first.get_shown_tiles(layer):
-			for id: int in first.get_tile(layer, tile).get_ids(0):
+		for tile: Vector2i in first.get_shown_tiles(first.layers[layer]):
+			for id: int in first.get_tile(first.layers[layer], tile).get_ids(0):
 				drawn[id] = true
 	for id: int in noted[0]:
 		check(first.get_instance(id) != null and first.get_instance(id).transform == noted[0][id], "%d is at its planted position" % id)
@@ -41,7 +41,7 @@ func _initialize() -> void:
 	var planted: int = noted[0].keys()[0]
 	var designed: int = first.state.get_revision()
 	first.remove_instance(planted)
-	var grown: int = first.add_instance(0, Transform3D(Basis(), Vector3(4.0, 0.0, 4.0)))
+	var grown: int = first.add_instance(first.layers[0], Transform3D(Basis(), Vector3(4.0, 0.0, 4.0)))
 	check(second.has_instance(planted) and not second.has_instance(grown), "changes of one game do not affect the other")
 	var saved: PackedByteArray = first.state.diff_since(designed, false)
 	check(saved.size() < 200, "a game's own changes need few bytes: %d" % saved.size())

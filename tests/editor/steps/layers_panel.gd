@@ -128,7 +128,7 @@ func test_first_minute() -> void:
 	await settle(scatter)
 	await wait_for_panel()
 	for index in 3:
-		var count: int = scatter.get_shown_count(index)
+		var count: int = scatter.get_shown_count(scatter.layers[index])
 		check(count > 100, "%s: %d instances" % [names()[index], count])
 		check_equal(tree().row_of(scatter.layers[index]).get_text(1), grouped(count), "the count is in its row")
 	await until(func() -> bool:
@@ -187,8 +187,8 @@ func test_marks() -> void:
 	await settle(scatter)
 	check(workspace().dock.marks.is_hidden(layer("Fern")), "the eye hides")
 	var drawn: int = scatter.get_stats().drawn
-	check_equal(drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "it is not drawn")
-	check(scatter.get_shown_count(2) > 100, "its instances still exist")
+	check_equal(drawn, scatter.get_shown_count(scatter.layers[0]) + scatter.get_shown_count(scatter.layers[1]), "it is not drawn")
+	check(scatter.get_shown_count(scatter.layers[2]) > 100, "its instances still exist")
 	await mouse_click(await mark_at(layer("Young Pine"), 1))
 	check(workspace().dock.marks.is_locked(layer("Young Pine")), "the lock locks")
 	panel()._colored = [layer("Old Oak")]
@@ -346,4 +346,4 @@ func test_marks_are_saved() -> void:
 	await settle(scatter)
 	await wait_for_panel()
 	check(workspace().dock.marks.is_hidden(layer("Fern")), "a hidden layer is still hidden")
-	check_equal(scatter.get_stats().drawn, scatter.get_shown_count(0) + scatter.get_shown_count(1), "in the view, too")
+	check_equal(scatter.get_stats().drawn, scatter.get_shown_count(scatter.layers[0]) + scatter.get_shown_count(scatter.layers[1]), "in the view, too")

@@ -49,7 +49,7 @@ func test_prepare() -> void:
 	EditorInterface.set_main_screen_editor("3D")
 	scatter = root.get_node("Trees")
 	scatter.set(&"viewers", [^".."] as Array[NodePath])
-	scatter.tile_shown.connect(func(_layer: int, tile: Vector2i) -> void: shown.push_back(tile))
+	scatter.tile_shown.connect(func(_layer: Resource, tile: Vector2i) -> void: shown.push_back(tile))
 	await frames(3)
 
 
@@ -111,7 +111,7 @@ func check_ground(height_at: Callable, context: String) -> void:
 
 ## Raises a hill in steps, like a brush does while the mouse moves, and checks which tiles were regenerated.
 func sculpt(raise: Callable, height_at: Callable, context: String) -> void:
-	var all: int = scatter.get_shown_tiles(0).size()
+	var all: int = scatter.get_shown_tiles(scatter.layers[0]).size()
 	shown.clear()
 	for step in 4:
 		raise.call(3.0 * (step + 1))

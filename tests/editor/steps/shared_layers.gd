@@ -90,7 +90,7 @@ func test_a_duplicate_is_reported() -> void:
 	check(edits.begin(scatter, SCENE), "hand-placed instances are saved in a file: " + edits.problem)
 	check(edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0) != 0, "an instance is planted")
 	edits.commit("Plant")
-	scatter.remove_instance(scatter.query_rect(Rect2(20.0, 20.0, 10.0, 10.0), 0).ids[0])
+	scatter.remove_instance(scatter.query_rect(Rect2(20.0, 20.0, 10.0, 10.0), scatter.layers[0]).ids[0])
 	saved_files()
 	check(not panel().notes._sharing.visible, "a single scatter shares nothing")
 	duplicate_scatter()
@@ -159,7 +159,7 @@ func test_far_more() -> void:
 	var steps: RefCounted = workspace().dock.steps
 	await settle(scatter)
 	await wait_for_panel()
-	var before: int = scatter.get_shown_count(0)
+	var before: int = scatter.get_shown_count(scatter.layers[0])
 	var ids := instances(scatter, 0)
 	check(before > 1000 and not bar.visible, "%d are visible" % before)
 	var undo_redo := plugin.get_undo_redo()
@@ -183,19 +183,19 @@ func test_far_more() -> void:
 	check(bar.visible, "redone, the question is shown again")
 	await mouse_click(bar._keep.get_global_transform_with_canvas() * (bar._keep.size * 0.5))
 	await wait_for_panel()
-	check(bar.visible and not bar._keep.visible and scatter.get_shown_count(0) == before, "the old view is kept")
+	check(bar.visible and not bar._keep.visible and scatter.get_shown_count(scatter.layers[0]) == before, "the old view is kept")
 	grass.radius = 0.5
 	await wait_for_panel()
 	check(bar.visible, "with a smaller change, there are still far more")
 	await mouse_click(bar._show.get_global_transform_with_canvas() * (bar._show.size * 0.5))
 	var counts: Array[int] = []
 	await until(func() -> bool:
-		var count: int = scatter.get_shown_count(0)
+		var count: int = scatter.get_shown_count(scatter.layers[0])
 		if scatter.is_settled() and (counts.is_empty() or counts[-1] != count):
 			counts.append(count)
 		return not bar.visible, "all are shown")
 	await settle(scatter)
-	check(scatter.get_shown_count(0) > 14 * before, "finally all are shown: %d of %d" % [scatter.get_shown_count(0), before])
+	check(scatter.get_shown_count(scatter.layers[0]) > 14 * before, "finally all are shown: %d of %d" % [scatter.get_shown_count(scatter.layers[0]), before])
 	check(counts.any(func(count: int) -> bool: return count > 2 * before and count < 6 * before), "step by step: %s" % [counts])
 
 
@@ -206,7 +206,7 @@ func test_stop() -> void:
 	trees.spacing = {}
 	await settle(scatter)
 	await wait_for_panel()
-	var before: int = scatter.get_shown_count(1)
+	var before: int = scatter.get_shown_count(scatter.layers[1])
 	trees.radius = 4.0
 	check(not bar.visible, "no question for somewhat more")
 	await settle(scatter)
@@ -217,7 +217,7 @@ func test_stop() -> void:
 	bar._keep.pressed.emit()
 	await settle(scatter)
 	await wait_for_panel()
-	var kept: int = scatter.get_shown_count(1)
+	var kept: int = scatter.get_shown_count(scatter.layers[1])
 	check(kept > before and kept < 20 * before and bar.visible, "stopped at %d" % kept)
 	check_equal(trees.radius, 0.25, "the value stays")
 	workspace().dock.steps.clear()

@@ -317,16 +317,16 @@ func drag_mouse(from: Vector2, to: Vector2, control := false, release := true) -
 ## Returns the digest of each visible tile of a layer.
 func digests(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		result[tile] = scatter.get_tile(layer, tile).get_digest()
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
+		result[tile] = scatter.get_tile(scatter.layers[layer], tile).get_digest()
 	return result
 
 
 ## Returns the positions of a layer's visible instances in the world, by id.
 func instances(scatter: Node3D, layer: int) -> Dictionary:
 	var result := {}
-	for tile: Vector2i in scatter.get_shown_tiles(layer):
-		var shown: RefCounted = scatter.get_tile(layer, tile)
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[layer]):
+		var shown: RefCounted = scatter.get_tile(scatter.layers[layer], tile)
 		for mesh: int in shown.get_mesh_count():
 			var buffer: PackedFloat32Array = shown.get_buffer(mesh)
 			var ids: PackedInt64Array = shown.get_ids(mesh)

@@ -18,10 +18,10 @@ func test_first_forest() -> void:
 	check_equal(scatter.layers.size(), 6, "five kinds of plants, and stones")
 	for each: Resource in scatter.layers:
 		check(scatter.get_shown_count(each) > 10, "%d of %s" % [scatter.get_shown_count(each), each.resource_name])
-	var before: int = scatter.get_shown_count(0)
+	var before: int = scatter.get_shown_count(scatter.layers[0])
 	layer("Spruce").max_slope_degrees = 12.0
 	await settle(scatter)
-	check(scatter.get_shown_count(0) < before, "a rule removes some: %d of %d" % [scatter.get_shown_count(0), before])
+	check(scatter.get_shown_count(scatter.layers[0]) < before, "a rule removes some: %d of %d" % [scatter.get_shown_count(scatter.layers[0]), before])
 	layer("Spruce").max_slope_degrees = 35.0
 	panel().choose([layer("Spruce")] as Array[ScatterLayer])
 	EditorInterface.inspect_object(layer("Spruce"), "", true)
@@ -67,7 +67,7 @@ func test_your_own_tree() -> void:
 	await settle(scatter)
 	EditorInterface.inspect_object(oak, "", true)
 	await wait_for_panel()
-	check(scatter.get_shown_count(0) > 100 and scatter.get_problems().is_empty(), "a wood: %s" % scatter.get_problems())
+	check(scatter.get_shown_count(scatter.layers[0]) > 100 and scatter.get_problems().is_empty(), "a wood: %s" % scatter.get_problems())
 	await hide_handles()
 	await page_picture("tutorial_your_own_tree")
 	check_equal(EditorInterface.save_scene(), OK, "saved")

@@ -36,7 +36,7 @@ func shown_around(points: Array[Vector2]) -> Array[Vector2]:
 	for point in points:
 		sums.append(Vector2.ZERO)
 		counts.append(0)
-	for tile: Vector2i in scatter.get_shown_tiles(0):
+	for tile: Vector2i in scatter.get_shown_tiles(scatter.layers[0]):
 		var at := (Vector2(tile) + Vector2.ONE * 0.5) * 16.0
 		var nearest := 0
 		for index in points.size():

@@ -176,7 +176,7 @@ func test_signals() -> void:
 	for signal_info: Dictionary in ClassDB.class_get_signal_list("TerrainScatter3D", true):
 		if signal_info["name"] in [&"tile_shown", &"tile_hidden"]:
 			var types: Array = signal_info["args"].map(func(argument: Dictionary) -> int: return argument["type"])
-			check_equal(types, [TYPE_INT, TYPE_VECTOR2I], "%s's arguments" % [signal_info["name"]])
+			check_equal(types, [TYPE_OBJECT, TYPE_VECTOR2I], "%s's arguments" % [signal_info["name"]])
 	var changes: Array[int] = [0]
 	var flat := ScatterGroundFlat.new()
 	flat.changed.connect(func() -> void: changes[0] += 1)
@@ -184,9 +184,9 @@ func test_signals() -> void:
 	check_equal(changes[0], 1, "changed is emitted")
 	var shown: Array = []
 	var scatter := make_scatter([make_layer(4.0)], flat, make_viewer())
-	scatter.tile_shown.connect(func(layer: int, tile: Vector2i) -> void: shown.push_back([layer, tile]))
+	scatter.tile_shown.connect(func(layer: ScatterLayer, tile: Vector2i) -> void: shown.push_back([layer, tile]))
 	await settle(scatter)
-	check(shown.size() > 4 and shown[0][0] == 0 and shown[0][1] is Vector2i, "tiles were shown: %s" % [shown.slice(0, 3)])
+	check(shown.size() > 4 and shown[0][0] == scatter.layers[0] and shown[0][1] is Vector2i, "tiles were shown: %s" % [shown.slice(0, 3)])
 
 
 func test_enumerations() -> void:

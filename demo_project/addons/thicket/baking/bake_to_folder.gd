@@ -141,8 +141,9 @@ static func _parsed(bytes: PackedByteArray) -> Dictionary:
 ## Writes the models and the description.
 func _begin(scatter: TerrainScatter3D) -> bool:
 	var models: Array[Dictionary] = []
+	var all_layers := scatter.get_all_layers()
 	for layer: Dictionary in _world["layers"]:
-		var files := ModelFiles.new(scatter.get_layer(layer.index), layer.index)
+		var files := ModelFiles.new(all_layers[layer.index], layer.index)
 		problem = problem if problem else files.problem
 		models.append({"index": layer.index, "models": files.models, "material": files.material})
 		for file in files.written:
@@ -264,7 +265,8 @@ static func message(header: Dictionary) -> PackedByteArray:
 
 ## The rows of a tile of the game. Empty if it cannot be generated; the engine has then printed an error.
 static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteArray:
-	var built := scatter.build_tile(part["layer"], Vector2i(part["x"], part["y"]))
+	var layer := scatter.get_all_layers()[part["layer"]]
+	var built := scatter.build_tile(layer, Vector2i(part["x"], part["y"]))
 	return built.get_rows() if built.get_mesh_count() > 0 else PackedByteArray()
 
 

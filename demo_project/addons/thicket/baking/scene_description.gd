@@ -63,9 +63,10 @@ func describe(scatter: TerrainScatter3D) -> bool:
 		return false
 	var parts := SceneDigest.parts_of(scatter, Rect2(rect[0], rect[1], rect[2], rect[3]))
 	var offset := scatter.world_offset
+	var all_layers := scatter.get_all_layers()
 	var columns := {}
 	for layer in layers:
-		columns[str(layer.index)] = scatter.get_layer(layer.index).get_row_columns()
+		columns[str(layer.index)] = all_layers[layer.index].get_row_columns()
 	values = {
 		"seed": str(scatter.seed), "layers": layers, "parts": parts, "world_offset": [offset.x, offset.y, offset.z], "rect": rect,
 		"problems": scatter.get_problems(), "scene_digest": JSON.stringify(parts, "", true).sha256_text(), "thicket": SceneDigest.version(), "columns": columns,
@@ -75,17 +76,19 @@ func describe(scatter: TerrainScatter3D) -> bool:
 
 static func _fitting_size(scatter: TerrainScatter3D, rect: Array, layers: Array[Dictionary]) -> float:
 	var sizes := PackedFloat64Array()
+	var all_layers := scatter.get_all_layers()
 	var density := 0.0
 	for layer in layers:
 		sizes.append(layer["tile_size"])
-		density += scatter.get_layer(layer.index).get_point_density()
+		density += all_layers[layer.index].get_point_density()
 	return BakeGrid.default_size(rect, sizes, density)
 
 
 static func _layers_of(scatter: TerrainScatter3D) -> Array[Dictionary]:
 	var layers: Array[Dictionary] = []
-	for index in scatter.get_layer_count():
-		var layer := scatter.get_layer(index)
+	var all_layers := scatter.get_all_layers()
+	for index in all_layers.size():
+		var layer := all_layers[index]
 		if layer != null:
 			layers.append({
 				"index": index, "name": layer.resource_name, "radius": layer.radius, "levels": layer.progressive_levels,

@@ -26,8 +26,9 @@ static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[Strin
 	add.call("the seed", [scatter.seed])
 	add.call("the water", [scatter.water_enabled, scatter.water_level])
 	add.call("the world's offset", [scatter.world_offset])
-	for index in scatter.get_layer_count():
-		var layer := scatter.get_layer(index)
+	var layers := scatter.get_all_layers()
+	for index in layers.size():
+		var layer := layers[index]
 		if layer != null:
 			add.call("layer %d (%s)" % [index, layer.resource_name], [layer])
 	add.call("the biomes", [scatter.biomes])

@@ -217,8 +217,9 @@ func _send_rows(tile: Array) -> bool:
 
 
 func _send_models(layers: Array) -> bool:
+	var all_layers := _scatter.get_all_layers()
 	for index: float in layers:
-		var files := ModelFiles.new(_scatter.get_layer(int(index)), int(index))
+		var files := ModelFiles.new(all_layers[int(index)], int(index))
 		for file in files.written:
 			if not _send({"file": file}, files.written[file]):
 				return false

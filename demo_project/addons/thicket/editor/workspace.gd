@@ -189,8 +189,9 @@ func _state(scatter: TerrainScatter3D) -> Array:
 	# Tiles are added and removed as the camera moves; the line is updated when they have settled.
 	if scatter.is_settled():
 		_tiles = 0
-		for index in ScatterLayers.of(scatter).size():
-			_tiles = hash([_tiles, scatter.get_shown_tiles(index)])
+		for layer in ScatterLayers.of(scatter):
+			if layer != null:
+				_tiles = hash([_tiles, scatter.get_shown_tiles(layer)])
 	state.append(_tiles)
 	return state
 

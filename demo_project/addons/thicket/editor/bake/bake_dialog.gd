@@ -103,7 +103,7 @@ func fill(scatter: TerrainScatter3D, rect: Rect2) -> void:
 			var box := CheckBox.new()
 			box.text = layers[index].resource_name if layers[index].resource_name else "Layer %d" % index
 			box.button_pressed = true
-			box.set_meta(&"index", index)
+			box.set_meta(&"layer", layers[index])
 			_layers.add_child(box)
 	_bar.value = 0.0
 	_state.text = ""
@@ -186,12 +186,12 @@ func _rect() -> Rect2:
 	return Rect2(_numbers[0].value, _numbers[1].value, _numbers[2].value, _numbers[3].value)
 
 
-## The layers to bake, as indices in the scatter's list.
-func _chosen() -> PackedInt32Array:
-	var chosen := PackedInt32Array()
+## The layers to bake.
+func _chosen() -> Array[ScatterLayer]:
+	var chosen: Array[ScatterLayer] = []
 	for box: CheckBox in _layers.get_children():
 		if box.button_pressed:
-			chosen.append(box.get_meta(&"index"))
+			chosen.append(box.get_meta(&"layer"))
 	return chosen
 
 

@@ -6,11 +6,10 @@ const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
 
-## Adds the scene at [param scene_path] below the scatter, and a region that keeps the baked layers (indices in the scatter's list) out
-## of [param rect]. Removes hand-placed instances there, so that nothing is placed twice. The region does not consider neighbors: for a
+## Adds the scene at [param scene_path] below the scatter, and a region that keeps the baked layers out of [param rect]. Removes hand-placed instances there, so that nothing is placed twice. The region does not consider neighbors: for a
 ## layer that was not baked and keeps a distance to a baked one, the baked instances are gone. Returns the reason if it failed, as a
 ## sentence; empty on success.
-static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: PackedInt32Array) -> String:
+static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: Array[ScatterLayer]) -> String:
 	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
 	if packed == null:
 		return "%s cannot be loaded, so the scatter was not replaced; the Output panel has the reason." % scene_path
@@ -38,18 +37,21 @@ static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: Str
 
 
 ## The layers as a region refers to them; empty for all.
-static func _references(scatter: TerrainScatter3D, chosen: PackedInt32Array) -> Array:
+static func _references(scatter: TerrainScatter3D, chosen: Array[ScatterLayer]) -> Array:
 	var layers := scatter.layers
 	var references: Array = []
-	for index in chosen:
-		var name: String = layers[index].resource_name
+	for chosen_layer in chosen:
+		var name := chosen_layer.resource_name
 		var alike := layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and layer.resource_name == name)
-		references.append(name if not name.is_empty() and alike.size() == 1 else index)
+		if name.is_empty() or alike.size() == 1:
+			references.append(chosen_layer)
+		else:
+			references.append(layers.find(chosen_layer)) # A region stores a name, which would be that of the first of them.
 	return references if chosen.size() < layers.size() - layers.count(null) else []
 
 
 ## The ids of the hand-placed instances in a rectangle.
-static func _by_hand(scatter: TerrainScatter3D, rect: Rect2, chosen: PackedInt32Array) -> PackedInt64Array:
+static func _by_hand(scatter: TerrainScatter3D, rect: Rect2, chosen: Array[ScatterLayer]) -> PackedInt64Array:
 	var found := PackedInt64Array()
 	var state := scatter.state
 	if state != null:

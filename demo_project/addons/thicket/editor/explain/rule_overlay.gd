@@ -37,7 +37,7 @@ func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, aw
 	_name = "" if chosen == null else str(chosen.resource_name) if chosen.resource_name else "Layer %d" % layer
 	# Points are a radius apart: with larger quads, their ranks would look like noise.
 	var largest: float = chosen.radius * 0.5 if kind == Kind.RANK else INF
-	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, layer), largest)
+	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, chosen), largest)
 
 
 func hide() -> void:
@@ -68,7 +68,7 @@ func draw_legend(overlay: Control) -> void:
 	overlay.draw_string(font, below, ends[1], HORIZONTAL_ALIGNMENT_RIGHT, bar.size.x, size - 2)
 
 
-func _ask(rect: Rect2, size: Vector2i, scatter: TerrainScatter3D, kind: Kind, layer: int) -> PackedColorArray:
+func _ask(rect: Rect2, size: Vector2i, scatter: TerrainScatter3D, kind: Kind, layer: ScatterLayer) -> PackedColorArray:
 	var values: PackedFloat32Array
 	match kind:
 		Kind.DENSITY: values = scatter.get_density_map(layer, rect, size)

@@ -14,9 +14,9 @@ const DIM := Color(0.92, 0.92, 0.92, 0.65)
 var rows: Array[Array] = []
 
 
-## Shows the layers of a scatter from the result of [method TerrainScatter3D.explain_position]. For the layer at [param chosen], all
-## rules are listed.
-func fill(explanations: Array, chosen: int) -> void:
+## Shows the layers of a scatter from the result of [method TerrainScatter3D.explain_position]. For the layer
+## [param chosen], all rules are listed.
+func fill(explanations: Array, chosen: ScatterLayer) -> void:
 	rows.clear()
 	# The chosen layer is first, so that it is never among the omitted ones.
 	var ordered := explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer == chosen)
@@ -27,9 +27,9 @@ func fill(explanations: Array, chosen: int) -> void:
 			break
 		var explanation: ScatterExplanation = ordered[index]
 		var yes: bool = str(explanation.refused_by).is_empty()
-		var name: String = explanation.layer_name if explanation.layer_name else "Layer %d" % explanation.layer
+		var name: String = explanation.layer_name if explanation.layer_name else "Layer %d" % explanations.find(explanation)
 		rows.append([YES if yes else NO, "%s %s: %s" % ["✓" if yes else "✗", name, explanation.reason]])
-		if explanation.layer == chosen:
+		if chosen != null and explanation.layer == chosen:
 			for rule: int in explanation.get_rule_count():
 				rows.append([DIM, "    %s" % explanation.get_rule_sentence(rule)])
 

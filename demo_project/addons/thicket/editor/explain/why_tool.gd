@@ -140,5 +140,5 @@ func _explain(at: Vector3, at_once: bool) -> void:
 	elif not at.is_finite():
 		panel.rows.clear()
 	else:
-		panel.fill(scatter.explain_position(at), layer_index)
+		panel.fill(scatter.explain_position(at), layer)
 	redraw_requested.emit()

@@ -31,14 +31,13 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 		return
 	var edges: Array[PackedVector2Array] = []
 	var seen := {}
-	var layers := ScatterLayers.of(scatter)
-	for index in layers.size():
-		if layers[index] == null:
+	for layer in ScatterLayers.of(scatter):
+		if layer == null:
 			continue
-		var reach := Vector2(layers[index].tile_size, layers[index].view_distance)
+		var reach := Vector2(layer.tile_size, layer.view_distance)
 		if not seen.has(reach):
 			seen[reach] = true
-			_add_edges(edges, scatter.get_shown_tiles(index), reach.x)
+			_add_edges(edges, scatter.get_shown_tiles(layer), reach.x)
 	if edges.is_empty():
 		return
 	var lines := GroundLines.new(scatter)

@@ -51,8 +51,8 @@ func begin(scatter: TerrainScatter3D, scene_path: String) -> bool:
 
 
 ## Places an instance of a layer, and returns its id; 0 if it cannot be placed.
-func add(layer_index: int, transform: Transform3D, mesh: int) -> int:
-	var id := _scatter.add_instance(layer_index, transform, mesh)
+func add(layer: ScatterLayer, transform: Transform3D, mesh: int) -> int:
+	var id := _scatter.add_instance(layer, transform, mesh)
 	_added(id)
 	return id
 

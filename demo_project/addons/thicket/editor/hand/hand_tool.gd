@@ -97,7 +97,7 @@ func look() -> void:
 	if not is_on() or layer == null or ground() == null:
 		_ghost.hide()
 		return
-	var built := scatter.build_rect(layer_index, Rect2(0.0, 0.0, 0.01, 0.01))
+	var built := scatter.build_rect(layer, Rect2(0.0, 0.0, 0.01, 0.01))
 	_meshes.clear()
 	for mesh in built.get_mesh_count():
 		_meshes.append(built.get_mesh(mesh))
@@ -178,7 +178,7 @@ func _plant(with_control: bool) -> String:
 		return "There is no ground below the mouse: click where the ground is."
 	if not edits.begin(scatter, scene_path()):
 		return edits.problem
-	var id := edits.add(layer_index, planting.transform_at(_cursor.on_ground, ground(), with_control), planting.mesh)
+	var id := edits.add(layer, planting.transform_at(_cursor.on_ground, ground(), with_control), planting.mesh)
 	edits.commit("Plant %s" % layer.resource_name)
 	if id == 0:
 		return "No instance of %s was planted; the Output panel has the reason." % layer.resource_name
@@ -298,7 +298,7 @@ func _pick() -> int:
 	var reach := REACH
 	if _cursor.on_ground.is_finite():
 		reach = minf(reach, _cursor.from.distance_to(_cursor.on_ground) + 2.0 * layer.instance_radius)
-	var met := scatter.query_ray(_cursor.from, _cursor.from + _cursor.direction * reach, [layer_index])
+	var met := scatter.query_ray(_cursor.from, _cursor.from + _cursor.direction * reach, layer)
 	return met.id if met != null else 0
 
 
@@ -315,7 +315,7 @@ func _frame_of(id: int) -> HandFrame:
 	if not is_instance_valid(scatter) or ground() == null:
 		return null
 	var instance := scatter.get_instance(id)
-	if instance == null or instance.layer != layer_index:
+	if instance == null or instance.layer != layer:
 		return null
 	var frame := HandFrame.new()
 	frame.transform = instance.transform

@@ -140,7 +140,7 @@ func _list(node: Node, scene: Node) -> void:
 
 func _layer() -> Variant:
 	var layer: int = _layers.get_selected_metadata()
-	return null if layer == BY_MESH else layer
+	return null if layer == BY_MESH else _scatter.layers[layer]
 
 
 func _choose_source() -> void:

@@ -3,17 +3,12 @@ extends RefCounted
 ## The layers that a scatter shows: its own, followed by those of its biomes.
 
 
-## Returns all layers in the order of the scatter's layer indices; null for empty entries. Empty if the scatter
-## is null.
+## Returns all layers as [method TerrainScatter3D.get_all_layers] does; null for empty entries. Empty if the
+## scatter is null.
 static func of(scatter: TerrainScatter3D) -> Array[ScatterLayer]:
 	if scatter == null:
 		return []
-	if scatter.biomes == null:
-		return scatter.layers
-	var result: Array[ScatterLayer] = scatter.layers.duplicate()
-	for index in range(result.size(), scatter.get_layer_count()):
-		result.append(scatter.get_layer(index))
-	return result
+	return scatter.layers if scatter.biomes == null else scatter.get_all_layers()
 
 
 ## Returns those layers that are in the scatter's own list, which is the list that the panel changes.
