@@ -331,6 +331,45 @@ func test_removed_instances_regrow() -> void:
 	check_equal(signals.take()[-1].slice(0, 3), ["instance_restored", oak, scatter.layers[0]], "a signal reports it")
 
 
+## The methods of a state that a node uses follow the node's rules.
+func test_changes_through_the_state() -> void:
+	var scatter := make_wood()
+	scatter.layers[0].resource_name = "oak"
+	scatter.layers[0].regrowth_time = 50.0
+	scatter.state = ScatterState.new()
+	await settle(scatter)
+	var state := scatter.state
+	var standing := scatter.query_sphere(Vector3.ZERO, 30.0, "oak").ids
+	var missing := standing[0] ^ (1 << 40)
+	var signals := SignalLog.new(scatter)
+	check(not scatter.has_instance(missing), "no such instance")
+	check(not state.remove(missing) and not state.set_instance_data(missing, 1) and not state.restore(missing), "it cannot be changed")
+	check_equal([state.get_revision(), signals.take().size()], [0, 0], "changes")
+	var at := scatter.get_instance(standing[0]).transform
+	check(state.remove(standing[0]), "an existing one is removed")
+	check_equal(signals.take(), [["instance_removed", standing[0], scatter.layers[0], at]], "with a signal")
+	check(not scatter.has_instance(standing[0]) and not state.remove(standing[0]), "once")
+	check(state.remove(standing[1], 0.0) and state.remove(standing[2], 20.0), "permanently, and for a shorter time")
+	check(not state.remove(standing[0], 80.0), "a removed one gets a different time")
+	check(state.set_instance_data(standing[3], "tall") and state.remove(standing[3], 10.0) and state.restore(standing[3]), "restored")
+	check_equal(signals.take().slice(-1)[0].slice(0, 3), ["instance_restored", standing[3], scatter.layers[0]], "with a signal")
+	check_equal(scatter.get_instance_data(standing[3]), "tall", "with its data")
+	check_equal(state.get_removed("oak"), state.get_removed(), "removed ones by the layer's name")
+	check_equal(state.get_removed(scatter.layers[1]), PackedInt64Array(), "none of the other layer")
+	state.advance(21.0)
+	check(scatter.has_instance(standing[2]) and not scatter.has_instance(standing[0]), "the shorter time has passed")
+	state.advance(60.0)
+	check(scatter.has_instance(standing[0]) and not scatter.has_instance(standing[1]), "only the permanent removal is left")
+	var planted := scatter.add_instance("oak", Transform3D(Basis(), Vector3(4, 0, 4)))
+	check_equal(state.get_added("oak"), PackedInt64Array([planted]), "hand-placed ones by the layer's name")
+	check(state.remove(planted) and not scatter.has_instance(planted), "a hand-placed one is removed")
+	# Outside of the tree the node makes no changes, and the state changes ids.
+	root.remove_child(scatter)
+	check(state.remove(missing), "any id")
+	scatter.free()
+	check(state.restore(missing) and state.get_removed_count() == 1, "also after the node was freed")
+
+
 func test_bad_input() -> void:
 	var scatter := make_wood()
 	await settle(scatter)

@@ -65,9 +65,20 @@ func test_changes_emit_signals() -> void:
 func test_ids_by_layer() -> void:
 	var state := make_state()
 	check_equal(state.get_removed_count(), 20, "removed")
-	check_equal(state.get_removed(LAYER), state.get_removed(), "all belong to one layer")
-	for other: int in [0, 4, 32768, -2, 1 << 40, LAYER + (1 << 32)]:
-		check(state.get_removed(other).is_empty() and state.get_added(other).is_empty(), "none of layer %d" % other)
+	var layer := make_layer()
+	layer.layer_id = LAYER
+	check_equal(state.get_removed(layer), state.get_removed(), "all belong to one layer")
+	var other := make_layer()
+	for id: int in [0, 4, 32767]:
+		other.layer_id = id
+		check(state.get_removed(other).is_empty() and state.get_added(other).is_empty(), "none of layer %d" % id)
+	check_equal(state.get_removed([other, layer, layer]), state.get_removed(), "two layers, one of them twice")
+	for wrong: Array in [[LAYER, "not the index %d" % LAYER], ["oaks", "No layer is named \"oaks\""], [null, "<null>"],
+			[[layer, "oaks"], "\"oaks\""], [make_layer(), "without a layer_id"]]:
+		check_equal(state.get_removed(wrong[0]), PackedInt64Array(), "no layer %s" % [wrong[0]])
+		check_error(["ScatterState.get_removed: ", wrong[1]], "no layer %s" % [wrong[0]])
+		check_equal(state.get_added(wrong[0]), PackedInt64Array(), "no layer %s" % [wrong[0]])
+		check_error(["ScatterState.get_added: ", wrong[1]], "no layer %s" % [wrong[0]])
 	var sorted := state.get_removed()
 	sorted.sort()
 	check_equal(state.get_removed(), sorted, "ascending")
@@ -104,7 +115,7 @@ func test_times() -> void:
 	state.advance(1.0)
 	check_equal(signals.take(), [PackedInt64Array([point(0)]), "changed"], "it has regrown")
 	check_equal(state.get_removed(), PackedInt64Array([point(1)]), "the second one has not")
-	for wrong: float in [NAN, -1.0, 2e12]:
+	for wrong: float in [NAN, -2.0, 2e12]:
 		check(not state.remove(point(2), wrong), "removed until %f" % wrong)
 		check_error(["ScatterState.remove: until"], "until %f" % wrong)
 	for wrong: float in [NAN, -1.0, 0.0]:

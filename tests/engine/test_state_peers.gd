@@ -147,7 +147,9 @@ func test_area() -> void:
 	await settle(scatter)
 	check_equal(scatter.state.apply_diff(wishes.diff_since(0)), OK, "within the area")
 	check(not scatter.has_instance(near), "it is removed")
-	var bounds: Rect2 = scatter.state.inspect_diff(wishes.diff_since(0)).layers[near >> 48].bounds
+	var seen: Dictionary = scatter.state.inspect_diff(wishes.diff_since(0)).layers[0]
+	check_equal([seen.layer, seen.layer_id], [scatter.layers[0], near >> 48], "its layer")
+	var bounds: Rect2 = seen.bounds
 	check(limits.area.encloses(bounds), "its cell: %s" % bounds)
 	wishes.remove(far)
 	check_equal(scatter.state.apply_diff(wishes.diff_since(0)), ERR_UNAUTHORIZED, "outside of the area")
@@ -162,12 +164,13 @@ func test_inspect_diff() -> void:
 	var seen := ScatterState.new().inspect_diff(state.diff_since(0))
 	check_equal([seen.error, seen.message, seen.changes, seen.replaces_everything, seen.time], [OK, "", 5, false, 2.5], "the diff")
 	check_equal([seen.origin, seen.base_revision, seen.revision], [state.get_origin(), 0, state.get_revision()], "its order")
-	var layer: Dictionary = seen.layers[LAYER]
+	var layer: Dictionary = seen.layers[0]
+	check(seen.layers.size() == 1 and layer.layer == null and layer.layer_id == LAYER, "the layer of a state without a node")
 	check_equal([layer.removed, layer.restored, layer.added, layer.taken_away, layer.with_data], [4, 1, 0, 0, 1], "its layer")
 	check(layer.data_bytes > 3 and not layer.bounds_are_complete and not layer.has("bounds"), "without a node, the bounds are unknown")
 	check(ScatterState.new().inspect_diff(state.to_bytes()).replaces_everything, "a whole state")
 	var refused := ScatterState.new().inspect_diff(oversized_diff(8_000_000))
-	check_equal([refused.error, refused.changes, refused.layers], [ERR_UNAUTHORIZED, 8_000_000, {}], "a diff with too many changes is not read")
+	check_equal([refused.error, refused.changes, refused.layers], [ERR_UNAUTHORIZED, 8_000_000, []], "a diff with too many changes is not read")
 	check((refused.message as String).begins_with("changes must be at most"), refused.message)
 	check_equal(ScatterState.new().inspect_diff(PackedByteArray()).error, ERR_FILE_CORRUPT, "not a diff")
 

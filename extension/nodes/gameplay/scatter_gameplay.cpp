@@ -57,6 +57,7 @@ void ScatterGameplay::retire() {
 	give_up_requests();
 	collision_.set_layers({});
 	world_.clear();
+	layers_.clear();
 	scenes_.set_layers({});
 }
 

@@ -206,6 +206,12 @@ public:
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 	godot::Variant get_instance_data(int64_t p_id) const;
 
+	// As a ScatterState needs them.
+	bool displays(std::uint64_t id) const override;
+	bool remove_from(const ScatterState *state, std::uint64_t id, double until) override;
+	bool restore_in(const ScatterState *state, std::uint64_t id) override;
+	bool set_data_in(const ScatterState *state, std::uint64_t id, const godot::Variant &p_data) override;
+	SharedLayers layers() const override { return listed_; }
 	void state_changed(const SharedChanges &changes) override;
 	void tell_changes(const SharedChanges &changes) override;
 
@@ -272,7 +278,8 @@ private:
 
 	void add_obstructions(
 			const NavigationBake &bake, const Rect &ground, std::uint32_t layer, const SharedSnapshot &snapshot);
-	std::vector<std::uint64_t> remove_all(std::span<const PlacedInstance> instances);
+	std::vector<std::uint64_t> remove_all(std::span<const PlacedInstance> instances, double until = regrowth_of_layer);
+	bool set_data(std::uint64_t id, bool exists, const godot::Variant &p_data);
 	bool find_layer_to_add_to(const char *p_method, const godot::Variant &p_layer, std::uint32_t &r_layer);
 	void claim_layers();
 	Status claim(std::uint32_t layer);

@@ -140,12 +140,13 @@ PackedInt64Array ScatterGameplay::remove_in_sphere(
 }
 
 /// Scripts that were called while finding the instances may have changed the layers since.
-std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedInstance> instances) {
+std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedInstance> instances, double until) {
 	std::vector<Removal> removals;
 	std::int64_t refused = -1;
 	for (const PlacedInstance &instance : instances) {
 		const std::int64_t index = layer_index_of(instance.id);
-		if (index < 0 || index == refused || !alive()) {
+		const bool listed = index >= 0 && static_cast<std::size_t>(index) < layers_.size();
+		if (!listed || index == refused || !alive()) {
 			continue;
 		}
 		if (const Status status = claim(static_cast<std::uint32_t>(index)); !status.ok()) {
@@ -154,7 +155,8 @@ std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedIns
 			continue;
 		}
 		const double regrowth = layers_[static_cast<std::size_t>(index)]->gameplay.regrowth_time;
-		removals.push_back({instance.id, regrowth > 0.0 ? state_->get_time() + regrowth : 0.0});
+		const double of_layer = regrowth > 0.0 ? state_->get_time() + regrowth : 0.0;
+		removals.push_back({instance.id, until == regrowth_of_layer ? of_layer : until});
 	}
 	if (removals.empty()) {
 		return {};
@@ -164,14 +166,33 @@ std::vector<std::uint64_t> ScatterGameplay::remove_all(std::span<const PlacedIns
 	return state->remove_all(removals);
 }
 
-bool ScatterGameplay::restore_instance(int64_t p_id) {
-	if (state_.is_null() || !state_->is_removed(p_id)) {
+bool ScatterGameplay::displays(std::uint64_t id) const {
+	const std::int64_t index = running_ ? layer_index_of(id) : -1;
+	return index >= 0 && static_cast<std::size_t>(index) < layers_.size();
+}
+
+bool ScatterGameplay::remove_from(const ScatterState *state, std::uint64_t id, double until) {
+	const bool gone = state->is_removed(script_id(id));
+	if (gone && until == regrowth_of_layer) {
 		return false;
 	}
-	const std::vector<PlacedInstance> found = find_by_id("restore_instance", p_id, true);
+	const std::vector<PlacedInstance> found = find_by_id("remove_instance", script_id(id), gone);
+	return state_.ptr() == state && !remove_all(found, until).empty();
+}
+
+bool ScatterGameplay::restore_instance(int64_t p_id) {
 	const Ref<ScatterState> state = state_;
+	return state.is_valid() && restore_in(state.ptr(), core_id(p_id));
+}
+
+bool ScatterGameplay::restore_in(const ScatterState *state, std::uint64_t id) {
+	if (!state->is_removed(script_id(id))) {
+		return false;
+	}
+	const std::vector<PlacedInstance> found = find_by_id("restore_instance", script_id(id), true);
+	const Ref<ScatterState> held = state_;
 	const Meanwhile changing(changing_, std::span(found));
-	return state.is_valid() && state->restore(p_id);
+	return held.is_valid() && held.ptr() == state && held->restore_by_id(id);
 }
 
 int64_t ScatterGameplay::set_instance_transform(int64_t p_id, const Transform3D &p_transform) {
@@ -194,8 +215,17 @@ int64_t ScatterGameplay::set_instance_transform(int64_t p_id, const Transform3D 
 }
 
 bool ScatterGameplay::set_instance_data(int64_t p_id, const Variant &p_data) {
-	const std::int64_t layer =
-			find_by_id("set_instance_data", p_id, true).empty() || !alive() ? -1 : layer_index_of(core_id(p_id));
+	return set_data(core_id(p_id), !find_by_id("set_instance_data", p_id, true).empty(), p_data);
+}
+
+bool ScatterGameplay::set_data_in(const ScatterState *state, std::uint64_t id, const Variant &p_data) {
+	const bool exists = !find_by_id("set_instance_data", script_id(id), true).empty();
+	return state_.ptr() == state && set_data(id, exists, p_data);
+}
+
+/// Stores data of an instance, unless it does not exist.
+bool ScatterGameplay::set_data(std::uint64_t id, bool exists, const Variant &p_data) {
+	const std::int64_t layer = exists && alive() ? layer_index_of(id) : -1;
 	if (layer < 0) {
 		return false;
 	}
@@ -204,7 +234,7 @@ bool ScatterGameplay::set_instance_data(int64_t p_id, const Variant &p_data) {
 		return false;
 	}
 	const Ref<ScatterState> state = state_;
-	return state->set_instance_data(p_id, p_data);
+	return state->set_data_by_id(id, p_data);
 }
 
 Variant ScatterGameplay::get_instance_data(int64_t p_id) const {

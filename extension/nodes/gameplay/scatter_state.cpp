@@ -41,28 +41,18 @@ bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	return false;
 }
 
-int core_layer(int64_t p_layer_id) {
-	constexpr int64_t no_layer = max_state_layer + 1;
-	return static_cast<int>(p_layer_id < -1 ? no_layer : std::min(p_layer_id, no_layer));
-}
-
 } // namespace
 
 bool ScatterState::remove(int64_t p_id, double p_until) {
-	if (told("remove", check_range("until", p_until, 0.0, max_state_time)) != OK || p_id == 0) {
+	if (p_until != regrowth_of_layer && told("remove", check_range("until", p_until, 0.0, max_state_time)) != OK) {
 		return false;
 	}
 	const std::uint64_t id = core_id(p_id);
-	InstanceChange change{id, InstanceChangeKind::removed, {}};
-	if (const AddedInstance *added = state_.added(id)) {
-		change.added = *added;
+	if (const std::shared_ptr<StateListener> node = node_for(id)) {
+		return node->remove_from(this, id, p_until);
 	}
-	const StateChange removed = state_.remove(id, p_until);
-	told("remove", removed.status);
-	if (removed) {
-		tell({change});
-	}
-	return removed.changed;
+	const Removal removal{id, std::max(p_until, 0.0)};
+	return p_id != 0 && !remove_all(std::span(&removal, 1)).empty();
 }
 
 std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> removals) {
@@ -89,8 +79,14 @@ std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> rem
 }
 
 bool ScatterState::restore(int64_t p_id) {
-	const InstanceChange change{core_id(p_id), InstanceChangeKind::restored, {}};
-	const StateChange restored = state_.restore(change.id);
+	const std::uint64_t id = core_id(p_id);
+	const std::shared_ptr<StateListener> node = node_for(id);
+	return node != nullptr ? node->restore_in(this, id) : restore_by_id(id);
+}
+
+bool ScatterState::restore_by_id(std::uint64_t id) {
+	const InstanceChange change{id, InstanceChangeKind::restored, {}};
+	const StateChange restored = state_.restore(id);
 	told("restore", restored.status);
 	if (restored) {
 		tell({change});
@@ -124,13 +120,19 @@ Status ScatterState::move(std::uint64_t id, const AddedInstance &instance, std::
 }
 
 bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
+	const std::uint64_t id = core_id(p_id);
+	const std::shared_ptr<StateListener> node = node_for(id);
+	return node != nullptr ? node->set_data_in(this, id, p_data) : set_data_by_id(id, p_data);
+}
+
+bool ScatterState::set_data_by_id(std::uint64_t id, const Variant &p_data) {
 	PackedByteArray bytes;
 	const std::uint64_t revision = state_.revision();
 	Status status{ErrorCode::corrupt, "data", 0.0, {}, {}, "Use values that var_to_bytes() encodes, no objects"};
-	if (p_id == 0) {
+	if (id == 0) {
 		status = Status::missing("id", "Pass the id of an instance, which is never 0");
 	} else if (encode(p_data, bytes)) {
-		status = state_.set_data(core_id(p_id), span_of(bytes));
+		status = state_.set_data(id, span_of(bytes));
 	}
 	if (told("set_instance_data", status) != OK) {
 		return false;
@@ -138,8 +140,8 @@ bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 	if (state_.revision() == revision) {
 		return true;
 	}
-	InstanceChange change{core_id(p_id), InstanceChangeKind::data, {}};
-	if (const AddedInstance *added = state_.added(change.id)) {
+	InstanceChange change{id, InstanceChangeKind::data, {}};
+	if (const AddedInstance *added = state_.added(id)) {
 		change.added = *added;
 	}
 	tell({change});
@@ -148,12 +150,82 @@ bool ScatterState::set_instance_data(int64_t p_id, const Variant &p_data) {
 
 Variant ScatterState::get_instance_data(int64_t p_id) const { return decoded(state_.data(core_id(p_id))); }
 
-PackedInt64Array ScatterState::get_removed(int64_t p_layer_id) const {
-	return packed_ids(state_.removed_ids(core_layer(p_layer_id)));
+bool ScatterState::find_layer_ids(const char *p_method, const Variant &p_layers, std::vector<int> &r_ids) const {
+	TypedArray<ScatterLayer> known; // Those of the nodes, whose names count, and those that are passed.
+	for (const std::shared_ptr<StateListener> &node : listeners()) {
+		const SharedLayers layers = node->layers();
+		for (std::size_t index = 0; index < static_cast<std::size_t>(layers->size()); ++index) {
+			append(known, layers->at(index));
+		}
+	}
+	const bool is_list = p_layers.get_type() == Variant::ARRAY;
+	const Array passed = is_list ? static_cast<Array>(p_layers) : Array();
+	for (int64_t at = is_list ? 0 : -1; at < passed.size(); ++at) {
+		if (const Ref<ScatterLayer> layer = at < 0 ? p_layers : passed[at]; layer.is_valid()) {
+			append(known, layer);
+		}
+	}
+	std::vector<std::uint32_t> indices;
+	String problem = find_layers(known, p_layers, indices);
+	for (std::size_t i = 0; problem.is_empty() && i < indices.size(); ++i) {
+		const Ref<ScatterLayer> layer = known[indices[i]];
+		r_ids.push_back(static_cast<int>(layer->own_id()));
+		if (r_ids.back() < 0) {
+			problem = "A ScatterLayer without a layer_id has no instances: add it to a node, or set its layer_id.";
+		}
+	}
+	if (!problem.is_empty()) {
+		ERR_PRINT(String("ScatterState.") + String(p_method) + String(": ") + problem);
+	}
+	std::ranges::sort(r_ids);
+	r_ids.erase(std::unique(r_ids.begin(), r_ids.end()), r_ids.end());
+	return problem.is_empty();
 }
 
-PackedInt64Array ScatterState::get_added(int64_t p_layer_id) const {
-	return packed_ids(state_.added_ids(core_layer(p_layer_id)));
+Ref<ScatterLayer> ScatterState::layer_with_id(std::uint16_t layer_id) const {
+	for (const std::shared_ptr<StateListener> &node : listeners()) {
+		const SharedLayers layers = node->layers();
+		for (std::size_t index = 0; index < static_cast<std::size_t>(layers->size()); ++index) {
+			if (const Ref<ScatterLayer> layer = layers->at(index); layer.is_valid() && layer->own_id() == layer_id) {
+				return layer;
+			}
+		}
+	}
+	return {};
+}
+
+std::shared_ptr<StateListener> ScatterState::node_for(std::uint64_t id) const {
+	for (const std::shared_ptr<StateListener> &node : listeners()) {
+		if (node->displays(id)) {
+			return node;
+		}
+	}
+	return nullptr;
+}
+
+PackedInt64Array ScatterState::ids_of(const char *p_method, const Variant &p_layers,
+		std::vector<std::uint64_t> (InstanceState::*ids)(int) const) const {
+	std::vector<int> layer_ids;
+	if (!find_layer_ids(p_method, p_layers, layer_ids)) {
+		return {};
+	}
+	if (layer_ids.empty()) {
+		return packed_ids((state_.*ids)(-1));
+	}
+	std::vector<std::uint64_t> result;
+	for (const int layer_id : layer_ids) {
+		const std::vector<std::uint64_t> of_layer = (state_.*ids)(layer_id);
+		result.insert(result.end(), of_layer.begin(), of_layer.end());
+	}
+	return packed_ids(result);
+}
+
+PackedInt64Array ScatterState::get_removed(const Variant &p_layers) const {
+	return ids_of("get_removed", p_layers, &InstanceState::removed_ids);
+}
+
+PackedInt64Array ScatterState::get_added(const Variant &p_layers) const {
+	return ids_of("get_added", p_layers, &InstanceState::added_ids);
 }
 
 int64_t ScatterState::get_removed_count() const { return static_cast<int64_t>(state_.removed_count()); }
@@ -257,13 +329,13 @@ Ref<ScatterState> ScatterState::copy() const {
 
 void ScatterState::_bind_methods() {
 	using Self = ScatterState;
-	bind_guarded<&Self::remove>(D_METHOD("remove", "id", "until"), DEFVAL(0.0));
+	bind_guarded<&Self::remove>(D_METHOD("remove", "id", "until"), DEFVAL(regrowth_of_layer));
 	bind_guarded<&Self::restore>(D_METHOD("restore", "id"));
 	bind_guarded<&Self::is_removed>(D_METHOD("is_removed", "id"));
 	bind_guarded<&Self::set_instance_data>(D_METHOD("set_instance_data", "id", "data"));
 	bind_guarded<&Self::get_instance_data>(D_METHOD("get_instance_data", "id"));
-	bind_guarded<&Self::get_removed>(D_METHOD("get_removed", "layer_id"), DEFVAL(-1));
-	bind_guarded<&Self::get_added>(D_METHOD("get_added", "layer_id"), DEFVAL(-1));
+	bind_guarded<&Self::get_removed>(D_METHOD("get_removed", "layers"), DEFVAL(Array()));
+	bind_guarded<&Self::get_added>(D_METHOD("get_added", "layers"), DEFVAL(Array()));
 	bind_guarded<&Self::get_removed_count>(D_METHOD("get_removed_count"));
 	bind_guarded<&Self::get_added_count>(D_METHOD("get_added_count"));
 	bind_guarded<&Self::from_bytes>(D_METHOD("from_bytes", "bytes"));

@@ -6,6 +6,7 @@
 #include "nodes/common/renames.hpp"
 #include "nodes/gameplay/diff_task.hpp"
 #include "nodes/gameplay/scatter_diff_limits.hpp"
+#include "nodes/layer/layer_reference.hpp"
 
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/resource.hpp>
@@ -27,10 +28,26 @@ namespace thicket {
 /// The changes of one call.
 using SharedChanges = std::shared_ptr<const StateChanges>;
 
-/// Is notified of every change of a ScatterState.
+class ScatterState;
+
+/// When a removed point grows again: a time of the state from 0 (never) on, or this.
+constexpr double regrowth_of_layer = -1.0;
+
+/// A node that uses a ScatterState. It is notified of every change, and makes those of the instances that it knows.
 class StateListener {
 public:
 	virtual ~StateListener() = default;
+
+	/// Whether the node displays the layer of this instance. Then changes of the instance go through the node, which knows whether it exists.
+	virtual bool displays(std::uint64_t id) const = 0;
+
+	// The changes, by the rules of the node's own methods. They run scripts.
+	virtual bool remove_from(const ScatterState *state, std::uint64_t id, double until) = 0;
+	virtual bool restore_in(const ScatterState *state, std::uint64_t id) = 0;
+	virtual bool set_data_in(const ScatterState *state, std::uint64_t id, const godot::Variant &p_data) = 0;
+
+	/// The node's layers at present.
+	virtual SharedLayers layers() const = 0;
 
 	/// Called before the call that made the changes returns. Runs no script.
 	virtual void state_changed(const SharedChanges &changes) = 0;
@@ -61,19 +78,24 @@ public:
 	ScatterState();
 	~ScatterState() override;
 
-	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 means forever. False for an ID of 0.
-	bool remove(int64_t p_id, double p_until = 0.0);
+	// Changes of an instance. If a node in the tree displays its layer, the node makes them, by the rules of its own methods. Otherwise they
+	// are made by the id alone, whether such an instance exists or not.
+
+	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 means forever, and regrowth_of_layer is forever
+	/// without a node. False for an ID of 0.
+	bool remove(int64_t p_id, double p_until = regrowth_of_layer);
 	bool restore(int64_t p_id);
-	bool is_removed(int64_t p_id) const;
 
 	/// Any Variant but an object, at most max_instance_data as bytes; null to delete. An object inside it becomes a number. False, with an
 	/// error, for anything else.
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
+
+	bool is_removed(int64_t p_id) const;
 	godot::Variant get_instance_data(int64_t p_id) const;
 
-	/// Ascending; for one layer_id or, for -1, for all.
-	godot::PackedInt64Array get_removed(int64_t p_layer_id = -1) const;
-	godot::PackedInt64Array get_added(int64_t p_layer_id = -1) const;
+	/// Ascending. `p_layers` are those of find_layers: names are those of layers of the nodes that use the state.
+	godot::PackedInt64Array get_removed(const godot::Variant &p_layers) const;
+	godot::PackedInt64Array get_added(const godot::Variant &p_layers) const;
 	int64_t get_removed_count() const;
 	int64_t get_added_count() const;
 
@@ -142,7 +164,9 @@ public:
 
 	void _reset_state() override { clear(); }
 
-	// For nodes.
+	// For nodes, which have made sure that the instance exists.
+	bool restore_by_id(std::uint64_t id);
+	bool set_data_by_id(std::uint64_t id, const godot::Variant &p_data);
 	const InstanceState &state() const { return state_; }
 
 	/// See InstanceState::share.
@@ -187,6 +211,16 @@ private:
 	void tell_untold();
 	void tell_now(const Untold &untold);
 	std::vector<std::shared_ptr<StateListener>> listeners() const;
+
+	/// The node that makes changes of an instance; null if there is none.
+	std::shared_ptr<StateListener> node_for(std::uint64_t id) const;
+
+	godot::PackedInt64Array ids_of(const char *p_method, const godot::Variant &p_layers,
+			std::vector<std::uint64_t> (InstanceState::*ids)(int) const) const;
+
+	/// The numbers of layers, ascending; empty for all. False, with an error, for a value that refers to no layer.
+	bool find_layer_ids(const char *p_method, const godot::Variant &p_layers, std::vector<int> &r_ids) const;
+	godot::Ref<ScatterLayer> layer_with_id(std::uint16_t layer_id) const;
 
 	/// Starts the first diff, if it is not in progress.
 	void start_diff();

@@ -67,9 +67,12 @@ void ScatterState::set_diff_limits(const Ref<ScatterDiffLimits> &p_limits) { dif
 Dictionary ScatterState::inspect_diff(const PackedByteArray &p_diff) const {
 	DiffSummary summary;
 	const Status status = state_.inspect(span_of(p_diff), summary, limits());
-	Dictionary layers;
-	for (const auto &[layer, content] : summary.layers) {
-		layers[number(layer)] = dictionary_of(content);
+	Array layers;
+	for (const auto &[layer_id, content] : summary.layers) {
+		Dictionary layer = dictionary_of(content);
+		layer["layer"] = layer_with_id(layer_id);
+		layer["layer_id"] = number(layer_id);
+		append(layers, layer);
 	}
 	Dictionary result;
 	result["error"] = static_cast<int64_t>(error_of(status));

@@ -69,7 +69,7 @@ func set_transform(id: int, transform: Transform3D) -> int:
 ## Removes an instance permanently.
 func remove(id: int) -> void:
 	_touch(id)
-	_state.remove(id)
+	_state.remove(id, 0.0)
 
 
 ## Ends the step and adds it to the undo history. If nothing has changed, no step is added.
