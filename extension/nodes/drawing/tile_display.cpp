@@ -36,6 +36,7 @@ void TileDisplay::set_visible(bool visible) {
 		return;
 	}
 	visible_ = visible;
+	drawer_.set_visible(visible);
 	for (auto &[key, tile] : tiles_) {
 		tile.set_visible(visible);
 	}
@@ -43,7 +44,7 @@ void TileDisplay::set_visible(bool visible) {
 
 void TileDisplay::set_layers(const std::vector<SharedSnapshot> &layers) {
 	const bool changed = layers_.set(layers);
-	fades_.set_layers(layers);
+	drawer_.fades().set_layers(layers);
 	if (changed) {
 		cancel_division();
 		visit_all();
@@ -194,7 +195,8 @@ void TileDisplay::clear() {
 	to_fade_.clear();
 	tiles_.clear();
 	uploader_.reset_count();
-	redrawn_count_ = lod_look_count_ = 0;
+	drawer_.reset_count();
+	redrawn_count_ = 0;
 	schedule_.clear();
 	budget_.clear();
 	hidden_.clear();

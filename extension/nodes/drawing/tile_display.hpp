@@ -1,36 +1,40 @@
 #pragma once
 
-#include "core/near/tile_overlay.hpp"
 #include "core/drawing/division_queue.hpp"
 #include "core/drawing/draw_budget.hpp"
 #include "core/drawing/lod_schedule.hpp"
 #include "core/drawing/redraw_queue.hpp"
 #include "core/drawing/tile_key_order.hpp"
+#include "core/near/tile_overlay.hpp"
 #include "core/streaming/tile_streamer.hpp"
+#include "nodes/drawing/cell_drawer.hpp"
 #include "nodes/drawing/displayed_tile.hpp"
 #include "nodes/drawing/draw_figures.hpp"
 #include "nodes/drawing/drawn_layers.hpp"
 #include "nodes/drawing/leaving_visuals.hpp"
-#include "nodes/drawing/lod_fades.hpp"
 #include "nodes/drawing/tile_uploader.hpp"
 #include "nodes/drawing/upload_queue.hpp"
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 #include <span>
 #include <unordered_set>
 #include <vector>
 
 namespace thicket {
 
-/// The visible tiles and how they are drawn. Uploads their parts, changes meshes and counts with distance, and redraws tiles that a game
-/// has changed. Main thread only. Works in small steps, so that its caller can stop when the frame's time is spent.
+/// The visible tiles. Carries out what core/drawing decides: uploads their parts, divides them into cells, changes meshes and counts with
+/// distance, and redraws tiles that a game has changed. Main thread only. Works in small steps, so that its caller can stop when the
+/// frame's time is spent.
 class TileDisplay {
 public:
+	TileDisplay() = default;
+	~TileDisplay() = default;
+	TileDisplay(const TileDisplay &) = delete;
+	TileDisplay &operator=(const TileDisplay &) = delete;
+
 	/// Sets the changes of a game, which apply to all future tiles. Visible tiles follow where they are marked. The state must outlive the
 	/// display.
 	void set_state(const InstanceState *state) { state_ = state; }
@@ -85,7 +89,7 @@ public:
 
 	/// Uploads some visuals of LODs that are to fade in, or creates fading meshes. False if there are none.
 	bool fade_step();
-	bool has_fades() const { return !to_fade_.empty() || !fades_.is_made(); }
+	bool has_fades() const { return !to_fade_.empty() || !drawer_.fades().is_made(); }
 
 	/// True if none of these three steps would find work, and no removed tile is still visible.
 	bool settled() const;
@@ -151,7 +155,7 @@ public:
 	std::uint64_t redrawn_count() const { return redrawn_count_; }
 
 	/// Cells, and tiles that are drawn as a whole, for which an LOD was chosen by distance, counted for each mesh.
-	std::uint64_t lod_look_count() const { return lod_look_count_; }
+	std::uint64_t lod_look_count() const { return drawer_.draw_count(); }
 
 private:
 	using Tiles = std::map<TileKey, DisplayedTile, TileKeyOrder>;
@@ -164,33 +168,6 @@ private:
 	Sight sight_of(std::uint32_t layer) const;
 	DistanceRange distances_to(std::uint32_t layer, const DisplayedTile &tile) const;
 	double distance_to(std::uint32_t layer, const DisplayedTile &tile) const { return distances_to(layer, tile).near; }
-
-	/// How the instances of a mesh are drawn at any distance.
-	struct Drawing {
-		std::uint32_t layer;
-		const LodSettings &lod;
-		const LodChain *chain; ///< Null unless it belongs to the looks that the tile is drawn with, and is complete.
-
-		std::span<const LodStep> steps() const {
-			return chain != nullptr ? chain->steps() : std::span<const LodStep>();
-		}
-		std::size_t looks_beyond_first(const LodSpan &span) const {
-			return chain != nullptr ? chain->looks_beyond_first(span) : 0;
-		}
-	};
-	Drawing drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const;
-	bool draw_whole(const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin);
-	bool draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin);
-	bool draw_cell(
-			const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell);
-	static const MeshLook &first_look(
-			const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell);
-	void show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks, const DisplayedTile::Part &part,
-			DisplayedTile::Cell &r_cell);
-	static std::size_t wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell);
-	bool wants_visuals(const TileKey &key, const DisplayedTile &tile) const;
-	bool upload_others(const TileKey &key, DisplayedTile &r_tile);
-	bool upload_others(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 	void begin(TileUpload &r_upload, bool others_wait) const;
 	void redraw(const TileKey &key, DisplayedTile &r_tile);
 	bool patch_part(const DisplayedTile &tile, std::size_t mesh, const LayerSnapshot *layer,
@@ -232,15 +209,14 @@ private:
 	Tiles tiles_;
 	LeavingVisuals leaving_;
 	std::uint64_t redrawn_count_ = 0;
-	std::uint64_t lod_look_count_ = 0;
 
 	LodSchedule schedule_;
 	DrawBudget budget_;
+	CellDrawer drawer_{{layers_, schedule_, budget_, uploader_, leaving_}};
 
 	DivisionQueue divisions_;
 	std::vector<DisplayedTile::Part> next_parts_; ///< The parts of the current division uploaded until now, hidden.
 
-	LodFades fades_;
 	std::vector<TileKey> to_fade_; ///< Tiles that wait for visuals of LODs. No duplicates.
 
 	const InstanceState *state_ = nullptr;

@@ -50,7 +50,7 @@ void TileDisplay::continue_division() {
 		return !next_parts_.empty() && next_parts_.back().is_open();
 	};
 	if (!is_open() && next_parts_.size() == tile.parts.size()) {
-		if (upload_others(key, tile, next_parts_)) {
+		if (drawer_.add_visuals(key, tile, next_parts_)) {
 			finish_division(tile);
 		}
 		return;

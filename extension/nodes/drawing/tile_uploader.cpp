@@ -1,5 +1,6 @@
 #include "nodes/drawing/tile_uploader.hpp"
 
+#include "core/drawing/upload_step.hpp"
 #include "nodes/common/property_check.hpp"
 
 #include <utility>
@@ -7,14 +8,6 @@
 using namespace godot;
 
 namespace thicket {
-
-namespace {
-
-// The largest upload of one step, so that it takes a small part of a frame's time.
-constexpr std::size_t cells_per_step = 4;
-constexpr std::size_t instances_per_step = 4096;
-
-} // namespace
 
 void TileUploader::set_scenario(const RID &scenario, std::uint64_t node_id) {
 	context_.scenario = scenario;
@@ -52,15 +45,11 @@ DisplayedTile::Cell TileUploader::make_cell(const DisplayedTile &tile, const Dis
 
 void TileUploader::upload_cells(
 		const DisplayedTile &tile, std::size_t mesh, const LayerDrawing &drawing, DisplayedTile::Part &r_part) {
-	const std::size_t all = r_part.cell_count();
-	std::size_t instances = 0;
-	for (std::size_t cells = 0; cells < cells_per_step && instances < instances_per_step; ++cells) {
+	UploadStep step;
+	while (r_part.is_open() && !step.is_full()) {
 		const std::size_t next = r_part.cells.size();
-		if (next >= all) {
-			return;
-		}
-		instances += r_part.ranks_of(next).size();
 		r_part.cells.push_back(make_cell(tile, r_part, drawing, to_upload(r_part, next, tile.reach_of(mesh))));
+		step.add(r_part.ranks_of(next).size());
 	}
 }
 

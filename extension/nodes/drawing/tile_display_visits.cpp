@@ -1,9 +1,7 @@
-// How much of each tile is drawn: by distance, quality and a limit for all tiles together, and all of it without an upload.
+// How visible tiles follow the viewers and the limits: which of them are drawn again, and when.
 
 #include "nodes/drawing/tile_display.hpp"
 
-#include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -116,75 +114,37 @@ void TileDisplay::refine(const TileKey &key, DisplayedTile &r_tile) {
 	}
 	apply_drawing(key, r_tile);
 	const DistanceRange distance = distances_to(key.layer, r_tile);
-	const bool in_cells = r_tile.across > 1;
-	double margin = std::numeric_limits<double>::infinity();
-	const bool whole = in_cells ? draw_cells(key, r_tile, margin) : draw_whole(key, distance, r_tile, margin);
-	r_tile.look_at_all = false;
-	if (!whole) {
+	double margin = 0.0;
+	if (!drawer_.draw(key, r_tile, margin)) {
 		budget_.note_cut(key);
 	}
-	if (wants_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
+	r_tile.look_at_all = false;
+	if (drawer_.lacks_visuals(key, r_tile) && !std::exchange(r_tile.to_fade, true)) {
 		to_fade_.push_back(key);
 	}
 	divisions_.choose(key, r_tile.across, division_of(key, r_tile, r_tile.across));
-	const double cell_size = in_cells ? r_tile.rect.size().x / r_tile.across : 0.0;
+	const double cell_size = r_tile.across > 1 ? r_tile.rect.size().x / r_tile.across : 0.0;
 	schedule_.add(key, visit_margin(margin, cell_size, division_margin(layer->cells, layer->lod, distance.near)));
 }
 
-TileDisplay::Drawing TileDisplay::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
-	const LodChain *chain = fades_.find(key.layer, mesh);
-	const bool fades = chain != nullptr && chain->is_made() && chain->is_of(tile.parts[mesh].lods);
-	return {key.layer, layers_.find(key.layer)->lod, fades ? chain : nullptr};
-}
-
-/// Draws the meshes and the share of the instances that the distance of the tile requires. False if the limit for all tiles thins them.
-/// `r_margin` gets the distance that viewers may move until that changes.
-bool TileDisplay::draw_whole(
-		const TileKey &key, const DistanceRange &distance, DisplayedTile &r_tile, double &r_margin) {
-	bool whole = true;
-	r_margin = distance_margin(layers_.find(key.layer)->lod, distance.near);
-	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
-		DisplayedTile::Part &part = r_tile.parts[mesh];
-		for (std::size_t cell = 0; cell < part.cells.size(); ++cell) {
-			const Drawing drawing = drawing_of(key, r_tile, mesh);
-			whole = draw_cell(drawing, distance, part, cell) && whole;
-			r_margin = std::min(r_margin, adapted_margin(drawing.lod, drawing.steps(), distance));
+bool TileDisplay::fade_step() {
+	bool ready = false;
+	if (drawer_.fades().make_some(ready)) {
+		if (ready) {
+			visit_all();
 		}
+		return true;
 	}
-	return whole;
-}
-
-/// The same for each cell that is due.
-bool TileDisplay::draw_cells(const TileKey &key, DisplayedTile &r_tile, double &r_margin) {
-	const glm::dvec3 origin = r_tile.tile->origin;
-	bool whole = true;
-	r_margin = std::numeric_limits<double>::infinity();
-	for (std::size_t mesh = 0; mesh < r_tile.parts.size(); ++mesh) {
-		DisplayedTile::Part &part = r_tile.parts[mesh];
-		const Drawing drawing = drawing_of(key, r_tile, mesh);
-		const auto draw = [&](std::size_t at) {
-			const DisplayedTile::Cell &cell = part.cells[at];
-			const DistanceRange distance = schedule_.distances_to(
-					origin + glm::dvec3(cell.min), origin + glm::dvec3(cell.max), drawing.lod.sight());
-			whole = draw_cell(drawing, distance, part, at) && whole;
-			return adapted_margin(drawing.lod, drawing.steps(), distance);
-		};
-		r_margin = std::min(
-				r_margin, part.visits.visit(part.cells.size(), schedule_.traveled(), r_tile.look_at_all, draw));
+	if (to_fade_.empty()) {
+		return false;
 	}
-	return whole;
-}
-
-bool TileDisplay::draw_cell(
-		const Drawing &drawing, const DistanceRange &distance, DisplayedTile::Part &r_part, std::size_t cell_index) {
-	++lod_look_count_;
-	DisplayedTile::Cell &cell = r_part.cells[cell_index];
-	const std::span<const std::uint32_t> ranks = r_part.ranks_of(cell_index);
-	adapt(drawing.lod, drawing.steps(), distance, cell.drawing);
-	const double look_share = first_look(drawing, r_part, cell).look.density;
-	const bool whole = budget_.draw(drawing.layer, look_share, ranks, cell.drawing);
-	show_lods(drawing, ranks, r_part, cell);
-	return whole;
+	const TileKey key = to_fade_.back();
+	DisplayedTile &tile = tiles_.at(key);
+	if (layers_.find(key.layer) == nullptr || drawer_.add_visuals(key, tile)) {
+		tile.to_fade = false;
+		to_fade_.pop_back();
+	}
+	return true;
 }
 
 } // namespace thicket
