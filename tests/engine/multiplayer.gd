@@ -60,7 +60,7 @@ func _run() -> void:
 
 
 func _share_out(number: int) -> void:
-	var trees: PackedInt64Array = world.query_rect(AREA, world.get(&"trees")).ids
+	var trees: PackedInt64Array = world.query_rect(AREA, world.get(&"TREES")).ids
 	trees.sort()
 	for place in trees.size():
 		var turn := place % CIRCLE

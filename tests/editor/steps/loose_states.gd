@@ -88,7 +88,7 @@ func test_a_state_in_the_scene() -> void:
 	var state: Resource = ClassDB.instantiate(&"ScatterState")
 	root.get_node("Scatter").state = state
 	add_child(root)
-	root.get_node("Scatter").add_instance(0, Transform3D(Basis(), Vector3(0.0, 0.0, 1.0)))
+	root.get_node("Scatter").add_instance(root.get_node("Scatter").layers[0], Transform3D(Basis(), Vector3(0.0, 0.0, 1.0)))
 	remove_child(root)
 	save_packed(root, "res://older.tscn")
 	check("PackedByteArray" in FileAccess.get_file_as_string("res://older.tscn"), "the state is in the scene")

@@ -59,7 +59,7 @@ func drop() -> void:
 	check_equal(layer.collision_shape, 5, "with the scene's shape")
 	await settle(scatter)
 	check(instances(scatter, before.size()).size() > 100, "there are pines")
-	var mesh: Mesh = scatter.get_tile(before.size(), scatter.get_shown_tiles(before.size())[0]).get_mesh(0)
+	var mesh: Mesh = scatter.get_tile(layer, scatter.get_shown_tiles(layer)[0]).get_mesh(0)
 	check_equal(mesh.get_surface_count(), 2, "trunk and crown are in one mesh")
 	await picture("dropped")
 
@@ -73,7 +73,7 @@ func drop() -> void:
 	save_pine(4.0)
 	addon().scene_saved.emit(PINE)
 	await settle(scatter)
-	mesh = scatter.get_tile(before.size(), scatter.get_shown_tiles(before.size())[0]).get_mesh(0)
+	mesh = scatter.get_tile(layer, scatter.get_shown_tiles(layer)[0]).get_mesh(0)
 	check(absf(mesh.get_aabb().size.x - 4.0) < 0.01, "a saved scene is drawn with its new content: %s" % mesh.get_aabb())
 	history(scatter).undo()
 	check_equal(scatter.layers, before, "undone")

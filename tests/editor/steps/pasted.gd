@@ -69,7 +69,7 @@ func test_paste() -> void:
 	brush.finish(plugin.get_undo_redo())
 	var edits: RefCounted = workspace().toolbar.hand.edits
 	check(edits.begin(original, FROM), edits.problem)
-	edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0)
+	edits.add(original.layers[0], Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0)
 	edits.commit("Plant")
 	saved_files()
 	await mouse_click(row_of("Trees"))

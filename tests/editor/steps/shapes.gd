@@ -221,7 +221,7 @@ func test_bake_and_replace() -> void:
 	var edits: RefCounted = by_hand.edits
 	await settle(scatter)
 	check(edits.begin(scatter, SCENE), edits.problem)
-	var inside: int = edits.add(0, Transform3D(Basis(), Vector3(0.3, 0.0, 0.3)), 0)
+	var inside: int = edits.add(scatter.layers[0], Transform3D(Basis(), Vector3(0.3, 0.0, 0.3)), 0)
 	edits.commit("Plant")
 	var before := scene_bytes()
 	var state_file := "res://park_posts_state.res"

@@ -88,7 +88,7 @@ func test_a_duplicate_is_reported() -> void:
 	saved_files()
 	var edits: RefCounted = workspace().toolbar.hand.edits
 	check(edits.begin(scatter, SCENE), "hand-placed instances are saved in a file: " + edits.problem)
-	check(edits.add(0, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0) != 0, "an instance is planted")
+	check(edits.add(scatter.layers[0], Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0) != 0, "an instance is planted")
 	edits.commit("Plant")
 	scatter.remove_instance(scatter.query_rect(Rect2(20.0, 20.0, 10.0, 10.0), scatter.layers[0]).ids[0])
 	saved_files()

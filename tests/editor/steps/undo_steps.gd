@@ -206,8 +206,8 @@ func import_from(source: Variant, layer_index: int) -> void:
 
 
 func test_instances() -> void:
-	var sedge: int = scatter.layers.find(layer("Sedge"))
-	var by_rules: int = scatter.query_nearest(Vector3(-8.0, 0.0, -3.0), 9.0, [sedge]).id
+	var sedge := layer("Sedge")
+	var by_rules: int = scatter.query_nearest(Vector3(-8.0, 0.0, -3.0), 9.0, sedge).id
 	var planted := []
 	await step("A plant", by_hand.bind(func(edits: RefCounted) -> void:
 		planted.append(edits.add(sedge, Transform3D(Basis(), Vector3(1.0, 0.0, 2.0)), 0))))
@@ -220,7 +220,7 @@ func test_instances() -> void:
 		edits.set_transform(by_rules, Transform3D(Basis(), Vector3(-8.0, 0.5, -3.0)))))
 	await step("One plant less", by_hand.bind(func(edits: RefCounted) -> void: edits.remove(planted[0])))
 	await step("An import from a node", import_from.bind(root.get_node("Old"), -1))
-	await step("An import from a table", import_from.bind(TABLE, sedge))
+	await step("An import from a table", import_from.bind(TABLE, scatter.layers.find(sedge)))
 
 
 func drag_handle(region: Node3D, handle: int, to: Vector3) -> void:
