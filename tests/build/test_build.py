@@ -244,6 +244,7 @@ def test_wrong_option_is_refused(option):
         (["platform=android", "arch=arm64", "use_zig=yes"], "name a compiler that can with CXX"),
         (["platform=windows", "arch=rv64"], "which platform=windows has"),
         (["use_zig=yes", "zig=/nowhere/zig"], "no zig at /nowhere/zig"),
+        (["coverage=yes", "CXX=g++"], "coverage=yes needs clang"),
     ],
 )
 def test_impossible_builds_are_refused_with_a_sentence(options, sentence):

@@ -155,7 +155,9 @@ TEST_CASE("billion: a pair that is too close is detected inside a tile, across i
 			{{-unit_cell + 1, -unit_cell}, {0, 0}},
 	};
 	for (const TileOrder order : all_orders) {
-		for (const auto &[a, b] : pairs) {
+		for (const std::pair<glm::ivec2, glm::ivec2> &pair : pairs) {
+			const glm::ivec2 a = pair.first;
+			const glm::ivec2 b = pair.second;
 			CAPTURE(a.x);
 			CAPTURE(a.y);
 			const Outcome close = check_by_hand(small_run(16, order), {a, b});

@@ -83,11 +83,11 @@ MeshInstances handmade(const std::vector<std::uint64_t> &ids) {
 } // namespace
 
 TEST_CASE("compact tile: every bit is restored, for all inputs of the floats") {
-	for (const auto &[name, layer, most_bytes] : cases()) {
-		CAPTURE(name);
-		const TileInstances tile = built(layer, hills(), tile_of_hills);
+	for (const Case &each : cases()) {
+		CAPTURE(each.name);
+		const TileInstances tile = built(each.layer, hills(), tile_of_hills);
 		REQUIRE(size_of(tile) > 1000);
-		const std::shared_ptr<const CompactTile> known = kept(layer, tile);
+		const std::shared_ptr<const CompactTile> known = kept(each.layer, tile);
 		CHECK(digest(expanded(*known)) == digest(tile));
 		CHECK(known->counts.placed == tile.counts.placed);
 		for (std::size_t at = 0; at < tile.meshes.size(); ++at) {
@@ -100,10 +100,11 @@ TEST_CASE("compact tile: every bit is restored, for all inputs of the floats") {
 }
 
 TEST_CASE("compact tile: it takes no more memory than promised") {
-	for (const auto &[name, layer, most_bytes] : cases()) {
-		CAPTURE(name);
-		const TileInstances tile = built(layer, hills(), tile_of_hills);
-		CHECK(static_cast<double>(bytes_of(*kept(layer, tile))) <= most_bytes * static_cast<double>(size_of(tile)));
+	for (const Case &each : cases()) {
+		CAPTURE(each.name);
+		const TileInstances tile = built(each.layer, hills(), tile_of_hills);
+		CHECK(static_cast<double>(bytes_of(*kept(each.layer, tile))) <=
+				each.most_bytes * static_cast<double>(size_of(tile)));
 	}
 }
 

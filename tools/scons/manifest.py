@@ -17,8 +17,8 @@ BINARY = re.compile(
 
 def addon_folder(env, out):
     """The folder that the extension is built into: the demo's add-on if a plain Godot on this machine can load it, otherwise the
-    build folder. A plain Godot cannot load a build with sanitizers."""
-    here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["ship"])
+    build folder. A plain Godot cannot load a build with sanitizers, and one with coverage=yes writes its counts into the project."""
+    here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["coverage"] or env["ship"])
     return "#" + ADDON if here else out + "/addon"
 
 

@@ -40,6 +40,7 @@ def options():
         ("zig", "the program zig, for use_zig=yes", installed.zig_program()),
         ("sanitize", "comma-separated sanitizers: address, undefined, thread", ""),
         BoolVariable("count_steps", "with g++ on Linux: programs that count their steps (tests/cost), in a build folder of their own", False),
+        BoolVariable("coverage", "with clang: counts how often each line runs, in a build folder of its own", False),
         ("CXX", "the C++ compiler", ""),
         BoolVariable("dev_build", "for a debugger: -Og -g3, in a build folder of its own", False),
         BoolVariable("werror", "treat warnings in our own code as errors", True),
@@ -97,6 +98,13 @@ def configure(env):
     if env["count_steps"]:
         env.Append(CCFLAGS=["-fsanitize-coverage=trace-pc"], LINKFLAGS=["-Wl,--wrap=%s" % each for each in ("memmove", "memcpy", "memset")])
         name += ".steps"
+    if env["coverage"]:
+        if not compilers.name(env).startswith("clang++"):
+            raise SystemExit("thicket: coverage=yes needs clang: add CXX=clang++")
+        flags = ["-fprofile-instr-generate", "-fcoverage-mapping"]
+        # Source paths are relative to the root, so that a compiler cache serves all checkouts. -O1 because counting undoes optimizations.
+        env.Append(CCFLAGS=[*flags, "-fcoverage-compilation-dir=.", "-O1"], LINKFLAGS=flags)
+        name += ".coverage"
     name += ".dev" if env["dev_build"] else ""
     name += ".godot-cpp" if env["godot_cpp"] else ""
     # Short lines during a build. Compiler messages are unaffected, and compile_commands.json has the full commands.
