@@ -8,6 +8,7 @@ import re
 ROOMS = {
     "core/base": [],
     "core/sampling": ["core/base"],
+    "core/surface": ["core/base", "core/sampling"],
     "core/terrain": ["core/base"],
     "core/model": [],
     "core/rules": ["core/base", "core/terrain"],
@@ -24,7 +25,7 @@ ROOMS = {
     "nodes/common": ["core/base"],
     "nodes/impostor": ["core/impostor", "nodes/common"],
     "nodes/ground": ["core/base", "core/terrain", "nodes/common"],
-    "nodes/sampler": ["core/base", "core/sampling", "nodes/common"],
+    "nodes/sampler": ["core/base", "core/sampling", "core/surface", "nodes/common"],
     "nodes/model": ["core/base", "core/model", "core/near", "nodes/common"],
     "nodes/layer": [
         "core/base", "core/model", "core/rules", "core/placement", "core/state", "core/query", "core/streaming", "core/drawing",

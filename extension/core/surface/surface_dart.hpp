@@ -1,0 +1,157 @@
+#pragma once
+
+#include "core/base/philox.hpp"
+#include "core/base/split_mix.hpp"
+#include "core/sampling/dart.hpp"
+#include "core/sampling/point_set.hpp"
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+// The definition of the process on surfaces: which darts exist, when and where. These functions determine every placement. The resolver
+// only finds out which darts are accepted. core/surface/README.md explains the process.
+
+namespace thicket {
+
+/// Cells are cubes with a side of radius / sqrt(3), so that a cell holds one point at most. Positions in a cell are whole units, of which
+/// there are 2^surface_bits on each side; radius^2 = 3 * 4^surface_bits units^2, exactly.
+inline constexpr int surface_bits = 20;
+inline constexpr std::int32_t surface_cell_size = 1 << surface_bits;
+inline constexpr std::int64_t surface_radius_squared = std::int64_t{3} << (2 * surface_bits);
+
+/// Lines run through the middle of squares of 2^(surface_bits - surface_depth) units. Cubes are not split further than to such squares.
+inline constexpr int surface_depth = 16;
+
+/// How many cells a ball can reach beyond the cell of its center.
+inline constexpr std::int32_t surface_reach = 2;
+
+/// A time in the race of exponential clocks: the bits of a positive double, which sort like the times, with the low seven bits replaced by
+/// the cell's tag. So darts of cells that are at most two apart on each axis never tie.
+using SurfaceTime = std::uint64_t;
+inline constexpr SurfaceTime surface_tag_bits = 127;
+inline constexpr SurfaceTime surface_time_unthrown = 0;            ///< Before every dart.
+inline constexpr SurfaceTime surface_time_never = ~SurfaceTime{0}; ///< After every dart.
+
+inline SurfaceTime surface_time(double time, std::uint32_t tag) {
+	return (std::bit_cast<SurfaceTime>(time) & ~surface_tag_bits) | tag;
+}
+
+constexpr std::uint32_t surface_tag(const glm::ivec3 &cell) {
+	return mod_5(cell.x) + 5 * (mod_5(cell.y) + 5 * mod_5(cell.z));
+}
+
+/// Along which axes a cell is searched for its surface, and how often. A line along axis i meets an area with the unit normal n with a
+/// rate of |n_i|, so a hit is kept with a probability that is inversely proportional to the sum of |n_i| over the searched axes. The
+/// darts have a rate of 1 per area of a cell's face, whichever axes are searched.
+struct SurfaceSearch {
+	static constexpr std::uint8_t all_axes = 3;
+
+	std::uint8_t axis = all_axes; ///< 0 to 2 if one axis suffices, because no normal in the cell is far from it.
+	float kept = 1.0f;            ///< A hit is kept with the probability kept / (sum of |n_i| over the searched axes).
+
+	/// Lines per unit of time through a cube as wide as a cell, at which kept hits have a rate of 1 per area of a cell's face.
+	double rate() const { return (axis == all_axes ? 3.0 : 1.0) / static_cast<double>(kept); }
+};
+
+/// The line of a cube that is the next to be searched for a dart.
+struct SurfaceLine {
+	/// After this many lines without a dart, a cube is split.
+	static constexpr std::uint32_t tries = 2;
+
+	SurfaceTime time = surface_time_never;
+	std::uint64_t hash = 0;                ///< Determines the line, and all later ones in the same cube.
+	std::array<std::uint16_t, 3> corner{}; ///< The cube's lower corner, in squares of the finest depth.
+	std::uint8_t depth = 0;                ///< The cube is 2^-depth cells wide.
+	std::uint8_t tried = 0;                ///< Lines in this cube before this one.
+
+	std::int32_t width() const { return surface_cell_size >> depth; }
+	glm::ivec3 low() const {
+		return glm::ivec3(corner[0], corner[1], corner[2]) * (1 << (surface_bits - surface_depth));
+	}
+
+	/// The axis (0 to 2), and the position on the two other axes, in the order of their names, in units within the cell.
+	struct Course {
+		int axis;
+		std::int32_t u;
+		std::int32_t v;
+	};
+	Course course(const SurfaceSearch &search) const {
+		const std::uint64_t bits = split_mix(hash ^ split_mix_mul_1);
+		const int axis =
+				search.axis == SurfaceSearch::all_axes ? static_cast<int>((bits >> 32) * 3 >> 32) : search.axis;
+		const std::array<std::uint32_t, 2> others = axis == 0 ? std::array{1u, 2u}
+				: axis == 1                                   ? std::array{0u, 2u}
+															  : std::array{0u, 1u};
+		const auto place = [this](std::uint32_t side, std::uint64_t random) {
+			constexpr int square = surface_bits - surface_depth;
+			const auto within = static_cast<std::int32_t>((random & 0xffffu) >> depth);
+			return ((corner[side] + within) << square) + (1 << (square - 1));
+		};
+		return {axis, place(others[0], bits), place(others[1], bits >> 16)};
+	}
+
+	/// Whether its hits are kept, if that has the given probability. Does not depend on where they are: the same surface in other
+	/// triangles is hit at depths that are rounded differently.
+	bool keeps(double probability) const {
+		return static_cast<double>(split_mix(hash ^ split_mix_mul_0) >> 32) < probability * 4294967296.0;
+	}
+
+	/// Where the line meets several sheets, the order in which they are tried.
+	bool tries_from_above() const { return (hash & 1) != 0; }
+};
+
+/// The random source of one level of one point set.
+struct SurfaceSource {
+	std::array<std::uint32_t, 2> key{}; ///< The seed.
+	std::uint32_t stream = 0;           ///< Layer and level of the progressive order.
+
+	static constexpr SurfaceSource of(const PointSet &set, std::uint32_t level) {
+		return {{static_cast<std::uint32_t>(set.seed), static_cast<std::uint32_t>(set.seed >> 32)},
+				std::uint32_t{set.layer} | level << 16};
+	}
+
+	/// The first line of a cell.
+	SurfaceLine first(const glm::ivec3 &cell, const SurfaceSearch &search) const {
+		const auto random = philox4x32({static_cast<std::uint32_t>(cell.x), static_cast<std::uint32_t>(cell.y),
+											   static_cast<std::uint32_t>(cell.z), stream},
+				key);
+		SurfaceLine line;
+		line.time = surface_time(static_cast<double>(exponential(random[2])) / search.rate(), surface_tag(cell));
+		line.hash = std::uint64_t{random[0]} << 32 | random[1];
+		return line;
+	}
+};
+
+/// The next line in the same cube.
+inline SurfaceLine next_line(const SurfaceLine &line, const SurfaceSearch &search) {
+	SurfaceLine next = line;
+	next.hash = split_mix(line.hash + 9 * split_mix_gamma);
+	++next.tried;
+	const double wait = static_cast<double>(exponential(static_cast<std::uint32_t>(next.hash >> 32))) *
+			static_cast<double>(std::uint64_t{1} << (2 * line.depth));
+	next.time = surface_time(std::bit_cast<double>(line.time) + wait / search.rate(),
+			static_cast<std::uint32_t>(line.time & surface_tag_bits));
+	return next;
+}
+
+/// The first line of a child cube (0 to 7, x first), whose clock starts when its parent's dart was rejected.
+inline SurfaceLine child_line(const SurfaceLine &parent, std::uint32_t child, const SurfaceSearch &search) {
+	SurfaceLine next = parent;
+	next.hash = split_mix(parent.hash + (child + 1) * split_mix_gamma);
+	next.tried = 0;
+	++next.depth;
+	const auto half = static_cast<std::uint16_t>((1u << surface_depth) >> next.depth);
+	for (std::uint32_t side = 0; side < 3; ++side) {
+		next.corner[side] = static_cast<std::uint16_t>(parent.corner[side] + (child >> side & 1u) * half);
+	}
+	const double wait = static_cast<double>(exponential(static_cast<std::uint32_t>(next.hash >> 32))) *
+			static_cast<double>(std::uint64_t{1} << (2 * next.depth));
+	next.time = surface_time(std::bit_cast<double>(parent.time) + wait / search.rate(),
+			static_cast<std::uint32_t>(parent.time & surface_tag_bits));
+	return next;
+}
+
+} // namespace thicket

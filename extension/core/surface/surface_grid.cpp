@@ -1,0 +1,154 @@
+#include "core/surface/surface_grid.hpp"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace thicket {
+
+namespace {
+
+constexpr double cell_width = surface_cell_size;
+
+std::int32_t cell_at(double units) { return static_cast<std::int32_t>(std::floor(units / cell_width)); }
+
+/// A ball with its center in a cell reaches a cell at this offset, in any direction: the gap between the two is less than the radius.
+constexpr bool in_reach(std::int32_t y, std::int32_t z) { return y * y < 4 || z * z < 4; }
+
+} // namespace
+
+CellBox CellBox::common(const CellBox &other) const { return {glm::max(min, other.min), glm::min(max, other.max)}; }
+
+void SurfaceGrid::build(
+		const CellBox &box, std::span<const SurfaceTriangle> triangles, std::span<const glm::ivec3> extra) {
+	box_ = box;
+	size_ = glm::max(box.size(), glm::ivec3(0));
+	rows_ = size_.y + 2 * surface_reach;
+	words_ = static_cast<std::size_t>((size_.x + 2 * surface_reach + 63) / 64 + 1);
+	bits_.assign(words_ * static_cast<std::size_t>(rows_) * static_cast<std::size_t>(size_.z + 2 * surface_reach), 0);
+	entries_.clear();
+	for (std::uint32_t number = 0; number < triangles.size(); ++number) {
+		enter(triangles[number], number);
+	}
+	for (const glm::ivec3 &cell : extra) {
+		bits_[word_of(cell)] |= std::uint64_t{1} << ((cell.x + surface_reach) & 63);
+	}
+	number_cells();
+}
+
+void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
+	glm::ivec3 first;
+	glm::ivec3 last;
+	for (int side = 0; side < 3; ++side) {
+		first[side] = std::max(cell_at(std::max(triangle.low[side], 0.0)), 0);
+		last[side] = cell_at(std::min(triangle.high[side], size_[side] * cell_width));
+		last[side] = std::min(last[side], size_[side] - 1);
+		if (first[side] > last[side]) {
+			return;
+		}
+	}
+	// Columns along the axis that is nearest to the normal have the fewest cells near the plane.
+	const glm::dvec3 steep = glm::abs(triangle.normal);
+	int axis = steep.x > steep.y ? 0 : 1;
+	axis = steep.z > steep[axis] ? 2 : axis;
+	const int side_u = axis == 0 ? 1 : 0;
+	const int side_v = axis == 2 ? 1 : 2;
+	for (std::int32_t v = first[side_v]; v <= last[side_v]; ++v) {
+		for (std::int32_t u = first[side_u]; u <= last[side_u]; ++u) {
+			glm::ivec3 cell(0);
+			cell[side_u] = u;
+			cell[side_v] = v;
+			enter_column(triangle, number, cell, axis, first, last);
+		}
+	}
+}
+
+void SurfaceGrid::enter_column(const SurfaceTriangle &triangle, std::uint32_t number, glm::ivec3 cell, int axis,
+		const glm::ivec3 &first, const glm::ivec3 &last) {
+	const int side_u = axis == 0 ? 1 : 0;
+	const int side_v = axis == 2 ? 1 : 2;
+	const glm::dvec3 &normal = triangle.normal;
+	const glm::dvec3 &corner = triangle.corners[0];
+	const double u = (cell[side_u] + 0.5) * cell_width - corner[side_u];
+	const double v = (cell[side_v] + 0.5) * cell_width - corner[side_v];
+	const double middle = corner[axis] - (normal[side_u] * u + normal[side_v] * v) / normal[axis];
+	const double half =
+			(std::abs(normal[side_u]) + std::abs(normal[side_v])) / std::abs(normal[axis]) * cell_width / 2.0 + 1.0;
+	// The plane may leave the box far away, beyond the range of an integer.
+	const auto bounded = [this, axis](double units) {
+		return cell_at(std::clamp(units, -cell_width, (size_[axis] + 1) * cell_width));
+	};
+	const std::int32_t end = std::min(bounded(middle + half), last[axis]);
+	for (cell[axis] = std::max(bounded(middle - half), first[axis]); cell[axis] <= end; ++cell[axis]) {
+		if (!triangle.enters({glm::dvec3(cell) * cell_width, cell_width})) {
+			continue;
+		}
+		const std::size_t word = word_of(cell);
+		const auto bit = static_cast<std::uint32_t>((cell.x + surface_reach) & 63);
+		bits_[word] |= std::uint64_t{1} << bit;
+		entries_.push_back({static_cast<std::uint32_t>(word * 64 + bit), number});
+	}
+}
+
+void SurfaceGrid::number_cells() {
+	ranks_.resize(bits_.size());
+	cells_.clear();
+	for (std::size_t word = 0; word < bits_.size(); ++word) {
+		ranks_[word] = static_cast<std::uint32_t>(cells_.size());
+		const auto row = static_cast<std::int32_t>(word / words_);
+		for (std::uint64_t left = bits_[word]; left != 0; left &= left - 1) {
+			const auto x = static_cast<std::int32_t>(word % words_ * 64) + std::countr_zero(left);
+			cells_.push_back(glm::ivec3(x, row % rows_, row / rows_) - surface_reach);
+		}
+	}
+	// A counting sort, so that each cell lists its triangles in the caller's order.
+	starts_.assign(cells_.size() + 1, 0);
+	for (Entry &entry : entries_) {
+		entry.place = rank(entry.place / 64, std::uint64_t{1} << (entry.place & 63));
+		++starts_[entry.place + 1];
+	}
+	for (std::size_t number = 1; number < starts_.size(); ++number) {
+		starts_[number] += starts_[number - 1];
+	}
+	triangles_.resize(entries_.size());
+	for (const Entry &entry : entries_) {
+		triangles_[starts_[entry.place]++] = entry.triangle;
+	}
+	for (std::size_t number = starts_.size() - 1; number > 0; --number) {
+		starts_[number] = starts_[number - 1];
+	}
+	starts_[0] = 0;
+}
+
+void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_numbers) const {
+	const glm::ivec3 &center = cells_[number];
+	for (std::int32_t z = -surface_reach; z <= surface_reach; ++z) {
+		for (std::int32_t y = -surface_reach; y <= surface_reach; ++y) {
+			const std::size_t word = word_of({center.x, center.y + y, center.z + z});
+			const auto left = word - ((center.x + surface_reach) >> 6) + (center.x >> 6);
+			const int shift = center.x & 63;
+			// The five cells from x - 2 to x + 2.
+			std::uint64_t run = bits_[left] >> shift;
+			if (shift > 59) {
+				run |= bits_[left + 1] << (64 - shift);
+			}
+			run &= in_reach(y, z) ? 0b11111u : 0b01110u;
+			run &= y == 0 && z == 0 ? ~std::uint64_t{0b00100} : ~std::uint64_t{0};
+			for (; run != 0; run &= run - 1) {
+				const int place = shift + std::countr_zero(run);
+				const std::size_t at = left + static_cast<std::size_t>(place >> 6);
+				r_numbers.push_back(rank(at, std::uint64_t{1} << (place & 63)));
+			}
+		}
+	}
+}
+
+std::size_t SurfaceGrid::bytes() const {
+	return bits_.capacity() * sizeof(std::uint64_t) + ranks_.capacity() * sizeof(std::uint32_t) +
+			cells_.capacity() * sizeof(glm::ivec3) + entries_.capacity() * sizeof(Entry) +
+			(starts_.capacity() + triangles_.capacity()) * sizeof(std::uint32_t);
+}
+
+} // namespace thicket

@@ -1,0 +1,95 @@
+#pragma once
+
+#include "core/surface/surface_triangle.hpp"
+
+#include <glm/vec3.hpp>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace thicket {
+
+/// A box of cells, half-open.
+struct CellBox {
+	glm::ivec3 min{0};
+	glm::ivec3 max{0};
+
+	bool contains(const glm::ivec3 &cell) const {
+		return min.x <= cell.x && cell.x < max.x && min.y <= cell.y && cell.y < max.y && min.z <= cell.z &&
+				cell.z < max.z;
+	}
+	bool is_empty() const { return max.x <= min.x || max.y <= min.y || max.z <= min.z; }
+	CellBox grown(std::int32_t by) const { return {min - by, max + by}; }
+	CellBox common(const CellBox &other) const;
+	glm::ivec3 size() const { return max - min; }
+	friend bool operator==(const CellBox &, const CellBox &) = default;
+};
+
+/// The cells of a box that a surface enters, numbered by x, then y, then z, and the triangles in each of them.
+class SurfaceGrid {
+public:
+	/// Rebuilds the grid, reusing memory. `triangles` are in units relative to the lower corner of `box`, and must outlive the grid's use.
+	/// `extra` are cells that get a number although no triangle may enter them. The box has at most `max_volume` cells.
+	void build(const CellBox &box, std::span<const SurfaceTriangle> triangles, std::span<const glm::ivec3> extra);
+
+	static constexpr std::int64_t max_volume = std::int64_t{1} << 30;
+	static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+	const CellBox &box() const { return box_; }
+	std::uint32_t count() const { return static_cast<std::uint32_t>(cells_.size()); }
+
+	/// The cell of a number, relative to the box.
+	const glm::ivec3 &cell(std::uint32_t number) const { return cells_[number]; }
+
+	/// The number of a cell, relative to the box, or `none`. The cell may lie up to surface_reach cells outside of the box.
+	std::uint32_t number_of(const glm::ivec3 &cell) const {
+		const std::size_t word = word_of(cell);
+		const std::uint64_t bit = std::uint64_t{1} << ((cell.x + surface_reach) & 63);
+		return (bits_[word] & bit) != 0 ? rank(word, bit) : none;
+	}
+
+	std::span<const std::uint32_t> triangles_in(std::uint32_t number) const {
+		return std::span(triangles_).subspan(starts_[number], starts_[number + 1] - starts_[number]);
+	}
+
+	/// Appends the numbers of the other cells that a ball around a point in this cell can reach.
+	void append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_numbers) const;
+
+	std::size_t bytes() const;
+
+private:
+	struct Entry {
+		std::uint32_t place; ///< The cell's bit.
+		std::uint32_t triangle;
+	};
+
+	std::size_t word_of(const glm::ivec3 &cell) const {
+		const auto row = static_cast<std::size_t>(cell.z + surface_reach) * static_cast<std::size_t>(rows_) +
+				static_cast<std::size_t>(cell.y + surface_reach);
+		return row * words_ + (static_cast<std::size_t>(cell.x + surface_reach) >> 6);
+	}
+	std::uint32_t rank(std::size_t word, std::uint64_t bit) const {
+		return ranks_[word] + static_cast<std::uint32_t>(std::popcount(bits_[word] & (bit - 1)));
+	}
+	void enter(const SurfaceTriangle &triangle, std::uint32_t number);
+	void enter_column(const SurfaceTriangle &triangle, std::uint32_t number, glm::ivec3 cell, int axis,
+			const glm::ivec3 &first, const glm::ivec3 &last);
+	void number_cells();
+
+	CellBox box_;
+	glm::ivec3 size_{0};
+	std::int32_t rows_ = 0;
+	std::size_t words_ = 0;
+	std::vector<std::uint64_t>
+			bits_; ///< A bit for each cell of the box and of a border of surface_reach cells, by rows along x.
+	std::vector<std::uint32_t> ranks_; ///< The number of the first cell of each word.
+	std::vector<glm::ivec3> cells_;
+	std::vector<Entry> entries_;
+	std::vector<std::uint32_t> starts_;
+	std::vector<std::uint32_t> triangles_;
+};
+
+} // namespace thicket

@@ -1,0 +1,130 @@
+#pragma once
+
+#include "core/surface/surface_grid.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace thicket {
+
+/// An accepted dart.
+struct SurfaceDart {
+	glm::i64vec3 position{0}; ///< Units of the level's lattice, from the world's origin.
+	SurfaceTime time = 0;
+	std::uint32_t level = 0;
+	std::uint32_t triangle = 0; ///< Index in the caller's list.
+};
+
+/// Statistics of races, added up.
+struct SurfaceCounts {
+	std::uint64_t cells = 0;    ///< Cells that threw a line.
+	std::uint64_t lines = 0;    ///< Lines thrown.
+	std::uint64_t hits = 0;     ///< Hits that were kept as darts.
+	std::uint64_t accepted = 0; ///< Points.
+};
+
+/// The race of one level over a box of cells. A dart is accepted exactly if no accepted dart with an earlier time lies within the radius.
+/// It is decided as on the plane (ARCHITECTURE.md, "Why tiles are exact"): a dart waits for the cells within its reach that have an
+/// earlier line, and no others. The times along such a chain decrease, so it ends.
+class SurfaceRace {
+public:
+	/// Which faces of the box, by axis, have more of the surface behind them. Darts near them are unknown.
+	struct OpenFaces {
+		std::array<bool, 3> lower{};
+		std::array<bool, 3> upper{};
+	};
+
+	/// Prepares a race, reusing memory. `triangles` are in units of this level relative to the lower corner of `box`, and must outlive the
+	/// race. `placed` are the points of coarser levels in the box, in units of this level.
+	void start(const SurfaceSource &source, std::uint32_t level, const CellBox &box, const OpenFaces &open_faces,
+			std::span<const SurfaceTriangle> triangles, std::span<const SurfaceDart> placed);
+
+	/// Decides all darts of the cells of `wanted`. Returns false if `cancel` was raised or if a dart depends on cells outside the box; the
+	/// latter sets `undecided`.
+	bool decide(const CellBox &wanted, const std::atomic<bool> *cancel);
+
+	/// Appends the points in the cells of `wanted`, by z, then y, then x.
+	void append_points(const CellBox &wanted, std::vector<SurfaceDart> &r_points) const;
+
+	/// A point whose fate depends on cells outside the box, in units from the world's origin.
+	const glm::i64vec3 *undecided() const { return is_undecided_ ? &undecided_ : nullptr; }
+
+	const SurfaceCounts &counts() const { return counts_; }
+	std::size_t bytes() const;
+
+private:
+	static constexpr std::uint32_t none = SurfaceGrid::none;
+
+	struct Listed {
+		SurfaceLine line;
+		std::uint32_t next;
+	};
+	struct Cell {
+		SurfaceTime time = surface_time_unthrown; ///< Of the cell's next line; never once the cell is decided.
+		std::uint64_t open = ~std::uint64_t{
+				0}; ///< 4 x 4 x 4 sub-cubes: the surface may enter it, and it is not known to be covered.
+		std::uint32_t lines = none;     ///< The cell's lines, the earliest first.
+		std::uint32_t neighbors = none; ///< Their start in `neighbors_`.
+		std::uint32_t neighbor_count = 0;
+		std::uint32_t point = none; ///< Index in `points_`.
+		SurfaceSearch search;
+	};
+	struct Point {
+		glm::ivec3 position; ///< Units, relative to the box.
+		std::uint32_t triangle;
+		std::uint32_t level;
+		SurfaceTime time;
+		std::uint32_t cell;
+	};
+	struct Hit {
+		std::int32_t along;
+		std::uint32_t triangle; ///< Number in `triangles_`.
+	};
+	struct Wanted {
+		std::uint32_t cell;
+		SurfaceTime until;
+	};
+	enum class Fate : std::uint8_t { accepted, rejected, waits, unknown };
+
+	bool settle(std::uint32_t number, SurfaceTime until);
+	void throw_first(std::uint32_t number);
+	/// Decides the cell's next line, or returns the cell that must be decided up to that line's time before. `none` if neither is needed.
+	std::uint32_t step(std::uint32_t number);
+	void find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course);
+	Fate judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t &r_blocker);
+	void accept(std::uint32_t number, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
+			std::uint32_t level);
+	void cover(const glm::ivec3 &position, std::uint32_t number);
+	void replace_line(std::uint32_t number, bool had_darts);
+	bool is_open(std::uint32_t number, const SurfaceLine &cube);
+	void split(std::uint32_t number, const SurfaceLine &line);
+	void list(std::uint32_t number, const SurfaceLine &line);
+	SurfaceLine take_first(std::uint32_t number);
+	void drop_lines(std::uint32_t number);
+	void show_next(std::uint32_t number);
+	std::span<const std::uint32_t> neighbors_of(std::uint32_t number);
+	SurfaceCube cube_of(std::uint32_t number, const SurfaceLine &line) const;
+	bool is_near_open_face(const glm::ivec3 &position) const;
+
+	SurfaceSource source_;
+	std::uint32_t level_ = 0;
+	OpenFaces open_faces_;
+	std::span<const SurfaceTriangle> triangles_;
+	SurfaceGrid grid_;
+	std::vector<glm::ivec3> extra_;
+	std::vector<Cell> cells_;
+	std::vector<Point> points_;
+	std::vector<Listed> lines_;
+	std::uint32_t free_lines_ = none;
+	std::vector<std::uint32_t> neighbors_;
+	std::vector<Wanted> wanted_;
+	std::vector<Hit> hits_;
+	glm::i64vec3 undecided_{0};
+	bool is_undecided_ = false;
+	SurfaceCounts counts_;
+};
+
+} // namespace thicket

@@ -1,0 +1,344 @@
+#include "core/surface/surface_sampler.hpp"
+
+#include "core/base/check.hpp"
+#include "core/base/guard.hpp"
+#include "core/sampling/rank.hpp"
+#include "core/surface/surface_race.hpp"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace thicket {
+
+namespace {
+
+/// The widest block that is decided as a whole, in cells: its margin is a small part of it, and its grid stays in the cache.
+constexpr std::int32_t widest_block = 96;
+
+/// Cells lie in [-surface_cell_limit, surface_cell_limit) on each axis, so that all positions in units are exact as doubles.
+constexpr std::int32_t surface_cell_limit = 1 << 30;
+
+constexpr double sqrt_3 = 1.7320508075688772;
+
+double level_unit(const PointSet &set, std::uint32_t level) {
+	return surface_unit(set) * static_cast<double>(1u << level);
+}
+
+glm::dvec3 units_of(const glm::dvec3 &position, double unit) { return glm::floor(position / unit + 0.5); }
+
+glm::ivec3 cell_of(const glm::dvec3 &units) {
+	return glm::ivec3(glm::floor(units / static_cast<double>(surface_cell_size)));
+}
+
+/// The cells that contain a box whose corners are rounded to units.
+CellBox cells_around(const Box3 &box, double unit) {
+	return {cell_of(units_of(box.min, unit)), cell_of(units_of(box.max, unit)) + 1};
+}
+
+/// The box of cells, and a little more than any rounding moves a corner of a triangle.
+Box3 world_box(const CellBox &cells, double unit) {
+	const double width = unit * surface_cell_size;
+	return {glm::dvec3(cells.min) * width - unit, glm::dvec3(cells.max) * width + unit};
+}
+
+/// The cells of the next coarser level that contain all points which can lie within the finer level's radius of the given cells.
+CellBox coarse_cells_around(const CellBox &cells) {
+	return {(cells.min - surface_reach) >> 1, ((cells.max + surface_reach - 1) >> 1) + 1};
+}
+
+std::uint32_t rank_of(const PointSet &set, const SurfaceDart &dart) {
+	// The same process as on the plane, whose clocks run at a rate of 1 for an area of radius^2 / 2, not radius^2 / 3.
+	const double time = std::bit_cast<double>(dart.time) * 1.5;
+	return thicket::rank_of(set.levels, dart.level, std::bit_cast<TimeKey>(static_cast<float>(time)));
+}
+
+glm::dvec3 normal_of(const Surface &surface, std::uint32_t triangle) {
+	const auto corners = surface.triangle(triangle);
+	return glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+}
+
+Status validate_window(const Box3 &window) {
+	for (int side = 0; side < 3; ++side) {
+		for (const double bound : {window.min[side], window.max[side]}) {
+			if (!std::isfinite(bound)) {
+				return {ErrorCode::not_finite, "window", bound};
+			}
+		}
+		if (window.max[side] < window.min[side]) {
+			return {ErrorCode::inverted, "window", window.max[side] - window.min[side], {}, {}, negative_size};
+		}
+	}
+	return {};
+}
+
+Status validate_bounds(const PointSet &set, const Surface &surface) {
+	const double limit = level_unit(set, 0) * surface_cell_size * surface_cell_limit;
+	for (int side = 0; side < 3; ++side) {
+		for (const double bound : {surface.bounds().min[side], surface.bounds().max[side]}) {
+			if (const Status status = check_range("vertices", bound, -limit, limit); !status.ok()) {
+				return status;
+			}
+		}
+	}
+	return {};
+}
+
+/// At most this many points lie in the window, estimated from the area.
+double expected_points(
+		const PointSet &set, const Surface &surface, const Box3 &window, std::span<const std::uint32_t> triangles) {
+	const glm::dvec3 size = window.max - window.min;
+	const double section = sqrt_3 * std::max(size.x * size.y, std::max(size.y * size.z, size.z * size.x));
+	double area = 0.0;
+	for (const std::uint32_t index : triangles) {
+		const auto corners = surface.triangle(index);
+		area += std::min(section, glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0])) * 0.5);
+	}
+	return area * point_density(set);
+}
+
+} // namespace
+
+std::uint64_t surface_id(std::uint16_t layer, const glm::ivec3 &cell) {
+	const auto bits = [](std::int32_t side) {
+		return std::uint64_t{static_cast<std::uint32_t>(side) & 0xffffu};
+	};
+	return std::uint64_t{layer} << 48 | bits(cell.x) << 32 | bits(cell.y) << 16 | bits(cell.z);
+}
+
+double surface_unit(const PointSet &set) { return set.radius / (sqrt_3 * surface_cell_size); }
+
+struct SurfaceSampler::Workspace {
+	struct Level {
+		SurfaceRace race;
+		std::vector<std::uint32_t> found;
+		std::vector<SurfaceTriangle> triangles;
+		std::vector<SurfaceDart> placed;
+	};
+
+	/// One call.
+	struct Call {
+		const PointSet &set;
+		const Surface &surface;
+		const Box3 *window; ///< Null for the whole surface.
+		const Progress &progress;
+		std::vector<SurfacePoint> &points;
+	};
+
+	SampleMargins margins;
+	std::array<Level, max_levels> levels;
+	std::vector<SurfaceDart> decided;
+	SurfaceStats stats;
+
+	Status run(const Call &call);
+	Status divide(
+			const Call &call, const CellBox &cells, std::span<const std::uint32_t> triangles, double begin, double end);
+	Status decide(const Call &call, std::uint32_t number, const CellBox &wanted, std::vector<SurfaceDart> &r_points);
+	bool race(const Call &call, std::uint32_t number, const CellBox &wanted, const CellBox &box, const CellBox &bounds);
+	void collect(const Call &call);
+};
+
+Status SurfaceSampler::Workspace::run(const Call &call) {
+	stats = {};
+	if (const Status status = validate(call.set); !status.ok()) {
+		return status;
+	}
+	if (const Status status = call.window != nullptr ? validate_window(*call.window) : Status(); !status.ok()) {
+		return status;
+	}
+	if (const Status status = validate_bounds(call.set, call.surface); !status.ok()) {
+		return status;
+	}
+	const Box3 &bounds = call.surface.bounds();
+	const Box3 all = call.window == nullptr
+			? bounds
+			: Box3{glm::max(bounds.min, call.window->min), glm::min(bounds.max, call.window->max)};
+	std::vector<std::uint32_t> triangles;
+	call.surface.find(all, triangles);
+	const double expected = expected_points(call.set, call.surface, all, triangles);
+	if (expected > max_points_per_call) {
+		return Status::too_many_points("window", expected, max_points_per_call);
+	}
+	call.points.clear();
+	if (triangles.empty()) {
+		return {};
+	}
+	const double unit = level_unit(call.set, 0);
+	return divide(call, cells_around({all.min - unit, all.max + unit}, unit), triangles, 0.0, 1.0);
+}
+
+/// Halves a box of cells until it is small enough to be decided as a whole, and skips the parts without triangles.
+Status SurfaceSampler::Workspace::divide(
+		const Call &call, const CellBox &cells, std::span<const std::uint32_t> triangles, double begin, double end) {
+	if (call.progress.cancelled()) {
+		return {ErrorCode::cancelled, "window"};
+	}
+	const glm::ivec3 size = cells.size();
+	int longest = size.y > size.x ? 1 : 0;
+	longest = size.z > size[longest] ? 2 : longest;
+	if (size[longest] <= widest_block) {
+		decided.clear();
+		if (const Status status = decide(call, 0, cells, decided); !status.ok()) {
+			return status;
+		}
+		collect(call);
+		if (call.progress.report) {
+			call.progress.report(end, call.points.size());
+		}
+		return {};
+	}
+	std::array<CellBox, 2> halves{cells, cells};
+	halves[0].max[longest] = halves[1].min[longest] = cells.min[longest] + size[longest] / 2;
+	double done = begin;
+	std::vector<std::uint32_t> inside;
+	for (const CellBox &half : halves) {
+		const Box3 box = world_box(half, level_unit(call.set, 0));
+		inside.clear();
+		for (const std::uint32_t index : triangles) {
+			const auto [a, b, c] = call.surface.triangle(index);
+			const glm::dvec3 low = glm::min(a, glm::min(b, c));
+			const glm::dvec3 high = glm::max(a, glm::max(b, c));
+			if (low[longest] <= box.max[longest] && high[longest] >= box.min[longest]) {
+				inside.push_back(index);
+			}
+		}
+		const double share = half.min == cells.min ? 0.5 : 1.0;
+		const double until = begin + (end - begin) * share;
+		if (!inside.empty()) {
+			if (const Status status = divide(call, half, inside, done, until); !status.ok()) {
+				return status;
+			}
+		}
+		done = until;
+	}
+	return {};
+}
+
+/// Appends the points of one level, and those of coarser levels, in the wanted cells.
+Status SurfaceSampler::Workspace::decide(
+		const Call &call, std::uint32_t number, const CellBox &wanted, std::vector<SurfaceDart> &r_points) {
+	const CellBox bounds = cells_around(call.surface.bounds(), level_unit(call.set, number));
+	Level &level = levels[number];
+	for (std::int32_t margin = margins.first;; margin = std::min(2 * margin, margins.widest)) {
+		const CellBox box = wanted.grown(margin).common(bounds);
+		if (box.is_empty()) {
+			return {};
+		}
+		level.placed.clear();
+		if (number + 1 < call.set.levels) {
+			if (const Status status = decide(call, number + 1, coarse_cells_around(box), level.placed); !status.ok()) {
+				return status;
+			}
+			for (SurfaceDart &dart : level.placed) {
+				dart.position *= std::int64_t{2};
+			}
+		}
+		const SurfaceCounts before = level.race.counts();
+		const bool is_decided = race(call, number, wanted, box, bounds);
+		const SurfaceCounts &after = level.race.counts();
+		stats.computed += after.accepted - before.accepted;
+		stats.lines += after.lines - before.lines;
+		stats.darts += after.hits - before.hits;
+		stats.cells += after.cells - before.cells;
+		if (is_decided) {
+			level.race.append_points(wanted, r_points);
+			return {};
+		}
+		const glm::i64vec3 *undecided = level.race.undecided();
+		if (undecided == nullptr) {
+			return {ErrorCode::cancelled, "window"};
+		}
+		if (margin == margins.widest) {
+			const glm::dvec3 place = glm::dvec3(*undecided) * level_unit(call.set, number);
+			return {ErrorCode::margin_too_wide, "window", static_cast<double>(margin),
+					{call.set.seed, call.set.radius, {place.x, place.z}}};
+		}
+		++stats.retries;
+	}
+}
+
+bool SurfaceSampler::Workspace::race(
+		const Call &call, std::uint32_t number, const CellBox &wanted, const CellBox &box, const CellBox &bounds) {
+	Level &level = levels[number];
+	const double unit = level_unit(call.set, number);
+	const glm::dvec3 origin = glm::dvec3(box.min) * static_cast<double>(surface_cell_size);
+	call.surface.find(world_box(box, unit), level.found);
+	level.triangles.clear();
+	for (const std::uint32_t index : level.found) {
+		std::array<glm::dvec3, 3> corners = call.surface.triangle(index);
+		for (glm::dvec3 &corner : corners) {
+			corner = units_of(corner, unit) - origin;
+		}
+		if (const auto triangle = SurfaceTriangle::of(corners, index)) {
+			level.triangles.push_back(*triangle);
+		}
+	}
+	SurfaceRace::OpenFaces open;
+	for (int axis = 0; axis < 3; ++axis) {
+		const auto side = static_cast<std::size_t>(axis);
+		open.lower[side] = box.min[axis] > bounds.min[axis];
+		open.upper[side] = box.max[axis] < bounds.max[axis];
+	}
+	level.race.start(SurfaceSource::of(call.set, number), number, box, open, level.triangles, level.placed);
+	return level.race.decide(wanted, call.progress.cancel);
+}
+
+void SurfaceSampler::Workspace::collect(const Call &call) {
+	const double unit = level_unit(call.set, 0);
+	for (const SurfaceDart &dart : decided) {
+		const glm::dvec3 position = glm::dvec3(dart.position) * unit;
+		if (call.window != nullptr &&
+				(glm::any(glm::lessThan(position, call.window->min)) ||
+						glm::any(glm::greaterThanEqual(position, call.window->max)))) {
+			continue;
+		}
+		call.points.push_back({position, normal_of(call.surface, dart.triangle),
+				surface_id(call.set.layer, glm::ivec3(dart.position >> std::int64_t{surface_bits})),
+				rank_of(call.set, dart), dart.level, dart.triangle});
+	}
+	stats.kept = call.points.size();
+}
+
+SurfaceSampler::SurfaceSampler(const SampleMargins &margins) : workspace_(std::make_unique<Workspace>()) {
+	workspace_->margins = margins;
+}
+SurfaceSampler::~SurfaceSampler() = default;
+SurfaceSampler::SurfaceSampler(SurfaceSampler &&) noexcept = default;
+SurfaceSampler &SurfaceSampler::operator=(SurfaceSampler &&) noexcept = default;
+
+Status SurfaceSampler::sample(const PointSet &set, const Surface &surface, const Box3 &window,
+		std::vector<SurfacePoint> &r_points, const Progress &progress) {
+	return sample_in(set, surface, &window, r_points, progress);
+}
+
+Status SurfaceSampler::sample_all(
+		const PointSet &set, const Surface &surface, std::vector<SurfacePoint> &r_points, const Progress &progress) {
+	return sample_in(set, surface, nullptr, r_points, progress);
+}
+
+Status SurfaceSampler::sample_in(const PointSet &set, const Surface &surface, const Box3 *window,
+		std::vector<SurfacePoint> &r_points, const Progress &progress) {
+	Status status = guarded("triangles", static_cast<double>(surface.triangle_count()),
+			[&] { return workspace_->run({set, surface, window, progress, r_points}); });
+	const bool broke_off = status.code == ErrorCode::margin_too_wide || status.code == ErrorCode::cancelled ||
+			status.code == ErrorCode::out_of_memory;
+	if (broke_off) {
+		r_points.clear();
+	}
+	workspace_->stats.workspace_bytes = 0;
+	for (const Workspace::Level &level : workspace_->levels) {
+		workspace_->stats.workspace_bytes += level.race.bytes();
+	}
+	return status;
+}
+
+const SurfaceStats &SurfaceSampler::stats() const { return workspace_->stats; }
+
+} // namespace thicket

@@ -1,0 +1,316 @@
+// The promises of SurfaceSampler: distances, gaps, windows, evenness, independence of the triangles, and holes.
+
+#include "core/sampling/tile_sampler.hpp"
+#include "surface_fixture.hpp"
+
+#include <atomic>
+#include <iterator>
+#include <limits>
+#include <set>
+#include <string>
+
+using namespace thicket;
+using namespace thicket::surfaces;
+
+namespace {
+
+/// Random positions on the surface, at which a point closer than the radius must exist.
+std::size_t gaps(const Triangles &triangles, const PointCubes &cubes, double radius, int tries) {
+	std::mt19937 random(1);
+	std::uniform_real_distribution<double> share(0.0, 1.0);
+	std::size_t found = 0;
+	for (int number = 0; number < tries; ++number) {
+		const std::size_t triangle = 3 * (random() % (triangles.indices.size() / 3));
+		double u = share(random);
+		double v = share(random);
+		if (u + v > 1.0) {
+			u = 1.0 - u;
+			v = 1.0 - v;
+		}
+		const auto corner = [&](std::size_t index) {
+			return triangles.vertices[triangles.indices[triangle + index]];
+		};
+		const glm::dvec3 position = corner(0) * (1.0 - u - v) + corner(1) * u + corner(2) * v;
+		found += cubes.nearest(position) > radius * (1.0 + 1e-5) ? 1 : 0;
+	}
+	return found;
+}
+
+void check_distances(const Triangles &triangles, const PointSet &set) {
+	const std::vector<SurfacePoint> points = all_points(set, *triangles.surface());
+	REQUIRE(points.size() > 100);
+	const PointCubes cubes(points, set.radius);
+	double least = std::numeric_limits<double>::infinity();
+	for (std::size_t index = 0; index < points.size(); ++index) {
+		least = std::min(least, cubes.nearest(points[index].position, index));
+	}
+	CHECK(least >= set.radius * (1.0 - 1e-9));
+	CHECK(gaps(triangles, cubes, set.radius, 20000) == 0);
+}
+
+/// A floor with a wall, a ceiling and a second floor below: sheets above each other, corners, and a thin gap.
+Triangles house() {
+	Triangles made = square(20.0, 10, {0, 0, 0}, {1, 0, 0}, {0, 0, 1});
+	made.append(square(20.0, 7, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+	made.append(square(20.0, 3, {0, 4, 0}, {1, 0, 0}, {0, 0, 1}));
+	made.append(square(20.0, 4, {0, 4.2, 0}, {1, 0, 0}, {0, 0, 1}));
+	return made;
+}
+
+std::set<std::uint64_t> ids(const std::vector<SurfacePoint> &points) {
+	std::set<std::uint64_t> result;
+	for (const SurfacePoint &point : points) {
+		result.insert(point.id);
+	}
+	return result;
+}
+
+double shared(const std::vector<SurfacePoint> &a, const std::vector<SurfacePoint> &b) {
+	const std::set<std::uint64_t> first = ids(a);
+	const std::set<std::uint64_t> second = ids(b);
+	std::vector<std::uint64_t> both;
+	std::ranges::set_intersection(first, second, std::back_inserter(both));
+	return static_cast<double>(both.size()) / static_cast<double>(std::max(first.size(), second.size()));
+}
+
+} // namespace
+
+TEST_CASE("surfaces: no two points are closer than the radius, and nowhere is room for another") {
+	check_distances(facing({0, 1, 0}, 40.0, 20), {.seed = 1});
+	check_distances(square(40.0, 20, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}), {.seed = 2}); // On a face of the cells.
+	check_distances(facing({0, 1, 1}, 40.0, 20), {.seed = 3});
+	check_distances(facing({1, 1, 1}, 40.0, 20), {.seed = 4});
+	check_distances(sphere(10.0, 40), {.seed = 5});
+	check_distances(sphere(10.0, 200), {.seed = 6, .radius = 0.7});
+	check_distances(house(), {.seed = 7});
+	check_distances(house(), {.seed = 8, .radius = 0.35, .levels = 3});
+}
+
+TEST_CASE("surfaces: ids are unique") {
+	const std::vector<SurfacePoint> points = all_points({.seed = 3, .layer = 5}, *sphere(15.0, 60).surface());
+	CHECK(ids(points).size() == points.size());
+	CHECK(std::ranges::all_of(points, [](const SurfacePoint &point) { return point.id >> 48 == 5; }));
+}
+
+TEST_CASE("surfaces: windows of any size return the same points, each once") {
+	for (const std::uint32_t levels : {1u, 3u}) {
+		CAPTURE(levels);
+		const PointSet set{.seed = 11, .levels = levels};
+		const auto surface = sphere(12.0, 50).surface();
+		std::vector<SurfacePoint> whole = all_points(set, *surface);
+		sort_by_id(whole);
+		for (const double width : {5.0, 7.3, 30.0}) {
+			CAPTURE(width);
+			SurfaceSampler sampler;
+			std::vector<SurfacePoint> together;
+			std::vector<SurfacePoint> part;
+			const int count = static_cast<int>(std::ceil(26.0 / width));
+			for (int number = count * count * count - 1; number >= 0; --number) {
+				const glm::dvec3 low =
+						glm::dvec3(number % count, number / count % count, number / count / count) * width - 13.0;
+				REQUIRE(sampler.sample(set, *surface, {low, low + width}, part).ok());
+				together.insert(together.end(), part.begin(), part.end());
+			}
+			sort_by_id(together);
+			CHECK(together == whole);
+		}
+	}
+}
+
+TEST_CASE("surfaces: the margin does not affect the points") {
+	const PointSet set{.seed = 12};
+	const auto surface = facing({1, 3, 2}, 60.0, 20).surface();
+	const Box3 window{{-10, -10, -10}, {10, 10, 10}};
+	std::vector<SurfacePoint> usual;
+	std::vector<SurfacePoint> narrow;
+	REQUIRE(SurfaceSampler().sample(set, *surface, window, usual).ok());
+	SurfaceSampler sampler({.first = 2, .widest = 256});
+	REQUIRE(sampler.sample(set, *surface, window, narrow).ok());
+	CHECK(sampler.stats().retries > 0);
+	CHECK(narrow == usual);
+	SurfaceSampler too_narrow({.first = 1, .widest = 1});
+	const Status status = too_narrow.sample(set, *surface, window, narrow);
+	CHECK(status.code == ErrorCode::margin_too_wide);
+	CHECK(narrow.empty());
+}
+
+TEST_CASE("surfaces: even by area in every direction") {
+	const PointSet set{.seed = 21};
+	const auto surface = sphere(50.0, 150).surface();
+	const std::vector<SurfacePoint> points = all_points(set, *surface);
+	// Random sequential adsorption of disks jams at 0.54707 (Feder 1980); on this sphere, distances in space add a little.
+	CHECK(coverage(set, *surface, points.size()) == doctest::Approx(0.5471).epsilon(0.003));
+	// Equal areas: slices of a sphere of equal thickness, along each axis and along a diagonal.
+	for (const glm::dvec3 axis :
+			{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::normalize(glm::dvec3(1, 1, 1))}) {
+		std::vector<double> slices(8);
+		for (const SurfacePoint &point : points) {
+			const double along = glm::dot(point.position, axis) / 50.0;
+			slices[static_cast<std::size_t>(std::clamp(along * 4.0 + 4.0, 0.0, 7.0))] += 1.0;
+		}
+		for (const double slice : slices) {
+			CHECK(slice / (static_cast<double>(points.size()) / 8.0) == doctest::Approx(1.0).epsilon(0.02));
+		}
+	}
+}
+
+TEST_CASE("surfaces: neighbors are as on the plane") {
+	const PointSet set{.seed = 22};
+	const std::vector<SurfacePoint> points = all_points(set, *sphere(40.0, 120).surface());
+	const PointCubes cubes(points, 1.5);
+	TileSampler plane_sampler;
+	std::vector<SamplePoint> flat;
+	REQUIRE(plane_sampler.sample(set, {{0, 0}, {140, 140}}, flat).ok());
+	std::vector<SurfacePoint> lifted;
+	for (const SamplePoint &point : flat) {
+		lifted.push_back({{point.position.x, 0.0, point.position.y}, {}, 0, 0, 0, 0});
+	}
+	const PointCubes flat_cubes(lifted, 1.5);
+	for (const double distance : {1.05, 1.1, 1.2, 1.35, 1.5}) {
+		CAPTURE(distance);
+		double near = 0.0;
+		for (const SurfacePoint &point : points) {
+			near += static_cast<double>(cubes.count_within(point.position, distance) - 1);
+		}
+		double near_flat = 0.0;
+		double inner = 0.0;
+		for (const SurfacePoint &point : lifted) {
+			const glm::dvec3 &at = point.position;
+			if (at.x > 2.0 && at.z > 2.0 && at.x < 138.0 && at.z < 138.0) {
+				near_flat += static_cast<double>(flat_cubes.count_within(at, distance) - 1);
+				inner += 1.0;
+			}
+		}
+		CHECK(near / static_cast<double>(points.size()) == doctest::Approx(near_flat / inner).epsilon(0.03));
+	}
+}
+
+TEST_CASE("surfaces: the same surface in other triangles keeps its points") {
+	const PointSet set{.seed = 31};
+	for (const glm::dvec3 normal : {glm::dvec3(0, 1, 0), glm::dvec3(1, 2, 3), glm::dvec3(1, 1, 1)}) {
+		CHECK(shared(all_points(set, *facing(normal, 80.0, 40).surface()),
+					  all_points(set, *facing(normal, 80.0, 67).surface())) > 0.999);
+	}
+	// The order and the direction of triangles do not matter at all.
+	Triangles triangles = sphere(10.0, 30);
+	const std::vector<SurfacePoint> points = all_points(set, *triangles.surface());
+	std::ranges::reverse(triangles.indices);
+	std::vector<SurfacePoint> reversed = all_points(set, *triangles.surface());
+	REQUIRE(reversed.size() == points.size());
+	for (std::size_t index = 0; index < points.size(); ++index) {
+		REQUIRE(reversed[index].position == points[index].position);
+		CHECK(glm::dot(reversed[index].normal, points[index].normal) == doctest::Approx(-1.0));
+	}
+}
+
+TEST_CASE("surfaces: a hole changes nothing far from it") {
+	const PointSet set{.seed = 41};
+	Triangles triangles = facing({1, 4, 1}, 60.0, 60);
+	const std::vector<SurfacePoint> before = all_points(set, *triangles.surface());
+	const glm::dvec3 middle = triangles.vertices[30 * 61 + 30];
+	std::vector<std::uint32_t> left;
+	for (std::size_t first = 0; first < triangles.indices.size(); first += 3) {
+		if (glm::distance(triangles.vertices[triangles.indices[first]], middle) > 4.0) {
+			left.insert(left.end(), triangles.indices.begin() + static_cast<std::ptrdiff_t>(first),
+					triangles.indices.begin() + static_cast<std::ptrdiff_t>(first) + 3);
+		}
+	}
+	REQUIRE(left.size() < triangles.indices.size());
+	triangles.indices = left;
+	std::vector<SurfacePoint> after = all_points(set, *triangles.surface());
+	const std::set<std::uint64_t> kept = ids(after);
+	std::size_t far = 0;
+	for (const SurfacePoint &point : before) {
+		if (glm::distance(point.position, middle) > 4.0 + 13.0) {
+			++far;
+			CHECK(kept.contains(point.id));
+		}
+	}
+	CHECK(far > 1000);
+	CHECK(std::ranges::all_of(
+			after, [&](const SurfacePoint &point) { return glm::distance(point.position, middle) > 2.0; }));
+}
+
+TEST_CASE("surfaces: every level is a maximal set of its own") {
+	const PointSet set{.seed = 51, .levels = 3};
+	const Triangles triangles = facing({1, 2, 1}, 80.0, 20);
+	const std::vector<SurfacePoint> points = all_points(set, *triangles.surface());
+	for (std::uint32_t level = 0; level < 3; ++level) {
+		CAPTURE(level);
+		const std::uint64_t end = level_rank_end(3, level);
+		std::vector<SurfacePoint> part;
+		for (const SurfacePoint &point : points) {
+			CHECK((point.rank < end) == (point.level >= level));
+			if (point.level >= level) {
+				part.push_back(point);
+			}
+		}
+		const double radius = static_cast<double>(1u << level);
+		const PointCubes cubes(part, radius);
+		double least = std::numeric_limits<double>::infinity();
+		for (std::size_t index = 0; index < part.size(); ++index) {
+			least = std::min(least, cubes.nearest(part[index].position, index));
+		}
+		CHECK(least >= radius * (1.0 - 1e-9));
+		CHECK(gaps(triangles, cubes, radius, 20000) == 0);
+		CHECK(static_cast<double>(part.size()) / static_cast<double>(points.size()) ==
+				doctest::Approx(static_cast<double>(end) / 4294967296.0).epsilon(0.05));
+	}
+}
+
+TEST_CASE("surfaces: bad input is refused and changes nothing") {
+	const double nan = std::numeric_limits<double>::quiet_NaN();
+	std::shared_ptr<const Surface> made = sphere(3.0, 10).surface();
+	const std::shared_ptr<const Surface> before = made;
+	CHECK(Surface::create({{0, 0, 0}, {1, nan, 0}, {0, 0, 1}}, {0, 1, 2}, made).code == ErrorCode::not_finite);
+	CHECK(Surface::create({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {0, 1, 3}, made).code == ErrorCode::out_of_range);
+	CHECK(Surface::create({{0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {0, 1}, made).code == ErrorCode::wrong_size);
+	CHECK(made == before);
+	SurfaceSampler sampler;
+	std::vector<SurfacePoint> points(1);
+	CHECK(sampler.sample({.radius = 0.0}, *made, {{-1, -1, -1}, {1, 1, 1}}, points).code != ErrorCode::none);
+	CHECK(sampler.sample({}, *made, {{-1, -1, nan}, {1, 1, 1}}, points).code == ErrorCode::not_finite);
+	CHECK(sampler.sample({}, *made, {{1, 1, 1}, {-1, -1, -1}}, points).code == ErrorCode::inverted);
+	const auto wide = square(1e5, 1, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}).surface();
+	CHECK(sampler.sample_all({.radius = 0.01}, *wide, points).code == ErrorCode::too_many_points);
+	CHECK(points.size() == 1);
+}
+
+TEST_CASE("surfaces: no triangles and degenerate triangles have no points") {
+	SurfaceSampler sampler;
+	std::vector<SurfacePoint> points(1);
+	std::shared_ptr<const Surface> surface;
+	REQUIRE(Surface::create({}, {}, surface).ok());
+	CHECK(sampler.sample_all({}, *surface, points).ok());
+	CHECK(points.empty());
+	REQUIRE(Surface::create({{0, 0, 0}, {10, 0, 0}, {20, 0, 0}}, {0, 1, 2, 0, 0, 1}, surface).ok());
+	CHECK(sampler.sample_all({}, *surface, points).ok());
+	CHECK(points.empty());
+}
+
+TEST_CASE("surfaces: a large triangle in a small window costs no more than the window") {
+	const auto surface = square(1e5, 1, {-5e4, 0.2, -5e4}, {1, 0, 0}, {0, 0, 1}).surface();
+	SurfaceSampler sampler;
+	std::vector<SurfacePoint> points;
+	REQUIRE(sampler.sample({.seed = 6}, *surface, {{100, -5, 100}, {120, 5, 120}}, points).ok());
+	CHECK(points.size() > 200);
+	CHECK(sampler.stats().cells < 20000);
+}
+
+TEST_CASE("surfaces: a call can be cancelled and reports its progress") {
+	const auto surface = sphere(60.0, 60).surface();
+	std::atomic<bool> cancel = false;
+	double last = 0.0;
+	Progress progress;
+	progress.cancel = &cancel;
+	progress.report = [&](double fraction, std::uint64_t) {
+		CHECK(fraction >= last);
+		last = fraction;
+		cancel = fraction > 0.3;
+	};
+	SurfaceSampler sampler;
+	std::vector<SurfacePoint> points;
+	CHECK(sampler.sample_all({}, *surface, points, progress).code == ErrorCode::cancelled);
+	CHECK(points.empty());
+	CHECK(last < 0.7);
+}
