@@ -4,6 +4,7 @@
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/sampler/poisson_points.hpp"
 #include "nodes/sampler/poisson_sampler.hpp"
+#include "nodes/sampler/poisson_surface_points.hpp"
 #include "nodes/common/main_calls.hpp"
 #include "nodes/common/precision.hpp"
 #include "nodes/common/threads.hpp"
@@ -43,6 +44,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	}
 	remember_main_thread(); // The engine initializes libraries there.
 	GDREGISTER_CLASS(PoissonPoints);
+	GDREGISTER_CLASS(PoissonSurfacePoints);
 	GDREGISTER_CLASS(PoissonSampler);
 	GDREGISTER_CLASS(ScatterImpostorBaker);
 	GDREGISTER_CLASS(ScatterGround);

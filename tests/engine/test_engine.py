@@ -126,6 +126,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_scenes_meddled",
         "test_lifetime",
         "test_domain",
+        "test_sample_surface",
         "test_domain_calls",
         pytest.param("test_domain_cancel", marks=pytest.mark.alone),
         "test_layer_inspector",

@@ -23,11 +23,6 @@ namespace {
 constexpr const char *class_name = "PoissonPoints";
 constexpr double rank_scale = 1.0 / 4294967296.0;
 
-/// A rank just below 2^32 must not round to 1.
-float unit_rank(const SamplePoint &point) {
-	return std::min(static_cast<float>(point.rank * rank_scale), std::nextafter(1.0F, 0.0F));
-}
-
 /// Processes the points in parts, also on the engine's threads if there are many. Most of the time is the system's, which provides new
 /// memory page by page.
 template <class Work>
@@ -48,6 +43,11 @@ void for_each_part(std::size_t size, const Work &work) {
 }
 
 } // namespace
+
+float unit_rank(std::uint32_t rank) {
+	// A rank just below 2^32 must not round to 1.
+	return std::min(static_cast<float>(rank * rank_scale), std::nextafter(1.0F, 0.0F));
+}
 
 Ref<PoissonPoints> PoissonPoints::of(std::span<const SamplePoint> points, bool exact) {
 	const Ref<PoissonPoints> result(memnew(PoissonPoints));
@@ -74,7 +74,7 @@ void PoissonPoints::fill(std::span<const SamplePoint> points, bool exact) {
 	for_each_part(points.size(), [&](std::size_t first, std::size_t end) {
 		const std::span<const SamplePoint> part = points.subspan(first, end - first);
 		std::ranges::transform(part, ids + first, [](const SamplePoint &point) { return script_id(point.id); });
-		std::ranges::transform(part, ranks + first, unit_rank);
+		std::ranges::transform(part, ranks + first, [](const SamplePoint &point) { return unit_rank(point.rank); });
 		if (exact) {
 			std::ranges::transform(part, x + first, [](const SamplePoint &point) { return point.position.x; });
 			std::ranges::transform(part, y + first, [](const SamplePoint &point) { return point.position.y; });

@@ -18,6 +18,9 @@
 
 namespace thicket {
 
+/// A rank for scripts: at least 0 and below 1.
+float unit_rank(std::uint32_t rank);
+
 /// The points that a PoissonSampler has found. They never change, so any thread may read them. An invalid index prints an error and returns
 /// a default.
 class PoissonPoints : public godot::RefCounted {

@@ -131,6 +131,9 @@ void PoissonSampler::_bind_methods() {
 	bind_guarded<&PoissonSampler::sample_domain>(D_METHOD("sample_domain", "rect", "progress"), DEFVAL(Callable()));
 	bind_guarded<&PoissonSampler::sample_domain_exact>(
 			D_METHOD("sample_domain_exact", "min_x", "min_y", "max_x", "max_y", "progress"), DEFVAL(Callable()));
+	bind_guarded<&PoissonSampler::sample_surface>(
+			D_METHOD("sample_surface", "mesh", "transform", "window"), DEFVAL(Transform3D()), DEFVAL(AABB()));
+	bind_guarded<&PoissonSampler::sample_faces>(D_METHOD("sample_faces", "faces", "window"), DEFVAL(AABB()));
 	bind_guarded<&PoissonSampler::cancel>(ThreadUse::any, D_METHOD("cancel"));
 	bind_guarded<&PoissonSampler::get_stats>(D_METHOD("get_stats"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "seed"), "set_seed", "get_seed");

@@ -5,13 +5,18 @@
 #include "core/sampling/tile_sampler.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/sampler/poisson_points.hpp"
+#include "nodes/sampler/poisson_surface_points.hpp"
 
+#include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/ref_counted.hpp>
+#include <godot_cpp/variant/aabb.hpp>
 #include <godot_cpp/variant/callable.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/packed_vector2_array.hpp>
+#include <godot_cpp/variant/packed_vector3_array.hpp>
 #include <godot_cpp/variant/rect2.hpp>
+#include <godot_cpp/variant/transform3d.hpp>
 
 #include <atomic>
 #include <cstdint>
@@ -81,6 +86,15 @@ public:
 	godot::Ref<PoissonPoints> sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 
+	/// The points of the set on the triangles of a mesh, in the space that the transform leads to, in meters. Only those in the half-open
+	/// window, unless that is AABB(). A refused call prints an error and returns no points; the result is never null.
+	godot::Ref<PoissonSurfacePoints> sample_surface(
+			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, const godot::AABB &p_window);
+
+	/// As above, with three corners for each triangle, as Mesh.get_faces returns them.
+	godot::Ref<PoissonSurfacePoints> sample_faces(
+			const godot::PackedVector3Array &p_faces, const godot::AABB &p_window);
+
 	/// Ends the call in progress within 50 milliseconds, plus the time that the system needs to release a large workspace; the call then
 	/// returns nothing. From any thread, and from a progress callable. Has no effect on calls that have not begun.
 	void cancel();
@@ -108,6 +122,8 @@ private:
 	};
 
 	bool try_set(const PointSet &p_set);
+	godot::Ref<PoissonSurfacePoints> sample_triangles(std::vector<glm::dvec3> vertices,
+			std::vector<std::uint32_t> indices, const godot::AABB &p_window, bool mirrored);
 	std::span<const SamplePoint> fetch(const Turn &p_turn, const Rect &p_rect);
 	DomainRequest domain_request(const glm::dvec2 &p_size) const;
 	void report_domain(const DomainRequest &p_request, Status p_status) const;

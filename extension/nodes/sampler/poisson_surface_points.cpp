@@ -1,0 +1,48 @@
+#include "nodes/sampler/poisson_surface_points.hpp"
+
+#include "nodes/common/convert.hpp"
+#include "nodes/common/engine_arrays.hpp"
+#include "nodes/sampler/poisson_points.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+
+using namespace godot;
+
+namespace thicket {
+
+Ref<PoissonSurfacePoints> PoissonSurfacePoints::of(std::span<const SurfacePoint> points, bool mirrored) {
+	const Ref<PoissonSurfacePoints> result(memnew(PoissonSurfacePoints));
+	const double side = mirrored ? 1.0 : -1.0;
+	result->ranks_ =
+			packed<PackedFloat32Array>(points, [](const SurfacePoint &point) { return unit_rank(point.rank); });
+	result->positions_ =
+			packed<PackedVector3Array>(points, [](const SurfacePoint &point) { return to_engine(point.position); });
+	result->normals_ = packed<PackedVector3Array>(
+			points, [side](const SurfacePoint &point) { return to_engine(point.normal * side); });
+	result->faces_ = packed<PackedInt32Array>(
+			points, [](const SurfacePoint &point) { return static_cast<int32_t>(point.triangle); });
+	result->ids_ = packed<PackedInt64Array>(points, [](const SurfacePoint &point) { return script_id(point.id); });
+	return result;
+}
+
+void PoissonSurfacePoints::_bind_methods() {
+	using Self = PoissonSurfacePoints;
+	bind_guarded<&Self::size>(D_METHOD("size"));
+	bind_guarded<&Self::is_empty>(D_METHOD("is_empty"));
+	bind_guarded<&Self::get_ids>(D_METHOD("get_ids"));
+	bind_guarded<&Self::get_positions>(D_METHOD("get_positions"));
+	bind_guarded<&Self::get_normals>(D_METHOD("get_normals"));
+	bind_guarded<&Self::get_ranks>(D_METHOD("get_ranks"));
+	bind_guarded<&Self::get_faces>(D_METHOD("get_faces"));
+	// Neither stored nor shown, because they are read-only.
+	const auto bind = [](Variant::Type type, const char *name, const char *getter) {
+		ADD_PROPERTY(PropertyInfo(type, name, PROPERTY_HINT_NONE, "", PROPERTY_USAGE_NONE), "", getter);
+	};
+	bind(Variant::PACKED_INT64_ARRAY, "ids", "get_ids");
+	bind(Variant::PACKED_VECTOR3_ARRAY, "positions", "get_positions");
+	bind(Variant::PACKED_VECTOR3_ARRAY, "normals", "get_normals");
+	bind(Variant::PACKED_FLOAT32_ARRAY, "ranks", "get_ranks");
+	bind(Variant::PACKED_INT32_ARRAY, "faces", "get_faces");
+}
+
+} // namespace thicket
