@@ -36,7 +36,7 @@ const SPECIES := {
 		_request_build()
 
 ## The finest LOD that the mesh has. 0 is the species' finest; others make coarser meshes for
-## [member ScatterLayer.lod_meshes].
+## [member ScatterModel.lods].
 @export_range(0, 4) var finest_level := 0:
 	set(value):
 		finest_level = clampi(value, 0, 4)

@@ -7,12 +7,10 @@ func steps() -> Array[Callable]:
 
 
 func make_scene() -> void:
-	var trees := make_layer("trees", 4.0, [BoxMesh.new(), SphereMesh.new()])
+	var trees := make_layer("trees", 4.0, [make_model(BoxMesh.new(), BoxMesh.new()), make_model(SphereMesh.new(), BoxMesh.new())])
 	trees.layer_id = 3
 	trees.min_scale = 0.6
 	trees.max_scale = 1.7
-	trees.lod_meshes = [BoxMesh.new(), BoxMesh.new()]
-	trees.lod_distances = [20.0]
 	trees.collision_shape = ScatterLayer.COLLISION_CYLINDER
 	trees.collision_distance = 16.0
 	var ferns := make_layer("ferns", 3.0, [BoxMesh.new()])
@@ -29,6 +27,16 @@ func make_scene() -> void:
 	glade.exclude = true
 	glade.radius = 5.0
 	scatter.add_child(glade)
+
+
+## Returns a model that is drawn as `far` from 20 m on.
+func make_model(near: Mesh, far: Mesh) -> ScatterModel:
+	var model := ScatterModel.new()
+	model.lods = [ScatterLod.new(), ScatterLod.new()]
+	model.lods[0].mesh = near
+	model.lods[1].mesh = far
+	model.lods[1].distance = 20.0
+	return model
 
 
 func query() -> void:

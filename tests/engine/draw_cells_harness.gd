@@ -25,9 +25,7 @@ func make_forest() -> ScatterLayer:
 	layer.tile_size = TILE
 	layer.view_distance = 600.0
 	layer.draw_cell_size = CELL
-	layer.meshes = [BoxMesh.new(), BoxMesh.new()]
-	layer.lod_meshes = [BoxMesh.new(), BoxMesh.new()]
-	layer.lod_distances = PackedFloat32Array([60.0])
+	layer.meshes = with_lods([BoxMesh.new(), BoxMesh.new()], [[BoxMesh.new(), BoxMesh.new()]], [60.0])
 	return layer
 
 

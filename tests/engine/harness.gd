@@ -145,6 +145,47 @@ func make_layer(radius := 2.0) -> ScatterLayer:
 	return layer
 
 
+## Returns models with coarser LODs, one for each entry of a layer's meshes. `rows` holds the entries' meshes at each of the distances; null
+## keeps the finer mesh.
+func with_lods(meshes: Array, rows: Array, distances: Array) -> Array:
+	var models := []
+	for entry in meshes.size():
+		var lods: Array[ScatterLod] = []
+		for row in rows.size():
+			if rows[row][entry] != null:
+				lods.append(make_lod(rows[row][entry], distances[row]))
+		models.append(with_far_lods(meshes[entry], lods))
+	return models
+
+
+func with_far_lods(entry: Resource, lods: Array[ScatterLod]) -> Resource:
+	if lods.is_empty():
+		return entry
+	var model := ScatterModel.new()
+	if entry is Mesh:
+		lods.push_front(make_lod(entry as Mesh, 0.0))
+		model.lods = lods
+		return model
+	if entry is ScatterModel:
+		model = entry.duplicate()
+	else:
+		model.scene = entry
+	model.far_lods = lods
+	return model
+
+
+func make_lod(mesh: Mesh, distance: float) -> ScatterLod:
+	var lod := ScatterLod.new()
+	lod.mesh = mesh
+	lod.distance = distance
+	return lod
+
+
+## Returns the mesh that is drawn as an LOD of one of the layer's meshes, the finest first.
+func lod_mesh(layer: ScatterLayer, entry: int, lod: int) -> Mesh:
+	return layer.get_mesh_lods(entry)[lod].mesh
+
+
 ## Returns a scene in which one node has an instance shader parameter, as the editor saves it. An engine without a renderer does not.
 func with_shader_parameter(scene: PackedScene, node: String, value: String) -> PackedScene:
 	ResourceSaver.save(scene, "user://with_parameter.tscn")

@@ -63,17 +63,16 @@ func test_scene_among_the_meshes_has_all_its_levels() -> void:
 	check_equal(ModelFiles.new(layer, 3).models[0].path, "res://oak.tscn", "the entry's own file")
 
 
-func test_levels_that_the_layer_adds_are_among_them() -> void:
+func test_levels_behind_a_scene_are_among_them() -> void:
 	var far := BoxMesh.new()
 	var layer := make_layer()
-	layer.meshes = [SphereMesh.new(), null, saved_scene(["Oak_LOD0", "Oak_LOD1"], "res://oak.tscn")]
-	layer.lod_distances = [40.0, 500.0]
-	layer.lod_meshes = [far, null, null, null, far, far]
+	var scene := saved_scene(["Oak_LOD0", "Oak_LOD1"], "res://oak.tscn")
+	layer.meshes = with_lods([SphereMesh.new(), null, scene], [[far, null, null], [null, null, far]], [40.0, 500.0])
 	check_equal(baked_lods(layer, 0), drawn_lods(layer, 0), "a mesh")
-	check_equal(drawn_lods(layer, 0).map(func(lod: Array) -> float: return lod[0]), [0.0, 40.0], "with the layer's level")
+	check_equal(drawn_lods(layer, 0).map(func(lod: Array) -> float: return lod[0]), [0.0, 40.0], "with its level")
 	check_equal(ModelFiles.new(layer, 3).models[1].lods, [], "an empty entry draws nothing")
 	check_equal(baked_lods(layer, 2), drawn_lods(layer, 2), "a scene")
-	check_equal(baked_lods(layer, 2).size(), 3, "with the layer's level after its own")
+	check_equal(baked_lods(layer, 2).size(), 3, "with the added level after its own")
 	check_equal(layer.get_mesh_lods(3), [] as Array[ScatterLod], "no such entry")
 	check_error(["get_mesh_lods", "index", 3], "an index beyond the list")
 

@@ -48,9 +48,7 @@ func make_wood(lods: Array[Mesh], distances: Array) -> ScatterLayer:
 	layer.tile_size = 64.0
 	layer.draw_cell_size = 16.0
 	layer.view_distance = 300.0
-	layer.meshes = [lods[0]]
-	layer.lod_meshes = lods.slice(1)
-	layer.lod_distances = PackedFloat32Array(distances)
+	layer.meshes = with_lods([lods[0]], lods.slice(1).map(func(lod: Mesh) -> Array: return [lod]), distances)
 	return layer
 
 

@@ -83,7 +83,7 @@ func test_mesh_and_thinning_depend_on_a_cells_distance() -> void:
 			var mesh := RenderingServer.multimesh_get_mesh(multimesh)
 			meshes[tile][mesh] = true
 			if absf(distance - 58.5) > 3.0:
-				var expected: Mesh = layer.meshes[0] if distance < 60.0 else layer.lod_meshes[0]
+				var expected: Mesh = lod_mesh(layer, 0, 0 if distance < 60.0 else 1)
 				check(mesh == expected.get_rid(), "the mesh of a cell of %s at %f m" % [tile, distance])
 			var density := 1.0 - 0.75 * clampf((distance - 20.0) / 100.0, 0.0, 1.0)
 			var ranks := range(14, buffer.size(), 16).map(func(index: int) -> float: return buffer[index])
@@ -109,8 +109,7 @@ func test_every_frame_draws_each_instance_once() -> void:
 	var layer := make_forest()
 	var plane := PlaneMesh.new()
 	plane.size = Vector2.ONE * 3.0
-	layer.meshes = [plane, plane.duplicate()]
-	layer.lod_meshes = [plane.duplicate(), plane.duplicate()]
+	layer.meshes = with_lods([plane, plane.duplicate()], [[plane.duplicate(), plane.duplicate()]], [60.0])
 	layer.material_override = material
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
 	var viewer := make_viewer(Vector3(-200.0, 2.0, -180.0))
@@ -185,7 +184,8 @@ func test_a_change_uploads_only_its_cell() -> void:
 
 func test_max_multimeshes_prefers_near_tiles() -> void:
 	var layer := make_forest()
-	layer.lod_distances = PackedFloat32Array([120.0])
+	for model: ScatterModel in layer.meshes:
+		model.lods[1].distance = 120.0
 	var viewer := make_viewer(Vector3(-200.0, 2.0, -200.0))
 	var scatter := make_scatter([layer], Island.new(), viewer)
 	await settle(scatter)
@@ -261,7 +261,6 @@ func test_settings_of_cells() -> void:
 func test_draw_stats() -> void:
 	var layer := make_forest()
 	layer.meshes = [BoxMesh.new(), null]
-	layer.lod_meshes = [null, null]
 	var scatter := make_scatter([layer], Island.new(), make_viewer(Vector3(64.0, 2.0, 64.0)))
 	await settle(scatter)
 	var all := scatter.get_draw_stats()

@@ -277,9 +277,8 @@ func test_the_world_node_finds_the_materials_of_scatters() -> void:
 	var model := ScatterModel.new()
 	model.lods = [lod]
 	var layer := make_layer(2.0)
+	model.far_lods = [make_lod(bush(far), 50.0)]
 	layer.meshes = [model, bush(plain), null]
-	layer.lod_meshes = [bush(far), null, null]
-	layer.lod_distances = PackedFloat32Array([50.0])
 	var scatter := make_scatter([layer, null], ScatterGroundFlat.new(), make_viewer(Vector3.ZERO))
 	var world := world_node()
 	root.add_child(world)

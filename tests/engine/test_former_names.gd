@@ -1,8 +1,10 @@
 extends "harness.gd"
 ## Scenes and resources saved by release 0.2.0 open under the current names, with one warning per name, and are saved with these names.
-## That release saved tests/engine/data/world_0.2.0.*.
+## That release saved tests/engine/data/world_0.2.0.*; drawing_0.2.0.tscn was written by hand in its format.
 
 const DATA := "data/world_0.2.0."
+## The digests of the first tiles of drawing_0.2.0.tscn, before LODs became a part of models.
+const DIGESTS := [-6414708764745442462, -693893192403766184, 583857009131101561]
 const CURRENT: Dictionary[String, String] = {
 	"Flat": "ScatterGroundFlat", "Noise": "ScatterGroundNoise", "Meshes": "ScatterGroundMeshes", "Colliders": "ScatterGroundColliders",
 	"Object": "ScatterGroundNode", "Heightmap": "ScatterGroundHeightmap", "Shared": "ScatterGroundFlat", "File": "ScatterGroundFlat",
@@ -19,6 +21,7 @@ func check_world(world: Node, context: String) -> void:
 		check_equal(scatter.ground.get_class() if scatter.ground != null else "nothing", CURRENT[scatter.name], "%s: the ground of %s" % [context, scatter.name])
 		var layer := scatter.layers[0]
 		check_equal([layer.slope_falloff_degrees, layer.thin_scale_up], [12.0, true], "%s: the layer of %s" % [context, scatter.name])
+		check_equal(lods_of(layer), [[[0.0, "BoxMesh"], [25.0, "SphereMesh"]]], "%s: the LODs of %s" % [context, scatter.name])
 	var ground_of := func(name: String) -> ScatterGround: return (world.get_node(name) as TerrainScatter3D).ground
 	check_equal((ground_of.call("Flat") as ScatterGroundFlat).height, 3.0, context + ": a height")
 	check(ground_of.call("Shared") == ground_of.call("Flat"), context + ": two nodes share their ground")
@@ -36,7 +39,8 @@ func check_world(world: Node, context: String) -> void:
 
 
 func test_scenes_open_and_are_saved_with_current_names() -> void:
-	var expected := ["TerrainScatter3D.terrain is named TerrainScatter3D.ground since", "ScatterLayer.slope_falloff is", "ScatterLayer.thin_scale_compensation is"]
+	var expected := ["TerrainScatter3D.terrain is named TerrainScatter3D.ground since", "ScatterLayer.slope_falloff is", "ScatterLayer.thin_scale_compensation is",
+		"ScatterLayer.lod_distances is a part of ScatterModel.lods since", "ScatterLayer.lod_meshes is a part of ScatterModel.lods since"]
 	for name: String in ["Colliders", "Flat", "Heightmap", "Meshes", "Noise", "Object"]:
 		expected.append("ScatterTerrain%s is named ScatterGround" % name)
 	for extension: String in ["tscn", "scn"]:
@@ -54,11 +58,55 @@ func test_scenes_open_and_are_saved_with_current_names() -> void:
 		var path := "user://current.tscn"
 		check_equal(ResourceSaver.save(again, path), OK, "saved")
 		var text := FileAccess.get_file_as_string(path)
-		for word: String in ["ScatterTerrain", "\nterrain = ", "\nslope_falloff = ", "thin_scale_compensation"]:
+		for word: String in ["ScatterTerrain", "\nterrain = ", "\nslope_falloff = ", "thin_scale_compensation", "lod_meshes", "lod_distances"]:
 			check(not word in text, "%s: %s is not saved" % [extension, word.strip_edges()])
 		var current: Node = (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate()
 		check_no_error("a scene with current names")
 		current.free()
+
+
+## Returns the distance and the mesh of each LOD of a layer's meshes.
+func lods_of(layer: ScatterLayer) -> Array:
+	return range(layer.meshes.size()).map(func(entry: int) -> Array:
+		return layer.get_mesh_lods(entry).map(func(lod: ScatterLod) -> Array: return [lod.distance, lod.mesh.get_class()]))
+
+
+## LODs of meshes, of a scene and of a model, also in a file whose properties have a different order, and in one with too few meshes.
+func test_former_lods_are_drawn_as_before() -> void:
+	var expected := {
+		"Trees": [
+			[[0.0, "BoxMesh"], [25.0, "SphereMesh"]],
+			[[0.0, "CylinderMesh"], [25.0, "SphereMesh"], [40.0, "PrismMesh"], [60.5, "QuadMesh"]],
+			[[0.0, "CapsuleMesh"], [25.0, "SphereMesh"], [30.0, "CapsuleMesh"], [60.5, "QuadMesh"]],
+			[],
+			[[0.0, "BoxMesh"]],
+		],
+		"Shrubs": [[[0.0, "BoxMesh"], [0.001, "SphereMesh"], [50.0, "QuadMesh"]]],
+		"Ferns": [[[0.0, "BoxMesh"], [20.0, "SphereMesh"]], [[0.0, "CapsuleMesh"], [20.0, "QuadMesh"], [30.0, "CapsuleMesh"]]],
+	}
+	var path := path_of("data/drawing_0.2.0.tscn")
+	for context: String in ["former", "current"]:
+		var world := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
+		errors.take() # Only the first scene of a run is warned about, see above.
+		for layer in world.layers:
+			check_equal(lods_of(layer), expected[layer.resource_name], "%s: %s" % [context, layer.resource_name])
+		var trees := world.layers[0]
+		check(trees.meshes[4] is BoxMesh and trees.meshes[3] == null, context + ": entries without LODs stay")
+		check((trees.meshes[1] as ScatterModel).scene != null, context + ": the model follows the scene")
+		var sparse: ScatterLod = trees.get_mesh_lods(2)[2]
+		check_equal([sparse.density, sparse.cast_shadow], [0.5, ScatterLod.CAST_SHADOW_DOUBLE_SIDED], context + ": the look of a model's LOD")
+		var model := world.layers[2].meshes[1] as ScatterModel
+		check_equal([model.lods.size(), model.far_lods.size()], [2, 1], context + ": each layer has a copy of the model")
+		root.add_child(world)
+		var digests := range(3).map(func(layer: int) -> int: return world.build_tile(layer, Vector2i.ZERO).get_digest())
+		check_equal(digests, DIGESTS, context + ": the instances")
+		root.remove_child(world)
+		var packed := PackedScene.new()
+		packed.pack(world)
+		world.free()
+		path = "user://drawing.tscn"
+		check_equal(ResourceSaver.save(packed, path), OK, "saved")
+	check_no_error("the saved scene")
 
 
 func test_a_former_property_of_a_state_is_read() -> void:

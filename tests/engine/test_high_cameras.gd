@@ -101,8 +101,7 @@ func test_a_camera_that_is_not_a_viewer_sees_everything() -> void:
 	for fades: bool in [false, true]:
 		var layer := cubes(fades)
 		layer.view_distance = 130.0
-		layer.lod_distances = PackedFloat32Array([30.0])
-		layer.lod_meshes = layer.meshes
+		layer.meshes = with_lods(layer.meshes, [layer.meshes], [30.0])
 		var player := make_viewer()
 		var scatter := quick_scatter([layer], ScatterGroundFlat.new(), player)
 		look_from_afar(1700.0)
@@ -144,8 +143,7 @@ func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 	stage()
 	var layer := cubes(false)
 	var sphere := SphereMesh.new()
-	layer.lod_meshes = [sphere]
-	layer.lod_distances = PackedFloat32Array([60.0])
+	layer.meshes = with_lods(layer.meshes, [[sphere]], [60.0])
 	var scatter := quick_scatter([layer], ScatterGroundFlat.new(), camera)
 	scatter.viewers = []
 	var fine := {}
@@ -156,7 +154,7 @@ func test_the_size_of_an_orthogonal_view_chooses_lods() -> void:
 			await settle(scatter)
 			var meshes := scatter.get_tile(scatter.layers[0], Vector2i.ZERO).get_multimeshes(0).map(
 					func(multimesh: RID) -> RID: return RenderingServer.multimesh_get_mesh(multimesh))
-			fine[[size, height]] = layer.meshes[0].get_rid() in meshes
+			fine[[size, height]] = lod_mesh(layer, 0, 0).get_rid() in meshes
 	check_equal(fine, {[40.0, 200.0]: true, [40.0, 2000.0]: true, [400.0, 200.0]: false, [400.0, 2000.0]: false},
 			"fine mesh below the camera, by size and height")
 

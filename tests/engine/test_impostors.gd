@@ -137,10 +137,8 @@ func run_to_end(bake: Bake) -> void:
 
 func test_a_bake_adds_a_last_lod() -> void:
 	var layer := make_layer()
-	layer.meshes = [Models.stone(), null, BoxMesh.new()]
+	layer.meshes = [Models.stone(), null, with_lods([BoxMesh.new()], [[SphereMesh.new()]], [5.0])[0]]
 	layer.max_scale = 2.0
-	layer.lod_distances = PackedFloat32Array([5.0])
-	layer.lod_meshes = [BoxMesh.new()]
 	var bake := Bake.new()
 	bake.impostor = small()
 	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "started: " + bake.problem)
@@ -148,16 +146,31 @@ func test_a_bake_adds_a_last_lod() -> void:
 	check_equal(bake.problem, "", "problem")
 	check_equal(bake.progress, 1.0, "progress")
 	check_equal(bake.files, PackedStringArray(["user://impostors/stones_impostor_0.res", "user://impostors/stones_impostor_2.res"]), "files")
-	check_equal(bake.lod_meshes.size(), 6, "two rows of three")
-	check(bake.lod_meshes[0] == layer.lod_meshes[0] and bake.lod_meshes[4] == null, "the existing row, and the missing mesh")
-	check_equal(bake.lod_distances.size(), 2, "distances")
-	var expected := 2.0 * maxf(Impostor.switch_distance(bake.lod_meshes[3]), Impostor.switch_distance(bake.lod_meshes[5]))
-	check(absf(bake.lod_distances[1] - expected) <= 0.5, "%f, expected %f" % [bake.lod_distances[1], expected])
-	layer.lod_meshes = bake.lod_meshes
-	layer.lod_distances = bake.lod_distances
+	var models: Array = layer.meshes.duplicate()
+	layer.meshes = bake.meshes
+	check_equal(range(3).map(func(entry: int) -> int: return layer.get_mesh_lods(entry).size()), [2, 0, 3], "LODs, and the missing mesh")
+	check((models[2] as ScatterModel).lods.size() == 2 and lod_mesh(layer, 2, 1) is SphereMesh, "the former model is unchanged, and its LODs stay")
+	var expected := 2.0 * maxf(Impostor.switch_distance(bake.baked[0]), Impostor.switch_distance(bake.baked[2]))
+	for entry: int in [0, 2]:
+		var far: ScatterLod = layer.get_mesh_lods(entry)[-1]
+		check(far.mesh == bake.baked[entry] and absf(far.distance - expected) <= 0.5, "%f, expected %f" % [far.distance, expected])
 	check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "started again")
 	await run_to_end(bake)
-	check_equal(bake.lod_meshes.size(), 6, "the row of impostors is replaced")
+	layer.meshes = bake.meshes
+	check_equal(layer.get_mesh_lods(2).size(), 3, "the impostors are replaced")
+	var tree := MeshInstance3D.new()
+	tree.mesh = BoxMesh.new()
+	var scene := PackedScene.new()
+	scene.pack(tree)
+	tree.free()
+	layer.meshes = [scene]
+	for time in 2:
+		check_equal(bake.begin(layer, "user://impostors", "stones"), OK, "a scene, %d" % time)
+		await run_to_end(bake)
+		layer.meshes = bake.meshes
+		check((layer.meshes[0] as ScatterModel).scene == scene, "the model follows the scene")
+		check_equal(layer.get_mesh_lods(0).map(func(lod: ScatterLod) -> bool: return lod.mesh == bake.baked[0]), [false, true], "LODs of the scene")
+	bake.files.append("user://impostors/stones_impostor_2.res")
 	check_equal(bake.begin(layer, "user://impostors", "a/b"), ERR_INVALID_PARAMETER, "an invalid name")
 	layer.meshes = []
 	check_equal(bake.begin(layer, "user://impostors", "stones"), ERR_UNCONFIGURED, "no mesh")

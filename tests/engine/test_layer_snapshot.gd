@@ -43,8 +43,6 @@ var changes := {
 	"color_source_max": [9.0, MADE], "color_source_noise": [FastNoiseLite.new()], "color_randomness": [0.5, MADE],
 	"variation_source": [ScatterLayer.SOURCE_RANK, MADE], "variation_source_layer": ["Oaks"], "variation_source_min": [0.25, MADE],
 	"variation_source_max": [0.75, MADE], "variation_source_noise": [FastNoiseLite.new(), MADE], "variation_randomness": [0.5, MADE],
-	"lod_meshes": [[SphereMesh.new(), null] as Array[Mesh], MADE],
-	"lod_distances": [PackedFloat32Array([30.0]), REDRAWN],
 	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],
 	"thin_scale_up": [true, MADE], # The instances grow, and so do the bounding boxes of the tiles.
 	"material_override": [StandardMaterial3D.new(), REDRAWN],
@@ -103,9 +101,7 @@ func make_ferns() -> ScatterLayer:
 	var layer := make_layer(3.0)
 	layer.resource_name = "Ferns"
 	layer.view_distance = 40.0
-	layer.meshes = [BoxMesh.new(), SphereMesh.new()]
-	layer.lod_meshes = [BoxMesh.new(), null]
-	layer.lod_distances = PackedFloat32Array([20.0])
+	layer.meshes = with_lods([BoxMesh.new(), SphereMesh.new()], [[BoxMesh.new(), null]], [20.0])
 	layer.thin_begin = 10.0
 	layer.thin_end = 40.0
 	layer.thin_density = 0.5

@@ -55,9 +55,7 @@ func distance_to(box: AABB, at: Vector3) -> float:
 func make_detailed_layer() -> ScatterLayer:
 	var layer := make_layer(2.0)
 	layer.view_distance = 150.0
-	layer.meshes = [BoxMesh.new(), BoxMesh.new()]
-	layer.lod_meshes = [BoxMesh.new(), null, BoxMesh.new(), BoxMesh.new()]
-	layer.lod_distances = PackedFloat32Array([40.0, 100.0])
+	layer.meshes = with_lods([BoxMesh.new(), BoxMesh.new()], [[BoxMesh.new(), null], [BoxMesh.new(), BoxMesh.new()]], [40.0, 100.0])
 	layer.thin_begin = 50.0
 	layer.thin_end = 120.0
 	layer.thin_density = 0.25
@@ -69,9 +67,9 @@ func make_detailed_layer() -> ScatterLayer:
 ## Checks every tile that is not within 6 % of a change. Returns how many tiles use each LOD.
 func check_detail(scatter: TerrainScatter3D, layer: ScatterLayer, buffers: Dictionary, at: Vector3) -> Array[int]:
 	var meshes: Array[Array] = [
-		[layer.meshes[0], layer.meshes[1]],
-		[layer.lod_meshes[0], layer.meshes[1]],
-		[layer.lod_meshes[2], layer.lod_meshes[3]],
+		[lod_mesh(layer, 0, 0), lod_mesh(layer, 1, 0)],
+		[lod_mesh(layer, 0, 1), lod_mesh(layer, 1, 0)],
+		[lod_mesh(layer, 0, 2), lod_mesh(layer, 1, 1)],
 	]
 	var seen: Array[int] = [0, 0, 0]
 	for tile: Vector2i in buffers:
@@ -121,8 +119,7 @@ func test_meshes_and_thinning_follow_the_distance() -> void:
 func test_lods_have_hysteresis() -> void:
 	var layer := make_layer(2.0)
 	layer.view_distance = 120.0 # LOD distances include the height up to where the fade-out begins.
-	layer.lod_meshes = [BoxMesh.new()]
-	layer.lod_distances = PackedFloat32Array([100.0])
+	layer.meshes = with_lods(layer.meshes, [[BoxMesh.new()]], [100.0])
 	var viewer := make_viewer(Vector3(16.0, 0.0, 16.0))
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)
@@ -132,7 +129,7 @@ func test_lods_have_hysteresis() -> void:
 		viewer.global_position.y = height + REACH
 		await frames(4)
 		var mesh := RenderingServer.multimesh_get_mesh(multimesh)
-		coarse.get_or_add(height, []).push_back(mesh == layer.lod_meshes[0].get_rid())
+		coarse.get_or_add(height, []).push_back(mesh == lod_mesh(layer, 0, 1).get_rid())
 	check_equal(coarse, {99.0: [false, true, false], 102.0: [true, true], 97.0: [true, false], 94.0: [false]}, "coarse")
 
 

@@ -145,9 +145,7 @@ func test_lods_of_models_and_of_meshes_together() -> void:
 	model.lods[2].distance = 50.0
 	var near := BoxMesh.new()
 	var far := BoxMesh.new()
-	var layer := make_model_layer([near, model])
-	layer.lod_distances = [35.0]
-	layer.lod_meshes = [far, null]
+	var layer := make_model_layer(with_lods([near, model], [[far, null]], [35.0]))
 	layer.tile_size = 8.0
 	layer.view_distance = 80.0
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
@@ -232,20 +230,27 @@ func test_fit_to_meshes() -> void:
 	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "a mesh has no shapes")
 
 
-## The layer adds a last LOD to those of a model, as the bake of impostors does.
-func test_a_layer_adds_lods() -> void:
+## A model has a last LOD behind those of its scene, as the bake of impostors adds it.
+func test_far_lods() -> void:
 	var model := ScatterModel.new()
 	model.scene = pack(make_tree())
 	var far := QuadMesh.new()
 	var layer := make_model_layer([model])
-	layer.lod_distances = [40.0]
-	layer.lod_meshes = [far]
+	model.far_lods = [null, make_lod(null, 10.0), make_lod(far, 40.0)]
+	check_equal(model.lods.size(), 3, "the scene's LODs")
+	check_equal(layer.get_mesh_lods(0).filter(func(lod: ScatterLod) -> bool: return lod.mesh == far).size(), 1, "and one behind them")
 	layer.tile_size = 16.0
 	layer.view_distance = 90.0
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	await settle(scatter)
 	var triangles: int = scatter.get_draw_stats()["triangles"]
-	layer.lod_meshes = []
+	model.far_lods = []
+	check_no_error("LODs behind a scene")
+	var many: Array[ScatterLod] = []
+	many.resize(17)
+	model.far_lods = many
+	check_error(["ScatterModel.far_lods", "17"], "too many")
+	check_equal(model.far_lods.size(), 0, "the list is unchanged")
 	await settle(scatter)
 	check(triangles < scatter.get_draw_stats()["triangles"], "far trees are quads: %d triangles" % triangles)
 

@@ -201,8 +201,7 @@ func test_boxes_of_plants_include_their_sway() -> void:
 	await grown_by.call(3.0, "the mesh of an LOD", func(layer: ScatterLayer) -> void:
 		var coarse := BoxMesh.new()
 		coarse.material = foliage(swaying)
-		layer.lod_meshes = [coarse]
-		layer.lod_distances = PackedFloat32Array([1000.0]))
+		layer.meshes = with_lods(layer.meshes, [[coarse]], [1000.0]))
 
 
 func test_boxes_update_when_the_layer_changes() -> void:
@@ -260,9 +259,7 @@ func test_materials_of_a_layer() -> void:
 	(lod.shadow_mesh as BoxMesh).material = plain(GREEN)
 	var model := ScatterModel.new()
 	model.lods = [lod]
-	layer.meshes = [layer.meshes[0], null, model, layer.meshes[0]]
-	layer.lod_meshes = [coarse, null, null, coarse]
-	layer.lod_distances = PackedFloat32Array([50.0])
+	layer.meshes = with_lods([layer.meshes[0], null, model, layer.meshes[0]], [[coarse, null, null, coarse]], [50.0])
 	check_equal(layer.get_materials(), [near, coarse.material, lod.shadow_mesh.material] as Array[Material], "materials")
 	layer.material_override = plain(GREEN)
 	check_equal(layer.get_materials(), [layer.material_override] as Array[Material], "materials, overridden")

@@ -88,12 +88,14 @@ func edit_gameplay(layer: ScatterLayer, step: int) -> void:
 
 func test_drawing_properties_regenerate_nothing() -> void:
 	var layer := make_layer(1.0)
+	layer.meshes = with_lods(layer.meshes, [[SphereMesh.new()]], [10.0])
 	var scatter := make_wide_scatter(layer)
 	await settle(scatter)
 	var before := scatter.get_stats()
+	var far: ScatterLod = (layer.meshes[0] as ScatterModel).lods[1]
 	await drag(scatter, func(step: int) -> void: layer.visibility_range_end = 100.0 + step, 20)
 	await drag(scatter, func(step: int) -> void: layer.thin_end = 100.0 + step, 20)
-	await drag(scatter, func(step: int) -> void: layer.lod_distances = PackedFloat32Array([10.0 + step]), 20)
+	await drag(scatter, func(step: int) -> void: far.distance = 10.0 + step, 20)
 	await drag(scatter, func(step: int) -> void: edit_gameplay(layer, step), 20)
 	await drag(scatter, func(step: int) -> void: scatter.quality = 0.02 * step, 20)
 	await settle(scatter)

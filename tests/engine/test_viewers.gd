@@ -203,8 +203,7 @@ func test_a_viewer_at_distance_zero_settles() -> void:
 	var layer := make_layer()
 	layer.thin_end = 60.0
 	layer.thin_density = 0.25
-	layer.lod_meshes = [SphereMesh.new()]
-	layer.lod_distances = PackedFloat32Array([0.0])
+	layer.meshes = with_lods(layer.meshes, [[SphereMesh.new()]], [1e-30])
 	var viewer := make_viewer(Vector3(5.0, 0.5, 5.0))
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), viewer)
 	await settle(scatter)

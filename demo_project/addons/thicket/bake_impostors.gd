@@ -6,11 +6,9 @@ extends RefCounted
 ## if bake.begin(layer, "res://forest_impostors", "oaks") == OK:
 ##     while bake.step():
 ##         await get_tree().process_frame
-##     layer.lod_meshes = bake.lod_meshes
-##     layer.lod_distances = bake.lod_distances
+##     layer.meshes = bake.meshes
 ## [/codeblock]
-## Nothing is written before all of them are baked, and the layer is not changed. [member lod_meshes] and [member lod_distances]
-## have the values to set on it.
+## Nothing is written before all of them are baked, and the layer is not changed: [member meshes] has the value to set on it.
 
 const Impostor := preload("res://addons/thicket/impostor.gd")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
@@ -29,11 +27,11 @@ var problem := ""
 var warnings := PackedStringArray()
 ## From 0 to 1.
 var progress := 0.0
-## The layer's LODs with the impostors as the last row, once [method step] has returned false without a [member problem]. If the
-## last row was impostors already, they are replaced.
-var lod_meshes: Array[Mesh] = []
-## The distances for [member lod_meshes], in meters.
-var lod_distances := PackedFloat32Array()
+## The layer's meshes, each as a [ScatterModel] with its impostor as the last LOD, once [method step] has returned false without a
+## [member problem]. Former impostors are replaced. The layer's own models stay unchanged, because other layers may use them.
+var meshes := []
+## The impostors of [member meshes]; null for entries that draw nothing.
+var baked: Array[Mesh] = []
 ## The paths of the files that were written.
 var files := PackedStringArray()
 ## The previous contents of those [member files] that existed before, for undo.
@@ -42,7 +40,6 @@ var replaced: Dictionary[String, Replaced] = {}
 var _layer: Resource
 var _meshes: Array[Mesh] = [] # Of the layer's entries; null for entries that draw nothing.
 var _stem := ""
-var _baked: Array[Mesh] = []
 var _running := false
 
 
@@ -55,9 +52,8 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	warnings.clear()
 	files.clear()
 	replaced = {}
-	lod_meshes = []
-	lod_distances = PackedFloat32Array()
-	_baked = []
+	meshes = []
+	baked = []
 	_layer = layer
 	if name.is_empty() or not name.is_valid_filename():
 		return _refuse(ERR_INVALID_PARAMETER, "The name must be a valid file name, without / : ? * and the like, got '%s'." % name)
@@ -79,19 +75,19 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 func step() -> bool:
 	if not _running:
 		return false
-	progress = (_baked.size() + impostor.get_progress()) / _meshes.size()
+	progress = (baked.size() + impostor.get_progress()) / _meshes.size()
 	if impostor.is_baking():
 		return true
-	var baked := impostor.finish()
-	if baked == null:
+	var made := impostor.finish()
+	if made == null:
 		problem = impostor.problem
 		_running = false
 		return false
-	_baked.append(baked)
+	baked.append(made)
 	if _begin_next() != OK:
 		_running = false
 		return false
-	if _baked.size() < _meshes.size():
+	if baked.size() < _meshes.size():
 		return true
 	_running = false
 	if _save():
@@ -121,18 +117,18 @@ func _refuse(error: Error, why: String) -> Error:
 
 ## Begins the next impostor. A missing mesh draws nothing, so it has no impostor.
 func _begin_next() -> Error:
-	while _baked.size() < _meshes.size() and _meshes[_baked.size()] == null:
-		_baked.append(null)
-	if _baked.size() == _meshes.size():
+	while baked.size() < _meshes.size() and _meshes[baked.size()] == null:
+		baked.append(null)
+	if baked.size() == _meshes.size():
 		return OK
-	var error := impostor.begin([_meshes[_baked.size()]])
+	var error := impostor.begin([_meshes[baked.size()]])
 	warnings.append_array(impostor.warnings)
 	return OK if error == OK else _refuse(error, impostor.problem)
 
 
 func _save() -> bool:
-	for index in _baked.size():
-		if _baked[index] == null:
+	for index in baked.size():
+		if baked[index] == null:
 			continue
 		var path := "%s_impostor_%d.res" % [_stem, index]
 		if FileAccess.file_exists(path):
@@ -143,37 +139,60 @@ func _save() -> bool:
 					path, error_string(FileAccess.get_open_error())]
 				return false
 			replaced[path].resource = load(path) if ResourceLoader.has_cached(path) else null
-		var error := WholeFile.save(_baked[index], path)
+		var error := WholeFile.save(baked[index], path)
 		if error != OK:
 			problem = "Cannot write %s: %s. Check that its folder is writable and the disk has room." % [path, error_string(error)]
 			return false
-		_baked[index].take_over_path(path)
+		baked[index].take_over_path(path)
 		files.append(path)
 	return true
 
 
-## Instances may be larger than their meshes, and all meshes switch at one distance, so the largest one decides.
+## Instances may be larger than their meshes, and each further distance divides the layer's tiles more, so the largest impostor decides
+## the distance of all.
 func _set_lods() -> void:
-	var count := _baked.size()
 	var distance := 0.0
-	for mesh in _baked:
-		distance = maxf(distance, Impostor.switch_distance(mesh) if mesh != null else 0.0)
+	for mesh in baked:
+		distance = maxf(distance, _switch_distance(mesh))
 	distance *= maxf(_layer.get(&"max_scale"), 0.01)
-	var distances: PackedFloat32Array = _layer.get(&"lod_distances")
-	var meshes: Array[Mesh] = []
-	meshes.assign(_layer.get(&"lod_meshes"))
-	meshes.resize(distances.size() * count)
-	if not distances.is_empty() and _is_impostor_row(meshes.slice(-count)):
-		distances.resize(distances.size() - 1)
-		meshes.resize(distances.size() * count)
-	# Distances must ascend: if the last LOD begins beyond the impostors' distance, it stays, and they begin behind it.
-	if not distances.is_empty():
-		distance = maxf(distance, distances[-1] * 1.25)
-	distances.append(snappedf(distance, 1.0))
-	meshes.append_array(_baked)
-	lod_meshes = meshes
-	lod_distances = distances
+	for entry in baked.size(): # Impostors begin behind all other LODs.
+		for lod: Resource in _without_impostors(_layer.call(&"get_mesh_lods", entry)):
+			distance = maxf(distance, lod.get(&"distance") * 1.25)
+	meshes = (_layer.get(&"meshes") as Array).duplicate()
+	for entry in baked.size():
+		if baked[entry] != null:
+			meshes[entry] = _with_impostor(meshes[entry], _lod(baked[entry], snappedf(distance, 1.0)))
 
 
-static func _is_impostor_row(row: Array[Mesh]) -> bool:
-	return row.any(func(mesh: Mesh) -> bool: return mesh != null and Impostor.switch_distance(mesh) > 0.0)
+## A model that is drawn as [param entry] of the meshes, with [param far] as its last LOD.
+static func _with_impostor(entry: Resource, far: Resource) -> Resource:
+	var model: Resource = entry.duplicate() if entry.is_class("ScatterModel") else ClassDB.instantiate(&"ScatterModel")
+	if entry is PackedScene:
+		model.set(&"scene", entry)
+	elif entry is Mesh:
+		model.set(&"lods", _lods([_lod(entry as Mesh, 0.0)]))
+	var added := &"far_lods" if model.get(&"scene") != null else &"lods"
+	for property: StringName in [&"lods", &"far_lods"]:
+		if property == &"far_lods" or added == &"lods":
+			model.set(property, _lods(_without_impostors(model.get(property)) + ([far] if property == added else [])))
+	return model
+
+
+static func _without_impostors(lods: Array) -> Array:
+	return lods.filter(func(lod: Resource) -> bool: return lod != null and _switch_distance(lod.get(&"mesh")) == 0.0)
+
+
+## 0 for meshes that are no impostors.
+static func _switch_distance(mesh: Mesh) -> float:
+	return Impostor.switch_distance(mesh) if mesh != null else 0.0
+
+
+static func _lod(mesh: Mesh, distance: float) -> Resource:
+	var lod: Resource = ClassDB.instantiate(&"ScatterLod")
+	lod.set(&"mesh", mesh)
+	lod.set(&"distance", distance)
+	return lod
+
+
+static func _lods(lods: Array) -> Array:
+	return Array(lods, TYPE_OBJECT, &"ScatterLod", null)

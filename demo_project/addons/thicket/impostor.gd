@@ -1,6 +1,6 @@
 extends RefCounted
 ## Bakes an octahedral impostor of a model: a mesh of two triangles with its own material, which shows the model from any direction,
-## in the light of the scene. Use it as the last entry of a layer's [member ScatterLayer.lod_meshes].
+## in the light of the scene. Use it as the last of [member ScatterModel.lods] or [member ScatterModel.far_lods].
 ##
 ## It needs neither an editor nor a renderer, so it also works headless:
 ## [codeblock]

@@ -31,6 +31,10 @@ constexpr RenamedProperty renamed_properties[] = {
 } // namespace
 
 void warn_of_rename(const char *p_former, const char *p_current) {
+	warn_of_change(p_former, (std::string("is named ") + p_current).c_str());
+}
+
+void warn_of_change(const char *p_former, const char *p_change) {
 	static std::mutex mutex;
 	static std::set<std::string> warned;
 	{
@@ -40,9 +44,9 @@ void warn_of_rename(const char *p_former, const char *p_current) {
 		}
 	}
 	WARN_PRINT(
-			vformat("%s is named %s since version 0.3. The file was read as before. Open and save it in the editor to "
-					"store the new name.",
-					p_former, p_current));
+			vformat("%s %s since version 0.3. The file was read as before. Open and save it in the editor to store the "
+					"new name.",
+					p_former, p_change));
 }
 
 bool set_renamed(Object *p_object, const StringName &p_name, const Variant &p_value) {

@@ -167,32 +167,21 @@ bool LayerMeshes::has_mesh() const {
 	return false;
 }
 
-std::vector<DrawnLod> LayerMeshes::lods_of(
-		std::size_t entry, const TypedArray<Mesh> &p_meshes, const PackedFloat32Array &p_distances) const {
+std::vector<DrawnLod> LayerMeshes::lods_of(std::size_t entry) const {
 	std::vector<DrawnLod> result;
-	const auto count = static_cast<int64_t>(size());
 	if (taken_[entry].model.is_valid()) {
 		result = taken_[entry].model->drawn_lods();
-	} else if (const Ref<Mesh> near_by = mesh(entry); near_by.is_valid()) {
-		result.push_back({0.0, near_by, {}, ScatterLod::CAST_SHADOW_LAYER, {}});
+	} else if (const Ref<Mesh> only = mesh(entry); only.is_valid()) {
+		result.push_back({0.0, only, {}, ScatterLod::CAST_SHADOW_LAYER, {}});
 	}
-	for (int64_t row = 0; row < p_distances.size(); ++row) {
-		const int64_t at = row * count + static_cast<int64_t>(entry);
-		const bool whole = (row + 1) * count <= p_meshes.size();
-		if (!result.empty() && whole && Ref<Mesh>(p_meshes[at]).is_valid()) {
-			result.push_back({p_distances.ptr()[row], Ref<Mesh>(p_meshes[at]), {}, ScatterLod::CAST_SHADOW_LAYER, {}});
-		}
-	}
-	std::ranges::stable_sort(result, {}, &DrawnLod::distance);
 	return result;
 }
 
-void LayerMeshes::draw(const TypedArray<Mesh> &p_meshes, const PackedFloat32Array &p_distances, LayerDrawing &r_drawing,
-		LodSettings &r_lod) const {
+void LayerMeshes::draw(LayerDrawing &r_drawing, LodSettings &r_lod) const {
 	std::vector<std::vector<DrawnLod>> lods;
 	std::set<double> distances;
 	for (std::size_t entry = 0; entry < size(); ++entry) {
-		lods.push_back(lods_of(entry, p_meshes, p_distances));
+		lods.push_back(lods_of(entry));
 		r_drawing.meshes.push_back(look_of(lods.back().empty() ? nullptr : lods.back().data()));
 		for (std::size_t lod = 1; lod < lods.back().size(); ++lod) {
 			distances.insert(lods.back()[lod].distance);

@@ -6,16 +6,14 @@
 #include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/variant/array.hpp>
-#include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
-#include <godot_cpp/variant/typed_array.hpp>
 
 #include <cstddef>
 #include <vector>
 
 namespace thicket {
 
-/// The entries of ScatterLayer.meshes, each a Mesh, a PackedScene, a ScatterModel or null, and the meshes that replace them with distance.
+/// The entries of ScatterLayer.meshes, each a Mesh, a PackedScene, a ScatterModel or null.
 class LayerMeshes {
 public:
 	/// Replaces the list, on any thread, without reading any mesh or scene. Returns false, with an error, if an entry is of a different
@@ -49,10 +47,9 @@ public:
 	/// True if anything that is already read can be drawn.
 	bool has_mesh() const;
 
-	/// Fills in the meshes to draw, with one row for each distance at which an entry changes, and those distances. `p_meshes` and
-	/// `p_distances` are ScatterLayer's lod_meshes and lod_distances. Distances beyond the first max_lods are left out.
-	void draw(const godot::TypedArray<godot::Mesh> &p_meshes, const godot::PackedFloat32Array &p_distances,
-			LayerDrawing &r_drawing, LodSettings &r_lod) const;
+	/// Fills in the meshes to draw, with one row for each distance at which an entry changes, and those distances. Distances beyond the
+	/// first max_lods are left out.
+	void draw(LayerDrawing &r_drawing, LodSettings &r_lod) const;
 
 	/// The shapes of each entry. Entries that are not models have none.
 	std::vector<std::vector<BodyPart>> bodies() const;
@@ -74,8 +71,7 @@ private:
 
 	bool take(const godot::Array &p_entries);
 	godot::Ref<ScatterModel> model_of(const godot::Ref<godot::PackedScene> &p_scene) const;
-	std::vector<DrawnLod> lods_of(std::size_t entry, const godot::TypedArray<godot::Mesh> &p_meshes,
-			const godot::PackedFloat32Array &p_distances) const;
+	std::vector<DrawnLod> lods_of(std::size_t entry) const;
 
 	godot::Array entries_;
 	std::vector<Entry> taken_; ///< The entries of the list when it was last accepted.

@@ -3,6 +3,7 @@
 #include "core/base/check.hpp"
 #include "core/placement/instance_rows.hpp"
 #include "core/state/instance_state.hpp"
+#include "nodes/common/renames.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 #include <cmath>
@@ -38,7 +39,7 @@ Status ScatterLayer::check() {
 		status = tables_.image_status;
 	}
 	if (status.ok()) {
-		status = validate(lod());
+		status = validate(lod_);
 	}
 	if (!status.ok()) {
 		return status;
@@ -49,6 +50,16 @@ Status ScatterLayer::check() {
 			check_range("tile_size", range_.tile_size, at_most(largest, "4 million points a tile at this radius"),
 					"Lower tile_size or raise radius"),
 			validate(range_));
+}
+
+/// The names under which release 0.2 saved properties.
+bool ScatterLayer::_set(const StringName &p_name, const Variant &p_value) {
+	if (!former_lods_.set(p_name, p_value)) {
+		return set_renamed(this, p_name, p_value);
+	}
+	convert_former_lods(false);
+	changed();
+	return true;
 }
 
 void ScatterLayer::take_id(std::int64_t p_id) {

@@ -3,8 +3,8 @@
 #include "core/placement/mesh_choice.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
-#include "nodes/common/renames.hpp"
 #include "nodes/common/scene_use.hpp"
+#include "nodes/layer/former_drawing.hpp"
 #include "nodes/layer/layer_meshes.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/layer/layer_tables.hpp"
@@ -214,18 +214,9 @@ public:
 	void set_variation_source_layer(const godot::Variant &p_layer);
 	godot::Variant get_variation_source_layer() const;
 
-	/// The meshes that replace `meshes` from each of the LOD distances on: one row of entries for all meshes, then the row of the next
-	/// distance. Null keeps the finer mesh. At most max_lods rows of max_meshes.
-	void set_lod_meshes(const godot::TypedArray<godot::Mesh> &p_meshes);
-	godot::TypedArray<godot::Mesh> get_lod_meshes() const;
-
-	/// All LODs of an entry of `meshes`, the finest first, with no defaults left to resolve: those of its model and those of `lod_meshes`.
-	/// Empty for an entry that draws nothing. An invalid index prints an error.
+	/// All LODs of an entry of `meshes`, the finest first, with no defaults left to resolve. Empty for an entry that draws nothing. An
+	/// invalid index prints an error.
 	godot::TypedArray<ScatterLod> get_mesh_lods(int64_t p_index);
-
-	/// Meters from a viewer to a tile's box, ascending, 0 to 1e6 each; at most max_lods.
-	void set_lod_distances(const godot::PackedFloat32Array &p_distances);
-	godot::PackedFloat32Array get_lod_distances() const;
 
 	void set_collision_shape(CollisionShape p_shape);
 	CollisionShape get_collision_shape() const;
@@ -295,9 +286,7 @@ public:
 
 protected:
 	static void _bind_methods();
-	bool _set(const godot::StringName &p_name, const godot::Variant &p_value) {
-		return set_renamed(this, p_name, p_value);
-	}
+	bool _set(const godot::StringName &p_name, const godot::Variant &p_value);
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
@@ -309,7 +298,6 @@ private:
 	InstanceData instance_data() const;
 	LayerGameplay gameplay() const;
 	std::vector<std::string> field_names() const;
-	LodSettings lod() const;
 	template <const auto &property>
 	void remake();
 	void refresh();
@@ -318,6 +306,8 @@ private:
 	bool needs_stored_hulls() const;
 	void use_stored_hulls(LayerCollision &r_collision) const;
 	void watch_meshes(bool p_watch);
+	void replace_meshes(const LayerMeshes &p_meshes);
+	void convert_former_lods(bool p_now);
 	void watch_mask(bool p_watch);
 	bool stores(const ScatterLayer *p_layer) const;
 	godot::Variant accept_reference(const char *p_property, const godot::Variant &p_reference) const;
@@ -381,8 +371,7 @@ private:
 
 	LayerMeshes meshes_;
 	godot::PackedFloat32Array mesh_weights_;
-	godot::TypedArray<godot::Mesh> lod_meshes_;
-	godot::PackedFloat32Array lod_distances_;
+	FormerLods former_lods_;
 	godot::Ref<godot::Material> material_override_;
 
 	godot::Ref<godot::PhysicsMaterial> physics_material_;

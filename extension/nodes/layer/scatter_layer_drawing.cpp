@@ -64,7 +64,7 @@ TypedArray<Material> ScatterLayer::get_materials() {
 	LayerDrawing drawing;
 	LodSettings lod;
 	drawing.material_override = material_override_;
-	meshes_.draw(lod_meshes_, lod_distances_, drawing, lod);
+	meshes_.draw(drawing, lod);
 	TypedArray<Material> result;
 	for (const Ref<Material> &material : materials_of(drawing)) {
 		append(result, material);

@@ -29,36 +29,7 @@ constexpr NumberProperty thin_density{
 		"thin_density", &LodSettings::thin_density, 0.0, 1.0, PROPERTY_HINT_RANGE, "0,1,0.001"};
 constexpr SwitchProperty thin_scale_up{"thin_scale_up", "is_thin_scale_up_enabled", &LodSettings::scale_compensation};
 
-constexpr auto max_lod_meshes = static_cast<int64_t>(max_lods * max_meshes);
-
 } // namespace
-
-void ScatterLayer::set_lod_meshes(const TypedArray<Mesh> &p_meshes) {
-	if (p_meshes.size() > max_lod_meshes) {
-		report(layer_class_name,
-				Status::out_of_range("lod_meshes", p_meshes.size(), at_most(max_lod_meshes, "entries")));
-		return;
-	}
-	watch_meshes(false);
-	lod_meshes_ = p_meshes;
-	watch_meshes(true);
-	changed();
-}
-
-TypedArray<Mesh> ScatterLayer::get_lod_meshes() const { return lod_meshes_; }
-
-void ScatterLayer::set_lod_distances(const PackedFloat32Array &p_distances) {
-	LodSettings lod;
-	lod.lod_distances.assign(p_distances.ptr(), p_distances.ptr() + p_distances.size());
-	if (const Status status = validate(lod); !status.ok()) {
-		report(layer_class_name, status);
-		return;
-	}
-	lod_distances_ = p_distances;
-	changed();
-}
-
-PackedFloat32Array ScatterLayer::get_lod_distances() const { return lod_distances_; }
 
 TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	read_models();
@@ -72,7 +43,7 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 	}
 	LayerDrawing drawing;
 	LodSettings lod;
-	meshes.draw(lod_meshes_, lod_distances_, drawing, lod);
+	meshes.draw(drawing, lod);
 	const auto add = [&](double distance, const MeshLook &drawn) {
 		if (drawn.mesh.is_valid()) {
 			const Ref<ScatterLod> made(memnew(ScatterLod));
@@ -93,12 +64,6 @@ TypedArray<ScatterLod> ScatterLayer::get_mesh_lods(int64_t p_index) {
 }
 
 void ScatterLayer::add_lod_problems(PackedStringArray &r_problems) const {
-	const int64_t needed = lod_distances_.size() * static_cast<int64_t>(meshes_.size());
-	if (lod_meshes_.size() != needed) {
-		r_problems.push_back("ScatterLayer.lod_meshes has " + String::num_int64(lod_meshes_.size()) +
-				" entries; it needs one for each of the meshes at each of the lod_distances: " +
-				String::num_int64(needed) + ".");
-	}
 	if (lod_.thin_density >= 1.0 && lod_.thin_end > 0.0) {
 		r_problems.push_back("ScatterLayer.thin_end is not used: thin_density is 1, so nothing is thinned.");
 	}
@@ -112,17 +77,6 @@ void ScatterLayer::bind_lod() {
 	bind_number<view_distance>();
 	bind_number<draw_cell_size>();
 	ADD_SUBGROUP("LOD", "lod_");
-	bind_guarded<&ScatterLayer::set_lod_distances>(D_METHOD("set_lod_distances", "distances"));
-	bind_guarded<&ScatterLayer::get_lod_distances>(D_METHOD("get_lod_distances"));
-	add_layer_property(PropertyUse::drawing,
-			PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "lod_distances", PROPERTY_HINT_NONE, "suffix:m"),
-			"set_lod_distances", "get_lod_distances");
-	bind_guarded<&ScatterLayer::set_lod_meshes>(D_METHOD("set_lod_meshes", "meshes"));
-	bind_guarded<&ScatterLayer::get_lod_meshes>(D_METHOD("get_lod_meshes"));
-	add_layer_property(PropertyUse::drawing,
-			PropertyInfo(Variant::ARRAY, "lod_meshes", PROPERTY_HINT_ARRAY_TYPE,
-					vformat("%d/%d:Mesh", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
-			"set_lod_meshes", "get_lod_meshes");
 	bind_guarded<&ScatterLayer::get_mesh_lods>(D_METHOD("get_mesh_lods", "index"));
 	bind_number<lod_fade>();
 	bind_number<lod_bias>();

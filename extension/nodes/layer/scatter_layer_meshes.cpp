@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 using namespace godot;
@@ -47,10 +48,25 @@ bool accept_count(const Array &p_meshes) {
 void ScatterLayer::set_meshes(const Array &p_meshes) {
 	LayerMeshes next = meshes_;
 	if (accept_count(p_meshes) && next.set_entries(p_meshes)) {
-		watch_meshes(false);
-		meshes_ = next;
-		watch_meshes(true);
+		replace_meshes(next);
+		convert_former_lods(false);
 		changed();
+	}
+}
+
+void ScatterLayer::replace_meshes(const LayerMeshes &p_meshes) {
+	watch_meshes(false);
+	meshes_ = p_meshes;
+	watch_meshes(true);
+}
+
+/// Converts the LODs that release 0.2 saved, once those of all meshes are known; with `p_now`, as far as they are known.
+void ScatterLayer::convert_former_lods(bool p_now) {
+	if (former_lods_.known(meshes_.size()) || (p_now && !former_lods_.empty())) {
+		LayerMeshes next = meshes_;
+		if (next.set_entries(std::exchange(former_lods_, {}).added_to(meshes_.entries()))) {
+			replace_meshes(next);
+		}
 	}
 }
 
@@ -66,13 +82,10 @@ void ScatterLayer::take_mesh_changes() {
 	}
 }
 
-/// A mesh that grows needs larger boxes around its tiles. Both lists are watched together, because a mesh may be in both.
+/// A mesh that grows needs larger boxes around its tiles.
 void ScatterLayer::watch_meshes(bool p_watch) {
 	for (Object *source : meshes_.sources()) {
 		watch(source, "changed", this, "emit_changed", p_watch);
-	}
-	for (int64_t at = 0; at < lod_meshes_.size(); ++at) {
-		watch(Ref<Mesh>(lod_meshes_[at]).ptr(), "changed", this, "emit_changed", p_watch);
 	}
 }
 
@@ -85,6 +98,7 @@ bool ScatterLayer::read_step() {
 
 /// For callers that cannot wait. Threads other than the main thread only get the parts that are already read.
 void ScatterLayer::read_models() {
+	convert_former_lods(true);
 	if (meshes_.differs()) {
 		take_mesh_changes();
 	}

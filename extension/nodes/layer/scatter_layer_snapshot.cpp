@@ -83,7 +83,7 @@ LayerSnapshot ScatterLayer::snapshot(std::uint64_t seed, std::size_t index) {
 	result.lod = lod_;
 	result.drawing = drawing_;
 	result.drawing.material_override = material_override_;
-	meshes_.draw(lod_meshes_, lod_distances_, result.drawing, result.lod);
+	meshes_.draw(result.drawing, result.lod);
 	add_boxes(result.lod, result.drawing);
 	result.lod.sight_end = result.range.view_distance;
 	add_fades(result.drawing);
@@ -129,12 +129,6 @@ std::vector<std::string> ScatterLayer::field_names() const {
 	return names;
 }
 
-LodSettings ScatterLayer::lod() const {
-	LodSettings result = lod_;
-	result.lod_distances.assign(lod_distances_.ptr(), lod_distances_.ptr() + lod_distances_.size());
-	return result;
-}
-
 LayerGameplay ScatterLayer::gameplay() const {
 	LayerGameplay result = gameplay_;
 	if (physics_material_.is_valid()) {
@@ -169,8 +163,9 @@ LayerLinks ScatterLayer::links() {
 	return result;
 }
 
-/// Rebuilds the data of resources that may have changed.
+/// Rebuilds the data of resources that may have changed, and converts the former properties that are still kept.
 void ScatterLayer::refresh() {
+	convert_former_lods(true);
 	for (auto &[name, resource] : resources_) {
 		if (const auto remake = std::exchange(resource.remake, nullptr)) {
 			(this->*remake)();

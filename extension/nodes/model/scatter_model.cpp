@@ -47,6 +47,27 @@ private:
 	bool &flag_;
 };
 
+/// False, with an error, if there are too many LODs.
+bool accept_count(const char *p_property, const TypedArray<ScatterLod> &p_lods) {
+	const bool fits = p_lods.size() <= ScatterModel::max_model_lods;
+	if (!fits) {
+		report(ScatterModel::class_name,
+				Status::out_of_range(p_property, p_lods.size(), at_most(ScatterModel::max_model_lods, "entries")));
+	}
+	return fits;
+}
+
+/// Adds an LOD behind finer ones, with its defaults resolved. A null mesh means the mesh of the last one.
+void add_drawn(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
+	const Ref<Mesh> mesh = p_lod->get_mesh().is_valid() ? p_lod->get_mesh() : r_lods.back().mesh;
+	double distance = 0.0;
+	if (!r_lods.empty()) {
+		const double size = r_lods.front().mesh->get_aabb().size.length();
+		distance = p_lod->get_distance() > 0.0 ? p_lod->get_distance() : usual_lod_distance(size, r_lods.size());
+	}
+	r_lods.push_back({distance, mesh, p_lod->get_shadow_mesh(), p_lod->get_cast_shadow(), p_lod->look()});
+}
+
 void refuse(const Ref<PackedScene> &p_scene, const String &p_problem) {
 	ERR_PRINT(vformat("ScatterModel.scene: %s is refused: %s.", name_of(p_scene), p_problem));
 }
@@ -126,7 +147,7 @@ bool ScatterModel::take_over(const SceneReading &reading, const Ref<PackedScene>
 	}
 	source_ = scene_;
 	if (!hand_set_.lods) {
-		take_lods(array_of(reading.lods));
+		replace_lods(lods_, array_of(reading.lods));
 	}
 	if (!hand_set_.shapes) {
 		shapes_ = shapes;
@@ -176,25 +197,32 @@ bool ScatterModel::accept_edit(const char *p_property) const {
 	return true;
 }
 
+/// Both lists are watched together, because an LOD may be in both.
 void ScatterModel::watch_lods(bool p_watch) {
-	for (int64_t index = 0; index < lods_.size(); ++index) {
-		const Ref<ScatterLod> lod = lods_[index];
-		watch(lod.ptr(), "changed", this, "emit_changed", p_watch);
+	for (const TypedArray<ScatterLod> *lods : {&lods_, &far_lods_}) {
+		for (int64_t index = 0; index < lods->size(); ++index) {
+			watch(Ref<ScatterLod>((*lods)[index]).ptr(), "changed", this, "emit_changed", p_watch);
+		}
 	}
 }
 
-void ScatterModel::take_lods(const TypedArray<ScatterLod> &p_lods) {
+void ScatterModel::replace_lods(TypedArray<ScatterLod> &r_lods, const TypedArray<ScatterLod> &p_lods) {
 	watch_lods(false);
-	lods_ = p_lods;
+	r_lods = p_lods;
 	watch_lods(true);
 }
 
 void ScatterModel::set_lods(const TypedArray<ScatterLod> &p_lods) {
-	if (p_lods.size() > max_model_lods) {
-		report(class_name, Status::out_of_range("lods", p_lods.size(), at_most(max_model_lods, "entries")));
-	} else if (accept_edit("lods")) {
+	if (accept_count("lods", p_lods) && accept_edit("lods")) {
 		hand_set_.lods = true;
-		take_lods(p_lods);
+		replace_lods(lods_, p_lods);
+		emit_changed();
+	}
+}
+
+void ScatterModel::set_far_lods(const TypedArray<ScatterLod> &p_lods) {
+	if (accept_count("far_lods", p_lods)) {
+		replace_lods(far_lods_, p_lods);
 		emit_changed();
 	}
 }
@@ -219,18 +247,19 @@ std::vector<DrawnLod> ScatterModel::drawn_lods() const {
 	std::vector<DrawnLod> result;
 	for (int64_t index = 0; index < lods_.size(); ++index) {
 		const Ref<ScatterLod> lod = lods_[index];
-		if (lod.is_null() || (lod->get_mesh().is_null() && result.empty())) {
-			continue;
+		if (lod.is_valid() && (lod->get_mesh().is_valid() || !result.empty())) {
+			const double nearest = result.empty() ? 0.0 : result.back().distance;
+			add_drawn(lod, result);
+			result.back().distance = std::max(result.back().distance, nearest);
 		}
-		const Ref<Mesh> mesh = lod->get_mesh().is_valid() ? lod->get_mesh() : result.back().mesh;
-		double distance = 0.0;
-		if (!result.empty()) {
-			const double size = result.front().mesh->get_aabb().size.length();
-			distance = lod->get_distance() > 0.0 ? lod->get_distance() : usual_lod_distance(size, result.size());
-			distance = std::max(distance, result.back().distance);
-		}
-		result.push_back({distance, mesh, lod->get_shadow_mesh(), lod->get_cast_shadow(), lod->look()});
 	}
+	for (int64_t index = 0; index < far_lods_.size() && !result.empty(); ++index) {
+		const Ref<ScatterLod> lod = far_lods_[index];
+		if (lod.is_valid() && lod->get_mesh().is_valid()) {
+			add_drawn(lod, result);
+		}
+	}
+	std::ranges::stable_sort(result, {}, &DrawnLod::distance);
 	return result;
 }
 
@@ -293,8 +322,10 @@ void ScatterModel::_validate_property(PropertyInfo &p_property) const {
 }
 
 void ScatterModel::add_used(SceneUse::List &r_used) const {
-	for (int64_t index = 0; index < lods_.size(); ++index) {
-		r_used.add(Ref<ScatterLod>(lods_[index]));
+	for (const TypedArray<ScatterLod> *lods : {&lods_, &far_lods_}) {
+		for (int64_t index = 0; index < lods->size(); ++index) {
+			r_used.add(Ref<ScatterLod>((*lods)[index]));
+		}
 	}
 }
 
@@ -304,6 +335,8 @@ void ScatterModel::_bind_methods() {
 	bind_guarded<&Self::get_scene>(D_METHOD("get_scene"));
 	bind_guarded<&Self::set_lods>(D_METHOD("set_lods", "lods"));
 	bind_guarded<&Self::get_lods>(D_METHOD("get_lods"));
+	bind_guarded<&Self::set_far_lods>(D_METHOD("set_far_lods", "lods"));
+	bind_guarded<&Self::get_far_lods>(D_METHOD("get_far_lods"));
 	bind_guarded<&Self::set_shapes>(D_METHOD("set_shapes", "shapes"));
 	bind_guarded<&Self::get_shapes>(D_METHOD("get_shapes"));
 	bind_guarded<&Self::set_shape_transforms>(D_METHOD("set_shape_transforms", "transforms"));
@@ -317,6 +350,9 @@ void ScatterModel::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lods", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterLod", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_lods", "get_lods");
+	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "far_lods", PROPERTY_HINT_ARRAY_TYPE,
+						 vformat("%d/%d:ScatterLod", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
+			"set_far_lods", "get_far_lods");
 	ADD_GROUP("Collision", "");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "shapes", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:Shape3D", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),

@@ -57,6 +57,11 @@ public:
 	void set_lods(const godot::TypedArray<ScatterLod> &p_lods);
 	godot::TypedArray<ScatterLod> get_lods();
 
+	/// LODs in addition to `lods`, sorted in by their distances; at most max_model_lods. Null entries, and those without a mesh, are left
+	/// out. Not read from the scene, so that a model that follows a scene can end in an impostor.
+	void set_far_lods(const godot::TypedArray<ScatterLod> &p_lods);
+	godot::TypedArray<ScatterLod> get_far_lods() const { return far_lods_; }
+
 	/// The collision shapes: boxes, spheres, capsules, cylinders and convex polygons, with their transforms in the model's space. A shape
 	/// without a transform is at the origin. Refused while there is a scene.
 	void set_shapes(const godot::TypedArray<godot::Shape3D> &p_shapes);
@@ -86,7 +91,7 @@ public:
 	const godot::PackedStringArray &remarks() const { return remarks_; }
 	const godot::String &problem() const { return problem_; }
 
-	static constexpr int64_t max_model_lods = 8;
+	static constexpr int64_t max_model_lods = 16; ///< max_lods, and the nearest one.
 	static constexpr const char *class_name = "ScatterModel";
 
 protected:
@@ -105,7 +110,7 @@ private:
 	bool take_over(const SceneReading &reading, const godot::Ref<godot::PackedScene> &p_scene);
 	void finish_reading(const SceneReading &reading);
 	bool accept_edit(const char *p_property) const;
-	void take_lods(const godot::TypedArray<ScatterLod> &p_lods);
+	void replace_lods(godot::TypedArray<ScatterLod> &r_lods, const godot::TypedArray<ScatterLod> &p_lods);
 	void watch_lods(bool p_watch);
 
 	godot::Ref<godot::PackedScene> scene_;
@@ -116,6 +121,7 @@ private:
 	HandSet hand_set_;
 	godot::String problem_;
 	godot::TypedArray<ScatterLod> lods_;
+	godot::TypedArray<ScatterLod> far_lods_;
 	godot::TypedArray<godot::Shape3D> shapes_;
 	godot::TypedArray<godot::Transform3D> shape_transforms_;
 	godot::PackedStringArray remarks_;

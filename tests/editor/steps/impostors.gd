@@ -39,12 +39,12 @@ func test_one_click() -> void:
 	await until(func() -> bool: return job.progress == 1.0 or not job.problem.is_empty(), "baked")
 	check_equal(job.problem, "", "problem")
 	check_equal(job.files, PackedStringArray(["res://wood_old_oaks_impostor_0.res"]), "beside the scene")
-	check_equal(layer.get(&"lod_meshes").size(), 1, "the layer's LODs")
-	check_equal(layer.get(&"lod_distances").size(), 1, "their distances")
-	check_equal(layer.get(&"lod_meshes")[0].resource_path, "res://wood_old_oaks_impostor_0.res", "the layer refers to the file")
+	var lods: Array = layer.call(&"get_mesh_lods", 0)
+	check_equal(lods.size(), 2, "the mesh's LODs")
+	check_equal(lods[1].get(&"mesh").resource_path, "res://wood_old_oaks_impostor_0.res", "the layer refers to the file")
 	var manager := plugin.get_undo_redo()
 	manager.get_history_undo_redo(manager.get_object_history_id(layer)).undo()
-	check_equal([layer.get(&"lod_meshes").size(), layer.get(&"lod_distances").size()], [0, 0], "undone")
+	check(layer.get(&"meshes")[0] is BoxMesh, "undone")
 
 
 func test_a_layer_without_a_file() -> void:

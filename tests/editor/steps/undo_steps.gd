@@ -270,7 +270,7 @@ func bake_impostors(frames_a_side: int) -> void:
 func test_files() -> void:
 	await step("Impostors", bake_impostors.bind(3))
 	await step("New impostors in the same files", bake_impostors.bind(4))
-	check_equal(layer("Sedge").lod_meshes[-1].resource_path, "res://heath_sedge_impostor_0.res", "the layer refers to the file")
+	check_equal(layer("Sedge").get_mesh_lods(0)[-1].mesh.resource_path, "res://heath_sedge_impostor_0.res", "the layer refers to the file")
 	await step("A bake that replaces instances", func() -> void:
 		var dialog: Node = workspace().bake
 		dialog.choose_folder("res://baked")

@@ -39,8 +39,11 @@ func _model(model: Resource, layer: int, entry: int) -> Dictionary:
 	var scene := (model as ScatterModel).scene if model is ScatterModel else null
 	var path := _own_path(scene if scene != null else model)
 	var name := _name_of(model, path)
-	if not path and not lods.is_empty():
+	if not path and not lods.is_empty(): # A model made by hand is known by its finest mesh.
 		path = lods[0]["path"]
+		if name.is_empty():
+			var mesh: Mesh = _layer.get_mesh_lods(entry)[0].mesh
+			name = _name_of(mesh, _own_path(mesh))
 	return {"path": path, "name": name, "lods": lods}
 
 

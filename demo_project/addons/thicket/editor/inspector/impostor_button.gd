@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
-## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files beside the scene, and makes them
-## the layer's last LOD, with undo.
+## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files beside the scene, and makes each the
+## last LOD of its mesh, with undo.
 
 const Job := preload("res://addons/thicket/bake_impostors.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -62,10 +62,8 @@ func _process(_delta: float) -> void:
 		_toast(warning)
 	var undo := EditorInterface.get_editor_undo_redo()
 	undo.create_action("Bake Impostors", UndoRedo.MERGE_DISABLE, _layer)
-	undo.add_do_property(_layer, &"lod_distances", job.lod_distances)
-	undo.add_undo_property(_layer, &"lod_distances", _layer.lod_distances)
-	undo.add_do_property(_layer, &"lod_meshes", job.lod_meshes)
-	undo.add_undo_property(_layer, &"lod_meshes", _layer.lod_meshes)
+	undo.add_do_property(_layer, &"meshes", job.meshes)
+	undo.add_undo_property(_layer, &"meshes", _layer.meshes.duplicate())
 	_add_files(undo)
 	undo.commit_action()
 	for path in job.files: # Not a scan, during which undo might remove a file.
@@ -77,7 +75,7 @@ func _process(_delta: float) -> void:
 func _add_files(undo: EditorUndoRedoManager) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	var new: Array[Mesh] = []
-	for mesh: Mesh in job.lod_meshes.slice(-_layer.meshes.size()):
+	for mesh in job.baked:
 		if mesh == null:
 			continue
 		var path := mesh.resource_path

@@ -37,7 +37,7 @@ func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: P
 			editor = Spacing.new()
 		"layers" when object is ScatterRegion3D:
 			editor = LayerListProperty.new()
-		"lod_distances" when object is ScatterLayer:
+		"lod_fade" when object is ScatterLayer:
 			add_custom_control(Impostors.new(object as ScatterLayer, _files))
 	if editor != null:
 		add_property_editor(name, editor)

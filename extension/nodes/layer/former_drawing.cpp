@@ -1,0 +1,100 @@
+#include "nodes/layer/former_drawing.hpp"
+
+#include "nodes/common/engine_arrays.hpp"
+#include "nodes/common/renames.hpp"
+#include "nodes/model/scatter_model.hpp"
+
+#include <godot_cpp/classes/packed_scene.hpp>
+#include <godot_cpp/core/memory.hpp>
+#include <godot_cpp/core/object.hpp>
+#include <godot_cpp/variant/string.hpp>
+
+#include <algorithm>
+#include <cstdint>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr double least_distance = 1e-3; ///< Meters. An LOD at 0 would get a distance that fits the model.
+
+Ref<ScatterLod> lod_of(const Ref<Mesh> &p_mesh, double p_distance) {
+	const Ref<ScatterLod> made(memnew(ScatterLod));
+	made->set_mesh(p_mesh);
+	made->set_distance(p_distance);
+	return made;
+}
+
+/// Adds LODs behind others.
+TypedArray<ScatterLod> with(const TypedArray<ScatterLod> &p_lods, const TypedArray<ScatterLod> &p_added) {
+	TypedArray<ScatterLod> result;
+	for (const TypedArray<ScatterLod> *lods : {&p_lods, &p_added}) {
+		for (int64_t index = 0; index < lods->size(); ++index) {
+			append(result, (*lods)[index]);
+		}
+	}
+	return result;
+}
+
+/// A model that is drawn as the entry, and with these LODs in addition. Null if the entry draws nothing. A former model is copied, because
+/// other layers may use it without these LODs.
+Ref<ScatterModel> model_with(const Variant &p_entry, const TypedArray<ScatterLod> &p_lods) {
+	Object *object = p_entry.get_validated_object();
+	Ref<ScatterModel> model;
+	if (const Ref<ScatterModel> former(Object::cast_to<ScatterModel>(object)); former.is_valid()) {
+		model = former->duplicate();
+		model->set_far_lods(with(former->get_far_lods(), p_lods));
+	} else if (const Ref<PackedScene> scene(Object::cast_to<PackedScene>(object));
+			scene.is_valid() && scene->can_instantiate()) {
+		model = Ref<ScatterModel>(memnew(ScatterModel));
+		model->set_scene(scene);
+		model->set_far_lods(p_lods);
+	} else if (const Ref<Mesh> mesh(Object::cast_to<Mesh>(object)); mesh.is_valid()) {
+		model = Ref<ScatterModel>(memnew(ScatterModel));
+		TypedArray<ScatterLod> lods;
+		append(lods, lod_of(mesh, 0.0));
+		model->set_lods(with(lods, p_lods));
+	}
+	return model;
+}
+
+} // namespace
+
+bool FormerLods::set(const StringName &p_name, const Variant &p_value) {
+	if (p_name == StringName("lod_distances")) {
+		distances_ = p_value;
+	} else if (p_name == StringName("lod_meshes")) {
+		meshes_ = TypedArray<Mesh>(p_value);
+	} else {
+		return false;
+	}
+	const String name = "ScatterLayer." + String(p_name);
+	warn_of_change(name.utf8().get_data(), "is a part of ScatterModel.lods");
+	return true;
+}
+
+bool FormerLods::known(std::size_t entries) const {
+	const int64_t meshes = distances_.size() * static_cast<int64_t>(entries);
+	return meshes > 0 && meshes <= meshes_.size();
+}
+
+Array FormerLods::added_to(const Array &p_entries) const {
+	Array result;
+	const int64_t count = p_entries.size();
+	for (int64_t entry = 0; entry < count; ++entry) {
+		TypedArray<ScatterLod> lods;
+		for (int64_t row = 0; row < distances_.size() && (row + 1) * count <= meshes_.size(); ++row) {
+			const Ref<Mesh> mesh = meshes_[row * count + entry];
+			if (mesh.is_valid()) {
+				append(lods, lod_of(mesh, std::max<double>(distances_.ptr()[row], least_distance)));
+			}
+		}
+		const Ref<ScatterModel> model = lods.is_empty() ? Ref<ScatterModel>() : model_with(p_entries[entry], lods);
+		append(result, model.is_valid() ? Variant(model) : p_entries[entry]);
+	}
+	return result;
+}
+
+} // namespace thicket
