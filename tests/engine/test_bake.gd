@@ -31,7 +31,6 @@ func wood() -> TerrainScatter3D:
 	trees.meshes = [BoxMesh.new(), cone]
 	trees.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_OFF
 	trees.render_layers = 5
-	trees.visibility_range_end = 77.0
 	var stones := make_layer(2.0)
 	stones.tile_size = 48.0
 	return make_scatter([trees, stones], Hills.new(), make_viewer())
@@ -73,7 +72,6 @@ func test_whole_tiles() -> void:
 		check_equal(node.position, scatter.get_tile(scatter.layers[0], tile).get_origin(), "the origin of the tile")
 		check(node.multimesh.buffer == tile_buffers(scatter, 0, tile)[mesh], "the instances of tile %s" % tile)
 		check(node.multimesh.use_colors and not node.multimesh.use_custom_data, "colors, no custom data")
-		check_equal(node.visibility_range_end, 77.0, "the layer's range")
 		check_equal(node.cast_shadow, GeometryInstance3D.SHADOW_CASTING_SETTING_OFF, "the layer's shadows")
 		check_equal(node.layers, 5, "the layer's render layers")
 		seen[node.multimesh.mesh] = mesh

@@ -87,7 +87,11 @@ func test_former_lods_are_drawn_as_before() -> void:
 	var path := path_of("data/drawing_0.2.0.tscn")
 	for context: String in ["former", "current"]:
 		var world := (ResourceLoader.load(path, "", ResourceLoader.CACHE_MODE_IGNORE) as PackedScene).instantiate() as TerrainScatter3D
-		errors.take() # Only the first scene of a run is warned about, see above.
+		var warnings := errors.take()
+		if context == "former":
+			for words: String in ["visibility_range_end is a limit of ScatterLayer.view_distance", "visibility_range_begin has no effect",
+					"visibility_range_fade_mode has no effect", "Use view_distance, lod_fade"]:
+				check(words in "\n".join(warnings), "warned that %s" % words)
 		for layer in world.layers:
 			check_equal(lods_of(layer), expected[layer.resource_name], "%s: %s" % [context, layer.resource_name])
 		var trees := world.layers[0]
@@ -98,7 +102,13 @@ func test_former_lods_are_drawn_as_before() -> void:
 		var model := world.layers[2].meshes[1] as ScatterModel
 		check_equal([model.lods.size(), model.far_lods.size()], [2, 1], context + ": each layer has a copy of the model")
 		root.add_child(world)
-		var digests := range(3).map(func(layer: int) -> int: return world.build_tile(layer, Vector2i.ZERO).get_digest())
+		await process_frame
+		check_equal(world.layers.map(func(layer: ScatterLayer) -> float: return layer.view_distance), [50.0, 70.0, 70.0], context + ": view distances")
+		world.layers[1].view_distance = 80.0
+		await process_frame
+		check_equal(world.layers[1].view_distance, 80.0, context + ": a later distance counts")
+		world.layers[1].view_distance = 70.0
+		var digests := range(3).map(func(layer: int) -> int: return world.build_tile(world.layers[layer], Vector2i.ZERO).get_digest())
 		check_equal(digests, DIGESTS, context + ": the instances")
 		root.remove_child(world)
 		var packed := PackedScene.new()
@@ -107,6 +117,7 @@ func test_former_lods_are_drawn_as_before() -> void:
 		path = "user://drawing.tscn"
 		check_equal(ResourceSaver.save(packed, path), OK, "saved")
 	check_no_error("the saved scene")
+	check(not "visibility_range" in FileAccess.get_file_as_string(path), "ranges are not saved")
 
 
 func test_a_former_property_of_a_state_is_read() -> void:

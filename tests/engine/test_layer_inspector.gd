@@ -46,8 +46,6 @@ func test_properties_without_effect_are_hidden() -> void:
 		"variation_source_min": ["variation_source", ScatterLayer.SOURCE_HEIGHT],
 		"variation_source_max": ["variation_source", ScatterLayer.SOURCE_RANK],
 		"variation_randomness": ["variation_source", ScatterLayer.SOURCE_SLOPE],
-		"visibility_range_begin_margin": ["visibility_range_begin", 5.0], "visibility_range_end_margin": ["visibility_range_end", 5.0],
-		"visibility_range_fade_mode": ["visibility_range_end", 5.0],
 		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_up": ["thin_density", 0.5],
 		"collision_distance": ["collision_shape", ScatterLayer.COLLISION_BOX], "collision_layer": ["collision_shape", ScatterLayer.COLLISION_BOX],
 		"collision_mask": ["collision_shape", ScatterLayer.COLLISION_BOX], "physics_material": ["collision_shape", ScatterLayer.COLLISION_BOX],
@@ -125,6 +123,6 @@ func test_groups_and_units() -> void:
 			["instance_radius", "Gameplay/"], ["regrowth_time", "Gameplay/"], ["collision_shape", "Gameplay/Collision"],
 			["physics_material", "Gameplay/Collision"], ["scene", "Gameplay/Scene"], ["scene_distance", "Gameplay/Scene"],
 			["view_distance", "Distance/"], ["lod_fade", "Distance/LOD"], ["thin_end", "Distance/Thinning"],
-			["render_layers", "Drawing/"], ["visibility_range_end", "Drawing/Visibility Range"], ["layer_id", "Advanced/"],
+			["render_layers", "Drawing/"], ["layer_id", "Advanced/"],
 			["tile_size", "Advanced/"], ["progressive_levels", "Advanced/"]]:
 		check_equal(places[expected[0]], expected[1], "group of %s" % expected[0])

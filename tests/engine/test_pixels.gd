@@ -94,11 +94,6 @@ func test_properties_change_the_picture() -> void:
 	check_equal(await share(RED), 0.0, "red of new tiles on that layer")
 	layer.render_layers = 1
 
-	layer.visibility_range_end = 30.0
-	await settle(scatter)
-	check_equal(await share(RED), 0.0, "red beyond the visibility range")
-	layer.visibility_range_end = 0.0
-
 	layer.cast_shadow = GeometryInstance3D.SHADOW_CASTING_SETTING_SHADOWS_ONLY
 	await settle(scatter)
 	check_equal(await share(RED), 0.0, "red of shadows only")

@@ -93,7 +93,6 @@ func test_drawing_properties_regenerate_nothing() -> void:
 	await settle(scatter)
 	var before := scatter.get_stats()
 	var far: ScatterLod = (layer.meshes[0] as ScatterModel).lods[1]
-	await drag(scatter, func(step: int) -> void: layer.visibility_range_end = 100.0 + step, 20)
 	await drag(scatter, func(step: int) -> void: layer.thin_end = 100.0 + step, 20)
 	await drag(scatter, func(step: int) -> void: far.distance = 10.0 + step, 20)
 	await drag(scatter, func(step: int) -> void: edit_gameplay(layer, step), 20)

@@ -28,6 +28,13 @@ constexpr RenamedProperty renamed_properties[] = {
 		{"TerrainScatter3D", "terrain", "ground"},
 };
 
+bool is_first_warning(const char *p_former) {
+	static std::mutex mutex;
+	static std::set<std::string> warned;
+	const std::lock_guard lock(mutex);
+	return warned.insert(p_former).second;
+}
+
 } // namespace
 
 void warn_of_rename(const char *p_former, const char *p_current) {
@@ -35,18 +42,19 @@ void warn_of_rename(const char *p_former, const char *p_current) {
 }
 
 void warn_of_change(const char *p_former, const char *p_change) {
-	static std::mutex mutex;
-	static std::set<std::string> warned;
-	{
-		const std::lock_guard lock(mutex);
-		if (!warned.insert(p_former).second) {
-			return;
-		}
+	if (is_first_warning(p_former)) {
+		WARN_PRINT(
+				vformat("%s %s since version 0.3. The file was read as before. Open and save it in the editor to store "
+						"the new name.",
+						p_former, p_change));
 	}
-	WARN_PRINT(
-			vformat("%s %s since version 0.3. The file was read as before. Open and save it in the editor to store the "
-					"new name.",
-					p_former, p_change));
+}
+
+void warn_of_removal(const char *p_former, const char *p_remedy) {
+	if (is_first_warning(p_former)) {
+		WARN_PRINT(vformat("%s has no effect since version 0.3. %s. Open and save the file in the editor to remove it.",
+				p_former, p_remedy));
+	}
 }
 
 bool set_renamed(Object *p_object, const StringName &p_name, const Variant &p_value) {

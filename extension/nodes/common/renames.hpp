@@ -16,4 +16,7 @@ void warn_of_rename(const char *p_former, const char *p_current);
 /// The same for a name that was not simply replaced: `p_change` is the rest of the sentence up to "since version 0.3".
 void warn_of_change(const char *p_former, const char *p_change);
 
+/// Warns once that a property of release 0.2 has no effect any more. `p_remedy` is a sentence without its period.
+void warn_of_removal(const char *p_former, const char *p_remedy);
+
 } // namespace thicket

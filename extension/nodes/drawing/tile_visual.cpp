@@ -125,7 +125,7 @@ void TileVisual::free() {
 void TileVisual::apply(const LayerDrawing &drawing) {
 	// Every member is named, so that adding a member requires a decision here.
 	const auto &[meshes, lod_meshes, surfaces, boxes, mesh_reach, cell_size, material, cast_shadow, gi_mode,
-			render_layers, lod_bias, margin, begin, begin_margin, end, end_margin, fade_mode] = drawing;
+			render_layers, lod_bias, margin] = drawing;
 	RenderingServer *server = RenderingServer::get_singleton();
 	const bool is_static = gi_mode == gi_static;
 	const bool is_dynamic = gi_mode == gi_dynamic;
@@ -140,9 +140,6 @@ void TileVisual::apply(const LayerDrawing &drawing) {
 		server->instance_geometry_set_lod_bias(instance, static_cast<float>(lod_bias));
 		server->instance_set_extra_visibility_margin(instance, static_cast<float>(margin));
 		server->instance_geometry_set_material_override(instance, material_rid);
-		server->instance_geometry_set_visibility_range(instance, static_cast<float>(begin), static_cast<float>(end),
-				static_cast<float>(begin_margin), static_cast<float>(end_margin),
-				static_cast<RenderingServer::VisibilityRangeFadeMode>(fade_mode));
 	}
 	material_ = material; // Only now: the previous material must not be freed while the instance uses it.
 	layer_shadow_ = cast_shadow;

@@ -10,7 +10,9 @@
 #include <godot_cpp/variant/string.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <utility>
 
 using namespace godot;
 
@@ -60,6 +62,9 @@ Ref<ScatterModel> model_with(const Variant &p_entry, const TypedArray<ScatterLod
 	return model;
 }
 
+constexpr std::array visibility_properties{"visibility_range_begin", "visibility_range_begin_margin",
+		"visibility_range_end", "visibility_range_end_margin", "visibility_range_fade_mode"};
+
 } // namespace
 
 bool FormerLods::set(const StringName &p_name, const Variant &p_value) {
@@ -95,6 +100,29 @@ Array FormerLods::added_to(const Array &p_entries) const {
 		append(result, model.is_valid() ? Variant(model) : p_entries[entry]);
 	}
 	return result;
+}
+
+bool FormerVisibility::set(const StringName &p_name, const Variant &p_value) {
+	const auto is_name = [&p_name](const char *name) {
+		return p_name == StringName(name);
+	};
+	if (std::ranges::none_of(visibility_properties, is_name)) {
+		return false;
+	}
+	const String name = "ScatterLayer." + String(p_name);
+	if (is_name("visibility_range_end")) {
+		end_ = p_value;
+		warn_of_change(name.utf8().get_data(), "is a limit of ScatterLayer.view_distance");
+	} else {
+		warn_of_removal(name.utf8().get_data(),
+				"Use view_distance, lod_fade and ScatterModel.lods to decide what is drawn where");
+	}
+	return true;
+}
+
+double FormerVisibility::limited(double view_distance) {
+	const double end = std::exchange(end_, 0.0);
+	return end > 0.0 ? std::min(view_distance, end) : view_distance;
 }
 
 } // namespace thicket

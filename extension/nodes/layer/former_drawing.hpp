@@ -32,4 +32,18 @@ private:
 	godot::TypedArray<godot::Mesh> meshes_;
 };
 
+/// The five properties visibility_range_* with which release 0.2 limited from where to where tiles are drawn. Only the end has a successor,
+/// view_distance. It is kept until the layer is first used, because a file may set view_distance later.
+class FormerVisibility {
+public:
+	/// Keeps a former property, and warns once. Returns false for any other name. Any thread.
+	bool set(const godot::StringName &p_name, const godot::Variant &p_value);
+
+	/// A view distance, limited by the former end. Applies it once: a later view distance counts as it is.
+	double limited(double view_distance);
+
+private:
+	double end_ = 0.0; ///< Meters; 0 if there is none.
+};
+
 } // namespace thicket

@@ -83,11 +83,6 @@ struct LayerDrawing {
 	std::int64_t render_layers = 1;
 	double lod_bias = 1.0;
 	double extra_cull_margin = 0.0; ///< Meters. In a snapshot, sway_reach of the materials is added to the property.
-	double visibility_range_begin = 0.0;
-	double visibility_range_begin_margin = 0.0;
-	double visibility_range_end = 0.0;
-	double visibility_range_end_margin = 0.0;
-	std::int64_t visibility_range_fade_mode = 0;
 
 	/// True if anything is drawn for the mesh at this index.
 	bool draws(std::size_t mesh) const { return mesh < meshes.size() && meshes[mesh].mesh.is_valid(); }

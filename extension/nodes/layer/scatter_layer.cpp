@@ -54,7 +54,7 @@ Status ScatterLayer::check() {
 
 /// The names under which release 0.2 saved properties.
 bool ScatterLayer::_set(const StringName &p_name, const Variant &p_value) {
-	if (!former_lods_.set(p_name, p_value)) {
+	if (!former_lods_.set(p_name, p_value) && !former_visibility_.set(p_name, p_value)) {
 		return set_renamed(this, p_name, p_value);
 	}
 	convert_former_lods(false);

@@ -372,6 +372,7 @@ private:
 	LayerMeshes meshes_;
 	godot::PackedFloat32Array mesh_weights_;
 	FormerLods former_lods_;
+	FormerVisibility former_visibility_;
 	godot::Ref<godot::Material> material_override_;
 
 	godot::Ref<godot::PhysicsMaterial> physics_material_;

@@ -15,25 +15,12 @@ namespace {
 
 constexpr NumberProperty extra_cull_margin{"extra_cull_margin", &LayerDrawing::extra_cull_margin, 0.0, max_cull_margin,
 		PROPERTY_HINT_RANGE, "0,16384,0.01,exp,suffix:m"};
-constexpr NumberProperty visibility_range_begin{"visibility_range_begin", &LayerDrawing::visibility_range_begin, 0.0,
-		farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr NumberProperty visibility_range_begin_margin{"visibility_range_begin_margin",
-		&LayerDrawing::visibility_range_begin_margin, 0.0, farthest_view, PROPERTY_HINT_RANGE,
-		"0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr NumberProperty visibility_range_end{"visibility_range_end", &LayerDrawing::visibility_range_end, 0.0,
-		farthest_view, PROPERTY_HINT_RANGE, "0,4096,0.01,or_greater,exp,suffix:m"};
-constexpr NumberProperty visibility_range_end_margin{"visibility_range_end_margin",
-		&LayerDrawing::visibility_range_end_margin, 0.0, farthest_view, PROPERTY_HINT_RANGE,
-		"0,4096,0.01,or_greater,exp,suffix:m"};
-
 constexpr NumberProperty cast_shadow{
 		"cast_shadow", &LayerDrawing::cast_shadow, 0, 3, PROPERTY_HINT_ENUM, "Off,On,Double-Sided,Shadows Only"};
 constexpr NumberProperty gi_mode{
 		"gi_mode", &LayerDrawing::gi_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Static,Dynamic"};
 constexpr NumberProperty render_layers{
 		"render_layers", &LayerDrawing::render_layers, 0, (1 << 20) - 1, PROPERTY_HINT_LAYERS_3D_RENDER};
-constexpr NumberProperty visibility_range_fade_mode{"visibility_range_fade_mode",
-		&LayerDrawing::visibility_range_fade_mode, 0, 2, PROPERTY_HINT_ENUM, "Disabled,Self,Dependencies"};
 
 /// Properties that GeometryInstance3D has too, each with its name there.
 constexpr std::array geometry_properties{
@@ -43,11 +30,6 @@ constexpr std::array geometry_properties{
 		std::pair{"render_layers", "layers"},
 		std::pair{"extra_cull_margin", "extra_cull_margin"},
 		std::pair{"lod_bias", "lod_bias"},
-		std::pair{"visibility_range_begin", "visibility_range_begin"},
-		std::pair{"visibility_range_begin_margin", "visibility_range_begin_margin"},
-		std::pair{"visibility_range_end", "visibility_range_end"},
-		std::pair{"visibility_range_end_margin", "visibility_range_end_margin"},
-		std::pair{"visibility_range_fade_mode", "visibility_range_fade_mode"},
 };
 
 } // namespace
@@ -95,12 +77,6 @@ void ScatterLayer::bind_drawing() {
 	bind_integer<render_layers>();
 	bind_number<extra_cull_margin>();
 	bind_sources();
-	ADD_SUBGROUP("Visibility Range", "visibility_range_");
-	bind_number<visibility_range_begin>();
-	bind_number<visibility_range_begin_margin>();
-	bind_number<visibility_range_end>();
-	bind_number<visibility_range_end_margin>();
-	bind_integer<visibility_range_fade_mode>();
 }
 
 } // namespace thicket

@@ -27,9 +27,6 @@ constexpr std::array hideable{
 		"proximity_distance",
 		"proximity_curve",
 		"color_gradient",
-		"visibility_range_begin_margin",
-		"visibility_range_end_margin",
-		"visibility_range_fade_mode",
 		"thin_begin",
 		"thin_end",
 		"thin_scale_up",
@@ -80,8 +77,6 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 	const bool proximity = !links_.proximity_layer.empty();
 	const bool thinned = lod_.thin_density < 1.0;
 	const bool colliding = gameplay_.collision.shape != BodyShape::none;
-	const bool from = drawing_.visibility_range_begin > 0.0;
-	const bool to = drawing_.visibility_range_end > 0.0;
 	const SourceKind color = settings_.instance_data.color.kind;
 	const SourceKind variation = settings_.instance_data.variation.kind;
 	// Properties that are set stay visible even if they are unused, because a warning mentions them.
@@ -97,9 +92,6 @@ std::uint64_t ScatterLayer::hidden_properties() const {
 			proximity,
 			proximity || resource("proximity_curve").is_valid(),
 			settings_.instance_data.use_colors || resource("color_gradient").is_valid(),
-			from,
-			to,
-			from || to,
 			thinned,
 			thinned || lod_.thin_end > 0.0,
 			thinned || lod_.scale_compensation,

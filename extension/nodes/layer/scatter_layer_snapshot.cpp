@@ -166,6 +166,7 @@ LayerLinks ScatterLayer::links() {
 /// Rebuilds the data of resources that may have changed, and converts the former properties that are still kept.
 void ScatterLayer::refresh() {
 	convert_former_lods(true);
+	range_.view_distance = former_visibility_.limited(range_.view_distance);
 	for (auto &[name, resource] : resources_) {
 		if (const auto remake = std::exchange(resource.remake, nullptr)) {
 			(this->*remake)();
