@@ -143,7 +143,7 @@ func take_part(game: Node3D, clicks: int, around: Vector3, wanted: int) -> void:
 		await process_frame
 	for number in clicks:
 		var tree: ScatterInstance = game.forest.query_nearest(around, 20.0, [],
-				func(id: int, _layer: int, _at: Transform3D) -> bool: return is_seen(game, id))
+				func(id: int, _layer: ScatterLayer, _at: Transform3D) -> bool: return is_seen(game, id))
 		var click := InputEventMouseButton.new()
 		click.button_index = MOUSE_BUTTON_LEFT
 		click.pressed = true
