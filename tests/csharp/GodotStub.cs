@@ -38,7 +38,11 @@ namespace Godot
 		}
 		public static Transform3D Identity => default;
 	}
-	public struct Aabb { public Aabb(Vector3 position, Vector3 size) { } }
+	public struct Aabb
+	{
+		public Aabb(Vector3 position, Vector3 size) { }
+		public Aabb(float x, float y, float z, float sizeX, float sizeY, float sizeZ) { }
+	}
 	public struct Rid { }
 
 	public sealed class StringName
