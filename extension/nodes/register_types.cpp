@@ -16,6 +16,7 @@
 #include "nodes/layer/scatter_layer.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 #include "nodes/layer/scatter_tile_grid.hpp"
+#include "nodes/layer/scatter_value_source.hpp"
 #include "nodes/model/scatter_lod.hpp"
 #include "nodes/model/scatter_model.hpp"
 #include "nodes/region/scatter_region_3d.hpp"
@@ -64,6 +65,7 @@ void initialize(ModuleInitializationLevel p_level) {
 	GDREGISTER_CLASS(ScatterSnapshot);
 	GDREGISTER_CLASS(ScatterLod);
 	GDREGISTER_CLASS(ScatterModel);
+	GDREGISTER_CLASS(ScatterValueSource);
 	GDREGISTER_CLASS(ScatterLayer);
 	GDREGISTER_CLASS(ScatterTileGrid);
 	GDREGISTER_CLASS(ScatterBiome);

@@ -171,11 +171,11 @@ TEST_CASE("links: the layers that colors and variations follow are earlier ones,
 	CHECK(result[2]->instance_data.variation.layer == result[1]);
 	CHECK(result[2]->neighbors.empty());
 	CHECK(linked(layers, result) == result);
-	CHECK(problems(layers, 0, "color_source_layer is \"moss\", which is not before") == 1);
-	CHECK(problems(layers, 1, "variation_source_layer is \"fern\", which is not before") == 1);
+	CHECK(problems(layers, 0, "color_value.layer is \"moss\", which is not before") == 1);
+	CHECK(problems(layers, 1, "variation_value.layer is \"fern\", which is not before") == 1);
 	CHECK(problems(layers, 2, "") == 0);
 	layers[2].color_layer = "elm";
-	CHECK(problems(layers, 2, "color_source_layer is \"elm\", and no layer has that name") == 1);
+	CHECK(problems(layers, 2, "color_value.layer is \"elm\", and no layer has that name") == 1);
 	layers[0].settings.rules.density = 0.5;
 	const std::vector<SharedLayer> later = linked(layers, result);
 	CHECK(later[1] != result[1]);

@@ -3,8 +3,8 @@ extends "harness.gd"
 ## That release saved tests/engine/data/world_0.2.0.*; drawing_0.2.0.tscn was written by hand in its format.
 
 const DATA := "data/world_0.2.0."
-## The digests of the first tiles of drawing_0.2.0.tscn, before LODs became a part of models.
-const DIGESTS := [-6414708764745442462, -693893192403766184, 583857009131101561]
+## The digests of the first tiles of drawing_0.2.0.tscn, before its properties were renamed.
+const DIGESTS := [-6414708764745442462, -693893192403766184, 583857009131101561, -7569773177193666075]
 const CURRENT: Dictionary[String, String] = {
 	"Flat": "ScatterGroundFlat", "Noise": "ScatterGroundNoise", "Meshes": "ScatterGroundMeshes", "Colliders": "ScatterGroundColliders",
 	"Object": "ScatterGroundNode", "Heightmap": "ScatterGroundHeightmap", "Shared": "ScatterGroundFlat", "File": "ScatterGroundFlat",
@@ -71,8 +71,9 @@ func lods_of(layer: ScatterLayer) -> Array:
 		return layer.get_mesh_lods(entry).map(func(lod: ScatterLod) -> Array: return [lod.distance, lod.mesh.get_class()]))
 
 
-## LODs of meshes, of a scene and of a model, also in a file whose properties have a different order, and in one with too few meshes.
-func test_former_lods_are_drawn_as_before() -> void:
+## LODs of meshes, of a scene and of a model, also in a file whose properties have a different order, and in one with too few meshes; ends of
+## sight, and values of colors and variations.
+func test_former_layers_are_drawn_as_before() -> void:
 	var expected := {
 		"Trees": [
 			[[0.0, "BoxMesh"], [25.0, "SphereMesh"]],
@@ -82,6 +83,7 @@ func test_former_lods_are_drawn_as_before() -> void:
 			[[0.0, "BoxMesh"]],
 		],
 		"Shrubs": [[[0.0, "BoxMesh"], [0.001, "SphereMesh"], [50.0, "QuadMesh"]]],
+		"Flowers": [[[0.0, "BoxMesh"]]],
 		"Ferns": [[[0.0, "BoxMesh"], [20.0, "SphereMesh"]], [[0.0, "CapsuleMesh"], [20.0, "QuadMesh"], [30.0, "CapsuleMesh"]]],
 	}
 	var path := path_of("data/drawing_0.2.0.tscn")
@@ -90,7 +92,8 @@ func test_former_lods_are_drawn_as_before() -> void:
 		var warnings := errors.take()
 		if context == "former":
 			for words: String in ["visibility_range_end is a limit of ScatterLayer.view_distance", "visibility_range_begin has no effect",
-					"visibility_range_fade_mode has no effect", "Use view_distance, lod_fade"]:
+					"visibility_range_fade_mode has no effect", "Use view_distance, lod_fade",
+					"color_source is named ScatterLayer.color_value.source since", "variation_source_max is named ScatterLayer.variation_value.max_value"]:
 				check(words in "\n".join(warnings), "warned that %s" % words)
 		for layer in world.layers:
 			check_equal(lods_of(layer), expected[layer.resource_name], "%s: %s" % [context, layer.resource_name])
@@ -101,14 +104,21 @@ func test_former_lods_are_drawn_as_before() -> void:
 		check_equal([sparse.density, sparse.cast_shadow], [0.5, ScatterLod.CAST_SHADOW_DOUBLE_SIDED], context + ": the look of a model's LOD")
 		var model := world.layers[2].meshes[1] as ScatterModel
 		check_equal([model.lods.size(), model.far_lods.size()], [2, 1], context + ": each layer has a copy of the model")
+		var flowers := world.layers[3]
+		var color := flowers.color_value
+		check_equal([color.source, snappedf((color.noise as FastNoiseLite).frequency, 0.001), color.min_value, color.max_value, color.randomness],
+				[ScatterValueSource.SOURCE_NOISE, 0.05, 0.25, 0.75, 0.125], context + ": the value of the color")
+		var variation := flowers.variation_value
+		check_equal([variation.source, variation.layer, variation.min_value, variation.max_value, variation.randomness],
+				[ScatterValueSource.SOURCE_DISTANCE, "Trees", 1.0, 12.0, 0.25], context + ": the value of the variation")
 		root.add_child(world)
 		await process_frame
-		check_equal(world.layers.map(func(layer: ScatterLayer) -> float: return layer.view_distance), [50.0, 70.0, 70.0], context + ": view distances")
+		check_equal(world.layers.map(func(layer: ScatterLayer) -> float: return layer.view_distance), [50.0, 70.0, 70.0, 256.0], context + ": view distances")
 		world.layers[1].view_distance = 80.0
 		await process_frame
 		check_equal(world.layers[1].view_distance, 80.0, context + ": a later distance counts")
 		world.layers[1].view_distance = 70.0
-		var digests := range(3).map(func(layer: int) -> int: return world.build_tile(world.layers[layer], Vector2i.ZERO).get_digest())
+		var digests := range(4).map(func(layer: int) -> int: return world.build_tile(world.layers[layer], Vector2i.ZERO).get_digest())
 		check_equal(digests, DIGESTS, context + ": the instances")
 		root.remove_child(world)
 		var packed := PackedScene.new()
@@ -117,7 +127,8 @@ func test_former_lods_are_drawn_as_before() -> void:
 		path = "user://drawing.tscn"
 		check_equal(ResourceSaver.save(packed, path), OK, "saved")
 	check_no_error("the saved scene")
-	check(not "visibility_range" in FileAccess.get_file_as_string(path), "ranges are not saved")
+	for words: String in ["visibility_range", "color_source", "variation_source"]:
+		check(not words in FileAccess.get_file_as_string(path), "%s is not saved" % words)
 
 
 func test_a_former_property_of_a_state_is_read() -> void:

@@ -11,9 +11,9 @@ func scene_of_a_node() -> PackedScene:
 
 
 ## Returns the properties that the inspector shows, in its order.
-func shown_properties(layer: ScatterLayer) -> PackedStringArray:
+func shown_properties(object: Object) -> PackedStringArray:
 	var result := PackedStringArray()
-	for property: Dictionary in layer.get_property_list():
+	for property: Dictionary in object.get_property_list():
 		if property["usage"] & PROPERTY_USAGE_EDITOR:
 			result.push_back(property["name"])
 	return result
@@ -38,14 +38,7 @@ func test_properties_without_effect_are_hidden() -> void:
 		"mask_texture_channel": ["mask_texture", GradientTexture2D.new()], "clump_coverage": ["clump_size", 9.0],
 		"clump_softness": ["clump_size", 9.0], "proximity_distance": ["proximity_layer", "Oaks"],
 		"proximity_curve": ["proximity_layer", "Oaks"], "color_gradient": ["use_colors", true],
-		"color_source": ["use_colors", true], "color_source_layer": ["color_source", ScatterLayer.SOURCE_DISTANCE],
-		"color_source_noise": ["color_source", ScatterLayer.SOURCE_NOISE], "color_source_min": ["color_source", ScatterLayer.SOURCE_HEIGHT],
-		"color_source_max": ["color_source", ScatterLayer.SOURCE_RANK], "color_randomness": ["color_source", ScatterLayer.SOURCE_SLOPE],
-		"variation_source": ["use_custom_data", true], "variation_source_layer": ["variation_source", ScatterLayer.SOURCE_DISTANCE],
-		"variation_source_noise": ["variation_source", ScatterLayer.SOURCE_NOISE],
-		"variation_source_min": ["variation_source", ScatterLayer.SOURCE_HEIGHT],
-		"variation_source_max": ["variation_source", ScatterLayer.SOURCE_RANK],
-		"variation_randomness": ["variation_source", ScatterLayer.SOURCE_SLOPE],
+		"color_value": ["use_colors", true], "variation_value": ["use_custom_data", true],
 		"thin_begin": ["thin_density", 0.5], "thin_end": ["thin_density", 0.5], "thin_scale_up": ["thin_density", 0.5],
 		"collision_distance": ["collision_shape", ScatterLayer.COLLISION_BOX], "collision_layer": ["collision_shape", ScatterLayer.COLLISION_BOX],
 		"collision_mask": ["collision_shape", ScatterLayer.COLLISION_BOX], "physics_material": ["collision_shape", ScatterLayer.COLLISION_BOX],
@@ -72,19 +65,26 @@ func test_properties_without_effect_are_hidden() -> void:
 ## The range of a source uses the source's unit.
 func test_the_range_of_a_source_has_its_unit() -> void:
 	var units := {
-		ScatterLayer.SOURCE_HEIGHT: "suffix:m", ScatterLayer.SOURCE_SLOPE: "degrees", ScatterLayer.SOURCE_NOISE: "0,1",
-		ScatterLayer.SOURCE_RANK: "0,1", ScatterLayer.SOURCE_DISTANCE: "suffix:m",
+		ScatterValueSource.SOURCE_HEIGHT: "suffix:m", ScatterValueSource.SOURCE_SLOPE: "degrees", ScatterValueSource.SOURCE_NOISE: "0,1",
+		ScatterValueSource.SOURCE_RANK: "0,1", ScatterValueSource.SOURCE_DISTANCE: "suffix:m",
 	}
-	for start: String in ["color", "variation"]:
-		var layer := make_layer()
-		var notifications: Array[int] = [0]
-		layer.property_list_changed.connect(func() -> void: notifications[0] += 1)
-		for source: ScatterLayer.ValueSource in units:
-			layer.set(start + "_source", source)
-			for property in layer.get_property_list():
-				if property["name"] in [start + "_source_min", start + "_source_max"]:
-					check(units[source] in property["hint_string"], "%s of %d: %s" % [property["name"], source, property["hint_string"]])
-		check_equal(notifications[0], units.size(), "one notification of the inspector per source")
+	var used := {ScatterValueSource.SOURCE_NOISE: ["noise"], ScatterValueSource.SOURCE_DISTANCE: ["layer"]}
+	var value := ScatterValueSource.new()
+	var notifications: Array[int] = [0]
+	value.property_list_changed.connect(func() -> void: notifications[0] += 1)
+	check(not "max_value" in shown_properties(value), "a random number has no range")
+	for source: ScatterValueSource.Source in units:
+		value.source = source
+		for property in value.get_property_list():
+			if property["name"] in ["min_value", "max_value"]:
+				check(units[source] in property["hint_string"], "%s of %d: %s" % [property["name"], source, property["hint_string"]])
+		var shown := shown_properties(value)
+		check("randomness" in shown, "properties of all sources")
+		for name: String in ["noise", "layer"]:
+			check_equal(name in shown, name in used.get(source, []), "%s of %d" % [name, source])
+	check_equal(notifications[0], units.size(), "one notification of the inspector per source")
+	value.noise = FastNoiseLite.new()
+	check("noise" in shown_properties(value), "a property with a value is visible even if it has no effect")
 
 
 ## Every property is in its group, and every number has a unit.
@@ -118,8 +118,8 @@ func test_groups_and_units() -> void:
 			["mask", "Rules/Mask"], ["mask_texture_edge", "Rules/Mask"], ["clump_size", "Rules/Clumping"],
 			["edge_feather", "Rules/Edge"], ["spacing", "Other Layers/"], ["proximity_curve", "Other Layers/Proximity"],
 			["scale_curve", "Placement/"], ["offset_along_normal", "Placement/"], ["use_colors", "Drawing/"],
-			["color_gradient", "Drawing/Color"], ["color_randomness", "Drawing/Color"], ["use_custom_data", "Drawing/"],
-			["variation_source", "Drawing/Variation"], ["variation_source_noise", "Drawing/Variation"],
+			["color_gradient", "Drawing/Color"], ["color_value", "Drawing/Color"], ["use_custom_data", "Drawing/"],
+			["variation_value", "Drawing/"],
 			["instance_radius", "Gameplay/"], ["regrowth_time", "Gameplay/"], ["collision_shape", "Gameplay/Collision"],
 			["physics_material", "Gameplay/Collision"], ["scene", "Gameplay/Scene"], ["scene_distance", "Gameplay/Scene"],
 			["view_distance", "Distance/"], ["lod_fade", "Distance/LOD"], ["thin_end", "Distance/Thinning"],

@@ -9,9 +9,7 @@ const PROPERTIES: Array[StringName] = [
 	&"mask_texture", &"mask_texture_rect", &"mask_texture_channel", &"mask_texture_edge", &"clump_size",
 	&"clump_coverage", &"clump_softness", &"edge_feather", &"proximity_layer", &"proximity_distance",
 	&"proximity_curve", &"scale_curve", &"min_tilt_degrees", &"max_tilt_degrees", &"offset_along_normal", &"use_colors",
-	&"color_gradient", &"color_source", &"color_source_layer", &"color_source_noise", &"color_source_min",
-	&"color_source_max", &"color_randomness", &"variation_source", &"variation_source_layer", &"variation_source_noise",
-	&"variation_source_min", &"variation_source_max", &"variation_randomness", &"use_custom_data", &"layer_id",
+	&"color_gradient", &"color_value", &"variation_value", &"use_custom_data", &"layer_id",
 	&"instance_radius", &"instance_height", &"regrowth_time", &"collision_shape", &"collision_distance",
 	&"collision_layer", &"collision_mask", &"physics_material", &"affect_navigation_mesh", &"scene", &"scene_distance",
 ]
@@ -23,7 +21,7 @@ var sources := {
 	"mask": ["ScatterMask", "background", 0.5], "mask_texture": ["GradientTexture2D", "width", 16],
 	"proximity_curve": ["Curve", "max_domain", 9.0], "scale_curve": ["Curve", "max_domain", 2.0],
 	"color_gradient": ["Gradient", "colors", PackedColorArray([Color.RED, Color.BLUE])],
-	"color_source_noise": ["FastNoiseLite", "frequency", 0.5], "variation_source_noise": ["FastNoiseLite", "frequency", 0.5],
+	"color_value": ["ScatterValueSource", "max_value", 0.5], "variation_value": ["ScatterValueSource", "randomness", 0.5],
 	"physics_material": ["PhysicsMaterial", "friction", 0.25],
 }
 
@@ -61,19 +59,17 @@ func full_layer() -> ScatterLayer:
 	layer.offset_along_normal = -0.25
 	layer.use_colors = true
 	layer.color_gradient = Gradient.new()
-	layer.color_source = ScatterLayer.SOURCE_HEIGHT
-	layer.color_source_layer = "Oaks"
-	layer.color_source_noise = FastNoiseLite.new()
-	layer.color_source_min = -20.0
-	layer.color_source_max = 350.0
-	layer.color_randomness = 0.25
+	layer.color_value = ScatterValueSource.new()
+	layer.color_value.source = ScatterValueSource.SOURCE_HEIGHT
+	layer.color_value.layer = "Oaks"
+	layer.color_value.noise = FastNoiseLite.new()
+	layer.color_value.min_value = -20.0
+	layer.color_value.max_value = 350.0
+	layer.color_value.randomness = 0.25
 	layer.use_custom_data = true
-	layer.variation_source = ScatterLayer.SOURCE_DISTANCE
-	layer.variation_source_layer = "Stones"
-	layer.variation_source_noise = FastNoiseLite.new()
-	layer.variation_source_min = 0.5
-	layer.variation_source_max = 12.0
-	layer.variation_randomness = 0.125
+	layer.variation_value = ScatterValueSource.new()
+	layer.variation_value.source = ScatterValueSource.SOURCE_DISTANCE
+	layer.variation_value.layer = "Stones"
 	layer.layer_id = 32767
 	layer.instance_radius = 0.4
 	layer.instance_height = 12.0
@@ -174,21 +170,23 @@ func test_refused() -> void:
 		refuse(layer, property, 1 << 32, ["range"])
 	for number: int in [-1, 6, 1 << 40]:
 		refuse(layer, "collision_shape", number, ["range"])
-	for property: String in ["color_source", "variation_source"]:
-		for number: int in [-1, 6, 1 << 40]:
-			refuse(layer, property, number, ["range"])
-		for number: float in [NAN, INF, 1000001.0, -1000001.0]:
-			refuse(layer, property + "_min", number)
-			refuse(layer, property + "_max", number)
-	for property: String in ["color_randomness", "variation_randomness"]:
-		refuse(layer, property, -0.1, ["range"])
-		refuse(layer, property, 1.1, ["range"])
 	refuse(layer, "ground_textures", PackedInt32Array([1, -1]), ["-1"])
 	refuse(layer, "ground_textures", PackedInt32Array([256]), ["256"])
 	var many := PackedInt32Array()
 	many.resize(257)
 	refuse(layer, "ground_textures", many, ["wrong size", "257"])
 	check_full(layer, "before all refused values")
+
+
+func test_refused_values_of_a_source() -> void:
+	var value := ScatterValueSource.new()
+	for refused: Array in [["source", [-1, 6, 1 << 40]], ["min_value", [NAN, INF, 1000001.0]], ["max_value", [NAN, -INF, -1000001.0]],
+			["randomness", [-0.1, 1.1, NAN]], ["layer", [2.5, BoxMesh.new()]]]:
+		var before: Variant = value.get(refused[0])
+		for number: Variant in refused[1]:
+			value.set(refused[0], number)
+			check_error(["ScatterValueSource." + refused[0]], "%s = %s" % [refused[0], number])
+			check_equal(value.get(refused[0]), before, "%s is unchanged" % refused[0])
 
 
 func test_refused_spacing() -> void:
@@ -305,41 +303,49 @@ func check_gameplay_warnings() -> void:
 
 
 ## Sets up a layer with a source and its range.
-func follow(layer: ScatterLayer, source: ScatterLayer.ValueSource, to := 90.0) -> void:
+func follow(layer: ScatterLayer, source: ScatterValueSource.Source, to := 90.0) -> void:
 	layer.use_colors = true
 	layer.color_gradient = Gradient.new()
-	layer.color_source = source
-	layer.color_source_max = to
+	layer.color_value = value_of(source)
+	layer.color_value.max_value = to
+
+
+func value_of(source: ScatterValueSource.Source) -> ScatterValueSource:
+	var value := ScatterValueSource.new()
+	value.source = source
+	return value
 
 
 func test_warnings_of_sources() -> void:
-	for source: ScatterLayer.ValueSource in [ScatterLayer.SOURCE_HEIGHT, ScatterLayer.SOURCE_SLOPE, ScatterLayer.SOURCE_RANK]:
+	for source: ScatterValueSource.Source in [ScatterValueSource.SOURCE_HEIGHT, ScatterValueSource.SOURCE_SLOPE, ScatterValueSource.SOURCE_RANK]:
 		check_warning(func(layer: ScatterLayer) -> void: follow(layer, source), "")
-	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_HEIGHT, 1.0), "0 to 1 meters of height")
-	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_SLOPE, 1.0), "0 to 1 degrees of slope")
-	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_RANK, 1.0), "")
-	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_NOISE, 1.0), "there is no noise")
-	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterLayer.SOURCE_DISTANCE), "names no layer")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterValueSource.SOURCE_HEIGHT, 1.0), "0 to 1 meters of height")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterValueSource.SOURCE_SLOPE, 1.0), "0 to 1 degrees of slope")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterValueSource.SOURCE_RANK, 1.0), "")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterValueSource.SOURCE_NOISE, 1.0), "there is no noise")
+	check_warning(func(layer: ScatterLayer) -> void: follow(layer, ScatterValueSource.SOURCE_DISTANCE), "names no layer")
 	check_warning(func(layer: ScatterLayer) -> void:
-		follow(layer, ScatterLayer.SOURCE_DISTANCE)
-		layer.color_source_layer = "Oaks", "\"Oaks\", and no layer has that name")
+		follow(layer, ScatterValueSource.SOURCE_DISTANCE)
+		layer.color_value.layer = "Oaks", "\"Oaks\", and no layer has that name")
 	check_warning(func(layer: ScatterLayer) -> void:
-		follow(layer, ScatterLayer.SOURCE_HEIGHT)
-		layer.color_randomness = 1.0, "the randomness is 1")
+		follow(layer, ScatterValueSource.SOURCE_HEIGHT)
+		layer.color_value.randomness = 1.0, "the randomness is 1")
 	check_warning(func(layer: ScatterLayer) -> void:
-		follow(layer, ScatterLayer.SOURCE_HEIGHT)
-		layer.color_source_layer = "Oaks", "color_source_layer is not used: the source is not Distance")
-	check_warning(func(layer: ScatterLayer) -> void: layer.color_source_noise = FastNoiseLite.new(), "color_source_noise is not used")
-	check_warning(func(layer: ScatterLayer) -> void: layer.color_source = ScatterLayer.SOURCE_RANK, "without use_colors")
+		follow(layer, ScatterValueSource.SOURCE_HEIGHT)
+		layer.color_value.layer = "Oaks", "color_value.layer is not used: the source is not Distance")
+	check_warning(func(layer: ScatterLayer) -> void:
+		follow(layer, ScatterValueSource.SOURCE_HEIGHT)
+		layer.color_value.noise = FastNoiseLite.new(), "color_value.noise is not used")
+	check_warning(func(layer: ScatterLayer) -> void: layer.color_value = value_of(ScatterValueSource.SOURCE_RANK), "without use_colors")
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.use_colors = true
-		layer.color_source = ScatterLayer.SOURCE_RANK, "without color_gradient")
-	check_warning(func(layer: ScatterLayer) -> void: layer.variation_source = ScatterLayer.SOURCE_RANK, "without use_custom_data")
+		layer.color_value = value_of(ScatterValueSource.SOURCE_RANK), "without color_gradient")
+	check_warning(func(layer: ScatterLayer) -> void: layer.variation_value = value_of(ScatterValueSource.SOURCE_RANK), "without use_custom_data")
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.use_custom_data = true
-		layer.variation_source = ScatterLayer.SOURCE_RANK, "")
+		layer.variation_value = value_of(ScatterValueSource.SOURCE_RANK), "")
 	check_warning(func(layer: ScatterLayer) -> void:
-		follow(layer, ScatterLayer.SOURCE_HEIGHT, -5.0), "color_source_max must be at least 0 (where its range begins), got -5")
+		follow(layer, ScatterValueSource.SOURCE_HEIGHT, -5.0), "color_value.max_value must be at least 0 (where its range begins), got -5")
 
 
 func test_warnings() -> void:

@@ -39,10 +39,7 @@ var changes := {
 	"meshes": [[SphereMesh.new(), BoxMesh.new()] as Array[Mesh], MADE],
 	"mesh_weights": [PackedFloat32Array([1.0, 4.0]), MADE],
 	"use_colors": [false, MADE], "color_gradient": [to_red(), MADE], "use_custom_data": [false, MADE],
-	"color_source": [ScatterLayer.SOURCE_HEIGHT, MADE], "color_source_layer": ["", MADE], "color_source_min": [1.0, MADE],
-	"color_source_max": [9.0, MADE], "color_source_noise": [FastNoiseLite.new()], "color_randomness": [0.5, MADE],
-	"variation_source": [ScatterLayer.SOURCE_RANK, MADE], "variation_source_layer": ["Oaks"], "variation_source_min": [0.25, MADE],
-	"variation_source_max": [0.75, MADE], "variation_source_noise": [FastNoiseLite.new(), MADE], "variation_randomness": [0.5, MADE],
+	"color_value": [value_of(ScatterValueSource.SOURCE_HEIGHT), MADE], "variation_value": [value_of(ScatterValueSource.SOURCE_RANK), MADE],
 	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],
 	"thin_scale_up": [true, MADE], # The instances grow, and so do the bounding boxes of the tiles.
 	"material_override": [StandardMaterial3D.new(), REDRAWN],
@@ -58,6 +55,12 @@ var changes := {
 	"affect_navigation_mesh": [false], # Only used when a navigation mesh is baked, see test_navigation.gd.
 	"scene": [scene_of(Marker3D.new()), SCENES], "scene_distance": [4.0, SCENES],
 }
+
+
+func value_of(source: ScatterValueSource.Source) -> ScatterValueSource:
+	var value := ScatterValueSource.new()
+	value.source = source
+	return value
 
 
 func half_mask() -> ScatterMask:
@@ -112,12 +115,12 @@ func make_ferns() -> ScatterLayer:
 	layer.max_scale = 2.0
 	layer.use_colors = true
 	layer.color_gradient = Gradient.new()
-	layer.color_source = ScatterLayer.SOURCE_DISTANCE
-	layer.color_source_layer = "Oaks"
-	layer.color_source_max = 12.0
+	layer.color_value = value_of(ScatterValueSource.SOURCE_DISTANCE)
+	layer.color_value.layer = "Oaks"
+	layer.color_value.max_value = 12.0
 	layer.use_custom_data = true
-	layer.variation_source = ScatterLayer.SOURCE_NOISE
-	layer.variation_source_noise = FastNoiseLite.new()
+	layer.variation_value = value_of(ScatterValueSource.SOURCE_NOISE)
+	layer.variation_value.noise = FastNoiseLite.new()
 	layer.max_tilt_degrees = 5.0
 	layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
 	layer.collision_distance = DISTANCE

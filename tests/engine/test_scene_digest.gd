@@ -8,8 +8,8 @@ const RECT := Rect2(-32.0, -32.0, 64.0, 64.0)
 const OF_RESOURCES: Array[StringName] = [&"script", &"resource_name", &"resource_path", &"resource_local_to_scene", &"resource_scene_unique_id"]
 ## Changed values for properties that need a specific one.
 const CHANGED: Dictionary[StringName, Variant] = {
-	&"layer_id": 5, &"meshes": [], &"spacing": {"Other": 1.0}, &"proximity_layer": "Other", &"color_source_layer": "Other",
-	&"variation_source_layer": "Other", &"ground_textures": [1], &"mesh_weights": [2.0],
+	&"layer_id": 5, &"meshes": [], &"spacing": {"Other": 1.0}, &"proximity_layer": "Other",
+	&"ground_textures": [1], &"mesh_weights": [2.0],
 	&"draw_cell_size": 16.0, &"max_scale": 1.5, &"min_scale": 0.5, &"progressive_levels": 2, &"radius": 3.0, &"density": 0.5,
 }
 

@@ -77,26 +77,26 @@ func check_shares(all: Dictionary[int, Seen], share: Callable, context: String, 
 	check(least < 0.1 and most > 0.9, "%s: from %f to %f" % [context, least, most])
 
 
-func set_source(layer: ScatterLayer, source: ScatterLayer.ValueSource, from: float, to: float) -> void:
-	layer.color_source = source
-	layer.color_source_min = from
-	layer.color_source_max = to
-	layer.variation_source = source
-	layer.variation_source_min = from
-	layer.variation_source_max = to
+func set_source(layer: ScatterLayer, source: ScatterValueSource.Source, from: float, to: float) -> void:
+	for property: StringName in [&"color_value", &"variation_value"]:
+		var value := ScatterValueSource.new()
+		value.source = source
+		value.min_value = from
+		value.max_value = to
+		layer.set(property, value)
 
 
 func test_sources_of_the_ground_and_of_ranks() -> void:
 	var layer := make_colored()
 	layer.height_offset = 0.0
 	var scatter := make_scatter([layer], Banks.new(), make_viewer())
-	set_source(layer, ScatterLayer.SOURCE_HEIGHT, -3.0, 20.0)
+	set_source(layer, ScatterValueSource.SOURCE_HEIGHT, -3.0, 20.0)
 	await settle(scatter)
 	check_shares(seen(scatter, 0), func(one: Seen) -> float: return (one.place.y + 3.0) / 23.0, "height", 1e-4)
 	layer.height_offset = 2.0
 	await settle(scatter)
 	check_shares(seen(scatter, 0), func(one: Seen) -> float: return (one.place.y + 1.0) / 23.0, "the ground's height", 1e-4)
-	set_source(layer, ScatterLayer.SOURCE_SLOPE, 2.0, 20.0)
+	set_source(layer, ScatterValueSource.SOURCE_SLOPE, 2.0, 20.0)
 	await settle(scatter)
 	var ground := func(one: Seen) -> float:
 		var normal := scatter.ground.get_normal(one.place)
@@ -105,7 +105,7 @@ func test_sources_of_the_ground_and_of_ranks() -> void:
 	for one: Seen in seen(scatter, 0).values():
 		if one.place.x < -2.0 and one.color < 0.99:
 			check(false, "steep at %s: %f" % [one.place, one.color])
-	set_source(layer, ScatterLayer.SOURCE_RANK, 0.25, 1.0)
+	set_source(layer, ScatterValueSource.SOURCE_RANK, 0.25, 1.0)
 	await settle(scatter)
 	check_shares(seen(scatter, 0), func(one: Seen) -> float: return (one.custom.b - 0.25) / 0.75, "rank", 1e-3)
 
@@ -113,14 +113,14 @@ func test_sources_of_the_ground_and_of_ranks() -> void:
 func test_a_noise() -> void:
 	var layer := make_colored()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
-	set_source(layer, ScatterLayer.SOURCE_NOISE, 0.3, 0.7)
+	set_source(layer, ScatterValueSource.SOURCE_NOISE, 0.3, 0.7)
 	await settle(scatter)
 	var random := seen(scatter, 0)
 	check("there is no noise" in "\n".join(scatter.get_problems()), "a warning: %s" % scatter.get_problems())
 	var noise := FastNoiseLite.new()
 	noise.frequency = 0.03
-	layer.color_source_noise = noise
-	layer.variation_source_noise = noise
+	layer.color_value.noise = noise
+	layer.variation_value.noise = noise
 	await settle(scatter)
 	var share := func(one: Seen) -> float:
 		return (0.5 + 0.5 * noise.get_noise_2d(one.place.x, one.place.z) - 0.3) / 0.4
@@ -131,8 +131,8 @@ func test_a_noise() -> void:
 	await settle(scatter)
 	check_shares(seen(scatter, 0), share, "the same noise, edited", 1e-4)
 	check(digests(scatter, 0) != before, "new colors")
-	layer.color_source_noise = null
-	layer.variation_source_noise = null
+	layer.color_value.noise = null
+	layer.variation_value.noise = null
 	await settle(scatter)
 	var again := seen(scatter, 0)
 	for id in random:
@@ -148,9 +148,9 @@ func make_followed(terrain: ScatterGround) -> TerrainScatter3D:
 	oak.view_distance = 100.0
 	oak.mask = make_mask()
 	var fern := make_colored(3.0)
-	set_source(fern, ScatterLayer.SOURCE_DISTANCE, 1.0, 8.0)
-	fern.color_source_layer = "oak"
-	fern.variation_source_layer = "oak"
+	set_source(fern, ScatterValueSource.SOURCE_DISTANCE, 1.0, 8.0)
+	fern.color_value.layer = "oak"
+	fern.variation_value.layer = "oak"
 	return make_scatter([oak, fern], terrain, make_viewer())
 
 
@@ -202,14 +202,14 @@ func test_an_edit_of_the_second_layer_stays_local() -> void:
 	scatter.layers[OAK].min_scale = 0.5
 	await settle(scatter)
 	check(shown.take()[FERN].is_empty() and digests(scatter, FERN) == whole, "the look of the oaks has no effect")
-	fern.color_source = ScatterLayer.SOURCE_RANDOM
-	fern.variation_source = ScatterLayer.SOURCE_RANDOM
+	fern.color_value.source = ScatterValueSource.SOURCE_RANDOM
+	fern.variation_value.source = ScatterValueSource.SOURCE_RANDOM
 	await settle(scatter)
 	shown.take()
 	scatter.layers[OAK].mask.paint(Vector2.ZERO, 7.0, 1.0, 1.0, ScatterMask.MODE_ERASE)
 	scatter.layers[OAK].density = 0.5
-	fern.color_source_min = 2.0
-	fern.color_randomness = 0.5
+	fern.color_value.min_value = 2.0
+	fern.color_value.randomness = 0.5
 	await settle(scatter)
 	check(shown.take()[FERN].is_empty(), "oaks that no source uses have no effect, and neither does an unused range")
 
@@ -221,33 +221,38 @@ func test_references() -> void:
 	await settle(scatter)
 	var followed := digests(scatter, FERN)
 	for reference: Variant in [oak, 0, &"oak"]:
-		fern.color_source_layer = reference
-		fern.variation_source_layer = reference
+		fern.color_value.layer = reference
+		fern.variation_value.layer = reference
 		await settle(scatter)
 		check(digests(scatter, FERN) == followed, "the same for %s" % [reference])
 	oak.resource_name = "elm"
-	check_equal([fern.color_source_layer, fern.variation_source_layer], ["elm", "elm"], "the reference follows a renamed layer")
+	check_equal([fern.color_value.layer, fern.variation_value.layer], ["elm", "elm"], "the reference follows a renamed layer")
 	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 	for bad: Variant in [2.5, BoxMesh.new()]:
-		fern.color_source_layer = bad
-		check_error(["ScatterLayer.color_source_layer", "Pass a ScatterLayer or its name"], "%s" % [bad])
-		fern.variation_source_layer = bad
-		check_error(["ScatterLayer.variation_source_layer", "Pass a ScatterLayer or its name"], "%s" % [bad])
-	check_equal(fern.color_source_layer, "elm", "the old reference stays")
-	fern.color_source_layer = null
-	check_equal(fern.color_source_layer, "", "no layer")
-	check("color_source is Distance, but names no layer" in "\n".join(scatter.get_problems()), "a warning")
+		fern.color_value.layer = bad
+		check_error(["ScatterValueSource.layer", "Pass a ScatterLayer or its name"], "%s" % [bad])
+		fern.variation_value.layer = bad
+		check_error(["ScatterValueSource.layer", "Pass a ScatterLayer or its name"], "%s" % [bad])
+	check_equal(fern.color_value.layer, "elm", "the old reference stays")
+	fern.color_value.layer = null
+	check_equal(fern.color_value.layer, "", "no layer")
+	check("color_value.source is Distance, but names no layer" in "\n".join(scatter.get_problems()), "a warning")
 	scatter.layers = [fern, oak]
 	var problems := "\n".join(scatter.get_problems())
-	check("variation_source_layer is \"elm\", which is not before" in problems, "a second warning: %s" % problems)
-	fern.color_source_layer = "ash"
-	check("color_source_layer is \"ash\", and no layer has that name" in "\n".join(scatter.get_problems()), "a third warning")
+	check("variation_value.layer is \"elm\", which is not before" in problems, "a second warning: %s" % problems)
+	fern.color_value.layer = "ash"
+	check("color_value.layer is \"ash\", and no layer has that name" in "\n".join(scatter.get_problems()), "a third warning")
 	fern.resource_name = ""
-	fern.color_source_layer = ""
+	fern.color_value.layer = ""
 	oak.resource_name = ""
-	oak.color_source_layer = fern
-	fern.variation_source_layer = oak
-	check_error(["ScatterLayer.variation_source_layer", "circle"], "layers without names in a circle")
+	oak.color_value = ScatterValueSource.new()
+	oak.color_value.layer = fern
+	fern.variation_value.layer = oak
+	check_error(["ScatterValueSource.layer", "circle"], "layers without names in a circle")
+	fern.variation_value = oak.color_value
+	check_error(["ScatterLayer.variation_value", "circle"], "a value with the layer itself")
+	fern.proximity_layer = oak
+	check_error(["ScatterLayer.proximity_layer", "circle"], "a circle through a value")
 
 
 func test_invalid_ranges() -> void:
@@ -255,21 +260,21 @@ func test_invalid_ranges() -> void:
 	var fern := scatter.layers[FERN]
 	await settle(scatter)
 	var before := digests(scatter, FERN)
-	fern.color_source_max = 0.5
+	fern.color_value.max_value = 0.5
 	await settle(scatter)
-	check_error(["layers[1]: ScatterLayer.color_source_max", "0.5"], "the end before the start")
-	fern.color_source_max = 1001.0
+	check_error(["layers[1]: ScatterLayer.color_value.max_value", "0.5"], "the end before the start")
+	fern.color_value.max_value = 1001.0
 	await settle(scatter)
-	check_error(["layers[1]: ScatterLayer.color_source_max must be between", "1001"], "too far")
-	fern.color_source_max = 900.0
+	check_error(["layers[1]: ScatterLayer.color_value.max_value must be between", "1001"], "too far")
+	fern.color_value.max_value = 900.0
 	scatter.layers[OAK].radius = 0.25
 	scatter.layers[OAK].tile_size = 10.0
 	scatter.layers[OAK].view_distance = 5.0
 	await settle(scatter)
-	check_error(["layers[1]: ScatterLayer.color_source_max", "points"], "too many oaks in that distance")
+	check_error(["layers[1]: ScatterLayer.color_value.max_value", "points"], "too many oaks in that distance")
 	check(digests(scatter, FERN) == before, "the instances stay")
 	scatter.layers[OAK].radius = 9.0
-	fern.color_source_max = 8.0
+	fern.color_value.max_value = 8.0
 	await settle(scatter)
 	check(digests(scatter, FERN) == before, "the same with valid values")
 	check_no_error("no error")
@@ -279,7 +284,7 @@ func test_invalid_ranges() -> void:
 func test_hand_placed() -> void:
 	var layer := make_colored()
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
-	set_source(layer, ScatterLayer.SOURCE_HEIGHT, 0.0, 10.0)
+	set_source(layer, ScatterValueSource.SOURCE_HEIGHT, 0.0, 10.0)
 	await settle(scatter)
 	var id := scatter.add_instance(scatter.layers[0], Transform3D(Basis.IDENTITY, Vector3(3.0, 7.5, 4.0)))
 	await settle(scatter)
@@ -289,17 +294,44 @@ func test_hand_placed() -> void:
 	var at := ids.find(id) * STRIDE
 	if check(at >= 0, "it exists"):
 		check(absf(buffer[at + 12] - 0.75) < STEP and absf(buffer[at + 16] - 0.75) < 0.001, "at 7.5 of 10 m: %f, %f" % [buffer[at + 12], buffer[at + 16]])
-	set_source(layer, ScatterLayer.SOURCE_SLOPE, 0.0, 45.0)
+	set_source(layer, ScatterValueSource.SOURCE_SLOPE, 0.0, 45.0)
 	await settle(scatter)
 	var all := seen_in(scatter.get_tile(scatter.layers[0], Vector2i.ZERO))
 	check(all[id].color > 0.0 and all.values().all(func(one: Seen) -> bool: return one.color < 0.01 or one == all[id]),
 			"a random color on level ground: %f" % all[id].color)
 
 
+## Layers share a value, and one value drives both the color and the variation.
+func test_a_shared_value() -> void:
+	var first := make_colored()
+	var second := make_colored(3.0)
+	var value := ScatterValueSource.new()
+	value.source = ScatterValueSource.SOURCE_HEIGHT
+	value.min_value = -3.0
+	value.max_value = 20.0
+	for layer: ScatterLayer in [first, second]:
+		layer.color_value = value
+		layer.variation_value = value
+	var scatter := make_scatter([first, second], Banks.new(), make_viewer())
+	await settle(scatter)
+	for index in 2:
+		check_shares(seen(scatter, index), func(one: Seen) -> float: return (one.place.y + 3.0) / 23.0, "layer %d" % index, 1e-4)
+	value.max_value = 10.0
+	await settle(scatter)
+	for index in 2:
+		check_shares(seen(scatter, index), func(one: Seen) -> float: return (one.place.y + 3.0) / 13.0, "layer %d, edited" % index, 1e-4)
+	first.color_value = null
+	value.max_value = 20.0
+	await settle(scatter)
+	var variations := seen(scatter, 0).values().all(func(one: Seen) -> bool:
+		return absf(one.custom.r - clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0)) < 0.0015)
+	check(variations, "the variation still follows")
+
+
 func test_some_randomness() -> void:
 	var layer := make_colored()
-	set_source(layer, ScatterLayer.SOURCE_HEIGHT, -3.0, 20.0)
-	layer.color_randomness = 0.25
+	set_source(layer, ScatterValueSource.SOURCE_HEIGHT, -3.0, 20.0)
+	layer.color_value.randomness = 0.25
 	var scatter := make_scatter([layer], Banks.new(), make_viewer())
 	await settle(scatter)
 	var offsets := PackedFloat64Array()

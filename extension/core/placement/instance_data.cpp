@@ -48,8 +48,9 @@ Status validate_colors(const ColorTable &colors) {
 } // namespace
 
 Status validate(const InstanceData &data) {
-	constexpr SourceNames color{"color_source_min", "color_source_max", "color_randomness"};
-	constexpr SourceNames variation{"variation_source_min", "variation_source_max", "variation_randomness"};
+	constexpr SourceNames color{"color_value.min_value", "color_value.max_value", "color_value.randomness"};
+	constexpr SourceNames variation{
+			"variation_value.min_value", "variation_value.max_value", "variation_value.randomness"};
 	return first_failure(data.colors != nullptr ? validate_colors(*data.colors) : Status{},
 			data.use_colors ? validate(data.color, color) : Status{},
 			data.use_custom_data ? validate(data.variation, variation) : Status{});

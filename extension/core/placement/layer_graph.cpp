@@ -26,7 +26,7 @@ std::array<const InstanceSource *, 2> distance_sources_at(const LayerSettings &l
 Status too_deep(std::size_t depth) {
 	return Status::out_of_range("depth of neighbors", depth,
 			at_most(max_neighbor_depth, "layers in a chain that refer to each other"),
-			"Remove spacing, proximity_layer or color_source_layer from a layer of the chain");
+			"Remove spacing, proximity_layer or color_value from a layer of the chain");
 }
 
 } // namespace

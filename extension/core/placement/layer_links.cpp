@@ -160,8 +160,8 @@ std::vector<std::string> name_problems(Links layers, std::size_t index) {
 		}
 	};
 	check_earlier("proximity_layer", layer.proximity_layer);
-	check_earlier("color_source_layer", layer.color_layer);
-	check_earlier("variation_source_layer", layer.variation_layer);
+	check_earlier("color_value.layer", layer.color_layer);
+	check_earlier("variation_value.layer", layer.variation_layer);
 	if (!layer.name.empty() && find(layers, layer.name) != index) {
 		problems.push_back("has the name of an earlier layer: \"" + layer.name + "\" refers to the earlier one.");
 	}

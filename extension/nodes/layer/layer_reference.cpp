@@ -2,6 +2,7 @@
 
 #include "nodes/common/engine_arrays.hpp"
 
+#include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/object.hpp>
 
 #include <algorithm>
@@ -188,6 +189,30 @@ LayerReference core_reference(const Variant &p_stored) {
 		result.name = static_cast<String>(p_stored).utf8().get_data();
 	}
 	return result;
+}
+
+Variant accept_reference(const char *p_property, const Variant &p_reference, const Resource *p_holder) {
+	Variant stored = stored_reference(p_reference);
+	const Ref<ScatterLayer> held = stored;
+	String problem;
+	if (stored.get_type() == Variant::NIL) {
+		problem = no_reference(p_reference);
+	} else if (held.is_valid() && held->stores(p_holder)) {
+		problem = layers_in_circle;
+	}
+	if (!problem.is_empty()) {
+		ERR_PRINT(vformat("%s: %s", p_property, problem));
+		return {};
+	}
+	return stored;
+}
+
+bool refers_to(const Variant &p_stored, const String &p_name) {
+	if (p_name.is_empty()) {
+		const Ref<ScatterLayer> held = p_stored;
+		return held.is_valid() && !held->get_name().is_empty();
+	}
+	return p_stored.get_type() == Variant::STRING && static_cast<String>(p_stored) == p_name;
 }
 
 String no_reference(const Variant &p_value) { return vformat("Pass a ScatterLayer or its name, not %s.", p_value); }

@@ -73,8 +73,19 @@ godot::String find_layers(
 /// no name; or its index. Scenes then store no layer twice. Null if the value cannot refer to a layer.
 godot::Variant stored_reference(const godot::Variant &p_reference);
 
+/// The same, for a property of the resource `holder`. Null, with an error that names the property, for a value that cannot refer to a layer,
+/// and for a layer without a name that a scene would store together with `holder` inside of it, so that no scene could store both.
+godot::Variant accept_reference(
+		const char *p_property, const godot::Variant &p_reference, const godot::Resource *p_holder);
+
+/// True if a stored reference names the layer of that name. For an empty name: true if it is a layer that now has a name.
+bool refers_to(const godot::Variant &p_stored, const godot::String &p_name);
+
 /// The same reference for the core; empty for an empty name.
 LayerReference core_reference(const godot::Variant &p_stored);
+
+inline constexpr const char *layers_in_circle =
+		"Layers without names may not refer to each other in a circle, which no scene could store: give them names.";
 
 /// The error message for a value that cannot refer to a layer.
 godot::String no_reference(const godot::Variant &p_value);

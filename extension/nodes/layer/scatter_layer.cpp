@@ -54,7 +54,8 @@ Status ScatterLayer::check() {
 
 /// The names under which release 0.2 saved properties.
 bool ScatterLayer::_set(const StringName &p_name, const Variant &p_value) {
-	if (!former_lods_.set(p_name, p_value) && !former_visibility_.set(p_name, p_value)) {
+	if (!former_lods_.set(p_name, p_value) && !former_visibility_.set(p_name, p_value) &&
+			!set_former_value(p_name, p_value)) {
 		return set_renamed(this, p_name, p_value);
 	}
 	convert_former_lods(false);
@@ -100,6 +101,8 @@ void ScatterLayer::bind_advanced() {
 
 void ScatterLayer::add_used(SceneUse::List &r_used) const {
 	r_used.add(mask_);
+	r_used.add(color_value_);
+	r_used.add(variation_value_);
 	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
 		if (const Ref<ScatterModel> model = meshes_.model(entry); model.is_valid()) {
 			r_used.add(model);

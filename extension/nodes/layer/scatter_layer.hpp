@@ -9,6 +9,7 @@
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/layer/layer_tables.hpp"
 #include "nodes/layer/scatter_mask.hpp"
+#include "nodes/layer/scatter_value_source.hpp"
 
 #include <godot_cpp/classes/material.hpp>
 #include <godot_cpp/classes/mesh.hpp>
@@ -111,16 +112,6 @@ public:
 		COLLISION_MODEL,  ///< The shapes of the instance's model.
 	};
 
-	/// SourceKind, for scripts: the source of an instance's color or variation.
-	enum ValueSource : std::int64_t {
-		SOURCE_RANDOM,
-		SOURCE_HEIGHT,
-		SOURCE_SLOPE,
-		SOURCE_NOISE,
-		SOURCE_RANK,
-		SOURCE_DISTANCE,
-	};
-
 	// The accessors of properties that scatter_layer_properties.hpp defines with one line each.
 	template <const auto &property>
 	void set_number(double p_value);
@@ -203,16 +194,11 @@ public:
 	/// The values of properties that GeometryInstance3D has too, by their names there.
 	godot::Dictionary get_geometry_properties() const;
 
-	/// The sources of an instance's color on the gradient and of its variation. For a distance, also the referenced layer, as for
-	/// set_proximity_layer.
-	void set_color_source(ValueSource p_source);
-	ValueSource get_color_source() const;
-	void set_color_source_layer(const godot::Variant &p_layer);
-	godot::Variant get_color_source_layer() const;
-	void set_variation_source(ValueSource p_source);
-	ValueSource get_variation_source() const;
-	void set_variation_source_layer(const godot::Variant &p_layer);
-	godot::Variant get_variation_source_layer() const;
+	/// The values that an instance's color on the gradient and its variation follow; null for random ones. Layers may share them.
+	void set_color_value(const godot::Ref<ScatterValueSource> &p_value);
+	godot::Ref<ScatterValueSource> get_color_value() const { return color_value_; }
+	void set_variation_value(const godot::Ref<ScatterValueSource> &p_value);
+	godot::Ref<ScatterValueSource> get_variation_value() const { return variation_value_; }
 
 	/// All LODs of an entry of `meshes`, the finest first, with no defaults left to resolve. Empty for an entry that draws nothing. An
 	/// invalid index prints an error.
@@ -255,6 +241,9 @@ public:
 
 	/// Stores an ID that a node gave to the layer.
 	void take_id(std::int64_t p_id);
+
+	/// True if a scene that stores this layer also stores the resource, a layer or a value, inside of it, or if it is this layer.
+	bool stores(const godot::Resource *p_resource) const;
 
 	/// Updates this layer's references after another layer was renamed from `p_from` to `p_to`. An empty `p_from` means that the layer had
 	/// no name, and that references held the object.
@@ -309,10 +298,10 @@ private:
 	void replace_meshes(const LayerMeshes &p_meshes);
 	void convert_former_lods(bool p_now);
 	void watch_mask(bool p_watch);
-	bool stores(const ScatterLayer *p_layer) const;
-	godot::Variant accept_reference(const char *p_property, const godot::Variant &p_reference) const;
-	void set_reference(
-			const char *p_property, const godot::Variant &p_layer, godot::Variant &r_stored, LayerReference &r_linked);
+	void watch_values(bool p_watch);
+	void set_value(const char *p_property, const godot::Ref<ScatterValueSource> &p_value,
+			godot::Ref<ScatterValueSource> &r_own);
+	bool set_former_value(const godot::StringName &p_name, const godot::Variant &p_value);
 	void changed();
 	std::uint64_t hidden_properties() const;
 
@@ -366,8 +355,8 @@ private:
 	godot::PackedInt32Array ground_textures_;
 	godot::Dictionary spacing_property_; ///< With keys as returned by stored_reference; read-only.
 	godot::Variant proximity_layer_ = godot::String();
-	godot::Variant color_source_layer_ = godot::String();
-	godot::Variant variation_source_layer_ = godot::String();
+	godot::Ref<ScatterValueSource> color_value_;
+	godot::Ref<ScatterValueSource> variation_value_;
 
 	LayerMeshes meshes_;
 	godot::PackedFloat32Array mesh_weights_;
@@ -385,4 +374,3 @@ private:
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskChannel)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskEdge)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::CollisionShape)
-VARIANT_ENUM_CAST(thicket::ScatterLayer::ValueSource)

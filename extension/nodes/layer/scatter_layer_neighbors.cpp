@@ -3,8 +3,6 @@
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
-#include <godot_cpp/core/error_macros.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,46 +27,22 @@ double number_of(const Variant &p_value) {
 	return is_number ? static_cast<double>(p_value) : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Whether a stored reference means the layer of that name. For an empty name: whether it holds a layer that now has a name.
-bool is_named(const Variant &p_stored, const String &p_name) {
-	if (p_name.is_empty()) {
-		const Ref<ScatterLayer> held = p_stored;
-		return held.is_valid() && !held->get_name().is_empty();
-	}
-	return p_stored.get_type() == Variant::STRING && static_cast<String>(p_stored) == p_name;
-}
-
 } // namespace
 
-/// Whether a scene that stores this layer also stores the other one inside it.
-bool ScatterLayer::stores(const ScatterLayer *p_layer) const {
-	const auto is_stored = [p_layer](const Ref<ScatterLayer> &held) {
-		return held.is_valid() && (held.ptr() == p_layer || held->stores(p_layer));
+bool ScatterLayer::stores(const Resource *p_resource) const {
+	const auto is_stored = [p_resource](const Variant &p_reference) {
+		const Ref<ScatterLayer> held = p_reference;
+		return held.is_valid() && held->stores(p_resource);
 	};
 	const Array references = spacing_property_.keys();
-	bool found = is_stored(proximity_layer_) || is_stored(color_source_layer_) || is_stored(variation_source_layer_);
+	bool found = p_resource == this || is_stored(proximity_layer_);
+	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_}) {
+		found = found || (value.is_valid() && (p_resource == value.ptr() || is_stored(value->stored_layer())));
+	}
 	for (int64_t i = 0; !found && i < references.size(); ++i) {
 		found = is_stored(references[i]);
 	}
 	return found;
-}
-
-/// The reference in the form to store. Null, with an error, if it is refused.
-Variant ScatterLayer::accept_reference(const char *p_property, const Variant &p_reference) const {
-	Variant stored = stored_reference(p_reference);
-	const Ref<ScatterLayer> held = stored;
-	String problem;
-	if (stored.get_type() == Variant::NIL) {
-		problem = no_reference(p_reference);
-	} else if (held.is_valid() && (held.ptr() == this || held->stores(this))) {
-		problem = "Layers without names may not refer to each other in a circle, which no scene could store: give them "
-				  "names.";
-	}
-	if (!problem.is_empty()) {
-		ERR_PRINT(vformat("ScatterLayer.%s: %s", p_property, problem));
-		return {};
-	}
-	return stored;
 }
 
 void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
@@ -81,7 +55,7 @@ void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 	const Array references = p_spacing.keys();
 	for (int64_t i = 0; i < references.size(); ++i) {
 		const double distance = number_of(p_spacing[references[i]]);
-		Variant stored = accept_reference("spacing", references[i]);
+		Variant stored = accept_reference("ScatterLayer.spacing", references[i], this);
 		if (stored.get_type() == Variant::NIL ||
 				!accept_number(layer_class_name, "spacing", distance, min_distance, max_neighbor_distance)) {
 			return;
@@ -106,41 +80,35 @@ Dictionary ScatterLayer::get_spacing() const {
 	return result;
 }
 
-/// Sets a property that refers to one layer or none.
-void ScatterLayer::set_reference(
-		const char *p_property, const Variant &p_layer, Variant &r_stored, LayerReference &r_linked) {
+void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
 	Variant stored = String();
 	if (p_layer.get_type() != Variant::NIL) {
-		stored = accept_reference(p_property, p_layer);
+		stored = accept_reference("ScatterLayer.proximity_layer", p_layer, this);
 	}
-	if (stored.get_type() != Variant::NIL && core_reference(stored) != r_linked) {
-		r_stored = stored;
-		r_linked = core_reference(stored);
+	if (stored.get_type() != Variant::NIL && core_reference(stored) != links_.proximity_layer) {
+		proximity_layer_ = stored;
+		links_.proximity_layer = core_reference(stored);
 		changed();
 	}
-}
-
-void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
-	set_reference("proximity_layer", p_layer, proximity_layer_, links_.proximity_layer);
 }
 
 Variant ScatterLayer::get_proximity_layer() const { return stored_reference(proximity_layer_); }
 
 void ScatterLayer::rename_references(const String &p_from, const String &p_to) {
-	const auto follow = [&](const Variant &p_stored, void (ScatterLayer::*set)(const Variant &)) {
-		if (is_named(p_stored, p_from)) {
-			(this->*set)(p_from.is_empty() ? Variant(p_stored) : Variant(p_to));
+	if (refers_to(proximity_layer_, p_from)) {
+		set_proximity_layer(p_from.is_empty() ? Variant(proximity_layer_) : Variant(p_to));
+	}
+	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_}) {
+		if (value.is_valid()) {
+			value->rename_layer(p_from, p_to);
 		}
-	};
-	follow(proximity_layer_, &ScatterLayer::set_proximity_layer);
-	follow(color_source_layer_, &ScatterLayer::set_color_source_layer);
-	follow(variation_source_layer_, &ScatterLayer::set_variation_source_layer);
+	}
 	const Dictionary spacing = spacing_property_;
 	const Array references = spacing.keys();
 	Dictionary renamed; // A new Dictionary keeps the order in the inspector.
 	bool any = false;
 	for (int64_t i = 0; i < references.size(); ++i) {
-		const bool meant = is_named(references[i], p_from);
+		const bool meant = refers_to(references[i], p_from);
 		const Variant reference = meant && !p_from.is_empty() ? Variant(p_to) : references[i];
 		// If the new name was already in the Dictionary, the larger distance counts. fmax ignores a missing number, which is NAN.
 		renamed[reference] = std::fmax(number_of(renamed[reference]), number_of(spacing[references[i]]));

@@ -35,10 +35,6 @@ auto &ScatterLayer::part(Self &self) {
 		return self.settings_.placement;
 	} else if constexpr (std::is_same_v<Values, InstanceData>) {
 		return self.settings_.instance_data;
-	} else if constexpr (std::is_same_v<Values, ColorSource>) {
-		return self.settings_.instance_data.color;
-	} else if constexpr (std::is_same_v<Values, VariationSource>) {
-		return self.settings_.instance_data.variation;
 	} else if constexpr (std::is_same_v<Values, StreamLayer>) {
 		return self.range_;
 	} else if constexpr (std::is_same_v<Values, LayerDrawing>) {

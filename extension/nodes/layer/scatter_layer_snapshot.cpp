@@ -149,11 +149,12 @@ LayerGameplay ScatterLayer::gameplay() const {
 LayerLinks ScatterLayer::links() {
 	refresh();
 	LayerLinks result = links_;
-	if (instance_data().color.kind != SourceKind::distance) {
-		result.color_layer = {};
+	const InstanceData data = instance_data();
+	if (data.color.kind == SourceKind::distance) {
+		result.color_layer = core_reference(color_value_->stored_layer());
 	}
-	if (instance_data().variation.kind != SourceKind::distance) {
-		result.variation_layer = {};
+	if (data.variation.kind == SourceKind::distance) {
+		result.variation_layer = core_reference(variation_value_->stored_layer());
 	}
 	result.name = get_name().utf8().get_data();
 	result.identity = get_instance_id();

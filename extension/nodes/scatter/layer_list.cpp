@@ -47,7 +47,7 @@ const char *far_looking_property(const LayerSettings &layer, double tile_size) {
 	}
 	const auto [color, variation] = distance_sources(layer.instance_data);
 	const bool by_color = color != nullptr && (variation == nullptr || color->max >= variation->max);
-	return by_color ? "color_source_max" : "variation_source_max";
+	return by_color ? "color_value.max_value" : "variation_value.max_value";
 }
 
 } // namespace

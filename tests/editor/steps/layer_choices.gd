@@ -54,16 +54,19 @@ func choose() -> void:
 	check_equal(fern.proximity_layer, "Birch", "a new choice")
 	await undo_last(fern)
 	check_equal(fern.proximity_layer, "Spruce", "undone")
-	for start: StringName in [&"color_source", &"variation_source"]:
-		fern.set(start, 5) # Distance.
-		await frames(3)
-		choice = property_editor(start + "_layer").find_children("*", "OptionButton", true, false)[0]
+	for property: StringName in [&"color_value", &"variation_value"]:
+		var value: Resource = ClassDB.instantiate(&"ScatterValueSource")
+		value.set(&"source", 5) # Distance.
+		fern.set(property, value)
+		await inspect(value)
+		choice = property_editor(&"layer").find_children("*", "OptionButton", true, false)[0]
+		check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Birch", "Bush", "Stone"]), "layers before the ferns")
 		choice.item_selected.emit(1)
-		check_equal(fern.get(start + "_layer"), "Posts", start + " follows a layer")
-		await undo_last(fern)
-		check_equal(fern.get(start + "_layer"), "", "undone")
-		fern.set(start, 0)
-	await frames(3)
+		check_equal(value.get(&"layer"), "Posts", property + " follows a layer")
+		await undo_last(value)
+		check_equal(value.get(&"layer"), "", "undone")
+		fern.set(property, null)
+	await inspect(fern)
 	var spacing := property_editor(&"spacing")
 	EditorInterface.get_inspector().ensure_control_visible(spacing)
 	await picture("neighbors")

@@ -71,7 +71,8 @@ func make_scene() -> void:
 	made.layers = [make_layer("Grass", 1.5), make_layer("Trees", 4.0), load(MOSS)]
 	made.layers[1].spacing = {"Grass": 0.5, 2: 1.0}
 	made.layers[0].proximity_layer = 1
-	made.layers[1].color_source = 5 # Distance, to no layer yet.
+	made.layers[1].color_value = ClassDB.instantiate(&"ScatterValueSource")
+	made.layers[1].color_value.source = 5 # Distance, to no layer yet.
 	for kind in 4:
 		var region := add(ClassDB.instantiate(&"ScatterRegion3D"), "Region%d" % kind, made, heath) as Node3D
 		region.shape = kind
@@ -137,8 +138,8 @@ func test_layers() -> void:
 	await step("A preset", panel._on_add.bind(panel.Add.FIRST_PRESET + 1))
 	await step("A name", func() -> void: LayerEdits.rename(scatter, layer("Grass"), "Sedge", manager))
 	await step("A name of a layer in a file", func() -> void: LayerEdits.rename(scatter, layer("Moss"), "Lichen", manager))
-	await step("A layer to be near", choose_in_inspector.bind("Trees", &"proximity_layer"))
-	await step("A layer for its colors", choose_in_inspector.bind("Trees", &"color_source_layer"))
+	await step("A layer to be near", choose_in_inspector.bind(layer("Trees"), &"proximity_layer"))
+	await step("A layer for its colors", choose_in_inspector.bind(layer("Trees").color_value, &"layer"))
 	await step("The order", func() -> void: LayerEdits.move(scatter, [layer("Trees")], 0, manager))
 	await step("A distance in the inspector", func() -> void:
 		EditorInterface.inspect_object(layer("Heather"), "", true)
@@ -153,8 +154,8 @@ func test_layers() -> void:
 
 
 ## Chooses the first entry in the list of a property that refers to a layer.
-func choose_in_inspector(title: String, property: StringName) -> void:
-	EditorInterface.inspect_object(layer(title), "", true)
+func choose_in_inspector(object: Object, property: StringName) -> void:
+	EditorInterface.inspect_object(object, "", true)
 	await frames(4)
 	for editor in EditorInterface.get_inspector().find_children("*", "EditorProperty", true, false):
 		if editor is LayerChoice and editor.get_edited_property() == property:

@@ -19,7 +19,7 @@ func _init(files: SceneFiles) -> void:
 
 
 func _can_handle(object: Object) -> bool:
-	return ["ScatterLayer", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
+	return ["ScatterLayer", "ScatterValueSource", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
 
 
 func _parse_begin(object: Object) -> void:
@@ -31,7 +31,7 @@ func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: P
 		_usage: int, _wide: bool) -> bool:
 	var editor: EditorProperty
 	match name:
-		_ when object is ScatterLayer and name in Names.reference_properties():
+		_ when name in Names.reference_properties(object):
 			editor = LayerProperty.new()
 		"spacing":
 			editor = Spacing.new()

@@ -5,7 +5,8 @@ extends RefCounted
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
 
-## The [TerrainScatter3D] above a region in the tree, or the first one of the edited scene that has the layer; null if there is none.
+## The [TerrainScatter3D] above a region in the tree, or the first one of the edited scene that has the layer, or a layer that uses the value;
+## null if there is none.
 static func scatter_of(object: Object) -> TerrainScatter3D:
 	if object is Node:
 		var node: Node = object
@@ -19,9 +20,14 @@ static func scatter_of(object: Object) -> TerrainScatter3D:
 	scatters.push_front(root)
 	for node: Node in scatters:
 		var scatter := node as TerrainScatter3D
-		if scatter != null and object in ScatterLayers.of(scatter):
+		if scatter != null and ScatterLayers.of(scatter).any(_is_of.bind(object)):
 			return scatter
 	return null
+
+
+## Whether an object is the layer, or a value of the layer.
+static func _is_of(layer: ScatterLayer, object: Object) -> bool:
+	return layer != null and object in [layer, layer.color_value, layer.variation_value]
 
 
 ## The layers that an object can refer to, without itself. [param before] leaves out those after it in the list.
@@ -31,17 +37,20 @@ static func others(object: Object, before := false) -> Array[ScatterLayer]:
 	if scatter == null:
 		return result
 	for layer in ScatterLayers.of(scatter):
-		if before and layer == object:
+		if before and _is_of(layer, object):
 			break
 		if layer != null and layer != object:
 			result.append(layer)
 	return result
 
 
-## The properties of a layer that refer to one other layer. They accept a layer, a name or an index, and no other property accepts several types.
-static func reference_properties() -> PackedStringArray:
+## The properties of a layer or a value that refer to one other layer. They accept a layer, a name or an index, and no other property accepts
+## several types. Empty for other objects.
+static func reference_properties(object: Object) -> PackedStringArray:
 	var result := PackedStringArray()
-	for property in ClassDB.class_get_property_list(&"ScatterLayer", true):
+	if not (object is ScatterLayer or object is ScatterValueSource):
+		return result
+	for property in ClassDB.class_get_property_list(object.get_class(), true):
 		if property.usage & PROPERTY_USAGE_NIL_IS_VARIANT:
 			result.append(property.name)
 	return result

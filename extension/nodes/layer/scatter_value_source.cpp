@@ -1,0 +1,158 @@
+#include "nodes/layer/scatter_value_source.hpp"
+
+#include "nodes/common/property_check.hpp"
+#include "nodes/common/watch.hpp"
+#include "nodes/layer/field_sources.hpp"
+#include "nodes/layer/layer_reference.hpp"
+
+#include <godot_cpp/core/class_db.hpp>
+#include <godot_cpp/core/object.hpp>
+
+#include <utility>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+/// The range that the inspector shows for the ends of the range.
+const char *range_hint(SourceKind kind) {
+	switch (kind) {
+		case SourceKind::height: return "-1000,9000,0.1,or_less,or_greater,suffix:m";
+		case SourceKind::slope: return "0,90,0.1,degrees";
+		case SourceKind::distance: return "0,200,0.01,or_greater,suffix:m";
+		default: return "0,1,0.001";
+	}
+}
+
+} // namespace
+
+void ScatterValueSource::set_source(Source p_source) {
+	const auto kind = static_cast<SourceKind>(p_source);
+	if (accept_number(class_name, "source", static_cast<double>(p_source), SOURCE_RANDOM, SOURCE_DISTANCE) &&
+			values_.kind != kind) {
+		values_.kind = kind;
+		notify_property_list_changed();
+		emit_changed();
+	}
+}
+
+void ScatterValueSource::set_number(
+		const char *p_property, double p_value, double p_min, double p_max, double &r_value) {
+	if (accept_number(class_name, p_property, p_value, p_min, p_max) && r_value != p_value) {
+		r_value = p_value;
+		emit_changed();
+	}
+}
+
+void ScatterValueSource::set_min_value(double p_value) {
+	set_number("min_value", p_value, -max_source_value, max_source_value, values_.min);
+}
+
+void ScatterValueSource::set_max_value(double p_value) {
+	set_number("max_value", p_value, -max_source_value, max_source_value, values_.max);
+}
+
+void ScatterValueSource::set_randomness(double p_randomness) {
+	set_number("randomness", p_randomness, 0.0, 1.0, values_.randomness);
+}
+
+void ScatterValueSource::set_noise(const Ref<Noise> &p_noise) {
+	if (!(noise_ == p_noise)) {
+		watch(noise_.ptr(), "changed", this, "_noise_changed", false);
+		noise_ = p_noise;
+		watch(noise_.ptr(), "changed", this, "_noise_changed", true);
+		notify_property_list_changed();
+		noise_changed();
+	}
+}
+
+void ScatterValueSource::noise_changed() {
+	noise_is_new_ = true;
+	emit_changed();
+}
+
+void ScatterValueSource::set_layer(const Variant &p_layer) {
+	Variant stored = String();
+	if (p_layer.get_type() != Variant::NIL) {
+		stored = accept_reference("ScatterValueSource.layer", p_layer, this);
+	}
+	if (stored.get_type() != Variant::NIL && core_reference(stored) != core_reference(layer_)) {
+		layer_ = stored;
+		notify_property_list_changed();
+		emit_changed();
+	}
+}
+
+Variant ScatterValueSource::get_layer() const { return stored_reference(layer_); }
+
+const InstanceSource &ScatterValueSource::current() {
+	if (std::exchange(noise_is_new_, false)) {
+		values_.noise = plain_noise_field(noise_);
+	}
+	return values_;
+}
+
+void ScatterValueSource::rename_layer(const String &p_from, const String &p_to) {
+	if (refers_to(layer_, p_from)) {
+		set_layer(p_from.is_empty() ? Variant(layer_) : Variant(p_to));
+	}
+}
+
+/// Hides properties that do not apply to the source. Those that are set stay visible, because a warning mentions them.
+void ScatterValueSource::_validate_property(PropertyInfo &p_property) const {
+	const bool random = values_.kind == SourceKind::random;
+	const auto hide = [&p_property](const char *p_name, bool p_hidden) {
+		if (p_hidden && p_property.name == StringName(p_name)) {
+			p_property.usage &= ~static_cast<std::uint32_t>(PROPERTY_USAGE_EDITOR);
+		}
+	};
+	for (const char *name : {"min_value", "max_value", "randomness"}) {
+		hide(name, random);
+	}
+	hide("noise", values_.kind != SourceKind::noise && noise_.is_null());
+	hide("layer", values_.kind != SourceKind::distance && core_reference(layer_).empty());
+	if (p_property.name == StringName("min_value") || p_property.name == StringName("max_value")) {
+		p_property.hint_string = range_hint(values_.kind);
+	}
+}
+
+void ScatterValueSource::_bind_methods() {
+	using Self = ScatterValueSource;
+	constexpr const char *any_range = "-1000,1000,0.001,or_less,or_greater"; // See _validate_property.
+	bind_guarded<&Self::set_source>(D_METHOD("set_source", "source"));
+	bind_guarded<&Self::get_source>(D_METHOD("get_source"));
+	bind_guarded<&Self::set_min_value>(D_METHOD("set_min_value", "value"));
+	bind_guarded<&Self::get_min_value>(D_METHOD("get_min_value"));
+	bind_guarded<&Self::set_max_value>(D_METHOD("set_max_value", "value"));
+	bind_guarded<&Self::get_max_value>(D_METHOD("get_max_value"));
+	bind_guarded<&Self::set_randomness>(D_METHOD("set_randomness", "randomness"));
+	bind_guarded<&Self::get_randomness>(D_METHOD("get_randomness"));
+	bind_guarded<&Self::set_noise>(D_METHOD("set_noise", "noise"));
+	bind_guarded<&Self::get_noise>(D_METHOD("get_noise"));
+	bind_guarded<&Self::set_layer>(D_METHOD("set_layer", "layer"));
+	bind_guarded<&Self::get_layer>(D_METHOD("get_layer"));
+	bind_guarded<&Self::noise_changed>(ThreadUse::relayed, D_METHOD("_noise_changed"));
+	ADD_PROPERTY(PropertyInfo(Variant::INT, "source", PROPERTY_HINT_ENUM, "Random,Height,Slope,Noise,Rank,Distance"),
+			"set_source", "get_source");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::OBJECT, "noise", PROPERTY_HINT_RESOURCE_TYPE, "Noise"), "set_noise", "get_noise");
+	ADD_PROPERTY(PropertyInfo(Variant::NIL, "layer", PROPERTY_HINT_NONE, String(),
+						 PROPERTY_USAGE_DEFAULT | PROPERTY_USAGE_NIL_IS_VARIANT),
+			"set_layer", "get_layer");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "min_value", PROPERTY_HINT_RANGE, any_range), "set_min_value",
+			"get_min_value");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "max_value", PROPERTY_HINT_RANGE, any_range), "set_max_value",
+			"get_max_value");
+	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "randomness", PROPERTY_HINT_RANGE, "0,1,0.001"), "set_randomness",
+			"get_randomness");
+	BIND_ENUM_CONSTANT(SOURCE_RANDOM);
+	BIND_ENUM_CONSTANT(SOURCE_HEIGHT);
+	BIND_ENUM_CONSTANT(SOURCE_SLOPE);
+	BIND_ENUM_CONSTANT(SOURCE_NOISE);
+	BIND_ENUM_CONSTANT(SOURCE_RANK);
+	BIND_ENUM_CONSTANT(SOURCE_DISTANCE);
+}
+
+} // namespace thicket

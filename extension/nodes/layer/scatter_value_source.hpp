@@ -1,0 +1,83 @@
+#pragma once
+
+#include "core/placement/instance_source.hpp"
+#include "nodes/common/guard.hpp"
+
+#include <godot_cpp/classes/noise.hpp>
+#include <godot_cpp/classes/ref.hpp>
+#include <godot_cpp/classes/resource.hpp>
+#include <godot_cpp/variant/string.hpp>
+#include <godot_cpp/variant/variant.hpp>
+
+#include <cstdint>
+
+namespace thicket {
+
+/// The value at an instance that its color or its variation follows, as a number from 0 to 1. Layers may share it. Emits `changed` whenever a
+/// property is set, and whenever its noise changes.
+class ScatterValueSource : public godot::Resource, public ThreadGuarded {
+	GDCLASS(ScatterValueSource, godot::Resource)
+	THICKET_GUARDED_METHODS(owner)
+
+public:
+	/// SourceKind, for scripts.
+	enum Source : std::int64_t {
+		SOURCE_RANDOM,
+		SOURCE_HEIGHT,
+		SOURCE_SLOPE,
+		SOURCE_NOISE,
+		SOURCE_RANK,
+		SOURCE_DISTANCE,
+	};
+
+	void set_source(Source p_source);
+	Source get_source() const { return static_cast<Source>(values_.kind); }
+
+	/// The range of the source that becomes 0 to 1, in its unit; |value| is at most max_source_value.
+	void set_min_value(double p_value);
+	double get_min_value() const { return values_.min; }
+	void set_max_value(double p_value);
+	double get_max_value() const { return values_.max; }
+
+	/// The random part of the number, 0 to 1.
+	void set_randomness(double p_randomness);
+	double get_randomness() const { return values_.randomness; }
+
+	/// For SOURCE_NOISE.
+	void set_noise(const godot::Ref<godot::Noise> &p_noise);
+	godot::Ref<godot::Noise> get_noise() const { return noise_; }
+
+	/// For SOURCE_DISTANCE: a ScatterLayer, its name or its index; null or "" for none. A layer that has a name is stored by name.
+	void set_layer(const godot::Variant &p_layer);
+	godot::Variant get_layer() const;
+
+	void noise_changed();
+
+	/// The current settings without their layer, with a copy of the noise, which is the same object until its content
+	/// changes.
+	const InstanceSource &current();
+
+	/// The layer as it is stored: a name, an index, or the layer itself if it had no name.
+	const godot::Variant &stored_layer() const { return layer_; }
+
+	/// Updates the reference after a layer was renamed; see ScatterLayer::rename_references.
+	void rename_layer(const godot::String &p_from, const godot::String &p_to);
+
+	static constexpr const char *class_name = "ScatterValueSource";
+
+protected:
+	static void _bind_methods();
+	void _validate_property(godot::PropertyInfo &p_property) const;
+
+private:
+	void set_number(const char *p_property, double p_value, double p_min, double p_max, double &r_value);
+
+	InstanceSource values_;
+	godot::Ref<godot::Noise> noise_;
+	godot::Variant layer_ = godot::String();
+	bool noise_is_new_ = false; ///< The copy in `values_` is out of date.
+};
+
+} // namespace thicket
+
+VARIANT_ENUM_CAST(thicket::ScatterValueSource::Source)
