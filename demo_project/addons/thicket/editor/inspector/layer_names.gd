@@ -44,6 +44,16 @@ static func others(object: Object, before := false) -> Array[ScatterLayer]:
 	return result
 
 
+## The layers and their values, which may refer to layers, each of them once.
+static func referring(layers: Array[ScatterLayer]) -> Array[Resource]:
+	var result: Array[Resource] = []
+	for layer in layers:
+		for object: Resource in [layer, layer.color_value, layer.variation_value]:
+			if object != null and not object in result:
+				result.append(object)
+	return result
+
+
 ## The properties of a layer or a value that refer to one other layer. They accept a layer, a name or an index, and no other property accepts
 ## several types. Empty for other objects.
 static func reference_properties(object: Object) -> PackedStringArray:

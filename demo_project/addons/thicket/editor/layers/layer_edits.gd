@@ -134,12 +134,14 @@ static func _follow_in_layer(layer: ScatterLayer, old: Array[ScatterLayer], new:
 		else:
 			r_told.append("%s no longer keeps a distance to %s." % [_title(layer, old), _title_of(key, old)])
 	_change(layer, &"spacing", spacing, followed, undo_redo)
-	for property in Names.reference_properties():
-		var mentioned: Variant = layer.get(property)
-		var next: Variant = _next(mentioned, old, new)
-		if next == null:
-			r_told.append("%s no longer has a %s: it was %s." % [_title(layer, old), property, _title_of(mentioned, old)])
-		_change(layer, property, mentioned, next if next != null else "", undo_redo)
+	for object in Names.referring([layer]):
+		for property in Names.reference_properties(object):
+			var mentioned: Variant = object.get(property)
+			var next: Variant = _next(mentioned, old, new)
+			if next == null:
+				var name := property if object == layer else ("color_value." if object == layer.color_value else "variation_value.") + property
+				r_told.append("%s no longer has a %s: it was %s." % [_title(layer, old), name, _title_of(mentioned, old)])
+			_change(object, property, mentioned, next if next != null else "", undo_redo)
 
 
 static func _follow_in_region(region: ScatterRegion3D, old: Array[ScatterLayer], new: Array[ScatterLayer], r_told: PackedStringArray,

@@ -54,8 +54,9 @@ static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray, f
 		for key: Variant in spacing:
 			renamed[_renamed(key, names, first_index)] = spacing[key]
 		layer.spacing = renamed
-		for property in Names.reference_properties():
-			layer.set(property, _renamed(layer.get(property), names, first_index))
+	for object in Names.referring(new_layers):
+		for property in Names.reference_properties(object):
+			object.set(property, _renamed(object.get(property), names, first_index))
 
 
 ## A reference to a layer, converted for the scatter: its new name, its new index, or the layer itself.
