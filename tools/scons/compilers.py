@@ -1,7 +1,6 @@
 """Flags for each compiler: g++ and clang, zig's clang for any platform, emscripten, and Microsoft's."""
 
 import os
-import re
 
 import installed
 import platforms
@@ -104,19 +103,13 @@ def configure_gnu(env, release):
 
 
 # Code that runs when a property is set or a scene is read. There is a lot of it, and its speed does not matter.
-RARE = re.compile(
-    r"extension/nodes/(?:biome|explain|impostor|layer|model|region|sampler)/"
-    r"|extension/nodes/gameplay/(?:collision_shapes|instance_answers|navigation_parse|scene_ring|scatter_gameplay_navigation|scatter_instances|scatter_request)"
-    r"|extension/nodes/(?:drawing/draw_figures|workers/build_at_once)"
-    r"|extension/nodes/scatter/(?:layer_|node_layers|scatter_problems|scatter_tile|terrain_scatter_3d\.cpp$)"
-    r"|extension/nodes/ground/(?:ground_watch|scatter_ground)"
-    r"|_(?:binding|explain|properties|types)\.cpp$"
-)
+OPTIMIZED_FOR_SIZE = ["nodes/biome", "nodes/explain", "nodes/impostor", "nodes/layer", "nodes/model", "nodes/region", "nodes/sampler"]
 
 
 def object_of(env, source):
     """The object of one of the extension's sources, optimized for size where speed does not matter."""
-    if not RARE.search(str(source)) or is_msvc(env):
+    room = os.path.dirname(str(source)).partition("extension/")[2]
+    if room not in OPTIMIZED_FOR_SIZE or is_msvc(env):
         return source
     flags = ["-Os" if flag in ("-O2", "-O3") else flag for flag in env["CCFLAGS"]]
     return env.SharedObject(source, CCFLAGS=flags)
