@@ -13,7 +13,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from conftest import CACHE, REPO, run
+from conftest import BUILD_DIR, CACHE, REPO, check_engine_tests, run
 
 ADDON = REPO / "demo_project/addons/thicket"
 BINDINGS = REPO / "extension/bindings"
@@ -227,14 +227,39 @@ def test_every_included_header_exists_in_the_bindings():
             assert offered, f"{path.name} includes {name}"
 
 
+REFUSED = {
+    "a Ref's assignment has no value": "Ref<Image> keep(Ref<Image> &r_to, const Ref<Image> &p_from) { return r_to = p_from; }",
+    "a String is not assigned from {}": "void empty(String &r_text) { r_text = {}; }",
+}
+ACCEPTED = "void assign(Ref<Image> &r_to, const Ref<Image> &p_from, String &r_text) { r_to = p_from; r_text = String(); r_text = \"text\"; }"
+
+
+def compiles(code: str, tmp_path: Path) -> subprocess.CompletedProcess[str]:
+    """Compiles a function against the stand-in that was built here."""
+    source = tmp_path / "function.cpp"
+    source.write_text(f"#include <godot_cpp/classes/image.hpp>\n#include <godot_cpp/classes/ref.hpp>\nnamespace godot {{\n{code}\n}}\n")
+    included = ["-I", BINDINGS / "include", "-I", BUILD_DIR / "gen/include", "-I", BUILD_DIR / "gen"]
+    return run(["g++", "-std=c++20", "-fsyntax-only", *included, source], timeout=120)
+
+
+@pytest.mark.parametrize("code", REFUSED)
+def test_the_stand_in_refuses_what_godot_cpp_refuses(code, tmp_path):
+    """So that code which compiles here also compiles against godot-cpp."""
+    accepted = compiles(ACCEPTED, tmp_path)
+    assert accepted.returncode == 0, accepted.stderr
+    assert compiles(REFUSED[code], tmp_path).returncode != 0
+
+
 @pytest.mark.alone  # Meanwhile, a different extension is installed for all tests.
 @pytest.mark.skipif("THICKET_GODOT_CPP" not in os.environ, reason="set THICKET_GODOT_CPP to a built godot-cpp")
 def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
-    """All checks of the language test also hold there, except that godot-cpp accepts null for a value of a wrong type."""
+    """All engine tests pass there. All checks of the language test also hold, except that godot-cpp accepts null for a value of a wrong
+    type."""
     try:
         done = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
         assert done.returncode == 0, done.stdout + done.stderr
         project = make_project(tmp_path / "project", extension=True)
+        shutil.copytree(ADDON, tmp_path / "addons/thicket")
     finally:
         run(["scons", "-Q", "-j2", "extension"], 3600, cwd=REPO)
     script = SCRIPTS / "test_language.gd"
@@ -242,3 +267,4 @@ def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
         played = godot(["--verbose", "--path", project, "--script", script, "--", name])
         assert played.returncode == 0, played.stdout[-4000:]
         assert not [line for line in complaints(played.stdout + played.stderr) if "from _get_heights()" not in line]
+    check_engine_tests(tmp_path / "addons/thicket")

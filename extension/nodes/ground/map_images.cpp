@@ -31,7 +31,8 @@ Ref<Image> MapImages::read_texture(const Variant &p_texture) {
 	const std::uint64_t id = texture->get_instance_id();
 	if (const auto known = known_.find(id); known != known_.end()) {
 		// Fast path: an imported texture never changes, so it need not be read back from the renderer again.
-		return kept_[id] = known->second;
+		kept_[id] = known->second;
+		return known->second;
 	}
 	const Ref<Image> image = image_in(texture->get_image());
 	if (image.is_valid() && texture->is_class("CompressedTexture2D")) {

@@ -27,6 +27,10 @@
 
 namespace thicket {
 
+// GDVIRTUAL0RC and its kin name these without a namespace in godot-cpp 4.4.
+using godot::METHOD_FLAG_CONST;
+using godot::METHOD_FLAG_VIRTUAL;
+
 inline constexpr double height_limit = 1e6; ///< World meters up and down: the limit of a ground's settings.
 
 /// A node that uses a ground. The scene is in the engine's space, which may be at a different world position for each node.

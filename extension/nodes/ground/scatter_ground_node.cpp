@@ -109,7 +109,7 @@ void ScatterGroundNode::take(const Found &found) {
 	const bool usable = in_tree && (copied || (found.ground != nullptr && found.ground->source() != nullptr));
 	const bool was_usable = is_available();
 	problem_ = problem_of(found, in_tree, usable);
-	remark_ = {};
+	remark_ = String();
 	glance_ = found.glance;
 	if (!usable || copied || followed_node_.get_validated_object() != target) {
 		close();

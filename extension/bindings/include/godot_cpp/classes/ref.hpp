@@ -30,10 +30,7 @@ public:
 		}
 	}
 
-	Ref &operator=(Ref p_from) {
-		std::swap(object_, p_from.object_);
-		return *this;
-	}
+	void operator=(Ref p_from) { std::swap(object_, p_from.object_); } // godot-cpp returns nothing, either.
 
 	T *ptr() const { return object_; }
 	T *operator->() const { return object_; }
