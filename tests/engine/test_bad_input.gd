@@ -50,18 +50,27 @@ func accept(object: Object, property: StringName, value: Variant) -> void:
 	check_equal(object.get(property), value, str(property))
 
 
-func test_layer_numbers() -> void:
-	var layer := ScatterLayer.new()
+## Refuses values of no number or of an absurd size for every number of a resource.
+func check_numbers(resource: Resource, expected: int) -> void:
 	var numbers := 0
-	for property in ClassDB.class_get_property_list("ScatterLayer"): # Some are hidden in a new layer.
+	for property in ClassDB.class_get_property_list(resource.get_class()): # Some are hidden in a new resource.
 		if property["type"] != TYPE_FLOAT or not property["usage"] & PROPERTY_USAGE_EDITOR:
 			continue
 		numbers += 1
 		for value: float in [NAN, INF, -INF]:
-			refuse(layer, property["name"], value, "must be finite, ")
-		refuse(layer, property["name"], 1e300, "must be between ")
-		refuse(layer, property["name"], -1e300)
-	check_equal(numbers, 49, "numbers of a layer")
+			refuse(resource, property["name"], value, "must be finite, ")
+		refuse(resource, property["name"], 1e300, "must be between ")
+		refuse(resource, property["name"], -1e300)
+	check_equal(numbers, expected, "numbers of a " + resource.get_class())
+
+
+func test_value_source_numbers() -> void:
+	check_numbers(ScatterValueSource.new(), 3)
+
+
+func test_layer_numbers() -> void:
+	var layer := ScatterLayer.new()
+	check_numbers(layer, 39)
 	for property in ["radius", "tile_size", "proximity_distance", "min_scale", "max_scale", "lod_bias"]:
 		refuse(layer, property, 0.0, "must be between 0.")
 		refuse(layer, property, -3.0, "must be between 0.")
