@@ -1,6 +1,7 @@
 #include "nodes/sampler/poisson_points.hpp"
 
 #include "core/base/guard.hpp"
+#include "nodes/common/bind_value.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/common/property_check.hpp"
@@ -138,15 +139,11 @@ void PoissonPoints::_bind_methods() {
 	bind_guarded<&Self::get_ranks>(D_METHOD("get_ranks"));
 	bind_guarded<&Self::get_x>(D_METHOD("get_x"));
 	bind_guarded<&Self::get_y>(D_METHOD("get_y"));
-	// Neither stored nor shown, because they are read-only.
-	const auto bind = [](Variant::Type type, const char *name, const char *getter) {
-		ADD_PROPERTY(PropertyInfo(type, name, PROPERTY_HINT_NONE, "", PROPERTY_USAGE_NONE), "", getter);
-	};
-	bind(Variant::PACKED_INT64_ARRAY, "ids", "get_ids");
-	bind(Variant::PACKED_VECTOR2_ARRAY, "positions", "get_positions");
-	bind(Variant::PACKED_FLOAT32_ARRAY, "ranks", "get_ranks");
-	bind(Variant::PACKED_FLOAT64_ARRAY, "x", "get_x");
-	bind(Variant::PACKED_FLOAT64_ARRAY, "y", "get_y");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_INT64_ARRAY, "ids"), "get_ids");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_VECTOR2_ARRAY, "positions"), "get_positions");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "ranks"), "get_ranks");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_FLOAT64_ARRAY, "x"), "get_x");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_FLOAT64_ARRAY, "y"), "get_y");
 }
 
 } // namespace thicket

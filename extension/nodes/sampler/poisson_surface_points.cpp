@@ -1,5 +1,6 @@
 #include "nodes/sampler/poisson_surface_points.hpp"
 
+#include "nodes/common/bind_value.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
 #include "nodes/sampler/poisson_points.hpp"
@@ -9,6 +10,12 @@
 using namespace godot;
 
 namespace thicket {
+
+namespace {
+
+constexpr const char *class_name = "PoissonSurfacePoints";
+
+} // namespace
 
 Ref<PoissonSurfacePoints> PoissonSurfacePoints::of(std::span<const SurfacePoint> points, bool mirrored) {
 	const Ref<PoissonSurfacePoints> result(memnew(PoissonSurfacePoints));
@@ -34,15 +41,11 @@ void PoissonSurfacePoints::_bind_methods() {
 	bind_guarded<&Self::get_normals>(D_METHOD("get_normals"));
 	bind_guarded<&Self::get_ranks>(D_METHOD("get_ranks"));
 	bind_guarded<&Self::get_faces>(D_METHOD("get_faces"));
-	// Neither stored nor shown, because they are read-only.
-	const auto bind = [](Variant::Type type, const char *name, const char *getter) {
-		ADD_PROPERTY(PropertyInfo(type, name, PROPERTY_HINT_NONE, "", PROPERTY_USAGE_NONE), "", getter);
-	};
-	bind(Variant::PACKED_INT64_ARRAY, "ids", "get_ids");
-	bind(Variant::PACKED_VECTOR3_ARRAY, "positions", "get_positions");
-	bind(Variant::PACKED_VECTOR3_ARRAY, "normals", "get_normals");
-	bind(Variant::PACKED_FLOAT32_ARRAY, "ranks", "get_ranks");
-	bind(Variant::PACKED_INT32_ARRAY, "faces", "get_faces");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_INT64_ARRAY, "ids"), "get_ids");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_VECTOR3_ARRAY, "positions"), "get_positions");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_VECTOR3_ARRAY, "normals"), "get_normals");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "ranks"), "get_ranks");
+	bind_value(class_name, PropertyInfo(Variant::PACKED_INT32_ARRAY, "faces"), "get_faces");
 }
 
 } // namespace thicket
