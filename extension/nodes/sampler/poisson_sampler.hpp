@@ -20,6 +20,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -122,8 +123,12 @@ private:
 	};
 
 	bool try_set(const PointSet &p_set);
-	godot::Ref<PoissonSurfacePoints> sample_triangles(std::vector<glm::dvec3> vertices,
-			std::vector<std::uint32_t> indices, const godot::AABB &p_window, bool mirrored);
+	struct Faces;
+	static Status read_mesh(
+			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, Faces &r_faces);
+	/// `p_property` is what `read` reads, for an error.
+	godot::Ref<PoissonSurfacePoints> sample_triangles(const Turn &p_turn, const char *p_property,
+			const godot::AABB &p_window, bool mirrored, const std::function<Status(Faces &r_faces)> &read);
 	std::span<const SamplePoint> fetch(const Turn &p_turn, const Rect &p_rect);
 	DomainRequest domain_request(const glm::dvec2 &p_size) const;
 	void report_domain(const DomainRequest &p_request, Status p_status) const;
