@@ -27,10 +27,6 @@ bool touch(const Box3 &a, const Box3 &b) {
 	return glm::all(glm::lessThanEqual(a.min, b.max)) && glm::all(glm::lessThanEqual(b.min, a.max));
 }
 
-Box3 bounds_of(const std::array<glm::dvec3, 3> &corners) {
-	return with(with(with(no_box, corners[0]), corners[1]), corners[2]);
-}
-
 Status validate(std::span<const glm::dvec3> vertices, std::span<const std::uint32_t> indices) {
 	for (const glm::dvec3 &vertex : vertices) {
 		for (int side = 0; side < 3; ++side) {
@@ -75,15 +71,26 @@ std::array<glm::dvec3, 3> Surface::triangle(std::uint32_t index) const {
 	return {vertices_[indices_[first]], vertices_[indices_[first + 1]], vertices_[indices_[first + 2]]};
 }
 
+Box3 Surface::triangle_bounds(std::uint32_t index) const {
+	const auto [a, b, c] = triangle(index);
+	return with(with(with(no_box, a), b), c);
+}
+
+glm::dvec3 Surface::cross(std::uint32_t index) const {
+	const auto [a, b, c] = triangle(index);
+	return glm::cross(b - a, c - a);
+}
+
+double Surface::triangle_area(std::uint32_t index) const { return glm::length(cross(index)) * 0.5; }
+
 void Surface::sort() {
 	const std::size_t count = triangle_count();
 	std::vector<BvhKey> keys(count);
 	for (std::uint32_t index = 0; index < count; ++index) {
-		const auto corners = triangle(index);
-		const Box3 bounds = bounds_of(corners);
+		const Box3 bounds = triangle_bounds(index);
 		const glm::dvec3 middle = bounds.min + (bounds.max - bounds.min) * 0.5;
 		keys[index] = {{middle.x, middle.z}, index};
-		area_ += glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0])) * 0.5;
+		area_ += triangle_area(index);
 	}
 	tree_ = Bvh(count);
 	put_in_order(tree_, keys);
@@ -94,7 +101,7 @@ void Surface::sort() {
 		Box3 bounds = no_box;
 		if (node.level == 0) {
 			for (std::size_t at = tree_.begin(node); at < tree_.end(node); ++at) {
-				const Box3 item = bounds_of(triangle(order_[at]));
+				const Box3 item = triangle_bounds(order_[at]);
 				bounds = with(with(bounds, item.min), item.max);
 			}
 		} else {
@@ -124,7 +131,7 @@ void Surface::find(const Box3 &box, std::vector<std::uint32_t> &r_triangles) con
 		}
 		if (node.level == 0) {
 			for (std::size_t at = tree_.begin(node); at < tree_.end(node); ++at) {
-				if (touch(bounds_of(triangle(order_[at])), box)) {
+				if (touch(triangle_bounds(order_[at]), box)) {
 					r_triangles.push_back(order_[at]);
 				}
 			}

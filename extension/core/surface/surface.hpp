@@ -30,7 +30,12 @@ public:
 
 	std::size_t triangle_count() const { return indices_.size() / 3; }
 	std::array<glm::dvec3, 3> triangle(std::uint32_t index) const;
-	double area() const { return area_; } ///< Square meters.
+	Box3 triangle_bounds(std::uint32_t index) const;
+
+	/// The cross product of two edges: on the side from which the corners run counterclockwise, and as long as twice the area.
+	glm::dvec3 cross(std::uint32_t index) const;
+	double triangle_area(std::uint32_t index) const; ///< Square meters.
+	double area() const { return area_; }            ///< Square meters.
 	const Box3 &bounds() const { return bounds_; }
 
 	/// Replaces `r_triangles` with the triangles whose bounds touch a box, in increasing order.

@@ -43,6 +43,9 @@ constexpr std::uint32_t surface_tag(const glm::ivec3 &cell) {
 	return mod_5(cell.x) + 5 * (mod_5(cell.y) + 5 * mod_5(cell.z));
 }
 
+/// The two other axes, in the order of their names.
+constexpr std::array<int, 2> axes_across(int axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2}; }
+
 /// Along which axes a cell is searched for its surface, and how often. A line along axis i meets an area with the unit normal n with a
 /// rate of |n_i|, so a hit is kept with a probability that is inversely proportional to the sum of |n_i| over the searched axes. The
 /// darts have a rate of 1 per area of a cell's face, whichever axes are searched.
@@ -82,15 +85,13 @@ struct SurfaceLine {
 		const std::uint64_t bits = split_mix(hash ^ split_mix_mul_1);
 		const int axis =
 				search.axis == SurfaceSearch::all_axes ? static_cast<int>((bits >> 32) * 3 >> 32) : search.axis;
-		const std::array<std::uint32_t, 2> others = axis == 0 ? std::array{1u, 2u}
-				: axis == 1                                   ? std::array{0u, 2u}
-															  : std::array{0u, 1u};
-		const auto place = [this](std::uint32_t side, std::uint64_t random) {
+		const auto place = [this](int side, std::uint64_t random) {
 			constexpr int square = surface_bits - surface_depth;
 			const auto within = static_cast<std::int32_t>((random & 0xffffu) >> depth);
-			return ((corner[side] + within) << square) + (1 << (square - 1));
+			return ((corner[static_cast<std::size_t>(side)] + within) << square) + (1 << (square - 1));
 		};
-		return {axis, place(others[0], bits), place(others[1], bits >> 16)};
+		const auto [u, v] = axes_across(axis);
+		return {axis, place(u, bits), place(v, bits >> 16)};
 	}
 
 	/// Whether its hits are kept, if that has the given probability. Does not depend on where they are: the same surface in other

@@ -53,8 +53,7 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 	const glm::dvec3 steep = glm::abs(triangle.normal);
 	int axis = steep.x > steep.y ? 0 : 1;
 	axis = steep.z > steep[axis] ? 2 : axis;
-	const int side_u = axis == 0 ? 1 : 0;
-	const int side_v = axis == 2 ? 1 : 2;
+	const auto [side_u, side_v] = axes_across(axis);
 	for (std::int32_t v = first[side_v]; v <= last[side_v]; ++v) {
 		for (std::int32_t u = first[side_u]; u <= last[side_u]; ++u) {
 			glm::ivec3 cell(0);
@@ -67,8 +66,7 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 
 void SurfaceGrid::enter_column(const SurfaceTriangle &triangle, std::uint32_t number, glm::ivec3 cell, int axis,
 		const glm::ivec3 &first, const glm::ivec3 &last) {
-	const int side_u = axis == 0 ? 1 : 0;
-	const int side_v = axis == 2 ? 1 : 2;
+	const auto [side_u, side_v] = axes_across(axis);
 	const glm::dvec3 &normal = triangle.normal;
 	const glm::dvec3 &corner = triangle.corners[0];
 	const double u = (cell[side_u] + 0.5) * cell_width - corner[side_u];

@@ -87,23 +87,17 @@ void SurfaceRace::start(const SurfaceSource &source, std::uint32_t level, const 
 	const glm::i64vec3 origin = glm::i64vec3(box.min) << std::int64_t{surface_bits};
 	extra_.clear();
 	for (const SurfaceDart &dart : placed) {
-		const glm::ivec3 cell((dart.position - origin) >> std::int64_t{surface_bits});
-		if (CellBox{glm::ivec3(0), box.size()}.contains(cell)) {
-			extra_.push_back(cell);
-		}
+		extra_.emplace_back((dart.position - origin) >> std::int64_t{surface_bits});
 	}
 	grid_.build(box, triangles, extra_);
 	cells_.assign(grid_.count(), Cell());
 	points_.clear();
 	lines_.clear();
-	free_lines_ = none;
 	neighbors_.clear();
-	for (const SurfaceDart &dart : placed) {
-		const glm::ivec3 position(dart.position - origin);
-		const glm::ivec3 cell = position >> surface_bits;
-		if (CellBox{glm::ivec3(0), box.size()}.contains(cell)) {
-			accept(grid_.number_of(cell), position, dart.triangle, dart.time, dart.level);
-		}
+	for (std::size_t index = 0; index < placed.size(); ++index) {
+		const SurfaceDart &dart = placed[index];
+		accept(grid_.number_of(extra_[index]), glm::ivec3(dart.position - origin), dart.triangle, dart.time,
+				dart.level);
 	}
 }
 
@@ -159,21 +153,22 @@ void SurfaceRace::throw_first(std::uint32_t number) {
 	cell.time = surface_time_never;
 	++counts_.cells;
 	if (cell.open != 0) {
-		list(number, source_.first(grid_.cell(number) + grid_.box().min, cell.search));
+		lines_.add(cell.lines, source_.first(grid_.cell(number) + grid_.box().min, cell.search));
 		show_next(number);
 	}
 }
 
 std::uint32_t SurfaceRace::step(std::uint32_t number) {
-	const SurfaceLine line = lines_[cells_[number].lines].line;
+	const SurfaceLine line = lines_.first(cells_[number].lines);
 	const SurfaceLine::Course course = line.course(cells_[number].search);
 	find_hits(number, line, course);
 	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
+	const auto [side_u, side_v] = axes_across(course.axis);
 	for (const Hit &hit : hits_) {
 		glm::ivec3 position = low;
 		position[course.axis] += hit.along;
-		position[course.axis == 0 ? 1 : 0] += course.u;
-		position[course.axis == 2 ? 1 : 2] += course.v;
+		position[side_u] += course.u;
+		position[side_v] += course.v;
 		std::uint32_t blocker = none;
 		switch (judge(number, line.time, position, blocker)) {
 			case Fate::accepted:
@@ -196,8 +191,7 @@ std::uint32_t SurfaceRace::step(std::uint32_t number) {
 void SurfaceRace::find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course) {
 	hits_.clear();
 	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
-	const int side_u = course.axis == 0 ? 1 : 0;
-	const int side_v = course.axis == 2 ? 1 : 2;
+	const auto [side_u, side_v] = axes_across(course.axis);
 	const double u = low[side_u] + course.u;
 	const double v = low[side_v] + course.v;
 	const std::int32_t first = line.low()[course.axis];
@@ -262,11 +256,11 @@ void SurfaceRace::accept(std::uint32_t number, const glm::ivec3 &position, std::
 		std::uint32_t level) {
 	++counts_.accepted;
 	Cell &cell = cells_[number];
-	drop_lines(number);
+	lines_.drop(cell.lines);
 	cell.time = surface_time_never;
 	cell.open = 0;
 	cell.point = static_cast<std::uint32_t>(points_.size());
-	points_.push_back({position, triangle, level, time, number});
+	points_.push_back({position, triangle, level, time});
 	for (const std::uint32_t near : neighbors_of(number)) {
 		if (cells_[near].open != 0) {
 			cover(position, near);
@@ -306,15 +300,16 @@ void SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
 	Cell &cell = cells_[number];
 	cell.open &= open;
 	if (cell.open == 0) {
-		drop_lines(number);
+		lines_.drop(cell.lines);
 		cell.time = surface_time_never;
 	}
 }
 
 void SurfaceRace::replace_line(std::uint32_t number, bool had_darts) {
-	const SurfaceLine line = take_first(number);
+	Cell &cell = cells_[number];
+	const SurfaceLine line = lines_.take_first(cell.lines);
 	if (!had_darts && line.tried + 1u < SurfaceLine::tries) {
-		list(number, next_line(line, cells_[number].search));
+		lines_.add(cell.lines, next_line(line, cell.search));
 	} else if (line.depth < surface_depth) {
 		split(number, line);
 	}
@@ -328,7 +323,7 @@ void SurfaceRace::split(std::uint32_t number, const SurfaceLine &line) {
 		if ((cells_[number].open & sub_cubes_of(low, line.depth + 1)) != 0) {
 			const SurfaceLine first = child_line(line, child, cells_[number].search);
 			if (first.depth <= 2 || is_open(number, first)) {
-				list(number, first);
+				lines_.add(cells_[number].lines, first);
 			}
 		}
 	}
@@ -351,68 +346,15 @@ bool SurfaceRace::is_open(std::uint32_t number, const SurfaceLine &cube) {
 			inside, [this, &bounds](std::uint32_t index) { return triangles_[index].enters(bounds); });
 }
 
-void SurfaceRace::list(std::uint32_t number, const SurfaceLine &line) {
-	std::uint32_t slot = free_lines_;
-	if (slot == none) {
-		slot = static_cast<std::uint32_t>(lines_.size());
-		lines_.emplace_back();
-	} else {
-		free_lines_ = lines_[slot].next;
-	}
-	Cell &cell = cells_[number];
-	if (cell.lines == none || line.time < lines_[cell.lines].line.time) {
-		lines_[slot] = {line, cell.lines};
-		cell.lines = slot;
-	} else {
-		lines_[slot] = {line, lines_[cell.lines].next};
-		lines_[cell.lines].next = slot;
-	}
-}
-
-SurfaceLine SurfaceRace::take_first(std::uint32_t number) {
-	Cell &cell = cells_[number];
-	const std::uint32_t first = cell.lines;
-	const SurfaceLine line = lines_[first].line;
-	cell.lines = lines_[first].next;
-	lines_[first].next = free_lines_;
-	free_lines_ = first;
-	// The earliest of the others comes first.
-	std::uint32_t before_earliest = none;
-	std::uint32_t earliest = cell.lines;
-	for (std::uint32_t before = cell.lines; before != none; before = lines_[before].next) {
-		const std::uint32_t at = lines_[before].next;
-		if (at != none && lines_[at].line.time < lines_[earliest].line.time) {
-			before_earliest = before;
-			earliest = at;
-		}
-	}
-	if (before_earliest != none) {
-		lines_[before_earliest].next = lines_[earliest].next;
-		lines_[earliest].next = cell.lines;
-		cell.lines = earliest;
-	}
-	return line;
-}
-
-void SurfaceRace::drop_lines(std::uint32_t number) {
-	Cell &cell = cells_[number];
-	while (cell.lines != none) {
-		const std::uint32_t slot = cell.lines;
-		cell.lines = lines_[slot].next;
-		lines_[slot].next = free_lines_;
-		free_lines_ = slot;
-	}
-}
-
 void SurfaceRace::show_next(std::uint32_t number) {
 	Cell &cell = cells_[number];
-	while (cell.lines != none) {
-		const SurfaceLine &first = lines_[cell.lines].line;
+	while (cell.lines != SurfaceLines::empty) {
+		const SurfaceLine &first = lines_.first(cell.lines);
 		if ((cell.open & sub_cubes_of(first.low(), first.depth)) != 0) {
 			cell.time = first.time;
 			return;
 		}
-		take_first(number);
+		lines_.take_first(cell.lines);
 	}
 	cell.time = surface_time_never;
 }
@@ -442,8 +384,8 @@ void SurfaceRace::append_points(const CellBox &wanted, std::vector<SurfaceDart> 
 }
 
 std::size_t SurfaceRace::bytes() const {
-	return grid_.bytes() + cells_.capacity() * sizeof(Cell) + points_.capacity() * sizeof(Point) +
-			lines_.capacity() * sizeof(Listed) + neighbors_.capacity() * sizeof(std::uint32_t);
+	return grid_.bytes() + cells_.capacity() * sizeof(Cell) + points_.capacity() * sizeof(Point) + lines_.bytes() +
+			neighbors_.capacity() * sizeof(std::uint32_t);
 }
 
 } // namespace thicket

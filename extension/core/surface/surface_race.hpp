@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/surface/surface_grid.hpp"
+#include "core/surface/surface_lines.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -38,7 +39,7 @@ public:
 	};
 
 	/// Prepares a race, reusing memory. `triangles` are in units of this level relative to the lower corner of `box`, and must outlive the
-	/// race. `placed` are the points of coarser levels in the box, in units of this level.
+	/// race. `placed` are the points of coarser levels in the box, in units of this level; all of them lie in the box.
 	void start(const SurfaceSource &source, std::uint32_t level, const CellBox &box, const OpenFaces &open_faces,
 			std::span<const SurfaceTriangle> triangles, std::span<const SurfaceDart> placed);
 
@@ -58,15 +59,11 @@ public:
 private:
 	static constexpr std::uint32_t none = SurfaceGrid::none;
 
-	struct Listed {
-		SurfaceLine line;
-		std::uint32_t next;
-	};
 	struct Cell {
 		SurfaceTime time = surface_time_unthrown; ///< Of the cell's next line; never once the cell is decided.
 		std::uint64_t open = ~std::uint64_t{
 				0}; ///< 4 x 4 x 4 sub-cubes: the surface may enter it, and it is not known to be covered.
-		std::uint32_t lines = none;     ///< The cell's lines, the earliest first.
+		SurfaceLines::List lines = SurfaceLines::empty;
 		std::uint32_t neighbors = none; ///< Their start in `neighbors_`.
 		std::uint32_t neighbor_count = 0;
 		std::uint32_t point = none; ///< Index in `points_`.
@@ -77,7 +74,6 @@ private:
 		std::uint32_t triangle;
 		std::uint32_t level;
 		SurfaceTime time;
-		std::uint32_t cell;
 	};
 	struct Hit {
 		std::int32_t along;
@@ -101,9 +97,6 @@ private:
 	void replace_line(std::uint32_t number, bool had_darts);
 	bool is_open(std::uint32_t number, const SurfaceLine &cube);
 	void split(std::uint32_t number, const SurfaceLine &line);
-	void list(std::uint32_t number, const SurfaceLine &line);
-	SurfaceLine take_first(std::uint32_t number);
-	void drop_lines(std::uint32_t number);
 	void show_next(std::uint32_t number);
 	std::span<const std::uint32_t> neighbors_of(std::uint32_t number);
 	SurfaceCube cube_of(std::uint32_t number, const SurfaceLine &line) const;
@@ -117,8 +110,7 @@ private:
 	std::vector<glm::ivec3> extra_;
 	std::vector<Cell> cells_;
 	std::vector<Point> points_;
-	std::vector<Listed> lines_;
-	std::uint32_t free_lines_ = none;
+	SurfaceLines lines_;
 	std::vector<std::uint32_t> neighbors_;
 	std::vector<Wanted> wanted_;
 	std::vector<Hit> hits_;

@@ -54,15 +54,12 @@ CellBox coarse_cells_around(const CellBox &cells) {
 	return {(cells.min - surface_reach) >> 1, ((cells.max + surface_reach - 1) >> 1) + 1};
 }
 
+glm::ivec3 dart_cell(const SurfaceDart &dart) { return glm::ivec3(dart.position >> std::int64_t{surface_bits}); }
+
 std::uint32_t rank_of(const PointSet &set, const SurfaceDart &dart) {
 	// The same process as on the plane, whose clocks run at a rate of 1 for an area of radius^2 / 2, not radius^2 / 3.
 	const double time = std::bit_cast<double>(dart.time) * 1.5;
 	return thicket::rank_of(set.levels, dart.level, std::bit_cast<TimeKey>(static_cast<float>(time)));
-}
-
-glm::dvec3 normal_of(const Surface &surface, std::uint32_t triangle) {
-	const auto corners = surface.triangle(triangle);
-	return glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
 }
 
 Status validate_window(const Box3 &window) {
@@ -98,8 +95,7 @@ double expected_points(
 	const double section = sqrt_3 * std::max(size.x * size.y, std::max(size.y * size.z, size.z * size.x));
 	double area = 0.0;
 	for (const std::uint32_t index : triangles) {
-		const auto corners = surface.triangle(index);
-		area += std::min(section, glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0])) * 0.5);
+		area += std::min(section, surface.triangle_area(index));
 	}
 	return area * point_density(set);
 }
@@ -202,10 +198,8 @@ Status SurfaceSampler::Workspace::divide(
 		const Box3 box = world_box(half, level_unit(call.set, 0));
 		inside.clear();
 		for (const std::uint32_t index : triangles) {
-			const auto [a, b, c] = call.surface.triangle(index);
-			const glm::dvec3 low = glm::min(a, glm::min(b, c));
-			const glm::dvec3 high = glm::max(a, glm::max(b, c));
-			if (low[longest] <= box.max[longest] && high[longest] >= box.min[longest]) {
+			const Box3 bounds = call.surface.triangle_bounds(index);
+			if (bounds.min[longest] <= box.max[longest] && bounds.max[longest] >= box.min[longest]) {
 				inside.push_back(index);
 			}
 		}
@@ -239,6 +233,7 @@ Status SurfaceSampler::Workspace::decide(
 			for (SurfaceDart &dart : level.placed) {
 				dart.position *= std::int64_t{2};
 			}
+			std::erase_if(level.placed, [&box](const SurfaceDart &dart) { return !box.contains(dart_cell(dart)); });
 		}
 		const SurfaceCounts before = level.race.counts();
 		const bool is_decided = race(call, number, wanted, box, bounds);
@@ -299,9 +294,8 @@ void SurfaceSampler::Workspace::collect(const Call &call) {
 						glm::any(glm::greaterThanEqual(position, call.window->max)))) {
 			continue;
 		}
-		call.points.push_back({position, normal_of(call.surface, dart.triangle),
-				surface_id(call.set.layer, glm::ivec3(dart.position >> std::int64_t{surface_bits})),
-				rank_of(call.set, dart), dart.level, dart.triangle});
+		call.points.push_back({position, glm::normalize(call.surface.cross(dart.triangle)),
+				surface_id(call.set.layer, dart_cell(dart)), rank_of(call.set, dart), dart.level, dart.triangle});
 	}
 	stats.kept = call.points.size();
 }

@@ -89,8 +89,9 @@ bool SurfaceTriangle::enters(const SurfaceCube &cube) const {
 }
 
 std::optional<double> SurfaceTriangle::hit(int axis, double u, double v) const {
-	const int side_u = axis == 0 ? 1 : 0;
-	const int side_v = axis == 2 ? 1 : 2;
+	const std::array<int, 2> across = axes_across(axis);
+	const int side_u = across[0];
+	const int side_v = across[1];
 	const auto &[a, b, c] = corners;
 	// On which side of an edge, from its first corner to its second. The edge itself belongs to one side.
 	const auto side = [&](const glm::dvec3 &from, const glm::dvec3 &to, double at_u, double at_v) {
