@@ -151,13 +151,7 @@ bool ScatterState::set_data_by_id(std::uint64_t id, const Variant &p_data) {
 Variant ScatterState::get_instance_data(int64_t p_id) const { return decoded(state_.data(core_id(p_id))); }
 
 bool ScatterState::find_layer_ids(const char *p_method, const Variant &p_layers, std::vector<int> &r_ids) const {
-	TypedArray<ScatterLayer> known; // Those of the nodes, whose names count, and those that are passed.
-	for (const std::shared_ptr<StateListener> &node : listeners()) {
-		const SharedLayers layers = node->layers();
-		for (std::size_t index = 0; index < static_cast<std::size_t>(layers->size()); ++index) {
-			append(known, layers->at(index));
-		}
-	}
+	TypedArray<ScatterLayer> known = layers_of_nodes(); // Their names count. Those that are passed follow.
 	const bool is_list = p_layers.get_type() == Variant::ARRAY;
 	const Array passed = is_list ? static_cast<Array>(p_layers) : Array();
 	for (int64_t at = is_list ? 0 : -1; at < passed.size(); ++at) {
@@ -183,15 +177,24 @@ bool ScatterState::find_layer_ids(const char *p_method, const Variant &p_layers,
 }
 
 Ref<ScatterLayer> ScatterState::layer_with_id(std::uint16_t layer_id) const {
-	for (const std::shared_ptr<StateListener> &node : listeners()) {
-		const SharedLayers layers = node->layers();
-		for (std::size_t index = 0; index < static_cast<std::size_t>(layers->size()); ++index) {
-			if (const Ref<ScatterLayer> layer = layers->at(index); layer.is_valid() && layer->own_id() == layer_id) {
-				return layer;
-			}
+	const TypedArray<ScatterLayer> layers = layers_of_nodes();
+	for (int64_t index = 0; index < layers.size(); ++index) {
+		if (const Ref<ScatterLayer> layer = layers[index]; layer.is_valid() && layer->own_id() == layer_id) {
+			return layer;
 		}
 	}
 	return {};
+}
+
+TypedArray<ScatterLayer> ScatterState::layers_of_nodes() const {
+	TypedArray<ScatterLayer> result;
+	for (const std::shared_ptr<StateListener> &node : listeners()) {
+		const SharedLayers layers = node->layers();
+		for (std::size_t index = 0; index < static_cast<std::size_t>(layers->size()); ++index) {
+			append(result, layers->at(index));
+		}
+	}
+	return result;
 }
 
 std::shared_ptr<StateListener> ScatterState::node_for(std::uint64_t id) const {

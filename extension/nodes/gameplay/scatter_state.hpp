@@ -14,6 +14,7 @@
 #include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/packed_byte_array.hpp>
 #include <godot_cpp/variant/packed_int64_array.hpp>
+#include <godot_cpp/variant/typed_array.hpp>
 #include <godot_cpp/variant/variant.hpp>
 
 #include <cstdint>
@@ -221,6 +222,7 @@ private:
 	/// The numbers of layers, ascending; empty for all. False, with an error, for a value that refers to no layer.
 	bool find_layer_ids(const char *p_method, const godot::Variant &p_layers, std::vector<int> &r_ids) const;
 	godot::Ref<ScatterLayer> layer_with_id(std::uint16_t layer_id) const;
+	godot::TypedArray<ScatterLayer> layers_of_nodes() const;
 
 	/// Starts the first diff, if it is not in progress.
 	void start_diff();
