@@ -9,7 +9,7 @@
 #include <godot_cpp/core/memory.hpp>
 
 #include <array>
-#include <utility>
+#include <string>
 
 using namespace godot;
 
@@ -21,14 +21,25 @@ constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &InstanceDa
 constexpr ResourceProperty color_gradient{"color_gradient", &InstanceData::colors, color_table};
 constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &InstanceData::use_custom_data};
 
-/// Ends of property names of release 0.2, and the properties of a value that replace them.
+/// A property with which release 0.2 saved a part of a value.
+struct FormerValue {
+	const char *former;
+	bool is_color; ///< Of color_value, not of variation_value.
+	const char *part;
+};
 constexpr std::array former_values{
-		std::pair{"_source", "source"},
-		std::pair{"_source_layer", "layer"},
-		std::pair{"_source_noise", "noise"},
-		std::pair{"_source_min", "min_value"},
-		std::pair{"_source_max", "max_value"},
-		std::pair{"_randomness", "randomness"},
+		FormerValue{"color_source", true, "source"},
+		FormerValue{"color_source_layer", true, "layer"},
+		FormerValue{"color_source_noise", true, "noise"},
+		FormerValue{"color_source_min", true, "min_value"},
+		FormerValue{"color_source_max", true, "max_value"},
+		FormerValue{"color_randomness", true, "randomness"},
+		FormerValue{"variation_source", false, "source"},
+		FormerValue{"variation_source_layer", false, "layer"},
+		FormerValue{"variation_source_noise", false, "noise"},
+		FormerValue{"variation_source_min", false, "min_value"},
+		FormerValue{"variation_source_max", false, "max_value"},
+		FormerValue{"variation_randomness", false, "randomness"},
 };
 
 PropertyInfo value_property(const char *p_name) {
@@ -142,18 +153,17 @@ void ScatterLayer::set_variation_value(const Ref<ScatterValueSource> &p_value) {
 
 /// Sets a property with which release 0.2 saved a part of a value, and warns once. Returns false for any other name.
 bool ScatterLayer::set_former_value(const StringName &p_name, const Variant &p_value) {
-	for (auto [start, own] : {std::pair{"color", &color_value_}, std::pair{"variation", &variation_value_}}) {
-		for (const auto &[end, current] : former_values) {
-			if (!(p_name == StringName(String(start) + end))) {
-				continue;
+	for (const FormerValue &value : former_values) {
+		if (p_name ==
+				StringName(value.former)) { // No text is built before: the engine asks for every property that is set.
+			const char *current = value.is_color ? "color_value" : "variation_value";
+			const std::string owner = "ScatterLayer.";
+			warn_of_rename((owner + value.former).c_str(), (owner + current + "." + value.part).c_str());
+			Ref<ScatterValueSource> &own = value.is_color ? color_value_ : variation_value_;
+			if (own.is_null()) {
+				set_value(current, Ref<ScatterValueSource>(memnew(ScatterValueSource)), own);
 			}
-			const String former = "ScatterLayer." + String(p_name);
-			const String now = "ScatterLayer." + String(start) + "_value." + String(current);
-			warn_of_rename(former.utf8().get_data(), now.utf8().get_data());
-			if (own->is_null()) {
-				set_value(start, Ref<ScatterValueSource>(memnew(ScatterValueSource)), *own);
-			}
-			(*own)->call("set", current, p_value);
+			own->call("set", value.part, p_value);
 			return true;
 		}
 	}
