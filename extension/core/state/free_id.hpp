@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/instance_id.hpp"
 #include "core/base/split_mix.hpp"
 
 #include <cstdint>
@@ -12,30 +13,29 @@ namespace thicket {
 /// bisected.
 template <typename Taken>
 std::uint64_t free_id(std::uint64_t prefix, std::uint64_t first, const Taken &taken) {
-	constexpr std::uint64_t mask = (std::uint64_t{1} << 48) - 1;
 	constexpr std::uint64_t no_id = ~std::uint64_t{0};
 	const auto is_taken = [&](std::uint64_t step) {
-		const std::uint64_t id = prefix | ((first + step) & mask);
+		const std::uint64_t id = prefix | ((first + step) & id_cell_mask);
 		return id == no_id || taken(id);
 	};
-	for (; is_taken(0); first = split_mix(first) & mask) {
+	for (; is_taken(0); first = split_mix(first) & id_cell_mask) {
 		std::uint64_t free = 1;
-		while (free <= mask && is_taken(free)) {
+		while (free <= id_cell_mask && is_taken(free)) {
 			free *= 2;
 		}
 		std::uint64_t last_taken = free / 2;
 		if (free == 1) {
 			last_taken = 0;
 		}
-		while (free <= mask && free - last_taken > 1) {
+		while (free <= id_cell_mask && free - last_taken > 1) {
 			const std::uint64_t middle = last_taken + (free - last_taken) / 2;
 			(is_taken(middle) ? last_taken : free) = middle;
 		}
-		if (free <= mask) {
-			return prefix | ((first + free) & mask);
+		if (free <= id_cell_mask) {
+			return prefix | ((first + free) & id_cell_mask);
 		}
 	}
-	return prefix | (first & mask);
+	return prefix | (first & id_cell_mask);
 }
 
 } // namespace thicket

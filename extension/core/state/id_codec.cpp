@@ -1,5 +1,6 @@
 #include "core/state/id_codec.hpp"
 
+#include "core/base/instance_id.hpp"
 #include "core/base/progress.hpp"
 
 #include <algorithm>
@@ -16,8 +17,6 @@ constexpr std::size_t block_size = 128;
 constexpr int width_bits = 6;           ///< For a block's parameter, and for the width of a gap written in full.
 constexpr std::uint64_t full_mark = 16; ///< This many ones mark a gap written in full.
 
-constexpr int layer_shift = 48;
-constexpr std::uint64_t cell_mask = (std::uint64_t{1} << layer_shift) - 1;
 constexpr std::uint64_t axis_mask = 0xffffff;
 
 /// Inserts a zero above each of 24 bits.
@@ -159,12 +158,12 @@ std::uint64_t take_gap(int parameter, BitReader &r_bits) {
 } // namespace
 
 std::uint64_t code_of(std::uint64_t id) {
-	return (id & ~cell_mask) | spread(id >> 24 & axis_mask) << 1 | spread(id & axis_mask);
+	return (id & ~id_cell_mask) | spread(id >> 24 & axis_mask) << 1 | spread(id & axis_mask);
 }
 
 std::uint64_t id_of(std::uint64_t code) {
-	const std::uint64_t cell = code & cell_mask;
-	return (code & ~cell_mask) | gather(cell >> 1) << 24 | gather(cell);
+	const std::uint64_t cell = code & id_cell_mask;
+	return (code & ~id_cell_mask) | gather(cell >> 1) << 24 | gather(cell);
 }
 
 void append_ascending(

@@ -16,8 +16,6 @@ namespace {
 using Kind = StateStep::Kind;
 
 constexpr std::uint64_t added_bit = std::uint64_t{1} << 63;
-constexpr int layer_shift = 48;
-constexpr std::uint64_t cell_mask = (std::uint64_t{1} << layer_shift) - 1;
 
 /// 48 bits that depend on every field of an instance.
 std::uint64_t hash_of(const AddedInstance &instance) {
@@ -31,13 +29,13 @@ std::uint64_t hash_of(const AddedInstance &instance) {
 			hash.add(instance.basis[column][row]);
 		}
 	}
-	return split_mix(hash.value()) & cell_mask;
+	return split_mix(hash.value()) & id_cell_mask;
 }
 
 /// The id of an instance without signed zeros.
 template <typename Taken>
 std::uint64_t id_for(const AddedInstance &placed, const Taken &taken) {
-	return free_id(added_bit | std::uint64_t{placed.layer} << layer_shift, hash_of(placed), taken);
+	return free_id(added_bit | std::uint64_t{placed.layer} << id_layer_shift, hash_of(placed), taken);
 }
 
 bool is_of(std::uint64_t id, int layer) { return layer < 0 || layer_of(id) == layer; }

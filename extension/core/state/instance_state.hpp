@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/base/instance_id.hpp"
 #include "core/base/rect.hpp"
 #include "core/base/status.hpp"
 #include "core/sampling/point_set.hpp"
@@ -26,7 +27,7 @@ std::uint64_t stamp_of(const PointSet &set);
 constexpr bool is_added(std::uint64_t id) { return id >> 63 != 0; }
 
 /// The layer of an id, hand-placed or not.
-constexpr std::uint16_t layer_of(std::uint64_t id) { return static_cast<std::uint16_t>(id >> 48 & 0x7fff); }
+constexpr std::uint16_t layer_of(std::uint64_t id) { return static_cast<std::uint16_t>(id >> id_layer_shift & 0x7fff); }
 
 inline constexpr std::uint16_t max_state_layer = 0x7fff;
 inline constexpr double max_state_time = 1e12; ///< Seconds.

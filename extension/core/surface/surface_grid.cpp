@@ -125,7 +125,7 @@ void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<std::uint32
 	for (std::int32_t z = -surface_reach; z <= surface_reach; ++z) {
 		for (std::int32_t y = -surface_reach; y <= surface_reach; ++y) {
 			const std::size_t word = word_of({center.x, center.y + y, center.z + z});
-			const auto left = word - ((center.x + surface_reach) >> 6) + (center.x >> 6);
+			const auto left = word - static_cast<std::size_t>(((center.x + surface_reach) >> 6) - (center.x >> 6));
 			const int shift = center.x & 63;
 			// The five cells from x - 2 to x + 2.
 			std::uint64_t run = bits_[left] >> shift;

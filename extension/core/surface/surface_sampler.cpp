@@ -2,6 +2,7 @@
 
 #include "core/base/check.hpp"
 #include "core/base/guard.hpp"
+#include "core/base/instance_id.hpp"
 #include "core/sampling/rank.hpp"
 #include "core/surface/surface_race.hpp"
 
@@ -106,7 +107,7 @@ std::uint64_t surface_id(std::uint16_t layer, const glm::ivec3 &cell) {
 	const auto bits = [](std::int32_t side) {
 		return std::uint64_t{static_cast<std::uint32_t>(side) & 0xffffu};
 	};
-	return std::uint64_t{layer} << 48 | bits(cell.x) << 32 | bits(cell.y) << 16 | bits(cell.z);
+	return std::uint64_t{layer} << id_layer_shift | bits(cell.x) << 32 | bits(cell.y) << 16 | bits(cell.z);
 }
 
 double surface_unit(const PointSet &set) { return set.radius / (sqrt_3 * surface_cell_size); }
