@@ -43,9 +43,6 @@ private:
 		TileInstances tile;
 	};
 
-	/// A workspace is kept only if its tile has at most this many points.
-	static constexpr std::size_t most_points_kept = 1 << 16;
-
 	std::atomic<std::uint64_t> points_computed_ = 0;
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
 	std::vector<std::unique_ptr<Worker>> workers_; ///< One for each thread; null before its first tile.

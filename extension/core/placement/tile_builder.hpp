@@ -29,6 +29,10 @@ namespace thicket {
 /// `find_points` on a worker, get the ground for `positions()` wherever it is available, then call `place` on a worker.
 class TileBuilder {
 public:
+	/// Whoever keeps builders for the next tiles keeps one only up to this many points in its tile, so that the memory of large
+	/// rectangles is freed.
+	static constexpr std::size_t most_points_kept = 1 << 16;
+
 	/// `margins` and `cache` change how much is computed, never the result. `cache` may be shared with other builders.
 	explicit TileBuilder(const SampleMargins &margins = {}, std::shared_ptr<BlockCache> cache = nullptr);
 	~TileBuilder();

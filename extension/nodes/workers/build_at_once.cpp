@@ -12,13 +12,6 @@
 
 namespace thicket {
 
-namespace {
-
-/// A builder is kept up to this number of points in its tile, so that the memory of large rectangles is freed.
-constexpr std::size_t most_points_kept = 1 << 16;
-
-} // namespace
-
 Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers) {
 	r_answers.assign(positions.size(), Ground{});
@@ -60,7 +53,7 @@ Status AtOnceBuilder::build_in_steps(const LayerSettings &layer, const Terrain *
 		status = status.ok() ? builder->place(answers, r_tile) : status;
 	}
 	points_computed_ += builder->sample_stats().computed;
-	if (builder->positions().size() <= most_points_kept) {
+	if (builder->positions().size() <= TileBuilder::most_points_kept) {
 		spare_ = std::move(builder);
 	}
 	return status;

@@ -8,13 +8,6 @@
 
 namespace thicket {
 
-namespace {
-
-/// A workspace is kept up to this number of points in its tile.
-constexpr std::size_t most_points_kept = 1 << 16;
-
-} // namespace
-
 std::unique_ptr<TileBuilder> SharedBuilder::take() {
 	{
 		const std::lock_guard lock(mutex_);
@@ -30,7 +23,7 @@ std::unique_ptr<TileBuilder> SharedBuilder::take() {
 
 void SharedBuilder::give_back(std::unique_ptr<TileBuilder> builder) {
 	const std::lock_guard lock(mutex_);
-	if (spare_.size() < most_spare && builder->positions().size() <= most_points_kept) {
+	if (spare_.size() < most_spare && builder->positions().size() <= TileBuilder::most_points_kept) {
 		spare_.push_back(std::move(builder));
 	}
 }
