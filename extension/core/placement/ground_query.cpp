@@ -9,18 +9,18 @@ namespace thicket {
 namespace {
 
 /// The number of positions in one call of the terrain.
-constexpr std::size_t batch = 2048;
+constexpr std::size_t positions_per_call = 2048;
 
 } // namespace
 
 Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
 		std::span<Ground> r_ground, const std::atomic<bool> *cancel) {
 	for (const GroundQuery &query : queries) {
-		for (std::size_t done = 0; done < query.count; done += batch) {
+		for (std::size_t done = 0; done < query.count; done += positions_per_call) {
 			if (is_cancelled(cancel)) {
 				return {ErrorCode::cancelled, "tile", 0.0};
 			}
-			const std::size_t count = std::min(batch, query.count - done);
+			const std::size_t count = std::min(positions_per_call, query.count - done);
 			const Status status = terrain.query(positions.subspan(query.first + done, count), query.needs,
 					r_ground.subspan(query.first + done, count));
 			if (!status.ok()) {

@@ -13,7 +13,7 @@ namespace thicket {
 namespace {
 
 /// Points between two checks of the cancel flag: less than a millisecond of work.
-constexpr std::size_t batch = 2048;
+constexpr std::size_t points_per_check = 2048;
 
 constexpr std::array<glm::dvec2, edge_probes> probe_offsets = edge_probe_offsets();
 
@@ -209,13 +209,13 @@ Status LayerFilter::filter(std::span<const Ground> ground, const std::atomic<boo
 	standing_.resize(positions_.size());
 	thinning_ranks_.resize(positions_.size());
 	std::size_t standing = 0; // As in keep_points.
-	for (std::size_t first = 0; first < positions_.size(); first += batch) {
+	for (std::size_t first = 0; first < positions_.size(); first += points_per_check) {
 		if (is_cancelled(cancel)) {
 			standing_.clear();
 			thinning_ranks_.clear();
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
-		const std::size_t end = std::min(first + batch, positions_.size());
+		const std::size_t end = std::min(first + points_per_check, positions_.size());
 		for (std::size_t point = first; point < end; ++point) {
 			const double density = looks_further ? density_at(point, ground) : density_alone(point, ground, NoRecord());
 			standing_[standing] = static_cast<std::uint32_t>(point);

@@ -13,7 +13,7 @@ namespace thicket {
 namespace {
 
 /// Points between two checks of the cancel flag: about a millisecond of work.
-constexpr std::size_t batch = 512;
+constexpr std::size_t values_per_check = 512;
 
 } // namespace
 
@@ -57,11 +57,11 @@ Status SourceValues::find(const InstanceSource &source, const TileFilter &filter
 		const std::atomic<bool> *cancel, std::vector<float> &r_shares) {
 	const LayerFilter *other = source.kind == SourceKind::distance ? &filter.layer_of(source.layer.get()) : nullptr;
 	r_shares.resize(points.positions.size());
-	for (std::size_t first = 0; first < points.standing.size(); first += batch) {
+	for (std::size_t first = 0; first < points.standing.size(); first += values_per_check) {
 		if (is_cancelled(cancel)) {
 			return {ErrorCode::cancelled, "tile", 0.0};
 		}
-		values_.resize(std::min(batch, points.standing.size() - first));
+		values_.resize(std::min(values_per_check, points.standing.size() - first));
 		if (const Status status = measure(source, other, points, first, values_); !status.ok()) {
 			return status;
 		}

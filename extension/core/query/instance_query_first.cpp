@@ -22,13 +22,13 @@ namespace {
 constexpr double never = std::numeric_limits<double>::infinity();
 
 /// The order of a heap with the first on top.
-bool later(const SearchTile &a, const SearchTile &b) { return a.from > b.from; }
+bool farther(const SearchTile &a, const SearchTile &b) { return a.from > b.from; }
 
 /// Finds the first of all instances in some tiles. `scan(layer, content, candidates)` adds the candidates of a tile.
 template <class Scan>
 Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candidates &candidates, const Scan &scan,
 		bool &r_found) {
-	std::make_heap(tiles.begin(), tiles.end(), later);
+	std::make_heap(tiles.begin(), tiles.end(), farther);
 	r_found = false;
 	while (!tiles.empty() && !r_found) {
 		const SearchTile next = tiles.front();
@@ -37,7 +37,7 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 			// Fast path: in all further tiles, everything comes later.
 			return {};
 		}
-		std::pop_heap(tiles.begin(), tiles.end(), later);
+		std::pop_heap(tiles.begin(), tiles.end(), farther);
 		tiles.pop_back();
 		std::shared_ptr<const CompactTile> content;
 		if (const Status status = query.tiles.find_tile(next.layer, next.tile, content); !status.ok()) {
