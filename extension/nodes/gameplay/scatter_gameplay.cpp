@@ -1,11 +1,11 @@
 // The part of ScatterGameplay that follows its node: layers, frames, bodies and scenes.
 
+#include "nodes/common/editor.hpp"
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
 #include "core/base/instance_id.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
-#include <godot_cpp/classes/engine.hpp>
 
 #include <utility>
 
@@ -64,7 +64,7 @@ void ScatterGameplay::retire() {
 void ScatterGameplay::set_layers(SharedLayers listed, const std::vector<SharedSnapshot> &layers,
 		std::span<const EditedArea> outdated, TileMaker maker) {
 	// The editor shows meshes only: otherwise a scene could be selected there, and its scripts would run.
-	const bool with_scenes = !Engine::get_singleton()->is_editor_hint();
+	const bool with_scenes = !in_editor();
 	renumber_requests(*listed);
 	listed_ = std::move(listed);
 	layers_ = layers;

@@ -1,12 +1,12 @@
 // The changes of a game through a ScatterGameplay, and their signals.
 
+#include "nodes/common/editor.hpp"
 #include "nodes/gameplay/scatter_gameplay.hpp"
 
 #include "nodes/common/property_check.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 #include "nodes/gameplay/script_queries.hpp"
 
-#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/memory.hpp>
 
@@ -79,7 +79,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 			return;
 		}
 	}
-	const bool is_game = !Engine::get_singleton()->is_editor_hint();
+	const bool is_game = !in_editor();
 	const bool copied = p_state.is_valid() && p_state->is_copied_at_runtime() && is_game;
 	if (p_state.is_valid() && is_game && !copied) {
 		p_state->warn_if_cached();

@@ -3,13 +3,13 @@
 #include "nodes/ground/scatter_ground_colliders.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/editor.hpp"
 #include "nodes/common/watch.hpp"
 #include "nodes/ground/changed_areas.hpp"
 #include "nodes/ground/collider_shapes.hpp"
 
 #include <godot_cpp/classes/animatable_body3d.hpp>
 #include <godot_cpp/classes/collision_shape3d.hpp>
-#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/classes/scene_tree.hpp>
 #include <godot_cpp/classes/static_body3d.hpp>
 #include <godot_cpp/classes/window.hpp>
@@ -34,7 +34,7 @@ constexpr std::size_t points_per_frame = 100'000;
 
 /// The part of the tree that may contain grounds. The editor's own nodes are in the tree as well, thousands of them.
 Node *root_of_scene(SceneTree &tree) {
-	return Engine::get_singleton()->is_editor_hint() ? tree.get_edited_scene_root() : tree.get_root();
+	return in_editor() ? tree.get_edited_scene_root() : tree.get_root();
 }
 
 } // namespace

@@ -3,9 +3,9 @@
 #include "nodes/ground/scatter_ground_node.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/editor.hpp"
 #include "nodes/common/watch.hpp"
 
-#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/classes/scene_tree.hpp>
 
 #include <algorithm>
@@ -152,7 +152,7 @@ void ScatterGroundNode::area_edited(const AABB &p_area) {
 
 /// In the editor this signal comes in addition to the area of each stroke, and would regenerate all ground each time.
 void ScatterGroundNode::maps_changed() {
-	if (!Engine::get_singleton()->is_editor_hint()) {
+	if (!in_editor()) {
 		change();
 	}
 }

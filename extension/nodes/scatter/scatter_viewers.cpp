@@ -2,10 +2,10 @@
 
 #include "core/terrain/view_focus.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/editor.hpp"
 
 #include <godot_cpp/classes/camera3d.hpp>
 #include <godot_cpp/classes/editor_interface.hpp>
-#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/classes/scene_tree.hpp>
 #include <godot_cpp/classes/sub_viewport.hpp>
 #include <godot_cpp/classes/viewport.hpp>
@@ -26,8 +26,6 @@ constexpr int32_t editor_viewports = 4;
 /// The visible height at a distance, divided by that distance, for a perspective camera with a field of view of 75 degrees, the engine's
 /// default.
 constexpr double size_per_distance = 1.5347;
-
-bool in_editor() { return Engine::get_singleton()->is_editor_hint(); }
 
 /// The cameras of the editor's visible 3D viewports, or of the first one if none is visible, for example behind the script editor.
 std::vector<Camera3D *> editor_cameras() {

@@ -3,6 +3,7 @@
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "nodes/common/convert.hpp"
+#include "nodes/common/editor.hpp"
 #include "nodes/common/threads.hpp"
 #include "nodes/layer/layer_reference.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
@@ -22,8 +23,6 @@ namespace thicket {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-bool in_editor() { return Engine::get_singleton()->is_editor_hint(); }
 
 /// Whether a node is still in the tree after scripts have run. Only accesses objects that outlive the node.
 class Presence {

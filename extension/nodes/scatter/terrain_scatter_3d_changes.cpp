@@ -1,12 +1,12 @@
 // How a TerrainScatter3D follows changes of settings, layers, ground and regions, from the next frame on.
 
+#include "nodes/common/editor.hpp"
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
 #include "nodes/workers/build_at_once.hpp"
 #include "nodes/workers/shared_builder.hpp"
 
-#include <godot_cpp/classes/engine.hpp>
 
 #include <glm/common.hpp>
 
@@ -239,7 +239,7 @@ bool TerrainScatter3D::waits_for_ground() const {
 LayerWorld TerrainScatter3D::layer_world() {
 	static const LayerPreviews none;
 	return {static_cast<std::uint64_t>(seed_), water_enabled_ ? water_level_ : no_water, biomes_, regions_,
-			Engine::get_singleton()->is_editor_hint() ? previews_ : none};
+			in_editor() ? previews_ : none};
 }
 
 /// Generates tiles for callers that cannot wait. Captures by value, so that scripts that are called for the ground cannot affect it.

@@ -1,9 +1,9 @@
 // The resources that a TerrainScatter3D needs before it can draw: models that are read, and nothing that an export has stripped.
 
+#include "nodes/common/editor.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
-#include <godot_cpp/classes/engine.hpp>
 #include <godot_cpp/classes/os.hpp>
 #include <godot_cpp/core/error_macros.hpp>
 
@@ -20,7 +20,7 @@ bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadlin
 	const TypedArray<ScatterLayer> layers = all_layers();
 	for (int64_t index = 0; index < layers.size(); ++index) {
 		const Ref<ScatterLayer> own = layers[index];
-		const Ref<ScatterLayer> layer = Engine::get_singleton()->is_editor_hint() ? previews_.shown(own) : own;
+		const Ref<ScatterLayer> layer = in_editor() ? previews_.shown(own) : own;
 		while (layer.is_valid() && layer->read_step()) {
 			if (!gameplay->alive() || std::chrono::steady_clock::now() >= deadline) {
 				return false;
