@@ -10,12 +10,6 @@ using namespace godot;
 
 namespace thicket {
 
-namespace {
-
-constexpr const char *class_name = "ScatterBiome";
-
-} // namespace
-
 void ScatterBiome::set_layers(const TypedArray<ScatterLayer> &p_layers) {
 	layers_ = p_layers;
 	emit_changed();

@@ -19,6 +19,8 @@ class ScatterBiome : public godot::Resource, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterBiome";
+
 	/// The water in the biome.
 	enum WaterMode : std::int64_t {
 		WATER_MODE_INHERIT, ///< That of the node.

@@ -20,8 +20,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterBiomeMap";
-
 /// The same biome everywhere.
 Status make_uniform(std::uint8_t biome, BiomeMap &r_map) {
 	const std::array<std::uint8_t, 1> pixel{biome};

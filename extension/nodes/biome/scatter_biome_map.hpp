@@ -24,6 +24,8 @@ class ScatterBiomeMap : public godot::Resource, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterBiomeMap";
+
 	/// BiomePixels, for scripts.
 	enum MapMode : std::int64_t {
 		MAP_MODE_COLORS,

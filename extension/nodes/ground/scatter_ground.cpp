@@ -21,8 +21,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterGround";
-
 /// The number of positions for which a script on the main thread is called at a time: some 0.1 ms of GDScript, including neighbors for
 /// slopes.
 constexpr std::size_t script_slice = 32;

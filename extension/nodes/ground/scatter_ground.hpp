@@ -54,6 +54,8 @@ class ScatterGround : public godot::Resource, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterGround";
+
 	/// An immutable view of the current ground for the host with this ID, safe on any thread for as long as it is held. Null if there is no
 	/// ground, or if it may only be sampled on the main thread.
 	std::shared_ptr<const Terrain> snapshot(std::uint64_t host);

@@ -24,8 +24,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterGroundColliders";
-
 /// How far the next ray starts inside of a body that is not ground: meters, and as a share of its height.
 constexpr real_t into_body = 1e-3F;
 constexpr real_t into_high_body = 1e-6F;

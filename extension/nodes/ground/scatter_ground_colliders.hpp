@@ -26,6 +26,8 @@ class ScatterGroundColliders : public ScatterGround {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterGroundColliders";
+
 	bool needs_physics_frames() const override { return true; }
 	std::size_t max_positions_per_call() const override { return static_cast<std::size_t>(rays_per_frame_); }
 	bool is_available() const override;

@@ -14,8 +14,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterGroundHeightmap";
-
 /// An empty Image is detected immediately; a Texture2D may get its image later.
 bool accept_image(const char *property, const Ref<Resource> &p_image) {
 	const Ref<Image> image = p_image;
@@ -23,7 +21,7 @@ bool accept_image(const char *property, const Ref<Resource> &p_image) {
 	if (p_image.is_null() || texture.is_valid() || has_content(image)) {
 		return true;
 	}
-	report(class_name,
+	report(ScatterGroundHeightmap::class_name,
 			{image.is_valid() ? ErrorCode::wrong_size : ErrorCode::missing, property, 0.0, {}, {},
 					"Use an image that has pixels"});
 	return false;

@@ -25,6 +25,8 @@ class ScatterGroundHeightmap : public ScatterGround {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterGroundHeightmap";
+
 	bool has_textures() const override { return weight_image_.is_valid(); }
 
 	/// A file of little-endian posts without a header, row by row, x fastest. Its size determines whether they have 8 bits, 16 bits or are

@@ -22,8 +22,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterGroundHeightmap";
-
 using Clock = std::chrono::steady_clock;
 
 /// Posts of a region that are read in one step: a fifth of a millisecond.

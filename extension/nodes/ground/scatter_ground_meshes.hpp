@@ -28,6 +28,8 @@ class ScatterGroundMeshes : public ScatterGround {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterGroundMeshes";
+
 	/// The group, in the scene tree of the TerrainScatter3D that uses this ground. If empty, there is no ground.
 	void set_group(const godot::StringName &p_group);
 	godot::StringName get_group() const;

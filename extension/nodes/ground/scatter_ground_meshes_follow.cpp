@@ -22,8 +22,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterGroundMeshes";
-
 using Clock = std::chrono::steady_clock;
 
 String name_of(const Variant &p_node) {
@@ -41,10 +39,10 @@ String refusal_of(const String &p_name, const MeshReading &reading) {
 		return vformat("%s: the mesh of \"%s\" has a corner at (%s, %s, %s): each coordinate must be finite and at "
 					   "most %d m "
 					   "from the world's origin. Fix the mesh or the node's transform.",
-					   class_name, p_name, at.x, at.y, at.z, static_cast<std::int64_t>(TriangleTerrain::max_extent)) +
+					   ScatterGroundMeshes::class_name, p_name, at.x, at.y, at.z, static_cast<std::int64_t>(TriangleTerrain::max_extent)) +
 				remedy;
 	}
-	return vformat("%s: the mesh of \"%s\" cannot be ground: ", class_name, p_name) +
+	return vformat("%s: the mesh of \"%s\" cannot be ground: ", ScatterGroundMeshes::class_name, p_name) +
 			String(describe(reading.status).c_str()) +
 			vformat(". It may have %d triangles, and indices of its own vertices only. Fix the mesh, or divide it.",
 					static_cast<std::int64_t>(TriangleTerrain::max_triangles)) +

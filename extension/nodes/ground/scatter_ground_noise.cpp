@@ -15,8 +15,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterGroundNoise";
-
 /// The noise is a private copy: reading changes nothing, so any thread may read it.
 class NoiseGround : public Terrain {
 public:

@@ -13,6 +13,8 @@ class ScatterGroundNoise : public ScatterGround {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterGroundNoise";
+
 	/// The source of the heights; its own fractal settings determine the octaves. If null, there is no ground.
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const;

@@ -15,8 +15,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterImpostorBaker";
-
 glm::vec4 linear_of(const Color &p_color) {
 	const SrgbCurve &curve = SrgbCurve::get();
 	return {curve.linear(p_color.r), curve.linear(p_color.g), curve.linear(p_color.b), p_color.a};

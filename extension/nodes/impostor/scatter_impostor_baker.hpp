@@ -28,6 +28,8 @@ class ScatterImpostorBaker : public godot::RefCounted {
 	THICKET_GUARDED_METHODS(any)
 
 public:
+	static constexpr const char *class_name = "ScatterImpostorBaker";
+
 	/// CulledSide, for scripts.
 	enum CullMode : std::int64_t {
 		CULL_BACK,

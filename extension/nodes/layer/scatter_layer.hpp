@@ -84,6 +84,8 @@ class ScatterLayer : public godot::Resource, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterLayer";
+
 	/// ImageChannel, for scripts.
 	enum MaskChannel : std::int64_t {
 		MASK_CHANNEL_RED,

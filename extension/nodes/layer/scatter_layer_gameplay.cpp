@@ -40,7 +40,7 @@ constexpr SwitchProperty affect_navigation_mesh{
 
 void ScatterLayer::set_collision_shape(CollisionShape p_shape) {
 	if (accept_number(
-				layer_class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE, COLLISION_MODEL) &&
+				ScatterLayer::class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE, COLLISION_MODEL) &&
 			get_collision_shape() != p_shape) {
 		gameplay_.collision.shape = static_cast<BodyShape>(p_shape);
 		changed();

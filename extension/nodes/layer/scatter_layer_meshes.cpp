@@ -36,7 +36,7 @@ struct Extent {
 bool accept_count(const Array &p_meshes) {
 	const bool fits = p_meshes.size() <= static_cast<int64_t>(max_meshes);
 	if (!fits) {
-		report(layer_class_name,
+		report(ScatterLayer::class_name,
 				Status::out_of_range(
 						"meshes", p_meshes.size(), at_most(max_meshes, "entries"), "Divide them among layers"));
 	}
@@ -112,7 +112,7 @@ void ScatterLayer::reload_scenes(const PackedStringArray &p_paths) {
 
 void ScatterLayer::set_mesh_weights(const PackedFloat32Array &p_weights) {
 	for (const float weight : p_weights) {
-		if (!accept_number(layer_class_name, "mesh_weights", weight, 0.0, 1e6)) {
+		if (!accept_number(ScatterLayer::class_name, "mesh_weights", weight, 0.0, 1e6)) {
 			return;
 		}
 	}

@@ -47,7 +47,7 @@ bool ScatterLayer::stores(const Resource *p_resource) const {
 
 void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 	if (p_spacing.size() > static_cast<int64_t>(max_neighbors)) {
-		report(layer_class_name, Status::wrong_size("spacing", p_spacing.size(), at_most(max_neighbors, "entries")));
+		report(ScatterLayer::class_name, Status::wrong_size("spacing", p_spacing.size(), at_most(max_neighbors, "entries")));
 		return;
 	}
 	Dictionary spacing; // A copy, because scripts share dictionaries.
@@ -57,7 +57,7 @@ void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 		const double distance = number_of(p_spacing[references[i]]);
 		Variant stored = accept_reference("ScatterLayer.spacing", references[i], this);
 		if (stored.get_type() == Variant::NIL ||
-				!accept_number(layer_class_name, "spacing", distance, min_distance, max_neighbor_distance)) {
+				!accept_number(ScatterLayer::class_name, "spacing", distance, min_distance, max_neighbor_distance)) {
 			return;
 		}
 		double &meters = linked[core_reference(stored)];

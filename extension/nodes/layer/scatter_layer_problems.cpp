@@ -112,7 +112,7 @@ PackedStringArray ScatterLayer::problems() {
 	PackedStringArray result;
 	const Status status = check();
 	if (!status.ok()) {
-		result.push_back(sentence(layer_class_name, status));
+		result.push_back(sentence(ScatterLayer::class_name, status));
 	}
 	add_number_problems(result);
 	add_curve_problems(result);

@@ -13,7 +13,6 @@
 
 namespace thicket {
 
-inline constexpr const char *layer_class_name = "ScatterLayer";
 inline constexpr double farthest_view = 1e6; ///< Meters; farther than anything can be seen.
 
 template <class Values, class Number>
@@ -80,7 +79,7 @@ template <const auto &property>
 void ScatterLayer::set_number(double p_value) {
 	const double min = property.least > 0.0 && p_value > 0.0 ? property.least : property.min;
 	double &value = part<PartOf<property>>(*this).*property.member;
-	if (accept_number(layer_class_name, property.name, p_value, min, property.max) && value != p_value) {
+	if (accept_number(ScatterLayer::class_name, property.name, p_value, min, property.max) && value != p_value) {
 		value = p_value;
 		changed();
 	}
@@ -94,7 +93,7 @@ double ScatterLayer::get_number() const {
 template <const auto &property>
 void ScatterLayer::set_integer(int64_t p_value) {
 	auto &value = part<PartOf<property>>(*this).*property.member;
-	if (accept_number(layer_class_name, property.name, static_cast<double>(p_value), static_cast<double>(property.min),
+	if (accept_number(ScatterLayer::class_name, property.name, static_cast<double>(p_value), static_cast<double>(property.min),
 				static_cast<double>(property.max)) &&
 			static_cast<int64_t>(value) != p_value) {
 		value = static_cast<std::remove_reference_t<decltype(value)>>(p_value);

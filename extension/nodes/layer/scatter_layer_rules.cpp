@@ -44,12 +44,12 @@ constexpr ResourceProperty noise_curve{"noise_curve", &LayerTables::noise_curve,
 
 void ScatterLayer::set_ground_textures(const PackedInt32Array &p_textures) {
 	if (p_textures.size() > max_texture + 1) {
-		report(layer_class_name,
+		report(ScatterLayer::class_name,
 				Status::wrong_size("ground_textures", p_textures.size(), at_most(max_texture + 1, "entries")));
 		return;
 	}
 	for (const int32_t texture : p_textures) {
-		if (!accept_number(layer_class_name, "ground_textures", texture, 0.0, max_texture)) {
+		if (!accept_number(ScatterLayer::class_name, "ground_textures", texture, 0.0, max_texture)) {
 			return;
 		}
 	}

@@ -18,8 +18,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterMask";
-
 float rounded_down(double value) {
 	const auto nearest = static_cast<float>(value);
 	return nearest > value ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;

@@ -22,6 +22,8 @@ class ScatterMask : public godot::Resource, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterMask";
+
 	/// Brush::Mode.
 	enum Mode : std::int64_t {
 		MODE_PAINT,

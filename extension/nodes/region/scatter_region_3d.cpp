@@ -16,8 +16,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterRegion3D";
-
 /// The maximum distance, in meters, between the outline of a path and the baked points of its curve.
 constexpr double path_tolerance = 0.01;
 

@@ -55,6 +55,8 @@ class ScatterRegion3D : public godot::Node3D, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "ScatterRegion3D";
+
 	enum Shape {
 		SHAPE_BOX,      ///< `size`, around the node.
 		SHAPE_SPHERE,   ///< `radius`.

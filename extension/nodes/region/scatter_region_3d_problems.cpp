@@ -15,8 +15,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterRegion3D";
-
 constexpr bool differ(double a, double b) { return std::abs(a - b) > 1e-4 * std::max(a, b); }
 
 } // namespace

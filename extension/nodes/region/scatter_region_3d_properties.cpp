@@ -16,8 +16,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "ScatterRegion3D";
-
 constexpr double min_side = 1e-3;
 constexpr double max_side = 1e6;
 

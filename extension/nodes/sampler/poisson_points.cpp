@@ -21,7 +21,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "PoissonPoints";
 constexpr double rank_scale = 1.0 / 4294967296.0;
 
 /// Processes the points in parts, also on the engine's threads if there are many. Most of the time is the system's, which provides new

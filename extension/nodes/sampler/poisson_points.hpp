@@ -28,6 +28,8 @@ class PoissonPoints : public godot::RefCounted {
 	THICKET_GUARDED_METHODS(any)
 
 public:
+	static constexpr const char *class_name = "PoissonPoints";
+
 	/// The result of a refused call.
 	static godot::Ref<PoissonPoints> make_empty() { return memnew(PoissonPoints); }
 

@@ -11,12 +11,6 @@ using namespace godot;
 
 namespace thicket {
 
-namespace {
-
-constexpr const char *class_name = "PoissonSampler";
-
-} // namespace
-
 PoissonSampler::Turn::Turn(PoissonSampler *p_sampler, const char *p_method) :
 		sampler_(p_sampler), granted_(!p_sampler->busy_.exchange(true)) {
 	if (granted_) {

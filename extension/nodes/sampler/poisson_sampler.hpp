@@ -34,6 +34,8 @@ class PoissonSampler : public godot::RefCounted, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "PoissonSampler";
+
 	/// How `sample_domain` fills a rectangle; see DomainMethod for all but the first.
 	enum Method : std::int64_t {
 		METHOD_TILES, ///< The window of the infinite set that `sample` returns.

@@ -23,8 +23,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "PoissonSampler";
-
 /// The largest number below `end` that is not below `min`.
 template <typename Real>
 Real last_before(Real end, Real min) {

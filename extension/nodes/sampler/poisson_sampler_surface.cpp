@@ -19,8 +19,6 @@ namespace thicket {
 
 namespace {
 
-constexpr const char *class_name = "PoissonSampler";
-
 Status no_triangles() {
 	return Status::missing("mesh", "Pass a mesh with a surface of triangles (Mesh.PRIMITIVE_TRIANGLES)");
 }

@@ -11,12 +11,6 @@ using namespace godot;
 
 namespace thicket {
 
-namespace {
-
-constexpr const char *class_name = "PoissonSurfacePoints";
-
-} // namespace
-
 Ref<PoissonSurfacePoints> PoissonSurfacePoints::of(std::span<const SurfacePoint> points, bool mirrored) {
 	const Ref<PoissonSurfacePoints> result(memnew(PoissonSurfacePoints));
 	const double side = mirrored ? 1.0 : -1.0;

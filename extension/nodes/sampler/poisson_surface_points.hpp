@@ -22,6 +22,8 @@ class PoissonSurfacePoints : public godot::RefCounted {
 	THICKET_GUARDED_METHODS(any)
 
 public:
+	static constexpr const char *class_name = "PoissonSurfacePoints";
+
 	/// The result of a refused call.
 	static godot::Ref<PoissonSurfacePoints> make_empty() { return memnew(PoissonSurfacePoints); }
 

@@ -52,6 +52,8 @@ class TerrainScatter3D : public godot::Node3D, public ThreadGuarded, public Regi
 	THICKET_GUARDED_METHODS(owner)
 
 public:
+	static constexpr const char *class_name = "TerrainScatter3D";
+
 	TerrainScatter3D();
 	~TerrainScatter3D() override;
 

@@ -25,12 +25,6 @@ using namespace godot;
 
 namespace thicket {
 
-namespace {
-
-constexpr const char *class_name = "TerrainScatter3D";
-
-} // namespace
-
 void TerrainScatter3D::set_seed(int64_t p_seed) {
 	if (std::exchange(seed_, p_seed) != p_seed) {
 		mark_dirty();
