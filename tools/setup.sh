@@ -99,6 +99,8 @@ setup_compiler_cache() {
 	[[ -d /usr/lib/ccache ]] || return 0
 	export PATH="/usr/lib/ccache:$PATH" CCACHE_NOHASHDIR=1
 	export CCACHE_DIR=${CCACHE_DIR:-$(cache_folder)/ccache}
+	# All builds of a run with --full: with the default of 5 GB, they would push out each other's objects.
+	export CCACHE_MAXSIZE=${CCACHE_MAXSIZE:-20G}
 }
 
 setup_baselines() {
