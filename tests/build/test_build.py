@@ -18,6 +18,7 @@ from conftest import BUILD_DIR, REPO, run
 import installed
 import manifest
 import rooms
+import scu
 from rooms import ROOMS
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
@@ -199,6 +200,17 @@ def test_debugger_build():
     assert " -Og" in flags and " -g3" in flags and " -O2" not in flags, flags
 
 
+@pytest.mark.parametrize("room", list(ROOMS))
+def test_sources_that_compile_together(room):
+    """scu_build=yes compiles every source of a room once. Sources that Highway compiles several times are compiled alone."""
+    sources = rooms.sources(str(REPO), room)
+    groups = scu.groups(str(REPO), sources)
+    assert sorted(path for group in groups for path in group) == sources
+    for group in groups:
+        repeated = [path for path in group if "foreach_target.h" in (REPO / path).read_text(encoding="utf-8")]
+        assert len(group) == 1 if repeated else 0 < len(group) <= 16
+
+
 def test_second_build_has_nothing_to_do():
     """A second build finds everything up to date, whatever the first build did."""
     first = run(["scons", "-Q", "-j2"], timeout=1800, cwd=REPO)
@@ -253,7 +265,8 @@ def test_impossible_builds_are_refused_with_a_sentence(options, sentence):
 
 
 def test_builds_for_other_systems_use_separate_folders():
-    """A build for a different system shares no folder with builds for this one, and does not go into the demo's add-on."""
+    """A build for a different system shares no folder with builds for this one, and does not go into the demo's add-on. Both precisions
+    share the core's objects."""
     compiler = ["zig=/bin/true", "use_zig=yes"]
     for options, folder in (
         (["platform=windows", "arch=arm64"], "windows.template_debug.arm64.zig"),
@@ -264,7 +277,8 @@ def test_builds_for_other_systems_use_separate_folders():
         assert done.returncode == 0, done.stdout + done.stderr
         made = set(re.findall(r"^(?:compile|archive|link) +(\S+)", done.stdout, re.MULTILINE)) - {"extension"}
         linked = [path for path in made if "libthicket." in path]
-        assert all(path.startswith(f"build/{folder}/") for path in linked), linked
+        assert linked and all(path.startswith(f"build/{folder}/") for path in linked), linked
+        assert {path.split("/")[1] for path in made} <= {folder, folder.replace(".double", "")}, made
         assert "demo_project/addons/thicket/bin" not in done.stdout
 
 

@@ -12,8 +12,8 @@ from golden.matrix import NATIVE, ZIG
 
 # For each platform: the options, the program, the emulator, and the emulator's arguments.
 PLATFORMS = {
-    "aarch64": (["platform=linux", "arch=arm64"], "linux.template_debug.arm64.zig/core_tests", "qemu", ["-L", "/usr/aarch64-linux-gnu"]),
-    "Windows": (["platform=windows", "arch=x86_64"], "windows.template_debug.x86_64.zig/core_tests.exe", "wine", []),
+    "aarch64": (["platform=linux", "arch=arm64"], "linux.template_debug.arm64.zig.scu/core_tests", "qemu", ["-L", "/usr/aarch64-linux-gnu"]),
+    "Windows": (["platform=windows", "arch=x86_64"], "windows.template_debug.x86_64.zig.scu/core_tests.exe", "wine", []),
 }
 
 
@@ -27,7 +27,7 @@ def test_no_case_fails_on_other_platforms(name):
     if why or not ZIG.is_file():
         pytest.skip(why or "zig is not installed")
     # A clang as new as zig's warns about doctest's macros.
-    build("use_zig=yes", "werror=no", *options, f"build/{program}", timeout=3600)
+    build("use_zig=yes", "scu_build=yes", "werror=no", *options, f"build/{program}", timeout=3600)
     command = [*emulators.command(emulator, name, NATIVE), *more, REPO / "build" / program, "--no-intro"]
     done = run(command, timeout=3 * 3600, cwd=REPO, env=emulators.environment(emulator))
     assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]

@@ -20,9 +20,9 @@ TARGETS = ["fuzz_sampler", "fuzz_domain", "fuzz_tile", "fuzz_streamer", "fuzz_ma
 @pytest.fixture(scope="session")
 def sanitized() -> Path:
     """The build folder with the fuzz targets under both sanitizers."""
-    folder = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined")
+    folder = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined.scu")
     programs = [(folder / "fuzz" / target).relative_to(REPO) for target in TARGETS]
-    build("sanitize=address,undefined", *programs, timeout=1800)
+    build("sanitize=address,undefined", "scu_build=yes", *programs, timeout=1800)
     return folder
 
 

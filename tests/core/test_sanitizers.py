@@ -7,12 +7,12 @@ import os
 import pytest
 from conftest import BUILD_DIR, LONG_CASES, REPO, build, run
 
-CHECKED = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined")
+CHECKED = BUILD_DIR.with_name(BUILD_DIR.name + ".address.undefined.scu")
 
 
 def check(selection: str, timeout: float):
     runner = CHECKED / "core_tests"
-    build("sanitize=address,undefined", runner.relative_to(REPO), timeout=1800)
+    build("sanitize=address,undefined", "scu_build=yes", runner.relative_to(REPO), timeout=1800)
     environment = {**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1", "ASAN_OPTIONS": "detect_leaks=1"}
     done = run([runner, "--no-intro", f"--{selection}=" + ",".join(LONG_CASES)], timeout=timeout, env=environment)
     assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]

@@ -46,8 +46,8 @@ def sanitized(request, tmp_path_factory):
     """Runs Godot with arguments on a project whose extension was built with a sanitizer."""
     libraries, variable, options = SANITIZERS[request.param]
     name = request.param.replace(",", ".")
-    build(f"sanitize={request.param}", "compiledb=no", "extension", timeout=3600)
-    built = BUILD_DIR.with_name(f"{BUILD_DIR.name}.{name}") / "addon"
+    build(f"sanitize={request.param}", "scu_build=yes", "compiledb=no", "extension", timeout=3600)
+    built = BUILD_DIR.with_name(f"{BUILD_DIR.name}.{name}.scu") / "addon"
     project = new_project(tmp_path_factory.mktemp(name))
     addon = project / "addons/thicket"
     addon.unlink()

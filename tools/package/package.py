@@ -41,11 +41,11 @@ class Build:
     def options(self):
         """The options for scons."""
         options = ["%s=%s" % (name, {True: "yes", False: "no"}.get(value, value)) for name, value in asdict(self).items()]
-        return ["ship=yes", "use_zig=" + ("yes" if self.compiler else "no"), *options]
+        return ["ship=yes", "scu_build=yes", "use_zig=" + ("yes" if self.compiler else "no"), *options]
 
     def folder(self):
         """The folder into which scons puts the libraries."""
-        return REPO / "build" / platforms.folder_name(asdict(self), "ship", self.compiler) / "addon/bin"
+        return REPO / "build" / (platforms.folder_name(asdict(self), "ship", self.precision, self.compiler) + ".scu") / "addon/bin"
 
 
 DESKTOP = [("linux", "x86_64"), ("linux", "arm64"), ("windows", "x86_64"), ("windows", "arm64"), ("macos", "arm64"), ("macos", "x86_64")]

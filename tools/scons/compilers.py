@@ -59,8 +59,6 @@ def configure(env):
         env.Append(CPPDEFINES=["TOOLS_ENABLED"])
     if env["ship"]:
         env.Append(CPPDEFINES=["THICKET_SHIPPED"])
-    if env["precision"] == "double":
-        env.Append(CPPDEFINES=["REAL_T_IS_DOUBLE"])
     env.Append(CPPDEFINES=list(platforms.PLATFORMS[env["platform"]].defines))
     if env["threads"]:
         env.Append(CPPDEFINES=["THREADS_ENABLED"])
@@ -106,13 +104,12 @@ def configure_gnu(env, release):
 OPTIMIZED_FOR_SIZE = ["nodes/biome", "nodes/explain", "nodes/impostor", "nodes/layer", "nodes/model", "nodes/region", "nodes/sampler"]
 
 
-def object_of(env, source):
-    """The object of one of the extension's sources, optimized for size where speed does not matter."""
-    room = os.path.dirname(str(source)).partition("extension/")[2]
-    if room not in OPTIMIZED_FOR_SIZE or is_msvc(env):
-        return source
-    flags = ["-Os" if flag in ("-O2", "-O3") else flag for flag in env["CCFLAGS"]]
-    return env.SharedObject(source, CCFLAGS=flags)
+def objects_of(env, room, sources):
+    """The objects of a room's sources, optimized for size where speed does not matter."""
+    flags = env["CCFLAGS"]
+    if room in OPTIMIZED_FOR_SIZE and not is_msvc(env):
+        flags = ["-Os" if flag in ("-O2", "-O3") else flag for flag in flags]
+    return env.SharedObject(sources, CCFLAGS=flags)
 
 
 def configure_msvc(env, release):

@@ -72,17 +72,20 @@ def is_native(env):
     return (env["platform"], env["arch"]) == (native_platform(), native_arch())
 
 
-def folder_name(env, kind, compiler):
+def precision_suffix(precision):
+    """The part of the name of a folder or a library that tells the precision."""
+    return ".double" if precision == "double" else ""
+
+
+def folder_name(env, kind, precision, compiler):
     """The build folder's name, for a target or for a release. `compiler` is "" for the default compiler."""
-    name = "%s.%s.%s" % (env["platform"], kind, env["arch"])
-    name += ".double" if env["precision"] == "double" else ""
+    name = "%s.%s.%s" % (env["platform"], kind, env["arch"]) + precision_suffix(precision)
     name += "" if env["threads"] else ".nothreads"
     return name + ("." + compiler if compiler else "")
 
 
 def library_name(env, target):
     """godot-cpp's name for a library with these options, without `lib` and the suffix: thicket.linux.template_debug.x86_64."""
-    name = "%s.%s" % (env["platform"], target)
-    name += ".double" if env["precision"] == "double" else ""
+    name = "%s.%s" % (env["platform"], target) + precision_suffix(env["precision"])
     name += "" if env["arch"] == "universal" else ".%s" % env["arch"]
     return "thicket." + name + ("" if env["threads"] else ".nothreads")

@@ -3,6 +3,8 @@
 import os
 import re
 
+import programs
+
 # Each room, and the rooms whose headers it includes. A room comes after all that it includes. Tests compare the sources, README.md
 # and ARCHITECTURE.md with this table.
 ROOMS = {
@@ -51,6 +53,7 @@ ROOMS = {
     "nodes": ["nodes"],  # Registers the classes of all rooms.
 }  # fmt: skip
 CORE = [room for room in ROOMS if room.startswith("core/")]
+NODES = [room for room in ROOMS if room.split("/")[0] == "nodes"]
 
 # Parts of rooms that have tests of their own.
 PARTS = {"core/domain": "core/sampling/domain"}
@@ -59,6 +62,12 @@ TESTED = ["core/base", "core/sampling", *PARTS, *CORE[2:]]
 TESTS = "tests/core"
 PREFIX = "core_tests_"
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+
+
+def sources(root, room):
+    """The sources of a room, relative to root, in the order of their names. "nodes" has only those that lie in no other room."""
+    pattern = "extension/%s/" % room + ("*.cpp" if room == "nodes" else "**/*.cpp")
+    return programs.find(root, [pattern])
 
 
 def reached_from(room):

@@ -29,6 +29,7 @@ def options():
         EnumVariable("precision", "the engine's precision: double for an engine built with precision=double", "single", allowed_values=("single", "double")),
         BoolVariable("threads", "platform=web: for export templates with threads", True),
         BoolVariable("use_zig", "compile with zig, for this or another platform", False),
+        BoolVariable("scu_build", "compile up to 16 sources together, which makes a whole build faster and a small change slower", False),
         BoolVariable("ship", "for tools/package.sh: debug and release libraries, with symbols to split off", False),
         (
             "godot_cpp",
@@ -77,7 +78,8 @@ def lock(env):
 
 
 def configure(env):
-    """Sets the flags for all of our code. Returns the name of the build folder; options that change the objects change the name."""
+    """Sets the flags for all of our code. Returns the names of the build folder and of the folder with the core's objects, which both
+    precisions share. Options that change the objects change the names."""
     env["ENV"] = {name: value for name, value in os.environ.items() if name in INHERITED or name.startswith("CCACHE_")}
     env["arch"] = env["arch"] or ("wasm32" if env["platform"] == "web" else platforms.native_arch())
     env["CXX"] = env["CXX"] or os.environ.get("CXX") or "g++"
@@ -90,7 +92,7 @@ def configure(env):
     platform = platforms.PLATFORMS[env["platform"]]
     env.Replace(PROGSUFFIX=platform.program, SHLIBSUFFIX=platform.suffix, LIBPREFIX="lib", LIBSUFFIX=".a")
 
-    name = platforms.folder_name(env, "ship" if env["ship"] else env["target"], called)
+    name = ""
     for sanitizer in sanitizers(env):
         flags = ["-fsanitize=" + sanitizer, "-fno-omit-frame-pointer", "-fno-sanitize-recover=all"]
         env.Append(CCFLAGS=flags, LINKFLAGS=flags)
@@ -111,7 +113,13 @@ def configure(env):
     env.Replace(CXXCOMSTR="compile $SOURCE", SHCXXCOMSTR="compile $SOURCE", ARCOMSTR="archive $TARGET")
     env.Replace(LINKCOMSTR="link    $TARGET", SHLINKCOMSTR="link    $TARGET")
     env.Replace(ARFLAGS="rcsD", RANLIBCOM="")
-    return name
+    if env["scu_build"]:
+        env.Append(CPPPATH=["#"])
+        # g++ takes an included source for a header, whose types should not depend on names of one source.
+        env.Append(CCFLAGS=["-Wno-subobject-linkage"] if compilers.is_gnu(env) and not compilers.is_msvc(env) else [])
+        name += ".scu"
+    kind = "ship" if env["ship"] else env["target"]
+    return tuple(platforms.folder_name(env, kind, precision, called) + name for precision in (env["precision"], "single"))
 
 
 def program_flags(env):
