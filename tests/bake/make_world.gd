@@ -24,7 +24,8 @@ func _initialize() -> void:
 	trees.use_colors = true
 	var hues := Gradient.new()
 	hues.colors = [Color.DARK_GREEN, Color.GOLD]
-	trees.color_gradient = hues
+	trees.color_value = ScatterValueSource.new()
+	trees.color_value.gradient = hues
 	trees.use_custom_data = true
 	var grass := ScatterLayer.new()
 	grass.resource_name = "Grass"

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <span>
 
@@ -40,6 +41,33 @@ TEST_CASE("sources: randomness blends from the share to the random number, withi
 		CHECK(mixed(source, 1.0f, 1.0 - 0x1p-32) <= 1.0);
 		CHECK(mixed(source, 1.0f, 0.0) == doctest::Approx(1.0 - source.randomness));
 	}
+}
+
+TEST_CASE("sources: a curve replaces the number, also one that is random alone") {
+	const auto falling = std::make_shared<CurveTable>();
+	REQUIRE(falling->set(0.0, 1.0, std::array{1.0f, 0.0f}).ok());
+	const InstanceSource height{.kind = SourceKind::height, .randomness = 0.5, .curve = falling};
+	CHECK(mixed(height, 0.25f, 0.75) == 0.5);
+	CHECK(mixed(height, 1.0f, 1.0) == 0.0);
+	CHECK(mixed({.curve = falling}, unknown_share, 0.25) == 0.75);
+}
+
+TEST_CASE("sources: the curve of a random color chooses the color") {
+	const auto colors = std::make_shared<ColorTable>(ColorTable{{1, 0, 0, 1}, {0, 1, 0, 1}});
+	const auto end = std::make_shared<CurveTable>(); // 1 everywhere.
+	InstanceData data{.use_colors = true, .colors = colors};
+	int first = 0;
+	for (std::uint64_t id = 0; id < 64; ++id) {
+		std::array<float, 4> color{};
+		write_instance_data(data, 1, id, 0, 1.0f, color);
+		first += static_cast<int>(color[0]);
+		data.color.curve = end;
+		write_instance_data(data, 1, id, 0, 1.0f, color);
+		CHECK(color[1] == 1.0f);
+		data.color.curve = nullptr;
+	}
+	CHECK(first > 16);
+	CHECK(first < 48);
 }
 
 TEST_CASE("sources: rules and sources that use the same neighbor sample it once, at the larger distance") {

@@ -93,7 +93,7 @@ func test_former_layers_are_drawn_as_before() -> void:
 		if context == "former":
 			for words: String in ["visibility_range_end is a limit of ScatterLayer.view_distance", "visibility_range_begin has no effect",
 					"visibility_range_fade_mode has no effect", "Use view_distance, lod_fade",
-					"color_source is named ScatterLayer.color_value.source since", "variation_source_max is named ScatterLayer.variation_value.max_value"]:
+					"color_source is named ScatterLayer.color_value.source since", "color_gradient is named ScatterLayer.color_value.gradient since", "variation_source_max is named ScatterLayer.variation_value.max_value"]:
 				check(words in "\n".join(warnings), "warned that %s" % words)
 		for layer in world.layers:
 			check_equal(lods_of(layer), expected[layer.resource_name], "%s: %s" % [context, layer.resource_name])
@@ -106,6 +106,7 @@ func test_former_layers_are_drawn_as_before() -> void:
 		check_equal([model.lods.size(), model.far_lods.size()], [2, 1], context + ": each layer has a copy of the model")
 		var flowers := world.layers[3]
 		var color := flowers.color_value
+		check_equal(color.gradient.colors, PackedColorArray([Color.RED, Color.BLUE]), context + ": the gradient of the color")
 		check_equal([color.source, snappedf((color.noise as FastNoiseLite).frequency, 0.001), color.min_value, color.max_value, color.randomness],
 				[ScatterValueSource.SOURCE_NOISE, 0.05, 0.25, 0.75, 0.125], context + ": the value of the color")
 		var variation := flowers.variation_value
@@ -127,7 +128,7 @@ func test_former_layers_are_drawn_as_before() -> void:
 		path = "user://drawing.tscn"
 		check_equal(ResourceSaver.save(packed, path), OK, "saved")
 	check_no_error("the saved scene")
-	for words: String in ["visibility_range", "color_source", "variation_source"]:
+	for words: String in ["visibility_range", "color_source", "color_gradient", "variation_source"]:
 		check(not words in FileAccess.get_file_as_string(path), "%s is not saved" % words)
 
 

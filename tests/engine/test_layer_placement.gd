@@ -100,7 +100,8 @@ func test_colors_and_custom_data() -> void:
 	var gradient := Gradient.new()
 	gradient.set_color(0, Color(1, 0, 0, 1))
 	gradient.set_color(1, Color(0, 1, 0, 1))
-	layer.color_gradient = gradient
+	layer.color_value = ScatterValueSource.new()
+	layer.color_value.gradient = gradient
 	layer.use_custom_data = true
 	await settle(scatter)
 	var looks := instances(scatter)

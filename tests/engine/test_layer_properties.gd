@@ -9,7 +9,7 @@ const PROPERTIES: Array[StringName] = [
 	&"mask_texture", &"mask_texture_rect", &"mask_texture_channel", &"mask_texture_edge", &"clump_size",
 	&"clump_coverage", &"clump_softness", &"edge_feather", &"proximity_layer", &"proximity_distance",
 	&"proximity_curve", &"scale_curve", &"min_tilt_degrees", &"max_tilt_degrees", &"offset_along_normal", &"use_colors",
-	&"color_gradient", &"color_value", &"variation_value", &"use_custom_data", &"layer_id",
+	&"color_value", &"variation_value", &"use_custom_data", &"layer_id",
 	&"instance_radius", &"instance_height", &"regrowth_time", &"collision_shape", &"collision_distance",
 	&"collision_layer", &"collision_mask", &"physics_material", &"affect_navigation_mesh", &"scene", &"scene_distance",
 ]
@@ -20,7 +20,6 @@ var sources := {
 	"noise": ["FastNoiseLite", "frequency", 0.5], "noise_curve": ["Curve", "min_domain", -1.0],
 	"mask": ["ScatterMask", "background", 0.5], "mask_texture": ["GradientTexture2D", "width", 16],
 	"proximity_curve": ["Curve", "max_domain", 9.0], "scale_curve": ["Curve", "max_domain", 2.0],
-	"color_gradient": ["Gradient", "colors", PackedColorArray([Color.RED, Color.BLUE])],
 	"color_value": ["ScatterValueSource", "max_value", 0.5], "variation_value": ["ScatterValueSource", "randomness", 0.5],
 	"physics_material": ["PhysicsMaterial", "friction", 0.25],
 }
@@ -58,8 +57,9 @@ func full_layer() -> ScatterLayer:
 	layer.max_tilt_degrees = 15.0
 	layer.offset_along_normal = -0.25
 	layer.use_colors = true
-	layer.color_gradient = Gradient.new()
 	layer.color_value = ScatterValueSource.new()
+	layer.color_value.gradient = Gradient.new()
+	layer.color_value.curve = make_line(Vector2(0, 1), Vector2(1, 0))
 	layer.color_value.source = ScatterValueSource.SOURCE_HEIGHT
 	layer.color_value.layer = "Oaks"
 	layer.color_value.noise = FastNoiseLite.new()
@@ -305,8 +305,8 @@ func check_gameplay_warnings() -> void:
 ## Sets up a layer with a source and its range.
 func follow(layer: ScatterLayer, source: ScatterValueSource.Source, to := 90.0) -> void:
 	layer.use_colors = true
-	layer.color_gradient = Gradient.new()
 	layer.color_value = value_of(source)
+	layer.color_value.gradient = Gradient.new()
 	layer.color_value.max_value = to
 
 
@@ -339,7 +339,7 @@ func test_warnings_of_sources() -> void:
 	check_warning(func(layer: ScatterLayer) -> void: layer.color_value = value_of(ScatterValueSource.SOURCE_RANK), "without use_colors")
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.use_colors = true
-		layer.color_value = value_of(ScatterValueSource.SOURCE_RANK), "without color_gradient")
+		layer.color_value = value_of(ScatterValueSource.SOURCE_RANK), "color_value has no gradient: all instances are white")
 	check_warning(func(layer: ScatterLayer) -> void: layer.variation_value = value_of(ScatterValueSource.SOURCE_RANK), "without use_custom_data")
 	check_warning(func(layer: ScatterLayer) -> void:
 		layer.use_custom_data = true
@@ -386,7 +386,6 @@ func test_warnings() -> void:
 	check_warning(func(layer: ScatterLayer) -> void: layer.spacing = {7: 2.0}, "layer 7, which is not in the list")
 	check_warning(func(layer: ScatterLayer) -> void: layer.proximity_curve = make_line(Vector2(0, 1), Vector2(9, 0)), "names no layer")
 	check_warning(func(layer: ScatterLayer) -> void: layer.scale_curve = make_line(Vector2(0, 0), Vector2(1, 1)), "scale_curve is not used")
-	check_warning(func(layer: ScatterLayer) -> void: layer.color_gradient = Gradient.new(), "without use_colors")
 	check_warning(func(layer: ScatterLayer) -> void: layer.max_tilt_degrees = 20.0, "")
 	check_gameplay_warnings()
 	check_warning(func(layer: ScatterLayer) -> void: layer.min_tilt_degrees = 20.0, "max_tilt_degrees must be at least 20")

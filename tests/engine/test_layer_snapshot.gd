@@ -38,8 +38,8 @@ var changes := {
 	"height_offset": [0.5, MADE], "offset_along_normal": [0.25, MADE],
 	"meshes": [[SphereMesh.new(), BoxMesh.new()] as Array[Mesh], MADE],
 	"mesh_weights": [PackedFloat32Array([1.0, 4.0]), MADE],
-	"use_colors": [false, MADE], "color_gradient": [to_red(), MADE], "use_custom_data": [false, MADE],
-	"color_value": [value_of(ScatterValueSource.SOURCE_HEIGHT), MADE], "variation_value": [value_of(ScatterValueSource.SOURCE_RANK), MADE],
+	"use_colors": [false, MADE], "use_custom_data": [false, MADE],
+	"color_value": [value_of(ScatterValueSource.SOURCE_HEIGHT, to_red()), MADE], "variation_value": [value_of(ScatterValueSource.SOURCE_RANK), MADE],
 	"thin_begin": [5.0, REDRAWN], "thin_end": [60.0, REDRAWN], "thin_density": [0.25, REDRAWN],
 	"thin_scale_up": [true, MADE], # The instances grow, and so do the bounding boxes of the tiles.
 	"material_override": [StandardMaterial3D.new(), REDRAWN],
@@ -57,9 +57,10 @@ var changes := {
 }
 
 
-func value_of(source: ScatterValueSource.Source) -> ScatterValueSource:
+func value_of(source: ScatterValueSource.Source, gradient: Gradient = null) -> ScatterValueSource:
 	var value := ScatterValueSource.new()
 	value.source = source
+	value.gradient = gradient
 	return value
 
 
@@ -114,8 +115,7 @@ func make_ferns() -> ScatterLayer:
 	layer.proximity_distance = 25.0
 	layer.max_scale = 2.0
 	layer.use_colors = true
-	layer.color_gradient = Gradient.new()
-	layer.color_value = value_of(ScatterValueSource.SOURCE_DISTANCE)
+	layer.color_value = value_of(ScatterValueSource.SOURCE_DISTANCE, Gradient.new())
 	layer.color_value.layer = "Oaks"
 	layer.color_value.max_value = 12.0
 	layer.use_custom_data = true

@@ -187,7 +187,8 @@ func test_colors_and_custom_data() -> void:
 	gradient.colors = PackedColorArray([Color(1.0, 0.0, 0.0), Color(0.0, 0.5, 1.0, 0.25)])
 	var layer := make_layer()
 	layer.use_colors = true
-	layer.color_gradient = gradient
+	layer.color_value = ScatterValueSource.new()
+	layer.color_value.gradient = gradient
 	layer.use_custom_data = true
 	layer.min_scale = 0.5
 	layer.max_scale = 1.5

@@ -197,16 +197,17 @@ func test_rules_that_leave_few_of_many_points() -> void:
 
 
 func test_settings_that_place_or_color_nothing() -> void:
-	var colorless := Gradient.new()
-	colorless.offsets = []
-	colorless.colors = []
+	var colorless := ScatterValueSource.new()
+	colorless.gradient = Gradient.new()
+	colorless.gradient.offsets = []
+	colorless.gradient.colors = []
 	var layer := make_layer()
 	layer.use_colors = true
 	layer.max_scale = 2.0
 	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
 	for case: Array in [
 		["scale_curve", Curve.new(), "ScatterLayer.scale_curve has no points: it is not used. Add points, or clear it."],
-		["color_gradient", colorless, "ScatterLayer.color_gradient has no points: all instances are black. Add points"],
+		["color_value", colorless, "ScatterLayer.color_value has a gradient without points: all instances are black. Add points"],
 	]:
 		var good: Variant = layer.get(case[0])
 		layer.set(case[0], case[1])

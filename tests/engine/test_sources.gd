@@ -36,8 +36,13 @@ func make_colored(radius := 1.5) -> ScatterLayer:
 	var layer := named_layer("fern", 2, radius)
 	layer.use_colors = true
 	layer.use_custom_data = true
-	layer.color_gradient = gray()
+	layer.color_value = colored(ScatterValueSource.new())
 	return layer
+
+
+func colored(value: ScatterValueSource) -> ScatterValueSource:
+	value.gradient = gray()
+	return value
 
 
 func seen_in(tile: ScatterTile) -> Dictionary[int, Seen]:
@@ -79,7 +84,7 @@ func check_shares(all: Dictionary[int, Seen], share: Callable, context: String, 
 
 func set_source(layer: ScatterLayer, source: ScatterValueSource.Source, from: float, to: float) -> void:
 	for property: StringName in [&"color_value", &"variation_value"]:
-		var value := ScatterValueSource.new()
+		var value := colored(ScatterValueSource.new())
 		value.source = source
 		value.min_value = from
 		value.max_value = to
@@ -305,7 +310,7 @@ func test_hand_placed() -> void:
 func test_a_shared_value() -> void:
 	var first := make_colored()
 	var second := make_colored(3.0)
-	var value := ScatterValueSource.new()
+	var value := colored(ScatterValueSource.new())
 	value.source = ScatterValueSource.SOURCE_HEIGHT
 	value.min_value = -3.0
 	value.max_value = 20.0
@@ -326,6 +331,34 @@ func test_a_shared_value() -> void:
 	var variations := seen(scatter, 0).values().all(func(one: Seen) -> bool:
 		return absf(one.custom.r - clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0)) < 0.0015)
 	check(variations, "the variation still follows")
+
+
+## A curve replaces the number, whether it follows something or is random. Editing it takes effect.
+func test_a_curve() -> void:
+	var layer := make_colored()
+	var scatter := make_scatter([layer], Banks.new(), make_viewer())
+	set_source(layer, ScatterValueSource.SOURCE_HEIGHT, -3.0, 20.0)
+	var curve := make_line(Vector2(0, 1), Vector2(1, 0))
+	for property: StringName in [&"color_value", &"variation_value"]:
+		(layer.get(property) as ScatterValueSource).curve = curve
+	await settle(scatter)
+	check_shares(seen(scatter, 0), func(one: Seen) -> float: return 1.0 - clampf((one.place.y + 3.0) / 23.0, 0.0, 1.0), "downward", 2e-3)
+	curve.clear_points()
+	curve.add_point(Vector2.ONE)
+	await settle(scatter)
+	check(seen(scatter, 0).values().all(func(one: Seen) -> bool: return one.color > 0.99 and one.custom.r == 1.0), "1 everywhere")
+	curve = make_line(Vector2.ZERO, Vector2(1, 0.5))
+	set_source(layer, ScatterValueSource.SOURCE_RANDOM, 0.0, 1.0)
+	await settle(scatter)
+	var plain := seen(scatter, 0)
+	for property: StringName in [&"color_value", &"variation_value"]:
+		(layer.get(property) as ScatterValueSource).curve = curve
+	await settle(scatter)
+	var halved := seen(scatter, 0)
+	for id in plain:
+		if absf(halved[id].color - 0.5 * plain[id].color) > 2.0 * STEP or absf(halved[id].custom.r - 0.5 * plain[id].custom.r) > 0.001:
+			check(false, "half of %f and %f: %f and %f" % [plain[id].color, plain[id].custom.r, halved[id].color, halved[id].custom.r])
+	check_equal(scatter.get_problems(), PackedStringArray(), "no problems")
 
 
 func test_some_randomness() -> void:

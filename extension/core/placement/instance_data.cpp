@@ -27,7 +27,7 @@ glm::vec4 color_of(const InstanceData &data, float share, std::uint32_t word) {
 		return glm::vec4(1.0f);
 	}
 	const ColorTable &colors = *data.colors;
-	if (share < 0.0f) {
+	if (share < 0.0f && data.color.curve == nullptr) {
 		return colors[static_cast<std::size_t>(word * std::uint64_t{colors.size()} >> 32)];
 	}
 	const double along = mixed(data.color, share, unit_interval(word)) * static_cast<double>(colors.size());

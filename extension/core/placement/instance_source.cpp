@@ -52,10 +52,10 @@ float share_by_hand(const InstanceSource &source, glm::dvec3 position) {
 }
 
 double mixed(const InstanceSource &source, float share, double random) {
-	if (share < 0.0f) {
-		return random;
-	}
-	return std::min(double{share} * (1.0 - source.randomness) + random * source.randomness, 1.0);
+	const double number = share < 0.0f
+			? random
+			: std::min(double{share} * (1.0 - source.randomness) + random * source.randomness, 1.0);
+	return source.curve != nullptr ? source.curve->at(number) : number;
 }
 
 } // namespace thicket

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/status.hpp"
+#include "core/rules/curve_table.hpp"
 #include "core/rules/density_field.hpp"
 
 #include <glm/vec3.hpp>
@@ -32,6 +33,7 @@ struct InstanceSource {
 	double max = 1.0;
 
 	double randomness = 0.0; ///< The random part of the number: 0 uses the share alone, 1 is fully random.
+	std::shared_ptr<const CurveTable> curve{};    ///< Replaces the number by the curve at it; null keeps it.
 	std::shared_ptr<const DensityField> noise{};  ///< For SourceKind::noise.
 	std::shared_ptr<const LayerSettings> layer{}; ///< For SourceKind::distance.
 
@@ -69,7 +71,7 @@ float share_of(const InstanceSource &source, double value);
 /// rank is 0, and slopes and distances are unknown.
 float share_by_hand(const InstanceSource &source, glm::dvec3 position);
 
-/// The resulting number, 0 to 1, from `share` (0 to 1 or unknown_share) and the instance's own `random` number (0 to 1).
+/// The resulting number, 0 to 1, with the source's curve, from `share` (0 to 1 or unknown_share) and the instance's own `random` number (0 to 1).
 double mixed(const InstanceSource &source, float share, double random);
 
 } // namespace thicket

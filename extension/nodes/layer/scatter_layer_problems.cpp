@@ -97,14 +97,6 @@ void ScatterLayer::add_mesh_problems(PackedStringArray &r_problems) const {
 	if (mesh_weights_.size() > static_cast<int64_t>(meshes_.size())) {
 		r_problems.push_back("ScatterLayer.mesh_weights has more entries than meshes; the rest is not used.");
 	}
-	if (const Ref<Resource> gradient = resource("color_gradient");
-			gradient.is_valid() && static_cast<int64_t>(gradient->call("get_point_count")) == 0) {
-		r_problems.push_back(
-				"ScatterLayer.color_gradient has no points: all instances are black. Add points, or clear it.");
-	}
-	if (resource("color_gradient").is_valid() && !settings_.instance_data.use_colors) {
-		r_problems.push_back("ScatterLayer.color_gradient is not used without use_colors.");
-	}
 }
 
 PackedStringArray ScatterLayer::problems() {

@@ -1,4 +1,4 @@
-// The values that an instance's color and variation follow: the properties of the subgroup Color, and those of the custom data.
+// The values that an instance's color and variation follow.
 
 #include "nodes/common/renames.hpp"
 #include "nodes/common/watch.hpp"
@@ -18,7 +18,6 @@ namespace thicket {
 namespace {
 
 constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &InstanceData::use_colors};
-constexpr ResourceProperty color_gradient{"color_gradient", &InstanceData::colors, color_table};
 constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &InstanceData::use_custom_data};
 
 /// A property with which release 0.2 saved a part of a value.
@@ -28,6 +27,7 @@ struct FormerValue {
 	const char *part;
 };
 constexpr std::array former_values{
+		FormerValue{"color_gradient", true, "gradient"},
 		FormerValue{"color_source", true, "source"},
 		FormerValue{"color_source_layer", true, "layer"},
 		FormerValue{"color_source_noise", true, "noise"},
@@ -48,9 +48,12 @@ PropertyInfo value_property(const char *p_name) {
 
 /// The settings of a value without those that its source does not use, so that changing these has no effect.
 InstanceSource used(const Ref<ScatterValueSource> &p_value, bool is_used) {
-	InstanceSource result;
-	if (is_used && p_value.is_valid() && p_value->get_source() != ScatterValueSource::SOURCE_RANDOM) {
-		result = p_value->current();
+	if (!is_used || p_value.is_null()) {
+		return {};
+	}
+	InstanceSource result = p_value->current();
+	if (result.kind == SourceKind::random) {
+		return {.curve = result.curve};
 	}
 	if (result.kind != SourceKind::noise) {
 		result.noise = nullptr;
@@ -67,7 +70,7 @@ public:
 
 	/// `p_unused` explains why the value has no effect; empty if it has one.
 	void add(const String &p_unused) {
-		if (source_.kind != SourceKind::random && !p_unused.is_empty()) {
+		if (!p_unused.is_empty()) {
 			problems_.push_back(name_ + String(" ") + p_unused);
 			return;
 		}
@@ -113,7 +116,10 @@ private:
 
 InstanceData ScatterLayer::instance_data() const {
 	InstanceData result = settings_.instance_data;
-	static_cast<InstanceSource &>(result.color) = used(color_value_, result.use_colors && result.colors != nullptr);
+	if (result.use_colors && color_value_.is_valid()) {
+		result.colors = color_value_->current_colors();
+	}
+	static_cast<InstanceSource &>(result.color) = used(color_value_, result.colors != nullptr);
 	static_cast<InstanceSource &>(result.variation) = used(variation_value_, result.use_custom_data);
 	return result;
 }
@@ -176,8 +182,10 @@ void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 		String unused;
 		if (!data.use_colors) {
 			unused = "is not used without use_colors.";
-		} else if (data.colors == nullptr) {
-			unused = "is not used without color_gradient: all instances are white.";
+		} else if (color_value_->get_gradient().is_null()) {
+			unused = "has no gradient: all instances are white.";
+		} else if (color_value_->get_gradient()->get_point_count() == 0) {
+			unused = "has a gradient without points: all instances are black. Add points, or clear it.";
 		}
 		ValueProblems("color_value", *color_value_.ptr(), r_problems).add(unused);
 	}
@@ -189,8 +197,6 @@ void ScatterLayer::add_source_problems(PackedStringArray &r_problems) const {
 
 void ScatterLayer::bind_sources() {
 	bind_switch<use_colors>();
-	ADD_SUBGROUP("Color", "color_");
-	bind_resource<color_gradient>();
 	bind_guarded<&ScatterLayer::set_color_value>(D_METHOD("set_color_value", "value"));
 	bind_guarded<&ScatterLayer::get_color_value>(D_METHOD("get_color_value"));
 	add_layer_property(PropertyUse::placement, value_property("color_value"), "set_color_value", "get_color_value");

@@ -58,18 +58,39 @@ void ScatterValueSource::set_randomness(double p_randomness) {
 	set_number("randomness", p_randomness, 0.0, 1.0, values_.randomness);
 }
 
-void ScatterValueSource::set_noise(const Ref<Noise> &p_noise) {
-	if (!(noise_ == p_noise)) {
-		watch(noise_.ptr(), "changed", this, "_noise_changed", false);
-		noise_ = p_noise;
-		watch(noise_.ptr(), "changed", this, "_noise_changed", true);
-		notify_property_list_changed();
-		noise_changed();
+/// `p_changed` is the method that is called whenever the content changes.
+template <class T>
+void ScatterValueSource::set_content(const Ref<T> &p_content, const char *p_changed, Ref<T> &r_own) {
+	if (r_own == p_content) {
+		return;
 	}
+	watch(r_own.ptr(), "changed", this, p_changed, false);
+	r_own = p_content;
+	watch(r_own.ptr(), "changed", this, p_changed, true);
+	notify_property_list_changed();
+	call(p_changed);
 }
+
+void ScatterValueSource::set_noise(const Ref<Noise> &p_noise) { set_content(p_noise, "_noise_changed", noise_); }
+
+void ScatterValueSource::set_gradient(const Ref<Gradient> &p_gradient) {
+	set_content(p_gradient, "_gradient_changed", gradient_);
+}
+
+void ScatterValueSource::set_curve(const Ref<Curve> &p_curve) { set_content(p_curve, "_curve_changed", curve_); }
 
 void ScatterValueSource::noise_changed() {
 	noise_is_new_ = true;
+	emit_changed();
+}
+
+void ScatterValueSource::gradient_changed() {
+	gradient_is_new_ = true;
+	emit_changed();
+}
+
+void ScatterValueSource::curve_changed() {
+	curve_is_new_ = true;
 	emit_changed();
 }
 
@@ -91,7 +112,17 @@ const InstanceSource &ScatterValueSource::current() {
 	if (std::exchange(noise_is_new_, false)) {
 		values_.noise = plain_noise_field(noise_);
 	}
+	if (std::exchange(curve_is_new_, false)) {
+		values_.curve = curve_table(curve_);
+	}
 	return values_;
+}
+
+const std::shared_ptr<const ColorTable> &ScatterValueSource::current_colors() {
+	if (std::exchange(gradient_is_new_, false)) {
+		colors_ = color_table(gradient_);
+	}
+	return colors_;
 }
 
 void ScatterValueSource::rename_layer(const String &p_from, const String &p_to) {
@@ -133,7 +164,13 @@ void ScatterValueSource::_bind_methods() {
 	bind_guarded<&Self::get_noise>(D_METHOD("get_noise"));
 	bind_guarded<&Self::set_layer>(D_METHOD("set_layer", "layer"));
 	bind_guarded<&Self::get_layer>(D_METHOD("get_layer"));
+	bind_guarded<&Self::set_gradient>(D_METHOD("set_gradient", "gradient"));
+	bind_guarded<&Self::get_gradient>(D_METHOD("get_gradient"));
+	bind_guarded<&Self::set_curve>(D_METHOD("set_curve", "curve"));
+	bind_guarded<&Self::get_curve>(D_METHOD("get_curve"));
 	bind_guarded<&Self::noise_changed>(ThreadUse::relayed, D_METHOD("_noise_changed"));
+	bind_guarded<&Self::gradient_changed>(ThreadUse::relayed, D_METHOD("_gradient_changed"));
+	bind_guarded<&Self::curve_changed>(ThreadUse::relayed, D_METHOD("_curve_changed"));
 	ADD_PROPERTY(PropertyInfo(Variant::INT, "source", PROPERTY_HINT_ENUM, "Random,Height,Slope,Noise,Rank,Distance"),
 			"set_source", "get_source");
 	ADD_PROPERTY(
@@ -147,6 +184,10 @@ void ScatterValueSource::_bind_methods() {
 			"get_max_value");
 	ADD_PROPERTY(PropertyInfo(Variant::FLOAT, "randomness", PROPERTY_HINT_RANGE, "0,1,0.001"), "set_randomness",
 			"get_randomness");
+	ADD_PROPERTY(
+			PropertyInfo(Variant::OBJECT, "curve", PROPERTY_HINT_RESOURCE_TYPE, "Curve"), "set_curve", "get_curve");
+	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "gradient", PROPERTY_HINT_RESOURCE_TYPE, "Gradient"), "set_gradient",
+			"get_gradient");
 	BIND_ENUM_CONSTANT(SOURCE_RANDOM);
 	BIND_ENUM_CONSTANT(SOURCE_HEIGHT);
 	BIND_ENUM_CONSTANT(SOURCE_SLOPE);

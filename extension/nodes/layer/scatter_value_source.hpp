@@ -1,8 +1,10 @@
 #pragma once
 
-#include "core/placement/instance_source.hpp"
+#include "core/placement/instance_data.hpp"
 #include "nodes/common/guard.hpp"
 
+#include <godot_cpp/classes/curve.hpp>
+#include <godot_cpp/classes/gradient.hpp>
 #include <godot_cpp/classes/noise.hpp>
 #include <godot_cpp/classes/ref.hpp>
 #include <godot_cpp/classes/resource.hpp>
@@ -10,6 +12,7 @@
 #include <godot_cpp/variant/variant.hpp>
 
 #include <cstdint>
+#include <memory>
 
 namespace thicket {
 
@@ -51,11 +54,21 @@ public:
 	void set_layer(const godot::Variant &p_layer);
 	godot::Variant get_layer() const;
 
-	void noise_changed();
+	/// The colors for the numbers from 0 to 1; null for white. Not used for a variation.
+	void set_gradient(const godot::Ref<godot::Gradient> &p_gradient);
+	godot::Ref<godot::Gradient> get_gradient() const { return gradient_; }
 
-	/// The current settings without their layer, with a copy of the noise, which is the same object until its content
-	/// changes.
+	/// Maps the number to the one that is used; null for the number itself.
+	void set_curve(const godot::Ref<godot::Curve> &p_curve);
+	godot::Ref<godot::Curve> get_curve() const { return curve_; }
+
+	void noise_changed();
+	void gradient_changed();
+	void curve_changed();
+
+	/// The current settings without their layer. The copy of the noise and the tables are the same objects until their content changes.
 	const InstanceSource &current();
+	const std::shared_ptr<const ColorTable> &current_colors();
 
 	/// The layer as it is stored: a name, an index, or the layer itself if it had no name.
 	const godot::Variant &stored_layer() const { return layer_; }
@@ -71,11 +84,18 @@ protected:
 
 private:
 	void set_number(const char *p_property, double p_value, double p_min, double p_max, double &r_value);
+	template <class T>
+	void set_content(const godot::Ref<T> &p_content, const char *p_changed, godot::Ref<T> &r_own);
 
 	InstanceSource values_;
+	std::shared_ptr<const ColorTable> colors_;
 	godot::Ref<godot::Noise> noise_;
+	godot::Ref<godot::Gradient> gradient_;
+	godot::Ref<godot::Curve> curve_;
 	godot::Variant layer_ = godot::String();
-	bool noise_is_new_ = false; ///< The copy in `values_` is out of date.
+	bool noise_is_new_ = false; ///< What was made from it is out of date.
+	bool gradient_is_new_ = false;
+	bool curve_is_new_ = false;
 };
 
 } // namespace thicket
