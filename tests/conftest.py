@@ -69,6 +69,13 @@ def pytest_addoption(parser: pytest.Parser):
     parser.addoption("--full", action="store_true", help="also run slow tests, with the marker full")
 
 
+def pytest_configure():
+    """Each worker has its own cache folder for Godot. With a common one, an editor may read documentation that another is writing."""
+    os.environ["THICKET_CACHE"] = str(CACHE)
+    os.environ["XDG_CACHE_HOME"] = str(CACHE / "engine" / os.environ.get("PYTEST_XDIST_WORKER", "alone"))
+    os.makedirs(os.environ["XDG_CACHE_HOME"], exist_ok=True)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]):
     """Removes tests with the marker full, unless --full is given. Orders the tests for several workers: first whole files, then spread
