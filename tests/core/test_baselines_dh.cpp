@@ -1,7 +1,7 @@
 // Baselines after Dunbar and Humphreys. Checks the least distance and maximality of whole sets on the torus exactly,
 // the geometry of scalloped sectors by quadrature, and the law of the sets against darts that share no code with them.
 
-#include "tests/analysis/domain_checks.hpp"
+#include "tests/analysis/baseline_check.hpp"
 #include "tests/analysis/naive_darts.hpp"
 #include "tests/bench/baselines/boundary_sampling.hpp"
 #include "tests/bench/baselines/scalloped_sectors.hpp"
@@ -20,8 +20,8 @@
 #include <vector>
 
 using namespace thicket;
-using analysis::DomainCheck;
-using analysis::DomainReport;
+using analysis::BaselineCheck;
+using analysis::BaselineReport;
 using bench::Disk;
 using bench::ScallopedSector;
 
@@ -30,8 +30,8 @@ namespace {
 /// The smallest accepted side, grid cells of the smallest width, and larger sizes.
 constexpr double sides[] = {11.0, 12.0, 17.3, 38.0, 90.0};
 
-DomainReport check_torus(const std::vector<glm::dvec2> &points, double side, double tolerance) {
-	return DomainCheck::run(points, {.size = glm::dvec2(side), .toroidal = true, .tolerance = tolerance});
+BaselineReport check_torus(const std::vector<glm::dvec2> &points, double side, double tolerance) {
+	return BaselineCheck::run(points, {.size = glm::dvec2(side), .toroidal = true, .tolerance = tolerance});
 }
 
 template <typename Sampler>
@@ -43,7 +43,7 @@ void check_sets(double tolerance) {
 			CAPTURE(side);
 			CAPTURE(seed);
 			sampler.sample(side, seed, points);
-			const DomainReport report = check_torus(points, side, tolerance);
+			const BaselineReport report = check_torus(points, side, tolerance);
 			CHECK(report.outside == 0);
 			CHECK(report.too_close == 0);
 			CHECK(report.gaps == 0);
@@ -109,7 +109,7 @@ std::vector<glm::dvec2> darts_within_two(double side, std::uint64_t seed) {
 		const glm::dvec2 shortest(std::min(dx, side - dx), std::min(dy, side - dy));
 		return shortest.x * shortest.x + shortest.y * shortest.y;
 	};
-	while (DomainCheck::run(points, {.size = glm::dvec2(side), .radius = 2.0, .toroidal = true}).gaps > 0) {
+	while (BaselineCheck::run(points, {.size = glm::dvec2(side), .radius = 2.0, .toroidal = true}).gaps > 0) {
 		for (int i = 0; i < throws; ++i) {
 			const double x = coordinate(random);
 			const glm::dvec2 dart(x, coordinate(random));
@@ -312,7 +312,7 @@ TEST_CASE("baselines: the domain check finds a missing point, an extra point and
 	const std::vector<glm::dvec2> points = analysis::NaiveDarts(side, 9).run();
 	REQUIRE(check_torus(points, side, 1e-9).perfect());
 	// Without the seam the border is open.
-	CHECK(DomainCheck::run(points, {.size = glm::dvec2(side)}).gaps > 0);
+	CHECK(BaselineCheck::run(points, {.size = glm::dvec2(side)}).gaps > 0);
 	for (std::size_t i = 0; i < points.size(); ++i) {
 		std::vector<glm::dvec2> changed = points;
 		changed.erase(changed.begin() + static_cast<std::ptrdiff_t>(i));
@@ -338,10 +338,10 @@ TEST_CASE("baselines: the domain check works in the points' own unit and on rect
 	const glm::dvec2 size(27.0, 15.0);
 	const double covering = 1.5 * std::numbers::sqrt2;
 	for (const bool toroidal : {false, true}) {
-		CHECK(DomainCheck::run(points, {.size = size, .radius = covering, .toroidal = toroidal}).gaps == 0);
-		CHECK(DomainCheck::run(points, {.size = size, .radius = 0.999 * covering, .toroidal = toroidal}).gaps > 0);
-		CHECK(DomainCheck::run(points, {.size = size, .radius = 3.0, .toroidal = toroidal}).too_close == 0);
-		const DomainReport close = DomainCheck::run(points, {.size = size, .radius = 3.001, .toroidal = toroidal});
+		CHECK(BaselineCheck::run(points, {.size = size, .radius = covering, .toroidal = toroidal}).gaps == 0);
+		CHECK(BaselineCheck::run(points, {.size = size, .radius = 0.999 * covering, .toroidal = toroidal}).gaps > 0);
+		CHECK(BaselineCheck::run(points, {.size = size, .radius = 3.0, .toroidal = toroidal}).too_close == 0);
+		const BaselineReport close = BaselineCheck::run(points, {.size = size, .radius = 3.001, .toroidal = toroidal});
 		CHECK(close.too_close == (toroidal ? 90 : 76));
 		CHECK(close.least_squared == 9.0);
 	}

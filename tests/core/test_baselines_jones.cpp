@@ -3,7 +3,7 @@
 // fail to build.
 #if __has_include(<CGAL/version.h>)
 
-#include "tests/analysis/domain_checks.hpp"
+#include "tests/analysis/baseline_check.hpp"
 #include "tests/bench/baselines/voronoi_darts.hpp"
 
 #include <doctest/doctest.h>
@@ -113,7 +113,7 @@ TEST_CASE("jones: on tori of any side, points keep their distance and leave no g
 	for (const double side : {4.0, 4.7, 6.0, 9.99, 25.3, 120.0}) {
 		CAPTURE(side);
 		const std::vector<glm::dvec2> points = sample(side, 11);
-		const analysis::DomainReport report = analysis::DomainCheck::run(
+		const analysis::BaselineReport report = analysis::BaselineCheck::run(
 				points, {.size = glm::dvec2(side), .toroidal = true, .tolerance = 2.0 * FreeCell::tolerance});
 		CHECK(report.outside == 0);
 		CHECK(report.too_close == 0);

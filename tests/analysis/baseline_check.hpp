@@ -22,8 +22,8 @@ struct CheckedDomain {
 	double tolerance = 1e-9; ///< In radii, 1e-12 to 0.1: excess over a radius that still counts as covered.
 };
 
-/// The results of `DomainCheck`.
-struct DomainReport {
+/// The results of `BaselineCheck`.
+struct BaselineReport {
 	std::uint64_t outside = 0;   ///< Points outside of the domain. They are ignored otherwise.
 	std::uint64_t too_close = 0; ///< Pairs whose squared distance, computed in double precision, is below radius^2.
 	std::uint64_t gaps = 0; ///< Cells, about as large as a radius, with a position farther than that from all points.
@@ -40,10 +40,10 @@ struct DomainReport {
 /// center is more than a radius from every point is a gap, and any other is split. A square narrower than the tolerance
 /// is one or the other. So there are two outcomes: without a gap, every position has a point within 1 + tolerance
 /// radii; with a gap, a point is missing. Time grows with the number of points and the logarithm of the tolerance.
-class DomainCheck {
+class BaselineCheck {
 public:
-	static DomainReport run(std::span<const glm::dvec2> points, const CheckedDomain &domain) {
-		DomainCheck check(domain);
+	static BaselineReport run(std::span<const glm::dvec2> points, const CheckedDomain &domain) {
+		BaselineCheck check(domain);
 		check.enter(points);
 		check.check_pairs();
 		check.check_places();
@@ -67,9 +67,9 @@ private:
 	glm::dvec2 cell_size_;
 	std::vector<glm::dvec2> points_; ///< Sorted by cell.
 	std::vector<std::size_t> cell_begin_;
-	DomainReport report_;
+	BaselineReport report_;
 
-	explicit DomainCheck(const CheckedDomain &domain) :
+	explicit BaselineCheck(const CheckedDomain &domain) :
 			domain_(domain), radius_squared_(domain.radius * domain.radius),
 			reach_(domain.radius * (1.0 + domain.tolerance)), cells_(glm::max(glm::ivec2(domain.size / reach_), 1)),
 			cell_size_(domain.size / glm::dvec2(cells_)) {}
