@@ -7,6 +7,7 @@ import os
 import platform
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -130,13 +131,19 @@ def pytest_runtest_protocol(item: pytest.Item):
 
 def run(command: list[str | Path], timeout: float, **options) -> subprocess.CompletedProcess[str]:
     """Runs a command to its end, with text output and without standard input. A command that takes longer than `timeout` seconds is
-    killed and fails the test with its output."""
-    options = {"capture_output": True, "text": True, "errors": "replace", "stdin": subprocess.DEVNULL, **options}
-    try:
-        return subprocess.run([str(part) for part in command], timeout=timeout, check=False, **options)
-    except subprocess.TimeoutExpired as expired:
-        printed = b"".join(text for text in (expired.stdout, expired.stderr) if text).decode(errors="replace")
-        pytest.fail(f"{command[0]} ran longer than {timeout} s; its output:\n{printed[-4000:]}", pytrace=False)
+    killed together with the programs that it has started, and fails the test with its output."""
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "errors": "replace", "stdin": subprocess.DEVNULL, **options}
+    arguments = [str(part) for part in command]
+    with subprocess.Popen(arguments, start_new_session=True, **options) as process:
+        try:
+            printed = process.communicate(timeout=timeout)
+        except BaseException as failure:
+            os.killpg(process.pid, signal.SIGKILL) if hasattr(os, "killpg") else process.kill()
+            if not isinstance(failure, subprocess.TimeoutExpired):
+                raise
+            printed = "".join(text for text in process.communicate() if text)
+            pytest.fail(f"{arguments[0]} ran longer than {timeout} s; its output:\n{printed[-4000:]}", pytrace=False)
+    return subprocess.CompletedProcess(arguments, process.returncode, *printed)
 
 
 def in_godots_root(command: list[str | Path], timeout: float) -> subprocess.CompletedProcess[str]:
