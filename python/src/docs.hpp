@@ -31,6 +31,26 @@ The order of the points does not matter. The engine's own tests use the same dig
 
 Raises MemoryError if 8 bytes for each point cannot be allocated.)";
 
+#define THICKET_VECTORS "typing.Annotated[numpy.typing.NDArray[numpy.float64], dict(shape=(None, 3))]"
+
+inline constexpr const char *surface_points = R"(The points of a set on a surface, returned by :func:`sample_surface`.
+
+All arrays are read-only views into one block of memory without copies. Each array keeps that memory alive. Entry i of
+every array belongs to the same point.)";
+
+inline constexpr const char *surface_positions =
+		R"(float64 of shape (n, 3): the position of each point in meters, on the surface up to rounding (radius / 1.8 million).)";
+
+inline constexpr const char *surface_normals =
+		R"(float64 of shape (n, 3): the unit normal of the face, on the side from which its vertices run counterclockwise.)";
+
+inline constexpr const char *surface_ids =
+		R"(uint64 of shape (n,): permanent ids: 16 bits of layer, and 16 each of the x, y and z of the point's cell, a cube with a side
+of radius / sqrt(3). Cells repeat after 65,536 along each axis.)";
+
+inline constexpr const char *surface_faces =
+		R"(uint32 of shape (n,): the face of each point, an index in the argument `faces` of sample_surface().)";
+
 inline constexpr const char *cancel =
 		R"(Cancels calls from other threads: pass it to a call, and cancel it from any thread.
 
@@ -70,6 +90,42 @@ Args:
 
 Raises:
     ValueError: an argument is out of range, or there are more than 1e8 points; the message has the argument and its value.
+    MemoryError: the points do not fit into memory.
+    Cancelled: `cancel` was cancelled.)";
+
+#define THICKET_ARRAY(type) "typing.Annotated[numpy.typing.NDArray[numpy." type "], dict(shape=(None, 3))]"
+
+inline constexpr const char *sample_surface_type =
+		"def sample_surface(vertices: " THICKET_ARRAY("floating") ", faces: " THICKET_ARRAY("integer") ", radius: float, "
+		"seed: typing.SupportsIndex = 0, *, window: " THICKET_NUMBERS " | None = None, levels: int = 1, layer: int = 0, "
+		THICKET_WATCHED ") -> SurfacePoints";
+
+#undef THICKET_ARRAY
+
+inline constexpr const char *sample_surface =
+		R"(Returns the points of a Poisson-disk set on triangles in space: no two are closer than the radius in a straight line, and
+no point of the surface could be added.
+
+The points depend on where the surface is, not on how it is divided into triangles, and are even by area in every direction.
+Seed, radius, levels and layer determine the set of a surface. A point is bit-identical in every window that contains it, on
+every machine. Takes O(points + triangles) time, and releases the interpreter's lock. The method is that of Cline, Jeschke,
+White, Razdan and Wonka, Dart Throwing on Surfaces (2009), with darts that belong to cells of space.
+
+Args:
+    vertices: array of shape (n, 3), in meters; converted to float64.
+    faces: integer array of shape (m, 3): for each triangle, the indices of its three vertices. Triangles may lie in any
+        arrangement, with any number of sheets above each other.
+    radius: the minimum distance of two points in meters; 0.001 to 1e6.
+    seed: any 64 bits, signed or not: -1 and 2**64 - 1 are the same seed.
+    window: (min_x, min_y, min_z, max_x, max_y, max_z) in meters, half-open; None for the whole surface.
+    levels: the levels of the progressive order, 1 to 8. 1 is plain dart throwing, and the fastest.
+    layer: 0 to 65535; part of the ids. Different layers are different sets.
+    progress, cancel: as in sample().
+
+Raises:
+    TypeError: vertices or faces is not an array of shape (n, 3) on the CPU.
+    ValueError: an argument is out of range, a vertex is not finite, a face has no such vertex, or there are more than 1e8
+        points; the message has the argument and its value.
     MemoryError: the points do not fit into memory.
     Cancelled: `cancel` was cancelled.)";
 

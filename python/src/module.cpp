@@ -8,9 +8,11 @@
 #include "core/sampling/domain/domain_sampler.hpp"
 #include "core/sampling/set_digest.hpp"
 #include "core/sampling/tile_sampler.hpp"
+#include "core/surface/surface_sampler.hpp"
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
@@ -20,6 +22,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -31,35 +34,41 @@ namespace thicket::python {
 
 namespace {
 
-/// The points of a set in a rectangle. Arrays are views into `points`, and keep this object alive.
-struct Points {
-	std::vector<SamplePoint> points;
+/// The points of a set. Arrays are views into `points`, and keep this object alive.
+template <typename Point>
+struct PointList {
+	std::vector<Point> points;
+
+	/// The first point, or a dummy if there is none, because an array needs an address.
+	const Point *first() const {
+		static const Point none{};
+		return points.empty() ? &none : points.data();
+	}
 };
+using Points = PointList<SamplePoint>;
+using SurfacePoints = PointList<SurfacePoint>;
 
 template <typename Number>
 using Column = nb::ndarray<nb::numpy, const Number, nb::ndim<1>>;
-template <typename Real>
-using Positions = nb::ndarray<nb::numpy, const Real, nb::shape<-1, 2>>;
-
-/// The first point, or a dummy if there is none, because an array needs an address.
-const SamplePoint *first_of(const std::vector<SamplePoint> &points) {
-	static const SamplePoint none{};
-	return points.empty() ? &none : points.data();
-}
+template <typename Real, nb::ssize_t axes = 2>
+using Positions = nb::ndarray<nb::numpy, const Real, nb::shape<-1, axes>>;
 
 /// One member of all points, as an array with the stride of a point.
-template <typename Number>
-Column<Number> column(nb::handle_t<Points> self, const Number SamplePoint::*member) {
-	static_assert(sizeof(SamplePoint) % sizeof(Number) == 0);
-	const std::vector<SamplePoint> &points = nb::cast<const Points &>(self).points;
-	const Number *first = &(first_of(points)->*member);
-	return Column<Number>(first, {points.size()}, self, {sizeof(SamplePoint) / sizeof(Number)});
+template <typename Point, typename Number>
+Column<Number> column(nb::handle_t<PointList<Point>> self, const Number Point::*member) {
+	static_assert(sizeof(Point) % sizeof(Number) == 0);
+	const auto &list = nb::cast<const PointList<Point> &>(self);
+	return Column<Number>(&(list.first()->*member), {list.points.size()}, self, {sizeof(Point) / sizeof(Number)});
 }
 
-Positions<double> positions(nb::handle_t<Points> self) {
-	const std::vector<SamplePoint> &points = nb::cast<const Points &>(self).points;
-	const double *first = &first_of(points)->position.x;
-	return Positions<double>(first, {points.size(), 2}, self, {sizeof(SamplePoint) / sizeof(double), 1});
+/// The same for a vector.
+template <typename Point, int axes>
+Positions<double, axes> vectors(
+		nb::handle_t<PointList<Point>> self, const glm::vec<axes, double> Point::*member) {
+	static_assert(sizeof(Point) % sizeof(double) == 0);
+	const auto &list = nb::cast<const PointList<Point> &>(self);
+	return Positions<double, axes>(
+			&(list.first()->*member).x, {list.points.size(), axes}, self, {sizeof(Point) / sizeof(double), 1});
 }
 
 /// Moves a list into an array, which owns it.
@@ -143,15 +152,19 @@ private:
 
 constexpr int max_threads = 256;
 
-Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t levels, std::int64_t layer,
-		std::int64_t threads, nb::object progress, const Cancel *cancel) {
+PointSet set_of(double radius, nb::handle seed, std::int64_t levels, std::int64_t layer) {
 	require(first_failure(check_range("levels", static_cast<double>(levels), 1, max_levels),
-			check_range("layer", static_cast<double>(layer), 0, std::numeric_limits<std::uint16_t>::max()),
-			check_range("threads", static_cast<double>(threads), 0, max_threads)));
-	const PointSet set{.seed = seed_of(seed),
+			check_range("layer", static_cast<double>(layer), 0, std::numeric_limits<std::uint16_t>::max())));
+	return {.seed = seed_of(seed),
 			.radius = radius,
 			.levels = static_cast<std::uint32_t>(levels),
 			.layer = static_cast<std::uint16_t>(layer)};
+}
+
+Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t levels, std::int64_t layer,
+		std::int64_t threads, nb::object progress, const Cancel *cancel) {
+	const PointSet set = set_of(radius, seed, levels, layer);
+	require(check_range("threads", static_cast<double>(threads), 0, max_threads));
 	const auto [min_x, min_y, max_x, max_y] =
 			numbers<4>(rect, "rect must be four numbers, (min_x, min_y, max_x, max_y)");
 	Watcher watcher(std::move(progress), cancel);
@@ -163,6 +176,54 @@ Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t leve
 		OwnThreads others(threads > 0 ? static_cast<std::size_t>(threads) - 1 : OwnThreads::spare());
 		status =
 				lease.sampler().sample(set, {{min_x, min_y}, {max_x, max_y}}, made.points, watcher.progress(), &others);
+	}
+	watcher.finish(status, describe(status), made.points.size());
+	return made;
+}
+
+template <typename Number>
+using Triples = nb::ndarray<const Number, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+/// The vertices that each face refers to, three a face.
+std::vector<std::uint32_t> indices_of(const Triples<std::int64_t> &faces, std::size_t vertices) {
+	const std::span<const std::int64_t> all(faces.data(), 3 * faces.shape(0));
+	std::vector<std::uint32_t> indices;
+	indices.reserve(all.size());
+	for (const std::int64_t index : all) {
+		if (index < 0 || static_cast<std::uint64_t>(index) >= vertices) {
+			refuse("faces must have indices of vertices, 0 to " + std::to_string(static_cast<std::int64_t>(vertices) - 1) +
+					", got " + std::to_string(index));
+		}
+		indices.push_back(static_cast<std::uint32_t>(index));
+	}
+	return indices;
+}
+
+SurfacePoints sample_surface(const Triples<double> &vertices, const Triples<std::int64_t> &faces, double radius,
+		nb::handle seed, const std::optional<nb::object> &window, std::int64_t levels, std::int64_t layer,
+		nb::object progress, const Cancel *cancel) {
+	const PointSet set = set_of(radius, seed, levels, layer);
+	Box3 box;
+	if (window) {
+		const auto [min_x, min_y, min_z, max_x, max_y, max_z] =
+				numbers<6>(*window, "window must be six numbers, (min_x, min_y, min_z, max_x, max_y, max_z)");
+		box = {{min_x, min_y, min_z}, {max_x, max_y, max_z}};
+	}
+	const auto *first = reinterpret_cast<const glm::dvec3 *>(vertices.data());
+	std::vector<glm::dvec3> corners(first, first + vertices.shape(0));
+	std::vector<std::uint32_t> indices = indices_of(faces, corners.size());
+	Watcher watcher(std::move(progress), cancel);
+	SurfacePoints made;
+	Status status;
+	{
+		const nb::gil_scoped_release unlocked;
+		std::shared_ptr<const Surface> surface;
+		status = Surface::create(std::move(corners), std::move(indices), surface);
+		if (status.ok()) {
+			SurfaceSampler sampler;
+			status = window ? sampler.sample(set, *surface, box, made.points, watcher.progress())
+							: sampler.sample_all(set, *surface, made.points, watcher.progress());
+		}
 	}
 	watcher.finish(status, describe(status), made.points.size());
 	return made;
@@ -234,7 +295,9 @@ void bind_points(nb::module_ &module) {
 					[](const Points &self) {
 						return "<thicket.Points of " + std::to_string(self.points.size()) + " points>";
 					})
-			.def_prop_ro("positions", &positions, nb::sig(doc::positions_type), doc::positions)
+			.def_prop_ro(
+					"positions", [](nb::handle_t<Points> self) { return vectors(self, &SamplePoint::position); },
+					nb::sig(doc::positions_type), doc::positions)
 			.def_prop_ro(
 					"ids", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::id); },
 					nb::sig("def ids(self) -> numpy.typing.NDArray[numpy.uint64]"), doc::ids)
@@ -247,8 +310,39 @@ void bind_points(nb::module_ &module) {
 			.def("digest", &digest_of_points, doc::digest);
 }
 
+void bind_surface_points(nb::module_ &module) {
+	using Self = nb::handle_t<SurfacePoints>;
+	nb::class_<SurfacePoints>(module, "SurfacePoints", doc::surface_points)
+			.def("__len__", [](const SurfacePoints &self) { return self.points.size(); })
+			.def("__repr__",
+					[](const SurfacePoints &self) {
+						return "<thicket.SurfacePoints of " + std::to_string(self.points.size()) + " points>";
+					})
+			.def_prop_ro(
+					"positions", [](Self self) { return vectors(self, &SurfacePoint::position); },
+					nb::sig("def positions(self) -> " THICKET_VECTORS), doc::surface_positions)
+			.def_prop_ro(
+					"normals", [](Self self) { return vectors(self, &SurfacePoint::normal); },
+					nb::sig("def normals(self) -> " THICKET_VECTORS), doc::surface_normals)
+			.def_prop_ro(
+					"ids", [](Self self) { return column(self, &SurfacePoint::id); },
+					nb::sig("def ids(self) -> numpy.typing.NDArray[numpy.uint64]"), doc::surface_ids)
+			.def_prop_ro(
+					"ranks", [](Self self) { return column(self, &SurfacePoint::rank); },
+					nb::sig("def ranks(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::ranks)
+			.def_prop_ro(
+					"levels", [](Self self) { return column(self, &SurfacePoint::level); },
+					nb::sig("def levels(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::levels)
+			.def_prop_ro(
+					"faces", [](Self self) { return column(self, &SurfacePoint::triangle); },
+					nb::sig("def faces(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::surface_faces);
+}
+
 void bind_functions(nb::module_ &module) {
 	using nb::literals::operator""_a;
+	module.def("sample_surface", &sample_surface, "vertices"_a, "faces"_a, "radius"_a, "seed"_a = 0, nb::kw_only(),
+			"window"_a = nb::none(), "levels"_a = 1, "layer"_a = 0, "progress"_a = nb::none(), "cancel"_a = nb::none(),
+			nb::sig(doc::sample_surface_type), doc::sample_surface);
 	module.def("sample", &sample, "rect"_a, "radius"_a, "seed"_a = 0, nb::kw_only(), "levels"_a = 1, "layer"_a = 0,
 			"threads"_a = 1, "progress"_a = nb::none(), "cancel"_a = nb::none(), nb::sig(doc::sample_type),
 			doc::sample);
@@ -280,5 +374,6 @@ NB_MODULE(_core, module) {
 	nb::exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError).attr("__doc__") =
 			"A call was ended by its Cancel.";
 	bind_points(module);
+	bind_surface_points(module);
 	bind_functions(module);
 }

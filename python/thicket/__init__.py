@@ -1,12 +1,13 @@
 """Exact Poisson-disk point sets, infinite and bounded, as NumPy arrays.
 
 sample() returns a window of an infinite set, which seed and radius determine. sample_domain() fills a rectangle with a set of its own.
+sample_surface() returns the set of any surface, from triangles in space.
 Lengths are in meters. All functions are thread-safe, and release the GIL while they work.
 """
 
 from importlib.metadata import version as _version
 
-from ._core import Cancel, Cancelled, Points, domain_digest, sample, sample_domain
+from ._core import Cancel, Cancelled, Points, SurfacePoints, domain_digest, sample, sample_domain, sample_surface
 
 __version__: str = _version("thicket")
-__all__ = ["Cancel", "Cancelled", "Points", "domain_digest", "sample", "sample_domain"]
+__all__ = ["Cancel", "Cancelled", "Points", "SurfacePoints", "domain_digest", "sample", "sample_domain", "sample_surface"]

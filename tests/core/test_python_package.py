@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from conftest import REPO, WHEEL_VENV, run
 from golden.cases import DOMAINS, SETS
+from scipy.spatial import cKDTree
 
 PAGE = (REPO / "python/README.md").read_text(encoding="utf-8")
 
@@ -78,6 +79,61 @@ def test_domains(thicket, one, precision):
     assert (positions >= 0).all() and (positions < one.size).all()
 
 
+def ball(radius: float, rings: int) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and faces of a sphere around the origin, whose faces run counterclockwise seen from outside."""
+    down, around = np.meshgrid(np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings, endpoint=False), indexing="ij")
+    vertices = radius * np.stack([np.sin(down) * np.cos(around), np.sin(down) * np.sin(around), np.cos(down)], axis=-1).reshape(-1, 3)
+    row, column = np.divmod(np.arange(rings * 2 * rings), 2 * rings)
+    corners = [(row + step) * 2 * rings + (column + right) % (2 * rings) for step, right in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    return vertices, np.concatenate([np.stack(corners[:3], axis=1), np.stack([corners[0], corners[2], corners[3]], axis=1)])
+
+
+def on_faces(vertices: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
+    """Random positions on triangles, uniform by area."""
+    random = np.random.default_rng(5)
+    corners = vertices[faces]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    chosen = corners[random.choice(len(faces), count, p=area / area.sum())]
+    u, v = random.random((2, count, 1))
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    return chosen[:, 0] + u * (chosen[:, 1] - chosen[:, 0]) + v * (chosen[:, 2] - chosen[:, 0])
+
+
+def test_points_on_a_surface(thicket):
+    """No two points are too close, no point fits in between, and each lies on its face."""
+    vertices, faces = ball(12.0, 24)
+    points = thicket.sample_surface(vertices, faces, 1.0, 3, layer=7)
+    count = len(points)
+    tree = cKDTree(points.positions)
+    assert tree.query(points.positions, k=2)[0][:, 1].min() >= 1.0 - 1e-6
+    assert tree.query(on_faces(vertices, faces, 100_000))[0].max() <= 1.0 + 1e-4
+    assert 0.52 < count * np.pi / 4 / (4 * np.pi * 12.0**2) < 0.58, "the share that disks of half the radius cover"
+    assert len(np.unique(points.ids)) == count and (points.ids >> np.uint64(48) == 7).all()
+    corners = vertices[faces[points.faces]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.abs(points.normals - normals / np.linalg.norm(normals, axis=1, keepdims=True)).max() < 1e-9
+    assert np.abs(((points.positions - corners[:, 0]) * points.normals).sum(axis=1)).max() < 1e-6
+    assert ((points.positions * points.normals).sum(axis=1) > 11.0).all(), "normals point outward"
+
+
+def test_windows_of_a_surface_fit_together(thicket):
+    vertices, faces = ball(12.0, 24)
+    whole = thicket.sample_surface(vertices, faces, 1.0, 3, levels=3)
+    assert set(whole.levels) == {0, 1, 2} and (np.diff(whole.levels[np.argsort(whole.ranks)].astype(int)) <= 0).all()
+    halves = [
+        thicket.sample_surface(vertices.astype(np.float64), faces.astype(kind), 1.0, 3, levels=3, window=window)
+        for kind, window in ((np.int32, (-50, -50, -50, 2.5, 50, 50)), (np.uint32, np.array([2.5, -50, -50, 50, 50, 50])))
+    ]
+    assert all(len(half) > 100 for half in halves) and len(halves[0]) + len(halves[1]) == len(whole)
+    found = {number: place.tobytes() for half in halves for number, place in zip(half.ids, half.positions, strict=True)}
+    assert found == {number: place.tobytes() for number, place in zip(whole.ids, whole.positions, strict=True)}
+
+
+def test_points_on_a_surface_without_faces(thicket):
+    points = thicket.sample_surface(np.zeros((3, 3)), np.zeros((0, 3), int), 1.0)
+    assert len(points) == 0 and points.positions.shape == points.normals.shape == (0, 3)
+
+
 def test_nothing_is_copied(thicket):
     """All arrays are views into one block of memory, which lives as long as any of them."""
     points = thicket.sample((0, 0, 300, 300), 1.0)
@@ -92,6 +148,11 @@ def test_nothing_is_copied(thicket):
     del points
     others = [thicket.sample((0, 0, 300, 300), 1.0, seed) for seed in range(1, 4)]
     assert (kept == copied).all() and all(len(other) for other in others)
+    surface = thicket.sample_surface(*ball(5.0, 9), 1.0)
+    start = surface.positions.ctypes.data
+    assert surface.positions.strides == (72, 8) and surface.ids.strides == (72,) and surface.faces.strides == (72,)
+    assert [array.ctypes.data - start for array in (surface.normals, surface.ids, surface.ranks, surface.levels, surface.faces)] == [24, 48, 56, 60, 64]
+    assert not surface.normals.flags.owndata and not surface.normals.flags.writeable
     domain = thicket.sample_domain((300, 300), 1.0)
     assert not domain.flags.owndata and not domain.flags.writeable
     tail = domain[-5:]
@@ -155,14 +216,26 @@ REFUSED = [
     ("sample_domain", {"precision": "half"}, ValueError, "precision must be 'single' or 'double', got 'half'"),
     ("sample_domain", {"cell_size": -1.0}, ValueError, "cell_size must be between 0 and 1000, got -1"),
     ("sample_domain", {"darts_each": 0.0}, ValueError, "darts_each must be between 1 and 1000000, got 0"),
+    ("sample_surface", {"radius": 0.0}, ValueError, "radius must be positive, got 0"),
+    ("sample_surface", {"levels": 9}, ValueError, "levels must be between 1 and 8, got 9"),
+    ("sample_surface", {"faces": np.array([[0, 1, 3]])}, ValueError, "faces must have indices of vertices, 0 to 2, got 3"),
+    ("sample_surface", {"faces": np.array([[0, 1, -1]])}, ValueError, "faces must have indices of vertices, 0 to 2, got -1"),
+    ("sample_surface", {"vertices": np.array([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]])}, ValueError, "vertices must be finite, got nan"),
+    ("sample_surface", {"window": (0, 0, 0)}, TypeError, "window must be six numbers, (min_x, min_y, min_z, max_x, max_y, max_z), got (0, 0, 0)"),
+    ("sample_surface", {"window": (0, 0, 0, 1, -1, 1)}, ValueError, "window ends before it starts, got -1"),
+    ("sample_surface", {"vertices": np.zeros((3, 2))}, TypeError, "sample_surface(): incompatible function arguments"),
 ]
+GOOD = {
+    "sample": {"rect": (0, 0, 9, 9)},
+    "sample_domain": {"size": (9, 9)},
+    "sample_surface": {"vertices": np.eye(3), "faces": np.array([[0, 1, 2]])},
+}
 
 
 @pytest.mark.parametrize(("name", "wrong", "error", "sentence"), REFUSED)
 def test_arguments_that_the_core_refuses_raise(thicket, name, wrong, error, sentence):
-    good = {"radius": 1.0, **({"rect": (0, 0, 9, 9)} if name == "sample" else {"size": (9, 9)})}
     with pytest.raises(error) as raised:
-        getattr(thicket, name)(**{**good, **wrong})
+        getattr(thicket, name)(**{"radius": 1.0, **GOOD[name], **wrong})
     assert str(raised.value).startswith(sentence)
 
 
@@ -194,6 +267,7 @@ LONG = {
     "sample": lambda thicket, **watched: thicket.sample((0, 0, 2500, 2500), 1.0, **watched),
     "sample by threads": lambda thicket, **watched: thicket.sample((0, 0, 4000, 2500), 1.0, threads=3, **watched),
     "sample_domain": lambda thicket, **watched: thicket.sample_domain((1500, 1500), 1.0, **watched),
+    "sample_surface": lambda thicket, **watched: thicket.sample_surface(*ball(80.0, 99), 1.0, **watched),
 }
 
 
@@ -297,10 +371,10 @@ def test_types_and_docstrings(thicket):
     assert set(thicket.__all__) == set(declared)
     for name in thicket.__all__:
         assert len(inspect.getdoc(getattr(thicket, name))) > 20, name
-    for name in ("sample", "sample_domain"):
+    for name in ("sample", "sample_domain", "sample_surface"):
         words = inspect.getdoc(getattr(thicket, name))
         for argument in (*declared[name].args.args, *declared[name].args.kwonlyargs):
             assert argument.annotation and re.search(rf"^ +(\w+, )*{argument.arg}[:,]", words, re.MULTILINE), argument.arg
         assert "meters" in words and all(f"{error}:" in words for error in ("ValueError", "MemoryError", "Cancelled"))
-    for node in filter(lambda each: isinstance(each, ast.FunctionDef), declared["Points"].body):
+    for node in filter(lambda each: isinstance(each, ast.FunctionDef), declared["Points"].body + declared["SurfacePoints"].body):
         assert node.returns and (node.name.startswith("__") or len(ast.get_docstring(node) or "") > 20), node.name

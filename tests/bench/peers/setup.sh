@@ -1,7 +1,9 @@
-# Installs and builds the samplers of other projects that the benches compare with. tests/bench/figures.sh sources this.
+# Installs and builds the samplers of other projects that the benches compare with. tests/bench/figures.sh and surfaces.sh source this.
 #   setup_peers_python   the packages of requirements.txt, in their own virtual environment in the cache folder
 #   setup_peers_rust     builds build/peers/faster_poisson, with the installed cargo if it is new enough
 #   peers_python         prints the Python that runs run_python_peer.py
+#   setup_peers_surface  the packages of surface_requirements.txt, in their own virtual environment
+#   peers_surface_python prints the Python that runs surfaces.py
 # Each prints its actions, and does nothing if everything is installed. If one cannot do its work, it prints the reason
 # and fails, and the benches continue without that peer.
 
@@ -15,24 +17,32 @@ peers_python() {
 	echo "$(cache_folder)/peers/bin/python"
 }
 
+peers_surface_python() {
+	echo "$(cache_folder)/peers_surface/bin/python"
+}
+
 setup_peers_python() {
-	local venv stamp wanted missing=()
-	venv=$(cache_folder)/peers
-	stamp=$venv/complete
-	wanted=$(cat "$peers_folder/requirements.txt")
-	if [[ -f $stamp && $(<"$stamp") == "$wanted" && -x $(peers_python) ]]; then
-		return
-	fi
+	setup_peers_venv "$(cache_folder)/peers" requirements.txt
+}
+
+setup_peers_surface() {
+	setup_peers_venv "$(cache_folder)/peers_surface" surface_requirements.txt
+}
+
+# setup_peers_venv FOLDER REQUIREMENTS: makes a virtual environment, unless it has these packages already.
+setup_peers_venv() {
+	local venv=$1 wanted missing=()
+	wanted=$(cat "$peers_folder/$2")
+	! has_venv "$venv" "$wanted" || return 0
 	python3 -c 'import venv, ensurepip' 2>/dev/null || missing+=(python3 python3-venv)
 	install_packages "to compare with Python packages" "${missing[@]}" || return
 	say "creating a Python environment for the samplers to compare with in $venv"
 	mkdir -p "$venv" && python3 -m venv --clear "$venv" || return
-	if ! "$(peers_python)" -m pip install --quiet --disable-pip-version-check --only-binary :all: \
-		--requirement "$peers_folder/requirements.txt"; then
-		say "hdt_sampling and scipy could not be installed for $("$(peers_python)" --version): continuing without them"
+	if ! "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --only-binary :all: --requirement "$peers_folder/$2"; then
+		say "$(tr '\n' ' ' <"$peers_folder/$2")could not be installed for $("$venv/bin/python" --version): continuing without them"
 		return 1
 	fi
-	echo "$wanted" >"$stamp"
+	echo "$wanted" >"$venv/complete"
 }
 
 setup_peers_rust() {
