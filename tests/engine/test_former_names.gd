@@ -149,3 +149,36 @@ func test_former_classes_are_hidden() -> void:
 		script.source_code = "extends %s\n" % name
 		check(script.reload() != OK, "%s cannot be extended" % name)
 		errors.take()
+
+
+## Release 0.2 also stored references as indices. The node replaces them by names, or by layers without names, and warns once for each property.
+func test_indices_of_layers_become_names() -> void:
+	var layers: Array[ScatterLayer] = [make_layer(9.0), make_layer(7.0), make_layer(3.0), null]
+	var ferns := layers[2]
+	layers[0].resource_name = "Oaks"
+	ferns.resource_name = "Ferns"
+	ferns.spacing = {0: 2.0, "Oaks": 1.0, 1: 3.0, 3: 4.0, 9: 5.0}
+	ferns.proximity_layer = 0
+	for property: StringName in [&"color_value", &"variation_value"]:
+		var value := ScatterValueSource.new()
+		value.layer = 0
+		ferns.set(property, value)
+	layers[1].proximity_layer = 1 # Itself, without a name: no scene could store that.
+	var scatter := make_scatter(layers, ScatterGroundFlat.new(), make_viewer())
+	var region := ScatterRegion3D.new()
+	region.layers = [2, "Oaks", 1]
+	scatter.add_child(region)
+	check_no_error("indices alone")
+	await settle(scatter)
+	check_equal(ferns.spacing, {"Oaks": 2.0, layers[1]: 3.0, 3: 4.0, 9: 5.0}, "distances, of which the larger one counts")
+	check_equal([ferns.proximity_layer, ferns.color_value.layer, ferns.variation_value.layer], ["Oaks", "Oaks", "Oaks"], "single references")
+	check_equal(region.layers, ["Ferns", "Oaks", layers[1]], "layers of a region")
+	check_equal(layers[1].proximity_layer, 1, "an index that cannot be replaced stays")
+	var warnings := errors.take()
+	check_equal(warnings.size(), 4, "one warning for each property: %s" % [warnings])
+	for property: String in ["ScatterLayer.spacing", "ScatterLayer.proximity_layer", "ScatterValueSource.layer", "ScatterRegion3D.layers"]:
+		check(Array(warnings).any(func(warning: String) -> bool: return property + " refers to layers by their names" in warning), property)
+	region.layers = [0]
+	await settle(scatter)
+	check_equal(region.layers, ["Oaks"], "an index that is set later")
+	check_no_error("no second warning")

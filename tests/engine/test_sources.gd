@@ -225,7 +225,7 @@ func test_references() -> void:
 	var fern := scatter.layers[FERN]
 	await settle(scatter)
 	var followed := digests(scatter, FERN)
-	for reference: Variant in [oak, 0, &"oak"]:
+	for reference: Variant in [oak, &"oak"]:
 		fern.color_value.layer = reference
 		fern.variation_value.layer = reference
 		await settle(scatter)

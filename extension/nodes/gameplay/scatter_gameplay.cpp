@@ -6,7 +6,6 @@
 #include "core/base/instance_id.hpp"
 #include "nodes/gameplay/instance_answers.hpp"
 
-
 #include <utility>
 
 using namespace godot;

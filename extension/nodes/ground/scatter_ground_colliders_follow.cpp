@@ -33,9 +33,7 @@ constexpr int visits_per_frame = 512;
 constexpr std::size_t points_per_frame = 100'000;
 
 /// The part of the tree that may contain grounds. The editor's own nodes are in the tree as well, thousands of them.
-Node *root_of_scene(SceneTree &tree) {
-	return in_editor() ? tree.get_edited_scene_root() : tree.get_root();
-}
+Node *root_of_scene(SceneTree &tree) { return in_editor() ? tree.get_edited_scene_root() : tree.get_root(); }
 
 } // namespace
 

@@ -39,7 +39,8 @@ String refusal_of(const String &p_name, const MeshReading &reading) {
 		return vformat("%s: the mesh of \"%s\" has a corner at (%s, %s, %s): each coordinate must be finite and at "
 					   "most %d m "
 					   "from the world's origin. Fix the mesh or the node's transform.",
-					   ScatterGroundMeshes::class_name, p_name, at.x, at.y, at.z, static_cast<std::int64_t>(TriangleTerrain::max_extent)) +
+					   ScatterGroundMeshes::class_name, p_name, at.x, at.y, at.z,
+					   static_cast<std::int64_t>(TriangleTerrain::max_extent)) +
 				remedy;
 	}
 	return vformat("%s: the mesh of \"%s\" cannot be ground: ", ScatterGroundMeshes::class_name, p_name) +

@@ -1,11 +1,13 @@
 #include "nodes/layer/layer_reference.hpp"
 
 #include "nodes/common/engine_arrays.hpp"
+#include "nodes/common/renames.hpp"
 
 #include <godot_cpp/core/error_macros.hpp>
 #include <godot_cpp/core/object.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 using namespace godot;
@@ -207,12 +209,37 @@ Variant accept_reference(const char *p_property, const Variant &p_reference, con
 	return stored;
 }
 
-bool refers_to(const Variant &p_stored, const String &p_name) {
-	if (p_name.is_empty()) {
-		const Ref<ScatterLayer> held = p_stored;
-		return held.is_valid() && !held->get_name().is_empty();
-	}
-	return p_stored.get_type() == Variant::STRING && static_cast<String>(p_stored) == p_name;
+ReferenceChange renaming_layer(const String &p_from, const String &p_to) {
+	return [p_from, p_to](const char *, const Variant &p_stored) -> std::optional<Variant> {
+		if (p_from.is_empty()) {
+			const Ref<ScatterLayer> held = p_stored;
+			return held.is_valid() && !held->get_name().is_empty() ? std::optional(p_stored) : std::nullopt;
+		}
+		const bool meant = p_stored.get_type() == Variant::STRING && static_cast<String>(p_stored) == p_from;
+		return meant ? std::optional<Variant>(p_to) : std::nullopt;
+	};
+}
+
+ReferenceChange naming_layers(const TypedArray<ScatterLayer> &p_layers) {
+	return [p_layers](const char *p_property, const Variant &p_stored) -> std::optional<Variant> {
+		std::uint32_t index = 0;
+		if (p_stored.get_type() != Variant::INT || !find_stored_layer(p_layers, p_stored, index).is_empty()) {
+			return std::nullopt;
+		}
+		const Ref<ScatterLayer> layer = p_layers[static_cast<int64_t>(index)];
+		if (layer.is_null()) {
+			return std::nullopt;
+		}
+		warn_of_change(p_property, "refers to layers by their names, not by their indices,");
+		return Variant(layer);
+	};
+}
+
+std::optional<Variant> changed_reference(
+		const ReferenceChange &change, const char *p_property, const Variant &p_stored, const Resource *p_holder) {
+	std::optional<Variant> changed = change(p_property, p_stored);
+	const Ref<ScatterLayer> held = changed ? stored_reference(*changed) : Variant();
+	return held.is_valid() && held->stores(p_holder) ? std::nullopt : changed;
 }
 
 String no_reference(const Variant &p_value) { return vformat("Pass a ScatterLayer or its name, not %s.", p_value); }

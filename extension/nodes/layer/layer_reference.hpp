@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/base/status.hpp"
+#include "nodes/layer/reference_change.hpp"
 #include "nodes/layer/scatter_layer.hpp"
 
 #include <godot_cpp/variant/string.hpp>
@@ -28,7 +29,7 @@ godot::String find_layer(
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
 
-/// Finds the layer that a property refers to, see stored_reference. It may be an index, as 0.2 stored it, even that of an empty entry.
+/// Finds the layer that a property refers to, see stored_reference. It may be an index, which stays if there is no layer at it.
 godot::String find_stored_layer(
 		const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 
@@ -70,7 +71,8 @@ godot::String find_layers(
 		const ListedLayers &p_layers, const godot::Variant &p_references, std::vector<std::uint32_t> &r_indices);
 
 /// The form in which a saved property stores a reference: a name, if the reference is one or the layer has one; the layer itself if it has
-/// no name; or its index. Scenes then store no layer twice. Null if the value cannot refer to a layer.
+/// no name; or its index, until the node that has the list replaces it (see `naming_layers`). Scenes then store no layer twice. Null if the
+/// value cannot refer to a layer.
 godot::Variant stored_reference(const godot::Variant &p_reference);
 
 /// The same, for a property of the resource `holder`. Null, with an error that names the property, for a value that cannot refer to a layer,
@@ -78,8 +80,17 @@ godot::Variant stored_reference(const godot::Variant &p_reference);
 godot::Variant accept_reference(
 		const char *p_property, const godot::Variant &p_reference, const godot::Resource *p_holder);
 
-/// True if a stored reference names the layer of that name. For an empty name: true if it is a layer that now has a name.
-bool refers_to(const godot::Variant &p_stored, const godot::String &p_name);
+/// Updates references after a layer was renamed. An empty `p_from` means that the layer had no name, and that references held the object.
+ReferenceChange renaming_layer(const godot::String &p_from, const godot::String &p_to);
+
+/// Replaces an index, which is how release 0.2 stored references, by the layer at that index, and warns once for each property. Keeps an
+/// index at which there is no layer.
+ReferenceChange naming_layers(const godot::TypedArray<ScatterLayer> &p_layers);
+
+/// What replaces a stored reference of `holder`; empty if it stays. It also stays if the holder could not store the new one, see
+/// accept_reference.
+std::optional<godot::Variant> changed_reference(const ReferenceChange &change, const char *p_property,
+		const godot::Variant &p_stored, const godot::Resource *p_holder);
 
 /// The same reference for the core; empty for an empty name.
 LayerReference core_reference(const godot::Variant &p_stored);

@@ -119,15 +119,16 @@ std::vector<LayerRename> LayerWatch::follow_names() {
 			renames.push_back({before, name});
 		}
 	}
+	return renames;
+}
+
+void LayerWatch::change_references(const ReferenceChange &change) const {
 	const std::vector<Seen> layers = seen_; // A copy, because a handler of `changed` may change the list.
-	for (const LayerRename &rename : renames) {
-		for (const Seen &seen : layers) {
-			if (seen.layer.is_valid()) {
-				seen.layer->rename_references(rename.from, rename.to);
-			}
+	for (const Seen &seen : layers) {
+		if (seen.layer.is_valid()) {
+			seen.layer->change_references(change);
 		}
 	}
-	return renames;
 }
 
 } // namespace thicket

@@ -36,10 +36,12 @@ public:
 	/// list differs from that of the last call.
 	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give);
 
-	/// Updates the references of all layers of the list after a layer was renamed, and returns the renames. Does nothing while the new name
-	/// is empty or belongs to another layer, so that a name may be typed letter by letter. Also does nothing if another layer has the old
-	/// name, because references then mean that layer.
+	/// The layers that were renamed since the last call, for references to them. Leaves out a new name that is empty or belongs to another
+	/// layer, so that a name may be typed letter by letter, and an old name that another layer has, because references then mean that layer.
 	std::vector<LayerRename> follow_names();
+
+	/// Changes the references of all layers of the list.
+	void change_references(const ReferenceChange &change) const;
 
 private:
 	struct Seen {

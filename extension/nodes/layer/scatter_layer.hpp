@@ -8,6 +8,7 @@
 #include "nodes/layer/layer_meshes.hpp"
 #include "nodes/layer/layer_snapshot.hpp"
 #include "nodes/layer/layer_tables.hpp"
+#include "nodes/layer/reference_change.hpp"
 #include "nodes/layer/scatter_mask.hpp"
 #include "nodes/layer/scatter_value_source.hpp"
 
@@ -247,9 +248,8 @@ public:
 	/// True if a scene that stores this layer also stores the resource, a layer or a value, inside of it, or if it is this layer.
 	bool stores(const godot::Resource *p_resource) const;
 
-	/// Updates this layer's references after another layer was renamed from `p_from` to `p_to`. An empty `p_from` means that the layer had
-	/// no name, and that references held the object.
-	void rename_references(const godot::String &p_from, const godot::String &p_to);
+	/// Changes this layer's references to other layers.
+	void change_references(const ReferenceChange &change);
 
 	/// All current settings of the layer. `index` is the layer's index in its node's list. It becomes the ID of the layer's points, unless
 	/// `layer_id` is set. The settings have no neighbors and no shapes, because the node adds those. A table, a field or a mask remains the

@@ -39,8 +39,8 @@ constexpr SwitchProperty affect_navigation_mesh{
 } // namespace
 
 void ScatterLayer::set_collision_shape(CollisionShape p_shape) {
-	if (accept_number(
-				ScatterLayer::class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE, COLLISION_MODEL) &&
+	if (accept_number(ScatterLayer::class_name, "collision_shape", static_cast<double>(p_shape), COLLISION_NONE,
+				COLLISION_MODEL) &&
 			get_collision_shape() != p_shape) {
 		gameplay_.collision.shape = static_cast<BodyShape>(p_shape);
 		changed();

@@ -47,7 +47,8 @@ bool ScatterLayer::stores(const Resource *p_resource) const {
 
 void ScatterLayer::set_spacing(const Dictionary &p_spacing) {
 	if (p_spacing.size() > static_cast<int64_t>(max_neighbors)) {
-		report(ScatterLayer::class_name, Status::wrong_size("spacing", p_spacing.size(), at_most(max_neighbors, "entries")));
+		report(ScatterLayer::class_name,
+				Status::wrong_size("spacing", p_spacing.size(), at_most(max_neighbors, "entries")));
 		return;
 	}
 	Dictionary spacing; // A copy, because scripts share dictionaries.
@@ -94,28 +95,28 @@ void ScatterLayer::set_proximity_layer(const Variant &p_layer) {
 
 Variant ScatterLayer::get_proximity_layer() const { return stored_reference(proximity_layer_); }
 
-void ScatterLayer::rename_references(const String &p_from, const String &p_to) {
-	if (refers_to(proximity_layer_, p_from)) {
-		set_proximity_layer(p_from.is_empty() ? Variant(proximity_layer_) : Variant(p_to));
+void ScatterLayer::change_references(const ReferenceChange &change) {
+	if (const auto changed = changed_reference(change, "ScatterLayer.proximity_layer", proximity_layer_, this)) {
+		set_proximity_layer(*changed);
 	}
 	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_}) {
 		if (value.is_valid()) {
-			value->rename_layer(p_from, p_to);
+			value->change_reference(change);
 		}
 	}
 	const Dictionary spacing = spacing_property_;
 	const Array references = spacing.keys();
-	Dictionary renamed; // A new Dictionary keeps the order in the inspector.
+	Dictionary now; // A new Dictionary keeps the order in the inspector.
 	bool any = false;
 	for (int64_t i = 0; i < references.size(); ++i) {
-		const bool meant = refers_to(references[i], p_from);
-		const Variant reference = meant && !p_from.is_empty() ? Variant(p_to) : references[i];
+		const auto changed = changed_reference(change, "ScatterLayer.spacing", references[i], this);
+		const Variant reference = stored_reference(changed ? *changed : references[i]);
 		// If the new name was already in the Dictionary, the larger distance counts. fmax ignores a missing number, which is NAN.
-		renamed[reference] = std::fmax(number_of(renamed[reference]), number_of(spacing[references[i]]));
-		any = any || meant;
+		now[reference] = std::fmax(number_of(now[reference]), number_of(spacing[references[i]]));
+		any = any || changed.has_value();
 	}
 	if (any) {
-		set_spacing(renamed);
+		set_spacing(now);
 	}
 }
 

@@ -93,8 +93,8 @@ double ScatterLayer::get_number() const {
 template <const auto &property>
 void ScatterLayer::set_integer(int64_t p_value) {
 	auto &value = part<PartOf<property>>(*this).*property.member;
-	if (accept_number(ScatterLayer::class_name, property.name, static_cast<double>(p_value), static_cast<double>(property.min),
-				static_cast<double>(property.max)) &&
+	if (accept_number(ScatterLayer::class_name, property.name, static_cast<double>(p_value),
+				static_cast<double>(property.min), static_cast<double>(property.max)) &&
 			static_cast<int64_t>(value) != p_value) {
 		value = static_cast<std::remove_reference_t<decltype(value)>>(p_value);
 		changed();

@@ -125,9 +125,9 @@ const std::shared_ptr<const ColorTable> &ScatterValueSource::current_colors() {
 	return colors_;
 }
 
-void ScatterValueSource::rename_layer(const String &p_from, const String &p_to) {
-	if (refers_to(layer_, p_from)) {
-		set_layer(p_from.is_empty() ? Variant(layer_) : Variant(p_to));
+void ScatterValueSource::change_reference(const ReferenceChange &change) {
+	if (const auto changed = changed_reference(change, "ScatterValueSource.layer", layer_, this)) {
+		set_layer(*changed);
 	}
 }
 

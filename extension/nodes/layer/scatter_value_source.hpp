@@ -2,6 +2,7 @@
 
 #include "core/placement/instance_data.hpp"
 #include "nodes/common/guard.hpp"
+#include "nodes/layer/reference_change.hpp"
 
 #include <godot_cpp/classes/curve.hpp>
 #include <godot_cpp/classes/gradient.hpp>
@@ -50,7 +51,7 @@ public:
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const { return noise_; }
 
-	/// For SOURCE_DISTANCE: a ScatterLayer, its name or its index; null or "" for none. A layer that has a name is stored by name.
+	/// For SOURCE_DISTANCE: a ScatterLayer or its name; null or "" for none. A layer that has a name is stored by name.
 	void set_layer(const godot::Variant &p_layer);
 	godot::Variant get_layer() const;
 
@@ -70,11 +71,10 @@ public:
 	const InstanceSource &current();
 	const std::shared_ptr<const ColorTable> &current_colors();
 
-	/// The layer as it is stored: a name, an index, or the layer itself if it had no name.
+	/// The layer in the form of stored_reference.
 	const godot::Variant &stored_layer() const { return layer_; }
 
-	/// Updates the reference after a layer was renamed; see ScatterLayer::rename_references.
-	void rename_layer(const godot::String &p_from, const godot::String &p_to);
+	void change_reference(const ReferenceChange &change);
 
 	static constexpr const char *class_name = "ScatterValueSource";
 

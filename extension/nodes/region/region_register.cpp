@@ -131,10 +131,10 @@ std::vector<std::string> RegionRegister::names_for(const TypedArray<ScatterLayer
 	return names;
 }
 
-void RegionRegister::rename_layer(const String &from, const String &to) const {
+void RegionRegister::change_references(const ReferenceChange &change) const {
 	const std::vector<Entry> entries = entries_; // A copy, because a region notifies its node, which marks the entries.
 	for (const Entry &entry : entries) {
-		entry.node->rename_layer(from, to);
+		entry.node->change_references(change);
 	}
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/rules/shapes.hpp"
+#include "nodes/layer/reference_change.hpp"
 
 #include <godot_cpp/variant/array.hpp>
 #include <godot_cpp/variant/string.hpp>
@@ -46,7 +47,7 @@ public:
 	std::vector<std::string> names_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 
 	/// Updates the references of all regions after a layer was renamed from `from` to `to`.
-	void rename_layer(const godot::String &from, const godot::String &to) const;
+	void change_references(const ReferenceChange &change) const;
 
 	/// Makes the editor query the warnings of all regions again.
 	void update_warnings() const;

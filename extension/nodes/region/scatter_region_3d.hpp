@@ -3,6 +3,7 @@
 #include "core/rules/shapes.hpp"
 #include "nodes/common/guard.hpp"
 #include "nodes/common/property_check.hpp"
+#include "nodes/layer/reference_change.hpp"
 
 #include <godot_cpp/classes/node3d.hpp>
 #include <godot_cpp/classes/path3d.hpp>
@@ -73,13 +74,12 @@ public:
 	void set_exclude(bool p_exclude);
 	bool is_excluding() const { return exclude_; }
 
-	/// The layers that the region affects, each a ScatterLayer, its name or its index; empty for all of them. A layer that has a name is
+	/// The layers that the region affects, each a ScatterLayer or its name; empty for all of them. A layer that has a name is
 	/// stored by name. The returned array is read-only.
 	void set_layers(const godot::Array &p_layers);
 	godot::Array get_layers() const;
 
-	/// Updates references after a layer was renamed from `p_from` to `p_to`.
-	void rename_layer(const godot::String &p_from, const godot::String &p_to);
+	void change_references(const ReferenceChange &change);
 	void set_ignore_height(bool p_ignore);
 	bool is_ignoring_height() const { return ignore_height_; }
 

@@ -67,16 +67,16 @@ Array ScatterRegion3D::get_layers() const {
 	return result;
 }
 
-void ScatterRegion3D::rename_layer(const String &p_from, const String &p_to) {
-	Array renamed;
+void ScatterRegion3D::change_references(const ReferenceChange &change) {
+	Array now;
 	bool any = false;
 	for (int64_t i = 0; i < layers_.size(); ++i) {
-		const bool meant = layers_[i].get_type() == Variant::STRING && static_cast<String>(layers_[i]) == p_from;
-		append(renamed, meant ? Variant(p_to) : layers_[i]);
-		any = any || meant;
+		const auto changed = change("ScatterRegion3D.layers", layers_[i]);
+		append(now, changed ? *changed : layers_[i]);
+		any = any || changed.has_value();
 	}
 	if (any) {
-		set_layers(renamed);
+		set_layers(now);
 	}
 }
 

@@ -309,6 +309,7 @@ private:
 	bool waits_for_ground() const;
 	void notice_layers();
 	void mark_edited();
+	void change_references(const ReferenceChange &change);
 	void mark_dirty();
 	void mark_ground_dirty();
 	void mark_ground_edited(const godot::Rect2 &p_rect);

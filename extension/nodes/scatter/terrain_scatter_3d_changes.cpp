@@ -1,12 +1,12 @@
 // How a TerrainScatter3D follows changes of settings, layers, ground and regions, from the next frame on.
 
-#include "nodes/common/editor.hpp"
 #include "nodes/scatter/terrain_scatter_3d.hpp"
 
 #include "core/base/tile_grid.hpp"
+#include "nodes/common/editor.hpp"
+#include "nodes/layer/layer_reference.hpp"
 #include "nodes/workers/build_at_once.hpp"
 #include "nodes/workers/shared_builder.hpp"
-
 
 #include <glm/common.hpp>
 
@@ -71,7 +71,10 @@ void TerrainScatter3D::mark_dirty() {
 		return;
 	}
 	for (const LayerRename &rename : renames) {
-		regions_.rename_layer(rename.from, rename.to);
+		change_references(renaming_layer(rename.from, rename.to));
+		if (!gameplay->alive()) {
+			return;
+		}
 	}
 	mark_edited();
 	use_resources();
@@ -85,6 +88,16 @@ void TerrainScatter3D::mark_dirty() {
 	if (!(names == layer_names_)) {
 		layer_names_ = names;
 		regions_.update_warnings(); // Warnings may name layers.
+	}
+}
+
+/// In the layers and in the regions. Scripts that hear of it may free the node.
+void TerrainScatter3D::change_references(const ReferenceChange &change) {
+	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
+	const std::shared_ptr<LayerWatch> watch = layer_watch_;
+	watch->change_references(change);
+	if (gameplay->alive()) {
+		regions_.change_references(change);
 	}
 }
 
@@ -200,6 +213,10 @@ void TerrainScatter3D::apply_changes() {
 			return;
 		}
 		former = std::exchange(ground_snapshot_, std::move(terrain));
+	}
+	change_references(naming_layers(all_layers()));
+	if (!gameplay->alive()) {
+		return;
 	}
 	const bool grounded = ground.is_valid() && (ground_snapshot_ != nullptr || ground->is_main_thread_only());
 	if (!gameplay->alive() || !(ground == ground_)) {

@@ -226,20 +226,19 @@ func test_order() -> void:
 	check_equal(names(), PackedStringArray(["Old Oak", "Young Pine", "Fern"]), "undone")
 
 
-## References by index follow a new order. References to a deleted layer are removed, and restored by undo.
+## A new order changes no references. References to a deleted layer are removed, and restored by undo.
 func test_references() -> void:
-	layer("Fern").spacing = {0: 0.8, "Young Pine": 0.6}
-	layer("Fern").proximity_layer = 1
+	layer("Fern").spacing = {"Old Oak": 0.8, "Young Pine": 0.6}
+	layer("Fern").proximity_layer = "Young Pine"
 	var before := saved_files()
 	await mouse_drag(await name_at(layer("Young Pine")), await name_at(layer("Old Oak"), 0.1))
-	check_equal(layer("Fern").spacing.keys(), [1, "Young Pine"], "an index follows")
-	check_equal(layer("Fern").proximity_layer, 0, "in all properties")
+	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [["Old Oak", "Young Pine"], "Young Pine"], "a new order")
 	await check_undo(before, "a reference")
 	await undo()
 	await mouse_click(await name_at(layer("Young Pine")))
 	await mouse_click(middle(button("Delete")))
 	check_equal(names(), PackedStringArray(["Old Oak", "Fern"]), "deleted")
-	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [[0], ""], "the references are removed")
+	check_equal([layer("Fern").spacing.keys(), layer("Fern").proximity_layer], [["Old Oak"], ""], "the references are removed")
 	await check_undo(before, "deletion")
 	await undo()
 	layer("Fern").spacing = {"Old Oak": 0.8, "Young Pine": 0.6}

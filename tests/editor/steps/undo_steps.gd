@@ -69,8 +69,8 @@ func make_scene() -> void:
 	made.position = Vector3(1.0, 0.0, 0.5)
 	made.ground = ClassDB.instantiate(&"ScatterGroundFlat")
 	made.layers = [make_layer("Grass", 1.5), make_layer("Trees", 4.0), load(MOSS)]
-	made.layers[1].spacing = {"Grass": 0.5, 2: 1.0}
-	made.layers[0].proximity_layer = 1
+	made.layers[1].spacing = {"Grass": 0.5, made.layers[2]: 1.0}
+	made.layers[0].proximity_layer = "Trees"
 	made.layers[1].color_value = ClassDB.instantiate(&"ScatterValueSource")
 	made.layers[1].color_value.source = 5 # Distance, to no layer yet.
 	for kind in 4:

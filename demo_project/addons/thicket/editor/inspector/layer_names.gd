@@ -54,8 +54,8 @@ static func referring(layers: Array[ScatterLayer]) -> Array[Resource]:
 	return result
 
 
-## The properties of a layer or a value that refer to one other layer. They accept a layer, a name or an index, and no other property accepts
-## several types. Empty for other objects.
+## The properties of a layer or a value that refer to one other layer. They accept a layer or a name, and no other property accepts several
+## types. Empty for other objects.
 static func reference_properties(object: Object) -> PackedStringArray:
 	var result := PackedStringArray()
 	if not (object is ScatterLayer or object is ScatterValueSource):
@@ -75,11 +75,7 @@ static func reference_to(layer: ScatterLayer) -> Variant:
 static func layer_of(object: Object, value: Variant) -> ScatterLayer:
 	if value is ScatterLayer:
 		return value
-	var scatter := scatter_of(object)
-	var layers := ScatterLayers.of(scatter)
-	if value is int:
-		return layers[value] if value >= 0 and value < layers.size() else null
-	for layer in layers:
+	for layer in ScatterLayers.of(scatter_of(object)):
 		if layer != null and value and layer.resource_name == str(value):
 			return layer
 	return null

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Changes to a scatter's list of layers, each of them one undo step. Layers keep their ids, and references by index are updated.
+## Changes to a scatter's list of layers, each of them one undo step. Layers keep their ids, and references to deleted layers are removed.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -98,7 +98,7 @@ static func rename(scatter: TerrainScatter3D, layer: ScatterLayer, name: String,
 	undo_redo.commit_action()
 
 
-## Sets the scatter's list of layers, and updates all references to layers. Returns the references that were removed, as sentences.
+## Sets the scatter's list of layers, and removes references to layers that are no longer in it. Returns the references that were removed, as sentences.
 static func _commit(title: String, scatter: TerrainScatter3D, new: Array[ScatterLayer], undo_redo: EditorUndoRedoManager,
 		more := Callable()) -> PackedStringArray:
 	var old := scatter.layers
@@ -163,22 +163,17 @@ static func _change(object: Object, property: StringName, before: Variant, after
 		undo_redo.add_undo_property(object, property, before)
 
 
-## Converts a reference to a layer from the old list to the new one; null if the new list does not have the layer. A reference without a
-## layer is not changed.
+## The same reference to a layer; null if the old list had the layer and the new one does not. A reference without a layer stays.
 static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
 	var layer := _meant(mentioned, old)
 	if layer == null:
 		return mentioned
-	if not new.has(layer):
-		return mentioned if mentioned is String and Copies.names(new).has(mentioned) else null
-	return new.find(layer) if mentioned is int else mentioned
+	return mentioned if new.has(layer) or (mentioned is String and Copies.names(new).has(mentioned)) else null
 
 
 static func _meant(mentioned: Variant, layers: Array[ScatterLayer]) -> ScatterLayer:
 	if mentioned is Resource:
 		return mentioned if layers.has(mentioned) else null
-	if mentioned is int:
-		return layers[mentioned] if mentioned >= 0 and mentioned < layers.size() else null
 	for layer in layers:
 		if layer != null and mentioned and layer.resource_name == str(mentioned):
 			return layer

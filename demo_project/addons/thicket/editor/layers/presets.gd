@@ -8,9 +8,9 @@ const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
 
 
-## Creates new layers from a preset. In the scatter, their indices start at [param first_index]. Names in [param taken] get a number,
-## and references in other layers are updated. Returns an empty array, and prints an error, if there is no such preset.
-static func layers(name: String, taken: PackedStringArray, first_index := 0) -> Array[ScatterLayer]:
+## Creates new layers from a preset. Names in [param taken] get a number, and references in other layers
+## are updated. Returns an empty array, and prints an error, if there is no such preset.
+static func layers(name: String, taken: PackedStringArray) -> Array[ScatterLayer]:
 	var path := FOLDER + name + ".tscn"
 	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
 	var source := scene.instantiate() as TerrainScatter3D if scene != null else null
@@ -25,7 +25,7 @@ static func layers(name: String, taken: PackedStringArray, first_index := 0) -> 
 		copy.layer_id = -1 # The scatter that it is added to assigns an id.
 		result.append(copy)
 	source.free()
-	_rename(result, taken, first_index)
+	_rename(result, taken)
 	return result
 
 
@@ -33,7 +33,7 @@ static func layers(name: String, taken: PackedStringArray, first_index := 0) -> 
 static func add(name: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRedoManager) -> void:
 	var old := scatter.layers
 	var new: Array[ScatterLayer] = old.duplicate()
-	new.append_array(layers(name, Copies.names(old), old.size()))
+	new.append_array(layers(name, Copies.names(old)))
 	if new.size() == old.size():
 		return
 	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
@@ -42,7 +42,7 @@ static func add(name: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRe
 	undo_redo.commit_action()
 
 
-static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray, first_index: int) -> void:
+static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray) -> void:
 	var names := {}
 	for layer in new_layers:
 		var name := Copies.free_name(layer.resource_name, taken)
@@ -52,13 +52,8 @@ static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray, f
 		var spacing := layer.spacing
 		var renamed := {}
 		for key: Variant in spacing:
-			renamed[_renamed(key, names, first_index)] = spacing[key]
+			renamed[names.get(key, key)] = spacing[key]
 		layer.spacing = renamed
 	for object in Names.referring(new_layers):
 		for property in Names.reference_properties(object):
-			object.set(property, _renamed(object.get(property), names, first_index))
-
-
-## A reference to a layer, converted for the scatter: its new name, its new index, or the layer itself.
-static func _renamed(reference: Variant, names: Dictionary, first_index: int) -> Variant:
-	return reference + first_index if reference is int else names.get(reference, reference)
+			object.set(property, names.get(object.get(property), object.get(property)))
