@@ -67,7 +67,7 @@ LayerSettings colored(SourceKind kind, double to = 1.0) {
 	return layer;
 }
 
-/// The same walk over tiles of 64 radii for both contenders.
+/// A walk over tiles of 64 radii. Both contenders take the same one.
 struct Walk {
 	int index = 0;
 

@@ -207,7 +207,7 @@ def test_the_library_for_windows_loads(addon, at_home):
 
 @pytest.mark.full
 def test_the_library_for_arm_loads(addon, at_home):
-    """The same on ARM in an emulator, with the C library of a cross compiler."""
+    """On ARM, the library registers the same classes as at home. Runs in an emulator, with the C library of a cross compiler."""
     if not shutil.which("qemu-aarch64"):
         pytest.skip("qemu-user is not installed")
     root = Path("/usr/aarch64-linux-gnu")
@@ -221,7 +221,8 @@ def test_the_library_for_arm_loads(addon, at_home):
 @pytest.mark.full
 @pytest.mark.parametrize("threads", [True, False])
 def test_the_library_for_the_web_loads(addon, at_home, threads):
-    """The same in WebAssembly, where a call with a wrong function signature traps, for both kinds of export templates."""
+    """In WebAssembly, the libraries for both kinds of export templates register the same classes as at home. A call with a wrong function
+    signature traps there."""
     if not shutil.which("node"):
         pytest.skip("node is not installed")
     flags = ["-fwasm-exceptions", "-sSUPPORT_LONGJMP=wasm", "-sMAIN_MODULE=1", "-sWASM_BIGINT", "-sNODERAWFS", "-sINITIAL_MEMORY=256MB",

@@ -44,7 +44,7 @@ radius = 20.0
 script = ExtResource("1")
 """
 
-# The same scene with a floor that only ray casts can find.
+# Added to this scene: a floor that only ray casts can find.
 FLOOR_SHAPE = """[sub_resource type="BoxShape3D" id="floor"]
 size = Vector3(150, 2, 90)
 
@@ -84,7 +84,7 @@ def project(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def jolt_project(tmp_path_factory) -> Path:
-    """The same project with the engine's other physics server."""
+    """A new project that uses the engine's other physics server."""
     return new_project(tmp_path_factory.mktemp("jolt"), '[physics]\n3d/physics_engine="Jolt Physics"\n')
 
 
@@ -181,7 +181,7 @@ def test_script(godot, project, script):
 
 @pytest.fixture(scope="module")
 def threadless_project(tmp_path_factory) -> Path:
-    """The same project in an engine without worker threads, as in most builds for the web."""
+    """A new project for an engine without worker threads, as in most builds for the web."""
     return new_project(tmp_path_factory.mktemp("threadless"), "[threading]\nworker_pool/max_threads=0\n")
 
 

@@ -33,7 +33,7 @@ struct NearVersion {
 /// The squared distance from a position to the nearest of some centers; infinite without any.
 double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers);
 
-/// The same on the map, to the nearest position in a rectangle.
+/// The squared distance on the map from the nearest position of a rectangle to the nearest of some centers; infinite without any.
 double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers);
 
 /// True if there are as many centers as before, each within `slack` meters of its old position.

@@ -88,7 +88,7 @@ public:
 	/// Counts an instance as not held, in all layers. The queue returns nothing before the next check.
 	void release(std::uint64_t id);
 
-	/// The same for one layer. Other pending changes remain.
+	/// Counts an instance as not held in one layer. Other pending changes remain.
 	void release(std::uint32_t layer, std::uint64_t id);
 
 	/// Releases all instances of a layer.
@@ -176,8 +176,8 @@ public:
 	/// The instance is removed, or placed differently: its body or scene is freed immediately, regardless of the budget.
 	virtual void drop(std::uint64_t id) = 0;
 
-	/// The same for all removed instances. Meant for a few, because the budget is ignored. Calls `gone` only for instances that have a body
-	/// or scene.
+	/// Frees, like `drop`, the body or scene of each instance that is `gone`. Ignores the budget, so meant for a few. Calls `gone` only for
+	/// instances that have one.
 	virtual void drop_if(const std::function<bool(std::uint64_t id)> &gone) = 0;
 
 	/// Sets the position of the engine's origin in the world, in meters. Objects that are visible or near a center are moved immediately,

@@ -97,7 +97,7 @@ public:
 		return query(InstanceQuery{layers, source, state_});
 	}
 
-	/// The same for known tiles only; unknown tiles count as empty.
+	/// Runs a query that reads known tiles only; unknown tiles count as empty.
 	template <class Query>
 	Status ask_known(Query &&query) const {
 		KnownSource source(*this);

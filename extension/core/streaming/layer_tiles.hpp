@@ -71,7 +71,7 @@ public:
 	/// Cancels and drops everything.
 	void clear(StreamChanges &r_changes);
 
-	/// The same without recording changes.
+	/// Drops everything without recording changes.
 	void forget();
 
 	/// Determines which tiles are wanted, kept and gone. Returns false, at no cost, if no viewer's view distance has changed and none has

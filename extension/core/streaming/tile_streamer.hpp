@@ -109,7 +109,7 @@ public:
 	/// fast changes, such as a dragged slider. A layer that does not exist is ignored.
 	void invalidate(std::uint32_t layer);
 
-	/// The same for only the tiles that touch `area` (meters): for an edit that changes nothing elsewhere.
+	/// Marks only the tiles that touch `area` (meters) as outdated: for an edit that changes nothing elsewhere.
 	void invalidate(std::uint32_t layer, const Rect &area);
 
 	/// Cancels the pending tiles of a layer and requests them again, because their answers would be useless.

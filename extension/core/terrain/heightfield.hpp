@@ -74,10 +74,10 @@ public:
 	/// posts.x * posts.y. The field is then unchanged.
 	Status set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts);
 
-	/// The same for posts in world meters, at most max_heightfield_height above or below 0, or NAN. The frame's heights are then ignored.
+	/// Copies posts in world meters, at most max_heightfield_height above or below 0, or NAN. Ignores the frame's heights.
 	Status set_meters(const HeightfieldFrame &frame, std::span<const float> posts);
 
-	/// The same for posts that are shared and not copied. Only float posts are read and checked. The frame's heights apply to all posts
+	/// Shares posts without copying them. Only float posts are read and checked. The frame's heights apply to all posts
 	/// but those in meters.
 	Status set_posts(const HeightfieldFrame &frame, const HeightPosts &posts);
 

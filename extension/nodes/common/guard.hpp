@@ -141,7 +141,7 @@ void bind_guarded(const ThreadRule &rule, const Definition &p_definition, const 
 	godot::ClassDB::bind_method(p_definition, Member::template entry<method>, p_defaults...);
 }
 
-/// The same with the rule of the class.
+/// Binds a method that uses the thread rule of its class.
 template <auto method, typename Definition, typename... Defaults>
 	requires(!std::is_convertible_v<Definition, ThreadRule>)
 void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults) {

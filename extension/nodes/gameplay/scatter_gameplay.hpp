@@ -53,7 +53,7 @@ public:
 	virtual void redraw(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all() = 0;
 
-	/// The same over the next frames, under their budget.
+	/// Redraws an area of a layer, or everything, over the next frames and under their budget.
 	virtual void redraw_later(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all_later() = 0;
 
@@ -101,7 +101,7 @@ public:
 	/// Removes everything: frees bodies and scenes, forgets tiles, and completes requests without an answer.
 	void clear();
 
-	/// The same for a node that goes on without layers or ground: bodies and scenes leave step by step, the nearest first.
+	/// Removes everything from a node that goes on without layers or ground. Bodies and scenes leave step by step, the nearest first.
 	void retire();
 
 	/// `listed` has the layers of the snapshots, by the same indices.

@@ -35,8 +35,8 @@ public:
 	/// Null if the object has none of these. Checking for them may run scripts of the object, which may free it.
 	static std::shared_ptr<ObjectGround> of(const godot::Variant &p_object, const GroundLimits &limits);
 
-	/// The same ground in a world in which the engine's origin is at `offset`, in meters: the object is in the engine's space. Each node
-	/// that uses the ground gets its own.
+	/// A copy of the ground for a world in which the engine's origin is at `offset`, in meters: the object is in the engine's space. Each
+	/// node that uses the ground gets its own.
 	std::shared_ptr<ObjectGround> at_offset(glm::dvec3 offset) const;
 
 	/// Updates the offset after the scene was recentered. Waits as `close` does. A map keeps the offset at which it was found.

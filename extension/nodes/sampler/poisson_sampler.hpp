@@ -94,7 +94,7 @@ public:
 	godot::Ref<PoissonSurfacePoints> sample_surface(
 			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, const godot::AABB &p_window);
 
-	/// As above, with three corners for each triangle, as Mesh.get_faces returns them.
+	/// The points of the set on triangles, with three corners for each, as Mesh.get_faces returns them. Otherwise like `sample_surface`.
 	godot::Ref<PoissonSurfacePoints> sample_faces(
 			const godot::PackedVector3Array &p_faces, const godot::AABB &p_window);
 

@@ -77,7 +77,7 @@ public:
 	/// Waits for the workers and clears the display. The stream may be used afterwards, starting empty.
 	void stop();
 
-	/// The same, but `dissolve_until` removes the visible tiles step by step.
+	/// Waits for the workers and starts empty, but leaves the visible tiles to `dissolve_until`, which removes them step by step.
 	void retire();
 
 	/// Removes bodies and frees hidden tiles until `deadline`, at least one step.

@@ -84,7 +84,7 @@ public:
 	/// second.
 	void let_go(std::shared_ptr<const void> unneeded);
 
-	/// The same for buffers that were uploaded. The worker that receives them reuses some of them for later tiles.
+	/// Releases buffers that were uploaded. The worker that receives them reuses some of them for later tiles.
 	void take_back(std::vector<MeshUpload> &&uploads);
 
 	/// The number of such objects and buffers that workers have received.

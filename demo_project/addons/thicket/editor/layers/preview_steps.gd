@@ -65,7 +65,7 @@ func held() -> Array[Watch]:
 	return result
 
 
-## The same for one layer; null if the view shows it with its own values.
+## Returns the watch of one layer. Null if the view shows that layer with its own values.
 func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 	for watch in _watches:
 		if watch.held and watch.scatter == scatter and watch.layer == layer:
