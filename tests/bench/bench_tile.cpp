@@ -39,7 +39,7 @@ LayerSettings meadow(std::uint32_t levels) {
 	return layer;
 }
 
-/// Plants that keep a distance from the forest's trees, which each tile has to sample again.
+/// Plants that keep a distance from the forest's trees, which each tile must sample again.
 LayerSettings spaced() {
 	LayerSettings layer = meadow(1);
 	layer.set.radius = 1.0;

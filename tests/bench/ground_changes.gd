@@ -4,7 +4,7 @@ extends SceneTree
 ##   tools/godot --headless --path demo_project --script tests/bench/ground_changes.gd [-- ONLY]
 ##
 ## ONLY is a part of a row's name. `--xvfb --rendering-driver opengl3` in place of `--headless` measures a renderer from which the triangles
-## of meshes have to be read back. The budget is the node's default.
+## of meshes must be read back. The budget is the node's default.
 
 const MILLION := 706 ## Subdivisions of a plane with a million triangles.
 const CHUNK := 64.0 ## Meters.

@@ -34,7 +34,7 @@ OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)
 
 def pack(names: list[str], out: Path) -> dict[str, Path]:
     """{name: zip} from tools/package.sh for these builds."""
-    # There are fourteen builds. One takes 2.5 minutes on two cores, and 8 minutes beside two other workers.
+    # There are fourteen builds. One takes 2.5 minutes on two cores, and 8 minutes while two other workers run.
     done = run(["bash", "tools/package.sh", "--out", out, *names], timeout=3 * 3600, cwd=REPO)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
     sums = dict(reversed(line.split()) for line in (out / "SHA256SUMS").read_text().splitlines())

@@ -130,7 +130,7 @@ class Outcome:
 
 @cache
 def header_folder() -> str:
-    """Contains GLM, for compilers that must not see the other headers beside it."""
+    """Contains GLM, for compilers that must not see the other headers in its folder."""
     return libraries.copied_headers(str(REPO / "build/headers"))
 
 

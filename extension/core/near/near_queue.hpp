@@ -16,7 +16,7 @@
 
 namespace thicket {
 
-/// The instances that have to enter and leave around some centers, for all layers, in steps. A caller that takes an instance out of the
+/// The instances that must enter and leave around some centers, for all layers, in steps. A caller that takes an instance out of the
 /// queue creates or frees the node or body for it. From then on the queue counts it as held, or as not held.
 ///
 /// Distances are meters in space, from the nearest center to the instance's position. Every instance within a layer's distance enters, and
@@ -45,7 +45,7 @@ public:
 	/// Sets the distance of each layer, 0 for none. Held instances of layers that are removed must be released before.
 	void set_distances(std::span<const double> distances);
 
-	/// Finds the instances that have to enter and leave in cells where a center has moved far enough or the world has changed. Call it in
+	/// Finds the instances that must enter and leave in cells where a center has moved far enough or the world has changed. Call it in
 	/// every frame. The queue keeps a pointer to the world until `forget_world`.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
 
@@ -60,7 +60,7 @@ public:
 	/// none.
 	bool next_changed(PlacedInstance &r_instance);
 
-	/// Takes out the nearest instance that has to enter. It is held from then on. False if there is none.
+	/// Takes out the nearest instance that must enter. It is held from then on. False if there is none.
 	bool next_entering(PlacedInstance &r_instance);
 
 	/// Marks all held instances of a layer to be rebuilt. `next_due` takes them out, whatever moves or changes meanwhile.
@@ -102,7 +102,7 @@ private:
 		double distance = 0.0;
 		double side = 0.0; ///< The side of a cell, in meters.
 		std::map<Key, NearCell> cells;
-		bool stale = true;               ///< The cells that are near have to be determined again.
+		bool stale = true;               ///< The cells that are near must be determined again.
 		std::vector<glm::dvec3> centers; ///< The centers at that time.
 
 		double slack() const { return look_share * distance; }
@@ -112,7 +112,7 @@ private:
 		void find_cells(std::span<const glm::dvec3> now);
 	};
 
-	/// A cell with instances that have to be rebuilt.
+	/// A cell with instances that must be rebuilt.
 	struct Renewal {
 		double away = 0.0; ///< The squared distance of the cell, or of the next instance once `listed`.
 		std::uint32_t layer = 0;

@@ -295,7 +295,7 @@ inline bool resolve_wanted(LevelGrid *levels, std::uint32_t level) {
 			}
 		} while (next < grid.round.size());
 	}
-	// The two lists take turns. With equal capacity in both, neither has to grow unless it exceeds its largest size until now.
+	// The two lists take turns. With equal capacity in both, neither grows unless it exceeds its largest size until now.
 	grid.round.clear();
 	grid.round.reserve(grid.wanted.capacity());
 	grid.wanted.reserve(grid.round.capacity());

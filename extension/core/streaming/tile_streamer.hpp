@@ -129,7 +129,7 @@ public:
 	/// discard the tile.
 	bool ready(const TileRequest &request);
 
-	/// The next ready tile to show, or none if all ready tiles have to wait for nearer ones. Viewers take turns, and each gets the tile
+	/// The next ready tile to show, or none if all ready tiles wait for nearer ones. Viewers take turns, and each gets the tile
 	/// nearest to it now. May return the same tile again until it is finished or cancelled. Returns none if memory does not suffice to
 	/// decide.
 	std::optional<TileRequest> next_ready();

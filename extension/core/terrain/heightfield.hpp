@@ -60,7 +60,7 @@ struct RefusedPost {
 RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPosts meaning);
 
 /// Terrain from a grid of posts, stored as 16 bits or as meters. The height between four posts is bilinear, which is exactly the surface
-/// that `sample` returns at any finer spacing. A mesh drawn from the terrain has to sample it here, not only at the posts.
+/// that `sample` returns at any finer spacing. A mesh drawn from the terrain must sample it here, not only at the posts.
 ///
 /// Normals are smooth: the gradients of the four posts, by central differences (one-sided on the border), weighted bilinearly. The
 /// gradient of the bilinear patch itself jumps at each line of posts, which would show as straight edges where a slope rule ends a

@@ -27,7 +27,7 @@ struct GroundLimits {
 /// - `get_height(Vector3)` and maybe `get_normal(Vector3)`, of the object itself or of its property `data`, in world
 ///   space, NAN where there is no ground (Terrain3D: `data.get_height`);
 /// - `get_data().get_interpolated_height_at(Vector3)` in the map's own space, with `get_data().get_resolution()` and
-///   `get_internal_transform()` beside it (HTerrain; see TerrainMap for its holes and textures).
+///   `get_internal_transform()` of the object itself (HTerrain; see TerrainMap for its holes and textures).
 /// An object with `get_texture_id(Vector3)`, which returns a base texture, an overlay and the share of the overlay from 0 to 1, also has
 /// weights.
 class ObjectGround : public Terrain {

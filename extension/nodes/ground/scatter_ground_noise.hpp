@@ -38,7 +38,7 @@ private:
 	godot::Ref<godot::Noise> noise_;
 	double amplitude_ = 10.0;
 	double base_height_ = 0.0;
-	std::shared_ptr<const Terrain> ground_; ///< Matches the properties; null if it has to be created.
+	std::shared_ptr<const Terrain> ground_; ///< Matches the properties; null if it must be created.
 };
 
 } // namespace thicket

@@ -28,7 +28,7 @@ struct TileJob {
 
 	TileRequest request;
 	SharedSnapshot layer;                   ///< Never null.
-	std::shared_ptr<const Terrain> terrain; ///< Null if the main thread has to call a script for the ground.
+	std::shared_ptr<const Terrain> terrain; ///< Null if the main thread must call a script for the ground.
 	Step step = Step::start;
 
 	/// A contiguous part of `positions` that needs the same ground data; see GroundQuery.
