@@ -104,7 +104,7 @@ void compare(const std::string &name, const LayerSettings &layer, const Heightfi
 	print_row(name + ": sampler alone", alone, 1e-6, " M points/s");
 	print_row(name + ": whole tile", whole, 1e-6, " M points/s");
 	print_row(name + ": whole tile over sampler alone", alone / whole, 1.0, " times the time");
-	print_count(name + ": instances a point", instances / points_seen, "");
+	print_count(name + ": instances per point", instances / points_seen, "");
 }
 
 } // namespace

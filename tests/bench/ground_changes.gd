@@ -24,7 +24,7 @@ func _run() -> void:
 	root.add_child(_viewer)
 	var arguments := OS.get_cmdline_user_args()
 	_only = arguments[0] if arguments.size() > 0 else ""
-	print("| what | p99 ms | max ms | in place after s | tiles |")
+	print("| measurement | p99 ms | max ms | up to date after s | tiles |")
 	print("| --- | --- | --- | --- | --- |")
 	await _measure("a first mesh of a million triangles", _million)
 	await _measure("a mesh of a million triangles replaced", _million_replaced)
