@@ -16,7 +16,7 @@ PASSED = re.compile(r"^editor tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
 
 def check_passed(printed: str):
-    """All checks of a script in the editor passed, and nothing complained. A failure tells first what failed."""
+    """All checks of a script in the editor passed, and nothing complained. The message lists failed checks first."""
     failed = [line[:400] for line in printed.splitlines() if line.startswith("FAILED: ")] + complaints(printed)
     assert not failed and PASSED.search(printed), "\n".join([*failed, printed[-4000:]])
 
