@@ -100,7 +100,7 @@ def test_libraries_are_small_and_stripped(addon):
 
 @pytest.mark.full
 def test_libraries_for_linux_are_hardened_and_need_little(addon):
-    """They load with a glibc from 2018 and include the C++ library. Their relocated data is read-only, and their stack is not
+    """The libraries load with a glibc from 2018 and include the C++ library. Their relocated data is read-only, and their stack is not
     executable."""
     assert len(list((addon / "bin").glob("*.so"))) == 8
     for path in (addon / "bin").glob("*.so"):

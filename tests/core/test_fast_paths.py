@@ -106,7 +106,7 @@ def test_a_fast_path_that_nothing_takes_is_told(tmp_path):
 
 
 def test_the_core_takes_its_fast_paths(tmp_path):
-    """By the cases of tests/core that do not take long."""
+    """Runs the cases of tests/core that do not take long."""
     wanted = marks(REPO, "extension/core")
     assert len(wanted) > 50
     copy_of_the_sources()
@@ -121,7 +121,7 @@ def test_the_core_takes_its_fast_paths(tmp_path):
 
 @pytest.mark.full
 def test_the_nodes_take_their_fast_paths(tmp_path):
-    """By the scripts of tests/engine."""
+    """Runs the scripts of tests/engine."""
     wanted = marks(REPO, "extension/nodes")
     assert len(wanted) > 50
     copy_of_the_sources()

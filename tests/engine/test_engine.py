@@ -187,7 +187,7 @@ def threadless_project(tmp_path_factory) -> Path:
 
 @pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state", "test_state_async", "test_ground_follows"])
 def test_without_threads(godot, threadless_project, script):
-    """The main thread generates the tiles, a few in each frame, and the results are the same."""
+    """Without worker threads, the main thread generates the tiles, a few in each frame. The results are unchanged."""
     assert_passed(godot(["--verbose", "--path", threadless_project, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
@@ -266,7 +266,7 @@ RENDERERS = {
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_pictures_of_models(godot_xvfb, project, renderer):
-    """In each of the renderers, drawn in software."""
+    """Draws the models with each of the renderers, in software."""
     arguments = [*RENDERERS[renderer], "--path", project, "--script", ENGINE / "test_model_pictures.gd"]
     assert_passed(godot_xvfb(arguments))
 

@@ -22,7 +22,7 @@ def check_passed(printed: str):
 
 
 def new_plain_project(folder: Path) -> Path:
-    """A new project with the addon but for its library, and nothing else."""
+    """Creates a project with the add-on only, but without its library."""
     text = 'config_version=5\n[application]\nconfig/name="Plain"\n[editor_plugins]\n'
     (folder / "project.godot").write_text(text + 'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')
     skipped = shutil.ignore_patterns("bin", "*.gdextension*")
@@ -31,7 +31,7 @@ def new_plain_project(folder: Path) -> Path:
 
 
 def link_library(folder: Path) -> None:
-    """Gives a plain project the library, which is loaded from the first start on."""
+    """Links the library into a plain project, so that the engine loads it from the first start on."""
     addon = folder / "addons/thicket"
     (addon / "bin").symlink_to(DEMO / "addons/thicket/bin")
     shutil.copy(DEMO / "addons/thicket/thicket.gdextension", addon)
