@@ -253,8 +253,8 @@ def test_the_stand_in_refuses_what_godot_cpp_refuses(code, tmp_path):
 @pytest.mark.alone  # Meanwhile, a different extension is installed for all tests.
 @pytest.mark.skipif("THICKET_GODOT_CPP" not in os.environ, reason="set THICKET_GODOT_CPP to a built godot-cpp")
 def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
-    """All engine tests pass with godot-cpp. All checks of the language test also hold, except that godot-cpp accepts null for a value of a wrong
-    type."""
+    """All engine tests pass with godot-cpp. All checks of the language test also hold, except that godot-cpp accepts null for a value of a
+    wrong type."""
     try:
         done = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
         assert done.returncode == 0, done.stdout + done.stderr
