@@ -99,7 +99,7 @@ public:
 	double away_entering() const { return away_[entered_]; }
 	double away_leaving() const { return changes_.leave[left_].distance_squared; }
 
-	// As in NearQueue. Call them only if there is one to take out.
+	// These take out an instance, as NearQueue::next_leaving and so on do. Call them only if there is one.
 	NearLeaving take_leaving();
 	PlacedInstance take_changed();
 	PlacedInstance take_entering();

@@ -254,7 +254,7 @@ HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_wo
 		const TimeKey time = grid.time[wanted.cell];
 		const LevelGrid::Listing listed = grid.listed[wanted.cell];
 		const std::uint32_t requester = grid.requester[wanted.cell];
-		// As numbers, because compilers warn about a single | or & between conditions.
+		// Converts conditions to numbers, because compilers warn about a single | or & between conditions.
 		const auto is = [](bool condition) {
 			return static_cast<std::uint32_t>(condition);
 		};

@@ -95,7 +95,7 @@ public:
 	Rect area_of(const PixelRect &rect) const;
 
 	/// Sets the weights of the ground's textures over the field's area, first to last post. Without weights, `weigh` permits all ground.
-	/// They are kept when posts are set.
+	/// The field keeps its weights when posts are set.
 	void set_weights(WeightMap weights) { weights_ = std::move(weights); }
 
 	/// See Terrain::sample. The border belongs to the field. Outside there is no ground, nor in a field that was never set. The same
@@ -114,7 +114,7 @@ private:
 	Status check_patch(const PixelRect &rect, std::size_t posts, bool fits) const;
 	bool in_area(glm::dvec2 position) const;
 
-	/// Where a position lies: the first post of its patch, and the fraction of the way to the patch's last post.
+	/// The patch of a position: the first post of the patch, and the fraction of the way to its last post.
 	struct Patch {
 		glm::ivec2 first;
 		glm::dvec2 part;

@@ -145,7 +145,7 @@ public:
 	/// True if `look_around` would find nothing to do for these positions.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
-	// As script_queries.hpp needs them.
+	// The templates of script_queries.hpp call these functions.
 
 	static std::string name_of(const char *p_method) { return std::string("TerrainScatter3D.") + p_method; }
 
@@ -206,7 +206,7 @@ public:
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 	godot::Variant get_instance_data(int64_t p_id) const;
 
-	// As a ScatterState needs them.
+	// A ScatterState calls these functions.
 	bool displays(std::uint64_t id) const override;
 	bool remove_from(const ScatterState *state, std::uint64_t id, double until) override;
 	bool restore_in(const ScatterState *state, std::uint64_t id) override;

@@ -49,7 +49,7 @@ public:
 	std::uint32_t find(const godot::Ref<ScatterLayer> &p_layer) const;
 	static constexpr std::uint32_t no_index = 0xffffffff;
 
-	// As find_layer needs them, for an index in the list.
+	// find_layer calls these functions with an index in the list.
 	godot::String name(int64_t p_index) const { return entries_[static_cast<std::size_t>(p_index)].name; }
 	bool holds(int64_t p_index, const godot::Ref<ScatterLayer> &p_layer) const;
 

@@ -21,8 +21,8 @@ namespace thicket {
 /// A rank for scripts: at least 0 and below 1.
 float unit_rank(std::uint32_t rank);
 
-/// The points that a PoissonSampler has found. They never change, so any thread may read them. An invalid index prints an error and returns
-/// a default.
+/// The points that a PoissonSampler has found. They never change, so any thread may read them. For an invalid index, methods print an error
+/// and return a default.
 class PoissonPoints : public godot::RefCounted {
 	GDCLASS(PoissonPoints, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
