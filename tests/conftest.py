@@ -109,7 +109,7 @@ def is_worker(config: pytest.Config) -> bool:
 
 @contextmanager
 def turn(config: pytest.Config, wants_to_be_alone: bool) -> Iterator[None]:
-    """Waits until a test may run beside those of other workers, or for `wants_to_be_alone` until none of those is running."""
+    """Waits until a test may run together with those of other workers, or for `wants_to_be_alone` until none of those is running."""
     if fcntl is None or not is_worker(config):
         yield
         return

@@ -4,7 +4,7 @@
 #   thicket-demo-VERSION.zip     the demo project with the add-on in it
 #   symbols/                     the libraries with their debug symbols, for crash reports
 #   SHA256SUMS                   the checksums of the zips
-# The same sources produce identical zips. Takes about half an hour on two cores. The arguments name the builds, as in the names of
+# Identical sources produce identical zips. Takes about half an hour on two cores. The arguments name the builds, as in the names of
 # the libraries; without arguments, everything is built:
 #   bash tools/package.sh linux.x86_64 windows.x86_64.double
 #   bash tools/package.sh --list

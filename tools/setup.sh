@@ -270,7 +270,7 @@ install_packages() {
 		fi
 	fi
 	say "$why, installing $*"
-	# An unrelated source may be unreachable. Only the installation below has to succeed.
+	# An unrelated source may be unreachable. Only the installation below must succeed.
 	"${as_root[@]}" apt-get -qq -o Acquire::Retries=3 update >&2 || true
 	"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3 -o Dpkg::Use-Pty=0 \
 		install --no-install-recommends --yes "$@" </dev/null >&2

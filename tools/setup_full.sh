@@ -125,7 +125,7 @@ setup_export_template() {
 	rm -rf "$partial"
 }
 
-# The same Godot for ARM processors, unpacked for use in an emulator. Its packages are not configured, because their scripts cannot run here.
+# Unpacks Godot for ARM processors, for use in an emulator. Its packages are not configured, because their scripts cannot run here.
 setup_godot_arm64() {
 	local root folder aptopts
 	root=$(godot_root)-arm64

@@ -119,7 +119,7 @@ func _save_and_reload() -> void:
 	_game = get_tree().current_scene
 	_game.player.global_transform = here
 	_key(KEY_H)
-	_check(_game.world.has_instance(felled[0]), "anew, every tree stands")
+	_check(_game.world.has_instance(felled[0]), "after a restart, every tree exists again")
 	_key(KEY_F9)
 	await _frames(2)
 	for id in felled:
@@ -179,7 +179,7 @@ func _hold(key: Key, pressed: bool) -> void:
 ## Waits until all tiles are visible, then draws. Meanwhile the game is paused.
 func _picture(what: String) -> void:
 	await _frames(3)
-	await _until(func() -> bool: return _game.world.is_settled(), "all is on show")
+	await _until(func() -> bool: return _game.world.is_settled(), "all tiles are visible")
 	if _failed:
 		return
 	var stats: Dictionary = _game.world.get_stats()

@@ -84,7 +84,7 @@ inline int compare_distance_exactly(glm::dvec2 a, glm::dvec2 b, glm::dvec2 perio
 	return sum.sign();
 }
 
-/// The same result. Uses the exact sum only if doubles cannot decide.
+/// Returns the result of `compare_distance_exactly`, but uses the exact sum only if doubles cannot decide.
 inline int compare_distance(glm::dvec2 a, glm::dvec2 b, glm::dvec2 period, double radius) {
 	glm::dvec2 d = a - b;
 	d += glm::dvec2(nearest_image(d.x, period.x), nearest_image(d.y, period.y));

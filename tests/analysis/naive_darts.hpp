@@ -49,7 +49,7 @@ public:
 		return run();
 	}
 
-	/// Not dart throwing, but the result of tiles colored by phase: a wrong set that a good test has to detect.
+	/// Not dart throwing, but the result of tiles colored by phase: a wrong set that a good test must detect.
 	std::vector<glm::dvec2> run_in_phases(int phases, PhaseOf phase_of) {
 		for (int phase = 0; phase < phases; ++phase) {
 			std::vector<glm::dvec2> squares = all_cells();

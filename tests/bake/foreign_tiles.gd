@@ -61,7 +61,7 @@ func _flip_bits() -> void:
 		_print("flip", _refusal_of(bytes))
 
 
-## As whoever also writes the index may do: the digests fit.
+## Reads a changed tile whose digest in the index was changed as well, as an attacker who also writes the index could do.
 func _foreign(header: Dictionary, payload: PackedByteArray) -> String:
 	var bytes := BakedFile.packed(header, payload)
 	var kept := _index.digests

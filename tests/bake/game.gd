@@ -1,5 +1,5 @@
 extends SceneTree
-## Runs the world as a game does, with a player who walks through it, and writes the rows of every tile on show into the file that
+## Runs the world as a game does, with a player who walks through it, and writes the rows of every visible tile into the file that
 ## the first argument names: layer, x, y and size of the rows, 32 bits each, then the rows.
 
 

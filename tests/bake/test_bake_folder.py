@@ -144,7 +144,7 @@ def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
 
 
 def test_a_changed_scene_is_noticed(world, made, tmp_path):
-    """In the folder itself, and with a tile from a different scene copied into it."""
+    """A bake refuses a folder whose scene was changed, and one with a tile copied from a different scene."""
     other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
     scene = other_world / "world.tscn"
     scene.write_text(scene.read_text().replace("max_scale = 2.0", "max_scale = 2.25"))
@@ -219,7 +219,7 @@ def test_options_that_the_folder_fixes_are_refused(made, tmp_path):
 
 
 def test_a_missing_library_is_reported(godot, tmp_path):
-    """For example on a machine without a library for its processor: one sentence with a remedy, and no script error."""
+    """On a machine without a library for its processor, the bake prints one sentence with a remedy and no script error."""
     addon = tmp_path / "addons/thicket"
     shutil.copytree(REPO / "demo_project/addons/thicket", addon, ignore=shutil.ignore_patterns("bin", "*.gdextension*"))
     (tmp_path / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Plain"\n')

@@ -55,7 +55,7 @@ def check_areas(rect: list[float], grid: TileGrid, parts: dict[str, list[dict]],
 
 
 def test_processor_time_of_an_engine_that_has_ended_still_counts():
-    """Otherwise the tile during which the engine ends would cost less than nothing, which a manifest must not say."""
+    """If that time were lost, the tile during which the engine ends would have a negative cost in the manifest."""
     busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
     time_of = ProcessorTime([psutil.Process(busy.pid)])
     try:
@@ -69,7 +69,7 @@ def test_processor_time_of_an_engine_that_has_ended_still_counts():
 
 
 def test_a_scheduler_without_workers_is_reported(monkeypatch):
-    """Also reports when it has workers again. Each change is reported once."""
+    """The bake also reports when the scheduler has workers again. It reports each change once."""
     counts = [2, 0, 0, 3, 3, 0]
     looked = threading.Event()
 
@@ -193,7 +193,7 @@ def test_a_full_disk_keeps_the_old_file(tmp_path):
 
 
 def test_an_unrelated_error_during_writing_is_passed_on(tmp_path):
-    """An error of something else, such as reading a different file, is not reported as a failure to write this one."""
+    """An error from other code, such as reading a different file, is not reported as a failure to write this file."""
     path = tmp_path / "file"
     write_whole(path, b"old")
     with pytest.raises(FileNotFoundError, match="missing"), whole_file(path) as file:

@@ -57,7 +57,7 @@ def test_manifest_describes_the_bake(baked):
 
 
 def test_costs_count_the_engine_too(world, baked):
-    """Also if a wrapper runs it. A forecast uses the processor time of worker and engine."""
+    """A wrapper that runs the engine does not hide its cost. A forecast uses the processor time of worker and engine."""
     engine = TileEngine(Source((str(REPO / "tools/godot"),), str(world), "res://world.tscn"))
     try:
         first = engine.core_seconds()
@@ -100,7 +100,7 @@ def test_files_match_the_manifest(baked):
 
 
 def test_digests_follow_from_the_rows(baked):
-    """A second implementation, according to the documentation."""
+    """A second implementation, written from the documentation, computes the same digests."""
     types = {pa.uint64(): "<u8", pa.uint16(): "<u2", pa.uint32(): "<u4", pa.float64(): "<f8", pa.float32(): "<f4"}
     lines = []
     for (i, j), entry in sorted((tuple(map(int, name.split(","))), entry) for name, entry in baked.manifest["tiles"].items()):
@@ -141,7 +141,7 @@ def rows_of_the_game(world: Path, file: Path) -> dict[tuple, tuple]:
 
 
 def test_files_have_the_instances_of_the_game(world, baked, tmp_path):
-    """Bit for bit: every instance of the game in the rectangle, and no other."""
+    """The files have every instance of the game in the rectangle and no other, bit for bit."""
     shown = rows_of_the_game(world, tmp_path / "rows")
     made = baked.rows()
     assert sum(layer == 0 and id >> 63 for layer, id in made) == PLACED_BY_HAND

@@ -82,7 +82,7 @@ def test_an_unusable_tile_is_reported_and_the_others_appear(godot, game, hurt):
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_foreign_scripts_do_not_run(engine, game, hurt, request):
-    """A scene in place of a tile, beside it, and as its remap; with and without threads."""
+    """Puts a scene in place of a tile, next to it, and as its remap. Runs with and without threads."""
     evil = game / "evil.tscn"
     evil.write_text(EVIL)
     for name in (f"{FIRST}.baked", f"{FIRST}.scn", f"{FIRST}.tscn"):
@@ -98,7 +98,7 @@ def test_foreign_scripts_do_not_run(engine, game, hurt, request):
 
 
 def test_foreign_files_are_refused_for_their_values(godot, game, world, tmp_path):
-    """Changed bits, and each field with values of any kind, under matching digests, as in forged files."""
+    """Tests changed bits, and each field with values of any kind, with matching digests as in forged files."""
     done = godot(["--path", game, "--script", BAKES / "foreign_tiles.gd", "--", "res://world/baked_world.baked", tmp_path / "foreign"], timeout=300)
     printed = done.stdout + done.stderr
     cases = [json.loads(line) for line in re.findall(r"^case (.*)$", done.stdout, re.MULTILINE)]
@@ -115,7 +115,7 @@ def test_foreign_files_are_refused_for_their_values(godot, game, world, tmp_path
 
 
 def test_an_unusable_index_is_reported(godot, game, hurt):
-    """A damaged index, and the resource that earlier versions wrote."""
+    """Tests a damaged index, and the resource that earlier versions wrote."""
     index = hurt / "baked_world.baked"
     index.write_bytes(index.read_bytes()[:-1])
     done = godot(["--path", game, "--script", BAKES / "instantiate.gd", "--", "res://hurt/hurt.tscn"], timeout=60)
@@ -143,7 +143,7 @@ def test_a_missing_mesh_is_reported_once(godot, game, hurt):
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_it_streams_without_threads(engine, game, world, request):
-    """As in most builds for the web; with and without a renderer."""
+    """Most builds for the web have no threads. Runs with and without a renderer."""
     project = game / "project.godot"
     settings = project.read_text()
     project.write_text(settings + "[threading]\nworker_pool/max_threads=0\n")
@@ -155,7 +155,7 @@ def test_it_streams_without_threads(engine, game, world, request):
 
 
 def test_a_game_export_includes_the_files(godot, game, world, tmp_path):
-    """With the default filter of a game's export, which includes resources."""
+    """The default filter of a game's export includes resources, and so the files of the world."""
     (game / "export_presets.cfg").write_text(PRESETS)
     godot(["--path", game, "--import"], timeout=300)
     done = godot(["--path", game, "--export-pack", "Linux", tmp_path / "game.zip"], timeout=300)

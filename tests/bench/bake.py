@@ -73,7 +73,7 @@ def main(rounds: int, folder: Path) -> None:
     if len(digests) != 1:
         raise SystemExit(f"bake: digests differ: {digests}")
     print(f"{took[1, 1][0]['rows']:,} instances; digest {digests.pop()}\n")
-    print("| what | median | lowest to highest round | rounds |\n|---|---|---|---|")
+    print("| measurement | median | lowest to highest round | rounds |\n|---|---|---|---|")
     for contender, each in took.items():
         print(row(f"bake: {name(*contender)}", [one["seconds"] for one in each], "s"))
         print(row(f"bake: {name(*contender)}: workers and engines", [one["workers"] for one in each], "core-seconds"))
@@ -84,7 +84,7 @@ def main(rounds: int, folder: Path) -> None:
         print(row(f"bake: 2 workers on 2 cores over {name(*contender)}", gains, "times", 2))
     for contender in CONTENDERS:
         errors = [one["foretold"] / other for one, other in zip(took[contender], two, strict=True)]
-        print(row(f"bake: 2 workers on 2 cores, foretold from {name(*contender)}, over the truth", errors, "of it", 2))
+        print(row(f"bake: 2 workers on 2 cores, predicted from {name(*contender)}, over the measured time", errors, "of it", 2))
 
 
 if __name__ == "__main__":

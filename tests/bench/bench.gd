@@ -80,7 +80,7 @@ func processor_time_of(call: Callable) -> float:
 
 
 ## In microseconds; 0 if the system does not report it. The system updates it when a thread goes to sleep, or else at the next tick, about
-## 250 times a second.
+## 250 times per second.
 func _processor_time() -> float:
 	OS.delay_usec(1)
 	return thread_times().x

@@ -85,7 +85,7 @@ void print_counts(int tile_size, std::uint32_t levels) {
 	const std::string level = ", L = " + std::to_string(levels);
 	print_count(tile + "points computed per point kept" + level, walk.overhead(), "", 3);
 	if (tile_size == 64) { // A tile that is a single block, so the workspace and its cells are the tile's.
-		print_count(tile + "workspace a cell" + level, walk.bytes_per_cell(), " bytes", 1);
+		print_count(tile + "workspace per cell" + level, walk.bytes_per_cell(), " bytes", 1);
 		print_count(tile + "blocks run again with a wider margin, per tile" + level, walk.retries_per_tile(), "", 4);
 	}
 }

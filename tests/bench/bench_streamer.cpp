@@ -81,7 +81,7 @@ int main(int argc, char **argv) {
 	const std::size_t frames = argc > 1 ? static_cast<std::size_t>(std::atoi(argv[1])) : 3000;
 	print("flight at 100 m/s", fly(100.0, 1, frames, false));
 	print("flight at 1000 m/s", fly(1000.0, 1, frames, false));
-	print("teleports twice a second", fly(0.0, 1, frames, true));
+	print("two teleports per second", fly(0.0, 1, frames, true));
 	print("16 players at 10 m/s", fly(10.0, 16, frames, false));
 	return 0;
 }

@@ -39,7 +39,7 @@ LayerSettings meadow(std::uint32_t levels) {
 	return layer;
 }
 
-/// Plants that keep a distance from the forest's trees, which each tile has to sample again.
+/// Plants that keep a distance from the forest's trees, which each tile must sample again.
 LayerSettings spaced() {
 	LayerSettings layer = meadow(1);
 	layer.set.radius = 1.0;
@@ -67,7 +67,7 @@ LayerSettings colored(SourceKind kind, double to = 1.0) {
 	return layer;
 }
 
-/// The same walk over tiles of 64 radii for both contenders.
+/// A walk over tiles of 64 radii. Both contenders take the same one.
 struct Walk {
 	int index = 0;
 
@@ -104,7 +104,7 @@ void compare(const std::string &name, const LayerSettings &layer, const Heightfi
 	print_row(name + ": sampler alone", alone, 1e-6, " M points/s");
 	print_row(name + ": whole tile", whole, 1e-6, " M points/s");
 	print_row(name + ": whole tile over sampler alone", alone / whole, 1.0, " times the time");
-	print_count(name + ": instances a point", instances / points_seen, "");
+	print_count(name + ": instances per point", instances / points_seen, "");
 }
 
 } // namespace

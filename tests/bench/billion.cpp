@@ -262,7 +262,7 @@ int run(const RunOptions &options) {
 	const Outcome outcome = run.go([&](std::uint64_t points) {
 		const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 		const auto made = static_cast<double>(points);
-		std::fprintf(stderr, "billion: %5.1f %%, %.0f million points, %.2f million a second\n",
+		std::fprintf(stderr, "billion: %5.1f %%, %.0f million points, %.2f million per second\n",
 				std::min(100.0, 100.0 * made / options.points), 1e-6 * made, 1e-6 * made / seconds);
 	});
 	if (!outcome.status.ok()) {

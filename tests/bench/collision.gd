@@ -36,8 +36,8 @@ func run() -> String:
 		var rates := await _measure_shape(SHAPES[title], rounds)
 		if rates.is_empty():
 			return "bodies did not appear"
-		row("collision %s created a millisecond, %s, 3 700 at once" % [title, physics], rates[0])
-		row("collision %s removed a millisecond, %s" % [title, physics], rates[1])
+		row("collision %s created per millisecond, %s, 3 700 at once" % [title, physics], rates[0])
+		row("collision %s removed per millisecond, %s" % [title, physics], rates[1])
 	_layer.collision_shape = ScatterLayer.COLLISION_CYLINDER
 	_layer.collision_distance = 40.0
 	for speed: float in [0.0, WALK, DRIVE, FLIGHT]:

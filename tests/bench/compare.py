@@ -3,7 +3,7 @@
     bash tests/bench/compare.sh BASE [NEW] [--turns 9] [--programs bench_sampler,bench_tile] [--engine gameplay,spikes]
 
 BASE and NEW are commits. The default of NEW is the working folder. Both are built for release in separate folders below build/compare, then
-run in turns with alternating order, so that a slow minute of the machine affects both. Exits with 1 if a row became worse.
+run alternately, so that a slow minute of the machine affects both. Exits with 1 if a row became worse.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def read_rows(printed: str) -> dict[str, tuple[float, str]]:
 
 def more_is_better(unit: str) -> bool:
     """True for rates and speedups. For times and sizes, less is better."""
-    return bool(re.search(r"/s\b|\ba (?:second|ms)\b", unit)) or unit == "times"
+    return bool(re.search(r"/s\b|\bper (?:second|ms)\b", unit)) or unit == "times"
 
 
 def outliers(turns: int) -> int:
@@ -81,7 +81,7 @@ def compare_all(turns: list[tuple[dict, dict]]) -> tuple[list[Change], list[str]
 
 
 def report(changes: list[Change], others: list[str], turns: int) -> str:
-    lines = ["| what | base | new | new / base | |", "|---|---|---|---|---|"]
+    lines = ["| measurement | base | new | new / base | |", "|---|---|---|---|---|"]
     for change in changes:
         unit = f" {change.unit}" if change.unit else ""
         lines.append(f"| {change.what} | {change.base:g}{unit} | {change.new:g}{unit} | {change.ratio:.3f} | {change.verdict} |")

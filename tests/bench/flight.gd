@@ -31,8 +31,8 @@ func run() -> String:
 
 func _tell_view() -> void:
 	var shown: Dictionary = scatter.get_stats()
-	exact_row("a wide view: on show", "%d tiles, %d instances" % [shown.tiles, shown.instances])
-	exact_row("a wide view: main memory an instance, without the renderer's buffers",
+	exact_row("a wide view: visible", "%d tiles, %d instances" % [shown.tiles, shown.instances])
+	exact_row("a wide view: main memory per instance, without the renderer's buffers",
 			"%.1f bytes" % (float(shown.instance_bytes) / shown.instances))
 
 
@@ -78,7 +78,7 @@ func _measure(speed: float, seconds: float) -> void:
 	Engine.max_fps = 0
 	spent.sort()
 	var count := spent.size()
-	var flight := "a wide view, flight at %.0f m/s: main thread a frame" % speed
+	var flight := "a wide view, flight at %.0f m/s: main thread per frame" % speed
 	var ends := [spent[0], spent[-1], count]
 	print("| %s, median | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[count / 2]] + ends))
 	print("| %s, p99 | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[ceili(0.99 * count) - 1]] + ends))

@@ -63,7 +63,7 @@ func _measure_circles(rounds: int) -> void:
 		var query := "query_sphere of %.0f m, %d instances of %s, " % [RADIUS, found.size(), what]
 		row(query + "tiles known", warm, "ms", 2)
 		row(query + "tiles known, ids, positions and transforms read", read, "ms", 2)
-		row("query_sphere of %.0f m elsewhere, %s, tiles made on the spot" % [RADIUS, what], cold, "ms", 1)
+		row("query_sphere of %.0f m elsewhere, %s, tiles generated on demand" % [RADIUS, what], cold, "ms", 1)
 
 
 func _read_all(layers: Array) -> int:
@@ -121,8 +121,8 @@ func _measure_removals(rounds: int) -> void:
 			scatter.remove_in_sphere(_center, 30.0, scatter.layers[1])
 			_draw()))
 		_restore(ids)
-	row("remove_instance, %d one by one in a frame, picture included" % count, single, "a second", 0)
-	row("remove_in_sphere, %d at once, picture included" % count, many, "a second", 0)
+	row("remove_instance, %d one by one in a frame, redraw included" % count, single, "per second", 0)
+	row("remove_in_sphere, %d at once, redraw included" % count, many, "per second", 0)
 
 
 ## Reading a tile applies all changes to it.
@@ -155,4 +155,4 @@ func _measure_states() -> void:
 
 
 func _row_bytes(what: String, state: ScatterState) -> void:
-	row(what + ": bytes a removal", [float(state.to_bytes().size()) / state.get_removed_count()], "", 2)
+	row(what + ": bytes per removal", [float(state.to_bytes().size()) / state.get_removed_count()], "", 2)

@@ -4,7 +4,7 @@ extends SceneTree
 ##   tools/godot --headless --path demo_project --script tests/bench/ground_changes.gd [-- ONLY]
 ##
 ## ONLY is a part of a row's name. `--xvfb --rendering-driver opengl3` in place of `--headless` measures a renderer from which the triangles
-## of meshes have to be read back. The budget is the node's default.
+## of meshes must be read back. The budget is the node's default.
 
 const MILLION := 706 ## Subdivisions of a plane with a million triangles.
 const CHUNK := 64.0 ## Meters.
@@ -24,7 +24,7 @@ func _run() -> void:
 	root.add_child(_viewer)
 	var arguments := OS.get_cmdline_user_args()
 	_only = arguments[0] if arguments.size() > 0 else ""
-	print("| what | p99 ms | max ms | in place after s | tiles |")
+	print("| measurement | p99 ms | max ms | up to date after s | tiles |")
 	print("| --- | --- | --- | --- | --- |")
 	await _measure("a first mesh of a million triangles", _million)
 	await _measure("a mesh of a million triangles replaced", _million_replaced)

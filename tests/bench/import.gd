@@ -21,7 +21,7 @@ func run() -> String:
 	var turned := _multimesh()
 	turned.transform = Transform3D(Basis.from_euler(Vector3(0.1, 0.2, 0.3)), Vector3(1, 2, 3))
 	var sources: Dictionary[String, Callable] = {
-		"a MultiMesh": ImportInstances.from_node.bind(plain), "a MultiMesh that is turned": ImportInstances.from_node.bind(turned),
+		"a MultiMesh": ImportInstances.from_node.bind(plain), "a rotated MultiMesh": ImportInstances.from_node.bind(turned),
 		"a table": ImportInstances.from_csv.bind(FILE),
 	}
 	var removed := PackedFloat64Array()

@@ -33,10 +33,10 @@ func run() -> String:
 			_measure(NONE, [], []) # Earlier work may leave memory to the first contender. This equalizes it for all.
 			_measure(kind, parse[kind], whole[kind])
 	row("navigation: parsing with %d trees" % trees, parse[TREES], "ms", 2)
-	row("navigation: what they add to the bake", _added(whole, TREES), "ms", 2)
-	row("navigation: of it the scatter's own share, without holes", _added(whole, ABOVE), "ms", 2)
-	row("navigation: what as many holes of one cell add", _added(whole, CELLS), "ms", 2)
-	row("navigation: what the trees add as bodies of the scene", _added(whole, BODIES), "ms", 2)
+	row("navigation: time that the trees add to the bake", _added(whole, TREES), "ms", 2)
+	row("navigation: the scatter's own share of it, without holes", _added(whole, ABOVE), "ms", 2)
+	row("navigation: time that as many holes of one cell add", _added(whole, CELLS), "ms", 2)
+	row("navigation: time that the trees add as bodies of the scene", _added(whole, BODIES), "ms", 2)
 	_bodies.free()
 	_region.queue_free()
 	return "" if trees > 1250 and trees < 1350 else "%d trees, not some 1,300" % trees

@@ -4,7 +4,7 @@ extends "bench.gd"
 ## seconds, with a change in every frame. Prints rows of a Markdown table.
 ##   tools/godot --headless --path demo_project --script tests/bench/response.gd [-- ROUNDS]
 ##
-## Times are wall time, at 60 frames a second, from the frame in which the property is set. A frame's work is the scatter's time on the main
+## Times are wall time, at 60 frames per second, from the frame in which the property is set. A frame's work is the scatter's time on the main
 ## thread, including the comparison of all settings. A busy machine lengthens it while the thread waits for a core, and a virtual one while
 ## its host provides pages of memory. Therefore the processor time of the whole frame, engine included, and the waiting time of the longest
 ## frame are printed as well, if the system reports them.
@@ -170,23 +170,23 @@ func _measure_drags(rounds: int) -> Dictionary:
 func _report(changes: Dictionary, drags: Dictionary) -> void:
 	var stats := scatter.get_stats()
 	var what := "slider, %d instances in %d tiles" % [stats.instances, stats.tiles]
-	row(what + ": %d tiles within %.0f m made anew" % [_near.size(), NEAR], changes.near, "ms")
-	row(what + ": all tiles made anew", changes.all, "ms")
+	row(what + ": %d tiles within %.0f m regenerated" % [_near.size(), NEAR], changes.near, "ms")
+	row(what + ": all tiles regenerated", changes.all, "ms")
 	_row_frames(what, changes)
-	row(what + ": tiles under way, at most", changes.pending, "")
+	row(what + ": pending tiles, at most", changes.pending, "")
 	var drag := what + ", dragged for %.0f s" % DRAG_SECONDS
 	row(drag + ": the last value within %.0f m" % NEAR, drags.near, "ms")
 	row(drag + ": the last value everywhere", drags.all, "ms")
-	row(drag + ": each tile within %.0f m made anew meanwhile, at least" % NEAR, drags.renewed, "times a second")
+	row(drag + ": each tile within %.0f m regenerated meanwhile, at least" % NEAR, drags.renewed, "times per second")
 	_row_frames(drag, drags)
-	row(drag + ": tiles under way, at most", drags.pending, "")
+	row(drag + ": pending tiles, at most", drags.pending, "")
 	if stats.instances < 0.9 * INSTANCES or stats.instances > 1.2 * INSTANCES:
 		printerr("response: %d instances are visible, expected about %d" % [stats.instances, INSTANCES])
 
 
 func _row_frames(what: String, figures: Dictionary) -> void:
-	row(what + ": main thread a frame, longest", figures.longest, "µs")
-	row(what + ": main thread a frame, p99", figures.p99, "µs")
+	row(what + ": main thread per frame, longest", figures.longest, "µs")
+	row(what + ": main thread per frame, p99", figures.p99, "µs")
 	if _processor_usec > 0:
-		row(what + ": what the thread waited for a core in that longest frame", figures.waited, "µs")
-		row(what + ": processor time of the engine's main thread a frame, longest", figures.processor, "µs")
+		row(what + ": time that the thread waited for a core in that longest frame", figures.waited, "µs")
+		row(what + ": processor time of the engine's main thread per frame, longest", figures.processor, "µs")

@@ -86,7 +86,7 @@ processor=$(sed -n 's/^model name[[:space:]]*: //p;T;q' /proc/cpuinfo 2>/dev/nul
 machine="$(nproc) cores of ${processor:-$(uname -m)}, $("${CXX:-g++}" --version | head -n 1), -O3"
 echo "Measured on $machine, $(date +%F)."
 echo
-echo "| what | median | lowest to highest round | rounds |"
+echo "| measurement | median | lowest to highest round | rounds |"
 echo "|---|---|---|---|"
 sampler_rows() {
 	"$sampler" "${effort[@]}"

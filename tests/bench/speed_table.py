@@ -21,7 +21,7 @@ README = REPO / "README.md"
 
 BEGIN = "<!-- The tables from here on are written by tests/bench/run.sh with the option write. -->"
 END = "<!-- The tables end here. -->"
-HEAD = "| What | Median | Lowest to highest round | Rounds |\n|---|---|---|---|"
+HEAD = "| Measurement | Median | Lowest to highest round | Rounds |\n|---|---|---|---|"
 
 # The headings of README, and for each the rows whose names match these shell patterns. A star matches the numbers of a run.
 SECTIONS = {
@@ -29,7 +29,7 @@ SECTIONS = {
         "tiles of 64 r: sampler, L = *",
         "tiles of 64 r: sampler over * Bridson",
         "tiles of 64 r: points computed per point kept, L = 1",
-        "tiles of 64 r: workspace a cell, L = 1",
+        "tiles of 64 r: workspace per cell, L = 1",
         "tiles of 64 r: sampler on *",
         "tiles of 16 r: sampler, L = 1",
         "tiles of 32 r: sampler, L = 1",
@@ -47,28 +47,28 @@ SECTIONS = {
         "sample_domain*",
         "build_rect*",
     ],
-    "Starting": ["as shipped: *", "from the engine's start*", "the same without the scatter*"],
+    "Starting": ["as shipped: *", "from the engine's start*"],
     "The main thread": [
         "a wide view: *",
         "a wide view, flight *",
         "*: the longest frame",
         "a diff of 10^6 changes*: the call",
         "a diff of 10^6 changes, apply_diff_async: all of *",
-        "flight at *, headless: main thread a frame, *",
-        "*: * tiles within * m made anew",
-        "*: all tiles made anew",
-        "*: main thread a frame, longest",
+        "flight at *, headless: main thread per frame, *",
+        "*: * tiles within * m regenerated",
+        "*: all tiles regenerated",
+        "*: main thread per frame, longest",
     ],
     "Drawing": ["view *, tiles in cells: triangles in sight", "view *, tiles in cells: draw calls in sight"],
     "Playing": [
         "query_*",
         "get_instance by id*",
         "remove_*",
-        "state, *: bytes a removal",
+        "state, *: bytes per removal",
         "collision * created *",
         "navigation: parsing *",
-        "navigation: what they add to the bake",
-        "navigation: what the trees add as bodies of the scene",
+        "navigation: time that the trees add to the bake",
+        "navigation: time that the trees add as bodies of the scene",
     ],
 }
 

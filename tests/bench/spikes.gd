@@ -24,7 +24,7 @@ func run() -> String:
 	var failure := await idle()
 	var far := _far_state()
 	var events := {
-		"%d bodies far apart come" % BODIES: [_add_bodies, _remove_bodies],
+		"%d bodies added far apart" % BODIES: [_add_bodies, _remove_bodies],
 		"a diff of 10^6 changes": [_apply.bind(far.diff_since(0)), _forget],
 		"a diff of 10^6 changes, apply_diff_async": [_apply_async.bind(far.diff_since(0)), _forget],
 		"a new state of 10^6 removals": [_take.bind(far), _forget],
@@ -46,7 +46,7 @@ func run() -> String:
 					beyond.push_back(_beyond_idle_usec)
 					calls.push_back(_call_usec)
 		row(what + ": the call", [calls.min()], "µs")
-		row(what + ": all of the main thread's processor time in a frame, beyond that of an idle one", [beyond.min()], "µs")
+		row(what + ": all of the main thread's processor time in a frame, beyond that of an idle frame", [beyond.min()], "µs")
 		print("| %s: the longest frame | %d µs | %s | %d |" % [what, longest.min(), parts_text(parts), rounds])
 	return failure
 

@@ -90,10 +90,10 @@ func _report(frames: Array[Dictionary]) -> void:
 	var drawn := "headless" if DisplayServer.get_name() == "headless" else "drawn in software"
 	var flight := "flight at %.0f m/s, budget %d µs, %s" % [SPEED, _scatter.get(&"frame_budget_usec"), drawn]
 	var count := frames.size()
-	var row := "| %s: main thread a frame, %s | %.0f µs | %.0f to %.0f µs | %d frames |"
+	var row := "| %s: main thread per frame, %s | %.0f µs | %.0f to %.0f µs | %d frames |"
 	print(row % [flight, "median", spent[count / 2], spent[0], spent[-1], count])
 	print(row % [flight, "p99", spent[ceili(0.99 * count) - 1], spent[0], spent[-1], count])
-	print("| %s: on show at the end | %d tiles, %d instances | exact | 1 |" % [flight, last.tiles, last.instances])
+	print("| %s: visible at the end | %d tiles, %d instances | exact | 1 |" % [flight, last.tiles, last.instances])
 	print("| %s: tiles not yet shown, at most | %d | exact | 1 |" % [flight, most_waiting])
 
 

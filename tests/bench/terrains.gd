@@ -44,7 +44,7 @@ func _run() -> void:
 			times.get_or_add(named, []).push_back(await _fill(contenders[named]))
 	for named in times:
 		_report(named, times[named], base)
-	_report("HTerrain, asked place by place", [await _fill(_make_asked)], [await _fill(_make_heightmap)])
+	_report("HTerrain, queried point by point", [await _fill(_make_asked)], [await _fill(_make_heightmap)])
 	quit()
 
 

@@ -47,4 +47,4 @@ func _print(stop: String, how: String) -> void:
 	var seen := scatter.get_draw_stats(_demo.get(&"camera"))
 	for figure: String in ["triangles", "draw_calls"]:
 		exact_row("view %s, tiles %s: %s in sight" % [stop, how, figure.replace("_", " ")], str(seen[figure]))
-	exact_row("view %s, tiles %s: multimeshes on show" % [stop, how], str(scatter.get_stats().multimeshes))
+	exact_row("view %s, tiles %s: visible multimeshes" % [stop, how], str(scatter.get_stats().multimeshes))

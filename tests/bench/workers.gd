@@ -20,7 +20,7 @@ func run() -> String:
 	var cases := {
 		"flat ground": [ScatterGroundFlat.new(), {}],
 		"a heightmap": [heightmap, {}],
-		"a heightmap, with a limit of the slope": [heightmap, {&"max_slope_degrees": 30.0, &"slope_falloff_degrees": 5.0}],
+		"a heightmap, with a slope limit": [heightmap, {&"max_slope_degrees": 30.0, &"slope_falloff_degrees": 5.0}],
 		"a heightmap, with an edge that thins out": [heightmap, {&"max_slope_degrees": 30.0, &"edge_feather": 8.0}],
 		"flat ground, with a noise": [ScatterGroundFlat.new(), {&"noise": noise.noise}],
 		"the ground of a noise": [noise, {}],

@@ -123,7 +123,7 @@ def test_generated_files_are_replaced_and_others_kept(tmp_path):
 
 
 def test_the_add_on_has_the_generated_files(wrappers):
-    """The build has put the same files into the add-on."""
+    """The build copies the generated files into the add-on."""
     shipped = REPO / "demo_project/addons/thicket/csharp"
     for path in wrappers:
         assert (shipped / path.name).read_text(encoding="utf-8") == path.read_text(encoding="utf-8"), path.name

@@ -34,7 +34,7 @@ OF_THE_MACHINE = re.compile(rb"/(?:home|root|work|tmp|build|usr/include|usr/lib)
 
 def pack(names: list[str], out: Path) -> dict[str, Path]:
     """{name: zip} from tools/package.sh for these builds."""
-    # There are fourteen builds. One takes 2.5 minutes on two cores, and 8 minutes beside two other workers.
+    # There are fourteen builds. One takes 2.5 minutes on two cores, and 8 minutes while two other workers run.
     done = run(["bash", "tools/package.sh", "--out", out, *names], timeout=3 * 3600, cwd=REPO)
     assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
     sums = dict(reversed(line.split()) for line in (out / "SHA256SUMS").read_text().splitlines())
@@ -100,7 +100,7 @@ def test_libraries_are_small_and_stripped(addon):
 
 @pytest.mark.full
 def test_libraries_for_linux_are_hardened_and_need_little(addon):
-    """They load with a glibc from 2018 and include the C++ library. Their relocated data is read-only, and their stack is not
+    """The libraries load with a glibc from 2018 and include the C++ library. Their relocated data is read-only, and their stack is not
     executable."""
     assert len(list((addon / "bin").glob("*.so"))) == 8
     for path in (addon / "bin").glob("*.so"):
@@ -207,7 +207,7 @@ def test_the_library_for_windows_loads(addon, at_home):
 
 @pytest.mark.full
 def test_the_library_for_arm_loads(addon, at_home):
-    """The same on ARM in an emulator, with the C library of a cross compiler."""
+    """On ARM, the library registers the same classes as at home. Runs in an emulator, with the C library of a cross compiler."""
     if not shutil.which("qemu-aarch64"):
         pytest.skip("qemu-user is not installed")
     root = Path("/usr/aarch64-linux-gnu")
@@ -221,7 +221,8 @@ def test_the_library_for_arm_loads(addon, at_home):
 @pytest.mark.full
 @pytest.mark.parametrize("threads", [True, False])
 def test_the_library_for_the_web_loads(addon, at_home, threads):
-    """The same in WebAssembly, where a call with a wrong function signature traps, for both kinds of export templates."""
+    """In WebAssembly, the libraries for both kinds of export templates register the same classes as at home. A call with a wrong function
+    signature traps there."""
     if not shutil.which("node"):
         pytest.skip("node is not installed")
     flags = ["-fwasm-exceptions", "-sSUPPORT_LONGJMP=wasm", "-sMAIN_MODULE=1", "-sWASM_BIGINT", "-sNODERAWFS", "-sINITIAL_MEMORY=256MB",

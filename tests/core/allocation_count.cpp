@@ -18,7 +18,7 @@ thread_local std::size_t most_allocations = unlimited;
 thread_local bool fails_once = false;
 thread_local bool failed = false;
 
-/// Counts a request. Returns false if it has to fail.
+/// Counts a request. Returns false if it must fail.
 bool granted() {
 	if (allocations < most_allocations) {
 		++allocations;
@@ -42,7 +42,7 @@ void *aligned_memory(std::size_t size, std::size_t alignment) {
 void free_aligned(void *memory) { std::free(memory); }
 #endif
 
-/// Returns the memory from `take`, unless this request has to fail.
+/// Returns the memory from `take`, unless this request must fail.
 template <typename Take>
 void *allocate(const Take &take) {
 	void *memory = granted() ? take() : nullptr;

@@ -90,7 +90,7 @@ def progressive(references, thicket) -> tuple[Measured, Measured]:
 
 
 def test_progressive_set_differs_from_plain_darts(darts, progressive):
-    """Otherwise, the comparison above could not distinguish the two distributions."""
+    """If they did not differ, the comparison above could not distinguish the two distributions."""
     assert means_differ(darts.pairs, progressive[1].pairs) < WRONG
 
 

@@ -37,7 +37,7 @@ TEST_CASE("cell visits: a cell is drawn once viewers have moved as far as it all
 	CHECK(visit(104.0, true) == std::numeric_limits<double>::infinity());
 }
 
-TEST_CASE("cell visits: no cell is ever later than its margin if the tile is visited when told") {
+TEST_CASE("cell visits: no cell is ever later than its margin if each tile is visited when due") {
 	std::mt19937 random(2);
 	std::uniform_real_distribution<double> any(0.01, 20.0);
 	CellVisits visits;

@@ -131,7 +131,7 @@ TEST_CASE("division queue: farther tiles give way, the farthest first, and are n
 	CHECK(row.all().count <= row.limit);
 	row.begun.clear();
 	row.add(2, 11.0, 5);
-	row.run(); // 25 + 16 + 2: tile 5 has to give way, but not tile 1, which is nearer.
+	row.run(); // 25 + 16 + 2: tile 5 must give way, but not tile 1, which is nearer.
 	CHECK_MESSAGE(row.begun.empty(), "that would be 43 multimeshes, even without the cells of tile 5");
 	row.limit = 44;
 	row.move(2, 11.0, 5);

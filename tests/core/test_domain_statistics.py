@@ -103,7 +103,7 @@ def test_wrong_sets_are_detected(darts, wrong_sets, kind, feature):
 
 
 def test_a_different_order_is_detected(dart_sets, domain_sets):
-    """Otherwise, the comparison of parts would prove nothing: the wavefront fills a corner first."""
+    """A comparison of parts that did not detect it would prove nothing: the wavefront fills a corner first."""
     wavefront = domain_sets["wavefront", "double"]
     assert means_differ(measured(dart_sets, 0.3).pairs, measured(wavefront, 0.3).pairs) < WRONG
 
@@ -114,7 +114,7 @@ def coverage(sets: list[np.ndarray], side: float) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", [*EQUIVALENT, ("wavefront", "single")], ids="-".join)
 def test_coverage_is_that_of_the_jammed_state(thicket, kind):
-    """Two million points on tori."""
+    """Counts two million points on tori."""
     side, seeds = 300.0, 32
     sets = domains_of(thicket, kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
     assert sum(map(len, sets)) >= 2_000_000

@@ -76,7 +76,7 @@ Shape cylinder(glm::dvec2 at, double radius, bool exclude) {
 	return shape;
 }
 
-/// A layer with many kinds of rules, beside another layer.
+/// A layer with many kinds of rules that keeps away from a second layer.
 struct World {
 	std::shared_ptr<PaintedMask> mask = std::make_shared<PaintedMask>();
 	std::vector<Shape> shapes{cylinder({-20.0, 40.0}, 15.0, true), cylinder({30.0, 90.0}, 9.0, true)};

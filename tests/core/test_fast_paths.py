@@ -1,6 +1,6 @@
-"""Every fast path is taken by some test. A fast path gives what the code after it would give, only sooner, so no result tells whether
-it is ever taken. A comment that begins with "Fast path:" stands above what runs only then. Here the sources are built once more, from a
-copy in which each of these comments is a statement that says once that it ran."""
+"""Some test takes every fast path. A fast path produces the result of the code after it, only sooner, so no result shows whether it is
+ever taken. A comment that begins with "Fast path:" precedes the statement that runs only then. This test builds the sources a second
+time, from a copy in which a statement that reports its first run replaces each of these comments."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from conftest import BUILD_DIR, LONG_CASES, REPO, build, check_engine_tests, run
 
 COPY = REPO / "build/fast_paths"
-TOLD = "THICKET_FAST_PATHS"  # The environment's name of the file that those which are taken are told to.
+TOLD = "THICKET_FAST_PATHS"  # The environment variable with the path of the file that lists the fast paths taken.
 MARK = re.compile(r"// Fast path: \S.*")
 HEADER = f"""#pragma once
 #include <cstdio>
@@ -29,12 +29,12 @@ inline bool tell_fast_path(const char *file, int line) {{
 }}
 }} // namespace thicket
 """
-# A lambda, for functions that may also run while something is compiled.
+# A lambda, because some of the functions may run at compile time.
 STATEMENT = "[] { static const bool told = ::thicket::tell_fast_path(__FILE__, __LINE__); static_cast<void>(told); }();"
 
 
 def marks(root: Path, folder: str) -> set[str]:
-    """The fast paths under a folder of root: the path of the file from there, and the number of the comment's line."""
+    """The fast paths in a folder of root, each as the path of its file relative to root and the line of its comment."""
     return {
         f"{path.relative_to(root).as_posix()}:{number}"
         for path in (root / folder).rglob("*.[ch]pp")
@@ -44,13 +44,13 @@ def marks(root: Path, folder: str) -> set[str]:
 
 
 def telling(text: str, header: Path) -> str:
-    """A source that tells which of its fast paths are taken; its lines keep their numbers."""
+    """A source that reports which of its fast paths are taken. Its line numbers are unchanged."""
     changed, count = MARK.subn(lambda _: STATEMENT, text)
     return f'#include "{header.as_posix()}"\n#line 1\n{changed}' if count else text
 
 
 def write(path: Path, data: bytes, mode: int = 0o644):
-    """Leaves alone what is the same, so that it need not be built again."""
+    """Writes only files that differ, so that equal ones are not rebuilt."""
     if not path.is_file() or path.read_bytes() != data:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(data)
@@ -106,7 +106,7 @@ def test_a_fast_path_that_nothing_takes_is_told(tmp_path):
 
 
 def test_the_core_takes_its_fast_paths(tmp_path):
-    """By the cases of tests/core that do not take long."""
+    """Runs the cases of tests/core that do not take long."""
     wanted = marks(REPO, "extension/core")
     assert len(wanted) > 50
     copy_of_the_sources()
@@ -121,7 +121,7 @@ def test_the_core_takes_its_fast_paths(tmp_path):
 
 @pytest.mark.full
 def test_the_nodes_take_their_fast_paths(tmp_path):
-    """By the scripts of tests/engine."""
+    """Runs the scripts of tests/engine."""
     wanted = marks(REPO, "extension/nodes")
     assert len(wanted) > 50
     copy_of_the_sources()

@@ -136,7 +136,7 @@ TEST_CASE("queries: a ray reads only the tiles before its first hit") {
 		CHECK(std::sqrt(distance_squared(square, {eye.x, eye.z})) < hit[0].distance + 30.0);
 	}
 	world.requests.clear();
-	// Tiles beside the ray are not read.
+	// Tiles that the ray misses are not read.
 	REQUIRE(query.on_ray({0.0, 500.0, 0.0}, {0.0, 400.0, 0.0}, {{0}, {}}, hit).ok());
 	CHECK(hit.empty());
 	CHECK(world.requests.size() == 4);
@@ -175,7 +175,7 @@ TEST_CASE("queries: a cylinder is closed, and its intersection with a ray is exa
 	const RayPart down = part({0.0, 4.0, 0.0}, {0.0, -4.0, 0.0});
 	CHECK(down.start == 0.25);
 	CHECK(down.end == 0.5);
-	// On the mantle, on the edges of the caps, and just beside.
+	// On the mantle, on the edges of the caps, and just outside of them.
 	CHECK(!part({-2.0, 1.0, 0.5}, {2.0, 1.0, 0.5}).empty());
 	CHECK(!part({-2.0, 2.0, 0.0}, {2.0, 2.0, 0.0}).empty());
 	CHECK(!part({0.5, 3.0, 0.0}, {0.5, -3.0, 0.0}).empty());

@@ -178,7 +178,7 @@ TEST_CASE("near queue: a released instance enters again") {
 	CHECK(follower.follow() > 100);
 }
 
-TEST_CASE("near queue: very many centers are checked in turns, although the world changes in every frame") {
+TEST_CASE("near queue: very many centers take turns to be checked, although the world changes in every frame") {
 	FlatWorld flat;
 	flat.load(12);
 	Follower follower;

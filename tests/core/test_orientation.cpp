@@ -32,7 +32,7 @@ TEST_CASE("orientation: both turns, and collinear points") {
 	CHECK(orientation({1.0, 1.0}, {3.0, 3.0}, {-7.0, -7.0}) == 0.0);
 	CHECK(orientation({0.1, 0.1}, {0.3, 0.3}, {0.7, 0.7}) == 0.0);
 	CHECK(orientation({2.0, 5.0}, {2.0, 5.0}, {2.0, 5.0}) == 0.0);
-	// One rounding step of a double beside the line, where a plain determinant returns 0.
+	// One rounding step of a double away from the line, where a plain determinant returns 0.
 	const double hair = std::ldexp(1.0, -53);
 	CHECK(orientation({0.5, 0.5 + hair}, {12.0, 12.0}, {24.0, 24.0}) == 12.0 * hair);
 	CHECK(orientation({0.5 + hair, 0.5}, {12.0, 12.0}, {24.0, 24.0}) == -12.0 * hair);
@@ -47,7 +47,7 @@ TEST_CASE("orientation: the sign is exact and the value accurate, even for the n
 			return static_cast<std::int64_t>(random() % (std::uint64_t{1} << bits)) - (std::int64_t{1} << (bits - 1));
 		};
 		std::array<std::array<std::int64_t, 2>, 3> corner{{{number(), number()}, {number(), number()}, {}}};
-		// The third corner is on the line through the others, or at most a step beside it.
+		// The third corner is on the line through the others, or at most a step away from it.
 		const auto part = static_cast<std::int64_t>(random() % 8);
 		for (std::size_t axis = 0; axis < 2; ++axis) {
 			corner[2][axis] = corner[0][axis] + (corner[1][axis] - corner[0][axis]) / 7 * part +

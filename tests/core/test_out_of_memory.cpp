@@ -105,7 +105,7 @@ TEST_CASE("out of memory: sampling a window leaves no points and a usable sample
 					"rect",
 					[&] {
 						Sampling job;
-						if (used) { // It was used for smaller windows, so all buffers have to grow.
+						if (used) { // It was used for smaller windows, so all buffers must grow.
 							REQUIRE(job.tool.sample(PointSet{.seed = 9}, {{0.0, 0.0}, {3.0, 1.0}}, job.answer).ok());
 						}
 						return job;

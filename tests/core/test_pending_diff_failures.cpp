@@ -155,7 +155,7 @@ TEST_CASE("out of memory: a pending diff is applied completely or not at all") {
 					r_state = prepare(); // The state is used a second time.
 				},
 				[&](const InstanceState &state) { REQUIRE(bytes_of(state) == bytes_of(at_once)); });
-		// The same if queuing or working fails.
+		// A diff that fails while it is queued or applied changes nothing either.
 		test::fail_every_request(
 				"data", [&] { return copy_of(before); },
 				[&](InstanceState &r_state) {

@@ -42,7 +42,7 @@ TEST_CASE("point grid: the nearest of many points is bit-identical, at any dista
 				 Rect{{-5e6, 5e6}, {-5e6 + 60.0, 5e6 + 60.0}}}) {
 		for (const int count : {0, 1, 7, 300, 5000}) {
 			std::vector<glm::dvec2> points = scattered(random, area, count);
-			// The same points once more in a corner, close together.
+			// Repeats the points in a corner, close together.
 			for (int i = 0; i < count; ++i) {
 				points.push_back(area.min + (points[static_cast<std::size_t>(i)] - area.min) * 0.01);
 			}

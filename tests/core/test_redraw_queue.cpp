@@ -48,7 +48,7 @@ TEST_CASE("redraw queue: marks meet the tiles of their layer that they overlap o
 	CHECK(queue.take().empty());
 }
 
-TEST_CASE("redraw queue: the version tells uploads from before a change from those after it") {
+TEST_CASE("redraw queue: the version separates uploads from before a change from those after it") {
 	RedrawQueue queue;
 	const std::uint64_t first = queue.version();
 	queue.take();

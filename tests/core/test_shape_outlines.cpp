@@ -153,7 +153,7 @@ TEST_CASE("outlines: rays through corners count correctly, at all half-integer p
 				CAPTURE(index);
 				CAPTURE(x);
 				CAPTURE(z);
-				// Slightly beside the line of the oracle's ray, so that it hits no corner.
+				// Slightly off the line of the oracle's ray, so that it hits no corner.
 				const bool on_border = plain_distance(polygons[index], true, {x, z}) < 1e-12;
 				const bool within = !on_border && plain_contains(polygons[index], {x + 1e-9, z + 1.7e-9});
 				CHECK(density_at(set, x, z) == (within ? 1.0 : 0.0));

@@ -99,7 +99,7 @@ TEST_CASE("tile queue: the nearest suitable tile, for any movement of the viewer
 			tiles.emplace_back(static_cast<int>(200.0 * unit(random)), static_cast<int>(200.0 * unit(random)));
 			in.push_back(true);
 			queue.add(static_cast<std::uint32_t>(tiles.size() - 1), tiles.back());
-			// The same entry once more, or an existing slot with a wrong tile.
+			// Repeats an entry, or pairs an existing slot with a wrong tile.
 			queue.add(static_cast<std::uint32_t>(random() % tiles.size()), tiles.back());
 		}
 		if (random() % 3 == 0) {

@@ -237,7 +237,7 @@ TEST_CASE("triangles: slivers that meet in a fan have no crack, and no height be
 		const glm::dvec3 at = glm::mix(tip, on_rim, part * part * part * 0.999999);
 		const glm::dvec2 place(at.x, at.z);
 		if (place.y <= tip.z || place == glm::dvec2(tip.x, tip.z)) {
-			continue; // So near the tip that rounding moved it beside the fan.
+			continue; // So near the tip that rounding moved it out of the fan.
 		}
 		const float height = terrain.at(place).height;
 		// A position may miss the fan only where the fan is no wider than one or two rounding steps of the coordinates.

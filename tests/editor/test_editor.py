@@ -259,7 +259,7 @@ def libraryless_project(plain_project) -> Path:
 
 
 def test_without_the_library_the_plugin_warns_once(godot, godot_xvfb, libraryless_project):
-    """For example in a checkout before the first build: one warning has the remedy, and no script fails. The checks are in
+    """In a checkout before the first build, one warning has the remedy, and no script fails. The checks are in
     without_library.gd."""
     imported = godot(["--path", libraryless_project, "--import"], timeout=120)
     assert imported.returncode == 0

@@ -23,7 +23,7 @@ class Mound extends ScatterGround:
 		return true
 
 
-## The same hills, queried on the main thread.
+## A mound that is queried on the main thread.
 class MainMound extends Mound:
 	func _is_thread_safe() -> bool:
 		return false

@@ -13,13 +13,13 @@ class Hills extends ScatterGround:
 		return 10.0 * sin(at.x * 0.05) + 5.0 * cos(at.y * 0.08)
 
 
-## The same hills, queried on worker threads.
+## Rolling hills, queried on worker threads.
 class ThreadedHills extends Hills:
 	func _is_thread_safe() -> bool:
 		return true
 
 
-## The same hills with a hole, and with constant normals that lean by 45 degrees.
+## Rolling hills with a hole, and with constant normals that lean by 45 degrees.
 class LeaningHills extends Hills:
 	func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 		var heights := super(positions)

@@ -233,7 +233,7 @@ class Terrain3DDouble extends Node3D:
 			data.free()
 
 
-## The same ground as a node of an unknown plug-in, which is queried point by point.
+## The ground of a Terrain3DDouble as a node of an unknown plug-in, which is queried point by point.
 class QueriedNode extends Node3D:
 	var of: Terrain3DDouble
 

@@ -76,7 +76,7 @@ def test_scripts_see_our_classes_and_nothing_leaks(display, project, request):
 
 
 def test_a_leak_is_detected(godot_xvfb, project):
-    """This engine does print the lines that the test above searches for."""
+    """An engine with a leak prints the lines that the test above searches for."""
     script = project / "leak.gd"
     leaks = "TerrainScatter3D.new()", "RenderingServer.multimesh_create()", "quit()"
     script.write_text("extends SceneTree\nfunc _init():\n\t" + "\n\t".join(leaks) + "\n")
@@ -244,7 +244,7 @@ def compiles(code: str, tmp_path: Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("code", REFUSED)
 def test_the_stand_in_refuses_what_godot_cpp_refuses(code, tmp_path):
-    """So that code which compiles here also compiles against godot-cpp."""
+    """Code that compiles against the stand-in also compiles against godot-cpp."""
     accepted = compiles(ACCEPTED, tmp_path)
     assert accepted.returncode == 0, accepted.stderr
     assert compiles(REFUSED[code], tmp_path).returncode != 0
@@ -253,8 +253,8 @@ def test_the_stand_in_refuses_what_godot_cpp_refuses(code, tmp_path):
 @pytest.mark.alone  # Meanwhile, a different extension is installed for all tests.
 @pytest.mark.skipif("THICKET_GODOT_CPP" not in os.environ, reason="set THICKET_GODOT_CPP to a built godot-cpp")
 def test_the_same_sources_build_and_run_against_godot_cpp(godot, tmp_path):
-    """All engine tests pass there. All checks of the language test also hold, except that godot-cpp accepts null for a value of a wrong
-    type."""
+    """All engine tests pass with godot-cpp. All checks of the language test also hold, except that godot-cpp accepts null for a value of a
+    wrong type."""
     try:
         done = run(["scons", "-Q", "-j2", "godot_cpp=" + os.environ["THICKET_GODOT_CPP"], "extension"], 3600, cwd=REPO)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -165,7 +165,7 @@ func test_build_rect_uses_workers() -> void:
 	together.free()
 
 
-## Workers also share the tiles that a query has to generate.
+## Workers also share the tiles that a query must generate.
 func test_queries_use_workers() -> void:
 	var ground := RendezvousGround.new()
 	var scatter := make_scatter([make_layer(1.0)], ground, make_viewer())

@@ -44,7 +44,7 @@ radius = 20.0
 script = ExtResource("1")
 """
 
-# The same scene with a floor that only ray casts can find.
+# Added to this scene: a floor that only ray casts can find.
 FLOOR_SHAPE = """[sub_resource type="BoxShape3D" id="floor"]
 size = Vector3(150, 2, 90)
 
@@ -84,7 +84,7 @@ def project(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def jolt_project(tmp_path_factory) -> Path:
-    """The same project with the engine's other physics server."""
+    """A new project that uses the engine's other physics server."""
     return new_project(tmp_path_factory.mktemp("jolt"), '[physics]\n3d/physics_engine="Jolt Physics"\n')
 
 
@@ -181,13 +181,13 @@ def test_script(godot, project, script):
 
 @pytest.fixture(scope="module")
 def threadless_project(tmp_path_factory) -> Path:
-    """The same project in an engine without worker threads, as in most builds for the web."""
+    """A new project for an engine without worker threads, as in most builds for the web."""
     return new_project(tmp_path_factory.mktemp("threadless"), "[threading]\nworker_pool/max_threads=0\n")
 
 
 @pytest.mark.parametrize("script", ["test_streaming", "test_terrain_calls", "test_state", "test_state_async", "test_ground_follows"])
 def test_without_threads(godot, threadless_project, script):
-    """The main thread generates the tiles, a few in each frame, and the results are the same."""
+    """Without worker threads, the main thread generates the tiles, a few in each frame. The results are unchanged."""
     assert_passed(godot(["--verbose", "--path", threadless_project, "--script", ENGINE / f"{script}.gd"], timeout=600))
 
 
@@ -266,7 +266,7 @@ RENDERERS = {
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_pictures_of_models(godot_xvfb, project, renderer):
-    """In each of the renderers, drawn in software."""
+    """Draws the models with each of the renderers, in software."""
     arguments = [*RENDERERS[renderer], "--path", project, "--script", ENGINE / "test_model_pictures.gd"]
     assert_passed(godot_xvfb(arguments))
 

@@ -163,7 +163,7 @@ func test_a_mesh_moves_rotates_and_changes() -> void:
 	await check_regenerated(scatter, [square(Vector2(8.0, 20.0), 2.5)], "freed", rock.queue_free)
 
 
-## As when a designer drags it: plants follow the movement at a limited rate, and are correct in the end.
+## While a designer drags a mesh, plants follow at a limited rate, and are correct in the end.
 func test_a_mesh_that_keeps_moving() -> void:
 	put_plane(Vector3.ZERO, Vector2(100.0, 100.0))
 	var rock := put_plane(Vector3(-30.0, 2.0, 0.0), Vector2(10.0, 10.0))

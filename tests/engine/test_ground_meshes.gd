@@ -172,7 +172,7 @@ func test_faces_are_those_of_the_engine() -> void:
 		check_no_error(named)
 		var faces := mesh.get_faces()
 		if "two bytes" in named:
-			faces = plane(0).get_faces() # The same square.
+			faces = plane(0).get_faces() # Two faces cover the same square.
 		if "vertices only" in named:
 			errors.take() # The engine itself fails to decode these.
 			faces = zigzag()

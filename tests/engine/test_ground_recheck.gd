@@ -29,7 +29,7 @@ class Silent extends ScatterGround:
 		return threaded
 
 
-## The same ground as a node.
+## Ground like `Silent`, as a node.
 class SilentNode extends Node3D:
 	var part := Rect2()
 	var height := 0.0

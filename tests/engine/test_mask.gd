@@ -211,7 +211,7 @@ func test_files() -> void:
 		check_equal([loaded.pixel_size, loaded.background], [2.0, 0.5], "properties from " + ending)
 		check_equal(samples(loaded, Vector2(50, 60), 40.0), seen, "densities from " + ending)
 		check(FileAccess.get_size(SPOT + ending) < 8192, "%s of %d bytes" % [ending, FileAccess.get_size(SPOT + ending)])
-		# As in the editor when the file has changed: loads into the existing object.
+		# Loads into the existing object, like the editor when a file has changed.
 		loaded.clear()
 		loaded.pixel_size = 1.0
 		loaded.paint(Vector2(-9, 9), 3.0)

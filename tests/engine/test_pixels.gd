@@ -33,7 +33,7 @@ func share(color: Color) -> float:
 		return absf(pixel.r - color.r) + absf(pixel.g - color.g) + absf(pixel.b - color.b) < 0.1)
 
 
-## The same cubes, colored by an instance shader parameter that their scene sets.
+## Returns a view of cubes that are colored by an instance shader parameter, which their scene sets.
 func make_tinted_view() -> TerrainScatter3D:
 	var scatter := make_view()
 	var material := ShaderMaterial.new()

@@ -79,7 +79,7 @@ def test_a_full_disk_keeps_the_old_files(godot, project, small_disk):
 
 
 def test_a_limit_of_file_sizes_keeps_the_old_files(godot, project, tmp_path):
-    """The same if the system limits all files to 96 KiB."""
+    """Saving fails, and keeps the old files, if the system limits all files to 96 KiB."""
 
     def with_small_files():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

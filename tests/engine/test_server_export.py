@@ -99,7 +99,7 @@ def test_a_server_without_visuals_collides_as_the_project(template, godot, tmp_p
 
 @pytest.mark.full
 def test_an_export_without_the_plugin_warns_once_for_each_node(template, godot, tmp_path):
-    """Shapes of models still collide."""
+    """In this export, shapes of models still collide."""
     project = make_project(tmp_path / "project", godot, "")
     level = project / "level.tscn"
     scene = level.read_text()

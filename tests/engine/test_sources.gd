@@ -25,7 +25,7 @@ class Seen:
 	var custom: Color
 
 
-## From black to white, so that a color gives the position on the gradient.
+## Returns a gradient from black to white, whose colors are the positions on it.
 func gray() -> Gradient:
 	var gradient := Gradient.new()
 	gradient.colors = PackedColorArray([Color.BLACK, Color.WHITE])

@@ -110,7 +110,7 @@ func test_many_changes_in_a_few_areas() -> void:
 	check_equal(digests(scatter, 0), digests(fresh, 0), "the visible tiles after the restoration")
 
 
-## As when a peer joins late: a million changes do not block the main thread.
+## A million changes, as a peer that joins late gets them, do not block the main thread.
 func test_a_whole_state_is_read_on_a_thread() -> void:
 	var scatter := make_wood(make_viewer())
 	scatter.state = ScatterState.new()

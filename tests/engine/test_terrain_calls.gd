@@ -167,7 +167,7 @@ func test_a_ground_that_is_released_in_its_own_call() -> void:
 	errors.take()
 
 
-## The same while a scatter calls: in any frame of its work, and in methods that scripts call.
+## The last reference to a ground is released while a scatter calls it: in a frame of its work, or in a method that a script calls.
 func test_a_scatter_whose_ground_is_released_in_a_call() -> void:
 	for type: GDScript in [Releasing, ReleasingNormals, ReleasingWeights, ReleasingAtOnce]:
 		for after in [1, 2, 3, 7]:

@@ -185,7 +185,7 @@ func test_resources_of_a_layer_in_use() -> void:
 	scatter.free()
 
 
-## As in scripts of users: two worker threads call, and the main thread calls at the same time.
+## Two worker threads and the main thread call at the same time, as scripts of users may.
 func test_threads_that_call_objects_in_use() -> void:
 	var scatter := make_wood(make_viewer())
 	var layer := scatter.layers[0]

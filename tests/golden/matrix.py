@@ -130,12 +130,12 @@ class Outcome:
 
 @cache
 def header_folder() -> str:
-    """Contains GLM, for compilers that must not see the other headers beside it."""
+    """Contains GLM, for compilers that must not see the other headers in its folder."""
     return libraries.copied_headers(str(REPO / "build/headers"))
 
 
 def compiler_of(cell: Cell) -> tuple[list[str], str]:
-    """The command that compiles, and why there is none."""
+    """The command that compiles a cell, or the reason why there is none."""
     if cell.compiler == "zig":
         return [str(ZIG), "c++", "-target", cell.platform.zig, "-fno-sanitize=undefined", "-g0"], "" if ZIG.is_file() else "zig is not installed"
     name = cell.compiler if cell.native else cell.platform.gnu + cell.compiler
@@ -177,7 +177,7 @@ def version_of(compiler: str) -> str:
 
 
 def fingerprint(command: list[str], needed: list[Path]) -> str:
-    """Changes with everything that an object depends on."""
+    """A hash of everything that an object depends on."""
     digest = hashlib.sha256("\0".join([version_of(command[0]), *command]).encode())
     for path in needed:
         digest.update(path.read_bytes() if path.is_file() else b"")

@@ -16,13 +16,13 @@ PASSED = re.compile(r"^editor tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
 
 def check_passed(printed: str):
-    """All checks of a script in the editor passed, and nothing complained. A failure tells first what failed."""
+    """All checks of a script in the editor passed, and nothing complained. The message lists failed checks first."""
     failed = [line[:400] for line in printed.splitlines() if line.startswith("FAILED: ")] + complaints(printed)
     assert not failed and PASSED.search(printed), "\n".join([*failed, printed[-4000:]])
 
 
 def new_plain_project(folder: Path) -> Path:
-    """A new project with the addon but for its library, and nothing else."""
+    """Creates a project with the add-on only, but without its library."""
     text = 'config_version=5\n[application]\nconfig/name="Plain"\n[editor_plugins]\n'
     (folder / "project.godot").write_text(text + 'enabled=PackedStringArray("res://addons/thicket/plugin.cfg")\n')
     skipped = shutil.ignore_patterns("bin", "*.gdextension*")
@@ -31,7 +31,7 @@ def new_plain_project(folder: Path) -> Path:
 
 
 def link_library(folder: Path) -> None:
-    """Gives a plain project the library, which is loaded from the first start on."""
+    """Links the library into a plain project, so that the engine loads it from the first start on."""
     addon = folder / "addons/thicket"
     (addon / "bin").symlink_to(DEMO / "addons/thicket/bin")
     shutil.copy(DEMO / "addons/thicket/thicket.gdextension", addon)

@@ -20,7 +20,7 @@ PATIENCE = 100.0
 
 
 class Process:
-    """An engine process whose lines can be waited for. None of them outlives the test."""
+    """An engine process, with functions that wait for its lines. It ends no later than the test."""
 
     def __init__(self, arguments: list[str | Path], screen: str) -> None:
         command = [str(part) for part in (REPO / "tools/godot", screen, *arguments)]
@@ -43,7 +43,7 @@ class Process:
         self._lines.put(None)
 
     def wait_for(self, pattern: str) -> re.Match[str]:
-        """The first line from here on that matches."""
+        """Returns the first later line that matches."""
         while True:
             try:
                 line = self._lines.get(timeout=PATIENCE)
@@ -56,7 +56,7 @@ class Process:
                 return found
 
     def end(self) -> None:
-        """Waits until it has ended by itself, well and without a complaint."""
+        """Waits until the process has ended by itself, without an error in its exit code or output."""
         try:
             assert self._process.wait(timeout=PATIENCE) == 0, self.printed
         except subprocess.TimeoutExpired:

@@ -20,16 +20,16 @@ def noisy(median, turns, seed, spread=0.03):
 
 def test_rows_of_a_benchmark_are_read():
     printed = """Measured on one core.
-| what | median | lowest to highest round | rounds |
+| measurement | median | lowest to highest round | rounds |
 |---|---|---|---|
 | tiles of 64 r: sampler, L = 1 | 4.50 M points/s | 4.43 to 4.52 | 5 |
-| bytes a removal | 1,234.5 bytes | exact | 1 |
+| bytes per removal | 1,234.5 bytes | exact | 1 |
 | points computed per point kept, L = 1 | 1.127 | exact | 1 |
 | a jump: the call | 19 µs | 19 to 19 µs | 1 |
 """
     assert compare.read_rows(printed) == {
         "tiles of 64 r: sampler, L = 1": (4.5, "M points/s"),
-        "bytes a removal": (1234.5, "bytes"),
+        "bytes per removal": (1234.5, "bytes"),
         "points computed per point kept, L = 1": (1.127, ""),
         "a jump: the call": (19.0, "µs"),
     }
@@ -37,7 +37,7 @@ def test_rows_of_a_benchmark_are_read():
 
 @pytest.mark.parametrize(
     ("unit", "better"),
-    [("M points/s", True), ("a second", True), ("a ms", True), ("times", True), ("times the time", False), ("µs", False), ("bytes", False), ("", False)],
+    [("M points/s", True), ("per second", True), ("per ms", True), ("times", True), ("times the time", False), ("µs", False), ("bytes", False), ("", False)],
 )
 def test_units_determine_the_better_direction(unit, better):
     assert compare.more_is_better(unit) is better

@@ -122,7 +122,7 @@ def test_the_page_is_rendered_from_committed_data(rendered):
 
 
 def test_committed_data_is_complete():
-    """It has the same tables and columns as a run writes, is from a full run, and is small enough to commit."""
+    """The data has the tables and columns that a run writes, is from a full run, and is small enough to commit."""
     tables_there, facts = data.read(BENCH / "data/figures.json")
     assert set(facts) == set(PARTS) and not any(one["quick"] for one in facts.values())
     assert (BENCH / "data/figures.json").stat().st_size < 100_000
@@ -144,7 +144,7 @@ def test_committed_data_has_the_columns_of_a_run(quick, tmp_path):
 
 
 def test_a_part_can_be_measured_alone(quick, tmp_path, build_dir):
-    """One part does not make a page in an empty folder. In a complete folder it only replaces its own tables."""
+    """In an empty folder, one part writes no page. In a complete folder, it replaces only its own tables."""
     command = ["bash", BENCH / "figures.sh", "--quick", "--programs", build_dir, "--only", "billion", "--out"]
     alone = run([*command, tmp_path], timeout=300)
     assert alone.returncode == 0 and "no page yet: speed, sets, memory, large" in alone.stderr, alone.stderr

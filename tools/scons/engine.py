@@ -34,7 +34,7 @@ def external(env, folder):
     for root in roots:
         if os.path.isdir(root):
             env.Append(CCFLAGS=["-isystem", root])
-    # The same definitions that godot-cpp's own build sets for code that links with it.
+    # Repeats the definitions that godot-cpp's own build sets for code that links with it.
     env.Append(CPPDEFINES=["GDEXTENSION"], LIBS=[env.File(fitting[0])])
     if supports_reload(fitting[0]):
         env.Append(CPPDEFINES=["HOT_RELOAD_ENABLED"])

@@ -13,7 +13,7 @@ def version(name):
 
 
 def cache_folder():
-    """The same folder as in tools/find.sh."""
+    """The folder of downloads and built libraries. Keep it equal to that of tools/find.sh."""
     caches = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     return os.environ.get("THICKET_CACHE") or os.path.join(caches, "thicket")
 

@@ -73,7 +73,7 @@ def is_native(env):
 
 
 def precision_suffix(precision):
-    """The part of the name of a folder or a library that tells the precision."""
+    """The part of the name of a folder or a library that depends on the precision."""
     return ".double" if precision == "double" else ""
 
 

@@ -58,7 +58,7 @@ func packed() -> PackedByteArray:
 	return BakedFile.packed(header, payload)
 
 
-## The path of the file of the tile with this column and row, in a folder beside the file of the index.
+## The path of the file of the tile with this column and row, in a folder next to the file of the index.
 func tile_path(tile: Vector2i) -> String:
 	return "%s/tiles/tile_%d_%d.%s" % [path.get_base_dir(), tile.x, tile.y, BakedFile.EXTENSION]
 

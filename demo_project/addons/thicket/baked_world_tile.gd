@@ -118,7 +118,7 @@ func _add(file: BakedFile, entry: Dictionary, most: int) -> int:
 	multimesh.transform_format = MultiMesh.TRANSFORM_3D
 	multimesh.use_colors = colors
 	multimesh.use_custom_data = custom
-	# Set before the buffer; otherwise the renderer has to read the buffer back for the instances' bounding box.
+	# Set before the buffer; otherwise the renderer must read the buffer back for the instances' bounding box.
 	multimesh.mesh = _meshes[mesh]
 	multimesh.instance_count = count
 	if count > 0:

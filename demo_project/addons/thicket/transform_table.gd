@@ -119,7 +119,7 @@ func _values_of(line: String, number: int) -> PackedFloat64Array:
 	return _values_one_by_one(line, number)
 
 
-## The same for a line that contains quotes or has an error.
+## Reads the values of a line that contains quotes or has an error.
 func _values_one_by_one(line: String, number: int) -> PackedFloat64Array:
 	var fields := _fields(line)
 	if fields.size() != _columns.size():

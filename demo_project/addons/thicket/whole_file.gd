@@ -1,5 +1,5 @@
 extends RefCounted
-## Replaces files of a project completely or not at all. The new content is written to a file beside the old one, and replaces it once the
+## Replaces files of a project completely or not at all. The new content is written to a file next to the old one, and replaces it once the
 ## disk holds all of it. After an error, the old file is unchanged. The library does the same for [ScatterState] and [ScatterMask].
 
 ## The number of bytes appended to a file to find out whether the disk has room left: more than a usual disk block.

@@ -29,7 +29,7 @@ Status guarded(const char *asked_for, double value, Work &&work) {
 	return {ErrorCode::out_of_memory, asked_for, value};
 }
 
-/// As above, for an answer that is collected in `r_answer`: after a failure of any kind, `r_answer` is empty.
+/// Calls `guarded` with work that collects an answer in `r_answer`. After a failure of any kind, `r_answer` is empty.
 template <typename Answer, typename Work>
 Status guarded_answer(const char *asked_for, double value, Answer &r_answer, Work &&work) {
 	const Status status = guarded(asked_for, value, std::forward<Work>(work));

@@ -9,7 +9,7 @@ namespace thicket {
 /// Cells lie in [-cell_limit, cell_limit) on both axes of a layer's base square lattice.
 inline constexpr std::int32_t cell_limit = 1 << 23;
 
-/// The layer is in the bits of an id from this one on. Those below tell the instances of a layer apart.
+/// The layer is in the bits of an id from this one on. The bits below identify an instance within its layer.
 inline constexpr int id_layer_shift = 48;
 inline constexpr std::uint64_t id_cell_mask = (std::uint64_t{1} << id_layer_shift) - 1;
 

@@ -44,7 +44,7 @@ public:
 		}
 	}
 
-	/// False if a box lies entirely outside of one of the planes, which is how renderers cull. A box beside an edge may still count as
+	/// False if a box lies entirely outside of one of the planes, which is how renderers cull. A box near an edge may still count as
 	/// visible.
 	bool touches(glm::dvec3 min, glm::dvec3 max) const {
 		for (const Plane &plane : planes_) {

@@ -12,7 +12,7 @@
  *   progress function, is refused as THICKET_BUSY. Only thicket_cancel may be called at any time, from any thread. Samplers are independent
  *   of each other: use one for each thread.
  * - A sampler keeps the points of its last call until the next one. Points are copied into buffers of the caller. No function keeps a
- *   pointer that it was given, and nothing that it returns has to be freed, except for the sampler itself.
+ *   pointer that it was given, and the caller frees nothing that it returns, except for the sampler itself.
  * - No function throws, ends the program, or prints. Every function that can fail returns a thicket_code, and thicket_message names the
  *   argument and its value. A sampler can still be used after a failed call. If that call was to generate points, the sampler holds none.
  * - NULL for a required argument is refused as THICKET_MISSING. */

@@ -63,7 +63,7 @@ void gather(const CompactMesh &mesh, std::span<const std::uint32_t> order, std::
 void spread(std::span<const float> buffer, std::span<const std::uint32_t> order, std::size_t stride,
 		std::span<float> r_buffer);
 
-/// Where a cell of a tile gets its visuals from after the tile's instances have changed.
+/// The source of a cell's visuals after the tile's instances have changed.
 struct CellReuse {
 	std::optional<std::size_t> before; ///< The former cell at the same position, by index; none for a new cell.
 	bool unchanged = false;            ///< It holds bit-identical instances in the same order: nothing needs an upload.

@@ -20,7 +20,7 @@ inline constexpr double max_probed_points = 4e6;
 
 /// Evaluates the density of a layer's rules at any positions, whether or not they are points of its set. It runs the same code as tile
 /// generation: a point of the set at such a position would be kept if its rank were below the density. It has two steps, because the ground
-/// may have to be queried on a different thread: call `find`, get the ground for `positions()`, then call `look`. A reusable workspace,
+/// may need to be queried on a different thread: call `find`, get the ground for `positions()`, then call `look`. A reusable workspace,
 /// like TileBuilder. Not thread safe; use one per thread.
 class DensityProbe {
 public:

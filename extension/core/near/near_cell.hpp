@@ -14,7 +14,7 @@
 
 namespace thicket {
 
-/// A held instance that has to leave.
+/// A held instance that must leave.
 struct Leaving {
 	std::uint32_t layer = 0;
 	std::uint64_t id = 0;
@@ -33,7 +33,7 @@ struct NearVersion {
 /// The squared distance from a position to the nearest of some centers; infinite without any.
 double squared_to(glm::dvec3 position, std::span<const glm::dvec3> centers);
 
-/// The same on the map, to the nearest position in a rectangle.
+/// The squared distance on the map from the nearest position of a rectangle to the nearest of some centers; infinite without any.
 double squared_to_cell(const Rect &cell, std::span<const glm::dvec3> centers);
 
 /// True if there are as many centers as before, each within `slack` meters of its old position.
@@ -43,7 +43,7 @@ bool same_within(double slack, std::span<const glm::dvec3> now, std::span<const 
 /// each other have cells in many regions, and these are checked one after the other.
 class NearCell {
 public:
-	/// A cell is checked at least once in this many frames, because requests for missing tiles have to be repeated.
+	/// A cell is checked at least once in this many frames, because requests for missing tiles must be repeated.
 	static constexpr int look_frames = 32;
 
 	/// Clears the centers that have the cell in reach. `add_center` then adds the current ones.
@@ -54,7 +54,7 @@ public:
 	/// Counts the frames since the last check.
 	void begin_frame() { ++frames_; }
 
-	/// True if the cell has to be checked: since the last check a center has moved by more than `slack` meters, centers were added or
+	/// True if the cell must be checked: since the last check a center has moved by more than `slack` meters, centers were added or
 	/// removed, or the world changed.
 	bool outdated(double slack, const NearVersion &now) const;
 
@@ -64,7 +64,7 @@ public:
 	/// True if the last check is long ago, whether or not the cell is outdated.
 	bool due() const { return frames_ >= look_frames; }
 
-	/// Finds the instances that have to enter and leave in the half-open square `of`. Returns the cost in instances.
+	/// Finds the instances that must enter and leave in the half-open square `of`. Returns the cost in instances.
 	std::size_t look(std::uint32_t layer, const Rect &of, const NearRange &range, const InstanceWorld &world,
 			const NearVersion &now, std::vector<PlacedInstance> &r_standing);
 
@@ -99,7 +99,7 @@ public:
 	double away_entering() const { return away_[entered_]; }
 	double away_leaving() const { return changes_.leave[left_].distance_squared; }
 
-	// As in NearQueue. Call them only if there is one to take out.
+	// These take out an instance, as NearQueue::next_leaving and so on do. Call them only if there is one.
 	NearLeaving take_leaving();
 	PlacedInstance take_changed();
 	PlacedInstance take_entering();
@@ -123,7 +123,7 @@ private:
 	std::size_t changed_ = 0;  ///< of changes_.changed,
 	std::size_t entered_ = 0;  ///< and of changes_.enter.
 
-	bool again_ = false;  ///< The cell has to be checked, whatever has moved; `changes_` stay valid until then.
+	bool again_ = false;  ///< The cell must be checked, whatever has moved; `changes_` stay valid until then.
 	int frames_ = 0;      ///< Since the last check.
 	NearVersion version_; ///< Set by the last check, or updated by `follow`.
 	std::vector<glm::dvec3> centers_;   ///< The current centers,

@@ -16,7 +16,7 @@
 
 namespace thicket {
 
-/// The instances that have to enter and leave around some centers, for all layers, in steps. A caller that takes an instance out of the
+/// The instances that must enter and leave around some centers, for all layers, in steps. A caller that takes an instance out of the
 /// queue creates or frees the node or body for it. From then on the queue counts it as held, or as not held.
 ///
 /// Distances are meters in space, from the nearest center to the instance's position. Every instance within a layer's distance enters, and
@@ -45,7 +45,7 @@ public:
 	/// Sets the distance of each layer, 0 for none. Held instances of layers that are removed must be released before.
 	void set_distances(std::span<const double> distances);
 
-	/// Finds the instances that have to enter and leave in cells where a center has moved far enough or the world has changed. Call it in
+	/// Finds the instances that must enter and leave in cells where a center has moved far enough or the world has changed. Call it in
 	/// every frame. The queue keeps a pointer to the world until `forget_world`.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
 
@@ -60,7 +60,7 @@ public:
 	/// none.
 	bool next_changed(PlacedInstance &r_instance);
 
-	/// Takes out the nearest instance that has to enter. It is held from then on. False if there is none.
+	/// Takes out the nearest instance that must enter. It is held from then on. False if there is none.
 	bool next_entering(PlacedInstance &r_instance);
 
 	/// Marks all held instances of a layer to be rebuilt. `next_due` takes them out, whatever moves or changes meanwhile.
@@ -88,7 +88,7 @@ public:
 	/// Counts an instance as not held, in all layers. The queue returns nothing before the next check.
 	void release(std::uint64_t id);
 
-	/// The same for one layer. Other pending changes remain.
+	/// Counts an instance as not held in one layer. Other pending changes remain.
 	void release(std::uint32_t layer, std::uint64_t id);
 
 	/// Releases all instances of a layer.
@@ -102,7 +102,7 @@ private:
 		double distance = 0.0;
 		double side = 0.0; ///< The side of a cell, in meters.
 		std::map<Key, NearCell> cells;
-		bool stale = true;               ///< The cells that are near have to be determined again.
+		bool stale = true;               ///< The cells that are near must be determined again.
 		std::vector<glm::dvec3> centers; ///< The centers at that time.
 
 		double slack() const { return look_share * distance; }
@@ -112,7 +112,7 @@ private:
 		void find_cells(std::span<const glm::dvec3> now);
 	};
 
-	/// A cell with instances that have to be rebuilt.
+	/// A cell with instances that must be rebuilt.
 	struct Renewal {
 		double away = 0.0; ///< The squared distance of the cell, or of the next instance once `listed`.
 		std::uint32_t layer = 0;
@@ -176,8 +176,8 @@ public:
 	/// The instance is removed, or placed differently: its body or scene is freed immediately, regardless of the budget.
 	virtual void drop(std::uint64_t id) = 0;
 
-	/// The same for all removed instances. Meant for a few, because the budget is ignored. Calls `gone` only for instances that have a body
-	/// or scene.
+	/// Frees, like `drop`, the body or scene of each instance that is `gone`. Ignores the budget, so meant for a few. Calls `gone` only for
+	/// instances that have one.
 	virtual void drop_if(const std::function<bool(std::uint64_t id)> &gone) = 0;
 
 	/// Sets the position of the engine's origin in the world, in meters. Objects that are visible or near a center are moved immediately,

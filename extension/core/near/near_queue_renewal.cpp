@@ -1,4 +1,4 @@
-// The held instances of a NearQueue that have to be rebuilt: nearest first, a few at a time. Lists are built for one cell at a time,
+// The held instances of a NearQueue that must be rebuilt: nearest first, a few at a time. Lists are built for one cell at a time,
 // because no frame has time for all held instances.
 
 #include "core/near/near_queue.hpp"

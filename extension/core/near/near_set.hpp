@@ -18,7 +18,7 @@ struct NearRange {
 	double leave = 0.0; ///< At least `enter`. In between, held instances stay held, so nothing flickers.
 };
 
-/// A held instance that has to leave.
+/// A held instance that must leave.
 struct NearLeaving {
 	std::uint64_t id = 0;
 	glm::dvec3 position{0.0};      ///< The position at which it is held.

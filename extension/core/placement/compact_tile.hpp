@@ -46,7 +46,7 @@ public:
 	std::span<const glm::vec3> positions() const { return positions_; }
 	std::span<const std::uint32_t> ranks() const { return ranks_; }
 
-	// As in MeshInstances.
+	// See MeshInstances for the meaning of these values.
 	glm::vec3 min() const { return min_; }
 	glm::vec3 max() const { return max_; }
 	float max_scale() const { return max_scale_; }

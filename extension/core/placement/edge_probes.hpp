@@ -7,8 +7,8 @@
 
 namespace thicket {
 
-/// Where a layer checks whether it is near its edge: two rings of eight positions around a point, at half of the edge distance and at the
-/// full distance. Offsets are in units of that distance.
+/// The positions at which a layer checks whether it is near its edge: two rings of eight around a point, at half of the edge distance and
+/// at the full distance. Offsets are in units of that distance.
 inline constexpr std::size_t edge_probes = 16;
 
 constexpr std::array<glm::dvec2, edge_probes> edge_probe_offsets() {

@@ -177,7 +177,7 @@ TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform) 
 	}
 	result.sheared = std::max({std::abs(glm::dot(basis[0], basis[1])), std::abs(glm::dot(basis[0], basis[2])),
 							 std::abs(glm::dot(basis[1], basis[2]))}) > shear_limit;
-	// As the engine orthonormalizes a basis: x keeps its direction, and y stays in its plane with x. A basis that is still flat gets no
+	// Orthonormalizes the basis like the engine: x keeps its direction, and y stays in its plane with x. A basis that is still flat gets no
 	// rotation.
 	const glm::dvec3 y = basis[1] - basis[0] * glm::dot(basis[0], basis[1]);
 	const double length = glm::length(y);

@@ -46,7 +46,7 @@ public:
 	/// fallen to the point's rank, no further rule is evaluated.
 	double density_at(std::size_t point, std::span<const Ground> ground) const;
 
-	/// The same with all factors, whatever the rank. Throws std::bad_alloc. Adds to `r_factors`.
+	/// Evaluates all rules at a point or position, whatever its rank, and adds their factors to `r_factors`. Throws std::bad_alloc.
 	Status factors_at(std::size_t point, std::span<const Ground> ground, std::vector<RuleFactor> &r_factors) const;
 
 	/// Indexes the kept points for layers that depend on them, for distances of at most `distance` meters.

@@ -66,7 +66,7 @@ double PointGrid::nearest_in_row(glm::dvec2 position, int y, int first, int last
 	return nearest;
 }
 
-/// The same for all cells from `first` to `last`, in rings around the position, until no further cell can hold a nearer point.
+/// The smaller of `nearest` and the squared distances to the points of the cells from `first` to `last`. Stops once no ring can be nearer.
 double PointGrid::nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
 	const glm::ivec2 own = cell_of(position);
 	const glm::ivec2 most = glm::max(own - first, last - own);

@@ -123,7 +123,7 @@ struct InstanceQuery {
 	/// tiles are smaller than the squares of its set, it samples the set itself to find the tile.
 	Status by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
-	/// The same, removed or not: where the point of the set would be placed by its layer's rules.
+	/// Finds the instance with that id even if it is removed: its layer's rules then determine where it would be placed.
 	Status by_id_even_removed(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
 	/// The tiles that such a query reads, ordered by layer and nearest first. These must be generated for it.

@@ -85,7 +85,7 @@ public:
 	/// Requests a tile that is not known.
 	void miss(const WorldTile &tile) const;
 
-	/// The tiles that were requested since the last call, each once. A caller that still needs them has to request them again.
+	/// The tiles that were requested since the last call, each once. A caller that still needs them must request them again.
 	std::vector<WorldTile> take_missing();
 
 	/// Runs a query that may generate the tiles it misses, on this thread. The caller must keep the world alive, because a script that is
@@ -97,7 +97,7 @@ public:
 		return query(InstanceQuery{layers, source, state_});
 	}
 
-	/// The same for known tiles only; unknown tiles count as empty.
+	/// Runs a query that reads known tiles only; unknown tiles count as empty.
 	template <class Query>
 	Status ask_known(Query &&query) const {
 		KnownSource source(*this);

@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// A tile that a search may have to read, and the value before which it contains nothing.
+/// A tile that a search may need to read, and the value before which it contains nothing.
 struct SearchTile {
 	double from = 0.0;
 	std::uint32_t layer = 0;

@@ -82,7 +82,7 @@ Status BiomeMap::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, cons
 		constexpr double small_part = 0.25;
 		for (std::size_t i = 0; i < next.noise_.size(); ++i) {
 			const double noise_size = i % 2 == 0 ? borders.noise_size : small_part * borders.noise_size;
-			// As soft as possible: uniform over [0, 1].
+			// The softest noise: uniform over [0, 1].
 			next.noise_[i].set({.size = noise_size, .coverage = 0.5, .softness = 1.0},
 					split_mix(split_mix(borders.seed) + i * split_mix_gamma));
 		}

@@ -19,7 +19,7 @@ enum class Side : std::uint8_t {
 
 /// An edge includes its lower end and excludes its upper end, so that a ray through a corner crosses once or twice as it should.
 Side side(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
-	// The same order for both directions, so that an edge traversed in both directions is crossed twice or not at all.
+	// Sorts the ends, so that an edge traversed in both directions is crossed twice or not at all.
 	if (b.y < a.y || (b.y == a.y && b.x < a.x)) {
 		std::swap(a, b);
 	}

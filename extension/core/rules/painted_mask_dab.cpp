@@ -129,7 +129,7 @@ Rect PaintedMask::Edit::changed_area() const {
 		return {};
 	}
 	// A pixel's weight reaches to the centers of its neighbors, where it is 0. Every position before the rounded start is also outside in
-	// exact arithmetic. The end may have to move further, until the position that is looked up there, which is rounded as well, is out of
+	// exact arithmetic. The end may need to move further, until the position that is looked up there, which is rounded as well, is out of
 	// reach.
 	const double size = mask_.pixel_size_;
 	const auto end = [size](int pixel) {

@@ -93,7 +93,7 @@ public:
 	Status place_densities(
 			std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const;
 
-	/// The same for one position, recording all factors. Throws std::bad_alloc.
+	/// Evaluates the rules that depend only on the position, at one position, and records all factors. Throws std::bad_alloc.
 	Status place_factors(glm::dvec2 position, const RuleRecord &record) const;
 
 	/// True if no instance can be placed in `rect`, whatever the other rules, because none of the layer's biomes occurs there.

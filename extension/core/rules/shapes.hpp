@@ -55,7 +55,7 @@ public:
 		return effect(near, position).density();
 	}
 
-	/// The same, with the shapes that cause the effect.
+	/// The effect of the shapes at a position, with the shapes that cause it. The arguments are those of `density`.
 	ShapeEffect effect(std::span<const std::uint32_t> near, glm::dvec3 position) const;
 
 	friend bool operator==(const ShapeSet &a, const ShapeSet &b) { return a.shapes_ == b.shapes_; }

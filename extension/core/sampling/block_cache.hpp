@@ -69,7 +69,7 @@ private:
 /// Keeps recently sampled blocks of point sets. Tiles that are small compared with a block, and layers that other layers read, are then
 /// decided once and share one margin. The cache saves work and changes no point. Safe for any number of threads.
 ///
-/// A block is computed for the second window that touches it, or for the first one if a block beside it is present, because the requested
+/// A block is computed for the second window that touches it, or for the first one if an adjacent block is present, because the requested
 /// area usually grows. A single isolated window costs the same as without a cache.
 class BlockCache {
 public:
@@ -119,11 +119,11 @@ public:
 	SettledWindow(const SettledWindow &) = delete;
 	SettledWindow &operator=(const SettledWindow &) = delete;
 
-	/// Whether the caller should take the window from blocks. False if this window was the first to touch one of them and the blocks
-	/// beside it, or if another caller is computing one.
+	/// Whether the caller should take the window from blocks. False if this window was the first to touch one of them and the adjacent
+	/// blocks, or if another caller is computing one.
 	bool served() const { return served_; }
 
-	/// Returns the next block that the caller has to compute for `settle`, clear of the set's last cell. False if all blocks are present.
+	/// Returns the next block that the caller must compute for `settle`, clear of the set's last cell. False if all blocks are present.
 	bool next_missing(CellRect &r_cells);
 	/// Stores the block that next_missing() returned last, from a grid in which it is decided. Throws std::bad_alloc.
 	void settle(const LevelGrid &grid);
@@ -146,7 +146,7 @@ private:
 	struct Slot {
 		BlockCache::Key key;
 		std::shared_ptr<const SettledBlock> block;
-		bool claimed = false; ///< This object has to compute it.
+		bool claimed = false; ///< This object must compute it.
 	};
 
 	BlockCache &cache_;

@@ -254,7 +254,7 @@ HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_wo
 		const TimeKey time = grid.time[wanted.cell];
 		const LevelGrid::Listing listed = grid.listed[wanted.cell];
 		const std::uint32_t requester = grid.requester[wanted.cell];
-		// As numbers, because compilers warn about a single | or & between conditions.
+		// Converts conditions to numbers, because compilers warn about a single | or & between conditions.
 		const auto is = [](bool condition) {
 			return static_cast<std::uint32_t>(condition);
 		};
@@ -295,7 +295,7 @@ inline bool resolve_wanted(LevelGrid *levels, std::uint32_t level) {
 			}
 		} while (next < grid.round.size());
 	}
-	// The two lists take turns. With equal capacity in both, neither has to grow unless it exceeds its largest size until now.
+	// The two lists take turns. With equal capacity in both, neither grows unless it exceeds its largest size until now.
 	grid.round.clear();
 	grid.round.reserve(grid.wanted.capacity());
 	grid.wanted.reserve(grid.round.capacity());

@@ -211,7 +211,7 @@ Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rec
 	return {};
 }
 
-/// Takes the points from blocks of the cache, or computes blocks for it. Returns false, without points, if the window has to be sampled
+/// Takes the points from blocks of the cache, or computes blocks for it. Returns false, without points, if the window must be sampled
 /// directly.
 bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect, const CellRect &cells,
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {

@@ -277,7 +277,7 @@ HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std
 			columns.followers[second] = 0;
 			columns.waiting[cell] = first | WaitingSquares::has_second;
 			if (advance_slots<true, 2>(columns, cell, children)) {
-				// Fast path: the darts did not have to be gathered.
+				// Fast path: the darts need not be gathered.
 				return;
 			}
 		}

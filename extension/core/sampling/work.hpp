@@ -73,7 +73,7 @@ struct Splits {
 	alignas(64) DartKey parent[room];
 	alignas(64) std::uint64_t open[room]; ///< A bit for each child that is not known to be covered.
 
-	/// Where the open children of each square begin in the columns below. The last entry is the end of the last square's children.
+	/// The index at which the open children of each square begin in the columns below. The last entry is the end of the last square's.
 	std::uint32_t first[room + 1];
 	alignas(64) std::uint64_t hashed[room_of_children]{};
 	alignas(64)

@@ -99,7 +99,7 @@ public:
 		}
 	}
 
-	/// The same for `more` new ids that are otherwise unknown. Nearly all of them will have room.
+	/// Allocates the memory for `more` new ids that are otherwise unknown. Nearly all of them will have room.
 	void expect(std::size_t more) {
 		const std::size_t mean = more / shard_count;
 		if (mean < most_in_one / shard_count) {

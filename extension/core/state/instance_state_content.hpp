@@ -142,7 +142,7 @@ struct InstanceState::Content {
 		shrink();
 	}
 
-	/// The same for a single id. `asked_for` is the name of the allocation in the error, `value` its size.
+	/// Sets a single id to an entry. `asked_for` is the name of the allocation in the error, `value` its size.
 	StateChange change_one(std::uint64_t id, const Entry &to, const char *asked_for, double value);
 
 	/// Calls `use(id)` for the entries due by a time, in the part of the heap below index `at`. A child is never earlier than its parent.
@@ -205,7 +205,7 @@ struct InstanceState::Content {
 	/// the limits. Throws std::bad_alloc and changes nothing, as does the next function.
 	Status follow(const StateRecord &record, const DiffLimits &limits, std::vector<InstanceChange> &r_changes);
 
-	/// The same, and forgets the changes that led here. Counts as a change even if nothing differs.
+	/// Takes over a record without limits, and forgets the changes that led here. Counts as a change even if nothing differs.
 	void start_from(const StateRecord &record, std::vector<InstanceChange> &r_changes);
 
 	void make_room_for_stamps(const StateRecord &record);

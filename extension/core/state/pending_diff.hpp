@@ -12,7 +12,7 @@
 
 namespace thicket {
 
-/// A diff that is applied on any thread, beside the state that will receive it. See InstanceState::queue_diff.
+/// A diff that any thread applies to a copy, while the state that will receive it stays in use. See InstanceState::queue_diff.
 class PendingDiff {
 public:
 	/// `bytes` must outlive this object.

@@ -105,7 +105,7 @@ bool is_consistent(const StateRecord &record);
 /// Refuses values outside the ranges of AddedInstance, and reports the field.
 Status validate(const AddedInstance &instance);
 
-/// The same instance with unsigned zeros, so that equal instances have the same bits.
+/// Returns the instance with unsigned zeros, so that equal instances have the same bits.
 AddedInstance without_signed_zeros(AddedInstance instance);
 
 /// Whether `right` wins over `left` if both were placed at the same time. Of two different instances, exactly one wins.

@@ -15,7 +15,7 @@ constexpr std::size_t probes_per_visit = 2;
 /// The maximum number of tiles to visit in one call, whether they are due or not.
 constexpr std::size_t max_looks = 64;
 
-/// With this many changes, they are handed over immediately, without waiting for more.
+/// The number of changes that are handed over immediately, without waiting for more.
 constexpr std::size_t many_changes = 32;
 
 /// A change adds this much unrest, which doubles the pause. An unchanged height removes 1.

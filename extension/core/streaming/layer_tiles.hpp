@@ -71,7 +71,7 @@ public:
 	/// Cancels and drops everything.
 	void clear(StreamChanges &r_changes);
 
-	/// The same without recording changes.
+	/// Drops everything without recording changes.
 	void forget();
 
 	/// Determines which tiles are wanted, kept and gone. Returns false, at no cost, if no viewer's view distance has changed and none has
@@ -105,7 +105,7 @@ public:
 	/// Whether a pending tile may be shown now.
 	bool may_show(const TileRequest &request, std::span<const TrackedViewer> viewers);
 
-	/// The number of ready tiles that have to wait for nearer ones.
+	/// The number of ready tiles that wait for nearer ones.
 	std::size_t count_held(std::span<const TrackedViewer> viewers);
 
 	/// See TileStreamer::finish.

@@ -132,7 +132,7 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 	outdated = behind;
 }
 
-/// The number of ready tiles that have to wait for nearer ones.
+/// The number of ready tiles that wait for nearer ones.
 std::size_t TileStreamer::State::held() {
 	std::size_t sum = 0;
 	for (LayerTiles &layer : layers) {

@@ -109,7 +109,7 @@ public:
 	/// fast changes, such as a dragged slider. A layer that does not exist is ignored.
 	void invalidate(std::uint32_t layer);
 
-	/// The same for only the tiles that touch `area` (meters): for an edit that changes nothing elsewhere.
+	/// Marks only the tiles that touch `area` (meters) as outdated: for an edit that changes nothing elsewhere.
 	void invalidate(std::uint32_t layer, const Rect &area);
 
 	/// Cancels the pending tiles of a layer and requests them again, because their answers would be useless.
@@ -129,7 +129,7 @@ public:
 	/// discard the tile.
 	bool ready(const TileRequest &request);
 
-	/// The next ready tile to show, or none if all ready tiles have to wait for nearer ones. Viewers take turns, and each gets the tile
+	/// The next ready tile to show, or none if all ready tiles wait for nearer ones. Viewers take turns, and each gets the tile
 	/// nearest to it now. May return the same tile again until it is finished or cancelled. Returns none if memory does not suffice to
 	/// decide.
 	std::optional<TileRequest> next_ready();

@@ -100,7 +100,7 @@ struct SurfaceLine {
 		return static_cast<double>(split_mix(hash ^ split_mix_mul_0) >> 32) < probability * 4294967296.0;
 	}
 
-	/// Where the line meets several sheets, the order in which they are tried.
+	/// The order in which sheets are tried if the line meets several.
 	bool tries_from_above() const { return (hash & 1) != 0; }
 };
 

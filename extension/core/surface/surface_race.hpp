@@ -32,7 +32,7 @@ struct SurfaceCounts {
 /// earlier line, and no others. The times along such a chain decrease, so it ends.
 class SurfaceRace {
 public:
-	/// Which faces of the box, by axis, have more of the surface behind them. Darts near them are unknown.
+	/// True for each face of the box, by axis, that has more of the surface behind it. Darts near these faces are unknown.
 	struct OpenFaces {
 		std::array<bool, 3> lower{};
 		std::array<bool, 3> upper{};

@@ -58,7 +58,7 @@ CellBox coarse_cells_around(const CellBox &cells) {
 glm::ivec3 dart_cell(const SurfaceDart &dart) { return glm::ivec3(dart.position >> std::int64_t{surface_bits}); }
 
 std::uint32_t rank_of(const PointSet &set, const SurfaceDart &dart) {
-	// The same process as on the plane, whose clocks run at a rate of 1 for an area of radius^2 / 2, not radius^2 / 3.
+	// Converts the time to that of the plane, whose clocks run at a rate of 1 for an area of radius^2 / 2, not radius^2 / 3.
 	const double time = std::bit_cast<double>(dart.time) * 1.5;
 	return thicket::rank_of(set.levels, dart.level, std::bit_cast<TimeKey>(static_cast<float>(time)));
 }

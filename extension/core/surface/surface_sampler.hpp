@@ -67,7 +67,7 @@ public:
 	Status sample(const PointSet &set, const Surface &surface, const Box3 &window, std::vector<SurfacePoint> &r_points,
 			const Progress &progress = {});
 
-	/// As above, with all points of the surface.
+	/// Replaces the contents of `r_points` with all points of `set` on `surface`. Otherwise behaves like `sample`.
 	Status sample_all(const PointSet &set, const Surface &surface, std::vector<SurfacePoint> &r_points,
 			const Progress &progress = {});
 

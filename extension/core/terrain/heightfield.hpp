@@ -60,7 +60,7 @@ struct RefusedPost {
 RefusedPost find_refused_post(std::span<const float> posts, int columns, FloatPosts meaning);
 
 /// Terrain from a grid of posts, stored as 16 bits or as meters. The height between four posts is bilinear, which is exactly the surface
-/// that `sample` returns at any finer spacing. A mesh drawn from the terrain has to sample it here, not only at the posts.
+/// that `sample` returns at any finer spacing. A mesh drawn from the terrain must sample it here, not only at the posts.
 ///
 /// Normals are smooth: the gradients of the four posts, by central differences (one-sided on the border), weighted bilinearly. The
 /// gradient of the bilinear patch itself jumps at each line of posts, which would show as straight edges where a slope rule ends a
@@ -74,10 +74,10 @@ public:
 	/// posts.x * posts.y. The field is then unchanged.
 	Status set(const HeightfieldFrame &frame, std::span<const std::uint16_t> posts);
 
-	/// The same for posts in world meters, at most max_heightfield_height above or below 0, or NAN. The frame's heights are then ignored.
+	/// Copies posts in world meters, at most max_heightfield_height above or below 0, or NAN. Ignores the frame's heights.
 	Status set_meters(const HeightfieldFrame &frame, std::span<const float> posts);
 
-	/// The same for posts that are shared and not copied. Only float posts are read and checked. The frame's heights apply to all posts
+	/// Shares posts without copying them. Only float posts are read and checked. The frame's heights apply to all posts
 	/// but those in meters.
 	Status set_posts(const HeightfieldFrame &frame, const HeightPosts &posts);
 
@@ -95,7 +95,7 @@ public:
 	Rect area_of(const PixelRect &rect) const;
 
 	/// Sets the weights of the ground's textures over the field's area, first to last post. Without weights, `weigh` permits all ground.
-	/// They are kept when posts are set.
+	/// The field keeps its weights when posts are set.
 	void set_weights(WeightMap weights) { weights_ = std::move(weights); }
 
 	/// See Terrain::sample. The border belongs to the field. Outside there is no ground, nor in a field that was never set. The same
@@ -114,7 +114,7 @@ private:
 	Status check_patch(const PixelRect &rect, std::size_t posts, bool fits) const;
 	bool in_area(glm::dvec2 position) const;
 
-	/// Where a position lies: the first post of its patch, and the fraction of the way to the patch's last post.
+	/// The patch of a position: the first post of the patch, and the fraction of the way to its last post.
 	struct Patch {
 		glm::ivec2 first;
 		glm::dvec2 part;

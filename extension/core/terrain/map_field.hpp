@@ -47,7 +47,7 @@ public:
 	/// heights. A failure changes nothing.
 	Status set(const MapPlace &place, const MapLayers &layers);
 
-	/// The same field, moved by `offset` in world meters. Shares the maps.
+	/// A copy of the field, moved by `offset` in world meters. It shares the maps.
 	MapField at_offset(glm::dvec3 offset) const;
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;

@@ -52,7 +52,7 @@ public:
 	/// apart, and maps of the wrong size. A failure changes nothing. Without regions there is no ground.
 	Status set(int side, double spacing, std::vector<FieldRegion> regions, const AutoPaint &paint);
 
-	/// The same field with its origin at `offset`, in world meters. Shares the regions.
+	/// A copy of the field with its origin at `offset`, in world meters. It shares the regions.
 	RegionField at_offset(glm::dvec3 offset) const;
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;

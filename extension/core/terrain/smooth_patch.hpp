@@ -83,7 +83,7 @@ SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dve
 	return {height, {between(rise_x), between(rise_y)}};
 }
 
-/// The same for the patch of a grid whose first post is at `patch`.
+/// Computes the patch of a grid whose first post is at `patch`.
 template <bool may_be_missing, class Post>
 SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, const Post &post) {
 	return smooth_patch<may_be_missing>(

@@ -19,7 +19,7 @@ struct Ground {
 	float weight = 1.0f; ///< Share of the ground with the queried textures, 0 to 1; see Terrain::weigh.
 };
 
-/// The ground properties that callers need beside the height. A source is queried for nothing else.
+/// The ground properties that callers need in addition to the height. A source is queried for nothing else.
 struct GroundNeeds {
 	std::span<const std::int32_t> textures; ///< Textures to weigh, see Terrain::weigh. If empty, the weight stays 1.
 	bool normals = true;                    ///< False if no rule and no placement reads normals.

@@ -57,7 +57,7 @@ public:
 	void set_map_edge(MapEdge p_edge);
 	MapEdge get_map_edge() const { return static_cast<MapEdge>(edge_); }
 
-	// As in BiomeBorders.
+	// See BiomeBorders for the meaning of these properties.
 	void set_border_width(double p_width) { set_border("border_width", &BiomeBorders::width, p_width); }
 	double get_border_width() const { return borders_.width; }
 	void set_border_noise(double p_noise) { set_border("border_noise", &BiomeBorders::noise, p_noise); }

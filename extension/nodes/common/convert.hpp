@@ -32,7 +32,7 @@ namespace thicket {
 constexpr std::int64_t script_id(std::uint64_t id) { return static_cast<std::int64_t>(id); }
 constexpr std::uint64_t core_id(std::int64_t id) { return static_cast<std::uint64_t>(id); }
 
-// The same numbers as the other type.
+// Conversions that keep the numbers and change only the type.
 godot::Vector2 to_engine(glm::dvec2 vector);
 godot::Vector3 to_engine(glm::vec3 vector);
 godot::Vector3 to_engine(glm::dvec3 vector);
@@ -43,7 +43,7 @@ glm::dvec3 to_core(const godot::Vector3 &p_vector);
 glm::dmat3 to_core(const godot::Basis &p_basis);
 Rect to_core(const godot::Rect2 &p_rect);
 
-// The same position in the other space. `offset` is the world position of the engine's origin, in meters.
+// Conversions between the engine's space and the world. `offset` is the world position of the engine's origin, in meters.
 glm::dvec3 to_world(const godot::Vector3 &p_position, glm::dvec3 offset);
 Rect to_world(const godot::Rect2 &p_rect, glm::dvec3 offset);
 godot::Vector3 to_engine(glm::dvec3 position, glm::dvec3 offset);

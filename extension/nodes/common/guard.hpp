@@ -141,7 +141,7 @@ void bind_guarded(const ThreadRule &rule, const Definition &p_definition, const 
 	godot::ClassDB::bind_method(p_definition, Member::template entry<method>, p_defaults...);
 }
 
-/// The same with the rule of the class.
+/// Binds a method that uses the thread rule of its class.
 template <auto method, typename Definition, typename... Defaults>
 	requires(!std::is_convertible_v<Definition, ThreadRule>)
 void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults) {
@@ -151,7 +151,7 @@ void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults)
 } // namespace thicket
 
 /// For a class whose methods are bound with bind_guarded; write it after GDCLASS. Sets the rule of methods that are bound without one, and
-/// adds the methods that the engine calls in their place. These have to be members of the class itself, because godot-cpp binds nothing
+/// adds the methods that the engine calls in their place. These must be members of the class itself, because godot-cpp binds nothing
 /// else. A class that uses any rule other than ThreadUse::any must also derive from ThreadGuarded.
 #define THICKET_GUARDED_METHODS(m_use) \
 	template <typename> \

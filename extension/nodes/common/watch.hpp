@@ -11,8 +11,8 @@ namespace thicket {
 void watch(godot::Object *p_source, const godot::StringName &p_signal, godot::Object *p_watcher,
 		const godot::StringName &p_method, bool p_watch);
 
-/// The same, but passes `p_argument` to the method after the arguments of the signal. Each method can watch one source with one argument
-/// only.
+/// Connects or disconnects a method that gets `p_argument` after the arguments of the signal. Each method can watch one source with one
+/// argument only.
 void watch(godot::Object *p_source, const godot::StringName &p_signal, godot::Object *p_watcher,
 		const godot::StringName &p_method, bool p_watch, const godot::Variant &p_argument);
 

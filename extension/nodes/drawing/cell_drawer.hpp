@@ -44,7 +44,7 @@ public:
 	/// Uploads some of these visuals. False if more are left for the next step.
 	bool add_visuals(const TileKey &key, DisplayedTile &r_tile);
 
-	/// The same for the still hidden parts of a tile's new division, so that nothing pops when they are shown.
+	/// Uploads some visuals of the still hidden parts of a tile's new division, so that nothing pops when they are shown.
 	bool add_visuals(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 
 	/// Cells, and tiles that are drawn as a whole, that were drawn since the last `reset_count`, counted for each mesh.

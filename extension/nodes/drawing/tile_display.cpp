@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// As in the layer; empty for a mesh that is not drawn.
+/// The LODs of a mesh as its layer defines them; empty for a mesh that is not drawn.
 std::vector<MeshLook> drawn_lods(const LayerSnapshot *layer, std::size_t mesh) {
 	return layer != nullptr && layer->drawing.draws(mesh) ? lods_of(layer->drawing, mesh) : std::vector<MeshLook>();
 }

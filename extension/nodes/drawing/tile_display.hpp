@@ -49,7 +49,7 @@ public:
 	/// Redraws the tiles whose overlay has changed where it was marked, with one upload each. Call it before the frame is drawn.
 	void patch();
 
-	/// The same for changes that `patch_step` redraws, tile by tile.
+	/// Marks an area of a layer, or everything, for `patch_step`, which redraws tile by tile.
 	void mark_later(std::uint32_t layer, const Rect &area);
 	void mark_all_later();
 
@@ -127,7 +127,7 @@ public:
 	std::size_t tile_count() const { return tiles_.size(); }
 	std::uint64_t instance_count() const { return budget_.amounts().instances; }
 
-	/// The same for one layer.
+	/// The number of instances of one layer.
 	std::uint64_t instance_count(std::uint32_t layer) const;
 
 	/// Main memory that all instances take, in bytes, without the renderer's copies.

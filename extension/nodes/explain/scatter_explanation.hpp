@@ -32,7 +32,7 @@ struct LayerExplanation {
 	bool shown = false;  ///< True if that instance is also drawn.
 };
 
-/// The same for scripts, as of the time of the call. An invalid rule index prints an error and returns a default.
+/// A LayerExplanation for scripts, as of the time of the call. Methods print an error and return a default for an invalid rule index.
 class ScatterExplanation : public godot::RefCounted {
 	GDCLASS(ScatterExplanation, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)

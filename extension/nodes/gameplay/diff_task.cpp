@@ -38,7 +38,7 @@ void DiffTask::start(Object *p_owner) {
 	owner_ = p_owner;
 	auto held = std::make_unique<std::shared_ptr<DiffTask>>(shared_from_this());
 	if (has_threads()) {
-		// With high priority, because tiles may keep the rest of the pool busy for a long time.
+		// The task has high priority, because tiles may keep the rest of the pool busy for a long time.
 		task_ = WorkerThreadPool::get_singleton()->add_native_task(
 				&DiffTask::run, held.release(), true, "Thicket diff");
 	} else {

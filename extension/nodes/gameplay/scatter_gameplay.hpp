@@ -53,7 +53,7 @@ public:
 	virtual void redraw(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all() = 0;
 
-	/// The same over the next frames, under their budget.
+	/// Redraws an area of a layer, or everything, over the next frames and under their budget.
 	virtual void redraw_later(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all_later() = 0;
 
@@ -101,7 +101,7 @@ public:
 	/// Removes everything: frees bodies and scenes, forgets tiles, and completes requests without an answer.
 	void clear();
 
-	/// The same for a node that goes on without layers or ground: bodies and scenes leave step by step, the nearest first.
+	/// Removes everything from a node that goes on without layers or ground. Bodies and scenes leave step by step, the nearest first.
 	void retire();
 
 	/// `listed` has the layers of the snapshots, by the same indices.
@@ -145,7 +145,7 @@ public:
 	/// True if `look_around` would find nothing to do for these positions.
 	bool follows(std::span<const glm::dvec3> centers) const;
 
-	// As script_queries.hpp needs them.
+	// The templates of script_queries.hpp call these functions.
 
 	static std::string name_of(const char *p_method) { return std::string("TerrainScatter3D.") + p_method; }
 
@@ -206,7 +206,7 @@ public:
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 	godot::Variant get_instance_data(int64_t p_id) const;
 
-	// As a ScatterState needs them.
+	// A ScatterState calls these functions.
 	bool displays(std::uint64_t id) const override;
 	bool remove_from(const ScatterState *state, std::uint64_t id, double until) override;
 	bool restore_in(const ScatterState *state, std::uint64_t id) override;

@@ -24,7 +24,7 @@
 
 namespace thicket {
 
-/// The result of a query, as of the time of the query. An invalid index prints an error and returns a default.
+/// The result of a query, as of the time of the query. For an invalid index, methods print an error and return a default.
 class ScatterInstances : public godot::RefCounted {
 	GDCLASS(ScatterInstances, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -100,7 +100,7 @@ public:
 	/// Meters from the position or the start of the ray that was searched from; 0 for a search by id.
 	double get_distance() const { return distance_; }
 
-	/// Where the ray of `query_ray` meets it; its position for all other searches.
+	/// The point where the ray of `query_ray` meets it; its position for all other searches.
 	godot::Vector3 get_hit_position() const;
 
 protected:

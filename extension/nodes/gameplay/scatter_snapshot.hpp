@@ -52,7 +52,7 @@ public:
 	bool has_instance(int64_t p_id) const;
 	godot::Variant get_instance_data(int64_t p_id) const;
 
-	// As script_queries.hpp needs them.
+	// The templates of script_queries.hpp call these functions.
 	glm::dvec3 world_offset() const { return offset_; }
 	static std::string name_of(const char *p_method) { return std::string("ScatterSnapshot.") + p_method; }
 	SharedLayers prepare(const char *p_method) const;

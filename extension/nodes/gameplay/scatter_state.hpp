@@ -117,8 +117,8 @@ public:
 	godot::PackedByteArray diff_of(const godot::PackedInt64Array &p_ids) const;
 	godot::Error apply_diff(const godot::PackedByteArray &p_diff);
 
-	/// The same on a thread, with the result of an immediate call: see InstanceState::queue_diff. The callback gets the error. Calls that
-	/// would replace or merge very much wait for all diffs in progress.
+	/// Applies a diff on a thread, with the result of an immediate call: see InstanceState::queue_diff. The callback gets the error. Calls
+	/// that would replace or merge very much wait for all diffs in progress.
 	void apply_diff_async(const godot::PackedByteArray &p_diff, const godot::Callable &p_callback = godot::Callable());
 	godot::Error merge(const godot::Ref<ScatterState> &p_other);
 	godot::Error merge_diff(const godot::PackedByteArray &p_diff);
@@ -145,7 +145,7 @@ public:
 	double get_time() const;
 	void advance(double p_seconds);
 
-	/// The same for nodes: if several nodes share the state, only one of them advances it in each frame.
+	/// Advances the time for nodes: if several nodes share the state, only one of them advances it in each frame.
 	void advance_in_frame(double seconds, std::uint64_t frame);
 
 	/// The stored form, empty if there are no changes: a property that only the resource's file has.
@@ -160,7 +160,7 @@ public:
 	/// instead.
 	void warn_if_cached();
 
-	/// The same content, without a file and without the flag copy_at_runtime.
+	/// A state with this content, without a file and without the flag copy_at_runtime.
 	godot::Ref<ScatterState> copy() const;
 
 	void _reset_state() override { clear(); }

@@ -50,7 +50,7 @@ public:
 	/// `source_changed`.
 	GroundWatch(godot::Object *p_owner, const godot::StringName &p_method) : owner_(p_owner), method_(p_method) {}
 
-	/// Watches a node from now on. If `changed`, its ground has to be read. Does nothing if the node is already watched.
+	/// Watches a node from now on. If `changed`, its ground must be read. Does nothing if the node is already watched.
 	void add(std::uint64_t id, const godot::Variant &p_node, const Look &look, bool changed);
 
 	/// Stops watching a node. A node that provided ground counts as changed: see `take_changed`.

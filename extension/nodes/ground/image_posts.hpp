@@ -30,8 +30,8 @@ bool has_content(const godot::Ref<godot::Image> &p_image);
 /// The first channel of an image: floats for formats that store floats, 16 bits for all others. Errors name `p_property`.
 Status read_posts(const godot::Ref<godot::Image> &p_image, const char *p_property, Posts &r_posts);
 
-/// The same for a rectangle within an image; cheap for a small one. False for formats that are compressed, and for those that this function
-/// does not know.
+/// Reads the posts of a rectangle within an image; cheap for a small one. False for formats that are compressed, and for those that this
+/// function does not know.
 bool read_region(const godot::Ref<godot::Image> &p_image, const PixelRect &rect, Posts &r_posts);
 
 /// `p_count` posts from a file's bytes: one byte each for 8 bits, two for 16 bits, four for floats, all little-endian. Errors name

@@ -9,7 +9,7 @@
 namespace thicket {
 
 /// The images of the maps of a node like HTerrain. Its data keeps images in the editor, and of maps that a script created. In a game the
-/// loaded maps are textures, except for heights: their pixels have to be read back from the renderer. So pixels of an imported texture,
+/// loaded maps are textures, except for heights: their pixels must be read back from the renderer. So pixels of an imported texture,
 /// which never changes, are kept for the next time.
 class MapImages {
 public:

@@ -27,7 +27,7 @@ struct GroundLimits {
 /// - `get_height(Vector3)` and maybe `get_normal(Vector3)`, of the object itself or of its property `data`, in world
 ///   space, NAN where there is no ground (Terrain3D: `data.get_height`);
 /// - `get_data().get_interpolated_height_at(Vector3)` in the map's own space, with `get_data().get_resolution()` and
-///   `get_internal_transform()` beside it (HTerrain; see TerrainMap for its holes and textures).
+///   `get_internal_transform()` of the object itself (HTerrain; see TerrainMap for its holes and textures).
 /// An object with `get_texture_id(Vector3)`, which returns a base texture, an overlay and the share of the overlay from 0 to 1, also has
 /// weights.
 class ObjectGround : public Terrain {
@@ -35,8 +35,8 @@ public:
 	/// Null if the object has none of these. Checking for them may run scripts of the object, which may free it.
 	static std::shared_ptr<ObjectGround> of(const godot::Variant &p_object, const GroundLimits &limits);
 
-	/// The same ground in a world in which the engine's origin is at `offset`, in meters: the object is in the engine's space. Each node
-	/// that uses the ground gets its own.
+	/// A copy of the ground for a world in which the engine's origin is at `offset`, in meters: the object is in the engine's space. Each
+	/// node that uses the ground gets its own.
 	std::shared_ptr<ObjectGround> at_offset(glm::dvec3 offset) const;
 
 	/// Updates the offset after the scene was recentered. Waits as `close` does. A map keeps the offset at which it was found.

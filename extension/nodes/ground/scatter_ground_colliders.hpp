@@ -37,7 +37,7 @@ public:
 	/// The precision of a hit is a fraction of the ray's length.
 	double recheck_tolerance() const override;
 
-	/// Physics layers whose bodies are ground, as a mask of 32 bits. Any other value prints an error and is ignored.
+	/// Physics layers whose bodies are ground, as a mask of 32 bits. Any other value is ignored with an error.
 	void set_collision_mask(int64_t p_mask);
 	int64_t get_collision_mask() const;
 
@@ -48,7 +48,7 @@ public:
 	void set_ray_bottom(double p_height);
 	double get_ray_bottom() const;
 
-	/// Rays per physics frame, 1 to 1e6. Any other value prints an error and is ignored.
+	/// Rays per physics frame, 1 to 1e6. Any other value is ignored with an error.
 	void set_rays_per_frame(int64_t p_rays);
 	int64_t get_rays_per_frame() const;
 

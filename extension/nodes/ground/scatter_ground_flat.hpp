@@ -11,7 +11,7 @@ class ScatterGroundFlat : public ScatterGround {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// World height in meters, finite, +-1e6. Any other value prints an error and is ignored.
+	/// World height in meters, finite, +-1e6. Any other value is ignored with an error.
 	void set_height(double p_height);
 	double get_level() const;
 

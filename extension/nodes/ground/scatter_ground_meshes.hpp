@@ -88,7 +88,7 @@ private:
 	GroundWatch watch_{this, "_source_changed"};
 	Worlds worlds_;
 	std::shared_ptr<const TriangleParts> last_; ///< The ground of the first host, for a caller without one.
-	bool stale_ = true;                         ///< True if the group has to be listed, and all of it read.
+	bool stale_ = true;                         ///< True if the group must be listed, and all of it read.
 	bool reading_all_ = false;                  ///< True once that has begun.
 	int64_t listed_ = 0;                        ///< The number of nodes in the group when it was listed.
 

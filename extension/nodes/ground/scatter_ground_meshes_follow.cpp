@@ -219,7 +219,7 @@ void ScatterGroundMeshes::build(bool wait) {
 	}
 }
 
-/// Takes the last instance out of the queue, unless its mesh has to be read.
+/// Takes the last instance out of the queue, unless its mesh must be read.
 void ScatterGroundMeshes::plan_next() {
 	const std::uint64_t id = queue_.back();
 	queue_.pop_back(); // First, because a refusal may be reported to scripts, which may do anything.
@@ -228,7 +228,7 @@ void ScatterGroundMeshes::plan_next() {
 	}
 }
 
-/// Records the work for an instance, for the worlds in which it has changed. False if its mesh has to be read first.
+/// Records the work for an instance, for the worlds in which it has changed. False if its mesh must be read first.
 bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	const Variant *watched = watch_.node(id);
 	const Variant node = watched != nullptr ? *watched : Variant();

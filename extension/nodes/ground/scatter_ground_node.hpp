@@ -125,14 +125,14 @@ private:
 	std::vector<glm::dvec3> offsets_;                                 ///< The offsets of all hosts, when it was copied.
 	std::vector<Given> given_; ///< All objects of that node; closed when it is freed.
 
-	bool stale_ = true;          ///< True if the node has to be found.
+	bool stale_ = true;          ///< True if the node must be found.
 	bool finding_ = false;       ///< True while the node is being found, which may run its script.
 	bool telling_ = false;       ///< True while an edit is emitted that is already known here.
 	bool told_ = false;          ///< True if all users of the ground were notified that all of it has changed.
 	bool missed_ = false;        ///< True if the ground was requested while there was none.
 	bool edited_ = false;        ///< True if the plug-in has reported that some part of its ground has changed.
 	std::vector<MapEdit> edits_; ///< The edits that the plug-in has reported in detail.
-	GroundChanges changes_;      ///< Changes that have to be emitted.
+	GroundChanges changes_;      ///< Changes to emit.
 	GroundGlance glance_;        ///< The state of the node when it was found.
 
 	godot::String problem_;

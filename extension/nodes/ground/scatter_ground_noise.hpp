@@ -19,11 +19,11 @@ public:
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const;
 
-	/// Meters that a noise value of 1 rises above `base_height`, 0 to 1e6. Any other value prints an error and is ignored.
+	/// Meters that a noise value of 1 rises above `base_height`, 0 to 1e6. Any other value is ignored with an error.
 	void set_amplitude(double p_amplitude);
 	double get_amplitude() const;
 
-	/// World meters where the noise is 0, +-1e6. Any other value prints an error and is ignored.
+	/// World meters where the noise is 0, +-1e6. Any other value is ignored with an error.
 	void set_base_height(double p_height);
 	double get_base_height() const;
 
@@ -38,7 +38,7 @@ private:
 	godot::Ref<godot::Noise> noise_;
 	double amplitude_ = 10.0;
 	double base_height_ = 0.0;
-	std::shared_ptr<const Terrain> ground_; ///< Matches the properties; null if it has to be created.
+	std::shared_ptr<const Terrain> ground_; ///< Matches the properties; null if it must be created.
 };
 
 } // namespace thicket

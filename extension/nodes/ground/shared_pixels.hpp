@@ -14,7 +14,7 @@ godot::Ref<godot::Image> image_in(const godot::Variant &p_value);
 /// number of bytes per pixel.
 bool share_pixels(const godot::Ref<godot::Image> &p_image, int pixel_bytes, PixelGrid &r_pixels);
 
-/// The same for an image of any format. A different format is converted, which copies the pixels. False if the engine cannot convert it.
+/// Shares the pixels of an image of any format. Converts and copies them if the format differs. False if the engine cannot convert them.
 bool share_pixels_as(
 		const godot::Ref<godot::Image> &p_image, godot::Image::Format format, int pixel_bytes, PixelGrid &r_pixels);
 

@@ -44,7 +44,7 @@ public:
 		VERTEX_COLOR_SRGB,
 	};
 
-	// ImpostorSettings. A value that makes them invalid prints an error and is ignored.
+	// ImpostorSettings. A value that makes them invalid is ignored with an error.
 	void set_frames(int64_t p_frames);
 	int64_t get_frames() const;
 	void set_frame_size(int64_t p_frame_size);

@@ -23,7 +23,7 @@ public:
 	/// True if there is a mesh for each of the entries at each of the distances.
 	bool known(std::size_t entries) const;
 
-	/// The same list with a ScatterModel in place of each entry that has LODs; these are added to those of the entry. As in release 0.2,
+	/// Returns the list with a ScatterModel in place of each entry that has LODs; these are added to those of the entry. As in release 0.2,
 	/// incomplete rows are left out.
 	godot::Array added_to(const godot::Array &p_entries) const;
 

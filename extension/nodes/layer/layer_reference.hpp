@@ -23,9 +23,9 @@ namespace thicket {
 godot::String find_layer(
 		const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 
-/// The same for several layers: one reference, or an Array or PackedStringArray of them. `r_indices` gets each layer once, in the order of
-/// the references. An empty array adds nothing and stands for all layers. Null is refused, because it is more often a variable that was
-/// never set than a request for all layers.
+/// Finds several layers: one reference, or an Array or PackedStringArray of them. `r_indices` gets each layer once, in the order of the
+/// references. An empty array adds nothing and stands for all layers. Null is refused, because it is more often a variable that was never
+/// set than a request for all layers.
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
 
@@ -50,7 +50,7 @@ public:
 	std::uint32_t find(const godot::Ref<ScatterLayer> &p_layer) const;
 	static constexpr std::uint32_t no_index = 0xffffffff;
 
-	// As find_layer needs them, for an index in the list.
+	// find_layer calls these functions with an index in the list.
 	godot::String name(int64_t p_index) const { return entries_[static_cast<std::size_t>(p_index)].name; }
 	bool holds(int64_t p_index, const godot::Ref<ScatterLayer> &p_layer) const;
 
@@ -65,7 +65,7 @@ private:
 
 using SharedLayers = std::shared_ptr<const ListedLayers>;
 
-// The same among these layers, on any thread.
+// These overloads search a list of layers, on any thread.
 godot::String find_layer(const ListedLayers &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 godot::String find_layers(
 		const ListedLayers &p_layers, const godot::Variant &p_references, std::vector<std::uint32_t> &r_indices);
@@ -75,8 +75,8 @@ godot::String find_layers(
 /// value cannot refer to a layer.
 godot::Variant stored_reference(const godot::Variant &p_reference);
 
-/// The same, for a property of the resource `holder`. Null, with an error that names the property, for a value that cannot refer to a layer,
-/// and for a layer without a name that a scene would store together with `holder` inside of it, so that no scene could store both.
+/// The stored form of a reference, for a property of the resource `p_holder`. Null, with an error that names the property, for a value that
+/// cannot refer to a layer, and for a layer without a name that stores `p_holder` inside of it, so that no scene could store both.
 godot::Variant accept_reference(
 		const char *p_property, const godot::Variant &p_reference, const godot::Resource *p_holder);
 
@@ -92,7 +92,7 @@ ReferenceChange naming_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 std::optional<godot::Variant> changed_reference(const ReferenceChange &change, const char *p_property,
 		const godot::Variant &p_stored, const godot::Resource *p_holder);
 
-/// The same reference for the core; empty for an empty name.
+/// Converts a stored reference for the core; empty for an empty name.
 LayerReference core_reference(const godot::Variant &p_stored);
 
 inline constexpr const char *layers_in_circle =

@@ -20,7 +20,7 @@ struct MaskFrame {
 	MaskEdge edge = MaskEdge::nothing;
 };
 
-/// A texture with a flag for pixels that may have changed. Only then are they read back, because the renderer has to wait for that.
+/// A texture with a flag for pixels that may have changed. Only then are they read back, because the renderer must wait for that.
 struct TextureSource {
 	godot::Ref<godot::Texture2D> texture;
 	bool unread = false;

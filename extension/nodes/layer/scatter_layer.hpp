@@ -203,8 +203,8 @@ public:
 	void set_variation_value(const godot::Ref<ScatterValueSource> &p_value);
 	godot::Ref<ScatterValueSource> get_variation_value() const { return variation_value_; }
 
-	/// All LODs of an entry of `meshes`, the finest first, with no defaults left to resolve. Empty for an entry that draws nothing. An
-	/// invalid index prints an error.
+	/// All LODs of an entry of `meshes`, the finest first, with no defaults left to resolve. Empty for an entry that draws nothing. For
+	/// an invalid index, prints an error.
 	godot::TypedArray<ScatterLod> get_mesh_lods(int64_t p_index);
 
 	void set_collision_shape(CollisionShape p_shape);

@@ -92,7 +92,7 @@ private:
 
 	PaintedMask mask_;
 	double background_ = 1.0;                             ///< As set by the user; the mask's own value is rounded.
-	mutable std::shared_ptr<const PaintedMask> snapshot_; ///< Null if it has to be recreated.
+	mutable std::shared_ptr<const PaintedMask> snapshot_; ///< Null if it must be recreated.
 };
 
 } // namespace thicket

@@ -17,7 +17,7 @@ class ScatterTileGrid : public godot::RefCounted, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// Meters, 0.1 to 1e6. Any other value prints an error and is ignored.
+	/// Meters, 0.1 to 1e6. Any other value is ignored with an error.
 	void set_tile_size(double p_size);
 	double get_tile_size() const { return tile_size_; }
 

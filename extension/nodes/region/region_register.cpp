@@ -104,7 +104,7 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<Scatter
 		return last;
 	}
 	if (is_same(last)) {
-		// Fast path: for the same set no tile has to be regenerated.
+		// Fast path: an unchanged set regenerates no tile.
 		return last;
 	}
 	if (const auto shared = std::ranges::find_if(sets_, is_same); shared != sets_.end()) {

@@ -21,8 +21,8 @@ namespace thicket {
 /// A rank for scripts: at least 0 and below 1.
 float unit_rank(std::uint32_t rank);
 
-/// The points that a PoissonSampler has found. They never change, so any thread may read them. An invalid index prints an error and returns
-/// a default.
+/// The points that a PoissonSampler has found. They never change, so any thread may read them. For an invalid index, methods print an error
+/// and return a default.
 class PoissonPoints : public godot::RefCounted {
 	GDCLASS(PoissonPoints, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -51,7 +51,7 @@ public:
 	/// At least 0 and below 1; 0 for a point of a set without ranks.
 	double get_rank(int64_t p_index) const;
 
-	// The same packed, for all points. Empty if the points have none.
+	// The IDs, ranks and positions of all points. Empty if the points have none.
 	godot::PackedInt64Array get_ids() const { return ids_; }
 	godot::PackedFloat32Array get_ranks() const { return ranks_; }
 	godot::PackedVector2Array get_positions() const;

@@ -49,15 +49,15 @@ public:
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const;
 
-	/// The minimum distance between any two points, in meters: [min_radius, max_radius]. Any other value prints an error and is ignored.
+	/// The minimum distance between any two points, in meters: [min_radius, max_radius]. Any other value is ignored with an error.
 	void set_radius(double p_radius);
 	double get_radius() const;
 
-	/// Levels of the progressive order, 1 to max_levels. Any other value prints an error and is ignored. For the infinite set.
+	/// Levels of the progressive order, 1 to max_levels. Any other value is ignored with an error. For the infinite set.
 	void set_progressive_levels(int64_t p_levels);
 	int64_t get_progressive_levels() const;
 
-	/// For `sample_domain`. Any other number prints an error and is ignored.
+	/// For `sample_domain`. Any other number is ignored with an error.
 	void set_method(Method p_method);
 	Method get_method() const;
 
@@ -69,23 +69,23 @@ public:
 	void set_double_precision(bool p_double_precision);
 	bool is_double_precision() const;
 
-	/// DomainRequest::cell_size, in radii: 0 to max_cell_size. Any other value prints an error and is ignored.
+	/// DomainRequest::cell_size, in radii: 0 to max_cell_size. Any other value is ignored with an error.
 	void set_cell_size(double p_cell_size);
 	double get_cell_size() const;
 
-	/// The points of the set in a half-open rectangle in meters, with positions in single precision. A refused rectangle prints an error
-	/// and returns no points; the result is never null.
+	/// The points of the set in a half-open rectangle in meters, with positions in single precision. If the rectangle is refused, prints
+	/// an error and returns no points. The result is never null.
 	godot::Ref<PoissonPoints> sample(const godot::Rect2 &p_rect);
 
-	/// As `sample`, with the rectangle as [min, max) and positions in double precision, exact at any distance from the origin.
+	/// Does the same as `sample` for the rectangle [min, max). Positions are in double precision, exact at any distance from the origin.
 	godot::Ref<PoissonPoints> sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y);
 
 	/// Fills a rectangle in meters with one set by `method`. Positions are the rectangle's corner plus those of the core, rounded once to
-	/// single precision, downwards if they would otherwise reach the far edge. ScriptProgress calls `p_progress`. A request that
-	/// DomainRequest or PointSet excludes prints an error and returns nothing; a cancelled one returns nothing.
+	/// single precision, downwards if they would otherwise reach the far edge. ScriptProgress calls `p_progress`. For a request
+	/// that DomainRequest or PointSet excludes, prints an error and returns nothing. A cancelled request returns nothing.
 	godot::PackedVector2Array sample_domain(const godot::Rect2 &p_rect, const godot::Callable &p_progress);
 
-	/// As `sample_domain`, with the rectangle as [min, max) and positions in double precision, without IDs and ranks.
+	/// Does the same as `sample_domain` for the rectangle [min, max). Positions are in double precision, without IDs and ranks.
 	godot::Ref<PoissonPoints> sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 
@@ -94,7 +94,7 @@ public:
 	godot::Ref<PoissonSurfacePoints> sample_surface(
 			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, const godot::AABB &p_window);
 
-	/// As above, with three corners for each triangle, as Mesh.get_faces returns them.
+	/// The points of the set on triangles, with three corners for each, as Mesh.get_faces returns them. Otherwise like `sample_surface`.
 	godot::Ref<PoissonSurfacePoints> sample_faces(
 			const godot::PackedVector3Array &p_faces, const godot::AABB &p_window);
 

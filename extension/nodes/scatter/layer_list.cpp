@@ -17,7 +17,7 @@ namespace {
 template <class Values>
 std::shared_ptr<const Values> kept(const std::shared_ptr<const Values> &before, Values now) {
 	if (before != nullptr && *before == now) {
-		// Fast path: for the same object nothing has to be regenerated.
+		// Fast path: an unchanged object regenerates nothing.
 		return before;
 	}
 	return std::make_shared<const Values>(std::move(now));
@@ -169,7 +169,7 @@ std::vector<EditedArea> LayerList::update(
 	}
 	std::vector<EditedArea> areas;
 	std::vector<SharedSnapshot> snapshots;
-	EditSearch search; // Compares with settings of `snapshots_`, which have to live as long.
+	EditSearch search; // Compares with settings of `snapshots_`, which must live as long.
 	const std::vector<LinkedLayer> linked = link(layers.order());
 	for (std::size_t index = 0; index < count; ++index) {
 		const bool own = index < layers.own_count();

@@ -13,7 +13,7 @@ namespace thicket {
 /// All layers that a node displays, without duplicates: its own, then those of its biomes, one biome after the other. Main thread only.
 ///
 /// A layer of the node's own has its index in the node's list. A layer of a biome has an index after those. It keeps this index as long as
-/// it is displayed, whatever other layers are added or removed, so that none of its tiles has to be regenerated.
+/// it is displayed, whatever other layers are added or removed, so that none of its tiles is regenerated.
 class NodeLayers {
 public:
 	/// Reads the current layers. `biomes` may be null.

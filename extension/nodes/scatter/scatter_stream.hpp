@@ -60,7 +60,7 @@ public:
 	/// The rings also work under the budget of a frame.
 	void set_rings(std::vector<NearRing *> rings) { rings_ = std::move(rings); }
 
-	/// Replaces the layers and the ground. `outdated[i]` is the area in which layer i has to be regenerated; the old tiles stay visible
+	/// Replaces the layers and the ground. `outdated[i]` is the area in which layer i must be regenerated; the old tiles stay visible
 	/// until then.
 	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
 			const StreamGround &ground);
@@ -77,7 +77,7 @@ public:
 	/// Waits for the workers and clears the display. The stream may be used afterwards, starting empty.
 	void stop();
 
-	/// The same, but `dissolve_until` removes the visible tiles step by step.
+	/// Waits for the workers and starts empty, but leaves the visible tiles to `dissolve_until`, which removes them step by step.
 	void retire();
 
 	/// Removes bodies and frees hidden tiles until `deadline`, at least one step.

@@ -16,7 +16,7 @@ namespace {
 /// takes more triangles.
 constexpr std::uint32_t uploads_before_divide = 32;
 
-/// The same for LODs that are to fade in: until then LODs change abruptly.
+/// While tiles wait to be shown, an LOD only fades in after this many uploads: until then LODs change abruptly.
 constexpr std::uint32_t uploads_before_fade = 8;
 
 /// Updates the usual time of a step. A step in which the machine did other work is only counted as a slow one; otherwise a single such step

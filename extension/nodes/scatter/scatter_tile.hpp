@@ -50,7 +50,7 @@ public:
 	int64_t get_mesh_count() const { return static_cast<int64_t>(parts_.size()); }
 	godot::Ref<godot::Mesh> get_mesh(int64_t p_index) const;
 
-	/// As in MultiMesh.buffer. For a tile that is still visible, the data of the RenderingServer.
+	/// The instances in the format of MultiMesh.buffer. For a tile that is still visible, the data of the RenderingServer.
 	godot::PackedFloat32Array get_buffer(int64_t p_index) const;
 	godot::PackedInt64Array get_ids(int64_t p_index) const;
 

@@ -159,8 +159,8 @@ public:
 	/// Empty, with an error, for a layer that does not exist and a rectangle that the core refuses.
 	godot::Ref<ScatterTile> build_rect(const godot::Variant &p_layer, const godot::Rect2 &p_rect);
 
-	/// The same for a tile of the layer, visible or not: bit-identical to the result of `get_tile` for a visible tile. `p_rect`, unless it
-	/// is Rect2(), is a rectangle of the scene that clips the tile; clipped tiles still share their edges.
+	/// The instances of a tile of the layer, visible or not: bit-identical to the result of `get_tile` for a visible tile. `p_rect`, unless
+	/// it is Rect2(), is a rectangle of the scene that clips the tile; clipped tiles still share their edges.
 	godot::Ref<ScatterTile> build_tile(
 			const godot::Variant &p_layer, const godot::Vector2i &p_tile, const godot::Rect2 &p_rect);
 
@@ -242,7 +242,7 @@ public:
 	/// The scene that replaces an instance; null if there is none.
 	godot::Node3D *get_scene(int64_t p_id) const;
 
-	/// The same scene, which the caller owns from now on. The mesh is drawn again, unless the instance is removed.
+	/// Hands the scene that replaces an instance over to the caller. The mesh is drawn again, unless the instance is removed.
 	godot::Node3D *take_scene(int64_t p_id);
 
 	void add_region(ScatterRegion3D *p_region) override;

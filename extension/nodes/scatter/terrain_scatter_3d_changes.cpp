@@ -279,7 +279,7 @@ TileMaker TerrainScatter3D::tile_maker() const {
 	};
 }
 
-/// The same for other threads: calls no script and reads nothing of the scene.
+/// Generates tiles on other threads: calls no script and reads nothing of the scene.
 TileMaker TerrainScatter3D::worker_tile_maker() const {
 	return [layers = layer_list_.snapshots(), terrain = ground_snapshot_, builder = std::make_shared<SharedBuilder>(),
 				   available = ground_.is_valid() && ground_->is_available()](std::span<const WorldTile> tiles,

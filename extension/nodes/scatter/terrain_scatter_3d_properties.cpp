@@ -202,7 +202,7 @@ Ref<ScatterTile> TerrainScatter3D::get_tile(const Variant &p_layer, const Vector
 	if (!find_layer_index("get_tile", p_layer, layer)) {
 		return memnew(ScatterTile);
 	}
-	while (display().patch_step()) { // The result shows the drawn content, so pending changes have to be drawn first.
+	while (display().patch_step()) { // The result shows the drawn content, so pending changes are drawn first.
 	}
 	display().patch();
 	const std::shared_ptr<const TileDisplay> display(stream_, &stream_->display());

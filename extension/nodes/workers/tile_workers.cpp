@@ -45,7 +45,7 @@ TileWorkers::TileWorkers(std::size_t threads) : on_main_thread_(threads == 0) {
 
 TileWorkers::~TileWorkers() { stop(); }
 
-/// Takes the lock if it becomes free within some microseconds. A worker that holds it may have to wait for a core, and a frame must not
+/// Takes the lock if it becomes free within some microseconds. A worker that holds it may wait for a core, and a frame must not
 /// wait for that.
 bool TileWorkers::lock_soon(std::unique_lock<std::mutex> &r_lock) {
 	constexpr int tries = 200;
@@ -255,7 +255,7 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 		finish(worker, job);
 		return;
 	}
-	// The points are computed a second time once the ground is known: a script costs more than that, and no job has to hold a workspace
+	// The points are computed a second time once the ground is known: a script costs more than that, and no job needs to hold a workspace
 	// while it waits for the main thread.
 	job.status = builder.find_points(settings, job.request.rect, &job.cancelled);
 	job.points_computed += builder.sample_stats().computed;

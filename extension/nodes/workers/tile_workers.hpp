@@ -28,7 +28,7 @@ struct TileJob {
 
 	TileRequest request;
 	SharedSnapshot layer;                   ///< Never null.
-	std::shared_ptr<const Terrain> terrain; ///< Null if the main thread has to call a script for the ground.
+	std::shared_ptr<const Terrain> terrain; ///< Null if the main thread must call a script for the ground.
 	Step step = Step::start;
 
 	/// A contiguous part of `positions` that needs the same ground data; see GroundQuery.
@@ -84,7 +84,7 @@ public:
 	/// second.
 	void let_go(std::shared_ptr<const void> unneeded);
 
-	/// The same for buffers that were uploaded. The worker that receives them reuses some of them for later tiles.
+	/// Releases buffers that were uploaded. The worker that receives them reuses some of them for later tiles.
 	void take_back(std::vector<MeshUpload> &&uploads);
 
 	/// The number of such objects and buffers that workers have received.

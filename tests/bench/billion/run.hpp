@@ -67,7 +67,7 @@ public:
 			make_source_(std::move(make_source)), seams_(region_),
 			block_points_(Region::blocks_per_side * Region::blocks_per_side) {}
 
-	/// Blocks until everything is done. Calls `progress` about once a second with the points so far, on this thread.
+	/// Blocks until everything is done. Calls `progress` about once per second with the points so far, on this thread.
 	Outcome go(const std::function<void(std::uint64_t points)> &progress) {
 		const auto start = std::chrono::steady_clock::now();
 		std::vector<std::thread> threads;

@@ -23,7 +23,7 @@ inline std::vector<glm::dvec2> points_of(const Rect &tile) {
 	return result;
 }
 
-/// Measures several rules in turns at the same points.
+/// Measures several rules at the same points, in alternating order.
 class Contest {
 public:
 	explicit Contest(std::size_t points) : points_(points) {}

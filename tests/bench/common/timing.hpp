@@ -10,7 +10,7 @@
 namespace thicket::bench {
 
 /// Seconds of processor time that this process has used. Unlike wall time, it excludes other processes on the machine.
-/// They still affect caches and clock speed, hence the interleaved rounds below.
+/// They still affect caches and clock speed, so the rounds below are interleaved.
 inline double cpu_seconds() {
 	std::timespec now{};
 	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);

@@ -249,7 +249,7 @@ func test_a_region() -> void:
 	await mouse_click(row_of("Scatter"))
 
 
-## The same drag reduces any radius by the same factor, not by the same distance. A question precedes far more instances than are visible.
+## A drag multiplies the radius: both radii shrink by one factor. The editor asks before it generates far more instances than are visible.
 func test_a_radius_is_dragged() -> void:
 	var factors: Array[float] = []
 	for radius: float in [0.5, 8.0]:

@@ -298,7 +298,7 @@ func test_saved_for_the_game() -> void:
 		noted[id] = transform_of(id)
 	check_equal(noted.size(), 3, "three hand-placed instances")
 	FileAccess.open("res://noted.bin", FileAccess.WRITE).store_var([noted, scatter.state.get_removed(), scatter.state.get_digest()])
-	# As a part of another scene, whose file contains none of it.
+	# Instantiates the scene as a part of a different one, whose file contains none of it.
 	var outer := Node3D.new()
 	outer.name = "Outer"
 	var inner: Node = (load(SCENE) as PackedScene).instantiate(PackedScene.GEN_EDIT_STATE_INSTANCE)

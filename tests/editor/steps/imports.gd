@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Imports instances from a node of the scene and from a table, in one step of undo each. They are stored in a file beside the scene,
+## Imports instances from a node of the scene and from a table, in one step of undo each. They are stored in a file next to the scene,
 ## which contains none of them.
 
 const SCENE := "res://wood.tscn"

@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## One click bakes a layer's impostors: files beside the scene, a last LOD, undo. Without a path for files, it shows a message.
+## One click bakes a layer's impostors: files next to the scene, a last LOD, undo. Without a path for files, it shows a message.
 
 const SCENE := "res://wood.tscn"
 

@@ -331,7 +331,7 @@ func test_adding() -> void:
 	await wait_for_panel()
 
 
-## The editor saves marks beside the scene, for the next time it is opened.
+## The editor saves marks next to the scene, for the next time it is opened.
 func test_marks_are_saved() -> void:
 	workspace().dock.marks.put(layer("Fern"), &"hidden", true)
 	saved_files()

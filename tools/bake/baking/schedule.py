@@ -8,7 +8,7 @@ machine with idle cores a worker is faster, because its engine runs while it pac
 
 Workers take the tiles in the order of the bake. The driver serves one worker at a time, on a core of its own, unless `--cores` sets the
 number of cores that all processes share. The prediction ignores that workers on one machine share memory and a disk, and the speed of a
-shared file system. It prints the write rate that the file system has to sustain.
+shared file system. It prints the write rate that the file system must sustain.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 @tool
 extends HBoxContainer
 ## The base class of the tools, which handle the left mouse button in the 3D view while a scatter is selected. A tool is a row with its
-## own settings, which the toolbar shows beside the tool's button while it is on. One tool is on at a time.
+## own settings, which the toolbar shows next to the tool's button while it is on. One tool is on at a time.
 
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Keeps data that tools create, such as painted masks and hand-placed instances, in files beside the scene, so that the scene holds
+## Keeps data that tools create, such as painted masks and hand-placed instances, in files next to the scene, so that the scene holds
 ## settings only.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
@@ -18,7 +18,7 @@ var _unsaved: Dictionary[String, String] = {} ## Files that no saved scene refer
 var _unused: Dictionary[String, String] = {} ## Unused files that the saved scene may still refer to, and the scene.
 
 
-## Writes a new resource to a file beside the scene [param scene_path]. The file is named after the scene, [param owner_name] and
+## Writes a new resource to a file next to the scene [param scene_path]. The file is named after the scene, [param owner_name] and
 ## [param kind]. On failure, returns false and sets [member problem].
 func create(scene_path: String, resource: Resource, owner_name: String, kind: String) -> bool:
 	problem = ""
@@ -50,7 +50,7 @@ func copy_mask(layer: ScatterLayer, scene_path: String, r_masks: Dictionary[Reso
 	return true
 
 
-## Adopts resources that other code has just written to new files beside a scene. They are removed and restored like those of
+## Adopts resources that other code has just written to new files next to a scene. They are removed and restored like those of
 ## [method create].
 func adopt(resources: Array, scene_path: String) -> void:
 	for resource: Resource in resources:

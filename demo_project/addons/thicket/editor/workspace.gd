@@ -27,7 +27,7 @@ const LOOK_SECONDS := 0.25
 
 ## The row above the 3D view, with the tools.
 var toolbar: Toolbar
-## The buttons beside the toolbar that set and refresh the ground.
+## The buttons next to the toolbar that set and refresh the ground.
 var ground_buttons: GroundButtons
 ## The panel with the layers, its marks and its bar.
 var dock: LayersDock

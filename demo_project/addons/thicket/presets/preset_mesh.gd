@@ -16,7 +16,7 @@ const SWAY_HEIGHTS := {"spruce": 8.0, "birch": 7.0, "bush": 1.2, "fern": 0.6, "g
 
 static var _materials := {}
 
-## One of [constant KINDS]. Any other name prints an error and changes nothing.
+## One of [constant KINDS]. Any other name is ignored with an error.
 @export_enum("spruce", "birch", "bush", "fern", "grass", "flower", "boulder", "rock", "pebble") var kind := "":
 	set(value):
 		if not KINDS.has(value):

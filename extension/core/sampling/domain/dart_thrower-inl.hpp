@@ -57,7 +57,7 @@ public:
 		if (!begin(progress, expected_points)) {
 			return {ErrorCode::cancelled};
 		}
-		// The first choices touch fresh memory everywhere, whose pages the system has to create. They are a thousand times slower than
+		// The first choices touch fresh memory everywhere, whose pages the system must create. They are a thousand times slower than
 		// later ones.
 		std::uint64_t between_looks = 8;
 		std::uint64_t until_look = 1;

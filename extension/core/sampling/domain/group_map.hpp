@@ -41,7 +41,7 @@ public:
 	}
 
 	/// Activates the group of a base square and the eight groups around it, as far as they lie in the domain. A group is wider than two
-	/// radii, so this activates all area that an accepted dart leaves open beside its disk.
+	/// radii, so this activates all area that an accepted dart leaves open around its disk.
 	template <class Push>
 	void activate_around(glm::uvec2 square, Push &&push) {
 		const glm::ivec2 middle(square / width);

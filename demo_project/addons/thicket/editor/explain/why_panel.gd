@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## The text that the Why tool shows beside the mouse: a line for each layer, with a sentence that explains why it is placed there or
+## The text that the Why tool shows next to the mouse: a line for each layer, with a sentence that explains why it is placed there or
 ## not.
 
 const MOST_LINES := 12

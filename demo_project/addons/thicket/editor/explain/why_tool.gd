@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## Explains why instances are placed at a position or not: each layer's result is shown beside the mouse, and a click pins it. It can
+## Explains why instances are placed at a position or not: each layer's result is shown next to the mouse, and a click pins it. It can
 ## color the ground by density, slope or rank.
 
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")

@@ -35,7 +35,7 @@ func clear() -> void:
 	_camera = null
 
 
-## True if the mouse was last over the viewport of this overlay. An overlay is beside the container of its
+## True if the mouse was last over the viewport of this overlay. An overlay is next to the container of its
 ## viewport.
 func is_over(overlay: Control) -> bool:
 	if not is_instance_valid(_camera):
@@ -49,7 +49,7 @@ func mouse() -> Vector2:
 	return _mouse
 
 
-## Writes a sentence beside the mouse.
+## Writes a sentence next to the mouse.
 func say(overlay: Control, sentence: String) -> void:
 	_write(overlay, sentence, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
 

@@ -87,7 +87,7 @@ func work(microseconds: int) -> void:
 	var deadline := Time.get_ticks_usec() + microseconds
 	while not _waiting.is_empty():
 		var arrays := _part(_waiting.pop_front())
-		if arrays.is_empty(): # The same request is not repeated.
+		if arrays.is_empty(): # This request is not repeated.
 			_waiting.clear()
 			return _take_off()
 		_meshes[1].add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)

@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
 ## Changes single instances of a scatter by hand. Each change is one undo step, and all changes are kept in the scatter's state, in a
-## file beside the scene.
+## file next to the scene.
 ##
 ## The state provides diffs of the changed instances before and after a step ([code]ScatterState.diff_of[/code]), so undo and redo are
 ## exact.

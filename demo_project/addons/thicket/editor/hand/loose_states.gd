@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
 ## States that were created or changed without the hand tool. A state that a script or the inspector created has no file, so all its
-## instances would be saved in the scene. Such a state gets a file beside the scene, like those of the hand tool. If a script has changed
+## instances would be saved in the scene. Such a state gets a file next to the scene, like those of the hand tool. If a script has changed
 ## a state in a file, the file is saved with the scene.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## An import of instances as one undo step. The scatter's state keeps the placed instances, in a file beside the scene. A scatter without
+## An import of instances as one undo step. The scatter's state keeps the placed instances, in a file next to the scene. A scatter without
 ## such a state gets one.
 
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
@@ -22,7 +22,7 @@ var _ids := PackedInt64Array()
 
 
 ## Imports instances into a scatter. [param layer] is the same as for [method ImportInstances.from_node]. [param files] manages the files
-## of states beside scenes. Returns the number of placed instances. On failure, returns 0 and sets [member problem].
+## of states next to scenes. Returns the number of placed instances. On failure, returns 0 and sets [member problem].
 func run(scatter: TerrainScatter3D, layer: Variant, reading: ImportInstances.Reading, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> int:
 	problem = ""

@@ -12,7 +12,7 @@ const BY_MESH := -1
 
 ## The number of instances that the last import placed.
 var imported := 0
-## Manages the files of states beside scenes.
+## Manages the files of states next to scenes.
 var files: SceneFiles
 var undo_redo: EditorUndoRedoManager
 

@@ -1,6 +1,6 @@
 @tool
 extends VBoxContainer
-## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files beside the scene, and makes each the
+## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files next to the scene, and makes each the
 ## last LOD of its mesh, with undo.
 
 const Job := preload("res://addons/thicket/bake_impostors.gd")
@@ -95,7 +95,7 @@ func _exit_tree() -> void:
 	set_process(false)
 
 
-## The path with which the names of files begin: beside the scene, or beside the layer's own file. Empty if there is no such path.
+## The path with which the names of files begin: next to the scene, or next to the layer's own file. Empty if there is no such path.
 func _place() -> String:
 	var root := EditorInterface.get_edited_scene_root()
 	var owner := _layer.resource_path.get_slice("::", 0)

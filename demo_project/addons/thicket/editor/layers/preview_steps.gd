@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
 ## Delays large changes in the view. If a layer would show more than ten times its instances, the view keeps the old values until the user
-## has been asked. Then it grows in steps that can be stopped. The layer always has its new values, and the game uses them.
+## confirms. Then it grows in steps that can be stopped. The layer always has its new values, and the game uses them.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
@@ -10,7 +10,7 @@ signal told
 
 enum State { ASKING, KEPT, GROWING }
 
-## An increase by more than this factor is asked about, if it leads to more than [constant FEW] instances.
+## The user must confirm an increase by more than this factor if it leads to more than [constant FEW] instances.
 const MANY := 10.0
 const FEW := 50000.0
 ## The largest factor from one step to the next.
@@ -65,7 +65,7 @@ func held() -> Array[Watch]:
 	return result
 
 
-## The same for one layer; null if the view shows it with its own values.
+## Returns the watch of one layer. Null if the view shows that layer with its own values.
 func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 	for watch in _watches:
 		if watch.held and watch.scatter == scatter and watch.layer == layer:
