@@ -96,9 +96,10 @@ Raises:
 #define THICKET_ARRAY(type) "typing.Annotated[numpy.typing.NDArray[numpy." type "], dict(shape=(None, 3))]"
 
 inline constexpr const char *sample_surface_type =
-		"def sample_surface(vertices: " THICKET_ARRAY("floating") ", faces: " THICKET_ARRAY("integer") ", radius: float, "
-		"seed: typing.SupportsIndex = 0, *, window: " THICKET_NUMBERS " | None = None, levels: int = 1, layer: int = 0, "
-		THICKET_WATCHED ") -> SurfacePoints";
+		"def sample_surface(vertices: " THICKET_ARRAY("floating") ", faces: " THICKET_ARRAY(
+				"integer") ", radius: float, "
+						   "seed: typing.SupportsIndex = 0, *, window: " THICKET_NUMBERS
+						   " | None = None, levels: int = 1, layer: int = 0, " THICKET_WATCHED ") -> SurfacePoints";
 
 #undef THICKET_ARRAY
 

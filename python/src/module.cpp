@@ -63,8 +63,7 @@ Column<Number> column(nb::handle_t<PointList<Point>> self, const Number Point::*
 
 /// The same for a vector.
 template <typename Point, int axes>
-Positions<double, axes> vectors(
-		nb::handle_t<PointList<Point>> self, const glm::vec<axes, double> Point::*member) {
+Positions<double, axes> vectors(nb::handle_t<PointList<Point>> self, const glm::vec<axes, double> Point::*member) {
 	static_assert(sizeof(Point) % sizeof(double) == 0);
 	const auto &list = nb::cast<const PointList<Point> &>(self);
 	return Positions<double, axes>(
@@ -191,8 +190,8 @@ std::vector<std::uint32_t> indices_of(const Triples<std::int64_t> &faces, std::s
 	indices.reserve(all.size());
 	for (const std::int64_t index : all) {
 		if (index < 0 || static_cast<std::uint64_t>(index) >= vertices) {
-			refuse("faces must have indices of vertices, 0 to " + std::to_string(static_cast<std::int64_t>(vertices) - 1) +
-					", got " + std::to_string(index));
+			refuse("faces must have indices of vertices, 0 to " +
+					std::to_string(static_cast<std::int64_t>(vertices) - 1) + ", got " + std::to_string(index));
 		}
 		indices.push_back(static_cast<std::uint32_t>(index));
 	}

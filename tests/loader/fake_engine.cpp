@@ -326,7 +326,8 @@ const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 			{"classdb_construct_object2", erase(construct)},
 			{"classdb_get_method_bind",
 					erase(+[](GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr, GDExtensionInt) {
-						return reinterpret_cast<GDExtensionMethodBindPtr>(&is_double); // Any pointer that is not null will do.
+						return reinterpret_cast<GDExtensionMethodBindPtr>(
+								&is_double); // Any pointer that is not null will do.
 					})},
 			{"classdb_get_class_tag",
 					erase(+[](GDExtensionConstStringNamePtr name) -> void * { return new std::string(text(name)); })},
