@@ -79,7 +79,7 @@ func make_scene() -> void:
 		region.size = Vector3(2.0, 2.0, 2.0)
 		region.position = Vector3(4.0 * kind - 8.0, 0.0, -9.0)
 		region.polygon = PackedVector2Array([Vector2(-1, -1), Vector2(1, -1), Vector2(0, 1)])
-		region.layers = ["Grass", 1] if kind < 2 else []
+		region.layers = ["Grass", "Trees"] if kind < 2 else []
 	var packed := PackedScene.new()
 	packed.pack(heath)
 	heath.free()
