@@ -278,7 +278,7 @@ def test_builds_for_other_systems_use_separate_folders():
         made = set(re.findall(r"^(?:compile|archive|link) +(\S+)", done.stdout, re.MULTILINE)) - {"extension"}
         linked = [path for path in made if "libthicket." in path]
         assert linked and all(path.startswith(f"build/{folder}/") for path in linked), linked
-        assert {path.split("/")[1] for path in made} <= {folder, folder.replace(".double", "")}, made
+        assert f"build/{folder.replace('.double', '')}/libthicket_core.a" in made, made
         assert "demo_project/addons/thicket/bin" not in done.stdout
 
 
