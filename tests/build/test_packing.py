@@ -65,3 +65,14 @@ def shipped_names(build: package.Build) -> list[str]:
 def test_wrong_names_are_refused():
     done = run([sys.executable, REPO / "tools/package/package.py", "amiga.m68k"], timeout=60)
     assert done.returncode == 2 and "no such build: amiga.m68k" in done.stderr and "linux.x86_64" in done.stderr
+
+
+def test_builds_are_listed():
+    """--list prints the builds that the same arguments make, which decides the compilers that are installed."""
+    for arguments, names in (
+        ([], [build.name for build in package.BUILDS]),
+        (["--out", "/tmp/windows"], [build.name for build in package.BUILDS]),
+        (["linux.x86_64", "web.wasm32.nothreads"], ["linux.x86_64", "web.wasm32.nothreads"]),
+    ):
+        done = run(["bash", "tools/package.sh", "--list", *arguments], timeout=60, cwd=REPO)
+        assert done.returncode == 0 and done.stdout.split() == names, done.stdout + done.stderr

@@ -60,7 +60,7 @@ BUILDS = [
 def arguments():
     parser = argparse.ArgumentParser(prog="tools/package.sh", description=__doc__)
     parser.add_argument("names", nargs="*", help="the builds to make; all by default")
-    parser.add_argument("--list", action="store_true", help="print these names and build nothing")
+    parser.add_argument("--list", action="store_true", help="print the names of these builds, and build nothing")
     parser.add_argument("--built", action="store_true", help="pack the existing builds, and build nothing")
     parser.add_argument("--out", type=Path, default=DIST, help="the folder for the zips")
     options = parser.parse_args()
@@ -100,10 +100,10 @@ def pack(wanted, out):
 
 def main():
     options = arguments()
-    if options.list:
-        print("\n".join(each.name for each in BUILDS))
-        return
     wanted = [each for each in BUILDS if not options.names or each.name in options.names]
+    if options.list:
+        print("\n".join(each.name for each in wanted))
+        return
     if not options.built:
         build(wanted)
     for path in pack(wanted, options.out.resolve()):
