@@ -193,9 +193,11 @@ private:
 
 	bool take_list(StateHeader::List list, StateRecord::Codes &r_list) {
 		const std::uint64_t size = is_former() ? bytes_.take<std::uint32_t>() : header_.sizes[list];
+		// On the web, addresses have 32 bits: a larger number is damaged.
+		const auto count = static_cast<std::size_t>(size);
 		return bytes_.good() &&
 				allows(check_limit("changes", size, limits_.max_changes, "max_changes of diff_limits")) &&
-				take_ascending(bytes_, size, r_list, cancel_);
+				count == size && take_ascending(bytes_, count, r_list, cancel_);
 	}
 
 	bool take_ids(StateHeader::List list, StateRecord::Codes &r_list) {
@@ -278,7 +280,7 @@ private:
 				!allows(check_limit("data", size, limits_.max_data_size, "max_data_size of diff_limits"))) {
 			return false;
 		}
-		const std::span<const std::uint8_t> bytes = bytes_.take_bytes(size);
+		const std::span<const std::uint8_t> bytes = bytes_.take_bytes(static_cast<std::size_t>(size));
 		r_data.assign(bytes.begin(), bytes.end());
 		return bytes_.good();
 	}

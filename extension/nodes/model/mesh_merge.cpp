@@ -22,6 +22,7 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <iterator>
@@ -73,7 +74,7 @@ void append(const Variant &p_more, Variant &r_all) {
 	const Packed before = r_all;
 	const Packed more = p_more;
 	Packed all = resized_copy(before, before.size() + more.size());
-	std::copy_n(more.ptr(), more.size(), writable(all).begin() + before.size());
+	std::copy_n(more.ptr(), more.size(), writable(all).begin() + static_cast<std::ptrdiff_t>(before.size()));
 	r_all = all;
 }
 
