@@ -43,7 +43,7 @@ var _counts := {"made": 0, "kept": 0, "failed": 0}
 func _init(arguments: Dictionary[String, String]) -> void:
 	_out = arguments.get("out", "")
 	if not _out.is_absolute_path():
-		problem = "out is '%s', and has to be a folder with its whole path, such as out=/home/me/baked." % _out
+		problem = "out is '%s', and has to be a folder with its whole path, such as out=/data/baked." % _out
 	_described = SceneDescription.new(arguments)
 	problem = problem if problem else _described.problem
 	if arguments.has("tiles"):
