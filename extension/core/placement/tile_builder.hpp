@@ -29,7 +29,7 @@ namespace thicket {
 /// `find_points` on a worker, get the ground for `positions()` wherever it is available, then call `place` on a worker.
 class TileBuilder {
 public:
-	/// Whoever keeps builders for the next tiles keeps one only up to this many points in its tile, so that the memory of large
+	/// A caller that keeps builders for later tiles keeps one only up to this many points in its tile, so that the memory of large
 	/// rectangles is freed.
 	static constexpr std::size_t most_points_kept = 1 << 16;
 

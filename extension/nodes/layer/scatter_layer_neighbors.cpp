@@ -105,6 +105,9 @@ void ScatterLayer::change_references(const ReferenceChange &change) {
 		}
 	}
 	const Dictionary spacing = spacing_property_;
+	if (spacing.is_empty()) {
+		return; // The node calls this after every change.
+	}
 	const Array references = spacing.keys();
 	Dictionary now; // A new Dictionary keeps the order in the inspector.
 	bool any = false;
