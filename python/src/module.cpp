@@ -287,51 +287,42 @@ std::uint64_t digest_of_domain(
 	return digest(std::span<const glm::vec<2, Real>>(first, count));
 }
 
-void bind_points(nb::module_ &module) {
-	nb::class_<Points>(module, "Points", doc::points)
-			.def("__len__", [](const Points &self) { return self.points.size(); })
+/// A class for the points of a set, with the members that the points of all sets have.
+template <typename Point>
+nb::class_<PointList<Point>> bind_list(nb::module_ &module, const char *name, const char *words, const char *ids) {
+	using Self = nb::handle_t<PointList<Point>>;
+	const std::string title = std::string("<thicket.") + name + " of ";
+	return nb::class_<PointList<Point>>(module, name, words)
+			.def("__len__", [](const PointList<Point> &self) { return self.points.size(); })
 			.def("__repr__",
-					[](const Points &self) {
-						return "<thicket.Points of " + std::to_string(self.points.size()) + " points>";
+					[title](const PointList<Point> &self) {
+						return title + std::to_string(self.points.size()) + " points>";
 					})
+			.def_prop_ro(
+					"ids", [](Self self) { return column(self, &Point::id); },
+					nb::sig("def ids(self) -> numpy.typing.NDArray[numpy.uint64]"), ids)
+			.def_prop_ro(
+					"ranks", [](Self self) { return column(self, &Point::rank); },
+					nb::sig("def ranks(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::ranks)
+			.def_prop_ro(
+					"levels", [](Self self) { return column(self, &Point::level); },
+					nb::sig("def levels(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::levels);
+}
+
+void bind_points(nb::module_ &module) {
+	bind_list<SamplePoint>(module, "Points", doc::points, doc::ids)
 			.def_prop_ro(
 					"positions", [](nb::handle_t<Points> self) { return vectors(self, &SamplePoint::position); },
 					nb::sig(doc::positions_type), doc::positions)
-			.def_prop_ro(
-					"ids", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::id); },
-					nb::sig("def ids(self) -> numpy.typing.NDArray[numpy.uint64]"), doc::ids)
-			.def_prop_ro(
-					"ranks", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::rank); },
-					nb::sig("def ranks(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::ranks)
-			.def_prop_ro(
-					"levels", [](nb::handle_t<Points> self) { return column(self, &SamplePoint::level); },
-					nb::sig("def levels(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::levels)
 			.def("digest", &digest_of_points, doc::digest);
-}
-
-void bind_surface_points(nb::module_ &module) {
 	using Self = nb::handle_t<SurfacePoints>;
-	nb::class_<SurfacePoints>(module, "SurfacePoints", doc::surface_points)
-			.def("__len__", [](const SurfacePoints &self) { return self.points.size(); })
-			.def("__repr__",
-					[](const SurfacePoints &self) {
-						return "<thicket.SurfacePoints of " + std::to_string(self.points.size()) + " points>";
-					})
+	bind_list<SurfacePoint>(module, "SurfacePoints", doc::surface_points, doc::surface_ids)
 			.def_prop_ro(
 					"positions", [](Self self) { return vectors(self, &SurfacePoint::position); },
 					nb::sig("def positions(self) -> " THICKET_VECTORS), doc::surface_positions)
 			.def_prop_ro(
 					"normals", [](Self self) { return vectors(self, &SurfacePoint::normal); },
 					nb::sig("def normals(self) -> " THICKET_VECTORS), doc::surface_normals)
-			.def_prop_ro(
-					"ids", [](Self self) { return column(self, &SurfacePoint::id); },
-					nb::sig("def ids(self) -> numpy.typing.NDArray[numpy.uint64]"), doc::surface_ids)
-			.def_prop_ro(
-					"ranks", [](Self self) { return column(self, &SurfacePoint::rank); },
-					nb::sig("def ranks(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::ranks)
-			.def_prop_ro(
-					"levels", [](Self self) { return column(self, &SurfacePoint::level); },
-					nb::sig("def levels(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::levels)
 			.def_prop_ro(
 					"faces", [](Self self) { return column(self, &SurfacePoint::triangle); },
 					nb::sig("def faces(self) -> numpy.typing.NDArray[numpy.uint32]"), doc::surface_faces);
@@ -373,6 +364,5 @@ NB_MODULE(_core, module) {
 	nb::exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError).attr("__doc__") =
 			"A call was ended by its Cancel.";
 	bind_points(module);
-	bind_surface_points(module);
 	bind_functions(module);
 }
