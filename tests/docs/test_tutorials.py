@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from conftest import REPO, new_project
-from helpers.editor_project import PICTURES, STEPS, check_passed, link_library, new_plain_project
+from helpers.editor_project import PICTURES, add_steps, check_passed, link_library, new_plain_project
 from helpers.engine_output import complaints
 from helpers.engine_process import processes
 from PIL import Image
@@ -88,22 +88,18 @@ def editor(godot, godot_xvfb, tmp_path_factory) -> str:
     """The output while the steps are performed in the editor, in a project with the add-on and a tree from an asset pack."""
     folder = new_plain_project(tmp_path_factory.mktemp("tutorials"))
     link_library(folder)
-    shutil.copytree(STEPS, folder / "tests")
+    add_steps(folder)
     shutil.copytree(REPO / "demo_project/meshes", folder / "meshes")
     (folder / "shaders").mkdir()
     for shader in (REPO / "demo_project/shaders").glob("stone.gdshader*"):
         shutil.copy(shader, folder / "shaders")
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    (PICTURES / ".gdignore").touch()
-    (folder / "pictures_of_tests").symlink_to(PICTURES)
     made = godot(["--path", folder, "--script", "res://tests/tutorial_tree.gd"], timeout=120)
     assert "written" in made.stdout and not complaints(made.stdout + made.stderr), made.stdout + made.stderr
     shutil.rmtree(folder / "meshes")
     shutil.rmtree(folder / "shaders")
     godot(["--path", folder, "--import"], timeout=120)
     settings = folder / "project.godot"
-    text = settings.read_text().replace('cfg")', 'cfg", "res://tests/plugin.cfg")')
-    settings.write_text(text + '[rendering]\nrenderer/rendering_method="gl_compatibility"\n')
+    settings.write_text(settings.read_text() + '[rendering]\nrenderer/rendering_method="gl_compatibility"\n')
     done = godot_xvfb(["--editor", "--path", folder, "--", "tutorials"], timeout=580)
     return done.stdout + done.stderr
 

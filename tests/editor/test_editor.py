@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import REPO
-from helpers.editor_project import DEMO, PASSED, PICTURES, STEPS, check_passed, link_library, new_plain_project
+from helpers.editor_project import DEMO, PASSED, PICTURES, add_steps, check_passed, link_library, new_plain_project
 from helpers.engine_output import complaints
 from PIL import Image
 
@@ -36,17 +36,10 @@ def new_demo_project(folder: Path) -> Path:
     skipped = shutil.ignore_patterns(".godot", "bin", "pictures", "project.godot")
     shutil.copytree(DEMO, folder, dirs_exist_ok=True, ignore=skipped)
     (folder / "addons/thicket/bin").symlink_to(DEMO / "addons/thicket/bin")
-    shutil.copytree(STEPS, folder / "tests")
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    (folder / "pictures_of_tests").symlink_to(PICTURES)
-    (PICTURES / ".gdignore").touch()
-    settings = (DEMO / "project.godot").read_text()
-    both = 'enabled=PackedStringArray("res://addons/thicket/plugin.cfg", "res://tests/plugin.cfg")'
-    settings, count = re.subn(r"^enabled=PackedStringArray\(.*\)$", both, settings, flags=re.MULTILINE)
-    assert count == 1, "the demo project has the plugin switched on"
-    settings, count = re.subn("msaa_3d=2", "msaa_3d=0", settings)
+    settings, count = re.subn("msaa_3d=2", "msaa_3d=0", (DEMO / "project.godot").read_text())
     assert count == 1
     (folder / "project.godot").write_text(settings)
+    add_steps(folder)
     states = folder / ".godot/editor"
     states.mkdir(parents=True)
     (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
@@ -102,12 +95,7 @@ def test_scripts_of_the_editor(godot, plain_project, script):
 def editor_project(plain_project) -> Path:
     """The plain project with the library and the scripts of the editor tests, and without expensive scenes."""
     link_library(plain_project)
-    shutil.copytree(STEPS, plain_project / "tests")
-    settings = plain_project / "project.godot"
-    settings.write_text(settings.read_text().replace("cfg\")", 'cfg", "res://tests/plugin.cfg")'))
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    (PICTURES / ".gdignore").touch()
-    (plain_project / "pictures_of_tests").symlink_to(PICTURES)
+    add_steps(plain_project)
     return plain_project
 
 
@@ -139,12 +127,7 @@ def ground_follows(godot_xvfb, tmp_path_factory) -> str:
     """The output while a designer chooses a ground and moves it."""
     folder = new_plain_project(tmp_path_factory.mktemp("ground"))
     link_library(folder)
-    shutil.copytree(STEPS, folder / "tests")
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    (folder / "pictures_of_tests").symlink_to(PICTURES)
-    (PICTURES / ".gdignore").touch()
-    settings = folder / "project.godot"
-    settings.write_text(settings.read_text().replace("cfg\")", 'cfg", "res://tests/plugin.cfg")'))
+    add_steps(folder)
     done = godot_xvfb(["--editor", "--path", folder, "--", "ground_follows"], timeout=300)
     return done.stdout + done.stderr
 
@@ -213,48 +196,30 @@ def test_pictures_of_the_ground_colors(why):
     assert shares["why_rank"][2] > shares["why"][2] + 0.02, shares
 
 
-@pytest.fixture
-def desk_project(plain_project) -> Path:
-    """The plain project with the library, and with scripts that run in the editor."""
-    link_library(plain_project)
-    shutil.copytree(STEPS, plain_project / "tests")
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    (plain_project / "pictures_of_tests").symlink_to(PICTURES)
-    (PICTURES / ".gdignore").touch()
-    settings = plain_project / "project.godot"
-    settings.write_text(settings.read_text().replace('cfg")', 'cfg", "res://tests/plugin.cfg")'))
-    return plain_project
-
-
 @pytest.mark.parametrize(
     "script",
     ["layers_panel", "shared_layers", "biome_layers", "undo_steps", "toolbar_room", "pasted", "first_minute"]
     + ["loose_states", "clicks", "navigation", "viewports"],
 )
-def test_layers_panel(godot, godot_xvfb, desk_project, script):
+def test_layers_panel(godot, godot_xvfb, editor_project, script):
     """Covers the panel with mouse and keys, shared resources of duplicates, confirmations before many more instances are shown,
     undo of every step to the byte, the toolbar in a narrow window, a node pasted into a different scene, instances placed by
     scripts, the brush, regions and a radius with clicks only, a navigation mesh, and the instances in each viewport. The checks are
     in the scripts."""
-    godot(["--path", desk_project, "--import"], timeout=120)
-    done = godot_xvfb(["--editor", "--path", desk_project, "--", script], timeout=300)
+    godot(["--path", editor_project, "--import"], timeout=120)
+    done = godot_xvfb(["--editor", "--path", editor_project, "--", script], timeout=300)
     check_passed(done.stdout + done.stderr)
 
 
 @pytest.fixture
 def libraryless_project(plain_project) -> Path:
     """A plain project without the library, with scripts for an editor that lacks it. Removes generated files of the build."""
-    tests = plain_project / "tests"
-    tests.mkdir()
-    for name in ("plugin.cfg", "plugin.gd", "steps.gd", "without_library.gd", "library_later.gd"):
-        shutil.copy(STEPS / name, tests)
+    add_steps(plain_project, ("plugin.cfg", "plugin.gd", "steps.gd", "without_library.gd", "library_later.gd"))
     later = plain_project / "later"
     later.mkdir()
     (later / ".gdignore").touch()
     (later / "bin").symlink_to(DEMO / "addons/thicket/bin")
     shutil.copy(DEMO / "addons/thicket/thicket.gdextension", later)
-    settings = plain_project / "project.godot"
-    settings.write_text(settings.read_text().replace('cfg")', 'cfg", "res://tests/plugin.cfg")'))
     return plain_project
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 from conftest import REPO
@@ -11,6 +12,7 @@ from helpers.engine_output import complaints
 
 DEMO = REPO / "demo_project"
 STEPS = REPO / "tests/editor/steps"
+READ_LAST = REPO / "tests/editor/zz_read_last.gd"
 PICTURES = REPO / "build/editor"
 PASSED = re.compile(r"^editor tests: [1-9]\d* checks, 0 failed$", re.MULTILINE)
 
@@ -37,3 +39,21 @@ def link_library(folder: Path) -> None:
     shutil.copy(DEMO / "addons/thicket/thicket.gdextension", addon)
     (folder / ".godot").mkdir()
     (folder / ".godot/extension_list.cfg").write_text("res://addons/thicket/thicket.gdextension\n")
+
+
+def add_steps(folder: Path, names: Sequence[str] = ()) -> None:
+    """Adds the scripts of the editor tests, or only those named, and switches their plugin on. Their pictures go to the build folder."""
+    if names:
+        (folder / "tests").mkdir()
+        for name in names:
+            shutil.copy(STEPS / name, folder / "tests")
+    else:
+        shutil.copytree(STEPS, folder / "tests")
+    shutil.copy(READ_LAST, folder)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    (PICTURES / ".gdignore").touch()
+    (folder / "pictures_of_tests").symlink_to(PICTURES)
+    settings = folder / "project.godot"
+    text, count = re.subn(r'^(enabled=PackedStringArray\(.*)\)$', r'\1, "res://tests/plugin.cfg")', settings.read_text(), flags=re.MULTILINE)
+    assert count == 1, "the add-on's plugin is switched on"
+    settings.write_text(text)
