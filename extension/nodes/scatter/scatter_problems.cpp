@@ -12,7 +12,6 @@
 #include <cmath>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -45,12 +44,6 @@ constexpr double basis_tolerance = 1e-4;
 constexpr double position_tolerance = 1e-3; // Meters.
 constexpr double position_share = 1e-6;     // As a share of the offset.
 
-std::string text(glm::dvec3 vector) {
-	std::ostringstream stream;
-	stream << '(' << vector.x << ", " << vector.y << ", " << vector.z << ')';
-	return stream.str();
-}
-
 bool is_identity(const glm::dmat3 &basis) {
 	bool is_same = true;
 	for (int column = 0; column < 3; ++column) {
@@ -81,12 +74,13 @@ void add_transform_problem(const Node3D &node, glm::dvec3 offset, PackedStringAr
 	}
 	const Transform3D transform = node.get_global_transform();
 	const bool is_moved_only = is_identity(to_core(transform.basis));
-	const std::string value = is_moved_only ? "is moved to " + text(to_core(transform.origin)) : "is turned or scaled";
-	r_problems.push_back(String::utf8(("TerrainScatter3D.global_transform " + value +
-			" and has no effect: instances keep their positions in the world, while ScatterRegion3Ds below the "
-			"node move with it. Reset the transforms of the node and its parents; to shift the world, set "
-			"TerrainScatter3D.world_offset.")
-					.c_str()));
+	const String value = is_moved_only ? vformat("is moved to %s", transform.origin) : String("is turned or scaled");
+	r_problems.push_back(vformat("TerrainScatter3D.global_transform %s and has no effect: instances keep their "
+	                             "positions in the world, while "
+								 "ScatterRegion3Ds below the node move with it. Reset the transforms of the node and "
+	                             "its parents; to shift the "
+								 "world, set TerrainScatter3D.world_offset.",
+			value));
 }
 
 void add_viewer_problems(

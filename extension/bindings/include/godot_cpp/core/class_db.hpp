@@ -48,8 +48,10 @@ public:
 	/// `p_defaults` are the default values of the last arguments, each in a DEFVAL.
 	template <typename M, typename... Defaults>
 	static void bind_method(const MethodDefinition &p_definition, M p_method, const Defaults &...p_defaults) {
-		add_method(internal::Signature<M>::Owner::get_class_static(), p_definition,
-				internal::MethodCalls<M>::describe(), internal::MethodPointer(p_method), {Variant(p_defaults)...});
+		using Sign = internal::Signature<M>;
+		using OfWrapped = typename Sign::OfWrapped;
+		add_method(Sign::Owner::get_class_static(), p_definition, internal::MethodCalls<OfWrapped>::describe(),
+				internal::MethodPointer(static_cast<OfWrapped>(p_method)), {Variant(p_defaults)...});
 	}
 
 	/// A constant of an enumeration. The enumeration's name has the form "Class.Enum".

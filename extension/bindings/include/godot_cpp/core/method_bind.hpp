@@ -64,11 +64,10 @@ struct MethodDescription {
 	GDExtensionClassMethodPtrCall ptrcall;
 };
 
-/// The engine's entry points for methods with this pointer type.
+/// The engine's entry points for methods with this pointer type, as members of Wrapped: all classes share their code.
 template <typename M>
 struct MethodCalls {
 	using Sign = Signature<M>;
-	using Owner = typename Sign::Owner;
 
 	static MethodDescription describe() {
 		return {Sign::arguments, described_type<typename Sign::Result>, Sign::returns,
@@ -79,21 +78,16 @@ struct MethodCalls {
 			GDExtensionInt p_given, GDExtensionVariantPtr r_result, GDExtensionCallError *r_error) {
 		const auto &bind = *static_cast<const MethodBind *>(p_bind);
 		at_border("a call", [&] {
-			Sign::call(
-					self(p_instance), bind.method.template as<M>(), p_args, p_given, bind.defaults, r_result, *r_error);
+			Sign::call(static_cast<Wrapped *>(p_instance), bind.method.template as<M>(), p_args, p_given, bind.defaults,
+					r_result, *r_error);
 		});
 	}
 	static void ptrcall(void *p_bind, GDExtensionClassInstancePtr p_instance, const GDExtensionConstTypePtr *p_args,
 			GDExtensionTypePtr r_result) {
 		at_border("a call", [=] {
-			Sign::ptrcall(self(p_instance), static_cast<const MethodBind *>(p_bind)->method.template as<M>(), p_args,
-					r_result);
+			Sign::ptrcall(static_cast<Wrapped *>(p_instance),
+					static_cast<const MethodBind *>(p_bind)->method.template as<M>(), p_args, r_result);
 		});
-	}
-
-private:
-	static Owner *self(GDExtensionClassInstancePtr p_instance) {
-		return static_cast<Owner *>(static_cast<Wrapped *>(p_instance));
 	}
 };
 

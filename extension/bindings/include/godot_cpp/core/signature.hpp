@@ -31,6 +31,7 @@ struct Signature;
 template <typename C, typename R, typename... Args>
 struct Signature<R (C::*)(Args...)> {
 	using Owner = C;
+	using OfWrapped = R (Wrapped::*)(Args...);
 	static constexpr bool returns = !std::is_void_v<R>;
 	static constexpr bool is_const = false;
 
@@ -96,6 +97,7 @@ private:
 
 template <typename C, typename R, typename... Args>
 struct Signature<R (C::*)(Args...) const> : Signature<R (C::*)(Args...)> {
+	using OfWrapped = R (Wrapped::*)(Args...) const;
 	static constexpr bool is_const = true;
 };
 
