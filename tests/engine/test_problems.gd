@@ -141,7 +141,7 @@ func test_a_ground_node_whose_method_fails() -> void:
 	check_error(["ScatterGroundNode.node"], "a wrong result")
 	var problems := scatter.get_problems()
 	check_equal(problems.size(), 1, "problems, got %s" % [problems])
-	check_has("".join(problems), ["layer 0", "number from the height method of ScatterGroundNode.node"], "its problem")
+	check_has("".join(problems), ["layer 0", "height method of ScatterGroundNode.node has the wrong type", "Return a float"], "its problem")
 
 
 func make_grass(radius: float) -> ScatterLayer:

@@ -42,6 +42,7 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 		case ErrorCode::inverted: return known ? "must be " + allowed : "ends before it starts";
 		case ErrorCode::too_many_points: return "requires too many points";
 		case ErrorCode::missing: return "is missing";
+		case ErrorCode::wrong_type: return "has the wrong type";
 		case ErrorCode::wrong_size: return known ? "has the wrong size, must be " + allowed : "has the wrong size";
 		case ErrorCode::out_of_memory: return "needs more memory than is available";
 		case ErrorCode::corrupt: return "is truncated, damaged or of a different kind";
@@ -70,6 +71,7 @@ bool has_value(const Status &status) {
 	switch (status.code) {
 		case ErrorCode::none:
 		case ErrorCode::missing:
+		case ErrorCode::wrong_type:
 		case ErrorCode::corrupt:
 		case ErrorCode::cancelled: return false;
 		case ErrorCode::not_allowed: return status.allowed.has_min() || status.allowed.has_max();

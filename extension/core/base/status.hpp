@@ -17,6 +17,7 @@ enum class ErrorCode : std::uint8_t {
 	inverted,        ///< A range whose end lies before its start.
 	too_many_points, ///< The request would generate more points than one call allows.
 	missing,         ///< A needed object or buffer is absent.
+	wrong_type,      ///< A script returned a value of a different type.
 	wrong_size,      ///< A buffer or an image has the wrong size.
 	out_of_memory,   ///< The machine does not have enough memory for the request.
 	corrupt,         ///< Stored bytes are truncated, damaged or of a different kind.
@@ -99,6 +100,10 @@ struct [[nodiscard]] Status {
 
 	static constexpr Status missing(const char *property, const char *remedy) {
 		return {ErrorCode::missing, property, 0.0, {}, {}, remedy};
+	}
+
+	static constexpr Status wrong_type(const char *property, const char *remedy) {
+		return {ErrorCode::wrong_type, property, 0.0, {}, {}, remedy};
 	}
 };
 

@@ -158,7 +158,7 @@ Status ObjectGround::height_at(glm::dvec2 position, float &r_height) const {
 		return status;
 	}
 	if (!is_number(result)) {
-		return Status::missing("number from the height method of ScatterGroundNode.node", "Return a float");
+		return Status::wrong_type("result of the height method of ScatterGroundNode.node", "Return a float");
 	}
 	const auto height = static_cast<double>(result);
 	if (limits_.no_ground == static_cast<float>(height)) {
@@ -188,7 +188,7 @@ Status ObjectGround::normal_at(glm::dvec2 position, Ground &r_ground) const {
 		return status;
 	}
 	if (result.get_type() != Variant::VECTOR3) {
-		return Status::missing("Vector3 from get_normal() of ScatterGroundNode.node", "Return a Vector3");
+		return Status::wrong_type("result of get_normal() of ScatterGroundNode.node", "Return a Vector3");
 	}
 	take_normal(static_cast<Vector3>(result), r_ground);
 	return {};
@@ -225,8 +225,8 @@ Status ObjectGround::weigh_by_textures(
 		return status;
 	}
 	if (result.get_type() != Variant::VECTOR3) {
-		return Status::missing("Vector3 from get_texture_id() of ScatterGroundNode.node",
-				"Return base texture, overlay texture and blend");
+		return Status::wrong_type("result of get_texture_id() of ScatterGroundNode.node",
+				"Return a Vector3 of base texture, overlay texture and blend");
 	}
 	r_ground.weight = weight_of(static_cast<Vector3>(result), textures);
 	return {};

@@ -43,20 +43,20 @@ var _counts := {"made": 0, "kept": 0, "failed": 0}
 func _init(arguments: Dictionary[String, String]) -> void:
 	_out = arguments.get("out", "")
 	if not _out.is_absolute_path():
-		problem = "out is '%s', and has to be a folder with its whole path, such as out=/data/baked." % _out
+		problem = "out must be a folder with its whole path, such as out=/data/baked, got '%s'." % _out
 	_described = SceneDescription.new(arguments)
 	problem = problem if problem else _described.problem
 	if arguments.has("tiles"):
 		for text in arguments.tiles.split(" ", false):
 			var pair := text.split(",")
 			if pair.size() != 2 or not (pair[0].is_valid_int() and pair[1].is_valid_int()):
-				problem = "tiles has '%s', and has to be pairs of whole numbers I,J with spaces between." % text
+				problem = "tiles must be pairs of whole numbers I,J with spaces between, got '%s'." % text
 			else:
 				_tiles.append(PackedInt64Array([pair[0].to_int(), pair[1].to_int()]))
 	if arguments.has("share"):
 		var share := SceneDescription.numbers_in(arguments.share, "/")
 		if share.size() != 2 or share[0] != int(share[0]) or share[1] != int(share[1]) or share[0] < 1.0 or share[0] > share[1]:
-			problem = "share is '%s', and has to be K/N: of N shares of the tiles the one with the number K, from 1 to N." % arguments.share
+			problem = "share must be K/N, for part K of the tiles in N parts, with K from 1 to N, got '%s'." % arguments.share
 		else:
 			_share = PackedInt64Array(share)
 

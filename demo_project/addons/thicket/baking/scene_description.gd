@@ -23,12 +23,12 @@ func _init(asked: Dictionary) -> void:
 	if asked.get("rect"):
 		_rect = numbers_in(asked["rect"], ",")
 		if _rect.size() != 4 or _rect[2] <= 0.0 or _rect[3] <= 0.0 or _rect.any(func(number: float) -> bool: return absf(number) >= 1e12):
-			problem = "rect is '%s', and has to be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0 and all below 1e12." % asked["rect"]
+			problem = "rect must be X,Z,WIDTH,DEPTH in meters, with a width and a depth above 0 and all below 1e12, got '%s'." % asked["rect"]
 	if asked.get("tile_size"):
 		var text: String = asked["tile_size"]
 		_tile_size = text.to_float() if text.is_valid_float() else 0.0
 		if not (_tile_size >= 1.0 and _tile_size <= 1e6):
-			problem = "tile_size is '%s', and has to be from 1 to 1000000 meters." % text
+			problem = "tile_size must be between 1 and 1000000 meters, got '%s'." % text
 	var layers: String = asked.get("layers", "")
 	for layer in layers.split(",", false):
 		_layers.append(layer.strip_edges())

@@ -94,7 +94,7 @@ func _what_is_wrong() -> String:
 		if not name in known:
 			return "%s is '%s', which is not an argument. Arguments are: %s." % [name, _arguments[name], ", ".join(known)]
 	if _arguments.has("wait") and not (_arguments["wait"].is_valid_float() and _arguments["wait"].to_float() >= 0.0):
-		return "wait is '%s', and has to be a number of seconds, 0 or more." % _arguments["wait"]
+		return "wait must be a number of seconds, 0 or more, got '%s'." % _arguments["wait"]
 	return ""
 
 
