@@ -1,12 +1,12 @@
-"""The core's tests on other platforms: for 64-bit ARM in an emulator, and for Windows in wine. Each takes half an hour. In addition to the
-digests of test_golden.py, they verify that nothing else fails there."""
+"""The core's tests on other platforms, without those that take long: for 64-bit ARM in an emulator, and for Windows in wine. In addition to
+the digests of test_golden.py, they verify that nothing else fails there."""
 
 from __future__ import annotations
 
 import platform
 
 import pytest
-from conftest import REPO, build, run
+from conftest import LONG_CASES, REPO, build, run
 from golden import emulators
 from golden.matrix import NATIVE, ZIG
 
@@ -28,7 +28,7 @@ def test_no_case_fails_on_other_platforms(name):
         pytest.skip(why or "zig is not installed")
     # A clang as new as zig's warns about doctest's macros.
     build("use_zig=yes", "scu_build=yes", "werror=no", *options, f"build/{program}", timeout=3600)
-    command = [*emulators.command(emulator, name, NATIVE), *more, REPO / "build" / program, "--no-intro"]
+    command = [*emulators.command(emulator, name, NATIVE), *more, REPO / "build" / program, "--no-intro", "--test-case-exclude=" + ",".join(LONG_CASES)]
     done = run(command, timeout=3 * 3600, cwd=REPO, env=emulators.environment(emulator))
     assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]
     assert " 0 failed" in done.stdout

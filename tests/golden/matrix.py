@@ -17,6 +17,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
@@ -28,13 +29,16 @@ sys.path[:0] = [str(Path(__file__).resolve().parent), str(REPO / "tools/scons")]
 import emulators
 import installed
 import libraries
+import rooms
+import scu
 
 HIGHWAY = Path(installed.highway_folder())
 ZIG = Path(installed.zig_program())
 BUILT = REPO / "build/golden"
 GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
 
-# The rooms that determine the digests; streaming, drawing, explain and impostor affect no instance. The room that takes longest to compile is first.
+# The rooms that determine the digests; streaming, drawing, explain and impostor affect no instance. The room that takes longest to compile
+# is first.
 ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near"]
 COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
 # Release builds treat warnings as errors, and -O3 finds other ones than -O2.
@@ -99,9 +103,11 @@ def cells() -> list[Cell]:
     found = []
     for each in PLATFORMS:
         native = each.name == NATIVE
+        # Without optimization the program runs for minutes natively, which is too long in qemu.
+        lowest = "-O1" if any("qemu" in str(word) for word in emulators.command(each.emulator, each.name, NATIVE)) else "-O0"
         compilers = (["g++", "clang++"] if native else ["g++"] if each.gnu else []) + ["zig"]
         for compiler in compilers:
-            levels = ["-O0", "-O1", "-O2", "-O3", "-Os"] if native and compiler != "zig" else ["-O0", "-O2", "-O3"]
+            levels = ["-O0", "-O1", "-O2", "-O3", "-Os"] if native and compiler != "zig" else [lowest, "-O2", "-O3"]
             levels += ["-O3 fused"] if each.name == "x86_64" else []
             found += [Cell(each, compiler, level) for level in levels]
     return found
@@ -153,10 +159,25 @@ def flags_of(cell: Cell) -> list[str]:
     return [*COMMON, *includes, *cell.platform.flags, *cell.optimization, *release]
 
 
+@cache
+def core_sources() -> list[Path]:
+    """Sources that include several sources of the core each, as in a packed library, and those that must stay alone."""
+    found = []
+    for room in ROOMS:
+        for group in scu.groups(str(REPO), rooms.sources(str(REPO), f"core/{room}")):
+            path = REPO / group[0] if len(group) == 1 else BUILT / "joined" / group[0].replace("/", "-")
+            if len(group) > 1 and not (path.is_file() and path.read_text(encoding="utf-8") == scu.text_of(group)):
+                path.parent.mkdir(parents=True, exist_ok=True)
+                partial = path.with_suffix(f".{threading.get_ident()}")  # Several cells may get here at once.
+                partial.write_text(scu.text_of(group), encoding="utf-8")
+                partial.replace(path)
+            found.append(path)
+    return found
+
+
 def sources(cell: Cell) -> list[Path]:
-    core = [path for room in ROOMS for path in sorted((REPO / "extension/core" / room).rglob("*.cpp"), key=lambda path: -len(path.parts))]
     ours = [REPO / path for path in ("tests/analysis/golden.cpp", *cell.platform.sources)]
-    return [*core, *ours, *(HIGHWAY / "hwy" / f"{name}.cc" for name in libraries.HIGHWAY_SOURCES)]
+    return [*core_sources(), *ours, *(HIGHWAY / "hwy" / f"{name}.cc" for name in libraries.HIGHWAY_SOURCES)]
 
 
 class Failed(Exception):

@@ -29,9 +29,14 @@ def groups(root, paths):
     return [[path] for path in alone] + [together[start:end] for start, end in zip(cuts, cuts[1:], strict=False)]
 
 
-def joined(env, out, paths):
+def text_of(paths):
     """A source that includes these sources."""
-    text = "".join('#include "%s"\n' % path for path in paths)
+    return "".join('#include "%s"\n' % path for path in paths)
+
+
+def joined(env, out, paths):
+    """The node of a source that includes these sources."""
+    text = text_of(paths)
     name = "%s/scu/%s.cpp" % (out, paths[0][: -len(".cpp")])
     return env.Command(name, env.Value(text), env.Action(write, "write   $TARGET"))[0]
 
