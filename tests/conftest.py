@@ -47,7 +47,7 @@ LONG_CASES = [
 SPREAD = ["test_core", "test_engine"]
 # The slowest files come first, and those whose tests are spread come last, so that all workers finish at the same time.
 LONG = [
-    "test_package", "test_platforms", "test_sanitizers", "test_engine_sanitizers", "test_fast_paths", "test_fuzz", "test_growth", "test_build",
+    "test_package", "test_platforms", "test_sanitizers", "test_engine_sanitizers", "test_coverage", "test_fuzz", "test_growth", "test_build",
     "test_editor", "test_demo", "test_figures", "test_python_package", "test_lint", "test_golden", "test_analysis", "test_bake_world",
     "test_tutorials", "test_domain_statistics",
 ]  # fmt: skip

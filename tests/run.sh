@@ -21,6 +21,7 @@ setup_qemu
 if [[ " $* " == *" --full "* ]]; then
 	setup_zig
 	setup_llvm
+	setup_coverage
 	setup_emulators
 	setup_descriptions
 	setup_gltf_validator

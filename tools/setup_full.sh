@@ -2,6 +2,7 @@
 #   setup_zig        clang and the C libraries for every platform, to build releases (README.md, "Build")
 #   setup_llvm       tools that strip and join libraries of all platforms
 #   setup_gltf_validator  Khronos' validator, for the test of glTF files (skipped without it)
+#   setup_coverage   what clang needs to count how often lines run
 #   setup_emscripten the compiler for the web, in a Debian root in the cache folder
 #   setup_descriptions  the engine's descriptions of itself since 4.2, for the tests that compare them (skipped without them)
 #   setup_emulators  emulators of other processors, Windows and the web, and g++ for other processors (about 1.5 GB)
@@ -22,6 +23,12 @@ setup_zig() {
 
 setup_llvm() {
 	compgen -c llvm-strip >/dev/null || install_packages "to strip libraries" llvm
+}
+
+setup_coverage() {
+	command -v clang++ >/dev/null || return 0
+	compgen -G "$(clang++ -print-resource-dir)/lib/linux/libclang_rt.profile-*" >/dev/null ||
+		install_packages "to count how often lines run" llvm libclang-rt-dev
 }
 
 # The compiler for the web, from a Debian release with a version close to that of the engine's own web builds.

@@ -79,7 +79,7 @@ double orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
 	const double right = (a.y - c.y) * (b.x - c.x);
 	const double quick = left - right;
 	if (std::abs(quick) > doubt * (std::abs(left) + std::abs(right))) {
-		// Fast path: rounding cannot have changed the sign of a number so far from 0.
+		// Rounding cannot have changed the sign of a number so far from 0.
 		return quick;
 	}
 	return exact_orientation(a, b, c);

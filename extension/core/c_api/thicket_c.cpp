@@ -91,7 +91,7 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 template <typename Point>
 std::vector<Point> &held_as(thicket_sampler &r_sampler) {
 	if (auto *known = std::get_if<std::vector<Point>>(&r_sampler.held)) {
-		// Fast path: a list of the same type keeps its memory; the caller clears it.
+		// A list of the same type keeps its memory; the caller clears it.
 		return *known;
 	}
 	return r_sampler.held.emplace<std::vector<Point>>();

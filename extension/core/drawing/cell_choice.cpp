@@ -58,7 +58,7 @@ double usual_cell_size(double reach, double density) {
 
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown) {
 	if (cells.most_across < 2) {
-		// Fast path: there is only one division.
+		// There is only one division.
 		return 1;
 	}
 	const double slack = hysteresis * cells.tile_size;

@@ -81,7 +81,7 @@ std::size_t NearCell::look(std::uint32_t layer, const Rect &of, const NearRange 
 void NearCell::follow(std::uint32_t layer, const Rect &of, const InstanceWorld &world, const NearVersion &now) {
 	if (version_.world != 0 && version_.queue == now.queue && version_.world != now.world &&
 			!world.changed_since(version_.world, layer, of)) {
-		// Fast path: a new check would find the same.
+		// A new check would find the same.
 		version_ = now;
 	}
 }

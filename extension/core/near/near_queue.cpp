@@ -89,7 +89,7 @@ void NearQueue::set_distances(std::span<const double> distances) {
 	for (std::size_t i = 0; i < distances.size(); ++i) {
 		Layer &layer = layers_[i];
 		if (layer.distance == distances[i]) {
-			// Fast path: with the same distance the cells are the same, and their results are still valid.
+			// With the same distance the cells are the same, and their results are still valid.
 			continue;
 		}
 		++changes_;
@@ -153,7 +153,7 @@ void NearQueue::find_outdated(std::uint32_t index) {
 			busy_.emplace_back(away, cell.change_count());
 		}
 		if (!outdated && !cell.due()) {
-			// Fast path: the last result is still valid.
+			// The last result is still valid.
 			continue;
 		}
 		const bool late = cell.frames() > most_waiting;

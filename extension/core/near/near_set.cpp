@@ -44,7 +44,7 @@ bool NearSet::Held::is_near(std::span<const glm::dvec3> centers, double reach_sq
 		return glm::dot(position - from, position - from) <= reach_squared;
 	};
 	if (center < centers.size() && reaches(centers[center])) {
-		// Fast path: it is still near the same center as before, so no other center is checked.
+		// It is still near the same center as before, so no other center is checked.
 		return true;
 	}
 	center = static_cast<std::size_t>(std::find_if(centers.begin(), centers.end(), reaches) - centers.begin());

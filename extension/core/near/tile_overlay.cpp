@@ -85,13 +85,13 @@ void add_overlaid(const std::shared_ptr<const CompactTile> &tile, const LayerSet
 		const CompactMesh &mesh = tile->meshes[at];
 		const bool any_covered = any_removed || any_hidden;
 		if (!any_covered && added[at].empty()) {
-			// Fast path: the mesh has no changes, so it is shared with the tile.
+			// The mesh has no changes, so it is shared with the tile.
 			r_meshes.emplace_back(tile, &mesh);
 			continue;
 		}
 		const std::vector<std::uint32_t> standing = standing_of(mesh, overlay, any_removed);
 		if (standing.size() == mesh.size() && added[at].empty()) {
-			// Fast path: all its instances are kept, so it is shared with the tile.
+			// All its instances are kept, so it is shared with the tile.
 			r_meshes.emplace_back(tile, &mesh);
 		} else {
 			r_meshes.push_back(rebuilt(mesh, layer, tile->origin, overlay, added[at], standing));

@@ -163,7 +163,7 @@ std::size_t CompactMesh::find(std::uint64_t id) const {
 	constexpr std::ptrdiff_t many = 64;
 	auto first = cells_.begin();
 	for (; cells_.end() - first >= many; first += many) {
-		// Fast path: a whole batch without a hit is skipped.
+		// A whole batch without a hit is skipped.
 		std::uint32_t hits = 0;
 		for (std::ptrdiff_t i = 0; i < many; ++i) {
 			hits += is_it(first[i]) ? 1 : 0;

@@ -77,7 +77,7 @@ InstanceShares shares_by_hand(const InstanceData &data, glm::dvec3 position) {
 void write_instance_data(const InstanceData &data, std::uint64_t seed, std::uint64_t id, std::uint32_t rank,
 		float scale, std::span<float> r_floats, const InstanceShares &shares) {
 	if (!data.use_colors && !data.use_custom_data) {
-		// Fast path: without floats to write, no random numbers are needed.
+		// Without floats to write, no random numbers are needed.
 		return;
 	}
 	const auto random = instance_random(seed, id, Draw::mesh);

@@ -50,7 +50,7 @@ void write_instance(const LayerSettings &layer, const StandingPoints &points, st
 	r_mesh.normals[at] = batch.normal(in_batch);
 	r_bounds.add({batch.position(in_batch), batch.position(in_batch), scale});
 	if (r_mesh.stride == transform_floats) {
-		// Fast path: nothing follows the transform.
+		// Nothing follows the transform.
 		return;
 	}
 	const InstanceShares shares = points.shares_of(point_of(key));
@@ -67,7 +67,7 @@ void InstanceWriter::divide(const StandingPoints &points, std::size_t parts) {
 	constexpr std::uint64_t end_of_ranks = std::uint64_t{1} << 32;
 	parts_.resize(parts);
 	if (parts == 1) {
-		// Fast path: all ranks are in the only part, so they need not be counted.
+		// All ranks are in the only part, so they need not be counted.
 		parts_.front().first_rank = 0;
 		parts_.front().end_rank = end_of_ranks;
 		return;
@@ -161,7 +161,7 @@ Status InstanceWriter::write(const LayerSettings &layer, const StandingPoints &p
 	divide(points, helpers > 0 ? parts_each * (helpers + 1) : 1);
 	const auto for_each_part = [&](const auto &work) -> Status {
 		if (parts_.size() == 1) {
-			// Fast path: a single part is not worth a thread.
+			// A single part is not worth a thread.
 			return work(parts_.front());
 		}
 		std::vector<Status> statuses(parts_.size());

@@ -43,7 +43,7 @@ bool same_look(const LayerSettings &a, const LayerSettings &b) {
 
 bool find_mask_edits(const PaintedMask *before, const PaintedMask *after, std::vector<Rect> &r_areas) {
 	if (before == after) {
-		// Fast path: a mask does not differ from itself.
+		// A mask does not differ from itself.
 		return true;
 	}
 	Rect area;
@@ -112,7 +112,7 @@ const EditedArea &EditSearch::find(const LayerSettings &before, const LayerSetti
 const EditedArea &EditSearch::find_edits(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
 	if (const auto known = found_.find(pair); known != found_.end()) {
-		// Fast path: the settings do not change during the search, so the cached result is still valid.
+		// The settings do not change during the search, so the cached result is still valid.
 		return known->second;
 	}
 	EditedArea area = find_standing(before, after);
@@ -131,11 +131,11 @@ const EditedArea &EditSearch::find_edits(const LayerSettings &before, const Laye
 const EditedArea &EditSearch::find_standing(const LayerSettings &before, const LayerSettings &after) {
 	const Pair pair{&before, &after};
 	if (const auto known = standing_.find(pair); known != standing_.end()) {
-		// Fast path: found before, as in find_edits.
+		// Found before, as in find_edits.
 		return known->second;
 	}
 	if (&before == &after) {
-		// Fast path: a layer does not differ from itself.
+		// A layer does not differ from itself.
 		return standing_.emplace(pair, EditedArea()).first->second;
 	}
 	EditedArea area;

@@ -30,7 +30,7 @@ Status LayerFilter::sample(
 		TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads) {
 	window_ = window;
 	if (rules_.closed_in(window)) {
-		// Fast path: if the rules let nothing pass, nothing needs to be sampled.
+		// If the rules let nothing pass, nothing needs to be sampled.
 		points_.clear();
 	} else if (const Status status =
 					   sampler.sample(layer_->set, window, points_, {.cancel = cancel, .report = {}}, threads);
@@ -125,7 +125,7 @@ void LayerFilter::add_queries(
 	if (slope || !normals || probes_.empty()) {
 		r_queries.push_back({r_positions.size(), position_count(), {textures, slope || normals}});
 	} else {
-		// Fast path: the normals of the probes are not needed.
+		// The normals of the probes are not needed.
 		r_queries.push_back({r_positions.size(), positions_.size(), {textures, true}});
 		r_queries.push_back({r_positions.size() + positions_.size(), probes_.size(), {textures, false}});
 	}

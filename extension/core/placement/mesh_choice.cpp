@@ -36,7 +36,7 @@ void MeshChoice::set(std::span<const float> weights) {
 
 std::size_t MeshChoice::mesh_for(std::uint64_t seed, std::uint64_t id) const {
 	if (ends_.size() == 1) {
-		// Fast path: there is only one mesh, whatever the random word.
+		// There is only one mesh, whatever the random word.
 		return 0;
 	}
 	const std::uint32_t word = instance_random(seed, id, Draw::mesh)[0];

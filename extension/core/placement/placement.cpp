@@ -97,7 +97,7 @@ float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t 
 		axes = turned(turn, leaning_axis(placement, unit_interval(random[2]), unit_interval(random[3])));
 		axes = {tilted(up, axes.x), tilted(up, axes.y), tilted(up, axes.z)};
 	} else {
-		// Fast path: an instance that does not lean is rotated once.
+		// An instance that does not lean is rotated once.
 		axes = turned(turn, up);
 	}
 	for (int row = 0; row < 3; ++row) {

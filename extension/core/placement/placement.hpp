@@ -71,7 +71,7 @@ glm::vec3 moved_along(glm::vec3 normal, double offset, glm::vec3 position);
 inline glm::vec3 standing_position(const Placement &placement, glm::vec3 normal, glm::vec3 position) {
 	const double offset = placement.offset_along_normal;
 	if (offset == 0.0) {
-		// Fast path: the position is unchanged, whatever the normal.
+		// The position is unchanged, whatever the normal.
 		return position;
 	}
 	return moved_along(normal, offset, position);

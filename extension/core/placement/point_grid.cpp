@@ -74,7 +74,7 @@ double PointGrid::nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::i
 		// Points in this ring may be one cell nearer than its number. One more cell covers rounding.
 		const double beyond = static_cast<double>(ring - 2) / cells_per_meter_;
 		if (ring > 2 && beyond * beyond >= nearest) {
-			// Fast path: no further ring holds a nearer point.
+			// No further ring holds a nearer point.
 			break;
 		}
 		const glm::ivec2 low = glm::max(own - ring, first);
@@ -98,14 +98,14 @@ double PointGrid::nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::i
 double PointGrid::nearest_squared(glm::dvec2 position, double distance) const {
 	double nearest = distance * distance;
 	if (points_.empty()) {
-		// Fast path: no cell holds a point.
+		// No cell holds a point.
 		return nearest;
 	}
 	// One more cell on each side than the distance requires costs little and covers rounding.
 	const glm::ivec2 first = glm::max(cell_of(position - distance) - 1, glm::ivec2(0));
 	const glm::ivec2 last = glm::min(cell_of(position + distance) + 1, cells_ - 1);
 	if (last.x - first.x >= few_cells || last.y - first.y >= few_cells) {
-		// Fast path: among many cells, those that are farther away than a point need not be searched.
+		// Among many cells, those that are farther away than a point need not be searched.
 		return nearest_outwards(position, first, last, nearest);
 	}
 	for (int y = first.y; y <= last.y; ++y) {

@@ -44,10 +44,10 @@ void radix_sort(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &sc
 void sort_by_rank(
 		std::vector<std::uint64_t> &keys, std::span<const std::uint64_t> ids, std::vector<std::uint64_t> &scratch) {
 	if (keys.size() < few) {
-		// Fast path: a few keys are sorted faster than counted.
+		// A few keys are sorted faster than counted.
 		std::sort(keys.begin(), keys.end());
 	} else {
-		// Fast path: digit by digit, for the same order of ranks.
+		// Digit by digit, for the same order of ranks.
 		radix_sort(keys, scratch);
 	}
 	const auto shares_rank = [](std::uint64_t a, std::uint64_t b) {

@@ -170,7 +170,7 @@ Status TileBuilder::build(const LayerSettings &layer, const Terrain &terrain, co
 	}
 	if (threads != nullptr && threads->count() > 0) {
 		if (const PieceGrid grid(rect, LayerGraph(layer)); grid.count() > 1) {
-			// Fast path: pieces on many threads find the same points.
+			// Pieces on many threads find the same points.
 			return guarded("tile", std::max(rect.size().x, rect.size().y),
 					[&] { return workspace_->build_together(layer, terrain, rect, grid, r_tile, cancel, *threads); });
 		}

@@ -19,7 +19,7 @@ HWY_EXPORT(make_transforms);
 
 void TransformBatch::make(const Placement &placement, std::uint64_t seed) {
 	if (placement.scale_curve == nullptr) {
-		// Fast path: by vectors, with the same operations in the same order.
+		// By vectors, with the same operations in the same order.
 		HWY_DYNAMIC_DISPATCH(make_transforms)(placement, seed, *this);
 		return;
 	}

@@ -19,7 +19,7 @@ void Candidates::add(const Candidate &candidate) {
 		waiting_.push_back(candidate);
 		std::push_heap(waiting_.begin(), waiting_.end(), later);
 	} else if (waiting_.empty() || later(waiting_.front(), candidate)) {
-		// Fast path: if nothing is refused, only the first is kept.
+		// If nothing is refused, only the first is kept.
 		waiting_.assign(1, candidate);
 		limit_ = candidate.at;
 	}

@@ -110,7 +110,7 @@ void FoundInstances::sort_from(std::size_t first) {
 		std::ranges::sort(refs, {}, &Ref::id);
 		return;
 	}
-	// Fast path: cells in a crowd are counting-sorted, in two passes that keep the order of equal ones: by y, then by x.
+	// Cells in a crowd are counting-sorted, in two passes that keep the order of equal ones: by y, then by x.
 	std::vector<Ref> by_y(refs.size());
 	count_sort(refs, size.y, [&](const Ref &ref) { return unpack(ref.id).cell.y - bounds.low.y; }, by_y);
 	count_sort(by_y, size.x, [&](const Ref &ref) { return unpack(ref.id).cell.x - bounds.low.x; }, refs);

@@ -100,7 +100,7 @@ private:
 				}
 			}
 			if (inside_here_.empty()) {
-				// Fast path: a mesh without results need not be held.
+				// A mesh without results need not be held.
 				continue;
 			}
 			const std::uint32_t part = r_found.add_part({tile, &content}, tile->origin, layer, mesh);

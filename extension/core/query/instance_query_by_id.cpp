@@ -42,7 +42,7 @@ Status find_tile_of_point(const QueryLayer &layer, std::uint64_t id, const Sampl
 Status find_tiles_of(const QueryLayer &layer, std::uint64_t id, const SampleMargins &margins, TileRange &r_tiles) {
 	r_tiles = TileWindow(layer).touching(cell_rect(layer.set, id));
 	if (r_tiles.count() > most_tiles) {
-		// Fast path: the set itself locates the point among very many tiles.
+		// The set itself locates the point among very many tiles.
 		return find_tile_of_point(layer, id, margins, r_tiles);
 	}
 	return {};

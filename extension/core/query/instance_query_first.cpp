@@ -34,7 +34,7 @@ Status search(const InstanceQuery &query, std::vector<SearchTile> &tiles, Candid
 		const SearchTile next = tiles.front();
 		r_found = candidates.settle(next.from);
 		if (r_found) {
-			// Fast path: in all further tiles, everything comes later.
+			// In all further tiles, everything comes later.
 			return {};
 		}
 		std::pop_heap(tiles.begin(), tiles.end(), farther);
@@ -67,7 +67,7 @@ struct NearestScan {
 			for (std::size_t i = 0; i < positions.size(); ++i) {
 				const double squared = squared_length(position_of(content.origin, positions[i]) - position);
 				if (squared > r_candidates.limit()) {
-					// Fast path: a different instance is nearer.
+					// A different instance is nearer.
 					continue;
 				}
 				if (squared <= max_squared && !removed.holds(instances.id(i))) {
@@ -109,13 +109,13 @@ struct RayScan {
 			const ReachTest reached(ray, cylinder_reach(settings.shape, double{instances.max_scale()}));
 			if (!reached.box(
 						content.origin + glm::dvec3(instances.min()), content.origin + glm::dvec3(instances.max()))) {
-				// Fast path: no instance in this box reaches the ray.
+				// No instance in this box reaches the ray.
 				continue;
 			}
 			const std::span<const glm::vec3> positions = instances.positions();
 			for (std::size_t i = 0; i < positions.size(); ++i) {
 				if (!reached.position(position_of(content.origin, positions[i]))) {
-					// Fast path: no cylinder is so long or wide.
+					// No cylinder is so long or wide.
 					continue;
 				}
 				if (!removed.holds(instances.id(i))) {

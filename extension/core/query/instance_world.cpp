@@ -39,7 +39,7 @@ bool InstanceWorld::changed_since(std::uint64_t version, std::uint32_t layer, co
 
 void InstanceWorld::invalidate(std::uint32_t layer, const EditedArea &area) {
 	if (area.empty()) {
-		// Fast path: an empty area changes no result, so no query runs again.
+		// An empty area changes no result, so no query runs again.
 		return;
 	}
 	if (layer >= layers_.size()) {

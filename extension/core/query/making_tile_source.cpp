@@ -25,7 +25,7 @@ Status MakingTileSource::find_tiles(
 		}
 	}
 	if (missing.empty()) {
-		// Fast path: all tiles are known.
+		// All tiles are known.
 		return {};
 	}
 	std::vector<std::shared_ptr<const CompactTile>> made;

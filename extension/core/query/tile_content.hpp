@@ -24,7 +24,7 @@ class RemovedPoints {
 public:
 	RemovedPoints(const InstanceState *state, std::uint16_t layer) : state_(state) {
 		if (state != nullptr && !state->any_removed(layer)) {
-			// Fast path: if no point of a layer is removed, no look-up is needed.
+			// If no point of a layer is removed, no look-up is needed.
 			state_ = nullptr;
 		}
 	}

@@ -39,7 +39,7 @@ Status add_tiles(std::uint32_t index, const QueryLayer &layer, const QueryArea &
 		for (std::int32_t x = range.first.x; x <= range.last.x; ++x) {
 			const double distance = distance_squared(window.standing_area({x, y}), area.center);
 			if (!(distance <= area.radius * area.radius)) {
-				// Fast path: no instance of a tile in this corner is within the radius.
+				// No instance of a tile in this corner is within the radius.
 				continue;
 			}
 			near.push_back({distance, {x, y}});
@@ -122,7 +122,7 @@ Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint3
 	double points = 0.0;
 	r_tiles.clear();
 	if (area.rect.empty()) {
-		// Fast path: the area contains no instance, whatever tiles it touches.
+		// The area contains no instance, whatever tiles it touches.
 		return {};
 	}
 	for (const std::uint32_t index : indices) {

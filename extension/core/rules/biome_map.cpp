@@ -150,7 +150,7 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		return;
 	}
 	if (const BiomeSet near = biomes_in({position, position}); std::has_single_bit(near)) {
-		// Fast path: away from borders, the biome is known without noise.
+		// Away from borders, the biome is known without noise.
 		r_taps.fill(static_cast<std::uint8_t>(std::countr_zero(near)));
 		return;
 	}
@@ -159,7 +159,7 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		moved += borders_.noise * glm::dvec2(waver(position, 0), waver(position, 1));
 	}
 	if (borders_.width <= 0.0) {
-		// Fast path: all taps have the same position.
+		// All taps have the same position.
 		r_taps.fill(pixel_at(moved));
 		return;
 	}
@@ -235,7 +235,7 @@ bool BiomeMap::find_edits(const BiomeMap &before, const SameValue &same, std::ve
 			for (int y = part_y; y < std::min(part_y + part.y, count.y); ++y) {
 				for (int x = part_x; x < std::min(part_x + part.x, count.x); ++x) {
 					if (!block_differs(before, same, {x, y})) {
-						// Fast path: whatever biome a pixel of this block has changed to, the value is the same.
+						// Whatever biome a pixel of this block has changed to, the value is the same.
 						continue;
 					}
 					const glm::ivec2 first(x * block, y * block);

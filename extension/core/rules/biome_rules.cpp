@@ -44,7 +44,7 @@ Status BiomeDensity::sample(std::span<const glm::dvec2> positions, std::span<flo
 	if (const Rect bounds = bounds_of(positions); bounds.finite()) {
 		const BiomeSet near = map_->biomes_in(bounds);
 		if ((near & open_) == 0 || std::has_single_bit(near)) {
-			// Fast path: most tiles lie within one biome.
+			// Most tiles lie within one biome.
 			std::ranges::fill(r_density, densities_[static_cast<std::size_t>(std::countr_zero(near))]);
 			return {};
 		}
@@ -63,7 +63,7 @@ Status BiomeDensity::sample(std::span<const glm::dvec2> positions, std::span<flo
 
 WaterLevels::WaterLevels(std::shared_ptr<const BiomeMap> map, const PerBiome<double> &levels) : levels_(levels) {
 	if (std::ranges::all_of(levels, [&levels](double level) { return level == levels.front(); })) {
-		// Fast path: whatever biome has the greatest weight, the level is the same.
+		// Whatever biome has the greatest weight, the level is the same.
 		return;
 	}
 	map_ = std::move(map);

@@ -70,7 +70,7 @@ private:
 template <class Values>
 bool find_biome_edits(const Values *before, const Values *after, std::vector<Rect> &r_areas) {
 	if (before == after) {
-		// Fast path: the same object on both sides has no edits.
+		// The same object on both sides has no edits.
 		return true;
 	}
 	return before != nullptr && after != nullptr && after->find_edits(*before, r_areas);

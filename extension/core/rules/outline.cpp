@@ -86,11 +86,11 @@ bool Outline::contains(glm::dvec2 position) const {
 		const Bvh::Node node = stack.pop();
 		const Box &box = boxes_[edge_tree_.index_of(node)];
 		if (position.y < box.min.y || position.y > box.max.y || position.x > box.max.x) {
-			// Fast path: the ray from the position misses the whole node.
+			// The ray from the position misses the whole node.
 			continue;
 		}
 		if (position.x < box.min.x) {
-			// Fast path: the whole node lies ahead. The ray crosses it an odd number of times if its ends are on different sides of the
+			// The whole node lies ahead. The ray crosses it an odd number of times if its ends are on different sides of the
 			// ray.
 			const bool above_first = position.y < points_[edge_tree_.begin(node)].y;
 			within ^= above_first != (position.y < points_[edge_tree_.end(node)].y);
@@ -127,7 +127,7 @@ double Outline::distance(glm::dvec2 position, double limit) const {
 	while (!stack.empty()) {
 		const auto [node, node_distance2] = stack.pop();
 		if (node_distance2 >= nearest2) {
-			// Fast path: no edge is nearer than its bounding box.
+			// No edge is nearer than its bounding box.
 			continue;
 		}
 		if (node.level == 0) {
@@ -142,7 +142,7 @@ double Outline::distance(glm::dvec2 position, double limit) const {
 		if (edge_tree_.has_second(node)) {
 			Candidate far{edge_tree_.second(node), box_distance2(edge_tree_.second(node))};
 			if (far.second < near.second) {
-				// Fast path: visits the nearer half first, because it may rule out the other half.
+				// Visits the nearer half first, because it may rule out the other half.
 				std::swap(near, far);
 			}
 			stack.push(far);

@@ -125,7 +125,7 @@ PixelRect PaintedMask::pixels_of(const Rect &area) const {
 bool operator==(const PaintedMask &a, const PaintedMask &b) {
 	const auto same = [](const auto &one, const auto &other) {
 		if (one.second == other.second) {
-			// Fast path: a block that both masks share has the same pixels.
+			// A block that both masks share has the same pixels.
 			return one.first == other.first;
 		}
 		return one.first == other.first && *one.second == *other.second;

@@ -75,7 +75,7 @@ private:
 	/// One shared block for all blocks of this value, which would take 400 times as much memory as their bytes.
 	std::shared_ptr<const Block> uniform(std::uint8_t value) {
 		if (uniform_[value]) {
-			// Fast path: blocks are immutable, so all can share one.
+			// Blocks are immutable, so all can share one.
 			return uniform_[value];
 		}
 		auto block = std::make_shared<Block>();

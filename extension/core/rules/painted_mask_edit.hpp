@@ -43,7 +43,7 @@ public:
 	std::uint8_t at(int x, int y) {
 		const Key key{block_of(y), block_of(x)};
 		if (key == key_) {
-			// Fast path: most pixels lie in the same block as the last one.
+			// Most pixels lie in the same block as the last one.
 			return pixel(x, y);
 		}
 		block_ = mask_.find(key);
@@ -84,7 +84,7 @@ public:
 					block.fill(mask_.background_);
 				}
 				if (!change_part(part, change, block)) {
-					// Fast path: unchanged blocks stay shared.
+					// Unchanged blocks stay shared.
 					continue;
 				}
 				const bool background = block.front() == mask_.background_ && is_uniform(block);

@@ -57,11 +57,11 @@ public:
 		const double across = x * x + z * z;
 		const double up = y * y;
 		if (across >= all_from_ * up && across <= all_to_ * up) {
-			// Fast path: the angle lies between the limits by more than any rounding error.
+			// The angle lies between the limits by more than any rounding error.
 			return 1.0;
 		}
 		if (across < none_below_ * up || across > none_above_ * up) {
-			// Fast path: the angle lies beyond a limit by more than any rounding error.
+			// The angle lies beyond a limit by more than any rounding error.
 			return 0.0;
 		}
 		return std::nullopt;

@@ -106,7 +106,7 @@ Status PreparedRules::place_product(std::span<const glm::dvec2> positions, std::
 	}
 	for (std::size_t i = 0; clumps_.active() && i < positions.size(); ++i) {
 		if (!Record::complete && !(r_densities[i] > 0.0)) {
-			// Fast path: clumps cost more than all other rules here, and 0 stays 0.
+			// Clumps cost more than all other rules here, and 0 stays 0.
 			continue;
 		}
 		const double density = clumps_.at(positions[i]);
@@ -130,7 +130,7 @@ Status PreparedRules::place_factors(glm::dvec2 position, const RuleRecord &recor
 template <class Record>
 double PreparedRules::water_density(double height, glm::dvec2 position, const Record &record) const {
 	if (water_depth_.open()) {
-		// Fast path: every depth passes, so the water level is not looked up.
+		// Every depth passes, so the water level is not looked up.
 		return 1.0;
 	}
 	const double level = rules_.water != nullptr ? rules_.water->at(position) : no_water;
@@ -156,16 +156,16 @@ double PreparedRules::density_of_limits(const Ground &ground, glm::dvec2 positio
 		density *= record(RuleKind::ground_textures, ground.weight, unit_density(ground.weight));
 	}
 	if (!Record::complete && !(density > 0.0)) {
-		// Fast path: 0 stays 0, whatever the water and slope.
+		// 0 stays 0, whatever the water and slope.
 		return density;
 	}
 	density *= water_density(ground.height, position, record);
 	if (!Record::complete && !(density > 0.0)) {
-		// Fast path: 0 stays 0, whatever the slope.
+		// 0 stays 0, whatever the slope.
 		return density;
 	}
 	if (!Record::complete && rules_.slope_curve == nullptr) {
-		// Fast path: most slope limits need no angle.
+		// Most slope limits need no angle.
 		return density * slope_.density_of(ground.normal);
 	}
 	// The angle costs more than everything else here, so it is computed only if needed.

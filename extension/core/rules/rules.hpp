@@ -105,7 +105,7 @@ public:
 	template <class Record = NoRecord>
 	double ground_density(const Ground &ground, glm::dvec2 position, const Record &record = {}) const {
 		if (!Record::complete && slope_alone_) {
-			// Fast path: no rule but the slope depends on the ground.
+			// No rule but the slope depends on the ground.
 			return is_ground(ground) ? slope_.density_of(ground.normal) : 0.0;
 		}
 		return density_of_limits(ground, position, record);

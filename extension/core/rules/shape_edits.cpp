@@ -78,7 +78,7 @@ bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector
 	const std::span<const Shape> old_shapes = shapes_of(before);
 	const std::span<const Shape> new_shapes = shapes_of(after);
 	if (before == after) {
-		// Fast path: the same set on both sides has no edits.
+		// The same set on both sides has no edits.
 		return true;
 	}
 	if (includes(old_shapes) != includes(new_shapes)) {

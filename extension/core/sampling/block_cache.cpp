@@ -128,7 +128,7 @@ SettledWindow::SettledWindow(BlockCache &cache, const PointSet &set, const CellR
 
 SettledWindow::~SettledWindow() {
 	if (std::ranges::none_of(slots_, &Slot::claimed)) {
-		// Fast path: a window that releases nothing needs no lock.
+		// A window that releases nothing needs no lock.
 		return;
 	}
 	const std::lock_guard lock(cache_.mutex_);

@@ -114,7 +114,7 @@ inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, cons
 	grid.listed.assign(grid.open.size(), LevelGrid::unlisted);
 	grid.wanted.clear();
 	if (grid.coarser != nullptr) {
-		// Fast path: does for all cells together the work that make_ready would do for each requested cell.
+		// Does for all cells together the work that make_ready would do for each requested cell.
 		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
 	CellRect listed;

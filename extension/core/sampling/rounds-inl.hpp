@@ -120,7 +120,7 @@ inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &item
 	for (std::uint32_t i = 0; i < items.count; ++i) {
 		const std::uint32_t cell = cell_of(items.items[i]);
 		if (grid.ready[cell] != 0) {
-			// Fast path: the points that can reach the cell are already placed.
+			// The points that can reach the cell are already placed.
 			continue;
 		}
 		const glm::ivec2 parent = grid.cell_of(cell) >> 1;

@@ -231,7 +231,7 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 		count();
 		window.settle(blocks.finest());
 	}
-	// Fast path: the same points as from the window's own cells, which would need their own margin.
+	// The same points as from the window's own cells, which would need their own margin.
 	const double unit = lattice_unit(set);
 	window.for_each([&](glm::ivec2 cell, const SettledBlock::Point &each) {
 		add_point(set, rect, unit, cell, each.offset, each.rank, r_points);
@@ -323,7 +323,7 @@ Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std
 			progress.report(1.0, r_points.size());
 		}
 	} else if (range.count() > 1 && threads != nullptr && threads->count() > 0) {
-		// Fast path: samples the blocks on all lent threads, for the same points in the same order.
+		// Samples the blocks on all lent threads, for the same points in the same order.
 		status = sample_together(set, rect, range, *threads, r_points, progress);
 	} else {
 		for (std::int64_t block = 0; status.ok() && block < range.count(); ++block) {

@@ -82,7 +82,7 @@ HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_
 	if (HWY_UNLIKELY(is_tie(next, time) != 0)) {
 		return false;
 	}
-	// Fast path: the order is known without comparing the darts one by one.
+	// The order is known without comparing the darts one by one.
 	const std::uint32_t slot = grid.waiting_squares.take_if(true);
 	columns.time[cell] = time;
 	columns.dart[cell] = children.place[std::countr_zero(next)];
@@ -250,7 +250,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 	if (HWY_UNLIKELY((is_full | is_tie(slots.next, time)) != 0)) {
 		return false;
 	}
-	// Fast path: the order is known and there is room, without comparing the darts one by one.
+	// The order is known and there is room, without comparing the darts one by one.
 	columns.time[cell] = time;
 	columns.dart[cell] = slots.template next_place<with_children>(earliest, fresh, children);
 	for (std::size_t slot = 0; slot < slot_count; ++slot) {
@@ -277,7 +277,7 @@ HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std
 			columns.followers[second] = 0;
 			columns.waiting[cell] = first | WaitingSquares::has_second;
 			if (advance_slots<true, 2>(columns, cell, children)) {
-				// Fast path: the darts need not be gathered.
+				// The darts need not be gathered.
 				return;
 			}
 		}

@@ -118,7 +118,7 @@ inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32
 	if (count > WaitingSquares::slot_size + 1) {
 		return false;
 	}
-	// Fast path: builds no list of darts if one slot can hold them.
+	// Builds no list of darts if one slot can hold them.
 	const DartKey next = count > 0 ? darts[first] : make_dart(time_never, 0);
 	columns.time[cell] = dart_time(next);
 	columns.dart[cell] = dart_place(next);

@@ -28,10 +28,10 @@ public:
 		auto at = entries_.lower_bound(first);
 		while (at != entries_.end() && at->layer == layer && at->column <= last.column) {
 			if (at->row < first.row) {
-				// Fast path: skip to the first row of the same column.
+				// Skip to the first row of the same column.
 				at = entries_.lower_bound({layer, at->column, first.row, 0});
 			} else if (at->row > last.row) {
-				// Fast path: skip to the next column.
+				// Skip to the next column.
 				at = entries_.lower_bound({layer, at->column + 1, first.row, 0});
 			} else {
 				use(at->id);

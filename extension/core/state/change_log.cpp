@@ -109,7 +109,7 @@ void ChangeLog::append(const ChangeLog &other, std::uint64_t revision, std::uint
 	constexpr std::size_t worth_sharing = block_size / 8;
 	auto block = other.blocks_.begin();
 	while (block != other.blocks_.end() && block->last() <= revision) {
-		// Fast path: all entries of this block are older.
+		// All entries of this block are older.
 		++block;
 	}
 	for (; block != other.blocks_.end(); ++block) {
@@ -117,7 +117,7 @@ void ChangeLog::append(const ChangeLog &other, std::uint64_t revision, std::uint
 			if (!open_.empty()) {
 				seal();
 			}
-			// Fast path: all entries of this block are included, so its memory is shared.
+			// All entries of this block are included, so its memory is shared.
 			blocks_.push_back({block->entries, block->raise + raise});
 			size_ += block->entries->size();
 			continue;

@@ -53,7 +53,7 @@ public:
 
 	bool contains(std::uint64_t id) const {
 		if (size_ == 0) {
-			// Fast path: the table is empty, and hashing an id takes longer than this check.
+			// The table is empty, and hashing an id takes longer than this check.
 			return false;
 		}
 		const std::uint64_t hash = hash_of(id);
@@ -64,7 +64,7 @@ public:
 	/// The value of an id; `Value()` if it has none or is not in the table.
 	const Value &value(std::uint64_t id) const {
 		if (valued_ == 0) {
-			// Fast path: no id has a value.
+			// No id has a value.
 			return nothing_;
 		}
 		const std::uint64_t hash = hash_of(id);
@@ -257,7 +257,7 @@ private:
 		const bool is_value = !(value == Value());
 		if (r_shard.values.empty()) {
 			if (!is_value) {
-				// Fast path: a shard without values allocates no memory for a missing value.
+				// A shard without values allocates no memory for a missing value.
 				return;
 			}
 			r_shard.values.resize(r_shard.ids.size());

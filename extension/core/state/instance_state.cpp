@@ -75,7 +75,7 @@ InstanceState &InstanceState::operator=(InstanceState &&) noexcept = default;
 
 bool InstanceState::removed(std::uint64_t id) const {
 	if (!any_removed(layer_of(id))) {
-		// Fast path: no point of its layer is removed.
+		// No point of its layer is removed.
 		return false;
 	}
 	return content_->removed.contains(id);

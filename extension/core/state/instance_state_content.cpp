@@ -99,7 +99,7 @@ void InstanceState::Content::take_history(
 	const std::uint64_t raise = other.revision - first_note;
 	const Status status = guarded("changes", static_cast<double>(log.size()), [&] {
 		if (other.log.knows(at)) {
-			// Fast path: `r_log` is an earlier state of the other log, so only the rest is appended.
+			// `r_log` is an earlier state of the other log, so only the rest is appended.
 			r_log.append(other.log, at, 0);
 		} else {
 			r_log = other.log;
@@ -145,7 +145,7 @@ void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_roo
 	const bool same = was ? std::ranges::equal(own->bytes, to.data) : to.data.empty();
 	const bool later = same && was && own->at != to.data_at;
 	if (same && was == holds && !later) {
-		// Fast path: unchanged data need no room.
+		// Unchanged data need no room.
 		return;
 	}
 	data.make_room(id, !holds && !to.data.empty(), !to.data.empty(),

@@ -182,7 +182,7 @@ struct InstanceState::Content {
 	Status check_changes(const StateRecord &record, const Each &each, const DiffLimits &limits) const {
 		if (limits.area.empty() && size() + record.size() + record.with_data.size() <= limits.max_total_changes &&
 				added.size() + record.added.size() <= limits.max_added) {
-			// Fast path: even if all of it is new, it does not exceed the limits.
+			// Even if all of it is new, it does not exceed the limits.
 			return {};
 		}
 		std::size_t held = size();

@@ -215,7 +215,7 @@ Status InstanceState::Content::follow(
 	}
 	make_room_for_stamps(record);
 	if (record.removed.size() > removed.size()) {
-		// Fast path: the table grows once, and not shard by shard as ids are added.
+		// The table grows once, and not shard by shard as ids are added.
 		removed.expect(record.removed.size() - removed.size());
 	}
 	change_all(each, r_changes);

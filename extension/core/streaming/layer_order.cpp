@@ -131,7 +131,7 @@ std::optional<LayerTiles::Candidate> LayerTiles::next_ready(std::size_t viewer, 
 		}
 		const double squared = distance_squared(rect(tile.at), tracked.now.position);
 		if (nearest && squared >= nearest->distance_squared) {
-			// Fast path: a different tile is nearer, whether it is this one's turn or not.
+			// A different tile is nearer, whether it is this one's turn or not.
 			continue;
 		}
 		if (is_turn(viewer, tracked, tile, squared)) {

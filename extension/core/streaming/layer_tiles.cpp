@@ -65,7 +65,7 @@ void LayerTiles::invalidate(const Rect &area) {
 				tile.late = tile.ticket != 0;
 			});
 			if (queued) {
-				// Fast path: the tile already waits. Otherwise a dragged slider would fill the queues in every frame.
+				// The tile already waits. Otherwise a dragged slider would fill the queues in every frame.
 				continue;
 			}
 			queue_up(slot);
@@ -154,7 +154,7 @@ bool LayerTiles::look_at_all(std::span<const TrackedViewer> viewers, std::size_t
 		const TrackedViewer *viewer = index < viewers.size() ? &viewers[index] : nullptr;
 		Sight &sight = sights_[index];
 		if (is_where(sight, viewer != nullptr ? &viewer->now : nullptr)) {
-			// Fast path: within the slack, no tile comes into view that was not seen before.
+			// Within the slack, no tile comes into view that was not seen before.
 			continue;
 		}
 		if (r_new >= max_new && viewer != nullptr) {
@@ -303,7 +303,7 @@ bool LayerTiles::is_missing_under(const Rect &under) const {
 	const glm::ivec2 last = tile_at(settings_.tile_size, under.max);
 	const double tiles = (static_cast<double>(last.x) - first.x + 1.0) * (static_cast<double>(last.y) - first.y + 1.0);
 	if (tiles > static_cast<double>(tiles_.size())) {
-		// Fast path: there are fewer known tiles than tiles that `under` touches.
+		// There are fewer known tiles than tiles that `under` touches.
 		return std::ranges::any_of(tiles_.slots(), is_missing);
 	}
 	for (int y = first.y; y <= last.y; ++y) {

@@ -42,7 +42,7 @@ public:
 	template <class Measure>
 	void sort(Measure &&measure) {
 		if (fresh_.empty() && !outdated_) {
-			// Fast path: no tile was added and the viewer has not moved, so all entries are in order.
+			// No tile was added and the viewer has not moved, so all entries are in order.
 			return;
 		}
 		if (far_.size() > 2 * far_sorted_ + 4 * batch) {
@@ -53,7 +53,7 @@ public:
 			sort_all(measure, batch);
 			return;
 		}
-		// Fast path: no far entry can be nearer than the reach, so none of them is measured.
+		// No far entry can be nearer than the reach, so none of them is measured.
 		reserve_more(near_, fresh_.size());
 		reserve_more(far_, fresh_.size());
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
@@ -110,7 +110,7 @@ private:
 		std::erase_if(near_, [&](Entry &entry) { return !measure(entry); });
 		far_.clear();
 		if (near_.size() > most) {
-			// Fast path: the entries behind the first `most` need no order.
+			// The entries behind the first `most` need no order.
 			const auto end = near_.begin() + static_cast<std::ptrdiff_t>(most);
 			std::nth_element(near_.begin(), end, near_.end(), nearer);
 			far_from_ = std::sqrt(end->distance_squared);

@@ -123,7 +123,7 @@ void TileStreamer::State::look(StreamChanges &r_changes) {
 			continue;
 		}
 		if (!looked && !answered) {
-			// Fast path: no tile was shown or given up since, so the tiles missing under retired ones still are.
+			// No tile was shown or given up since, so the tiles missing under retired ones still are.
 			continue;
 		}
 		layer.drop_covered(r_changes);
@@ -257,7 +257,7 @@ std::optional<TileRequest> TileStreamer::next_ready() {
 
 std::optional<TileRequest> TileStreamer::State::next_ready() {
 	if (std::ranges::none_of(layers, [](const LayerTiles &layer) { return layer.made_count() > 0; })) {
-		// Fast path: no viewer has a ready tile.
+		// No viewer has a ready tile.
 		return std::nullopt;
 	}
 	const std::size_t count = viewers.size();

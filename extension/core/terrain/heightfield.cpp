@@ -226,7 +226,7 @@ void Heightfield::sample_posts(std::span<const glm::dvec2> positions, std::span<
 			r_ground[i] = ground_in_area(posts_.steps, whole, positions[i]);
 			continue;
 		}
-		// Fast path: most patches are away from the border and are computed many at a time.
+		// Most patches are away from the border and are computed many at a time.
 		const PostGrid<std::uint16_t>::Window window = posts_.steps.window(patch.first);
 		patches.add(window.first, window.stride, patch.part, i);
 		if (patches.full()) {
@@ -285,7 +285,7 @@ Ground Heightfield::ground_in_area(const PostGrid<Post> &posts, const HeightOf &
 	};
 	SmoothPatch patch;
 	if (is_inner_patch(frame_.posts, corner)) {
-		// Fast path: away from the border, the layout around a patch is a compile-time constant.
+		// Away from the border, the layout around a patch is a compile-time constant.
 		patch = smooth_patch<may_be_missing>(inner_line, inner_line, part, from_first);
 	} else {
 		patch = smooth_patch<may_be_missing>(frame_.posts, corner, part, from_corner);

@@ -132,11 +132,11 @@ PixelRect PixelGrid::difference(const PixelGrid &other) const {
 			const bool known = inside.min.x >= rect.min.x && inside.min.y >= rect.min.y && inside.max.x <= rect.max.x &&
 					inside.max.y <= rect.max.y;
 			if (known) {
-				// Fast path: the rectangle cannot grow here.
+				// The rectangle cannot grow here.
 				continue;
 			}
 			if (same_block(other, block)) {
-				// Fast path: the same memory has the same pixels.
+				// The same memory has the same pixels.
 				continue;
 			}
 			widen_by_block(other, block, rect);

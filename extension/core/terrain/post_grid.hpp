@@ -42,7 +42,7 @@ public:
 	/// The window around the patch whose first post is `patch`, from 0 to count() - 2.
 	Window window(glm::ivec2 patch) const {
 		if (blocks_.empty()) {
-			// Fast path: the grid has no changes since its creation.
+			// The grid has no changes since its creation.
 			return base_window(patch);
 		}
 		const std::shared_ptr<const Block> &block = blocks_[index_of(patch / block_side)];
@@ -58,7 +58,7 @@ public:
 	/// All posts, row by row. Throws std::bad_alloc.
 	std::vector<Post> flattened() const {
 		if (blocks_.empty()) {
-			// Fast path: the grid has no changes since its creation.
+			// The grid has no changes since its creation.
 			return *base_;
 		}
 		std::vector<Post> posts;

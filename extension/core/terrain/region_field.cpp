@@ -176,7 +176,7 @@ Ground RegionField::ground_at(glm::dvec2 position) const {
 	const bool within = inside.x + 2 < side_ && inside.y + 2 < side_;
 	for (std::size_t i = 0; i < posts.size(); ++i) {
 		if (within) {
-			// Fast path: most patches and their surroundings lie in one region, which is looked up once.
+			// Most patches and their surroundings lie in one region, which is looked up once.
 			const glm::ivec2 post = inside + steps[i];
 			posts[i] = {height_at(region->heights, post),
 					!region->controls.empty() && (word_at(region->controls, post) & hole_bit) != 0};

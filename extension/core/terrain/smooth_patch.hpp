@@ -63,7 +63,7 @@ SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dve
 	const double height = between(heights);
 	if constexpr (may_be_missing) {
 		if (std::isnan(height)) {
-			// Fast path: the gradient of a hole is never used.
+			// The gradient of a hole is never used.
 			return {height, {0.0, 0.0}};
 		}
 	}

@@ -57,7 +57,7 @@ public:
 		if (needs.normals) {
 			status = sample(positions, r_ground);
 		} else {
-			// Fast path: queries only heights, because no caller reads the normals.
+			// Queries only heights, because no caller reads the normals.
 			status = sample_heights(positions, r_ground);
 		}
 		return status.ok() && !needs.textures.empty() ? weigh(positions, needs.textures, r_ground) : status;

@@ -76,7 +76,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	const auto push = [&](Bvh::Node node) {
 		const Box &box = boxes_[tree_.index_of(node)];
 		if (!holds(box.area, position) || box.top < best.height) {
-			// Fast path: no part of the node lies above or below the position, or none is as high as the best one.
+			// No part of the node lies above or below the position, or none is as high as the best one.
 			return;
 		}
 		stack.push(node);
@@ -87,7 +87,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
 		if (boxes_[tree_.index_of(node)].top < best.height) {
-			// Fast path: a higher part was found since the node was pushed.
+			// A higher part was found since the node was pushed.
 			continue;
 		}
 		if (node.level > 0) {
@@ -99,7 +99,7 @@ Ground TriangleParts::ground_at(glm::dvec2 position) const {
 		}
 		for (std::size_t i = tree_.begin(node); i < tree_.end(node); ++i) {
 			if (!holds(parts_[i]->area(), position)) {
-				// Fast path: no triangle of the part lies above or below the position.
+				// No triangle of the part lies above or below the position.
 				continue;
 			}
 			TriangleTerrain::Top top;

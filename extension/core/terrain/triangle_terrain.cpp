@@ -144,7 +144,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	BvhStack<Bvh::Node> stack;
 	const auto push = [&](Bvh::Node node) {
 		if (!boxes_[tree_.index_of(node)].holds(position)) {
-			// Fast path: no triangle of the node lies above or below the position.
+			// No triangle of the node lies above or below the position.
 			return;
 		}
 		stack.push(node);
@@ -155,7 +155,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 	while (!stack.empty()) {
 		const Bvh::Node node = stack.pop();
 		if (boxes_[tree_.index_of(node)].top < hit.height) {
-			// Fast path: the whole node lies below the best triangle.
+			// The whole node lies below the best triangle.
 			continue;
 		}
 		if (node.level == 0) {
@@ -168,7 +168,7 @@ bool TriangleTerrain::find_top(glm::dvec2 position, double least, Top &r_top) co
 		if (tree_.has_second(node)) {
 			Bvh::Node second = tree_.second(node);
 			if (boxes_[tree_.index_of(second)].top > boxes_[tree_.index_of(first)].top) {
-				// Fast path: visits the higher half first, because it may lie above the whole other half.
+				// Visits the higher half first, because it may lie above the whole other half.
 				std::swap(first, second);
 			}
 			push(second);

@@ -49,7 +49,7 @@ Status WeightMap::set(glm::ivec2 size, int channels, std::span<const std::uint8_
 
 void WeightMap::add_changes(const WeightMap &other, std::vector<Rect> &r_rects) const {
 	if (weights_ == other.weights_) {
-		// Fast path: the same memory has the same weights.
+		// The same memory has the same weights.
 		return;
 	}
 	if (empty() || other.empty() || size_ != other.size_ || channels_ != other.channels_) {

@@ -198,7 +198,7 @@ Status ScatterBiomeMap::make(BiomeMap &r_map) {
 
 void ScatterBiomeMap::refresh() {
 	if (!std::exchange(outdated_, false)) {
-		// Fast path: nothing has changed since the map was created.
+		// Nothing has changed since the map was created.
 		return;
 	}
 	const auto next = std::make_shared<BiomeMap>();

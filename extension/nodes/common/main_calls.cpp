@@ -40,7 +40,7 @@ void call_on_main_thread(const Object *p_object, const char *method, std::span<c
 
 void make_main_thread_calls() {
 	if (!any.load(std::memory_order_relaxed)) {
-		// Fast path: most frames have no queued calls.
+		// Most frames have no queued calls.
 		return;
 	}
 	std::vector<Variant> taken;

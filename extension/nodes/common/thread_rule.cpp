@@ -106,7 +106,7 @@ ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads
 		return;
 	}
 	if (on_main && reads && guard->in_scene()) {
-		// Fast path: no other thread may change the object.
+		// No other thread may change the object.
 		return;
 	}
 	guard_ = guard;

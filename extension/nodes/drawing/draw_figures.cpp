@@ -41,7 +41,7 @@ std::uint64_t triangles_of(const Mesh &mesh, int32_t surface) {
 const DrawCounter::MeshFigures &DrawCounter::figures_of(const Ref<Mesh> &mesh) {
 	const auto known = meshes_.find(mesh->get_instance_id());
 	if (known != meshes_.end()) {
-		// Fast path: the mesh was counted before.
+		// The mesh was counted before.
 		return known->second;
 	}
 	MeshFigures &result = meshes_[mesh->get_instance_id()];

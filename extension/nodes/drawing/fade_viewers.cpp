@@ -108,7 +108,7 @@ void FadeViewers::set_viewers(std::span<const FadeViewer> viewers, glm::vec3 cam
 		viewers_.assign(viewers.begin(), viewers.end());
 	}
 	if (written_ == all.version) {
-		// Fast path: no viewer has moved since.
+		// No viewer has moved since.
 		return;
 	}
 	write(all.nearest(camera, most_viewers));
@@ -117,7 +117,7 @@ void FadeViewers::set_viewers(std::span<const FadeViewer> viewers, glm::vec3 cam
 
 void FadeViewers::write(std::span<const glm::vec4> viewers) {
 	if (materials_.empty()) {
-		// Fast path: nothing fades.
+		// Nothing fades.
 		return;
 	}
 	PackedFloat32Array places;

@@ -67,7 +67,7 @@ void LodChain::make_next(const LodChain *before) {
 		}
 	}
 	if (known != nullptr) {
-		// Fast path: existing copies of the mesh fade over the same distances.
+		// Existing copies of the mesh fade over the same distances.
 		variants = *known;
 	} else if (plain.fades) {
 		const std::vector<Ref<Mesh>> meshes = faded(plain.mesh, ranges);

@@ -32,7 +32,7 @@ void TileDisplay::set_world_offset(glm::dvec3 offset) {
 
 void TileDisplay::set_visible(bool visible) {
 	if (visible_ == visible) {
-		// Fast path: all tiles already have this visibility.
+		// All tiles already have this visibility.
 		return;
 	}
 	visible_ = visible;
@@ -111,7 +111,7 @@ void TileDisplay::upload_some(TileUpload &r_upload, bool others_wait) {
 	if (layer == nullptr) {
 		part.lods.clear(); // The layer was removed in the meantime: nothing more is drawn of it.
 	} else if (own && r_upload.has_open_part()) {
-		// Fast path: the worker has prepared the buffer.
+		// The worker has prepared the buffer.
 		part.cells.push_back(uploader_.make_cell(tile, part, layer->drawing, job.uploads[mesh]));
 	} else {
 		uploader_.upload_cells(tile, mesh, layer->drawing, part);

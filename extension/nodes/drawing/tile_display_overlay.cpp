@@ -127,7 +127,7 @@ bool TileDisplay::patch_parts(const TileKey &key, DisplayedTile &r_tile) {
 	for (std::size_t mesh = 0; mesh < shown.size(); ++mesh) {
 		DisplayedTile::Part &part = r_tile.parts[mesh];
 		if (part.shown == shown[mesh] || same(*part.shown, *shown[mesh])) {
-			// Fast path: the renderer has the same instances.
+			// The renderer has the same instances.
 			part.shown = shown[mesh];
 		} else if (!patch_part(r_tile, mesh, layer, part, shown[mesh])) {
 			return false;
@@ -158,7 +158,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 	fresh.reserve(reuses.size());
 	for (std::size_t at = 0; at < reuses.size(); ++at) {
 		if (reuses[at].unchanged) {
-			// Fast path: the renderer has the same instances of the cell.
+			// The renderer has the same instances of the cell.
 			continue;
 		}
 		uploads[at] = to_upload(next, at, tile.reach_of(mesh));
@@ -182,7 +182,7 @@ bool TileDisplay::patch_part(const DisplayedTile &tile, std::size_t mesh, const 
 		stays[*before] = true;
 		next.cells.push_back(std::move(r_part.cells[*before]));
 		if (!unchanged) {
-			// Fast path: the visuals of the cell are reused for the other instances.
+			// The visuals of the cell are reused for the other instances.
 			uploader_.set_instances(uploads[at], next.cells.back());
 		}
 	}

@@ -71,7 +71,7 @@ bool TileDisplay::lod_step() {
 
 void TileDisplay::apply_drawing(const TileKey &key, DisplayedTile &r_tile) {
 	if (r_tile.drawing_version == layers_.version(key.layer)) {
-		// Fast path: the renderer has these settings.
+		// The renderer has these settings.
 		return;
 	}
 	r_tile.drawing_version = layers_.version(key.layer);

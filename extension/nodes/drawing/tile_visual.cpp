@@ -171,7 +171,7 @@ void TileVisual::set_visible(bool visible) {
 
 void TileVisual::set_offset(glm::dvec3 offset) {
 	if (offset_ == offset) {
-		// Fast path: it is already at that position.
+		// It is already at that position.
 		return;
 	}
 	offset_ = offset;
@@ -189,7 +189,7 @@ void TileVisual::move_instances() {
 
 void TileVisual::set_mesh(const Ref<Mesh> &mesh, Handle &r_handle) {
 	if (r_handle.mesh == mesh) {
-		// Fast path: the renderer has this mesh.
+		// The renderer has this mesh.
 		return;
 	}
 	RenderingServer::get_singleton()->multimesh_set_mesh(r_handle.multimesh, mesh->get_rid());
@@ -212,7 +212,7 @@ void TileVisual::set_look(const MeshLook &look) {
 
 void TileVisual::apply_look(const LodLook &look) {
 	if (look == look_) {
-		// Fast path: the renderer has this look.
+		// The renderer has this look.
 		return;
 	}
 	RenderingServer *server = RenderingServer::get_singleton();
@@ -231,7 +231,7 @@ void TileVisual::apply_look(const LodLook &look) {
 
 void TileVisual::set_drawn(std::size_t count) {
 	if (drawn_ == count) {
-		// Fast path: the renderer has this count.
+		// The renderer has this count.
 		return;
 	}
 	for_each_handle([count](const Handle &handle) {
@@ -243,7 +243,7 @@ void TileVisual::set_drawn(std::size_t count) {
 
 void TileVisual::set_scale(float scale) {
 	if (scale_ == scale) {
-		// Fast path: the renderer has this scale.
+		// The renderer has this scale.
 		return;
 	}
 	for_each_handle([scale](const Handle &handle) {

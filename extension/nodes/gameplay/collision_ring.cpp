@@ -256,7 +256,7 @@ void CollisionRing::set_world_offset(glm::dvec3 offset) {
 
 RID CollisionRing::take_body() {
 	if (pool_.size() > still_in_space_ && rested(pool_.front())) {
-		// Fast path: a body that has rested is reused.
+		// A body that has rested is reused.
 		const RID body = pool_.front().rid;
 		pool_.pop_front();
 		return body;

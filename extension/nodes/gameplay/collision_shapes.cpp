@@ -75,7 +75,7 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &s
 	const Ref<Mesh> &of = source.meshes[mesh];
 	Corners &corners = corners_[of->get_instance_id()];
 	if (corners.number != 0 && corners.box == source.boxes[mesh]) {
-		// Fast path: the mesh has not changed since its hull was created.
+		// The mesh has not changed since its hull was created.
 		return usable(corners);
 	}
 	corners = {source.boxes[mesh], ++last_number_, convex_corners(of)};
@@ -85,7 +85,7 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &s
 const CollisionShapes::Corners *CollisionShapes::corners_of(const BodyPart &part) {
 	const auto found = std::ranges::find(part_corners_, part, &std::pair<BodyPart, Corners>::first);
 	if (found != part_corners_.end()) {
-		// Fast path: equal parts have the same corners.
+		// Equal parts have the same corners.
 		return usable(found->second);
 	}
 	part_corners_.push_back({part, {AABB(), ++last_number_, part.corners}});
@@ -105,7 +105,7 @@ CollisionShapes::Shape *CollisionShapes::take(const Key &key, const std::vector<
 		found->second = make(key, corners);
 		found->second.key = &found->first;
 	} else {
-		// Fast path: one shape serves all bodies of its size.
+		// One shape serves all bodies of its size.
 		idle_ -= found->second.users == 0 ? 1 : 0;
 	}
 	++found->second.users;

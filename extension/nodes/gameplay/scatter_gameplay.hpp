@@ -261,7 +261,7 @@ private:
 	struct Signals {
 		const godot::StringName &of(InstanceChangeKind kind) const;
 
-		const godot::StringName none; ///< For changes that emit no signal.
+		const godot::StringName none{}; ///< For changes that emit no signal.
 		const godot::StringName removed = "instance_removed";
 		const godot::StringName restored = "instance_restored";
 		const godot::StringName added = "instance_added";

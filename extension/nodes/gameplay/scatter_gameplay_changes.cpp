@@ -70,7 +70,7 @@ void ScatterGameplay::set_state(const Ref<ScatterState> &p_state) {
 		return;
 	}
 	if (p_state == state_) {
-		// Fast path: the state is already applied.
+		// The state is already applied.
 		return;
 	}
 	if (p_state.is_valid()) {
@@ -274,7 +274,7 @@ void ScatterGameplay::state_changed(const SharedChanges &changes) {
 /// Tiles that may contain the changes follow over the next frames.
 void ScatterGameplay::redraw_later(const StateChanges &changes) {
 	if (changes.size() > most_at_once * 16) {
-		// Fast path: finding the areas of so many changes takes longer than checking all tiles.
+		// Finding the areas of so many changes takes longer than checking all tiles.
 		host_->redraw_all_later();
 		return;
 	}
@@ -370,7 +370,7 @@ void ScatterGameplay::tell(const InstanceChange &change) {
 	if (is_added(change.id) && change.kind != InstanceChangeKind::data) {
 		transform = to_engine(change.added.basis, change.added.position, offset_);
 	} else if (const PlacedInstance *changing = find_changing(change.id)) {
-		// Fast path: the instance was found when it was changed.
+		// The instance was found when it was changed.
 		transform = to_engine(*changing, offset_);
 	} else {
 		std::vector<PlacedInstance> found;

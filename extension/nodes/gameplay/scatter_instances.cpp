@@ -24,7 +24,7 @@ template <class Array, class Value>
 Array cached(std::mutex &r_mutex, std::optional<Array> &r_cache, const FoundInstances &found, const Value &value_of) {
 	const std::lock_guard lock(r_mutex);
 	if (r_cache) {
-		// Fast path: found instances never change.
+		// Found instances never change.
 		return *r_cache;
 	}
 	Array values;
@@ -84,7 +84,7 @@ PackedInt64Array ScatterInstances::get_ids() const {
 /// Fills `layers_` and `layer_indices_`. The caller holds the mutex.
 void ScatterInstances::list_layers() const {
 	if (layer_indices_) {
-		// Fast path: found instances never change.
+		// Found instances never change.
 		return;
 	}
 	std::map<std::uint32_t, std::int32_t> places; // By index in the node's list.
@@ -129,7 +129,7 @@ PackedVector3Array ScatterInstances::get_positions() const {
 PackedFloat32Array ScatterInstances::get_transforms() const {
 	const std::lock_guard lock(mutex_);
 	if (transforms_) {
-		// Fast path: found instances never change.
+		// Found instances never change.
 		return *transforms_;
 	}
 	PackedFloat32Array transforms;

@@ -74,7 +74,7 @@ void ScatterState::tell_untold() {
 		untold_.pop_front();
 		tell_now(next);
 		if (next.diff != nullptr || next.changes->size() > many_changes) {
-			// Fast path: they are freed on a thread, while the game goes on.
+			// They are freed on a thread, while the game goes on.
 			leavings_.let_go({std::move(next.changes), std::move(next.diff)});
 		}
 	}
@@ -95,7 +95,7 @@ void ScatterState::tell_now(const Untold &untold) {
 		if (untold.diff == nullptr) {
 			emit_signal(instances_changed_, ids_of_changes(changes.list));
 		} else {
-			// Fast path: the thread has already listed the other IDs.
+			// The thread has already listed the other IDs.
 			add_ids(changes.instead, untold.diff->ids);
 			emit_signal(instances_changed_, untold.diff->ids);
 		}

@@ -29,7 +29,7 @@ Node3D *ScenePool::take(const Ref<PackedScene> &scene) {
 		Node3D *node = found->nodes.back().get();
 		found->nodes.pop_back();
 		if (waits(node)) {
-			// Fast path: an existing instance is reused.
+			// An existing instance is reused.
 			return node;
 		}
 	}

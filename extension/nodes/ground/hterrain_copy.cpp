@@ -231,7 +231,7 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 	if (!field.set(field_.place(), layers).ok()) {
 		return nullptr;
 	}
-	// Fast path: everything else is shared with the previous copy.
+	// Everything else is shared with the previous copy.
 	return std::make_shared<HTerrainCopy>(std::move(field), tilted_, std::move(images));
 }
 

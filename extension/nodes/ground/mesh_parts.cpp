@@ -56,7 +56,7 @@ void MeshReading::build(std::span<const glm::vec3> faces, const std::atomic<bool
 		made->copy = copy;
 		made->digest = digest_of(corners);
 		if (before != nullptr && before->digest == made->digest) {
-			// Fast path: its corners are unchanged.
+			// Its corners are unchanged.
 			made->ground = before->ground;
 		} else {
 			auto ground = std::make_shared<TriangleTerrain>();

@@ -301,7 +301,7 @@ void ScatterGround::set_world_offset(const Node3D *p_host, glm::dvec3 offset) {
 void ScatterGround::follow_scene(std::chrono::steady_clock::time_point deadline) {
 	const std::uint64_t frame = Engine::get_singleton()->get_process_frames();
 	if (std::exchange(followed_frame_, frame) == frame) {
-		// Fast path: a different host has already called this in this frame.
+		// A different host has already called this in this frame.
 		return;
 	}
 	const Ref<ScatterGround> held(this);

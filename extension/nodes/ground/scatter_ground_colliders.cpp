@@ -109,7 +109,7 @@ private:
 	bool is_instance(const Dictionary &hit) {
 		const auto id = static_cast<std::uint64_t>(hit[id_key_]);
 		if (id == collider_id_) {
-			// Fast path: it is the same body as in the last hit.
+			// It is the same body as in the last hit.
 			return collider_is_scatter_;
 		}
 		const Object *collider = hit[collider_key_];

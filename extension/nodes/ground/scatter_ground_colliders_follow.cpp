@@ -149,7 +149,7 @@ std::optional<ScatterGroundColliders::Placed> ScatterGroundColliders::measure(st
 	}
 	sight.version = watch_.version(sight.source);
 	if (before != nullptr && before->sight.source == sight.source && before->sight.version == sight.version) {
-		// Fast path: the shape is unchanged, wherever its body is now.
+		// The shape is unchanged, wherever its body is now.
 		return Placed{sight, before->bounds};
 	}
 	++figures_.reads;
@@ -183,7 +183,7 @@ void ScatterGroundColliders::update(std::uint64_t id) {
 		const auto then = offsets_.find(host);
 		const glm::dvec3 offset_before = then != offsets_.end() ? then->second : offset;
 		if (before != nullptr && now && same_in_world(before->sight, offset_before, now->sight, offset)) {
-			// Fast path: instances on it would not change.
+			// Instances on it would not change.
 			continue;
 		}
 		if (before != nullptr) {

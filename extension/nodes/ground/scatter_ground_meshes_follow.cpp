@@ -157,7 +157,7 @@ void ScatterGroundMeshes::add_worlds() {
 			return other.offset == host.offset && world != worlds_.end() && world->second.ground != nullptr;
 		});
 		if (same != hosts().end()) {
-			// Fast path: for the same position of the origin, the ground is the same.
+			// For the same position of the origin, the ground is the same.
 			worlds_[host.id] = worlds_.at(same->id);
 		} else if (found == worlds_.end()) {
 			worlds_[host.id] = {host.offset, std::make_shared<GroundMeshes>(), nullptr, nullptr, {}, {}};
@@ -251,7 +251,7 @@ bool ScatterGroundMeshes::plan(std::uint64_t id) {
 	sight.version = just_read ? fresh.version : watch_.version(sight.source);
 	std::vector<MeshReading> readings = readings_of(id, sight);
 	if (readings.empty()) {
-		// Fast path: it is unchanged in all worlds.
+		// It is unchanged in all worlds.
 		refusals_.erase(id);
 		return true;
 	}
@@ -343,7 +343,7 @@ void ScatterGroundMeshes::take_refusals(const MeshWork &work) {
 void ScatterGroundMeshes::refuse(std::uint64_t id, const String &p_why) {
 	String &why = refusals_[id];
 	if (why == p_why) {
-		// Fast path: this reason was already printed.
+		// This reason was already printed.
 		return;
 	}
 	why = p_why;

@@ -75,7 +75,7 @@ void ScatterGroundNode::find() {
 		return;
 	}
 	if (!stale_ && is_available()) {
-		// Fast path: the node that was found still exists.
+		// The node that was found still exists.
 		return;
 	}
 	stale_ = false;

@@ -37,7 +37,7 @@ public:
 			return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 		}
 		for (std::size_t i = 0; i < positions.size(); ++i) {
-			// Fast path: the height is the same as in `sample`.
+			// The height is the same as in `sample`.
 			r_ground[i].height = height_at(positions[i]);
 		}
 		return {};
@@ -77,7 +77,7 @@ private:
 
 std::shared_ptr<const Terrain> ScatterGroundNoise::make_snapshot(const GroundHost &) {
 	if (ground_ != nullptr) {
-		// Fast path: nothing has changed since it was created.
+		// Nothing has changed since it was created.
 		return ground_;
 	}
 	if (noise_.is_valid()) {

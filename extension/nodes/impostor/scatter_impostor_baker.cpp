@@ -119,7 +119,7 @@ std::shared_ptr<const SurfaceTexture> ScatterImpostorBaker::texture_of(const Ref
 	const std::lock_guard lock(mutex_);
 	std::shared_ptr<const SurfaceTexture> &known = textures_[p_image->get_instance_id()];
 	if (known != nullptr) {
-		// Fast path: an image that was used before is not read again.
+		// An image that was used before is not read again.
 		return known;
 	}
 	auto made = std::make_shared<SurfaceTexture>();

@@ -109,7 +109,7 @@ Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 		return entry.model.is_valid() && entry.resource.ptr() == static_cast<const Resource *>(p_scene.ptr());
 	});
 	if (known != taken_.end()) {
-		// Fast path: the scene was read before.
+		// The scene was read before.
 		return known->model;
 	}
 	Ref<ScatterModel> model(memnew(ScatterModel));

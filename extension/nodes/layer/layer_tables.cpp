@@ -32,7 +32,7 @@ void LayerTables::refresh(const MaskFrame &frame, double proximity_distance) {
 
 void LayerTables::refresh_noise() {
 	if (noise_source == used_source_ && noise_curve == used_curve_) {
-		// Fast path: the sources are the same, so tiles need not be regenerated.
+		// The sources are the same, so tiles need not be regenerated.
 		return;
 	}
 	used_source_ = noise_source;
@@ -43,7 +43,7 @@ void LayerTables::refresh_noise() {
 void LayerTables::refresh_image(const MaskFrame &frame) {
 	const bool new_pixels = std::exchange(mask_texture.unread, false) || frame.channel != frame_.channel;
 	if (!new_pixels && same_area(frame, frame_)) {
-		// Fast path: neither the mask's pixels nor its area have changed.
+		// Neither the mask's pixels nor its area have changed.
 		return;
 	}
 	frame_ = frame;

@@ -36,7 +36,7 @@ void replace(Made &r_old, Made fresh) {
 template <std::equality_comparable Table>
 void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> fresh) {
 	if (r_old != nullptr && fresh != nullptr && *r_old == *fresh) {
-		// Fast path: an equal table regenerates no tile.
+		// An equal table regenerates no tile.
 		return;
 	}
 	r_old = std::move(fresh);

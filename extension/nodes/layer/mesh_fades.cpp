@@ -52,7 +52,7 @@ bool FadeFinder::fades(const Ref<Material> &material) {
 	const std::uint64_t id = material->get_instance_id();
 	const auto found = known_.find(id);
 	if (found != known_.end()) {
-		// Fast path: a cached result holds for all meshes.
+		// A cached result holds for all meshes.
 		return found->second;
 	}
 	return known_[id] = has_fade(material);

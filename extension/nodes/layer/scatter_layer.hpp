@@ -72,6 +72,9 @@ struct SwitchProperty {
 	bool Values::*member;
 };
 
+template <class Values>
+SwitchProperty(const char *, const char *, bool Values::*) -> SwitchProperty<Values>;
+
 /// One species or family with its placement rules, and how it is drawn. Contains settings only.
 ///
 /// A setter refuses values that are not finite or out of range: it prints one error that names the property and the value, and keeps the

@@ -180,7 +180,7 @@ void ScatterMask::clear() {
 
 std::shared_ptr<const PaintedMask> ScatterMask::snapshot() const {
 	if (snapshot_ != nullptr) {
-		// Fast path: nothing was painted since the last snapshot.
+		// Nothing was painted since the last snapshot.
 		return snapshot_;
 	}
 	snapshot_ = std::make_shared<PaintedMask>(mask_);

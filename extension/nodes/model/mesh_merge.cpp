@@ -329,7 +329,7 @@ Ref<Mesh> merged_placeholder(std::span<const MeshPart> parts) {
 
 Ref<Mesh> merged_mesh(std::span<const MeshPart> parts) {
 	if (parts.size() == 1 && is_as_it_is(parts.front()) && parts.front().mesh->get_surface_count() > 0) {
-		// Fast path: a copy would look the same.
+		// A copy would look the same.
 		return parts.front().mesh;
 	}
 	std::vector<Surface> surfaces;

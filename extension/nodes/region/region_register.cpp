@@ -104,11 +104,11 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<Scatter
 		return last;
 	}
 	if (is_same(last)) {
-		// Fast path: an unchanged set regenerates no tile.
+		// An unchanged set regenerates no tile.
 		return last;
 	}
 	if (const auto shared = std::ranges::find_if(sets_, is_same); shared != sets_.end()) {
-		// Fast path: most regions affect all layers, which then share a set.
+		// Most regions affect all layers, which then share a set.
 		last = *shared;
 		return last;
 	}

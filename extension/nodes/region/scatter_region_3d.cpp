@@ -93,7 +93,7 @@ Path3D *ScatterRegion3D::followed_path() const {
 
 bool ScatterRegion3D::path_changed() {
 	if (shape_ != SHAPE_PATH && seen_.id == 0) {
-		// Fast path: the region follows no path and has followed none.
+		// The region follows no path and has followed none.
 		return false;
 	}
 	SeenPath now;

@@ -35,7 +35,7 @@ void for_each_part(std::size_t size, const Work &work) {
 		}
 	};
 	if (size > 4 * part) {
-		// Fast path: the parts are the same, whichever thread copies them.
+		// The parts are the same, whichever thread copies them.
 		EngineThreads().run(work_on);
 	} else {
 		work_on(0);
@@ -112,7 +112,7 @@ Vector2 PoissonPoints::get_position(int64_t p_index) const {
 PackedVector2Array PoissonPoints::get_positions() const {
 	const std::lock_guard lock(mutex_);
 	if (positions_.size() == size_) {
-		// Fast path: points never change, so their positions are created once.
+		// Points never change, so their positions are created once.
 		return positions_;
 	}
 	PackedVector2Array positions;

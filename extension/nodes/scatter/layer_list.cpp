@@ -17,7 +17,7 @@ namespace {
 template <class Values>
 std::shared_ptr<const Values> kept(const std::shared_ptr<const Values> &before, Values now) {
 	if (before != nullptr && *before == now) {
-		// Fast path: an unchanged object regenerates nothing.
+		// An unchanged object regenerates nothing.
 		return before;
 	}
 	return std::make_shared<const Values>(std::move(now));

@@ -71,7 +71,7 @@ void NodeLayers::update(const TypedArray<ScatterLayer> &p_own, const ScatterBiom
 		return;
 	}
 	if (wanted == seen_) {
-		// Fast path: the same layers have the same indices.
+		// The same layers have the same indices.
 		return;
 	}
 	const Layers layers = placed(wanted, own_count_, by_index_);

@@ -76,9 +76,9 @@ void add_transform_problem(const Node3D &node, glm::dvec3 offset, PackedStringAr
 	const bool is_moved_only = is_identity(to_core(transform.basis));
 	const String value = is_moved_only ? vformat("is moved to %s", transform.origin) : String("is turned or scaled");
 	r_problems.push_back(vformat("TerrainScatter3D.global_transform %s and has no effect: instances keep their "
-	                             "positions in the world, while "
+								 "positions in the world, while "
 								 "ScatterRegion3Ds below the node move with it. Reset the transforms of the node and "
-	                             "its parents; to shift the "
+								 "its parents; to shift the "
 								 "world, set TerrainScatter3D.world_offset.",
 			value));
 }

@@ -190,7 +190,7 @@ void ScatterStream::sort_work() {
 		return way.x * way.x + way.y * way.y < sort_distance * sort_distance;
 	});
 	if (same) {
-		// Fast path: the nearest tiles are the same.
+		// The nearest tiles are the same.
 		return;
 	}
 	if (!workers_.sort(viewers_)) {
@@ -230,7 +230,7 @@ void ScatterStream::start_missing() {
 			continue;
 		}
 		if (std::ranges::any_of(jobs_, makes)) {
-			// Fast path: the tile is in progress.
+			// The tile is in progress.
 			continue;
 		}
 		const auto job = std::make_shared<TileJob>();

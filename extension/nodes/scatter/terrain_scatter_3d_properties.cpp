@@ -38,7 +38,7 @@ void TerrainScatter3D::set_layers(const TypedArray<ScatterLayer> &p_layers) {
 
 void TerrainScatter3D::set_biomes(const Ref<ScatterBiomeMap> &p_biomes) {
 	if (biomes_ == p_biomes) {
-		// Fast path: the biomes are unchanged.
+		// The biomes are unchanged.
 		return;
 	}
 	watch(biomes_.ptr(), "changed", this, "_mark_dirty", false);
@@ -70,7 +70,7 @@ void TerrainScatter3D::watch_ground(bool p_watch) {
 void TerrainScatter3D::set_ground(const Ref<ScatterGround> &p_ground) {
 	const Ref<ScatterGround> ground = current_ground(p_ground);
 	if (ground_ == ground) {
-		// Fast path: the ground is unchanged.
+		// The ground is unchanged.
 		return;
 	}
 	watch_ground(false);
@@ -117,7 +117,7 @@ void TerrainScatter3D::set_world_offset(const Vector3 &p_offset) {
 	}
 	const glm::dvec3 offset{p_offset.x, p_offset.y, p_offset.z};
 	if (offset == world_offset_) {
-		// Fast path: the offset is unchanged.
+		// The offset is unchanged.
 		return;
 	}
 	world_offset_ = offset;

@@ -30,7 +30,7 @@ Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span
 
 std::unique_ptr<TileBuilder> AtOnceBuilder::take_builder() {
 	if (spare_ != nullptr) {
-		// Fast path: the memory of the last builder is reused.
+		// The memory of the last builder is reused.
 		return std::move(spare_);
 	}
 	return std::make_unique<TileBuilder>(SampleMargins{}, blocks_);
@@ -68,7 +68,7 @@ Status AtOnceBuilder::build(const LayerSettings &layer, const Terrain *terrain, 
 Status AtOnceBuilder::build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
 		std::vector<std::shared_ptr<const CompactTile>> &r_tiles) {
 	if (terrain != nullptr && orders.size() > 1) {
-		// Fast path: all threads share the work, and the tiles are the same.
+		// All threads share the work, and the tiles are the same.
 		EngineThreads threads;
 		return parallel_builder_.build(orders, *terrain, threads, r_tiles);
 	}

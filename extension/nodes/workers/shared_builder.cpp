@@ -12,7 +12,7 @@ std::unique_ptr<TileBuilder> SharedBuilder::take() {
 	{
 		const std::lock_guard lock(mutex_);
 		if (!spare_.empty()) {
-			// Fast path: the memory of an earlier tile is reused.
+			// The memory of an earlier tile is reused.
 			std::unique_ptr<TileBuilder> builder = std::move(spare_.back());
 			spare_.pop_back();
 			return builder;

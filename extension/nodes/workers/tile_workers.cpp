@@ -105,14 +105,14 @@ std::vector<std::shared_ptr<TileJob>> TileWorkers::take_finished() {
 
 void TileWorkers::let_go(std::shared_ptr<const void> unneeded) {
 	if (!on_main_thread_) {
-		// Fast path: a worker frees it.
+		// A worker frees it.
 		unneeded_here_.push_back(std::move(unneeded));
 	}
 }
 
 void TileWorkers::take_back(std::vector<MeshUpload> &&uploads) {
 	if (!on_main_thread_) {
-		// Fast path: a worker frees them, or fills their buffers again.
+		// A worker frees them, or fills their buffers again.
 		std::ranges::move(uploads, std::back_inserter(uploaded_here_));
 	}
 }
@@ -227,7 +227,7 @@ bool TileWorkers::work_on_next(Worker &worker) {
 		return false;
 	}
 	if (job->cancelled) {
-		// Fast path: the tile is no longer wanted.
+		// The tile is no longer wanted.
 		job->status.code = ErrorCode::cancelled;
 		job->step = TileJob::Step::done;
 		return true;

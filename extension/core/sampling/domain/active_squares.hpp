@@ -74,7 +74,7 @@ public:
 		total_ -= unit_area(choice.level);
 		--held_;
 		while (first_ + 1 < levels_used_ && lists_[first_].count == 0) {
-			// Fast path: choices can skip the empty lists before it.
+			// Choices can skip the empty lists before it.
 			++first_;
 		}
 		if (total_ < stale_below_ || --fresh_for_ == 0) {

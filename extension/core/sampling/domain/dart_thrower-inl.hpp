@@ -183,7 +183,7 @@ private:
 		const glm::uvec2 base = base_of(square);
 		const auto near = cells_.near(base, centered);
 		if (any_covers(near, centered, frame_.limit)) {
-			// Fast path: a dart would fail, and no uncovered quarter would remain.
+			// A dart would fail, and no uncovered quarter would remain.
 			return;
 		}
 		++counts_.darts;

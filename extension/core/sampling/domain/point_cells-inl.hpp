@@ -195,7 +195,7 @@ private:
 		if (!store_.sorted()) {
 			return {0, store_.capacity()};
 		}
-		// Fast path: in sorted cells, read only the rows that the box reaches.
+		// In sorted cells, read only the rows that the box reaches.
 		const Real low = box.y - box.half_y;
 		const Real high = box.y + box.half_y;
 		return store_.part(index_of(cell), low, high, height_in(cell.y, low), height_in(cell.y, high));
@@ -207,7 +207,7 @@ private:
 		const Real *xs = store_.coordinates(index) + begin;
 		const std::size_t lanes = (end - begin + block - 1) / block * block;
 		if (!store_.overflows(index)) {
-			// Fast path: read the points in place.
+			// Read the points in place.
 			return {xs, xs + store_.capacity(), lanes};
 		}
 		make_room(lanes);

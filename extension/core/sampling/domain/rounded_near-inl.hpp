@@ -81,7 +81,7 @@ HWY_INLINE bool any_below(const RoundedNear<Cells> &near, Squared &&squared, Exa
 		const auto distance = squared(load_steps(near.points->x.data() + i), load_steps(near.points->y.data() + i));
 		if (!hn::AllFalse(d, hn::Lt(distance, hn::Set(d, near.scale.perhaps_below)))) {
 			if (!hn::AllFalse(d, hn::Lt(distance, hn::Set(d, near.scale.surely_below)))) {
-				// Fast path: no rounding can change this result.
+				// No rounding can change this result.
 				return true;
 			}
 			unsure = true;

@@ -24,7 +24,7 @@ std::unique_ptr<Thrower<Real>> make(const DomainRequest &request, std::uint32_t 
 			// In single precision, a cell takes only a few cache lines anyway.
 			if constexpr (std::is_same_v<Real, double>) {
 				if (cell_width <= LineCells::widest) {
-					// Fast path: the same results, most of them from one cache line.
+					// The same results, most of them from one cache line.
 					return std::make_unique<DartThrower<Real, LineCells>>(request, cell_width);
 				}
 			}

@@ -1,0 +1,119 @@
+"""Some test runs every line of the extension, except the lines in uncovered_core.txt and uncovered_nodes.txt. A line that should make
+something faster changes no result, so only this test shows that it is ever reached. The lines are counted by a build with coverage=yes."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from conftest import BUILD_DIR, LONG_CASES, REPO, build, check_engine_tests, run
+
+OPTIONS = ("coverage=yes", "CXX=clang++", "scu_build=yes", "werror=no", "compiledb=no")
+FOLDER = Path("build", BUILD_DIR.name + ".clang++.coverage.scu")
+# Lines that hold nothing but brackets or a keyword run with the lines next to them.
+NO_WORDS = re.compile(r"[^A-Za-z]*(else|default:|do|try)?[^A-Za-z]*")
+
+pytestmark = pytest.mark.skipif(shutil.which("clang++") is None, reason="no clang++")
+
+
+def llvm(name: str) -> str:
+    """The path of an LLVM tool of the compiler's version."""
+    return run(["clang++", f"-print-prog-name={name}"], timeout=60).stdout.strip()
+
+
+def never_run(program: Path, profiles: Path, folder: str) -> dict[str, Counter[str]]:
+    """The lines of the sources below `folder` that no process ran, by file, each with its number."""
+    merged = profiles / "merged.profdata"
+    done = run([llvm("llvm-profdata"), "merge", "--sparse", "-o", merged, *profiles.glob("*.profraw")], timeout=600)
+    assert done.returncode == 0, done.stderr
+    done = run([llvm("llvm-cov"), "export", "--format=lcov", "--skip-functions", f"--instr-profile={merged}", program], timeout=1200, cwd=REPO)
+    assert done.returncode == 0, done.stderr[-4000:]
+    found: dict[str, Counter[str]] = {}
+    path, source = "", []
+    for row in done.stdout.splitlines():
+        kind, _, value = row.partition(":")
+        if kind == "SF":
+            path = os.path.relpath(REPO / value, REPO)
+            source = (REPO / path).read_text(encoding="utf-8").splitlines() if path.startswith(folder + "/") else []
+        elif kind == "DA" and source:
+            line, count = map(int, value.split(",")[:2])
+            # The end of a function may be a line after the file's last one.
+            text = source[line - 1].strip() if line <= len(source) else ""
+            if count == 0 and not text.startswith("#") and not NO_WORDS.fullmatch(text):
+                found.setdefault(path, Counter())[text] += 1
+    return found
+
+
+def listed_lines(text: str) -> dict[str, Counter[str]]:
+    """Lines from a list: each file, then its lines with an indent. Reads what `listing` writes."""
+    found: dict[str, Counter[str]] = {}
+    for row in text.splitlines():
+        if not row.startswith(("#", "\t")):
+            path = row
+        elif row.startswith("\t"):
+            found.setdefault(path, Counter())[row.strip()] += 1
+    return found
+
+
+def listing(lines: dict[str, Counter[str]]) -> str:
+    return "".join(f"{path}\n" + "".join(f"\t{text}\n" for text in sorted(lines[path].elements())) for path in sorted(lines))
+
+
+def check_covered(program: Path, profiles: Path, folder: str, name: str):
+    """Fails if nothing ran a line that is not in a list of this folder. Writes the new list into the build folder."""
+    file = REPO / "tests/core" / name
+    found, expected = never_run(program, profiles, folder), listed_lines(file.read_text(encoding="utf-8"))
+    header = "".join(row for row in file.read_text(encoding="utf-8").splitlines(keepends=True) if row.startswith("#"))
+    new_list = REPO / FOLDER / name
+    new_list.write_text(header + listing(found), encoding="utf-8")
+    remedy = f"Add a test, or if none can run them: cp {FOLDER / name} {file.relative_to(REPO)}"
+    new = {path: found[path] - expected.get(path, Counter()) for path in found}
+    assert not any(new.values()), f"no test runs\n{listing(new)}{remedy}"
+
+
+def environment(profiles: Path) -> dict[str, str]:
+    """Lets each process add its counts to a common file. In a container, different processes have the same ID."""
+    return {"LLVM_PROFILE_FILE": str(profiles / "%4m.profraw")}
+
+
+def test_lines_that_nothing_runs_are_found(tmp_path):
+    source = """int main(int count, char **) {
+	if (count == 1) {
+		++count;
+	}
+	if (count == 1) {
+		return 1;
+	}
+	return 0;
+}
+"""
+    (tmp_path / "main.cpp").write_text(source)
+    flags = ["-fprofile-instr-generate", "-fcoverage-mapping"]
+    assert run(["clang++", *flags, tmp_path / "main.cpp", "-o", tmp_path / "main"], timeout=60).returncode == 0
+    assert run([tmp_path / "main"], timeout=60, env=environment(tmp_path)).returncode == 0
+    folder = os.path.relpath(tmp_path, REPO)
+    assert never_run(tmp_path / "main", tmp_path, folder) == {f"{folder}/main.cpp": Counter(["return 1;"])}
+
+
+@pytest.mark.full
+def test_cases_run_every_line_of_the_core(tmp_path):
+    """The cases of tests/core that do not take long."""
+    build(*OPTIONS, FOLDER / "core_tests", timeout=3600)
+    done = run([REPO / FOLDER / "core_tests", "--no-intro", "--test-case-exclude=" + ",".join(LONG_CASES)],
+        timeout=900, env={**os.environ, **environment(tmp_path)})  # fmt: skip
+    assert done.returncode == 0, (done.stdout + done.stderr)[-8000:]
+    check_covered(REPO / FOLDER / "core_tests", tmp_path, "extension/core", "uncovered_core.txt")
+
+
+@pytest.mark.full
+def test_scripts_run_every_line_of_the_nodes(tmp_path):
+    """The scripts of tests/engine."""
+    build(*OPTIONS, "extension", timeout=3600)
+    addon = REPO / FOLDER / "addon"
+    check_engine_tests(addon, **environment(tmp_path))
+    library = next((addon / "bin").glob("*.so"))
+    check_covered(library, tmp_path, "extension/nodes", "uncovered_nodes.txt")
