@@ -39,8 +39,8 @@ struct ColorPixels {
 /// Reads any format that the engine can convert.
 ColorPixels color_pixels(const godot::Ref<godot::Image> &p_image);
 
-/// The biome of each pixel. By color: the nearest one in `colors`; if several are equally near, the one with the lowest index. By index:
-/// one of the first `count`. Uses integer arithmetic.
+/// Returns the biome of each pixel. By color: the biome whose entry in `colors` is nearest; if several are equally
+/// near, the one with the lowest index. By index: one of the first `count` biomes. Uses integer arithmetic.
 std::vector<std::uint8_t> biomes_of(
 		const ColorPixels &pixels, BiomePixels mode, std::span<const BiomeColor> colors, std::size_t count);
 

@@ -13,7 +13,7 @@ namespace thicket {
 
 /// The layers that grow in one kind of land: a meadow, a forest, a swamp. Contains settings only; a ScatterBiomeMap determines its area.
 ///
-/// Every setter emits `changed`. The array of layers is shared with scripts, and their changes to it take effect.
+/// Every setter emits `changed`. Scripts share the array of layers, and may change it in place.
 class ScatterBiome : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiome, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)

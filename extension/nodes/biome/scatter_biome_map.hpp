@@ -17,8 +17,8 @@ namespace thicket {
 
 /// Biomes, and an image that determines the area of each: BiomeMap as a resource of the engine. Several nodes may share one.
 ///
-/// Every setter emits `changed`, and so does the map whenever a biome or the image emits it. The array of biomes, and the arrays of their
-/// layers, are shared with scripts: changes to them take effect at the next `notice`.
+/// Every setter emits `changed`. A `changed` of a biome or of the image also makes the map emit it. Scripts share the
+/// array of biomes and the biomes' arrays of layers. Changes that they make in place take effect at the next `notice`.
 class ScatterBiomeMap : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiomeMap, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -38,7 +38,7 @@ public:
 		MAP_EDGE_CLAMP,
 	};
 
-	/// At most max_biomes. A null entry is land without a biome, and the other entries keep their indices.
+	/// At most max_biomes. A null entry is land without a biome and keeps its index.
 	void set_biomes(const godot::TypedArray<ScatterBiome> &p_biomes);
 	godot::TypedArray<ScatterBiome> get_biomes() const { return biomes_; }
 
@@ -70,7 +70,8 @@ public:
 	/// The biome with the largest weight at a world position (x, z); null if there is none.
 	godot::Ref<ScatterBiome> get_biome_at(const godot::Vector2 &p_position);
 
-	/// The weight of each biome there, 0 to 1. If the sum is below 1, the rest belongs to no biome.
+	/// Returns the weight of each biome at a world position, 0 to 1. If the sum is below 1, the rest belongs to no
+	/// biome.
 	godot::PackedFloat32Array get_weights_at(const godot::Vector2 &p_position);
 
 	/// Calls `take` with the layers of each biome.
@@ -86,20 +87,20 @@ public:
 	/// Adds the resources that the main thread reads along with the map, except for the layers of its biomes.
 	void add_used(SceneUse::List &r_used) const;
 
-	/// True if scripts have changed one of the arrays since the last `notice`.
+	/// True if a script has changed one of the shared arrays since the last `notice`.
 	bool differs() const;
 
-	/// Reads the arrays, and emits `changed` if they differ, which runs scripts.
+	/// Reads the shared arrays. If they have changed, emits `changed`, which runs scripts.
 	void notice();
 
-	/// The map for the current image and biomes; after an error, which is printed once, the last valid one. Never null. The same object
-	/// until it changes.
+	/// Returns the map for the current image and biomes, never null. Returns the same object until the map changes. If
+	/// the image or the biomes are refused, prints one error and returns the last valid map.
 	const std::shared_ptr<const BiomeMap> &map();
 
 	/// The density of a layer in each biome; 0 for biomes that do not contain it.
 	PerBiome<float> densities_of(const godot::Ref<ScatterLayer> &p_layer) const;
 
-	/// The water level in each biome. `node_level` is that of the node (world meters or no_water).
+	/// The water level in each biome. `node_level` is the water level of the node (world meters or no_water).
 	PerBiome<double> water_levels(double node_level) const;
 
 	/// True if a biome has water at its own level.

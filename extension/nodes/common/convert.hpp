@@ -25,8 +25,8 @@
 
 namespace thicket {
 
-// Conversions between the core's types and the engine's. The core keeps exact positions: double precision, counted from the world's origin.
-// A conversion to the engine's precision rounds once.
+// Conversions between the core's types and the engine's. The core keeps positions in double precision, measured from
+// the world's origin. A conversion to the engine's precision rounds once.
 
 /// Keeps all 64 bits: the engine's integers are signed, the core's IDs are unsigned.
 constexpr std::int64_t script_id(std::uint64_t id) { return static_cast<std::int64_t>(id); }
@@ -57,7 +57,7 @@ Packed packed(std::span<const Element> elements, Convert of) {
 	return result;
 }
 
-/// The bytes of an array. Valid while the array is held and not written to.
+/// The bytes of an array. The span is valid while the array exists and is not written to.
 std::span<const std::uint8_t> span_of(const godot::PackedByteArray &p_bytes);
 
 godot::PackedByteArray packed_bytes(std::span<const std::uint8_t> bytes);

@@ -11,13 +11,13 @@
 
 namespace thicket {
 
-// When an allocation fails, the engine's arrays only print an error to the log and keep their size. Each function here throws
-// std::bad_alloc instead, to be caught at the border (guard.hpp). tests/engine/test_allocations.py permits no other way to resize an array of the
-// engine, to write its elements or to append to it.
+// When an allocation fails, the engine's arrays only print an error to the log and keep their size. The functions here
+// throw std::bad_alloc instead, and the guarded call catches it (guard.hpp). tests/engine/test_allocations.py permits
+// no other way to resize an array of the engine, to write its elements or to append to it.
 
-/// The elements of a packed array, for writing. No other array may share its memory: copy an array that the engine returned with
-/// `resized_copy` first, because the engine terminates when it has no memory for a hidden copy. Godot 4.4 would even write to the shared
-/// memory.
+/// The elements of a packed array, for writing. No other array may share its memory, so copy an array that the engine
+/// returned with `resized_copy` first. Otherwise the engine copies it silently and terminates if there is no memory for
+/// the copy. Godot 4.4 would even write to the shared memory.
 template <class Packed>
 auto writable(Packed &r_array) {
 	const std::int64_t size = r_array.size();
@@ -28,7 +28,7 @@ auto writable(Packed &r_array) {
 	return std::span(first, static_cast<std::size_t>(size));
 }
 
-/// Resizes a packed array that shares its memory with no other, and returns its elements. New elements are 0.
+/// Resizes a packed array whose memory is not shared, and returns its elements. New elements are 0.
 template <class Packed>
 auto resize(Packed &r_array, std::int64_t size) {
 	r_array.resize(size);
@@ -56,7 +56,7 @@ inline void append(godot::Array &r_array, const godot::Variant &element) {
 	}
 }
 
-/// A shallow copy: the array has its own memory, but its elements are the same objects.
+/// A shallow copy. The array has its own memory; its elements are the same objects.
 inline godot::Array copied(const godot::Array &array) {
 	godot::Array copy;
 	for (std::int64_t index = 0; index < array.size(); ++index) {

@@ -45,7 +45,8 @@ template <typename C, typename R, typename... Args>
 struct MemberFunction<R (C::*)(Args...)> {
 	using Class = C;
 
-	/// The method of the class (THICKET_GUARDED_METHODS) that the engine calls in place of `method`, with the same signature.
+	/// Wraps `method` in a guard, with the same signature. The engine calls this method of the class
+	/// (THICKET_GUARDED_METHODS) instead of `method`.
 	template <auto method>
 	static constexpr R (C::*entry)(Args...) = &C::template guarded_entry<method, R, Args...>;
 };
@@ -61,7 +62,8 @@ struct MemberFunction<R (C::*)(Args...) const> {
 /// `Class.method`, stored for as long as the library is loaded.
 const char *kept_method_name(const godot::StringName &p_class, const godot::StringName &p_method);
 
-/// The name and the thread rule of a bound method. The name is a plain pointer: hundreds of strings would each have to be destroyed.
+/// The name and the thread rule of a bound method. The name is a plain pointer, because hundreds of strings would each
+/// need a destructor.
 template <auto method>
 inline BoundMethod bound_method;
 
@@ -132,8 +134,9 @@ R call_guarded(Self *p_self, const Args &...p_arguments) {
 	return refused_result<R>(godot::ERR_OUT_OF_MEMORY);
 }
 
-/// ClassDB::bind_method for a method that has its own thread rule and may run out of memory:
-/// `bind_guarded<&ScatterRequest::cancel>(ThreadUse::any, D_METHOD("cancel"))`. The class must use THICKET_GUARDED_METHODS.
+/// Does the same as ClassDB::bind_method, for a method that has its own thread rule and may run out of memory:
+/// `bind_guarded<&ScatterRequest::cancel>(ThreadUse::any, D_METHOD("cancel"))`. The class must use
+/// THICKET_GUARDED_METHODS.
 template <auto method, typename Definition, typename... Defaults>
 void bind_guarded(const ThreadRule &rule, const Definition &p_definition, const Defaults &...p_defaults) {
 	using Member = MemberFunction<decltype(method)>;
@@ -150,9 +153,10 @@ void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults)
 
 } // namespace thicket
 
-/// For a class whose methods are bound with bind_guarded; write it after GDCLASS. Sets the rule of methods that are bound without one, and
-/// adds the methods that the engine calls in their place. These must be members of the class itself, because godot-cpp binds nothing
-/// else. A class that uses any rule other than ThreadUse::any must also derive from ThreadGuarded.
+/// For a class whose methods are bound with bind_guarded; write it after GDCLASS. Sets the rule of methods that are
+/// bound without one, and adds the guarded methods that the engine calls. These must be members of the class itself,
+/// because godot-cpp cannot bind anything else. A class that uses any rule other than ThreadUse::any must also derive
+/// from ThreadGuarded.
 #define THICKET_GUARDED_METHODS(m_use) \
 	template <typename> \
 	friend struct ::thicket::MemberFunction; \

@@ -7,8 +7,8 @@
 
 namespace thicket {
 
-/// Queues a call of a bound method, named as `Class.method`, for the main thread, which makes it in the next frame of any TerrainScatter3D.
-/// Calls are made in order. A call whose object has been freed by then is dropped. Any thread.
+/// Queues a call of a bound method, named as `Class.method`, for the main thread. The main thread makes the queued
+/// calls in order, in the next frame of any TerrainScatter3D, and drops calls whose object has been freed. Any thread.
 void call_on_main_thread(
 		const godot::Object *p_object, const char *method, std::span<const godot::Variant> arguments) noexcept;
 

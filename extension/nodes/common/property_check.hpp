@@ -29,14 +29,14 @@ struct NumberProperty {
 template <class Values, class Number, class... Rest>
 NumberProperty(const char *, Number Values::*, Rest...) -> NumberProperty<Values, Number>;
 
-/// True for a finite value in [min, max]. Otherwise prints one error that names the owner, the property, the allowed range and the value,
-/// and returns false.
+/// True for a finite value in [min, max]. For any other value, prints one error that names the owner, the property, the
+/// allowed range and the value, and returns false.
 bool accept_number(const char *owner, const char *property, double value, double min, double max);
 
 /// Prints `owner`.`status` as an error of the engine. Prints nothing if the status is ok or cancelled.
 void report(const char *owner, const Status &status);
 
-/// The Error that a method returns when its bytes or other arguments were refused with this status.
+/// Converts the status with which a method refused its arguments into the Error that it returns.
 godot::Error error_of(const Status &status);
 
 /// The sentence that `report` prints.

@@ -13,7 +13,8 @@ bool set_renamed(godot::Object *p_object, const godot::StringName &p_name, const
 /// Warns once that files use a property name of release 0.2, and explains how to save them with the current one. Any thread.
 void warn_of_rename(const char *p_former, const char *p_current);
 
-/// Warns once of a name that was not simply replaced. `p_change` is the rest of the sentence up to "since version 0.3".
+/// Warns once about a name of release 0.2 that has no direct replacement. `p_change` is the end of the sentence, up to
+/// "since version 0.3".
 void warn_of_change(const char *p_former, const char *p_change);
 
 /// Warns once that a property of release 0.2 has no effect any more. `p_remedy` is a sentence without its period.

@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-/// Calls a method of an object or Callable that came from a script, and returns whether it could be called. Callable::call and Object::call
-/// do not report that. The called method may do anything.
+/// Calls a method of an object or Callable that came from a script, and returns whether it could be called.
+/// Callable::call and Object::call do not report that. The method may run any script code.
 inline GDExtensionCallErrorType call_script(godot::Variant &p_of, const godot::StringName &p_method,
 		godot::Variant &r_result, const std::same_as<godot::Variant> auto &...p_arguments) {
 	std::array<const godot::Variant *, sizeof...(p_arguments)> arguments{&p_arguments...};

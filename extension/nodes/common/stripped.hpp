@@ -6,8 +6,8 @@
 
 namespace thicket {
 
-/// True for the placeholder that a dedicated server export substitutes for a mesh or a texture whose file it strips of visuals: a
-/// PlaceholderMesh or a PlaceholderTexture2D.
+/// True for a placeholder: a PlaceholderMesh or a PlaceholderTexture2D. A dedicated server export substitutes them for
+/// meshes and textures whose files it strips of visuals.
 bool is_stripped(const godot::Ref<godot::Resource> &p_resource);
 
 /// A sentence for a node's warnings: a resource that a property needs was stripped, the consequence, and how to fix it.

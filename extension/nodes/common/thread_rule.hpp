@@ -1,7 +1,7 @@
 #pragma once
 
-// Defines which threads may call a bound method. Each method has a rule, declared at its binding or, for most methods, by its class.
-// call_guarded (guard.hpp) checks it before the method runs.
+// Defines which threads may call a bound method. Most methods have the rule of their class; the others declare a rule
+// at their binding. call_guarded (guard.hpp) checks it before the method runs.
 
 #include <atomic>
 #include <cstdint>
@@ -15,8 +15,9 @@ enum class ThreadUse : std::uint8_t {
 	/// The main thread only.
 	main,
 
-	/// One thread at a time (const methods: several), and only the main thread while the scene tree uses the object. So a loader may fill
-	/// an object that nothing uses yet, and no other thread changes an object that the main thread reads in its frames.
+	/// Any thread, one at a time (const methods: several). While the scene tree uses the object, only the main thread.
+	/// So a loader may fill an object that nothing uses yet. No other thread changes an object that the main thread
+	/// reads in its frames.
 	owner,
 
 	/// As `owner`, but the main thread makes a refused call in its next frame. For signal handlers, because any thread may emit a signal.
@@ -47,8 +48,9 @@ public:
 	ThreadGuard(const ThreadGuard &) = delete;
 	ThreadGuard &operator=(const ThreadGuard &) = delete;
 
-	/// From this call on the main thread uses the object, in frames and queries; `leave_scene` undoes one call. Waits at most one second
-	/// for another thread that is inside one of its methods. Returns false if that takes longer.
+	/// From this call on, the main thread uses the object in its frames and queries; `leave_scene` undoes one call. If
+	/// another thread is inside one of the object's methods, waits at most one second for it to leave. Returns false if
+	/// that takes longer.
 	bool enter_scene();
 	void leave_scene() { scene_uses_.fetch_sub(1); }
 	bool in_scene() const { return scene_uses_.load() > 0; }
@@ -62,7 +64,7 @@ private:
 	std::atomic<std::int32_t> calls_ = 0; ///< The threads in const methods, or `writing` for one in any other method.
 };
 
-/// A second base, after the engine's, of each class whose methods use the rules `main`, `owner` or `relayed`.
+/// The second base, after the engine's, of each class whose methods use the rules `main`, `owner` or `relayed`.
 class ThreadGuarded {
 public:
 	ThreadGuard &thread_guard() const { return thread_guard_; }
@@ -75,7 +77,7 @@ private:
 	mutable ThreadGuard thread_guard_;
 };
 
-/// One call of a method, from its check to its end. The method's callbacks may call the same object again, and may free it.
+/// One call of a method, from its check to its end. Its callbacks may call methods of the same object and may free it.
 class ThreadTurn {
 public:
 	/// `guard` is null for an object whose methods all have the rule `any`. `reads` is true for a const method.

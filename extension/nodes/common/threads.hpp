@@ -10,11 +10,11 @@ namespace thicket {
 /// Whether the engine has worker threads. Web builds may have none, and a project may disable them.
 bool has_threads();
 
-/// The caller is the engine's main thread. To be called once, before any class is registered.
+/// Records that the caller is the engine's main thread. Call it once, before any class is registered.
 void remember_main_thread();
 
-/// Whether the caller runs on the engine's main thread. Costs a few nanoseconds, and calls nothing of the engine: that could need
-/// memory, for a wrapper.
+/// True if the caller runs on the engine's main thread. Costs a few nanoseconds. Does not call the engine, because that
+/// could allocate memory for a wrapper.
 bool on_main_thread() noexcept;
 
 /// The number of threads to use besides the calling one: 0 to 8.

@@ -6,8 +6,9 @@
 
 namespace thicket {
 
-/// Connects a signal of `p_source` to a bound method of `p_watcher`, or disconnects it. Does nothing if the source is null or is already in
-/// that state. Connects by the method's name, so that the connection outlives the C++ object when the extension is reloaded.
+/// Connects a signal of `p_source` to a bound method of `p_watcher`, or disconnects it. Does nothing if the source is
+/// null or already connected as requested. The connection refers to the method by name, so it outlives the C++ object
+/// when the extension is reloaded.
 void watch(godot::Object *p_source, const godot::StringName &p_signal, godot::Object *p_watcher,
 		const godot::StringName &p_method, bool p_watch);
 

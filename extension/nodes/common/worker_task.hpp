@@ -23,7 +23,8 @@ public:
 	WorkerTask(const WorkerTask &) = delete;
 	WorkerTask &operator=(const WorkerTask &) = delete;
 
-	/// Must not be called while the task is busy. `at_once` runs the work on the calling thread, for a caller that waits for it.
+	/// Starts the work. The task must not be busy. If `at_once` is true, runs the work on the calling thread, for a
+	/// caller that waits for it.
 	void start(Work work, bool at_once = false) {
 		work_ = std::move(work);
 		cancelled_ = false;
@@ -38,7 +39,7 @@ public:
 
 	bool busy() const { return busy_; }
 
-	/// True once, when the work is done and can be taken. If `wait` is true, waits for the work to finish.
+	/// Returns true once, when the work is done and can be taken. If `wait` is true, waits until then.
 	bool finish(bool wait) {
 		godot::WorkerThreadPool *pool = godot::WorkerThreadPool::get_singleton();
 		if (!busy_ || (task_ >= 0 && !wait && !pool->is_task_completed(task_))) {

@@ -14,8 +14,8 @@
 
 namespace thicket {
 
-/// Draws the cells of tiles: passes what the core decides to their visuals, and adds visuals for LODs that cross-fade. Then both LODs are
-/// drawn, and their shaders divide the pixels between them. Main thread only.
+/// Draws the cells of tiles. Passes the core's decisions to the visuals of cells, and adds visuals for LODs that
+/// cross-fade: both LODs are then drawn, and their shaders divide the pixels between them. Main thread only.
 class CellDrawer {
 public:
 	/// The parts of a display that drawing needs. They outlive the drawer.
@@ -34,20 +34,23 @@ public:
 	/// Whether further visuals are visible.
 	void set_visible(bool visible) { visible_ = visible; }
 
-	/// Draws the cells of a tile in cells that are due, or a whole tile, without an upload. The layer of the tile must be displayed. Returns
-	/// false if the limit for all tiles thins it. `r_margin` gets the distance in meters that viewers may move until a cell is due.
+	/// Draws those cells of a tile that are due, or a tile that is not divided into cells. Uploads nothing. The layer
+	/// of the tile must be displayed. Returns false if the limit for all tiles thins the tile. `r_margin` gets the
+	/// distance in meters that viewers may move until a cell is due.
 	bool draw(const TileKey &key, DisplayedTile &r_tile, double &r_margin);
 
 	/// True if a cell of a tile lacks a visual for an LOD, and there is room for one.
 	bool lacks_visuals(const TileKey &key, const DisplayedTile &tile) const;
 
-	/// Uploads some of these visuals. False if more are left for the next step.
+	/// Uploads some of the missing visuals. Returns false if some are left for the next step.
 	bool add_visuals(const TileKey &key, DisplayedTile &r_tile);
 
-	/// Uploads some visuals of the still hidden parts of a tile's new division, so that nothing pops when they are shown.
+	/// Uploads some visuals of a tile's new division, whose parts are still hidden, so that nothing pops when they are
+	/// shown.
 	bool add_visuals(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 
-	/// Cells, and tiles that are drawn as a whole, that were drawn since the last `reset_count`, counted for each mesh.
+	/// The number of draws since the last `reset_count`, counted for each mesh, of cells and of tiles that are drawn as
+	/// a whole.
 	std::uint64_t draw_count() const { return draw_count_; }
 	void reset_count() { draw_count_ = 0; }
 

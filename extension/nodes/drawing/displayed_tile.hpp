@@ -21,13 +21,14 @@ namespace thicket {
 
 /// The drawn content of one tile. Each mesh draws the tile as a whole, or one part for each cell that contains instances.
 struct DisplayedTile {
-	/// The instances of one mesh that are drawn, counted and culled together. Owns all their objects in the renderer.
+	/// The instances of one mesh in one cell, counted and culled together. Owns all their objects in the renderer.
 	struct Cell {
 		explicit Cell(TileVisual its_visual) : visual(std::move(its_visual)) {}
 
 		TileVisual visual; ///< The first of the LODs that are drawn.
 
-		/// The LODs that follow, while some of the instances are in their distance range. All of them draw the same instances.
+		/// The visuals of the LODs that follow, for distances at which instances use several LODs. All of them draw the
+		/// same instances.
 		std::vector<TileVisual> others;
 		glm::vec3 min{0.0f}; ///< The box around the drawn instances, relative to the tile's origin.
 		glm::vec3 max{0.0f};
@@ -91,7 +92,7 @@ struct DisplayedTile {
 	void set_lod(std::size_t lod);
 	std::size_t cell_count() const;
 
-	/// Its part of the amounts of all tiles; nothing for a tile without content.
+	/// The tile's share of the amounts of all tiles; zero for a tile without content.
 	DrawAmounts amounts() const;
 
 	/// The number of multimeshes of its cells now, and the largest possible number with a different division.
@@ -99,10 +100,11 @@ struct DisplayedTile {
 	std::size_t most_multimeshes(std::uint32_t across_then) const;
 };
 
-/// The instances of a part in one of its cells, in the renderer's format. `reach` as in to_upload.
+/// The instances of a part in one of its cells, in the renderer's format. `reach` is the same as in the function
+/// to_upload.
 MeshUpload to_upload(const DisplayedTile::Part &part, std::size_t cell, float reach);
 
-/// The RenderingServer's data for a part, in the tile's order. Slow: it waits for the renderer.
+/// Reads the data of a part from the RenderingServer, in the tile's order. Slow, because it waits for the renderer.
 godot::PackedFloat32Array read_back(const DisplayedTile::Part &part);
 
 } // namespace thicket

@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-/// The layers as they are drawn now, by index, and a version of each layer's drawing settings. A tile with a different version is still
-/// drawn with former settings.
+/// The layers as they are drawn now, by index, with a version of each layer's drawing settings. A tile with a different
+/// version is still drawn with outdated settings.
 class DrawnLayers {
 public:
 	/// True if a layer is now drawn differently.

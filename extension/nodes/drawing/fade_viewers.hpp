@@ -35,10 +35,11 @@ public:
 
 	void set_layers(std::span<const SharedSnapshot> layers);
 
-	/// Sets the node's viewers for this frame. If there are none, the last ones stay, as tiles do. `camera` is in the engine's space.
+	/// Sets the node's viewers for this frame. If there are none, the previous viewers stay, and so do the tiles.
+	/// `camera` is in the engine's space.
 	void set_viewers(std::span<const FadeViewer> viewers, glm::vec3 camera);
 
-	/// Releases the viewers and the materials, which from now on fade with the distance to the camera.
+	/// Removes the node's viewers and releases its materials. The materials then fade with the distance to the camera.
 	void clear();
 
 private:

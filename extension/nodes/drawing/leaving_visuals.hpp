@@ -16,11 +16,11 @@ class LeavingVisuals {
 public:
 	void add(TileVisual visual) { visuals_.push_back(std::move(visual)); }
 
-	/// Allocates memory, so that the next `count` calls of `add` throw nothing.
+	/// Allocates memory in advance, so that the next `count` calls of `add` throw nothing.
 	void reserve(std::size_t count) { visuals_.reserve(visuals_.size() + count); }
 
-	/// Hides some visuals, or frees one if all are hidden: removed tiles must not stay visible while all of them are being freed. False if
-	/// there is none.
+	/// Hides some visuals. If all are hidden, frees one: no removed tile must stay visible while others are freed.
+	/// Returns false if no visual is left.
 	bool free_step();
 
 	std::size_t size() const { return visuals_.size(); }

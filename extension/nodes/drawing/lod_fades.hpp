@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// The looks of a layer's mesh: the nearest one, then one for each of its LODs.
+/// The looks of one mesh of a layer: the look of the finest LOD, then one for each further LOD.
 std::vector<MeshLook> lods_of(const LayerDrawing &drawing, std::size_t mesh);
 
 /// The LODs of one mesh of a layer, plain and fading. Consecutive LODs that are drawn alike share one look.
@@ -22,11 +22,11 @@ public:
 	/// One for each LOD.
 	std::span<const LodStep> steps() const { return looks_.steps(); }
 
-	/// True once all fading variants are created. The methods below are for such a chain.
+	/// True once all fading variants are created. The methods below require that.
 	bool is_made() const { return made_ == meshes_.size(); }
 
-	/// Creates the fading variants of the next look. Copies them from `before`, a different chain, if it has the same look. Takes
-	/// milliseconds for a large mesh, which is read back from the renderer.
+	/// Creates the fading variants of the next look. Copies them from the chain `before` if that has the same look.
+	/// Takes milliseconds for a large mesh, because the mesh is read back from the renderer.
 	void make_next(const LodChain *before);
 
 	/// True if a part of a tile is drawn with these LODs.
@@ -38,7 +38,7 @@ public:
 	/// One of the looks of a span; 0 is the look of its first LOD.
 	const MeshLook &look(const LodSpan &span, std::size_t index) const;
 
-	/// The look of one LOD of a span that is drawn alone in place of the whole span.
+	/// The look of one LOD of a span when it is drawn alone, in place of the whole span.
 	const MeshLook &only_look(const LodSpan &span, std::size_t lod) const;
 
 private:
@@ -62,8 +62,8 @@ public:
 	/// Null for a mesh that is not drawn.
 	const LodChain *find(std::uint32_t layer, std::size_t mesh) const;
 
-	/// Creates some of the missing variants; false if none is missing. Sets `r_ready` when a chain is complete, because it fades from then
-	/// on.
+	/// Creates some of the missing variants. Returns false if none is missing. Sets `r_ready` when this completes a
+	/// chain, because the chain fades from then on.
 	bool make_some(bool &r_ready);
 	bool is_made() const { return layers_made_ == layers_.size(); }
 

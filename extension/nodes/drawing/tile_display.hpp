@@ -25,9 +25,9 @@
 
 namespace thicket {
 
-/// The visible tiles. Carries out what core/drawing decides: uploads their parts, divides them into cells, changes meshes and counts with
-/// distance, and redraws tiles that a game has changed. Main thread only. Works in small steps, so that its caller can stop when the
-/// frame's time is spent.
+/// The visible tiles. Carries out what core/drawing decides: uploads their parts, divides them into cells, changes
+/// meshes and counts with distance, and redraws tiles that a game has changed. Main thread only. Its steps are small,
+/// so that the caller can stop when the frame's time is spent.
 class TileDisplay {
 public:
 	TileDisplay() = default;
@@ -35,18 +35,20 @@ public:
 	TileDisplay(const TileDisplay &) = delete;
 	TileDisplay &operator=(const TileDisplay &) = delete;
 
-	/// Sets the changes of a game, which apply to all future tiles. Visible tiles follow where they are marked. The state must outlive the
-	/// display.
+	/// Sets the changes of a game. They apply to all future tiles; visible tiles are updated only where they are
+	/// marked. The state must outlive the display.
 	void set_state(const InstanceState *state) { state_ = state; }
 
-	/// From now on an instance of a layer, whose point lies in `area`, is drawn by other means, or no longer is.
+	/// If `hidden`, other code draws this instance from now on; otherwise the display draws it again. Its point lies in
+	/// `area`.
 	void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden);
 
-	/// The overlay may have changed in an area (world meters, edges included) of a layer, or everywhere.
+	/// Marks an area of a layer (world meters, edges included), or everything, where the overlay may have changed.
 	void mark(std::uint32_t layer, const Rect &area) { redraws_.mark(layer, area); }
 	void mark_all() { redraws_.mark_all(); }
 
-	/// Redraws the tiles whose overlay has changed where it was marked, with one upload each. Call it before the frame is drawn.
+	/// Redraws the tiles whose overlay has changed in a marked area, with one upload for each tile. Call it before the
+	/// frame is drawn.
 	void patch();
 
 	/// Marks an area of a layer, or everything, for `patch_step`, which redraws tile by tile.
@@ -66,42 +68,45 @@ public:
 	/// Shows or hides all tiles, including future ones.
 	void set_visible(bool visible);
 
-	/// The layers by index. `lod_step` updates tiles whose layer is now drawn differently, step by step. The meshes of a layer apply to
-	/// future tiles only.
+	/// Sets the layers by index. If a layer is now drawn differently, `lod_step` updates its tiles step by step. New
+	/// meshes of a layer apply to future tiles only.
 	void set_layers(const std::vector<SharedSnapshot> &layers);
 
 	/// How much to draw; tiles follow as above.
 	void set_limits(const DrawLimits &limits) { budget_.set_limits(limits); }
 	const DrawLimits &limits() const { return budget_.limits(); }
 
-	/// The viewers in this frame: the drawing of a tile depends on its distance to the nearest.
+	/// Sets the viewers for this frame. How a tile is drawn depends on its distance to the nearest viewer.
 	void set_viewers(std::span<const Viewer> viewers);
 
-	/// Updates some tiles to their distances, layers and limits, without an upload. False if all tiles are up to date.
+	/// Updates some tiles to their distances, layers and limits. Uploads nothing. Returns false if all tiles are up to
+	/// date.
 	bool lod_step();
 
-	/// Works on one tile that is to be drawn in cells, in different cells, or as a whole again. Uploads some cells, hidden, or shows them
-	/// all and hides those that they replace, so that no frame draws an instance twice or not at all. False if there is no such tile.
+	/// Works on one tile that changes its division: into cells, into different cells, or back to a whole. Uploads some
+	/// of the new cells, hidden. Once all are uploaded, shows them and hides the cells that they replace. So no frame
+	/// draws an instance twice or not at all. Returns false if no tile changes its division.
 	bool divide_step();
 
 	/// True if there is such a tile.
 	bool has_divisions() const { return divisions_.has_work(all_multimeshes()); }
 
-	/// Uploads some visuals of LODs that are to fade in, or creates fading meshes. False if there are none.
+	/// Uploads some visuals of LODs that will fade in, or creates fading meshes. Returns false if nothing is left to
+	/// do.
 	bool fade_step();
 	bool has_fades() const { return !to_fade_.empty() || !drawer_.fades().is_made(); }
 
-	/// True if none of these three steps would find work, and no removed tile is still visible.
+	/// True if `lod_step`, `divide_step` and `fade_step` would find no work, and no removed tile is still visible.
 	bool settled() const;
 
-	/// Uploads another part of a tile that is not complete. While `others_wait`, a tile that replaces none begins as a whole, and is
-	/// divided once there is time for it.
+	/// Uploads the next part of an incomplete tile. While `others_wait`, a tile that replaces no other is uploaded as a
+	/// whole; it is divided later, when there is time.
 	void upload_some(TileUpload &r_upload, bool others_wait);
 
 	/// Shows a complete tile, in place of the one with its key.
 	void show(TileUpload upload);
 
-	/// Takes a tile that was never shown. `free_step` frees its content step by step.
+	/// Discards a tile that was never shown. `free_step` frees its content step by step.
 	void discard(TileUpload upload) { leave(std::move(upload.tile)); }
 
 	/// True if the tile with this key is visible.
@@ -120,7 +125,7 @@ public:
 	/// Frees everything immediately.
 	void clear();
 
-	/// The visible tile of a layer, null if there is none. If there are several, the newest grid takes priority.
+	/// The visible tile of a layer, or null. If several grids have one, returns the tile of the newest grid.
 	const DisplayedTile *find(std::uint32_t layer, glm::ivec2 tile) const;
 	std::vector<glm::ivec2> tiles(std::uint32_t layer) const;
 
@@ -133,7 +138,7 @@ public:
 	/// Main memory that all instances take, in bytes, without the renderer's copies.
 	std::uint64_t instance_bytes() const { return budget_.amounts().bytes; }
 
-	/// Instances that are drawn when in view, at most as many as the limits allow.
+	/// The number of instances that are drawn when in view, after all limits.
 	std::uint64_t drawn_count() const { return budget_.amounts().drawn; }
 
 	/// The share of a layer's instances that is drawn at this distance from a viewer (meters), including all limits: 0 to 1.
@@ -148,13 +153,14 @@ public:
 	/// Adds up everything that is drawn now.
 	void count_drawn(DrawCounter &r_counter) const;
 
-	/// Buffers passed to the renderer since the display was created or cleared.
+	/// The number of buffers passed to the renderer since the display was created or cleared.
 	std::uint64_t upload_count() const { return uploader_.upload_count(); }
 
-	/// Tiles that have followed a change of their layer's drawing settings, without an upload, since then.
+	/// The number of tiles that were updated, without an upload, after a change of their layer's drawing settings.
 	std::uint64_t redrawn_count() const { return redrawn_count_; }
 
-	/// Cells, and tiles that are drawn as a whole, for which an LOD was chosen by distance, counted for each mesh.
+	/// How often an LOD was chosen by distance for a cell, or for a tile that is drawn as a whole. Counted for each
+	/// mesh.
 	std::uint64_t lod_look_count() const { return drawer_.draw_count(); }
 
 private:

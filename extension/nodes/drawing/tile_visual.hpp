@@ -27,12 +27,14 @@ bool casts_by_other_meshes(std::span<const MeshLook> looks);
 /// The instances of one mesh in a tile or in a cell of it: a MultiMesh and an instance of the RenderingServer, freed with the object. If a
 /// different mesh casts the shadow, there are two more, which share the content of the buffer.
 ///
-/// Holds its mesh and its material: an outdated tile is drawn unchanged until its successor is ready, even if the layer has released them.
-/// The instance is positioned at the tile's center, from which the engine measures visibility ranges. Physics interpolation is off, as it
-/// is for every multimesh that no MultiMesh resource owns, because nothing here ever moves in the world.
+/// Keeps its mesh and its material alive, even if the layer has released them: an outdated tile is drawn unchanged
+/// until its successor is ready. The instance is positioned at the tile's center, because the engine measures
+/// visibility ranges from there. Physics interpolation is off, because nothing here ever moves in the world. It is off
+/// for every multimesh without a MultiMesh resource.
 class TileVisual {
 public:
-	/// Hidden at first, with the first of the looks that it may have. `data` determines the number of floats per instance in the buffer.
+	/// Creates a hidden visual with the first of its possible looks. `data` determines the number of floats per
+	/// instance in the buffer.
 	TileVisual(const VisualContext &context, const InstanceData &data, std::span<const MeshLook> looks,
 			const MeshUpload &upload);
 	~TileVisual();
@@ -48,7 +50,7 @@ public:
 
 	// These need no upload. Each does nothing if the value is unchanged.
 
-	/// The engine's origin has moved in the world: the visual keeps its position in the world.
+	/// Notifies the visual that the engine's origin has moved in the world. The visual keeps its position in the world.
 	void set_offset(glm::dvec3 offset);
 	void set_look(const MeshLook &look);
 
@@ -58,7 +60,7 @@ public:
 	/// The instance uniform `scatter_scale` for the shaders.
 	void set_scale(float scale);
 
-	/// The RenderingServer's data of the instances. Slow: it waits for the renderer.
+	/// Reads the data of the instances from the RenderingServer. Slow, because it waits for the renderer.
 	godot::PackedFloat32Array read_back() const;
 
 	godot::RID multimesh() const { return drawn_by_.multimesh; }

@@ -27,8 +27,8 @@ struct TileUpload {
 	bool has_open_part() const { return !tile.parts.empty() && tile.parts.back().is_open(); }
 };
 
-/// The finished tiles that wait for their upload, and the current one, which is uploaded part by part over several frames. Does not know
-/// how a tile is drawn: see TileDisplay. Main thread only.
+/// Finished tiles that wait for their upload, and the current tile, which is uploaded part by part over several frames.
+/// TileDisplay draws the tiles. Main thread only.
 class UploadQueue {
 public:
 	enum class State : std::uint8_t {
@@ -42,7 +42,8 @@ public:
 	/// Queues a finished job.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Makes a waiting tile the current one; only while idle. False if no tile with this ticket waits.
+	/// Makes a waiting tile the current one. Call it only while no tile is current. Returns false if no tile with this
+	/// ticket waits.
 	bool choose(std::uint64_t ticket);
 
 	/// The current tile. Call `part_uploaded` after each upload of a part.
@@ -52,7 +53,7 @@ public:
 	/// Returns the current tile and leaves the queue idle.
 	TileUpload take();
 
-	/// Puts the current tile back into the queue with the parts that are already uploaded.
+	/// Returns the current tile to the queue, with the parts that are already uploaded.
 	void put_back();
 
 	/// Removes a waiting or current tile; empty if there is none with this ticket.

@@ -13,25 +13,26 @@
 
 namespace thicket {
 
-/// The data of a node that an explanation needs. It is held until the explanation is done, because a script that is called for the ground
-/// may change or free the node. Main thread only.
+/// The data of a node that an explanation needs. Keeps it alive until the explanation is done, because a ground's
+/// script may change or free the node. Main thread only.
 struct LayerExplainer {
 	std::vector<SharedSnapshot> layers;
 	std::shared_ptr<const Terrain> terrain; ///< Null for ground that is sampled on the main thread only.
 	HostedGround ground;
 	std::vector<std::string> shapes; ///< The names of the shapes of the layer that is explained next.
 
-	/// Explains the rules of the layer at an index for a world position, and for the point nearest to it. Fails as PlaceExplainer does, and
-	/// as the ground does. Throws std::bad_alloc.
+	/// Explains the rules of the layer at an index for a world position, and for the point nearest to it. Returns the
+	/// error of PlaceExplainer or of the ground, if either fails. Throws std::bad_alloc.
 	Status explain(std::uint32_t layer, glm::dvec2 place, LayerExplanation &r_explanation) const;
 
-	/// The density of a layer at some positions, 0 to 1. Replaces `r_densities`.
+	/// Computes the density of a layer at some positions, 0 to 1. Replaces `r_densities`.
 	Status densities(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_densities) const;
 
-	/// The slope of the ground at some positions, in degrees; NAN where there is no ground. Replaces `r_slopes`.
+	/// Computes the slope of the ground at some positions, in degrees; NAN where there is no ground. Replaces
+	/// `r_slopes`.
 	Status slopes(std::span<const glm::dvec2> places, std::vector<float> &r_slopes) const;
 
-	/// The rank of the layer's point nearest to each position, 0 to 1. Replaces `r_ranks`.
+	/// Finds the layer's point nearest to each position, and its rank, 0 to 1. Replaces `r_ranks`.
 	Status ranks(std::uint32_t layer, std::span<const glm::dvec2> places, std::vector<float> &r_ranks) const;
 
 private:

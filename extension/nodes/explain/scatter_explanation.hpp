@@ -32,7 +32,8 @@ struct LayerExplanation {
 	bool shown = false;  ///< True if that instance is also drawn.
 };
 
-/// A LayerExplanation for scripts, as of the time of the call. Methods print an error and return a default for an invalid rule index.
+/// A LayerExplanation for scripts, as of the time of the call. Given an invalid rule index, methods print an error and
+/// return a default.
 class ScatterExplanation : public godot::RefCounted {
 	GDCLASS(ScatterExplanation, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)

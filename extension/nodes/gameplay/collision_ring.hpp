@@ -32,16 +32,17 @@ struct CollisionLayer {
 /// The collision settings of a layer; without bodies for null.
 CollisionLayer collision_of(const LayerSnapshot *layer);
 
-/// A static body of the PhysicsServer3D for each instance near a viewer or another body. The bodies belong to the node: the node is the
-/// `collider` in collisions, and the body's RID identifies the instance.
+/// A static body of the PhysicsServer3D for each instance near a viewer or another body. The bodies belong to the node:
+/// the node is the `collider` in collisions, and the body's RID identifies the instance.
 ///
-/// A removed body loses its shape immediately, and nothing collides with it from then on. It leaves the physics space in the next frame or
-/// later. So areas and bodies are notified even if it was removed in the middle of the physics server's signals. It then rests for some
-/// frames before it is reused for a different instance: until then its RID identifies the previous one.
+/// A removed body loses its shape immediately, so nothing collides with it any more. It leaves the physics space in the
+/// next frame or later. The physics server therefore notifies areas and bodies even if a body was removed in the middle
+/// of its signals. A removed body rests for some frames before it is reused for a different instance; until then its
+/// RID identifies the previous one.
 ///
-/// After any change, `step` works on a few bodies at a time, those nearest to the viewers first: after a new seed, for layers without
-/// collision, for different shapes, or for a different world offset. These calls do not wait for it: `drop`, `drop_if`, and
-/// `set_world_offset` for bodies near the viewers.
+/// After a change, `step` works on a few bodies at a time, those nearest to the viewers first. Such changes are a new
+/// seed, layers without collision, different shapes, and a different world offset. Three calls do not wait for `step`:
+/// `drop`, `drop_if`, and `set_world_offset` for bodies near the viewers.
 class CollisionRing : public NearRing {
 public:
 	CollisionRing() = default;
@@ -49,7 +50,8 @@ public:
 	CollisionRing &operator=(const CollisionRing &) = delete;
 	~CollisionRing() override { clear(); }
 
-	/// The physics space of the bodies, and the object that collisions report. Frees all bodies in a different space.
+	/// Sets the physics space of the bodies, and the object that collisions report. If the space is different, frees
+	/// all bodies.
 	void set_space(const godot::RID &space, std::uint64_t node_id);
 
 	/// The bodies are updated step by step.
@@ -63,27 +65,30 @@ public:
 	void set_world_offset(glm::dvec3 offset) override;
 	void clear() override;
 
-	/// The instance that a body represents, or represented until some frames ago; 0 if there is none.
+	/// The instance that a body represents, or 0. A removed body still represents its last instance for some frames.
 	std::uint64_t instance_of(const godot::RID &body) const;
 
 	/// Bodies in use.
 	std::size_t body_count() const { return owners_.size() - pool_.size(); }
 	std::size_t pooled_count() const { return pool_.size(); }
 
-	/// The largest number of bodies that wait for reuse, apart from those that rest.
+	/// The largest number of bodies that wait for reuse, not counting those that still rest.
 	static constexpr std::size_t max_pooled = 256;
 	/// The number of frames that they rest.
 	static constexpr std::uint64_t rest_frames = 128;
 
-	/// The largest number of bodies of a kind that a step frees, moves or takes out of the space. This takes some ten microseconds.
+	/// The largest number of bodies that a step frees, moves or takes out of the space, for each of these kinds of
+	/// work. A step takes some ten microseconds.
 	static constexpr int most_per_step = 16;
 
-	/// Bodies that are moved to a new world offset in the call itself: those nearest to the viewers, within some meters.
+	/// The largest number of bodies that `set_world_offset` moves immediately: those nearest to the viewers, within
+	/// some meters.
 	static constexpr std::size_t moved_at_once = 128;
 	static constexpr double moved_reach = 16.0;
 
 private:
-	/// Without RID and shapes if there is nothing to collide with: a mesh without a volume, or an instance that is flat.
+	/// Has neither RID nor shapes if there is nothing to collide with: if the mesh has no volume, or the instance is
+	/// flat.
 	struct Body {
 		PlacedInstance instance;
 		godot::RID rid;

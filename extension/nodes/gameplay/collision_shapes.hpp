@@ -37,7 +37,7 @@ struct ShapeSource {
 /// thread only.
 class CollisionShapes {
 public:
-	/// Kind, Corners::number (0 if there are none), and three sizes: in meters, or the scale of the corners.
+	/// The kind, Corners::number (0 if there are none), and three sizes: in meters, or the scale of the corners.
 	using Key = std::tuple<BodyPart::Kind, std::uint64_t, float, float, float>;
 
 	/// Keeps its address as long as it has users.
@@ -48,7 +48,7 @@ public:
 		bool listed = false; ///< True if it is in the list of idle shapes; it may have users again.
 	};
 
-	/// A shape placed in a body, whose axes are those of the instance, without its scale.
+	/// A shape with its transform in a body. The axes of the body are those of the instance, without its scale.
 	struct Placed {
 		Shape *shape = nullptr;
 		glm::mat3 rotation{1.0f};
@@ -60,11 +60,11 @@ public:
 	CollisionShapes &operator=(const CollisionShapes &) = delete;
 	~CollisionShapes() { clear(); }
 
-	/// The shapes of an instance, which count as used from now on. Empty if there is nothing to collide with.
+	/// Returns the shapes of an instance and counts them as used. Empty if there is nothing to collide with.
 	std::vector<Placed> take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
 	void give_back(const std::vector<Placed> &shapes);
 
-	/// Frees a few of the shapes without users, as long as there are more than `max_idle`. False if there is nothing to free.
+	/// Frees a few unused shapes while more than `max_idle` are unused. Returns false if nothing can be freed.
 	bool free_some();
 
 	/// Frees all shapes; none may be in use any more.

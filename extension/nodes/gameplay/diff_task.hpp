@@ -21,8 +21,8 @@ namespace thicket {
 
 godot::PackedInt64Array ids_of_changes(std::span<const InstanceChange> changes);
 
-/// A diff between ScatterState.apply_diff_async and its callback. It is processed on the engine's WorkerThreadPool, or immediately if that
-/// has no threads. Everything but this work happens on the main thread.
+/// A diff between ScatterState.apply_diff_async and its callback. The engine's WorkerThreadPool processes the diff; if
+/// the pool has no threads, the caller does so immediately. All other work happens on the main thread.
 class DiffTask : public std::enable_shared_from_this<DiffTask> {
 public:
 	DiffTask(const godot::PackedByteArray &p_diff, const godot::Callable &p_callback);
@@ -30,14 +30,14 @@ public:
 	/// The bytes that `apply_diff_async` received.
 	std::span<const std::uint8_t> bytes() const;
 
-	/// Whether the work can start: earlier calls must be finished, and there must be memory for it.
+	/// True if the work can start: earlier calls are finished, and there is enough memory.
 	bool can_work() const { return diff != nullptr && diff->can_work(); }
 
 	/// Processes the diff, then defers a call of `p_owner`'s `_finish_diffs` to idle time. Call it only once, and only if `can_work`.
 	void start(godot::Object *p_owner);
 	bool done() const { return done_.load(std::memory_order_acquire); }
 
-	/// Works until the diff is done: waits for the thread that processes it, or does the work itself.
+	/// Finishes the work: waits for the thread that processes the diff, or processes it on the calling thread.
 	void finish();
 
 	/// Discards the result. Waits some milliseconds for the thread.
@@ -46,7 +46,7 @@ public:
 	/// Calls the callback, which may do anything, and releases it.
 	void tell(godot::Error error);
 
-	/// Returns the pool's task number once, for a caller that waits for the task in place of this object; -1 if there is none.
+	/// Returns the pool's task number once, to a caller that waits for the task itself; -1 if there is no task.
 	std::int64_t take_task() { return std::exchange(task_, -1); }
 
 	std::shared_ptr<PendingDiff> diff; ///< Null if there was no memory for one; `refused` then has the error.
@@ -65,7 +65,8 @@ private:
 	std::int64_t task_ = -1;
 };
 
-/// Frees large objects on the engine's WorkerThreadPool: to free a hundred megabytes takes longer than a frame may. Main thread only.
+/// Frees large objects on the engine's WorkerThreadPool, because freeing a hundred megabytes takes longer than a frame
+/// may. Main thread only.
 class Leavings {
 public:
 	Leavings() = default;

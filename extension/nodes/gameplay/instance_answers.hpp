@@ -24,9 +24,9 @@ namespace thicket {
 godot::Transform3D to_engine(const PlacedInstance &instance, glm::dvec3 offset);
 AddedInstance to_added(const godot::Transform3D &p_transform, glm::dvec3 offset);
 
-/// Converts a script's predicate, (id: int, layer: ScatterLayer, transform: Transform3D) -> bool, to QueryFilter::accepts; empty for a null
-/// one. `layers` are those of the queried instances. A predicate that cannot be called rejects everything and prints one error, for
-/// `method` (`Class.method`).
+/// Converts a script's predicate, (id: int, layer: ScatterLayer, transform: Transform3D) -> bool, to
+/// QueryFilter::accepts; empty if it is null. `layers` are the layers of the queried instances. A predicate that cannot
+/// be called rejects everything and prints one error, which names `method` (`Class.method`).
 std::function<bool(const PlacedInstance &)> to_predicate(
 		std::string method, const godot::Callable &p_predicate, glm::dvec3 offset, SharedLayers layers);
 

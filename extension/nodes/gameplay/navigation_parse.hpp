@@ -21,7 +21,7 @@ struct NavigationBake {
 	NavigationAgent agent;
 	std::optional<std::int64_t> collision_mask; ///< The physics layers that count; empty if bodies do not count.
 
-	// The space of the bake, which is the region's: basis * engine's position + origin.
+	// The space of the bake, which is the region's own: basis * engine's position + origin.
 	glm::dmat3 basis{1.0};
 	glm::dvec3 origin{0.0};
 
@@ -30,12 +30,14 @@ struct NavigationBake {
 	glm::dvec3 max{-1.0};
 };
 
-/// A node's part in the engine's parses of source geometry for navigation meshes. The engine calls a parser for each node of the region, in
-/// order, with the geometry gathered until then, and bakes immediately after the last of them. The instances in a bake can only be queried
-/// once all of the ground is there. So the parser adds them at the last node, wherever the scatter is among them. Main thread only.
+/// A node's part in the engine's parses of source geometry for navigation meshes. For each node of the region, in
+/// order, the engine calls a parser with the geometry gathered until then. It bakes immediately after the last node.
+/// The instances in a bake can only be queried once all of the ground is gathered. So the parser adds them at the last
+/// node, wherever the scatter is in the tree. Main thread only.
 ///
-/// All nodes share one parser, which is never freed: the engine works with a copy of its list of parsers. It may keep calling a parser that
-/// was freed for a while, and miss one that is new. The engine calls the first of the nodes, which passes the call on to the others.
+/// All nodes share one parser, which is never freed. The engine works with a copy of its list of parsers, so for a
+/// while it may call a freed parser, or miss a new one. The engine calls the first of the nodes, which forwards the
+/// call to the others.
 class NavigationParse {
 public:
 	NavigationParse() = default;
@@ -47,13 +49,14 @@ public:
 	void start(godot::Node3D *p_node, const godot::StringName &p_method);
 	void stop();
 
-	/// Handles a call of the engine. True at the end of a parse that has found `p_own`; `r_bake` is then the input of the bake.
+	/// Handles a call of the engine. Returns true at the end of a parse that has found `p_own`, and sets `r_bake` to
+	/// the input of the bake.
 	bool visit(const godot::Ref<godot::NavigationMesh> &p_mesh,
 			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, const godot::Node *p_node,
 			const godot::Node *p_own, NavigationBake &r_bake);
 
-	/// Set this around code that runs scripts in such a call: the engine is using the parser's callback, so `stop` has the callback
-	/// replaced later.
+	/// Set this while code in such a call runs scripts. The engine is then using the parser's callback, so `stop`
+	/// replaces the callback later.
 	void set_busy(bool busy) { busy_ = busy; }
 
 private:

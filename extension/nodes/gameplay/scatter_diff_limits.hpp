@@ -10,9 +10,9 @@
 
 namespace thicket {
 
-/// Limits on how diffs from others may change a ScatterState. The default values of a new object suit a server that receives diffs from
-/// players. A state without limits uses the defaults of DiffLimits, which suit a client that follows its server. A property ignores a
-/// number out of its range and prints an error.
+/// Limits on how diffs from others may change a ScatterState. The default values of a new object suit a server that
+/// receives diffs from players. A state without limits uses the defaults of DiffLimits, which suit a client that
+/// follows its server. Setting a number out of its range prints an error and changes nothing.
 class ScatterDiffLimits : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterDiffLimits, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)

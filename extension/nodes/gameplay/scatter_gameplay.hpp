@@ -40,20 +40,21 @@ public:
 	/// The parent of scenes, and the emitter of the signals.
 	virtual godot::Node3D *node() = 0;
 
-	/// Applies settings that were changed in this frame. Refused if there is nothing to query. May run scripts.
+	/// Applies the settings that were changed in this frame. Returns an error if there is nothing to query. May run
+	/// scripts.
 	virtual Status prepare() = 0;
 
 	/// Generates tiles on any thread, several at once, from the current layers and ground. Call `prepare` first.
 	virtual TileMaker make_worker_maker() = 0;
 
-	/// Sets the changes that are applied to the display from now on; null for none.
+	/// Sets the changes that the display applies from now on; null for none.
 	virtual void set_overlay(const InstanceState *state) = 0;
 
-	/// The display of a layer has changed in an area and is updated before this frame is drawn.
+	/// Redraws an area of a layer before this frame is drawn, because its display has changed.
 	virtual void redraw(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all() = 0;
 
-	/// Redraws an area of a layer, or everything, over the next frames and under their budget.
+	/// Redraws an area of a layer, or everything, over the next frames and within their budget.
 	virtual void redraw_later(std::uint32_t layer, const Rect &area) = 0;
 	virtual void redraw_all_later() = 0;
 
@@ -61,7 +62,7 @@ public:
 	virtual void let_go(std::shared_ptr<const void> unneeded) = 0;
 	virtual void set_hidden(std::uint32_t layer, std::uint64_t id, const Rect &area, bool hidden) = 0;
 
-	/// Calls ScatterGameplay::recycle_scenes before this frame is drawn and before bodies move again.
+	/// Schedules ScatterGameplay::recycle_scenes, before this frame is drawn and before bodies move again.
 	virtual void recycle_soon() = 0;
 
 protected:
@@ -75,9 +76,9 @@ struct NavigationBake;
 
 /// A game's queries and changes of a TerrainScatter3D, and the nearby bodies and scenes. Main thread only.
 ///
-/// Much of it runs scripts in the middle: predicates, grounds, signal handlers, scenes. They may do anything. So every caller holds this
-/// object by its own shared pointer. After every call that runs scripts, the caller checks the result: the node may be freed (`alive`) or
-/// out of the tree (`run`), and layers, state and tiles may have been replaced.
+/// Many methods run scripts: predicates, grounds, signal handlers, scenes. These scripts may do anything. So every
+/// caller keeps its own shared pointer to this object. After every call that runs scripts, the caller checks whether
+/// the node was freed (`alive`) or has left the tree (`run`). Layers, state and tiles may have been replaced, too.
 class ScatterGameplay final : public StateListener, public std::enable_shared_from_this<ScatterGameplay> {
 public:
 	explicit ScatterGameplay(GameplayHost &host);
@@ -89,7 +90,7 @@ public:
 	void detach();
 	bool alive() const { return host_ != nullptr; }
 
-	/// The node has entered a world, whose bodies are in `space` (invalid if there is none).
+	/// Starts the work of a node that has entered a world. `space` contains its bodies (invalid if there is none).
 	void start(const godot::RID &space, std::uint64_t node_id);
 
 	/// The node has left its world.
@@ -101,7 +102,8 @@ public:
 	/// Removes everything: frees bodies and scenes, forgets tiles, and completes requests without an answer.
 	void clear();
 
-	/// Removes everything from a node that goes on without layers or ground. Bodies and scenes leave step by step, the nearest first.
+	/// Removes everything from a node that stays in the tree without layers or ground. Bodies and scenes are removed
+	/// step by step, the nearest first.
 	void retire();
 
 	/// `listed` has the layers of the snapshots, by the same indices.
@@ -126,16 +128,17 @@ public:
 	/// Sets the world positions around which bodies and scenes are placed.
 	void look_around(std::span<const glm::dvec3> centers);
 
-	/// Processes the requests and cancellations of other threads since the last frame. Runs scripts.
+	/// Processes the requests and cancellations that other threads have made since the last frame. Runs scripts.
 	void take_requests();
 
 	/// Answers the requests whose tiles are ready. Runs no scripts.
 	void answer_requests();
 
-	/// Applies their predicates to the answers and emits their signals. Runs scripts.
+	/// Applies the predicates of finished requests to their answers, and emits their signals. Runs scripts.
 	void complete_requests();
 
-	/// Adds and removes scenes and emits signals of large changes, until `deadline`; at least one step of each. Runs scripts.
+	/// Adds and removes scenes, and emits the signals of large changes, until `deadline`. Does at least one step of
+	/// each. Runs scripts.
 	void work_until(std::chrono::steady_clock::time_point deadline);
 	void recycle_scenes();
 
@@ -149,16 +152,18 @@ public:
 
 	static std::string name_of(const char *p_method) { return std::string("TerrainScatter3D.") + p_method; }
 
-	/// Null, with an error, if there is nothing to query, and for a node that has been freed. Runs scripts.
+	/// Prepares a query. Returns null if the node has been freed, and null with an error if there is nothing to query.
+	/// Runs scripts.
 	SharedLayers prepare(const char *p_method);
 	godot::String find_queried(const godot::Variant &p_layers, std::vector<std::uint32_t> &r_indices) const {
 		return find_layers(*listed_, p_layers, r_indices);
 	}
 
-	/// Runs a query, and generates missing tiles for it. Holds the state in the meantime. Call `prepare` first.
+	/// Runs a query, and generates missing tiles for it. Keeps the state alive in the meantime. Call `prepare` first.
 	bool ask(const char *p_method, const AskedQuery &query);
 
-	// Queries. `p_layers` are those of find_layers. A predicate takes (id, layer, transform) and returns whether that instance counts. A refused query prints an error and returns an empty result.
+	// Queries. `p_layers` is as in find_layers. A predicate gets (id, layer, transform) and returns whether that
+	// instance counts. A refused query prints an error and returns an empty result.
 
 	godot::Ref<ScatterInstances> query_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
@@ -174,17 +179,19 @@ public:
 	/// The current world, for queries on other threads. Empty, with an error, if there is nothing to query.
 	godot::Ref<ScatterSnapshot> make_snapshot();
 
-	/// On any thread, while the node exists. Requests of other threads wait for `take_requests`, which also prints their errors.
+	/// Any thread may call these while the node exists. Requests of other threads wait for `take_requests`, which also
+	/// prints their errors.
 	godot::Ref<ScatterRequest> request_rect(
 			const godot::Rect2 &p_rect, const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	godot::Ref<ScatterRequest> request_sphere(const godot::Vector3 &p_center, double p_radius,
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 
-	/// Adds the instances in the baked box, of the layers that affect navigation, to the source geometry of a navigation mesh. Runs
-	/// scripts.
+	/// Adds obstructions to the source geometry of a navigation mesh: the instances in the baked box whose layers
+	/// affect navigation. Runs scripts.
 	void add_obstructions(const NavigationBake &bake);
 
-	// Changes. They return false or 0 if the instance does not exist, is already in that state, or the change is refused.
+	// Changes. These methods return false or 0 if the instance does not exist, is already in the requested state, or if
+	// the change is refused.
 
 	void set_state(const godot::Ref<ScatterState> &p_state);
 	godot::Ref<ScatterState> get_state() const { return state_; }
@@ -197,8 +204,8 @@ public:
 			const godot::Variant &p_layers, const godot::Callable &p_predicate);
 	int64_t add_instance(const godot::Variant &p_layer, const godot::Transform3D &p_transform, int64_t p_mesh);
 
-	/// Adds many instances, with 12 floats each as in the buffer of a MultiMesh. `p_meshes` has a mesh for each, or is empty for the first
-	/// mesh. Adds all of them or none.
+	/// Adds many instances, with 12 floats each as in the buffer of a MultiMesh. `p_meshes` has a mesh index for each
+	/// instance; if it is empty, all use the first mesh. Adds all instances or none.
 	godot::PackedInt64Array add_instances(const godot::Variant &p_layer, const godot::PackedFloat32Array &p_transforms,
 			const godot::PackedInt32Array &p_meshes);
 	godot::PackedInt64Array remove_instances(const godot::PackedInt64Array &p_ids);
@@ -215,10 +222,12 @@ public:
 	void state_changed(const SharedChanges &changes) override;
 	void tell_changes(const SharedChanges &changes) override;
 
-	/// For larger changes, signals, drawing and scenes follow over the next frames.
+	/// The largest change that is completed in one call. Signals, drawing and scenes of larger changes follow over the
+	/// next frames.
 	static constexpr std::size_t most_at_once = 1024;
 
-	/// The number of instances, among those that a call removes or moves, whose bodies and scenes are removed before it returns.
+	/// The largest number of instances whose bodies and scenes a call removes before it returns, among those that it
+	/// removes or moves.
 	static constexpr std::size_t most_dropped_at_once = 128;
 
 private:
@@ -257,7 +266,8 @@ private:
 		std::size_t told = 0;
 	};
 
-	/// The node's signals, by the changes that they report. The names are stored, because creating one costs as much as a removal.
+	/// The node's signals, one for each kind of change. The names are stored, because creating a name costs as much as
+	/// a removal.
 	struct Signals {
 		const godot::StringName &of(InstanceChangeKind kind) const;
 
@@ -302,7 +312,8 @@ private:
 	InstanceWorld world_;
 	godot::Ref<ScatterState> state_;
 	std::deque<Untold> backlog_;
-	/// Instances that this node is removing or restoring and has not yet emitted signals for, in the order of the signals.
+	/// The instances that this node is removing or restoring and has not emitted signals for, in the order of the
+	/// signals.
 	std::span<const PlacedInstance> changing_;
 
 	std::mutex wanted_mutex_;

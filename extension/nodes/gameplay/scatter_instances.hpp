@@ -24,7 +24,8 @@
 
 namespace thicket {
 
-/// The result of a query, as of the time of the query. For an invalid index, methods print an error and return a default.
+/// The result of a query, as of the time of the query. Given an invalid index, methods print an error and return a
+/// default.
 class ScatterInstances : public godot::RefCounted {
 	GDCLASS(ScatterInstances, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -33,8 +34,8 @@ public:
 	/// The result of a refused call.
 	static godot::Ref<ScatterInstances> make_empty() { return memnew(ScatterInstances); }
 
-	/// `offset` is the world position of the engine's origin, in meters, for all positions that scripts get. `layers` has the layers of the
-	/// instances; it may be null if there are none.
+	/// `offset` is the world position of the engine's origin, in meters, for all positions that scripts get. `layers`
+	/// are the layers of the instances; null is allowed if there are no instances.
 	static godot::Ref<ScatterInstances> of(FoundInstances found, glm::dvec3 offset, SharedLayers layers);
 
 	int64_t size() const { return static_cast<int64_t>(found_.size()); }
@@ -84,7 +85,7 @@ class ScatterInstance : public godot::RefCounted {
 	THICKET_GUARDED_METHODS(any)
 
 public:
-	/// `met` is where a ray meets it, in world meters; its position if there is none.
+	/// `met` is the point where a ray meets the instance, in world meters; without a ray, the position of the instance.
 	static godot::Ref<ScatterInstance> of(const PlacedInstance &found, glm::dvec3 offset,
 			const godot::Ref<ScatterLayer> &p_layer, const godot::Variant &p_data, double distance = 0.0,
 			std::optional<glm::dvec3> met = {});
@@ -97,10 +98,10 @@ public:
 	godot::Variant get_data() const { return data_; }
 	bool is_added() const;
 
-	/// Meters from the position or the start of the ray that was searched from; 0 for a search by id.
+	/// The distance in meters from the searched position or the start of the ray; 0 for a search by ID.
 	double get_distance() const { return distance_; }
 
-	/// The point where the ray of `query_ray` meets it; its position for all other searches.
+	/// The point where the ray of `query_ray` meets the instance; for all other searches, the position of the instance.
 	godot::Vector3 get_hit_position() const;
 
 protected:

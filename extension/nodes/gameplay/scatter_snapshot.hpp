@@ -26,8 +26,8 @@ namespace thicket {
 /// A query, for script_queries.hpp.
 using AskedQuery = std::function<Status(const InstanceQuery &query)>;
 
-/// The instances around a TerrainScatter3D at one moment. Supports its queries on any thread, several at once. Later changes do not affect
-/// it. Methods are those of the node.
+/// The instances around a TerrainScatter3D at one moment, unaffected by later changes. Any thread may query them, and
+/// several threads at once. The methods are the same as the node's.
 class ScatterSnapshot : public godot::RefCounted {
 	GDCLASS(ScatterSnapshot, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)

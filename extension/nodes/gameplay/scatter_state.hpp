@@ -31,18 +31,21 @@ using SharedChanges = std::shared_ptr<const StateChanges>;
 
 class ScatterState;
 
-/// When a removed point grows again: a time of the state from 0 (never) on, or this.
+/// Passed as the time at which a removed point grows again, in place of a time of the state (from 0, never, on): the
+/// layer's own regrowth time.
 constexpr double regrowth_of_layer = -1.0;
 
-/// A node that uses a ScatterState. It is notified of every change, and makes those of the instances that it knows.
+/// A node that uses a ScatterState. The state notifies it of every change. The node itself changes the instances that
+/// it knows.
 class StateListener {
 public:
 	virtual ~StateListener() = default;
 
-	/// Whether the node displays the layer of this instance. Then changes of the instance go through the node, which knows whether it exists.
+	/// True if the node displays the layer of this instance. The node then makes the changes of the instance, because
+	/// it knows whether the instance exists.
 	virtual bool displays(std::uint64_t id) const = 0;
 
-	// The changes, by the rules of the node's own methods. They run scripts.
+	// Makes a change by the rules of the node's own methods. Runs scripts.
 	virtual bool remove_from(const ScatterState *state, std::uint64_t id, double until) = 0;
 	virtual bool restore_in(const ScatterState *state, std::uint64_t id) = 0;
 	virtual bool set_data_in(const ScatterState *state, std::uint64_t id, const godot::Variant &p_data) = 0;
@@ -53,8 +56,8 @@ public:
 	/// Called before the call that made the changes returns. Runs no script.
 	virtual void state_changed(const SharedChanges &changes) = 0;
 
-	/// Called once all earlier changes were reported, and the scripts that handled them have returned. Notifies scripts, which may change
-	/// or free anything.
+	/// Called after all earlier changes have been reported and their handlers have returned. Notifies scripts, which
+	/// may change or free anything.
 	virtual void tell_changes(const SharedChanges &changes) = 0;
 
 protected:
@@ -75,32 +78,34 @@ class ScatterState : public godot::Resource, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// Gets an origin number that no other state has, which identifies it to states that will apply its diffs.
+	/// Assigns a random origin number to the state, so that no other state has it. States that apply its diffs identify
+	/// it by this number.
 	ScatterState();
 	~ScatterState() override;
 
-	// Changes of an instance. If a node in the tree displays its layer, the node makes them, by the rules of its own methods. Otherwise they
-	// are made by the id alone, whether such an instance exists or not.
+	// Changes of an instance. If a node in the tree displays the instance's layer, the node makes the change by the
+	// rules of its own methods. Otherwise the change is recorded for the ID alone, whether such an instance exists or
+	// not.
 
-	/// See InstanceState::remove. `until` is in seconds of get_time, 0 to max_state_time; 0 means forever, and regrowth_of_layer is forever
-	/// without a node. False for an ID of 0.
+	/// See InstanceState::remove. `until` is a time of get_time in seconds, 0 to max_state_time. 0 means forever;
+	/// regrowth_of_layer also means forever if there is no node. Returns false for an ID of 0.
 	bool remove(int64_t p_id, double p_until = regrowth_of_layer);
 	bool restore(int64_t p_id);
 
-	/// Any Variant but an object, at most max_instance_data as bytes; null to delete. An object inside it becomes a number. False, with an
-	/// error, for anything else.
+	/// Sets any Variant but an object, of at most max_instance_data bytes; null deletes the data. Objects inside the
+	/// value become numbers. Returns false, with an error, for anything else.
 	bool set_instance_data(int64_t p_id, const godot::Variant &p_data);
 
 	bool is_removed(int64_t p_id) const;
 	godot::Variant get_instance_data(int64_t p_id) const;
 
-	/// Ascending. `p_layers` are those of find_layers: names are those of layers of the nodes that use the state.
+	/// Ascending. `p_layers` is as in find_layers; names refer to the layers of nodes that use the state.
 	godot::PackedInt64Array get_removed(const godot::Variant &p_layers) const;
 	godot::PackedInt64Array get_added(const godot::Variant &p_layers) const;
 	int64_t get_removed_count() const;
 	int64_t get_added_count() const;
 
-	/// Replaces all content with bytes from to_bytes. After an error nothing has changed.
+	/// Replaces all content with bytes from to_bytes. On failure, changes nothing.
 	godot::Error from_bytes(const godot::PackedByteArray &p_bytes);
 	godot::PackedByteArray to_bytes() const;
 
@@ -110,21 +115,23 @@ public:
 	/// Replaces all content with a file from save_to_file. On failure, prints an error and changes nothing.
 	godot::Error load_from_file(const godot::String &p_path);
 
-	/// For a peer that has this state as of `revision`, or for a save if not ordered.
+	/// Creates a diff for a peer that has this state as of `revision`; if `p_ordered` is false, for a save.
 	godot::PackedByteArray diff_since(int64_t p_revision, bool p_ordered = true) const;
 
 	/// The current changes of some instances, as a diff that restores them.
 	godot::PackedByteArray diff_of(const godot::PackedInt64Array &p_ids) const;
 	godot::Error apply_diff(const godot::PackedByteArray &p_diff);
 
-	/// Applies a diff on a thread, with the result of an immediate call: see InstanceState::queue_diff. The callback gets the error. Calls
-	/// that would replace or merge very much wait for all diffs in progress.
+	/// Applies a diff on a thread, with the same result as an immediate call: see InstanceState::queue_diff. The
+	/// callback gets the error. Calls that would replace or merge a large amount of content wait for all diffs in
+	/// progress.
 	void apply_diff_async(const godot::PackedByteArray &p_diff, const godot::Callable &p_callback = godot::Callable());
 	godot::Error merge(const godot::Ref<ScatterState> &p_other);
 	godot::Error merge_diff(const godot::PackedByteArray &p_diff);
 	void clear();
 
-	/// Limits for apply_diff, apply_diff_async and merge_diff. Null for limits that suit a client of a server (see DiffLimits).
+	/// Sets the limits for apply_diff, apply_diff_async and merge_diff. Null for the limits that suit a client of a
+	/// server (see DiffLimits).
 	void set_diff_limits(const godot::Ref<ScatterDiffLimits> &p_limits);
 	godot::Ref<ScatterDiffLimits> get_diff_limits() const { return diff_limits_; }
 
@@ -135,20 +142,20 @@ public:
 	int64_t get_origin() const;
 	int64_t get_known_revision(int64_t p_origin) const;
 
-	/// The revision for the sender's diff_since if diffs are missing before this one, otherwise -1.
+	/// If diffs before this one are missing, returns the revision to pass to the sender's diff_since; otherwise -1.
 	int64_t get_missing_since(const godot::PackedByteArray &p_diff) const;
 
 	int64_t get_revision() const;
 	int64_t get_digest() const;
 
-	/// Seconds of play, which determine when removed instances grow again. A TerrainScatter3D advances it.
+	/// Seconds of play. Removed instances grow again at times on this clock. A TerrainScatter3D advances it.
 	double get_time() const;
 	void advance(double p_seconds);
 
 	/// Advances the time for nodes: if several nodes share the state, only one of them advances it in each frame.
 	void advance_in_frame(double seconds, std::uint64_t frame);
 
-	/// The stored form, empty if there are no changes: a property that only the resource's file has.
+	/// The stored form; empty if there are no changes. Only the resource's file has this property.
 	void set_data(const godot::PackedByteArray &p_bytes);
 	godot::PackedByteArray get_data() const;
 
@@ -156,11 +163,11 @@ public:
 	void set_copy_at_runtime(bool p_copy_at_runtime) { copy_at_runtime_ = p_copy_at_runtime; }
 	bool is_copied_at_runtime() const { return copy_at_runtime_; }
 
-	/// Warns, once, if `load()` would return this same object. A game that loads its saved state would then get its unsaved progress
-	/// instead.
+	/// Warns once if `load()` would return this same object. A game would then get its unsaved progress instead of the
+	/// saved state.
 	void warn_if_cached();
 
-	/// A state with this content, without a file and without the flag copy_at_runtime.
+	/// Returns a state with this content, but without a file and without the flag copy_at_runtime.
 	godot::Ref<ScatterState> copy() const;
 
 	void _reset_state() override { clear(); }
@@ -198,15 +205,15 @@ private:
 	/// Limits for diffs from others.
 	DiffLimits limits() const { return diff_limits_.is_valid() ? diff_limits_->limits() : DiffLimits(); }
 
-	/// Changes that listeners have followed, but scripts have not been notified of.
+	/// The changes that listeners have applied and that scripts have not been notified of.
 	struct Untold {
 		SharedChanges changes;          ///< Null if there are none.
 		std::shared_ptr<DiffTask> diff; ///< Null for a change that was made immediately.
 		godot::Error error = godot::OK; ///< For the diff's callback.
 	};
 
-	/// Updates the listeners, then lets them notify scripts, and emits `instances_changed(ids)` and `changed`. Changes made by handlers are
-	/// reported after that, in order, so that the stack does not grow.
+	/// Updates the listeners, lets them notify scripts, and emits `instances_changed(ids)` and `changed`. Changes that
+	/// handlers make are reported afterwards, in order, so that the stack does not grow.
 	void tell(std::vector<InstanceChange> changes);
 	void follow(Untold untold);
 	void tell_untold();
@@ -219,7 +226,8 @@ private:
 	godot::PackedInt64Array ids_of(const char *p_method, const godot::Variant &p_layers,
 			std::vector<std::uint64_t> (InstanceState::*ids)(int) const) const;
 
-	/// The numbers of layers, ascending; empty for all. False, with an error, for a value that refers to no layer.
+	/// Finds the IDs of layers, ascending; empty for all layers. Returns false, with an error, for a value that refers
+	/// to no layer.
 	bool find_layer_ids(const char *p_method, const godot::Variant &p_layers, std::vector<int> &r_ids) const;
 	godot::Ref<ScatterLayer> layer_with_id(std::uint16_t layer_id) const;
 	godot::TypedArray<ScatterLayer> layers_of_nodes() const;

@@ -25,8 +25,8 @@ private:
 	godot::Variant node_;
 };
 
-/// Instances of scenes that are currently not needed. They are kept outside of the tree, where no part of a scene is seen, heard, hit or
-/// processed. Main thread only.
+/// Instances of scenes that are currently not needed. They are kept outside of the tree, so no part of a scene is
+/// drawn, heard, hit or processed. Main thread only.
 class ScenePool {
 public:
 	ScenePool() = default;
@@ -34,18 +34,19 @@ public:
 	ScenePool(const ScenePool &) = delete;
 	ScenePool &operator=(const ScenePool &) = delete;
 
-	/// An instance outside of the tree, which the caller owns: a returned one or a new one. Null if the scene is empty or its root is not a
-	/// Node3D. Creating an instance runs scripts.
+	/// Returns an instance outside of the tree, pooled or new, which the caller owns. Null if the scene is empty or its
+	/// root is not a Node3D. Creating an instance runs scripts.
 	godot::Node3D *take(const godot::Ref<godot::PackedScene> &scene);
 
-	/// Returns an instance of the scene, which is already out of the tree. Discards it if there are `max_idle` of that scene already.
+	/// Returns an instance of the scene to the pool. It must already be out of the tree. If the pool has `max_idle`
+	/// instances of that scene, discards it.
 	void give(const godot::Ref<godot::PackedScene> &scene, godot::Node3D *node);
 
 	/// Takes a node that is never used again; `free_some` frees it.
 	void discard(godot::Node3D *node);
 
-	/// Frees at most `freed_per_frame` discarded nodes. Call it once per frame: the engine frees them at its end, outside of our time
-	/// measurements.
+	/// Frees at most `freed_per_frame` discarded nodes. Call it once per frame. The engine frees them at the end of the
+	/// frame, which our time measurements do not include.
 	void free_some();
 	static constexpr int freed_per_frame = 4;
 
@@ -58,7 +59,7 @@ public:
 	/// Frees all nodes at the end of this frame.
 	void clear();
 
-	/// Idle instances of all scenes. Those that a script has freed count until the pool finds them.
+	/// The number of idle instances of all scenes. Instances that a script has freed count until the pool notices.
 	std::size_t idle_count() const;
 
 	/// The largest number of idle instances of a scene.

@@ -38,7 +38,7 @@ enum class SceneEvent : std::uint8_t {
 	hidden, ///< It is about to leave the tree. The mesh is drawn again, if the instance still exists.
 };
 
-/// The services that a SceneRing needs from its node. `tell` runs scripts, which may free the node.
+/// The services of a node that a SceneRing needs. `tell` runs scripts, which may free the node.
 struct SceneHost {
 	godot::Node3D *parent = nullptr;
 	std::function<void(const PlacedInstance &instance, bool hidden)> hide_mesh; ///< In the drawing of this frame.
@@ -48,21 +48,24 @@ struct SceneHost {
 	std::function<void()> recycle_later; ///< Calls `recycle` before this frame is drawn and before bodies move again.
 };
 
-/// Scenes that replace nearby meshes: one for every instance, also for one that thinning does not draw. The mesh is hidden in the frame in
-/// which the scene is added, and the other way round. Unneeded scenes wait in a pool.
+/// Scenes that replace meshes near viewers. Every nearby instance gets one, even if thinning does not draw its mesh. A
+/// mesh is hidden in the same frame in which its scene is added, and drawn again when the scene is removed. Unneeded
+/// scenes wait in a pool.
 ///
-/// Scripts run in the middle of it, and may change anything: remove instances, free a scene, take one, free the node. The caller of the
-/// ring keeps it alive in the meantime, and calls `forget_host` when the node is freed. If a script has freed or taken a scene, or moved it
-/// to a different parent, the mesh replaces it. The instance then gets no new scene until it has been out of range.
+/// Many methods run scripts, which may remove instances, free or take a scene, or free the node. The caller keeps the
+/// ring alive in the meantime, and calls `forget_host` when the node is freed. If a script has freed or taken a scene,
+/// or moved it to a different parent, the mesh replaces it. The instance then gets no new scene until it has been out
+/// of range.
 class SceneRing : public NearRing {
 public:
 	explicit SceneRing(SceneHost host);
 	~SceneRing() override = default;
 
-	/// The layers by their indices. Scenes of a PackedScene that is no longer their layer's leave step by step, nearest first.
+	/// Sets the layers by their indices. If a layer has a different PackedScene now, its previous scenes are removed
+	/// step by step, the nearest first.
 	void set_layers(std::vector<SceneLayer> layers);
 
-	/// The node is freed with all its children, and is never accessed from now on.
+	/// Call this when the node is freed, with all its children. The ring never accesses the node again.
 	void forget_host() { life_ = nullptr; }
 
 	/// Without centers, scenes stay: a camera may be missing for a frame.
@@ -78,14 +81,15 @@ public:
 	void recycle();
 	static constexpr int recycled_at_once = 128;
 
-	/// A child of the node was added or removed: finds scenes that scripts have taken away.
+	/// Call this after a child of the node was added or removed. Finds scenes that scripts have taken away.
 	void children_changed();
 
 	/// The scene that replaces an instance; null if there is none.
 	godot::Node3D *find(std::uint64_t id) const;
 
-	/// Passes the ownership of an instance's scene to the caller; null if there is none. Until `recycle`, this includes the scene of a
-	/// dropped instance. The scene stays in the tree; the mesh is drawn again, unless the instance is removed.
+	/// Passes the ownership of an instance's scene to the caller; returns null if there is none. Until `recycle`, this
+	/// includes the scene of a dropped instance. The scene stays in the tree. The mesh is drawn again, unless the
+	/// instance is removed.
 	godot::Node3D *take(std::uint64_t id);
 
 	std::size_t shown_count() const { return shown_.size(); }

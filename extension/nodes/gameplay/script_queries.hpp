@@ -33,7 +33,8 @@ struct QueryWish {
 	const godot::Callable &predicate;
 };
 
-/// The layers that the indices of the answer refer to, and the filter of the query. Null, with an error, if it is refused.
+/// Finds the layers and creates the filter of a query. Returns the layers that the indices of the answer refer to. If
+/// the query is refused, prints an error and returns null.
 template <class Asker>
 SharedLayers open_query(Asker &asker, const QueryWish &wish, QueryFilter &r_filter) {
 	const glm::dvec3 offset = asker.world_offset();
@@ -49,7 +50,7 @@ SharedLayers open_query(Asker &asker, const QueryWish &wish, QueryFilter &r_filt
 	return layers;
 }
 
-/// Instances that were found, and the layers that their indices refer to.
+/// The instances that a query has found, and the layers that their indices refer to.
 struct AnsweredInstances {
 	FoundInstances found;
 	SharedLayers layers;

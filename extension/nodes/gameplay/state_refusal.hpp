@@ -11,7 +11,8 @@
 
 namespace thicket {
 
-/// Prints which method of a ScatterState was refused, and why. Returns the error; OK, without a message, if the status is ok.
+/// Prints which method of a ScatterState was refused, and why. Returns the error, or OK, without a message, if the
+/// status is ok.
 inline godot::Error told(const char *p_method, const Status &status) {
 	if (!status.ok()) {
 		ERR_PRINT(godot::String((std::string("ScatterState.") + p_method + ": " + describe(status)).c_str()));
