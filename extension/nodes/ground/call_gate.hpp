@@ -4,11 +4,12 @@
 
 namespace thicket {
 
-/// Lets any number of threads call an object, and one of them wait until no other thread does. Calls may nest: a thread that is inside this
-/// gate or others may enter again.
+/// Lets any number of threads call an object, and lets one thread wait until no other thread is in such a call. Calls
+/// may nest: a thread that is inside this gate or others may enter again.
 class CallGate {
 public:
-	/// While one of these exists, its thread is inside. Use it as a local variable: the last one created must be destroyed first.
+	/// The thread that created this is inside the gate until it is destroyed. Use it as a local variable: the last one
+	/// created must be destroyed first.
 	class Inside {
 	public:
 		explicit Inside(const CallGate &gate) : gate_(gate), outer_(innermost_), first_(!gate.is_inside()) {
@@ -34,7 +35,7 @@ public:
 		static inline thread_local const Inside *innermost_ = nullptr;
 	};
 
-	/// Runs `act` while no other thread is inside. Does not wait for calls that the calling thread itself is inside of.
+	/// Runs `act` while no other thread is inside the gate. Does not wait for calls of the calling thread itself.
 	template <class Act>
 	void alone(Act act) const {
 		const bool inside = is_inside();

@@ -38,8 +38,8 @@ enum class GroundPlugin : std::uint8_t { none, terrain3d, hterrain };
 /// The plug-in's name; empty for `none`.
 const char *name_of(GroundPlugin plugin);
 
-/// A copy of the ground of a node of a known plug-in, so that workers call nothing of the node. Immutable. Images are shared with the
-/// plug-in, not copied: whichever of both writes to one first creates its own copy.
+/// A copy of the ground of a known plug-in's node, so that workers do not call the node. Immutable. Shares its images
+/// with the plug-in instead of copying them: whichever of the two writes to an image first creates its own copy.
 class GroundCopy {
 public:
 	virtual ~GroundCopy() = default;
@@ -48,7 +48,7 @@ public:
 
 	virtual GroundPlugin plugin() const = 0;
 
-	/// The ground in a world where the engine's origin is at `offset`, in meters.
+	/// The ground in a world whose engine origin is at `offset`, in meters.
 	virtual std::shared_ptr<const Terrain> at_offset(glm::dvec3 offset) const = 0;
 
 	virtual bool has_textures() const = 0;
@@ -56,13 +56,16 @@ public:
 	/// A description of the copied ground, for the inspector.
 	virtual godot::String description() const = 0;
 
-	/// A remark about the node for users, as the end of a sentence that begins with the node ("has no regions"); empty if there is none.
+	/// A remark about the node for users: the end of a sentence that begins with the node's name ("has no regions").
+	/// Empty if there is none.
 	virtual godot::String remark() const = 0;
 
-	/// The areas in which this ground differs from `before`. `shift` is how far the engine's origin has moved in the world since.
+	/// The areas in which this ground differs from `before`. `shift` is the distance that the engine's origin has moved
+	/// in the world since then.
 	virtual GroundChanges changes_since(const GroundCopy &before, glm::dvec3 shift) const = 0;
 
-	/// This copy with some parts reread from the node's data; null if that does not suffice or fails. Runs scripts.
+	/// A new copy, with some parts reread from the node's data. Null if rereading these parts fails or is not enough.
+	/// Runs scripts.
 	virtual std::shared_ptr<const GroundCopy> with_edits(
 			const godot::Variant & /*p_data*/, std::span<const MapEdit> /*edits*/) const {
 		return nullptr;
@@ -80,16 +83,17 @@ struct CopyAttempt {
 	godot::Variant data;                      ///< The object that holds the plug-in's images and emits its signals.
 };
 
-/// Copies the ground of a node that behaves like one of Terrain3D or HTerrain, whatever its class. Parts that the copy `before` has read
-/// and that are unchanged need not be read again. Runs scripts, which may free the node.
+/// Copies the ground of a node that has the methods of Terrain3D or HTerrain, whatever its class. Does not reread parts
+/// that are unchanged since the copy `before`. Runs scripts, which may free the node.
 CopyAttempt copy_ground(const godot::Variant &p_node, const GroundCopy *before);
 CopyAttempt copy_terrain3d(const godot::Variant &p_node);
 CopyAttempt copy_hterrain(const godot::Variant &p_node, const GroundCopy *before);
 
-/// Whether a node like HTerrain paints with textures by index (its array shader) rather than by splat maps. Runs scripts.
+/// True if a node with HTerrain's methods paints textures by index (its array shader) rather than by splat maps. Runs
+/// scripts.
 bool uses_indexed_textures(const godot::Variant &p_node);
 
-/// Values that are cheap to read and show that a node's ground may have changed since the last check.
+/// Values that are cheap to read, and that differ if a node's ground may have changed since the last check.
 struct GroundGlance {
 	std::uint64_t node = 0;
 	std::uint64_t data = 0; ///< The object that holds its ground, if that is a separate object.
@@ -99,7 +103,7 @@ struct GroundGlance {
 	bool operator==(const GroundGlance &) const = default;
 };
 
-/// If `deep`, also calls the node, which may run scripts; otherwise only checks whether it is the same node.
+/// If `deep` is true, also calls the node, which may run scripts. Otherwise only checks whether it is the same node.
 GroundGlance glance_at(const godot::Variant &p_node, bool deep);
 
 } // namespace thicket

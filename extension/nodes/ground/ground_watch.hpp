@@ -20,40 +20,40 @@ namespace thicket {
 /// False if any of its numbers is NAN or infinite.
 bool is_finite(const godot::Transform3D &p_transform);
 
-/// The state of a node with ground that can be checked without reading its triangles.
+/// The parts of a ground node's state that can be checked without reading its triangles.
 struct GroundSight {
 	godot::Transform3D frame;  ///< In the engine's space.
 	std::uint64_t source = 0;  ///< The ID of the object with the shape, for example a mesh; 0 if there is no ground.
 	std::uint64_t version = 0; ///< The source's version, which increases with each change that it reports.
 
-	/// If there is no ground, nothing else is compared. All frames that are not finite are equal: NAN differs from itself, and such a node
-	/// would count as changed forever.
+	/// Without ground, compares nothing else. Frames that are not finite count as equal, because NAN differs from
+	/// itself: the node would count as changed forever.
 	bool operator==(const GroundSight &other) const {
 		const bool alike = frame == other.frame || !(is_finite(frame) || is_finite(other.frame));
 		return source == other.source && (source == 0 || (version == other.version && alike));
 	}
 };
 
-/// Whether two sights are of the same ground in the world, with a different offset of the engine's origin for each. Compares within the
-/// engine's precision, which loses some bits when a scene is moved.
+/// True if both sights are of the same ground in the world. Each has its own offset of the engine's origin. Compares
+/// within the engine's precision, because moving a scene loses some bits.
 bool same_in_world(const GroundSight &a, glm::dvec3 offset_a, const GroundSight &b, glm::dvec3 offset_b);
 
-/// Checks nodes that provide ground, some of them in each frame in turn, and finds those that have changed. There is no other way, because
-/// the engine emits no signal that we could use when another node moves. The work per frame does not grow with the number of nodes. Main
-/// thread only.
+/// Finds nodes whose ground has changed, by checking some of the nodes in each frame, in turn. The engine emits no
+/// usable signal when another node moves. The work per frame does not grow with the number of nodes. Main thread only.
 class GroundWatch {
 public:
-	/// Returns the node's current state except for the version. `r_source` becomes its source as an object, null if there is none.
+	/// Returns the node's current state except for the version. Sets `r_source` to its source as an object, or to null.
 	using Look = std::function<GroundSight(const godot::Variant &p_node, godot::Object *&r_source)>;
 
-	/// Connects to sources: each `changed` calls `p_method` of `p_owner` with the source's ID, and the owner passes that to
-	/// `source_changed`.
+	/// Connects to sources. Each `changed` calls `p_method` of `p_owner` with the source's ID, and the owner passes the
+	/// ID to `source_changed`.
 	GroundWatch(godot::Object *p_owner, const godot::StringName &p_method) : owner_(p_owner), method_(p_method) {}
 
-	/// Watches a node from now on. If `changed`, its ground must be read. Does nothing if the node is already watched.
+	/// Watches a node from now on. If `changed` is true, its ground counts as changed. Does nothing if the node is
+	/// already watched.
 	void add(std::uint64_t id, const godot::Variant &p_node, const Look &look, bool changed);
 
-	/// Stops watching a node. A node that provided ground counts as changed: see `take_changed`.
+	/// Stops watching a node. If it provided ground, it counts as changed: see `take_changed`.
 	void remove(std::uint64_t id);
 
 	/// Forgets everything and disconnects from all sources.
@@ -64,10 +64,11 @@ public:
 	std::vector<std::uint64_t> ids() const;
 	std::size_t size() const { return entries_.size(); }
 
-	/// Checks the next nodes, at most nodes_per_frame. Returns how many were checked.
+	/// Checks the next nodes, at most nodes_per_frame. Returns the number of checked nodes.
 	std::size_t look(const Look &look);
 
-	/// A source has reported a change; nodes that use it follow when they are checked. Does nothing for an unused source.
+	/// Records that a source has changed. The nodes that use it count as changed when they are checked. Does nothing
+	/// for an unused source.
 	void source_changed(std::uint64_t source);
 	std::uint64_t version(std::uint64_t source) const;
 
@@ -77,11 +78,12 @@ public:
 	/// True while some nodes have changed.
 	bool restless() const { return !changed_.empty(); }
 
-	/// True once changed nodes are at rest, or have been waiting for long. So a node that is being dragged is followed, but not in each
-	/// frame.
+	/// True once the changed nodes are at rest, or have waited for long. So the ground follows a node that is being
+	/// dragged, but not in each frame.
 	bool due() const;
 
-	/// The nodes that have changed since the last call, including removed ones. A node that is not at rest is reported again when it is.
+	/// The nodes that have changed since the last call, including removed nodes. A node that is still moving is
+	/// returned again once it is at rest.
 	std::set<std::uint64_t> take_changed();
 
 	/// Treats the current state as known.

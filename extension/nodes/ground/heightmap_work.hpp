@@ -14,8 +14,7 @@
 
 namespace thicket {
 
-/// The settings of a ScatterGroundHeightmap, for a worker. The images belong to the worker, and share the user's memory until either
-/// writes.
+/// The settings of a ScatterGroundHeightmap, for a worker. Its images share the user's memory until either side writes.
 struct HeightmapSources {
 	bool are_read = false; ///< If false, the posts and the weights of `before` are used.
 	godot::Ref<godot::Image> image;
@@ -28,7 +27,7 @@ struct HeightmapSources {
 	bool in_meters = false; ///< The unit of floats.
 };
 
-/// Builds a heightfield, and finds the areas in which it has changed. On any thread.
+/// Builds a heightfield, and finds the areas in which it has changed. Any thread.
 struct HeightmapWork {
 	HeightmapSources sources;
 	std::shared_ptr<const Heightfield> before; ///< Null if there is none.

@@ -8,9 +8,9 @@
 
 namespace thicket {
 
-/// The images of the maps of a node like HTerrain. Its data keeps images in the editor, and of maps that a script created. In a game the
-/// loaded maps are textures, except for heights: their pixels must be read back from the renderer. So pixels of an imported texture,
-/// which never changes, are kept for the next time.
+/// The images of the maps of a node like HTerrain. The node's data contains images in the editor, and for maps that a
+/// script created. In a game, all loaded maps except heights are textures, whose pixels must be read back from the
+/// renderer. An imported texture never changes, so its pixels are kept for the next time.
 class MapImages {
 public:
 	/// An object for the next time that reuses the images read here.
@@ -20,10 +20,10 @@ public:
 		return images;
 	}
 
-	/// The pixels of a map, by the plug-in's number for its kind; null if there is none. Runs scripts.
+	/// Reads the pixels of a map. `kind` is the plug-in's number for its kind. Null if there is none. Runs scripts.
 	godot::Ref<godot::Image> read(const godot::Variant &p_data, int kind, int index);
 
-	/// True if there was a map whose pixels were not available, as with the textures of a server's export.
+	/// True if a map had no available pixels, as with the textures of a server's export.
 	bool lacks_pixels() const { return lacks_pixels_; }
 
 private:

@@ -34,8 +34,8 @@ private:
 	std::vector<Surface> surfaces_;
 };
 
-/// Copies a mesh, one surface with each step. Main thread only: the renderer answers other threads only when the main thread lets it, once
-/// per frame, and never if the main thread waits for them.
+/// Copies a mesh, one surface with each step. Main thread only: the renderer answers other threads only once per frame,
+/// and never while the main thread waits for them.
 ///
 /// Reads the renderer's data rather than Mesh.get_faces, which builds and keeps a search tree that some changes do not update.
 class MeshReader {
@@ -47,8 +47,8 @@ public:
 	std::uint64_t source() const { return source_; }
 	std::uint64_t version() const { return version_; }
 
-	/// Reads the next surface. Returns the copy after the last surface, null before. If the mesh has a script, runs it; the script may do
-	/// anything, even call `cancel`.
+	/// Reads the next surface. Returns the copy after the last surface, and null before. If the mesh has a script, runs
+	/// the script, which may do anything, even call `cancel`.
 	std::shared_ptr<const MeshCopy> step();
 
 	void cancel();

@@ -44,7 +44,7 @@ struct MeshReading {
 	void build(std::span<const glm::vec3> faces, const std::atomic<bool> *cancel);
 };
 
-/// The ground of all hosts with the same world position of the engine's origin.
+/// The ground of all hosts that have the same world position of the engine's origin.
 struct GroundWorld {
 	glm::dvec3 offset{0.0};
 	std::shared_ptr<const GroundMeshes> parts;   ///< Never null.
@@ -54,7 +54,7 @@ struct GroundWorld {
 	Status status;
 };
 
-/// The work of a worker: builds meshes, and the worlds that they belong to.
+/// The work of a worker: builds the ground of meshes, and the worlds that contain them.
 struct MeshWork {
 	std::vector<MeshReading> readings;
 	std::vector<std::uint64_t> gone; ///< Instances that are no longer ground.

@@ -17,7 +17,7 @@
 
 namespace thicket {
 
-/// The limits within which the methods of an object know the ground, for methods that return a height everywhere.
+/// The area in which an object's methods know the ground, for methods that return a height everywhere.
 struct GroundLimits {
 	Rect bounds;                    ///< World meters of x and z; empty for no limit. Half-open, as Rect2.has_point.
 	std::optional<float> no_ground; ///< The height that means no ground.
@@ -32,32 +32,33 @@ struct GroundLimits {
 /// weights.
 class ObjectGround : public Terrain {
 public:
-	/// Null if the object has none of these. Checking for them may run scripts of the object, which may free it.
+	/// Creates the ground of an object; null if the object has none of these methods. Checking for them may run scripts
+	/// of the object, which may free it.
 	static std::shared_ptr<ObjectGround> of(const godot::Variant &p_object, const GroundLimits &limits);
 
-	/// A copy of the ground for a world in which the engine's origin is at `offset`, in meters: the object is in the engine's space. Each
-	/// node that uses the ground gets its own.
+	/// A copy of the ground for a world in which the engine's origin is at `offset`, in meters, because the object is
+	/// in the engine's space. Each node that uses the ground needs its own copy.
 	std::shared_ptr<ObjectGround> at_offset(glm::dvec3 offset) const;
 
 	/// Updates the offset after the scene was recentered. Waits as `close` does. A map keeps the offset at which it was found.
 	void set_offset(glm::dvec3 offset);
 
-	/// As Terrain::sample, on any thread if the object's methods may be called there. If a method is missing or does not return a number,
-	/// the error names it.
+	/// Samples as Terrain::sample does, on any thread if the object's methods allow that. If a method is missing or
+	/// does not return a number, the error names it.
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;
 	Status weigh(std::span<const glm::dvec2> positions, std::span<const std::int32_t> textures,
 			std::span<Ground> r_ground) const override;
 
-	/// Call this before the object is freed. Waits for calls from other threads that are in progress, a few dozen positions at most. All
-	/// later calls are refused. May be called within such a call, which does not wait for itself.
+	/// Call this before the object is freed. Waits until other threads have finished their calls, a few dozen positions
+	/// at most. Refuses all later calls. A script may call this from within such a call, and does not wait for itself.
 	void close();
 	bool is_open() const { return open_; }
 
 	/// False if `weigh` leaves all weights unchanged, or 1.
 	bool has_textures() const { return map_ != nullptr ? !map_->splats.empty() : has_textures_; }
 
-	/// The object that has the methods: the object itself or its data. Null if it was freed.
+	/// The object that has the methods: the object itself or its data. Null if it has been freed.
 	godot::Object *source() const { return source_.get_validated_object(); }
 	/// Null for an object that has none.
 	const TerrainMap *map() const { return map_.get(); }

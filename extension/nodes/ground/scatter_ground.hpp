@@ -27,13 +27,14 @@
 
 namespace thicket {
 
-// GDVIRTUAL0RC and its kin name these without a namespace in godot-cpp 4.4.
+// In godot-cpp 4.4, GDVIRTUAL0RC and similar macros use these names without a namespace.
 using godot::METHOD_FLAG_CONST;
 using godot::METHOD_FLAG_VIRTUAL;
 
 inline constexpr double height_limit = 1e6; ///< World meters up and down: the limit of a ground's settings.
 
-/// A node that uses a ground. The scene is in the engine's space, which may be at a different world position for each node.
+/// A node that uses a ground. Its scene is in the engine's space, which may be at a different world position for each
+/// node.
 struct GroundHost {
 	godot::Node3D *node = nullptr;
 	std::uint64_t id = 0;   ///< The node's object ID in the engine.
@@ -46,7 +47,7 @@ struct GroundFigures {
 	std::uint64_t reads = 0; ///< Meshes or shapes that were read since the ground was created.
 };
 
-/// The ground that layers are placed on. Extend it in a script by `_get_heights`, or use one of the built-in kinds.
+/// The ground that layers are placed on. Extend it by a script with `_get_heights`, or use one of the built-in kinds.
 ///
 /// All public methods may run a script, which may do anything, even release the ground: the methods keep it alive until they return.
 class ScatterGround : public godot::Resource, public ThreadGuarded {
@@ -56,8 +57,8 @@ class ScatterGround : public godot::Resource, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "ScatterGround";
 
-	/// An immutable view of the current ground for the host with this ID, safe on any thread for as long as it is held. Null if there is no
-	/// ground, or if it may only be sampled on the main thread.
+	/// An immutable view of the current ground for the host with this ID. Any thread may use it while it exists. Null
+	/// if there is no ground, or if only the main thread may sample the ground.
 	std::shared_ptr<const Terrain> snapshot(std::uint64_t host);
 
 	/// The reason why this ground cannot be used, in one sentence; empty if there is none.
@@ -66,13 +67,14 @@ public:
 	/// A remark about a usable ground, in one sentence; empty if there is none.
 	godot::String remark();
 
-	/// A sentence about the script method that has caused the error `status`; empty if none has. Any thread.
+	/// A sentence about the script method that has caused the error `status`; empty if no method has caused it. Any
+	/// thread.
 	godot::String script_problem(const Status &status) const { return answers_.sentence(status); }
 
 	/// The feature that cannot work because an export has stripped its resource, in one sentence; empty if nothing was stripped.
 	godot::String stripped();
 
-	/// False if this ground does not distinguish textures, so that layers that require some grow everywhere.
+	/// False if this ground does not distinguish textures. Layers that require certain textures then grow everywhere.
 	virtual bool has_textures() const;
 
 	/// True if the ground may only be sampled on the main thread, by `sample_now`.
@@ -81,60 +83,63 @@ public:
 	/// True if `sample_now` may be called in physics frames only.
 	virtual bool needs_physics_frames() const { return false; }
 
-	/// The largest number of positions in one call of `sample_now`, and in one physics frame.
+	/// The largest number of positions in one call of `sample_now`, and also in one physics frame.
 	virtual std::size_t max_positions_per_call() const;
 
-	/// False while the source of the ground is temporarily missing: tiles then stay unchanged.
+	/// False while the source of the ground is temporarily missing. Tiles then stay unchanged.
 	virtual bool is_available() const { return true; }
 
-	/// On the main thread: samples the ground data in `needs` at `positions` in the world of the host with this ID. `r_ground` has the size
-	/// of `positions`. A script that returns a wrong number of heights, normals or weights is refused; its NAN heights mean no ground.
+	/// Samples the ground data in `needs` at `positions` in the world of the host with this ID, on the main thread.
+	/// `r_ground` must have the size of `positions`. A script's result is refused if its number of heights, normals or
+	/// weights is wrong. NAN heights mean that there is no ground.
 	Status sample_now(std::uint64_t host, std::span<const glm::dvec2> positions, const GroundNeeds &needs,
 			std::span<Ground> r_ground);
 
-	/// Whether this ground can change without a report, so that tiles on it are re-checked. False if the user has turned that off.
+	/// True if this ground can change without a report and the user has not turned off re-checks. Tiles on it are then
+	/// re-checked.
 	bool rechecks() const { return recheck_enabled_ && can_change_unreported(); }
 	void set_recheck_enabled(bool p_enabled) { recheck_enabled_ = p_enabled; }
 	bool is_recheck_enabled() const { return recheck_enabled_; }
 
-	/// On the main thread, at the times of `sample_now`: heights for re-checks. NAN if there is no ground, empty if it cannot be read at
-	/// present.
+	/// Samples heights for re-checks, on the main thread, whenever `sample_now` may be called. NAN if there is no
+	/// ground, empty if the ground cannot be read at present.
 	Status recheck_now(
 			std::uint64_t host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
 
-	/// Meters by which heights of unchanged ground may differ. Smaller differences are not worth a new tile.
+	/// The difference in meters between two heights of a re-check up to which the ground counts as unchanged, because a
+	/// new tile is not worth a smaller difference.
 	virtual double recheck_tolerance() const { return 0.01; }
 
-	/// A node in the tree begins or stops to use this ground. Each `enter` has its `leave`, which is called while the node still exists.
-	/// Main thread only, as is the next.
+	/// Registers and removes a node in the tree that uses this ground. Each `enter` needs a `leave` while the node
+	/// still exists. Main thread only, as is `set_world_offset`.
 	void enter(godot::Node3D *p_host, glm::dvec3 offset);
 	void leave(godot::Node3D *p_host);
 
-	/// The game of a node that uses this ground has recentered. Affects ground that is part of the scene, which moves along; all other
-	/// ground is fixed in the world.
+	/// Call this after the game of a node that uses this ground has recentered. Ground that is part of the scene has
+	/// moved with the scene; all other ground is fixed in the world.
 	void set_world_offset(const godot::Node3D *p_host, glm::dvec3 offset);
 
 	/// The ground may have changed since it was found, without a report.
 	virtual void look_again() {}
 
-	/// Call this in every frame of a host. Ground that is part of the scene checks whether it has changed, and reports changes. It begins
-	/// no new step of its work after `deadline`, but does one step in each frame.
+	/// Call this in every frame of a host. Ground that is part of the scene checks whether it has changed, and reports
+	/// changes. Does at least one step of its work in each frame, and begins no further step after `deadline`.
 	void follow_scene(std::chrono::steady_clock::time_point deadline);
 
-	/// True while changes in the scene are known that the ground does not include yet.
+	/// True while the ground does not yet include known changes in the scene.
 	virtual bool is_behind() const { return false; }
 
-	/// True while `snapshot` does not yet return the ground that was set, because it is still being read: it returns null, or the previous
-	/// one. Once the ground is read, everything may have changed.
+	/// True while new ground is still being read, so that `snapshot` returns null or the previous ground. Once the new
+	/// ground is read, everything may have changed.
 	virtual bool is_pending(std::uint64_t /*host*/) const { return false; }
 
-	/// Finishes the reading, for a caller that cannot wait for a later frame. Emits signals.
+	/// Reads the ground to the end, for a caller that cannot wait for a later frame. Emits signals.
 	virtual void finish_reading() {}
 
 	virtual GroundFigures figures() const { return {}; }
 
-	/// Rereads all ground, in portions, and reports where it has changed. False for ground that cannot report that: any of it may have
-	/// changed.
+	/// Rereads all ground, in portions, and reports where it has changed. Returns false if this ground cannot report
+	/// that. Any part of it may then have changed.
 	bool read_again();
 
 	/// The height in meters of the ground above or below a world position; NAN if there is none.
@@ -151,7 +156,7 @@ public:
 protected:
 	static void _bind_methods();
 
-	/// Implementations of the public methods of these names. These versions call a script's methods.
+	/// Implementations of the public methods of the same names. These versions call a script's methods.
 	virtual std::shared_ptr<const Terrain> make_snapshot(const GroundHost &host);
 	virtual godot::String find_problem();
 	virtual godot::String find_remark() { return {}; }
@@ -165,7 +170,7 @@ protected:
 			const GroundHost &host, std::span<const glm::dvec2> positions, std::span<std::optional<float>> r_heights);
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
-	/// Called after a host was added or removed. `first` is true if the first host has changed.
+	/// Called after a host was added or removed. `first` is true if a different host is now the first one.
 	virtual void hosts_changed(bool /*first*/) {}
 
 	/// Implementations of the public methods, called at most once per frame.
@@ -178,7 +183,7 @@ protected:
 	/// The time at which `follow` must end its work in this frame.
 	std::chrono::steady_clock::time_point deadline() const { return deadline_; }
 
-	/// All nodes that use the ground. The first of them is the starting point for finding nodes in the scene.
+	/// All nodes that use the ground. Searches for nodes in the scene start at the first one.
 	std::span<const GroundHost> hosts() const { return hosts_; }
 
 	/// The node of the first host; null if there is none.
@@ -187,14 +192,15 @@ protected:
 	/// Makes the editor query the problems of all hosts again, soon.
 	void update_warnings();
 
-	/// Emits that the ground has changed within a world rect, in meters of x and z.
+	/// Emits the signal that the ground has changed within a world rect, in meters of x and z.
 	void emit_ground_changed(const godot::Rect2 &p_rect);
 
 private:
 	friend class ScriptGround;
 
 	GroundHost find_host(std::uint64_t id) const;
-	// Calls of a script. `found` contains the indices of positions with ground; normals and weights are requested for these alone.
+	// Calls a script's methods. `found` contains the indices of the positions that have ground; normals and weights are
+	// only requested for these.
 	Status ask_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status ask_slopes(std::span<const glm::dvec2> positions, std::span<Ground> r_ground);
 	Status ask_weights(

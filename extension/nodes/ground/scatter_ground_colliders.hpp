@@ -19,8 +19,9 @@
 
 namespace thicket {
 
-/// The colliders of the scene, hit by rays from above. Rays may be cast in physics frames only, a limited number per frame. Shapes of
-/// static bodies are followed: if one is added, removed, moved or changed, the ground changes within about half a second.
+/// The colliders of the scene, hit by rays from above. Rays may be cast in physics frames only, a limited number per
+/// frame. If the shape of a static body is added, removed, moved or changed, the ground follows within about half a
+/// second.
 class ScatterGroundColliders : public ScatterGround {
 	GDCLASS(ScatterGroundColliders, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -41,8 +42,8 @@ public:
 	void set_collision_mask(int64_t p_mask);
 	int64_t get_collision_mask() const;
 
-	/// World meters at which each ray begins and ends; +-1e6, the top above the bottom. May be set in any order: while they are inverted,
-	/// one error is printed, and existing instances stay.
+	/// World meters at which each ray begins and ends; +-1e6, the top above the bottom. They may be set in any order.
+	/// While the top is not above the bottom, prints one error and leaves existing instances unchanged.
 	void set_ray_top(double p_height);
 	double get_ray_top() const;
 	void set_ray_bottom(double p_height);

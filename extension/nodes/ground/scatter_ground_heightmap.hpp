@@ -17,9 +17,9 @@
 
 namespace thicket {
 
-/// Ground from a grid of heights: a raw file, an Image or a Texture2D, of 8, 16 or 32 bits. Properties may be set in any order. After a
-/// change, a worker reads the ground when it is needed, and hosts are notified of the areas that have changed. If it cannot be read, one
-/// error is printed and the ground stays unchanged.
+/// Ground from a grid of heights: a raw file, an Image or a Texture2D, of 8, 16 or 32 bits. Properties may be set in
+/// any order. After a change, a worker reads the ground when a host needs it, and hosts are notified of the changed
+/// areas. If the ground cannot be read, prints one error and keeps the previous ground.
 class ScatterGroundHeightmap : public ScatterGround {
 	GDCLASS(ScatterGroundHeightmap, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -29,8 +29,8 @@ public:
 
 	bool has_textures() const override { return weight_image_.is_valid(); }
 
-	/// A file of little-endian posts without a header, row by row, x fastest. Its size determines whether they have 8 bits, 16 bits or are
-	/// floats. Used if there is no image.
+	/// A file of little-endian posts without a header, row by row, x fastest. The file's size determines whether posts
+	/// are 8 bits, 16 bits or floats. Ignored if there is an image.
 	void set_heightmap_path(const godot::String &p_path);
 	godot::String get_heightmap_path() const;
 
@@ -42,23 +42,23 @@ public:
 	void set_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_image() const;
 
-	/// The unit of posts that are floats: meters, or 0 to 1 between the lowest and the highest height like all other formats. NAN is a hole
-	/// in both.
+	/// If true, posts that are floats are in meters. If false, they range from 0 to 1 between the lowest and the
+	/// highest height, like all other formats. NAN is a hole in both cases.
 	void set_heights_in_meters(bool p_meters);
 	bool is_heights_in_meters() const;
 
-	/// An Image or a Texture2D over the same rect, whose channels are the weights of textures 0 to 3.
+	/// An Image or a Texture2D that covers the same rect. Its channels are the weights of textures 0 to 3.
 	void set_weight_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_weight_image() const;
 
-	/// Replaces textures with their images, because an export strips textures. False if there are none.
+	/// Replaces textures with their images, because an export strips textures. Returns false if there are no textures.
 	bool embed_stripped_data();
 
 	/// World meters from the first post to the last: x, and z as y.
 	void set_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_rect() const;
 
-	/// World meters of the lowest and of the highest possible value of a post; +-1e6.
+	/// World meters of the lowest and of the highest value that a post can have; +-1e6.
 	void set_min_height(double p_height);
 	double get_min_height() const;
 	void set_max_height(double p_height);

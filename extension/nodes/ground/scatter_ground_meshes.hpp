@@ -20,9 +20,10 @@
 
 namespace thicket {
 
-/// The meshes of all MeshInstance3Ds in a group of the scene, seen from above. They are read when a node first needs the ground, and
-/// followed from then on: if an instance is added, removed, moved or changed, the ground changes within about half a second. The main
-/// thread copies the renderer's data of a mesh, in steps. A worker builds the ground, which is unchanged until then.
+/// The meshes of all MeshInstance3Ds in a group of the scene, seen from above. They are read when a node first needs
+/// the ground. From then on, if an instance is added, removed, moved or changed, the ground follows within about half a
+/// second. The main thread copies a mesh's data from the renderer, in steps. A worker then builds the ground. The
+/// previous ground remains until then.
 class ScatterGroundMeshes : public ScatterGround {
 	GDCLASS(ScatterGroundMeshes, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)

@@ -18,9 +18,9 @@
 
 namespace thicket {
 
-/// Ground that another node of the scene provides: Terrain3D and HTerrain, whose ground is copied (GroundCopy), or any other node with
-/// get_height(Vector3), which is called for each position (ObjectGround). While the node is missing or provides no ground, one error is
-/// printed, and existing instances stay.
+/// Ground that another node of the scene provides. The ground of Terrain3D and HTerrain is copied (GroundCopy). Any
+/// other node needs get_height(Vector3), which is called for each position (ObjectGround). While the node is missing or
+/// provides no ground, one error is printed, and existing instances stay.
 class ScatterGroundNode : public ScatterGround {
 	GDCLASS(ScatterGroundNode, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -30,7 +30,7 @@ public:
 	bool is_available() const override;
 	void look_again() override { stale_ = stale_ || !telling_; }
 
-	/// A path from the TerrainScatter3D that uses this ground; from the first if there are several.
+	/// A path relative to the TerrainScatter3D that uses this ground; to the first one if there are several.
 	void set_node(const godot::NodePath &p_node);
 	godot::NodePath get_node() const;
 
@@ -38,19 +38,20 @@ public:
 	void set_thread_safe(bool p_thread_safe);
 	bool is_thread_safe() const;
 
-	/// There is no ground outside of this rectangle of the world, in meters of x and z, and the node is not called there. A rectangle
-	/// without an area sets no limit. A rectangle that is not finite or has a negative size prints an error and is ignored. Has no effect
-	/// if the ground is copied.
+	/// Limits the ground to this rectangle of the world, in meters of x and z. The node is not called outside of it. A
+	/// rectangle without an area sets no limit. A rectangle that is not finite or has a negative size prints an error
+	/// and is ignored. Has no effect if the ground is copied.
 	void set_bounds(const godot::Rect2 &p_bounds);
 	godot::Rect2 get_bounds() const;
 
-	/// A height that the node returns if it has no ground, compared exactly; finite.
+	/// Whether the height `no_ground_height` (finite, compared exactly) means that the node has no ground at a
+	/// position.
 	void set_no_ground_enabled(bool p_enabled);
 	bool is_no_ground_enabled() const;
 	void set_no_ground_height(double p_height);
 	double get_no_ground_height() const;
 
-	/// A description of the recognized kind of node; empty while there is none.
+	/// A description of the kind of node that was recognized; empty if there is none.
 	godot::String get_recognized() const;
 
 protected:
@@ -74,7 +75,7 @@ private:
 		GroundGlance glance;
 	};
 
-	/// The ground that was passed to a host, for tiles that are still in progress.
+	/// The ground that a host has received, for tiles that are still in progress.
 	struct Given {
 		std::uint64_t host = 0;
 		std::weak_ptr<ObjectGround> ground;
@@ -117,7 +118,7 @@ private:
 	bool no_ground_enabled_ = false;
 	double no_ground_height_ = 0.0;
 
-	/// The last usable ground: a copy, or an object in the engine's space, which is closed when its node is freed.
+	/// The last usable ground: a copy, or an object in the engine's space. The object is closed when its node is freed.
 	std::shared_ptr<const GroundCopy> copy_;
 	std::shared_ptr<ObjectGround> ground_;
 	bool present_ = false;                                            ///< True if the copied node exists.

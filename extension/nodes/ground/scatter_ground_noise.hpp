@@ -7,7 +7,8 @@
 
 namespace thicket {
 
-/// Endless hills of a Noise. Computed on worker threads, from a copy of the noise, so that the noise may be edited at any time.
+/// Endless hills from a Noise. Worker threads compute them from a copy of the noise, so the noise may be edited at any
+/// time.
 class ScatterGroundNoise : public ScatterGround {
 	GDCLASS(ScatterGroundNoise, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -19,11 +20,12 @@ public:
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const;
 
-	/// Meters that a noise value of 1 rises above `base_height`, 0 to 1e6. Any other value is ignored with an error.
+	/// The height in meters above `base_height` at a noise value of 1; 0 to 1e6. Any other value is ignored with an
+	/// error.
 	void set_amplitude(double p_amplitude);
 	double get_amplitude() const;
 
-	/// World meters where the noise is 0, +-1e6. Any other value is ignored with an error.
+	/// The world height in meters at a noise value of 0; +-1e6. Any other value is ignored with an error.
 	void set_base_height(double p_height);
 	double get_base_height() const;
 

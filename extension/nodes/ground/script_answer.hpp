@@ -21,10 +21,10 @@ struct ScriptMethod {
 	godot::Variant::Type element_type; ///< FLOAT also accepts integers.
 };
 
-/// Checks the results of a ground script's methods, and stores a sentence about the last refused result. Any thread.
+/// Checks the results of a ground script's methods, and describes the last refused result in a sentence. Any thread.
 class ScriptAnswers {
 public:
-	/// Calls a method of `owner`, which must return `count` elements. `r_answer` is empty if it is refused.
+	/// Calls a method of `owner`, which must return `count` elements. If the result is refused, `r_answer` is empty.
 	template <class Packed>
 	Status call(godot::Object *p_owner, const ScriptMethod &method, std::int64_t count, Packed &r_answer,
 			const std::same_as<godot::Variant> auto &...p_arguments) {
@@ -37,7 +37,8 @@ public:
 		return status;
 	}
 
-	/// Names the script, the method, the result, the expected result and the remedy. Empty if `status` is not that of the last refusal.
+	/// Names the script, the method, the result, the expected result and the remedy. Empty if `status` does not belong
+	/// to the last refusal.
 	godot::String sentence(const Status &status) const;
 
 private:

@@ -16,15 +16,15 @@
 
 namespace thicket {
 
-/// The properties of HTerrain's square map, apart from heights: its position, its holes and its painted textures. Upright: rotated about
-/// the vertical, moved and scaled only. A copy, safe on any thread.
+/// The properties of HTerrain's square map, apart from heights: its position, its holes and its painted textures. The
+/// map is upright: it may be moved, scaled, and rotated about the vertical only. This copy is safe on any thread.
 struct TerrainMap {
 	godot::Transform3D to_world;   ///< From map space, where x and z count posts.
 	double last_post = 0.0;        ///< The map extends from 0 to this value, along x and z.
 	WeightMap colors;              ///< The fourth channel is below one half in holes. Empty if there are no holes.
 	std::vector<WeightMap> splats; ///< Four textures each. If empty, all ground has all textures.
 
-	/// True for those maps of HTerrain that this copies, by their number; heights are not among them.
+	/// True for the maps of HTerrain, by their number, that are copied here. Heights are not among them.
 	static bool copies(std::int64_t map);
 
 	/// The position in map space.
@@ -33,7 +33,7 @@ struct TerrainMap {
 	float height_in_world(double height) const;
 	/// For positions in map space: true on the map and outside its holes.
 	bool has_ground(glm::dvec2 position) const;
-	/// For each of the splats, its channels that belong to any of `textures`.
+	/// Returns the channels of each splat map that belong to one of `textures`.
 	std::vector<unsigned> channels_of(std::span<const std::int32_t> textures) const;
 	/// The share of the ground that these channels cover.
 	float weight(glm::dvec2 position, std::span<const unsigned> channels) const;
@@ -41,8 +41,9 @@ struct TerrainMap {
 	godot::Rect2 world_rect(const godot::Rect2 &p_part) const;
 };
 
-// An object's methods may belong to a script, which may do anything, including freeing the object. So the object is held as a Variant,
-// which detects whether it still exists and keeps reference-counted objects alive.
+// An object's methods may belong to a script, which may do anything, including freeing the object. Objects are
+// therefore stored as a Variant, which detects whether an object still exists and keeps reference-counted objects
+// alive.
 
 /// False if the value is not an object, or the object was freed.
 bool has_method(const godot::Variant &p_object, const godot::StringName &p_method);

@@ -21,8 +21,9 @@
 
 namespace thicket {
 
-/// Renders pictures of triangles from all directions, on the processor: bake_impostor for scripts. The addon's impostor.gd creates a mesh
-/// with a material from them. Any method may be called from any thread; a bake uses the surfaces and settings present when it began.
+/// Renders pictures of triangles from all directions, on the processor: bake_impostor for scripts. The addon's
+/// impostor.gd creates a mesh with a material from them. Any thread may call any method. A bake uses the surfaces and
+/// settings as they were when it began.
 class ScatterImpostorBaker : public godot::RefCounted {
 	GDCLASS(ScatterImpostorBaker, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -44,7 +45,7 @@ public:
 		VERTEX_COLOR_SRGB,
 	};
 
-	// ImpostorSettings. A value that makes them invalid is ignored with an error.
+	// ImpostorSettings. A value that would make the settings invalid is ignored with an error.
 	void set_frames(int64_t p_frames);
 	int64_t get_frames() const;
 	void set_frame_size(int64_t p_frame_size);
@@ -54,9 +55,9 @@ public:
 	void set_full_sphere(bool p_full_sphere);
 	bool is_full_sphere() const;
 
-	/// Adds the triangles of a mesh's surface, from the engine's own arrays, with a transform applied. `p_albedo` is in sRGB, as in the
-	/// engine's materials. ERR_INVALID_DATA, with an error, for data that ImpostorSurface::check refuses, for arrays of other types and for
-	/// an image that cannot be read; nothing is added then.
+	/// Adds the triangles of a mesh's surface, from the engine's own arrays, with a transform applied. `p_albedo` is in
+	/// sRGB, as in the engine's materials. Adds nothing and returns ERR_INVALID_DATA, with an error, for data that
+	/// ImpostorSurface::check refuses, for arrays of other types, and for an image that cannot be read.
 	godot::Error add_surface(const godot::Array &p_arrays, const godot::Transform3D &p_transform,
 			const godot::Color &p_albedo, const godot::Ref<godot::Image> &p_texture, double p_alpha_threshold,
 			CullMode p_cull_mode, VertexColorMode p_vertex_colors);
@@ -64,8 +65,9 @@ public:
 	/// Removes all surfaces. The result of the last bake stays.
 	void clear();
 
-	/// Bakes, which takes seconds; the result is available afterwards. Returns ERR_BUSY while another call bakes, ERR_SKIP after `cancel`,
-	/// ERR_INVALID_DATA if there is nothing to draw, or ERR_OUT_OF_MEMORY; the last result stays then.
+	/// Bakes, which takes seconds; the result is available afterwards. Returns ERR_BUSY while another call bakes,
+	/// ERR_SKIP after `cancel`, ERR_INVALID_DATA if there is nothing to draw, or ERR_OUT_OF_MEMORY. In these cases the
+	/// previous result stays available.
 	godot::Error bake();
 
 	/// Ends the bake in progress, within one picture.

@@ -10,18 +10,18 @@
 
 namespace thicket {
 
-/// The materials that a layer is drawn with, without duplicates or nulls: its override, or those of all surfaces of its meshes, their LODs
-/// and their shadow meshes.
+/// The materials that a layer is drawn with, without duplicates or nulls. With a material override, only that material;
+/// otherwise those of all surfaces of its meshes, their LODs and their shadow meshes.
 std::vector<godot::Ref<godot::Material>> materials_of(const LayerDrawing &drawing);
 
 /// True if any of the shaders declares an instance uniform, or includes the add-on's scatter_scale.gdshaderinc.
 bool use_instance_uniforms(std::span<const godot::Ref<godot::Material>> materials);
 
-/// The farthest that shaders with the uniforms of foliage.gdshaderinc may move a vertex, in meters of the world, over all materials:
-/// max(wind_sway, 0) * strength + max(wind_flutter, 0) * strength + max(bend_reach, 0). The strength is 2 or the material's own
-/// wind_strength, whichever is larger, because a ScatterFoliageWorld may set any value up to 2 at any time. A parameter that is not set has
-/// the shader's default. Other materials count as 0. Without a renderer, which knows the defaults, the result is 0. At most
-/// max_cull_margin.
+/// The largest distance that shaders with the uniforms of foliage.gdshaderinc may move a vertex, in meters of the
+/// world, over all materials: max(wind_sway, 0) * strength + max(wind_flutter, 0) * strength + max(bend_reach, 0). The
+/// strength is 2 or the material's own wind_strength, whichever is larger, because a ScatterFoliageWorld may set any
+/// value up to 2 at any time. A parameter that is not set has the shader's default. Other materials count as 0. Without
+/// a renderer the defaults are unknown, so the result is 0. At most max_cull_margin.
 double sway_reach(std::span<const godot::Ref<godot::Material>> materials);
 inline constexpr double max_cull_margin = 16384.0; ///< Meters.
 

@@ -14,7 +14,8 @@ enum class PropertyUse : std::uint8_t {
 	gameplay,  ///< How a game interacts with instances.
 };
 
-/// ClassDB::add_property for ScatterLayer; all its properties are added through this function. Also records the use.
+/// Adds a property of ScatterLayer, as ClassDB::add_property does, and records its use. All properties of ScatterLayer
+/// are added through this function.
 void add_layer_property(PropertyUse use, const godot::PropertyInfo &p_info, const godot::StringName &p_setter,
 		const godot::StringName &p_getter);
 

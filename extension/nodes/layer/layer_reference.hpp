@@ -15,28 +15,31 @@
 
 namespace thicket {
 
-/// Finds the layer that a script passes: the ScatterLayer itself, or its name (a String or StringName). If two layers share a name, the
-/// first one is found. An empty name refers to no layer. An index is refused, because it refers to a different layer once the list changes.
+/// Finds the layer that a script has passed, as a ScatterLayer or as its name (a String or StringName). If two layers
+/// share a name, the first one is found. An empty name refers to no layer. An index is refused, because it refers to a
+/// different layer once the list changes.
 ///
 /// Returns an empty string and sets `r_index`. If the value refers to no layer, returns a sentence that names the value and what is
 /// allowed, and leaves `r_index` unchanged.
 godot::String find_layer(
 		const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 
-/// Finds several layers: one reference, or an Array or PackedStringArray of them. `r_indices` gets each layer once, in the order of the
-/// references. An empty array adds nothing and stands for all layers. Null is refused, because it is more often a variable that was never
-/// set than a request for all layers.
+/// Finds several layers: one reference, or an Array or PackedStringArray of them. `r_indices` gets each layer once, in
+/// the order of the references. An empty array means all layers, and adds nothing. Null is refused, because it is more
+/// often a variable that was never set than a request for all layers.
 godot::String find_layers(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_references,
 		std::vector<std::uint32_t> &r_indices);
 
-/// Finds the layer that a property refers to, see stored_reference. It may be an index, which stays if there is no layer at it.
+/// Finds the layer that a property refers to; see stored_reference. The reference may be an index, which stays if no
+/// layer has that index.
 godot::String find_stored_layer(
 		const godot::TypedArray<ScatterLayer> &p_layers, const godot::Variant &p_reference, std::uint32_t &r_index);
 
 /// The error of a call with a layer whose settings are refused.
 inline Status refused_layer() { return Status::missing("layer", "Fix the problems that its get_problems() returns"); }
 
-/// The layers of a node at one moment, with their names then, by the index that the core uses for them. For results and for other threads.
+/// The layers of a node at one moment, and their names at that moment, by the index that the core uses for them. For
+/// results and for other threads.
 class ListedLayers {
 public:
 	explicit ListedLayers(const godot::TypedArray<ScatterLayer> &p_layers);
@@ -70,25 +73,27 @@ godot::String find_layer(const ListedLayers &p_layers, const godot::Variant &p_r
 godot::String find_layers(
 		const ListedLayers &p_layers, const godot::Variant &p_references, std::vector<std::uint32_t> &r_indices);
 
-/// The form in which a saved property stores a reference: a name, if the reference is one or the layer has one; the layer itself if it has
-/// no name; or its index, until the node that has the list replaces it (see `naming_layers`). Scenes then store no layer twice. Null if the
-/// value cannot refer to a layer.
+/// Converts a reference to the form in which properties save it: the name of the layer or, if it has none, the layer
+/// itself. So scenes store no layer twice. An index stays an index until the node that has the list replaces it (see
+/// `naming_layers`). Null if the value cannot refer to a layer.
 godot::Variant stored_reference(const godot::Variant &p_reference);
 
-/// The stored form of a reference, for a property of the resource `p_holder`. Null, with an error that names the property, for a value that
-/// cannot refer to a layer, and for a layer without a name that stores `p_holder` inside of it, so that no scene could store both.
+/// The stored form of a reference, for a property of the resource `p_holder`. Returns null, with an error that names
+/// the property, for a value that cannot refer to a layer. Also refuses a layer without a name that stores `p_holder`
+/// inside of it, because no scene could store both.
 godot::Variant accept_reference(
 		const char *p_property, const godot::Variant &p_reference, const godot::Resource *p_holder);
 
-/// Updates references after a layer was renamed. An empty `p_from` means that the layer had no name, and that references held the object.
+/// Updates references after a layer was renamed. If `p_from` is empty, the layer had no name, and references stored the
+/// object.
 ReferenceChange renaming_layer(const godot::String &p_from, const godot::String &p_to);
 
-/// Replaces an index, which is how release 0.2 stored references, by the layer at that index, and warns once for each property. Keeps an
-/// index at which there is no layer.
+/// Replaces each index with the layer at that index, and warns once for each property. Release 0.2 stored references as
+/// indices. Keeps an index without a layer.
 ReferenceChange naming_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 
-/// What replaces a stored reference of `holder`; empty if it stays. It also stays if the holder could not store the new one, see
-/// accept_reference.
+/// Returns the new form of a stored reference of `holder`; empty if the reference stays. It also stays if the holder
+/// could not store the new form; see accept_reference.
 std::optional<godot::Variant> changed_reference(const ReferenceChange &change, const char *p_property,
 		const godot::Variant &p_stored, const godot::Resource *p_holder);
 

@@ -51,7 +51,8 @@ struct MeshLook {
 	LodLook look;
 	bool fades = false; ///< True if all its materials can fade: they include scatter_fade.gdshaderinc.
 
-	/// True if the renderer gets the same mesh and shadow, however often and with whatever parameters it draws them.
+	/// True if both have the same mesh and shadow mesh. The number of instances and the parameters that they are drawn
+	/// with may differ.
 	bool same_meshes(const MeshLook &other) const { return mesh == other.mesh && shadow == other.shadow; }
 
 	friend bool operator==(const MeshLook &, const MeshLook &) = default;
@@ -61,18 +62,20 @@ struct MeshLook {
 struct LayerDrawing {
 	std::vector<MeshLook> meshes; ///< One for each mesh of the layer. A null mesh draws nothing.
 
-	/// One row per LOD distance, with an entry for each of the meshes. A null mesh means that the next finer one stays.
+	/// One row per LOD distance, with an entry for each of the meshes. A null mesh means that the next finer LOD is
+	/// kept.
 	std::vector<MeshLook> lod_meshes;
 
-	/// Material IDs and vertex counts of the surfaces of all meshes that can fade. A difference means that a resource is the same object
-	/// but has changed.
+	/// The material IDs and vertex counts of the surfaces of all meshes that can fade. They differ if a resource has
+	/// changed, although it is the same object.
 	std::vector<std::uint64_t> surfaces;
 
-	/// The box of each mesh when the snapshot was made. A different box means that the mesh has changed, even if the resource is the same.
+	/// The box of each mesh when the snapshot was created. A different box means that the mesh has changed, even if it
+	/// is the same resource.
 	std::vector<godot::AABB> boxes;
 
-	/// Meters at scale 1 from the origin of each mesh to its farthest corner, over all its LODs, enlarged as much as thinning may enlarge
-	/// it.
+	/// The distance in meters, at scale 1, from the origin of each mesh to its farthest corner, over all its LODs.
+	/// Enlarged as much as thinning may enlarge instances.
 	std::vector<float> mesh_reach;
 
 	double draw_cell_size = 0.0; ///< Meters; 0 for a size that fits the models. LayerSnapshot::cells has the result.
@@ -88,7 +91,7 @@ struct LayerDrawing {
 	bool draws(std::size_t mesh) const { return mesh < meshes.size() && meshes[mesh].mesh.is_valid(); }
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 
-	/// True if the renderer gets the same meshes, so that a tile of one can replace a tile of the other.
+	/// True if both draw the same meshes, so that a tile of one can replace a tile of the other.
 	bool same_meshes(const LayerDrawing &other) const {
 		return std::ranges::equal(meshes, other.meshes, &MeshLook::same_meshes) &&
 				std::ranges::equal(lod_meshes, other.lod_meshes, &MeshLook::same_meshes);
@@ -129,7 +132,7 @@ struct LayerScene {
 	friend bool operator==(const LayerScene &, const LayerScene &) = default;
 };
 
-/// How a game interacts with instances. None of it affects where instances are placed.
+/// The settings for how a game interacts with instances. None of them affects where instances are placed.
 struct LayerGameplay {
 	double instance_radius = 0.5; ///< Meters at scale 1. Radius of the cylinder that represents an instance.
 	double instance_height = 2.0;
@@ -140,11 +143,12 @@ struct LayerGameplay {
 	friend bool operator==(const LayerGameplay &, const LayerGameplay &) = default;
 };
 
-/// All settings of a ScatterLayer at one moment, for everything that works with it: the stream, the display, the workers, the rings of
-/// bodies and scenes, and queries. A snapshot never changes once it is shared, so the layer may be edited or freed in the meantime.
+/// All settings of a ScatterLayer at one moment. The stream, the display, the workers, the rings of bodies and scenes,
+/// and queries all use it. A snapshot never changes once it is shared, so the layer may be edited or freed in the
+/// meantime.
 ///
-/// Worker threads read `settings` and `drawing.mesh_reach`. All resources of the engine belong to the main thread, which also must be the
-/// last to release a snapshot.
+/// Worker threads read `settings` and `drawing.mesh_reach`. All resources of the engine belong to the main thread,
+/// which must also be the last to release a snapshot.
 struct LayerSnapshot {
 	SharedLayer
 			settings; ///< Never null. ScatterLayer creates it without neighbors and shapes, which the node adds later.
@@ -160,10 +164,10 @@ struct LayerSnapshot {
 	friend bool operator==(const LayerSnapshot &, const LayerSnapshot &) = default;
 };
 
-/// Null for a layer that is not shown: an empty entry of the list, or a layer that was never valid.
+/// Null for a layer that is not displayed: an empty entry of the list, or a layer that was never valid.
 using SharedSnapshot = std::shared_ptr<const LayerSnapshot>;
 
-/// The settings of a layer that queries need. Null returns a layer that is not wanted.
+/// The settings of a layer that queries need. For null, returns a layer that queries skip.
 QueryLayer query_layer(const LayerSnapshot *layer);
 
 } // namespace thicket

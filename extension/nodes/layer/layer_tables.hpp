@@ -20,14 +20,15 @@ struct MaskFrame {
 	MaskEdge edge = MaskEdge::nothing;
 };
 
-/// A texture with a flag for pixels that may have changed. Only then are they read back, because the renderer must wait for that.
+/// A texture, and a flag for pixels that may have changed. Pixels are read back only if it is set, because reading
+/// waits for the renderer.
 struct TextureSource {
 	godot::Ref<godot::Texture2D> texture;
 	bool unread = false;
 };
 
-/// Replaces a table that was rebuilt from a resource. An equal table keeps the old object, because settings compare tables by pointer: a
-/// different pointer regenerates tiles.
+/// Replaces a table that was rebuilt from a resource. If the new table is equal, keeps the old object: settings compare
+/// tables by pointer, and a different pointer regenerates tiles.
 template <class Made>
 void replace(Made &r_old, Made fresh) {
 	r_old = std::move(fresh);
@@ -42,8 +43,9 @@ void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> f
 	r_old = std::move(fresh);
 }
 
-/// The data that depends on a resource and other properties together: noise with its curve, a texture with its frame, and a line that
-/// replaces a missing proximity curve. Tables of all other resources are stored directly in the settings.
+/// The data that depends on a resource together with other properties: a noise with its curve, a texture with its
+/// frame, and a line that replaces a missing proximity curve. Tables of all other resources are stored directly in the
+/// settings.
 class LayerTables {
 public:
 	/// Updates the results to match the sources and the properties.

@@ -36,8 +36,9 @@ public:
 	/// list differs from that of the last call.
 	bool look(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t own_count, bool p_give);
 
-	/// The layers that were renamed since the last call, for references to them. Leaves out a new name that is empty or belongs to another
-	/// layer, so that a name may be typed letter by letter, and an old name that another layer has, because references then mean that layer.
+	/// The layers that were renamed since the last call, for references to them. Leaves out a new name that is empty or
+	/// belongs to another layer, so that users may type a name letter by letter. Leaves out an old name that another
+	/// layer has, because references then refer to that layer.
 	std::vector<LayerRename> follow_names();
 
 	/// Changes the references of all layers of the list.

@@ -7,8 +7,8 @@
 
 namespace thicket {
 
-/// A change of the references to layers that properties store. Called with the name of the property and with one reference in the form of
-/// stored_reference. Returns what replaces it; empty to keep it.
+/// A change of the references to layers that properties store. Called with the name of the property and one reference,
+/// in the form of stored_reference. Returns the new reference; empty to keep the old one.
 using ReferenceChange =
 		std::function<std::optional<godot::Variant>(const char *p_property, const godot::Variant &p_stored)>;
 
