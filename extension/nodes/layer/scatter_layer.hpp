@@ -33,16 +33,16 @@
 
 namespace thicket {
 
-/// Properties of a ScatterLayer that are not in any part of its snapshot.
+/// Properties of a ScatterLayer that belong to no part of its snapshot.
 struct LayerIdentity {
 	std::int64_t layer_id = -1; ///< -1 until a node has given the layer an ID.
 };
 
 class ScatterLayer;
 
-/// Describes a property that is a resource, as NumberProperty does for a number. `make` converts the resource to a table, not before a
-/// snapshot needs it. `member` stores the table in one of the parts that ScatterLayer::part finds. The inspector offers the class that
-/// `make` takes.
+/// Describes a property that is a resource, as NumberProperty describes a number. `make` converts the resource to a
+/// table when a snapshot first needs it. `member` is where the table is stored, in one of the parts that
+/// ScatterLayer::part finds. The inspector offers the class of `make`'s argument.
 template <class Values, class Made, class T>
 struct ResourceProperty {
 	using Resource = T;
@@ -81,8 +81,8 @@ SwitchProperty(const char *, const char *, bool Values::*) -> SwitchProperty<Val
 /// old value. A minimum above its maximum is detected when the layer is used, so that both may be set in any order. The error is printed
 /// then, and existing instances stay.
 ///
-/// Every setter emits `changed`, and so does the layer when one of its own resources emits it. Only painting on the mask emits
-/// `area_changed` instead, with the rectangle of the world outside which the mask is unchanged.
+/// Every setter emits `changed`. A `changed` of one of its own resources also makes the layer emit it. Only painting on
+/// the mask emits `area_changed` instead, with a rectangle of the world that contains all changes of the mask.
 class ScatterLayer : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterLayer, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -107,8 +107,8 @@ public:
 		MASK_EDGE_REPEAT,
 	};
 
-	/// BodyShape, for scripts: the collision shape of an instance that is near. All but the last are built from instance_radius and
-	/// instance_height.
+	/// BodyShape, for scripts: the collision shape of an instance near a viewer. All but the last are built from
+	/// instance_radius and instance_height.
 	enum CollisionShape : std::int64_t {
 		COLLISION_NONE,
 		COLLISION_CAPSULE,
@@ -118,7 +118,7 @@ public:
 		COLLISION_MODEL,  ///< The shapes of the instance's model.
 	};
 
-	// The accessors of properties that scatter_layer_properties.hpp defines with one line each.
+	// The accessors of properties. scatter_layer_properties.hpp defines each with one line.
 	template <const auto &property>
 	void set_number(double p_value);
 	template <const auto &property>
@@ -157,13 +157,14 @@ public:
 	void set_ground_textures(const godot::PackedInt32Array &p_textures);
 	godot::PackedInt32Array get_ground_textures() const;
 
-	/// Other layers, each as a ScatterLayer, its name or its index, with the distance in meters to keep free around their instances: 0.001
-	/// to max_neighbor_distance; at most max_neighbors layers. A layer that has a name is stored by name. The returned Dictionary is
-	/// read-only.
+	/// Other layers, each as a ScatterLayer, its name or its index. Each has a distance in meters to keep free around
+	/// its instances: 0.001 to max_neighbor_distance. At most max_neighbors layers. A layer that has a name is stored
+	/// by name. The returned Dictionary is read-only.
 	void set_spacing(const godot::Dictionary &p_spacing);
 	godot::Dictionary get_spacing() const;
 
-	/// The layer whose instances determine the density of this one: a ScatterLayer, its name or its index; null or "" for none.
+	/// The layer whose instances determine the density of this one: a ScatterLayer, its name or its index; null or ""
+	/// for no layer.
 	void set_proximity_layer(const godot::Variant &p_layer);
 	godot::Variant get_proximity_layer() const;
 
@@ -171,13 +172,14 @@ public:
 	void set_meshes(const godot::Array &p_meshes);
 	godot::Array get_meshes() const;
 
-	/// Scripts share the list that `get_meshes` returns. These return whether they have changed it in place, and apply the change as
-	/// `set_meshes` would. A refused list is replaced by the previous one.
+	/// Scripts share the list that `get_meshes` returns. `meshes_differ` returns whether a script has changed it in
+	/// place. `take_mesh_changes` applies the change as `set_meshes` would, or restores the previous list if the change
+	/// is refused.
 	bool meshes_differ() const { return meshes_.differs(); }
 	void take_mesh_changes();
 
-	/// Reads the next part of the scenes and models in `meshes`; see LayerMeshes. Snapshots and other users of meshes only have the parts
-	/// that are already read.
+	/// Reads the next part of the scenes and models in `meshes`; see LayerMeshes. Snapshots and other users of meshes
+	/// only see the parts that are already read.
 	bool read_step();
 
 	/// Rereads the scenes with these paths in `meshes`, because their files have changed.
@@ -194,20 +196,21 @@ public:
 	void set_material_override(const godot::Ref<godot::Material> &p_material);
 	godot::Ref<godot::Material> get_material_override() const;
 
-	/// The materials that instances are drawn with, without duplicates: see materials_of.
+	/// The materials that instances are drawn with, without duplicates; see materials_of.
 	godot::TypedArray<godot::Material> get_materials();
 
-	/// The values of properties that GeometryInstance3D has too, by their names there.
+	/// The values of the properties that GeometryInstance3D has as well, by their names there.
 	godot::Dictionary get_geometry_properties() const;
 
-	/// The values that an instance's color on the gradient and its variation follow; null for random ones. Layers may share them.
+	/// The values that an instance's color on the gradient and its variation follow; null for random numbers. Layers
+	/// may share them.
 	void set_color_value(const godot::Ref<ScatterValueSource> &p_value);
 	godot::Ref<ScatterValueSource> get_color_value() const { return color_value_; }
 	void set_variation_value(const godot::Ref<ScatterValueSource> &p_value);
 	godot::Ref<ScatterValueSource> get_variation_value() const { return variation_value_; }
 
-	/// All LODs of an entry of `meshes`, the finest first, with no defaults left to resolve. Empty for an entry that draws nothing. For
-	/// an invalid index, prints an error.
+	/// All LODs of an entry of `meshes`, the finest first, with every default replaced by its value. Empty for an entry
+	/// that draws nothing. Prints an error for an invalid index.
 	godot::TypedArray<ScatterLod> get_mesh_lods(int64_t p_index);
 
 	void set_collision_shape(CollisionShape p_shape);
@@ -221,49 +224,52 @@ public:
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const;
 
-	/// False for a property that only affects how instances are drawn, or how a game interacts with them: see PropertyUse.
+	/// True if a property affects where instances are placed. False if it only affects how instances are drawn, or how
+	/// a game interacts with them: see PropertyUse.
 	bool affects_placement(const godot::StringName &p_property) const;
 
-	/// The columns of ScatterTile.get_rows for the layer: the types of their numbers, by name.
+	/// The columns of ScatterTile.get_rows for the layer: the type of each column, by its name.
 	godot::Dictionary get_row_columns() const;
 
 	/// free_layer_name, for scripts.
 	godot::String find_free_name(const godot::String &p_name, const godot::PackedStringArray &p_taken) const;
 
-	/// The average number of points of the layer's set per square meter, before any rule.
+	/// The average number of points of the layer's set per square meter, before any rule applies.
 	double get_point_density() const;
 
-	/// Stores the data of the meshes and the mask texture that the layer needs where an export strips them: corners of convex hulls, one
-	/// entry for each of the meshes, and the texture's image. Returns false if there is nothing to store. The stored data only replaces
-	/// stripped resources.
+	/// Stores the data that the layer needs if an export strips its meshes and its mask texture: the corners of convex
+	/// hulls, one entry for each of the meshes, and the texture's image. Returns false if there is nothing to store.
+	/// The stored data is only used in place of stripped resources.
 	bool embed_stripped_data();
 	void set_convex_hulls(const godot::Array &p_hulls);
 	godot::Array get_convex_hulls() const;
 	void set_mask_texture_image(const godot::Ref<godot::Image> &p_image);
 	godot::Ref<godot::Image> get_mask_texture_image() const;
 
-	/// Adds a problem for each feature that cannot work because its resource was stripped from the export.
+	/// Adds one problem for each feature that cannot work because an export has stripped its resource.
 	void add_stripped_problems(godot::PackedStringArray &r_problems) const;
 
 	/// Stores an ID that a node gave to the layer.
 	void take_id(std::int64_t p_id);
 
-	/// True if a scene that stores this layer also stores the resource, a layer or a value, inside of it, or if it is this layer.
+	/// True if the resource is this layer, or if a scene that stores this layer also stores the resource, a layer or a
+	/// value, inside of it.
 	bool stores(const godot::Resource *p_resource) const;
 
 	/// Changes this layer's references to other layers.
 	void change_references(const ReferenceChange &change);
 
-	/// All current settings of the layer. `index` is the layer's index in its node's list. It becomes the ID of the layer's points, unless
-	/// `layer_id` is set. The settings have no neighbors and no shapes, because the node adds those. A table, a field or a mask remains the
-	/// same object as in the previous snapshot until its content changes.
+	/// All current settings of the layer. `index` is the layer's index in its node's list. The index becomes the ID of
+	/// the layer's points, unless `layer_id` is set. The settings contain neither neighbors nor shapes, because the
+	/// node adds those. A table, a field or a mask is the same object as in the previous snapshot until its content
+	/// changes.
 	LayerSnapshot snapshot(std::uint64_t seed, std::size_t index);
 
 	/// The part of the snapshot that refers to other layers.
 	LayerLinks links();
 	std::int64_t own_id() const { return identity_.layer_id; } ///< The property `layer_id`; -1 to use the index.
 
-	/// Refuses what the core would refuse, and tiles of more than max_tile_points points.
+	/// Refuses settings that the core would refuse, and tiles of more than max_tile_points points.
 	Status check();
 
 	/// True if the layer can only have instances in water.
@@ -284,7 +290,8 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	/// The part of the layer that contains such values. The properties are stored directly in the form in which they are used.
+	/// The part of the layer that contains values of this type. Properties are stored directly in the form in which the
+	/// core uses them.
 	template <class Values, class Self>
 	static auto &part(Self &self);
 
@@ -340,8 +347,8 @@ private:
 	static void bind_gameplay();
 	static void bind_export();
 
-	// Each contains the values of single properties. `refresh` adds the tables created from resources, and the snapshot adds the data
-	// created from lists.
+	// Contain the values of single properties. `refresh` adds the tables that are created from resources, and the
+	// snapshot adds the data that is created from lists.
 	LayerSettings settings_;
 	StreamLayer range_;
 	LayerDrawing drawing_;

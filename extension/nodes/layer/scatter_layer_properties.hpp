@@ -1,7 +1,7 @@
 #pragma once
 
-// The properties of a ScatterLayer that are described by a constant: their setters, getters and entries in ClassDB. Only included by the
-// sources that define such constants.
+// Constants that describe the properties of a ScatterLayer, for setters, getters and entries in ClassDB. Include this
+// only in the sources that define such constants.
 
 #include "nodes/layer/layer_property_use.hpp"
 #include "nodes/layer/scatter_layer.hpp"
@@ -65,7 +65,7 @@ constexpr PropertyUse use_of() {
 	if constexpr (std::is_same_v<Part, LayerDrawing> || std::is_same_v<Part, LodSettings>) {
 		return PropertyUse::drawing;
 	} else if constexpr (std::is_same_v<Part, StreamLayer>) {
-		// Transforms are floats relative to the middle of a tile, so the tile size affects them.
+		// Transforms are floats relative to the middle of a tile, so the tile size affects placement.
 		return property.member == &StreamLayer::tile_size ? PropertyUse::placement : PropertyUse::drawing;
 	} else if constexpr (std::is_same_v<Part, LayerGameplay> || std::is_same_v<Part, LayerCollision> ||
 			std::is_same_v<Part, LayerScene>) {
@@ -126,7 +126,7 @@ void ScatterLayer::set_resource(const godot::Ref<ResourceOf<property>> &p_resour
 	if (own.ptr() == p_resource.ptr()) {
 		return;
 	}
-	// One method for each property, because one resource may be the value of several.
+	// Each property has its own method, because one resource may be the value of several properties.
 	const godot::StringName on_change = "_" + godot::String(property.name) + "_changed";
 	watch(own.ptr(), "changed", this, on_change, false);
 	own = p_resource;

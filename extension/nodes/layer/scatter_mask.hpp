@@ -31,17 +31,17 @@ public:
 		MODE_SMOOTH,
 	};
 
-	/// Meters, PaintedMask::min_pixel_size to max_pixel_size. Refused while anything is painted, as is the background: the mask would have
-	/// to be resampled, and that could not be undone.
+	/// Meters, PaintedMask::min_pixel_size to max_pixel_size. Refused while anything is painted, because the mask would
+	/// have to be resampled, and that could not be undone. The background is refused in the same case.
 	void set_pixel_size(double p_size);
 	double get_pixel_size() const;
 
-	/// The density where nothing is painted, 0 to 1, stored in steps of 1/255.
+	/// The density where nothing is painted: 0 to 1, stored in steps of 1/255.
 	void set_background(double p_background);
 	double get_background() const;
 
-	/// All painted pixels, with pixel size and background, as PaintedMask::to_bytes. Empty for a blank mask. Corrupt bytes print one error
-	/// and change nothing.
+	/// All painted pixels, the pixel size and the background, in the format of PaintedMask::to_bytes. Empty for a blank
+	/// mask. Corrupt bytes print one error and change nothing.
 	void set_data(const godot::PackedByteArray &p_data);
 	godot::PackedByteArray get_data() const;
 
@@ -51,12 +51,12 @@ public:
 	/// Replaces the whole mask with a file written by save_to_file. On failure, prints an error and changes nothing.
 	godot::Error load_from_file(const godot::String &p_path);
 
-	/// Paints one dab of a Brush. Returns the rectangle of the world (x, z) outside which nothing has changed. Empty if nothing has
-	/// changed, or if a value was refused.
+	/// Paints one dab of a Brush. Returns the rectangle of the world (x, z) that contains all changes. Empty if nothing
+	/// has changed, or if a value was refused.
 	godot::Rect2 paint(
 			const godot::Vector2 &p_center, double p_radius, double p_strength, double p_hardness, Mode p_mode);
 
-	/// Pixels row by row, one byte each, 0 to 255. Empty if the rectangle is empty or refused.
+	/// Pixels row by row, one byte each, 0 to 255. Empty if the rectangle is empty or is refused.
 	godot::PackedByteArray get_pixels(const godot::Rect2i &p_rect) const;
 
 	/// Writes such pixels back. Returns the same as `paint`.
@@ -86,7 +86,7 @@ private:
 	bool accept_while_blank(const char *p_property, double p_value) const;
 	void reset(double p_pixel_size, double p_background);
 
-	/// Replaces the whole mask with the content of the bytes. Changes nothing if they are refused.
+	/// Replaces the whole mask with the content of the bytes. If they are refused, changes nothing.
 	Status take(std::span<const std::uint8_t> bytes);
 	godot::Rect2 announce(const Status &status, const Rect &changed);
 

@@ -10,8 +10,8 @@
 
 namespace thicket {
 
-/// The position of tiles of one size in the world: core/base/tile_grid.hpp for scripts, in double precision. Bounds are min x, min z, max x
-/// and max z in meters, half-open.
+/// A grid of tiles of one size in the world: core/base/tile_grid.hpp for scripts, in double precision. Bounds are min
+/// x, min z, max x and max z in meters, half-open.
 class ScatterTileGrid : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTileGrid, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
@@ -27,13 +27,14 @@ public:
 	/// The square of a tile.
 	godot::PackedFloat64Array get_tile_bounds(const godot::Vector2i &p_tile) const;
 
-	/// The tiles that contain points of the bounds: the first tile, and the count along x and z. Empty bounds contain no tiles. A count
-	/// other than four numbers, or numbers that get_tile_at refuses, print an error and return no tiles.
+	/// The tiles that contain points of the bounds: the first tile, and the count along x and z. Empty bounds contain
+	/// no tiles. If the bounds are not four numbers, or get_tile_at would refuse one of them, prints an error and
+	/// returns no tiles.
 	godot::Rect2i get_tiles_in(const godot::PackedFloat64Array &p_bounds) const;
 
 	static constexpr const char *class_name = "ScatterTileGrid";
 
-	/// In tiles from the origin. A row of twice as many tiles can still be counted by an int.
+	/// In tiles from the origin. An int can still count a row of twice as many tiles.
 	static constexpr double max_coordinate = max_tile_coordinate / 2;
 
 protected:

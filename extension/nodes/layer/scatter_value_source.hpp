@@ -17,8 +17,8 @@
 
 namespace thicket {
 
-/// The value at an instance that its color or its variation follows, as a number from 0 to 1. Layers may share it. Emits `changed` whenever a
-/// property is set, and whenever its noise changes.
+/// The value that the color or the variation of an instance follows, as a number from 0 to 1. Layers may share it.
+/// Emits `changed` whenever a property is set, and whenever its noise changes.
 class ScatterValueSource : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterValueSource, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -37,7 +37,7 @@ public:
 	void set_source(Source p_source);
 	Source get_source() const { return static_cast<Source>(values_.kind); }
 
-	/// The range of the source that becomes 0 to 1, in its unit; |value| is at most max_source_value.
+	/// The range of source values that becomes 0 to 1, in the source's unit. |value| is at most max_source_value.
 	void set_min_value(double p_value);
 	double get_min_value() const { return values_.min; }
 	void set_max_value(double p_value);
@@ -55,7 +55,7 @@ public:
 	void set_layer(const godot::Variant &p_layer);
 	godot::Variant get_layer() const;
 
-	/// The colors for the numbers from 0 to 1; null for white. Not used for a variation.
+	/// The colors for the numbers from 0 to 1; null for white. A variation does not use them.
 	void set_gradient(const godot::Ref<godot::Gradient> &p_gradient);
 	godot::Ref<godot::Gradient> get_gradient() const { return gradient_; }
 
@@ -67,7 +67,8 @@ public:
 	void gradient_changed();
 	void curve_changed();
 
-	/// The current settings without their layer. The copy of the noise and the tables are the same objects until their content changes.
+	/// The current settings without their layer. The noise's copy and the tables are the same objects until their
+	/// content changes.
 	const InstanceSource &current();
 	const std::shared_ptr<const ColorTable> &current_colors();
 

@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// A shape of a model with its sizes, as used in a body. Different sizes make a different value.
+/// A shape of a model, with its sizes, as part of a body. Different sizes are different values.
 struct BodyPart {
 	enum class Kind : std::uint8_t { box, sphere, capsule, cylinder, convex };
 
@@ -27,8 +27,9 @@ struct BodyPart {
 /// Empty for an unsupported shape.
 std::optional<BodyPart> body_part(const ModelShape &shape);
 
-/// A part of a model whose instance is scaled along the model's axes: scales its sizes and its position, right-handed whatever the scale. A
-/// capsule and a cylinder stay round: they use the larger one of their two scales.
+/// Returns a part of a model whose instance is scaled along the model's axes. Scales the sizes and the position of the
+/// part, and keeps it right-handed whatever the scale. A capsule and a cylinder stay round, with the larger one of
+/// their two scales.
 BodyPart scaled(const BodyPart &part, glm::vec3 scale);
 
 } // namespace thicket

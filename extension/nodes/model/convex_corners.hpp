@@ -10,11 +10,11 @@
 
 namespace thicket {
 
-/// The largest number of corners of a convex body: the outermost ones are kept.
+/// The largest number of corners of a convex body. If there are more, the outermost ones are kept.
 inline constexpr std::size_t max_convex_corners = 64;
 
-/// The corners of a mesh's convex hull, at most max_convex_corners. Empty if there is no hull, for example for a mesh without surfaces.
-/// Main thread only.
+/// The corners of a mesh's convex hull, at most max_convex_corners. Empty if the mesh has no hull, for example because
+/// it has no surfaces. Main thread only.
 std::vector<glm::vec3> convex_corners(const godot::Ref<godot::Mesh> &mesh);
 
 } // namespace thicket

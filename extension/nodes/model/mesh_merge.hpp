@@ -22,14 +22,15 @@ struct MeshPart {
 	std::vector<double> blend_weights; ///< For the mesh's blend shapes; empty if all are 0.
 };
 
-/// One mesh that looks like all parts at their positions. If there is only one unmodified part, the result is its own mesh, otherwise a new
-/// one with a surface for each material and vertex format. The surfaces' LODs for the engine's automatic selection are kept. Bones are not:
-/// a mesh is in its rest pose, with the weights of its blend shapes. An overlay becomes separate surfaces. For parts that an export has
-/// stripped, returns a placeholder with the box around them. Null if the parts have neither.
+/// One mesh that looks like all parts at their positions. For a single unmodified part, returns its own mesh. Otherwise
+/// returns a new mesh, with a surface for each material and vertex format. Keeps the surfaces' LODs for the engine's
+/// automatic selection. Discards bones: a mesh is in its rest pose, with the weights of its blend shapes. An overlay
+/// becomes separate surfaces. For parts that an export has stripped, returns a placeholder with the box around them.
+/// Null if the parts have neither surfaces nor such a box.
 godot::Ref<godot::Mesh> merged_mesh(std::span<const MeshPart> parts);
 
-/// Copies a mesh once for each of the values and stores the value in CUSTOM3 of all its vertices; as above without bones and blend shapes.
-/// Null if the mesh has no surface.
+/// Copies a mesh once for each of the values, and stores the value in CUSTOM3 of all its vertices. Bones and blend
+/// shapes are discarded as in merged_mesh. Null if the mesh has no surface.
 std::vector<godot::Ref<godot::Mesh>> faded_meshes(
 		const godot::Ref<godot::Mesh> &mesh, std::span<const glm::vec4> values);
 

@@ -28,7 +28,8 @@ std::set<std::string> instance_parameters_of(const godot::Ref<godot::PackedScene
 /// `names` are those of its scene.
 PartLook look_of(const godot::MeshInstance3D &node, const std::set<std::string> &names);
 
-/// All parts of an LOD are drawn as one instance. If their looks differ, the first look is used for all, and a remark is added.
+/// Sets one look for all parts of an LOD, because they are drawn as one instance. If their looks differ, uses the first
+/// one for all and adds a remark.
 void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, godot::PackedStringArray &r_remarks);
 
 } // namespace thicket

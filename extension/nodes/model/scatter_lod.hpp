@@ -19,7 +19,7 @@ namespace thicket {
 /// Values of instance uniforms, by name.
 using ShaderParameters = std::vector<std::pair<godot::StringName, godot::Variant>>;
 
-/// How the renderer draws all instances of an LOD, apart from its meshes.
+/// How the renderer draws all instances of an LOD, whatever their meshes.
 struct LodLook {
 	double density = 1.0;                               ///< Share of the instances, 0 to 1.
 	double transparency = 0.0;                          ///< As in GeometryInstance3D, 0 to 1.
@@ -48,15 +48,15 @@ public:
 	void set_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_mesh() const { return mesh_; }
 
-	/// Meters from a viewer, 0 to max_lod_distance; 0 to choose a distance that fits the size of the model. A model's first LOD is drawn
-	/// from 0 on.
+	/// Meters from a viewer, 0 to max_lod_distance. 0 chooses a distance that fits the size of the model. A model's
+	/// first LOD is drawn from 0 meters on.
 	void set_distance(double p_distance);
 	double get_distance() const { return distance_; }
 
 	void set_cast_shadow(CastShadow p_setting);
 	CastShadow get_cast_shadow() const { return cast_shadow_; }
 
-	/// Casts the shadow in place of the mesh; null if the mesh itself casts it.
+	/// The mesh that casts the shadow; null if the mesh itself casts it.
 	void set_shadow_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_shadow_mesh() const { return shadow_mesh_; }
 

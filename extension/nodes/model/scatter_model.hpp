@@ -31,8 +31,8 @@ struct DrawnLod {
 	friend bool operator==(const DrawnLod &, const DrawnLod &) = default;
 };
 
-/// A model as an artist made it, drawn at each instance: LODs, each one mesh with all its materials, and shapes for collision. Read from a
-/// scene, or put together by hand. Emits `changed` whenever its appearance changes.
+/// A model as an artist made it, drawn at each instance: LODs, each of one mesh with all its materials, and collision
+/// shapes. These are read from a scene or put together by hand. Emits `changed` whenever its appearance changes.
 ///
 /// Any thread may set properties, as the engine's loader does: a setter stores the scene and reads nothing of it. The main thread reads the
 /// scene when the model is first needed: a node reads it in steps (`read_step`), a getter reads all of it immediately. On other threads,
@@ -42,34 +42,38 @@ class ScatterModel : public godot::Resource, public ThreadGuarded {
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// A scene to read LODs and shapes from; they follow it. An empty scene prints an error, and the property stays unchanged. If reading a
-	/// new scene fails, an error is printed then. The model keeps its content, and the property returns to the scene that the content was
-	/// read from. A model without content keeps the scene, so that saving does not lose it. Null keeps the content that was read last,
-	/// which can be edited by hand from then on.
+	/// The scene to read LODs and shapes from. They follow the scene's changes. Setting an empty scene prints an error
+	/// and changes nothing.
+	///
+	/// The scene is read later. If that fails, an error is printed then. The model keeps its content, and the property
+	/// returns to the scene that the content was read from. A model without content keeps the new scene, so that saving
+	/// does not lose it. Null keeps the current content, which can be edited by hand from then on.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const { return scene_; }
 
-	/// Reads the next part of a scene that was set since the last reading. Returns false if there was nothing to read. Main thread only.
-	/// Scripts in the scene may do anything in the meantime, also with this model.
+	/// Reads the next part of a scene that was set but is not fully read. Returns false if there was nothing to read.
+	/// Main thread only. Runs scripts in the scene, which may do anything, also with this model.
 	bool read_step();
 
-	/// The finest first; at most max_model_lods. Null entries are left out. Refused while there is a scene.
+	/// The finest first; at most max_model_lods. Null entries are left out. Refused while the model has a scene.
 	void set_lods(const godot::TypedArray<ScatterLod> &p_lods);
 	godot::TypedArray<ScatterLod> get_lods();
 
-	/// LODs in addition to `lods`, sorted in by their distances; at most max_model_lods. Null entries, and those without a mesh, are left
-	/// out. Not read from the scene, so that a model that follows a scene can end in an impostor.
+	/// LODs in addition to `lods`, sorted among them by distance; at most max_model_lods. Null entries, and entries
+	/// without a mesh, are left out. They are not read from the scene, so a model that follows a scene can end in an
+	/// impostor.
 	void set_far_lods(const godot::TypedArray<ScatterLod> &p_lods);
 	godot::TypedArray<ScatterLod> get_far_lods() const { return far_lods_; }
 
-	/// The collision shapes: boxes, spheres, capsules, cylinders and convex polygons, with their transforms in the model's space. A shape
-	/// without a transform is at the origin. Refused while there is a scene.
+	/// The collision shapes: boxes, spheres, capsules, cylinders and convex polygons, with their transforms in the
+	/// model's space. A shape without a transform is at the origin. Refused while the model has a scene.
 	void set_shapes(const godot::TypedArray<godot::Shape3D> &p_shapes);
 	godot::TypedArray<godot::Shape3D> get_shapes();
 	void set_shape_transforms(const godot::TypedArray<godot::Transform3D> &p_transforms);
 	godot::TypedArray<godot::Transform3D> get_shape_transforms();
 
-	/// Rereads the scene, from its file if it has one. Returns false, with an error, if that fails; the model is then unchanged.
+	/// Rereads the scene, from its file if it has one. On failure, returns false, with an error, and leaves the model
+	/// unchanged.
 	bool reload();
 
 	/// The mesh of an LOD as it is drawn; null for an invalid index.
@@ -84,8 +88,9 @@ public:
 	/// Adds the resources that the main thread reads along with the model.
 	void add_used(SceneUse::List &r_used) const;
 
-	/// The parts that are already read. `drawn_lods` returns the LODs with their distances, and is empty if no LOD has a mesh. `problem`
-	/// returns why the last scene could not be read, as the rest of a sentence that names it; empty if it could.
+	/// The parts that are already read. `drawn_lods` returns the LODs with their distances; it is empty if no LOD has a
+	/// mesh. `problem` returns the reason why the last scene could not be read, as the end of a sentence that begins
+	/// with the scene. It is empty if the scene could be read.
 	std::vector<DrawnLod> drawn_lods() const;
 	std::vector<ModelShape> model_shapes() const;
 	const godot::PackedStringArray &remarks() const { return remarks_; }
@@ -99,7 +104,7 @@ protected:
 	void _validate_property(godot::PropertyInfo &p_property) const;
 
 private:
-	/// The properties that were set by hand since `unread_`: reading that scene leaves them unchanged.
+	/// The properties that were set by hand after `unread_`. Reading that scene leaves them unchanged.
 	struct HandSet {
 		bool lods = false;
 		bool shapes = false;

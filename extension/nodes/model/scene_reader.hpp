@@ -35,8 +35,9 @@ inline constexpr std::size_t max_model_parts = 256;
 /// The problem of a scene for which PackedScene.can_instantiate is false.
 inline constexpr const char *empty_scene = "it is empty, or cannot be instantiated";
 
-/// Reads all visible MeshInstance3Ds of a scene, and its CollisionShape3Ds, relative to its root, whose own transform is ignored. Works in
-/// steps, which a caller may spread over frames. Main thread only: reading a mesh waits for the renderer.
+/// Reads all visible MeshInstance3Ds and all CollisionShape3Ds of a scene, relative to its root, whose own transform is
+/// ignored. Works in steps, which a caller may spread over frames. Main thread only, because reading a mesh waits for
+/// the renderer.
 class SceneReader {
 public:
 	explicit SceneReader(const godot::Ref<godot::PackedScene> &p_scene);
@@ -44,8 +45,9 @@ public:
 	SceneReader(const SceneReader &) = delete;
 	SceneReader &operator=(const SceneReader &) = delete;
 
-	/// Reads the next part: first the nodes, then the meshes of one LOD. The first step instantiates the scene and frees it outside of the
-	/// tree; scripts in it run only as far as instantiation runs them. Returns false if everything was already read.
+	/// Reads the next part: first the nodes, then the meshes of one LOD. The first step instantiates the scene, and
+	/// frees it without adding it to the tree. So scripts in the scene run only during instantiation. Returns false if
+	/// everything was already read.
 	bool step();
 
 	/// The result, once `step` has returned false.

@@ -18,29 +18,29 @@ namespace thicket {
 class ScatterLayer;
 class ScatterRegion3D;
 
-/// The regions below a TerrainScatter3D, in the state when they were last read, and the resulting sets of shapes for its layers. Main
-/// thread only.
+/// The regions below a TerrainScatter3D, as they were when last read, and the resulting sets of shapes for its layers.
+/// Main thread only.
 class RegionRegister {
 public:
 	/// A region has an effect from `add` to `remove`.
 	void add(ScatterRegion3D *region);
 	void remove(ScatterRegion3D *region);
 
-	/// Marks a region to be read again. Ignores a region that is not in the register.
+	/// Marks a region to be reread. Ignores a region that is not in the register.
 	void mark(const ScatterRegion3D *region);
 
-	/// True if the path that a region follows has changed. Call it in every frame, because a path emits no signal.
+	/// True if the path of any region has changed. Call it in every frame, because a path emits no signal.
 	bool paths_changed();
 
 	/// Marks all regions to be read again. False if there are none.
 	bool mark_all();
 
-	/// Reads the marked regions. After the scene was `recentered`, a region counts as unmoved if its world position is unchanged within
-	/// single precision.
+	/// Rereads the marked regions. If the scene was `recentered`, a region has not moved if its world position is
+	/// unchanged within single precision.
 	void update(bool recentered);
 
-	/// The shapes that affect the layer at this index of the node's list; null if there are none. The pointer is the same as in the last
-	/// call while nothing has changed.
+	/// The shapes that affect the layer at this index of the node's list; null if there are none. Returns the same
+	/// pointer as the last call if nothing has changed.
 	std::shared_ptr<const ShapeSet> set_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index);
 
 	/// The names of the regions that these shapes belong to, in the same order.

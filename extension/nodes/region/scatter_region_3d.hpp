@@ -29,7 +29,8 @@ class RegionHost {
 public:
 	virtual ~RegionHost() = default;
 
-	/// A region below the node enters the tree, leaves it, or has changed: the affected area is regenerated.
+	/// Call these when a region below the node enters the tree, leaves it, or has changed. The affected area is
+	/// regenerated.
 	virtual void add_region(ScatterRegion3D *p_region) = 0;
 	virtual void remove_region(ScatterRegion3D *p_region) = 0;
 	virtual void region_changed(const ScatterRegion3D *p_region) = 0;
@@ -37,7 +38,8 @@ public:
 	/// The world position of the engine's origin, in meters.
 	virtual glm::dvec3 world_offset() const = 0;
 
-	/// Why a reference (see find_layer) refers to none of the node's layers, in a sentence; empty if it refers to one.
+	/// A sentence that explains why a reference (see find_layer) refers to none of the node's layers; empty if it
+	/// refers to one.
 	virtual godot::String layer_problem(const godot::Variant &p_reference) const = 0;
 };
 
@@ -49,8 +51,8 @@ struct RegionSizes {
 	double width = 4.0;
 };
 
-/// A part of the world that excludes layers of the TerrainScatter3D above it, or includes them. It has an effect while it is in the tree
-/// and visible. Only the tiles that it touches are regenerated when it changes.
+/// A part of the world that excludes layers of the TerrainScatter3D above it, or includes them. A region has an effect
+/// only while it is in the tree and visible. When it changes, only the tiles that it touches are regenerated.
 class ScatterRegion3D : public godot::Node3D, public ThreadGuarded {
 	GDCLASS(ScatterRegion3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
@@ -74,8 +76,8 @@ public:
 	void set_exclude(bool p_exclude);
 	bool is_excluding() const { return exclude_; }
 
-	/// The layers that the region affects, each a ScatterLayer or its name; empty for all of them. A layer that has a name is
-	/// stored by name. The returned array is read-only.
+	/// The layers that the region affects, each a ScatterLayer or its name; empty for all layers. A layer that has a
+	/// name is stored by name. The returned array is read-only.
 	void set_layers(const godot::Array &p_layers);
 	godot::Array get_layers() const;
 
@@ -83,7 +85,7 @@ public:
 	void set_ignore_height(bool p_ignore);
 	bool is_ignoring_height() const { return ignore_height_; }
 
-	/// Sides of the box in meters, each 0.001 to 1e6, before the node's scale.
+	/// The sides of the box in meters, each 0.001 to 1e6, before the node's scale is applied.
 	void set_size(const godot::Vector3 &p_size);
 	godot::Vector3 get_size() const { return size_; }
 
@@ -100,14 +102,15 @@ public:
 	template <const NumberProperty<RegionSizes, double> &property>
 	double get_number() const;
 
-	/// The shape of the region in the world. Empty if it has no effect: hidden, not in the tree, unfinished, or refused by the core, for
-	/// which one error is printed.
+	/// The shape of the region in the world. Empty if the region has no effect: if it is hidden, not in the tree,
+	/// unfinished, or refused by the core. A refusal prints one error.
 	std::optional<thicket::Shape> world_shape();
 
 	/// True if the path that a region of SHAPE_PATH follows was replaced, moved or changed since the last call.
 	bool path_changed();
 
-	/// One sentence for each problem that keeps the region from its likely intended effect, for the editor's warnings.
+	/// One sentence for each problem that probably keeps the region from its intended effect, for the editor's
+	/// warnings.
 	godot::PackedStringArray get_problems() const;
 	godot::PackedStringArray _get_configuration_warnings() const override {
 		return guarded_call("ScatterRegion3D._get_configuration_warnings", [this] { return get_problems(); });

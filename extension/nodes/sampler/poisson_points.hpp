@@ -21,8 +21,8 @@ namespace thicket {
 /// A rank for scripts: at least 0 and below 1.
 float unit_rank(std::uint32_t rank);
 
-/// The points that a PoissonSampler has found. They never change, so any thread may read them. For an invalid index, methods print an error
-/// and return a default.
+/// The points that a PoissonSampler has found. They never change, so any thread may read them. Given an invalid index,
+/// methods print an error and return a default.
 class PoissonPoints : public godot::RefCounted {
 	GDCLASS(PoissonPoints, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -37,7 +37,7 @@ public:
 	/// and returns an empty result.
 	static godot::Ref<PoissonPoints> of(std::span<const SamplePoint> points, bool exact);
 
-	/// Uses positions in double precision, with as many x as y. They have neither IDs nor ranks.
+	/// Stores positions in double precision, as many x as y. These points have neither IDs nor ranks.
 	static godot::Ref<PoissonPoints> of_positions(
 			const godot::PackedFloat64Array &p_x, const godot::PackedFloat64Array &p_y);
 
@@ -51,7 +51,7 @@ public:
 	/// At least 0 and below 1; 0 for a point of a set without ranks.
 	double get_rank(int64_t p_index) const;
 
-	// The IDs, ranks and positions of all points. Empty if the points have none.
+	// The IDs, ranks and positions of all points. Each array is empty if the points do not have the values.
 	godot::PackedInt64Array get_ids() const { return ids_; }
 	godot::PackedFloat32Array get_ranks() const { return ranks_; }
 	godot::PackedVector2Array get_positions() const;

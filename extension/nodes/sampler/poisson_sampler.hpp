@@ -26,9 +26,10 @@
 
 namespace thicket {
 
-/// The samplers for scripts: windows onto one infinite Poisson-disk set, and whole domains in one call by one of the methods of the seed
-/// paper. Serves one call at a time: a second one, from another thread or from within the first, prints an error and returns nothing.
-/// Objects are independent of each other and agree bit for bit.
+/// The samplers for scripts: windows onto one infinite Poisson-disk set, and whole domains in one call by one of the
+/// methods of the seed paper. Serves one call at a time. A second call, from a different thread or from within the
+/// first call, prints an error and returns nothing. Samplers are independent of each other, and their results are
+/// bit-identical.
 class PoissonSampler : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(PoissonSampler, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
@@ -36,7 +37,7 @@ class PoissonSampler : public godot::RefCounted, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "PoissonSampler";
 
-	/// How `sample_domain` fills a rectangle; see DomainMethod for all but the first.
+	/// How `sample_domain` fills a rectangle. All methods but the first are those of DomainMethod.
 	enum Method : std::int64_t {
 		METHOD_TILES, ///< The window of the infinite set that `sample` returns.
 		METHOD_NAIVE,
@@ -53,7 +54,8 @@ public:
 	void set_radius(double p_radius);
 	double get_radius() const;
 
-	/// Levels of the progressive order, 1 to max_levels. Any other value is ignored with an error. For the infinite set.
+	/// Levels of the progressive order, 1 to max_levels. Any other value is ignored with an error. Only the infinite
+	/// set uses it.
 	void set_progressive_levels(int64_t p_levels);
 	int64_t get_progressive_levels() const;
 
@@ -80,26 +82,30 @@ public:
 	/// Does the same as `sample` for the rectangle [min, max). Positions are in double precision, exact at any distance from the origin.
 	godot::Ref<PoissonPoints> sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y);
 
-	/// Fills a rectangle in meters with one set by `method`. Positions are the rectangle's corner plus those of the core, rounded once to
-	/// single precision, downwards if they would otherwise reach the far edge. ScriptProgress calls `p_progress`. For a request
-	/// that DomainRequest or PointSet excludes, prints an error and returns nothing. A cancelled request returns nothing.
+	/// Fills a rectangle in meters with one set by `method`. Positions are the rectangle's corner plus those of the
+	/// core, rounded once to single precision, downwards if they would otherwise reach the far edge. ScriptProgress
+	/// calls `p_progress`. If DomainRequest or PointSet excludes the request, prints an error and returns nothing. A
+	/// cancelled request also returns nothing.
 	godot::PackedVector2Array sample_domain(const godot::Rect2 &p_rect, const godot::Callable &p_progress);
 
 	/// Does the same as `sample_domain` for the rectangle [min, max). Positions are in double precision, without IDs and ranks.
 	godot::Ref<PoissonPoints> sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 
-	/// The points of the set on the triangles of a mesh, in the space that the transform leads to, in meters. Only those in the half-open
-	/// window, unless that is AABB(). A refused call prints an error and returns no points; the result is never null.
+	/// The points of the set on the triangles of a mesh, in meters, in the space after the transform. Limited to the
+	/// half-open window, unless that is AABB(). A refused call prints an error and returns no points. The result is
+	/// never null.
 	godot::Ref<PoissonSurfacePoints> sample_surface(
 			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, const godot::AABB &p_window);
 
-	/// The points of the set on triangles, with three corners for each, as Mesh.get_faces returns them. Otherwise like `sample_surface`.
+	/// The points of the set on triangles with three corners each, as Mesh.get_faces returns them. In all other
+	/// respects like `sample_surface`.
 	godot::Ref<PoissonSurfacePoints> sample_faces(
 			const godot::PackedVector3Array &p_faces, const godot::AABB &p_window);
 
-	/// Ends the call in progress within 50 milliseconds, plus the time that the system needs to release a large workspace; the call then
-	/// returns nothing. From any thread, and from a progress callable. Has no effect on calls that have not begun.
+	/// Ends the call in progress within 50 milliseconds, plus the time that the system needs to release a large
+	/// workspace. That call then returns nothing. May be called on any thread, and from a progress callable. Has no
+	/// effect on calls that have not begun.
 	void cancel();
 
 	/// Statistics of the last whole domain that was filled completely: DomainStats.
@@ -109,7 +115,8 @@ protected:
 	static void _bind_methods();
 
 private:
-	/// A call in progress: refused if there is one already. Keeps the sampler alive, even if scripts release it in the meantime.
+	/// One call in progress. Refused if the sampler already has one. Keeps the sampler alive, even if scripts release
+	/// it in the meantime.
 	class Turn {
 	public:
 		Turn(PoissonSampler *p_sampler, const char *p_method);
@@ -135,7 +142,7 @@ private:
 	DomainRequest domain_request(const glm::dvec2 &p_size) const;
 	void report_domain(const DomainRequest &p_request, Status p_status) const;
 
-	/// Fills the domain and passes it to the writer, which stays empty if the request was refused or cancelled.
+	/// Fills the domain and passes it to the writer. If the request is refused or cancelled, the writer stays empty.
 	template <typename Writer>
 	void write_domain(const Turn &p_turn, const Rect &p_rect, const glm::dvec2 &p_size,
 			const godot::Callable &p_progress, Writer &r_writer);

@@ -27,8 +27,8 @@ public:
 	/// The result of a refused call.
 	static godot::Ref<PoissonSurfacePoints> make_empty() { return memnew(PoissonSurfacePoints); }
 
-	/// Copies points. Their normals are those of the engine's front faces, whose corners run clockwise, or of the back faces if the corners
-	/// are `mirrored`. Throws std::bad_alloc if there is not enough memory.
+	/// Copies points. Their normals are those of the engine's front faces, whose corners run clockwise; if the corners
+	/// are `mirrored`, those of the back faces. Throws std::bad_alloc if there is not enough memory.
 	static godot::Ref<PoissonSurfacePoints> of(std::span<const SurfacePoint> points, bool mirrored);
 
 	int64_t size() const { return ids_.size(); }

@@ -11,16 +11,16 @@
 
 namespace thicket {
 
-/// Reports the progress of a call to a script: a fraction from 0 to 1 that never falls, and the number of points found until then. It does
-/// so about every 15 milliseconds at most, on the thread that makes the call. A callable that cannot be called prints one error and is not
-/// called again; the work continues without it.
+/// Reports the progress of a call to a script: a fraction from 0 to 1 that never falls, and the number of points found
+/// until then. Reports at most about every 15 milliseconds, on the thread that makes the call. A callable that cannot
+/// be called prints one error and is not called again; the work continues without it.
 class ScriptProgress {
 public:
 	/// Errors name `p_owner`. An empty callable gets no reports.
 	ScriptProgress(const char *p_owner, const godot::Callable &p_callable);
 
-	/// The progress and cancellation interface for a sampler, valid for as long as this object lives. It does not report the end: `finish`
-	/// does.
+	/// The interface for progress and cancellation that a sampler uses. Valid as long as this object lives. Does not
+	/// report the end, because `finish` does.
 	Progress progress(const std::atomic<bool> *p_cancel);
 
 	/// Calls it once more, with a fraction of 1.

@@ -26,16 +26,16 @@ struct LayerWorld {
 	const LayerPreviews &previews; ///< Layers that are displayed in place of others.
 };
 
-/// Creates snapshots of a node's layers, with their neighbors, shapes, biomes and water. When layers change, finds the tiles that have to
-/// be regenerated. Main thread only.
+/// Creates snapshots of a node's layers, with their neighbors, shapes, biomes and water. When layers change, finds the
+/// tiles that must be regenerated. Main thread only.
 class LayerList {
 public:
-	/// Reads the current layers. Returns for each layer the area in which its tiles are outdated. `ground_change` is the area in which the
-	/// ground has changed since the last update. A layer whose settings are refused keeps its last valid ones, also for its neighbors, and
-	/// one error is printed.
+	/// Reads the current layers. Returns for each layer the area in which its tiles are outdated. `ground_change` is
+	/// the area in which the ground has changed since the last update. If the settings of a layer are refused, prints
+	/// one error. The layer, and its neighbors, then keep using its last valid settings.
 	std::vector<EditedArea> update(const NodeLayers &layers, const LayerWorld &world, const EditedArea &ground_change);
 
-	/// By index in the node's layers. The object stays the same until the layer changes.
+	/// By index in the node's layers. A snapshot stays the same object until its layer changes.
 	const std::vector<SharedSnapshot> &snapshots() const { return snapshots_; }
 
 	/// Forgets everything, so that the next update treats all layers as new.

@@ -11,11 +11,12 @@
 
 namespace thicket {
 
-/// Differences between the editor's view and the layers: some layers are hidden, and others are displayed with trial settings while a
-/// designer decides. They exist in the editor only: they are never stored, and have no effect in a game.
+/// Differences between the editor's view and the layers. Some layers are hidden, and others are displayed with trial
+/// settings until a designer decides. These differences exist in the editor only. They are never stored, and have no
+/// effect in a game.
 class LayerPreviews {
 public:
-	/// Hides these layers and shows all others. The effect of hidden layers on other layers stays.
+	/// Hides these layers and shows all others. Hidden layers still affect other layers.
 	void set_hidden(const godot::TypedArray<ScatterLayer> &p_layers);
 
 	/// Displays `p_stand_in` in place of a layer; null displays the layer itself.
@@ -28,7 +29,7 @@ public:
 	godot::Ref<ScatterLayer> shown(const godot::Ref<ScatterLayer> &p_layer) const;
 
 private:
-	// By the engine's object IDs, so that removed layers are not kept alive.
+	// Stored by the engine's object IDs, so that removed layers are not kept alive.
 	std::set<std::uint64_t> hidden_;
 	std::map<std::uint64_t, godot::Ref<ScatterLayer>> stand_ins_;
 };

@@ -12,17 +12,19 @@ namespace thicket {
 
 /// All layers that a node displays, without duplicates: its own, then those of its biomes, one biome after the other. Main thread only.
 ///
-/// A layer of the node's own has its index in the node's list. A layer of a biome has an index after those. It keeps this index as long as
-/// it is displayed, whatever other layers are added or removed, so that none of its tiles is regenerated.
+/// The node's own layers have their index in the node's list. Layers of biomes have higher indices. Such a layer keeps
+/// its index as long as it is displayed, whichever other layers are added or removed, so that none of its tiles is
+/// regenerated.
 class NodeLayers {
 public:
 	/// Reads the current layers. `biomes` may be null.
 	void update(const godot::TypedArray<ScatterLayer> &p_own, const ScatterBiomeMap *biomes);
 
-	/// By index, null for an unused index. Without biomes it is the node's own list.
+	/// By index, null for an unused index. Without biomes, this is the node's own list.
 	const godot::TypedArray<ScatterLayer> &by_index() const { return by_index_; }
 
-	/// Indices in order of priority: later layers give way to earlier ones. Depends on the lists alone, not on earlier updates.
+	/// Indices in order of priority: earlier layers take priority over later ones. Depends only on the lists, not on
+	/// earlier updates.
 	const std::vector<std::size_t> &order() const { return order_; }
 
 	/// Layers before this index are the node's own.

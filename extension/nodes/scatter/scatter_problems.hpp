@@ -17,14 +17,15 @@
 
 namespace thicket {
 
-/// Adds one sentence for each problem that keeps a node's ground and layers from being displayed as they should. The layers are in order of
-/// priority, the first one first; `has_water` is true if there is any water.
+/// Adds one sentence for each problem that keeps a node's ground and layers from being displayed as they should. The
+/// layers are in order of priority. `has_water` is true if there is any water.
 void add_ground_problems(const godot::Ref<ScatterGround> &p_terrain, godot::PackedStringArray &r_problems);
 void add_layer_problems(const godot::TypedArray<ScatterLayer> &p_layers, const godot::Ref<ScatterGround> &p_terrain,
 		bool has_water, godot::PackedStringArray &r_problems);
 
-/// Whether a node in the tree is moved, turned or scaled, by its own transform or its parents', although its instances are not. A node that
-/// has been moved against `offset`, the world position of the engine's origin, still matches its instances.
+/// True if a node in the tree is moved, turned or scaled, by its own transform or by a parent's. Its instances do not
+/// follow. A node that has moved by the opposite of `offset`, the world position of the engine's origin, still matches
+/// its instances.
 bool is_displaced(const godot::Node3D &node, glm::dvec3 offset);
 void add_transform_problem(const godot::Node3D &node, glm::dvec3 offset, godot::PackedStringArray &r_problems);
 
@@ -33,8 +34,8 @@ void add_transform_problem(const godot::Node3D &node, glm::dvec3 offset, godot::
 void add_viewer_problems(const godot::Node3D &node, const ViewerSettings &viewers, const Status &refused,
 		godot::PackedStringArray &r_problems);
 
-/// The Compatibility renderer has a limit for multimeshes with instance uniforms. For each one beyond it, it prints an error and draws it
-/// with the defaults of its shader. Adds a sentence if more are displayed.
+/// Adds a sentence if more multimeshes with instance uniforms are displayed than the Compatibility renderer supports.
+/// For each one beyond its limit, the renderer prints an error and draws it with the defaults of its shader.
 void add_uniform_problem(
 		const TileDisplay &display, std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems);
 

@@ -51,10 +51,11 @@ struct StreamFigures {
 	std::uint64_t heights_rechecked = 0;
 };
 
-/// Connects the streamer, the workers, the uploads and the display: one call per frame, under a time budget. Main thread only.
+/// Connects the streamer, the workers, the uploads and the display. One call per frame, under a time budget. Main
+/// thread only.
 class ScatterStream {
 public:
-	/// Notifies `world` of every generated tile, and generates the tiles that it lacks.
+	/// Notifies `world` of every generated tile, and generates the tiles that `world` lacks.
 	explicit ScatterStream(InstanceWorld &world);
 
 	/// The rings also work under the budget of a frame.
@@ -65,41 +66,45 @@ public:
 	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
 			const StreamGround &ground);
 
-	/// One frame's work: requests wanted tiles and uploads finished ones, until `budget` microseconds are spent. Does at least one step
-	/// even if there is no time for it, so that work always goes on. Without viewers, all tiles stay, and tiles that queries have requested
-	/// are still generated. Returns false if a script that was called for the ground has freed this object. Throws std::bad_alloc if memory
-	/// runs out; the next frames then repeat the lost work.
+	/// One frame's work: requests wanted tiles and uploads finished ones, until `budget` microseconds are spent. Always
+	/// does at least one step, so that work goes on even without time. Without viewers, all tiles stay, and tiles for
+	/// queries are still generated. Returns false if a script that was called for the ground has freed this object.
+	/// Throws std::bad_alloc if memory runs out; the next frames then repeat the lost work.
 	[[nodiscard]] bool frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
-	/// Samples grounds that may only be sampled in a physics frame, at as many positions as they allow.
+	/// Samples grounds that may only be sampled in a physics frame, at as many positions as each ground allows.
 	void physics_frame();
 
-	/// Waits for the workers and clears the display. The stream may be used afterwards, starting empty.
+	/// Waits for the workers and clears the display. The stream may be used again afterwards, and then starts empty.
 	void stop();
 
-	/// Waits for the workers and starts empty, but leaves the visible tiles to `dissolve_until`, which removes them step by step.
+	/// Waits for the workers and starts empty. The tiles stay visible until `dissolve_until` removes them step by step.
 	void retire();
 
-	/// Removes bodies and frees hidden tiles until `deadline`, at least one step.
+	/// Removes bodies and frees hidden tiles until `deadline`. Does at least one step.
 	void dissolve_until(std::chrono::steady_clock::time_point deadline);
 
-	/// The tiles that were shown and hidden since the last call, in order. A regenerated tile is shown again without having been hidden.
+	/// The tiles that were shown and hidden since the last call, in order. A regenerated tile is shown again without
+	/// being hidden first.
 	std::vector<TileEvent> take_events();
 
-	/// Positions, in world meters, under visible tiles where a re-check found changed ground that was not reported, since the last call.
+	/// Positions under visible tiles, in world meters, where re-checks since the last call have found that the ground
+	/// changed without a report.
 	std::vector<glm::dvec2> take_ground_changes();
 
-	/// True when all wanted tiles are visible and drawn as they should be, and the rings have nothing to do.
+	/// True if all wanted tiles are visible and drawn with the current settings, and the rings have nothing to do.
 	bool idle() const;
 
-	/// True if a frame with these viewers and limits would want no other tiles, and would redraw none because of the limits. Without
-	/// viewers, all tiles stay, so no other ones are wanted.
+	/// True if a frame with these viewers and limits would request no other tiles and redraw none because of the
+	/// limits. Without viewers, all tiles stay, so no others are requested.
 	bool follows(std::span<const Viewer> viewers, const DrawLimits &limits) const;
 
-	/// The error of a viewer that is out of range for streaming; the other viewers are served.
+	/// The error of a viewer whose position is out of range for streaming. Tiles are still streamed around the other
+	/// viewers.
 	const Status &viewer_status() const { return viewer_status_; }
 
-	/// One sentence for each error that has kept tiles from being generated, until their layer or the ground changes.
+	/// One sentence for each error that has kept tiles from being generated. A sentence stays until its layer or the
+	/// ground changes.
 	godot::PackedStringArray failures() const;
 
 	/// Whether the failures have changed since the last call.

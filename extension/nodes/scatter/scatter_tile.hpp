@@ -24,8 +24,8 @@
 
 namespace thicket {
 
-/// The instances of a rectangle of the world, by mesh: those of a visible tile, or a rectangle built for the caller. An invalid mesh index
-/// prints an error and returns a default.
+/// The instances of a rectangle of the world, by mesh: either of a visible tile, or of a rectangle built for the
+/// caller. Given an invalid mesh index, methods print an error and return a default.
 class ScatterTile : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTile, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -34,7 +34,7 @@ public:
 	/// The result of a refused call.
 	static godot::Ref<ScatterTile> make_empty() { return memnew(ScatterTile); }
 
-	/// A tile that was built. `offset` is the world position of the engine's origin.
+	/// Creates the result for a tile that was built. `offset` is the world position of the engine's origin.
 	static godot::Ref<ScatterTile> built(
 			CompactTile tile, const std::vector<godot::Ref<godot::Mesh>> &meshes, glm::dvec3 offset);
 
@@ -50,17 +50,19 @@ public:
 	int64_t get_mesh_count() const { return static_cast<int64_t>(parts_.size()); }
 	godot::Ref<godot::Mesh> get_mesh(int64_t p_index) const;
 
-	/// The instances in the format of MultiMesh.buffer. For a tile that is still visible, the data of the RenderingServer.
+	/// The instances in the format of MultiMesh.buffer. For a tile that is still visible, reads the data of the
+	/// RenderingServer.
 	godot::PackedFloat32Array get_buffer(int64_t p_index) const;
 	godot::PackedInt64Array get_ids(int64_t p_index) const;
 
-	/// All instances as columns; see instance_rows. Positions are in the world.
+	/// All instances as columns; see instance_rows. Positions are world positions.
 	godot::PackedByteArray get_rows() const;
 
 	/// Invalid if nothing is drawn, or if there are several.
 	godot::RID get_multimesh(int64_t p_index) const;
 
-	/// One for a tile that is drawn as a whole, otherwise one for each cell that contains instances. Empty if nothing is drawn.
+	/// The multimeshes of a mesh: one for a tile that is drawn as a whole, otherwise one for each cell that contains
+	/// instances. Empty if nothing is drawn.
 	godot::TypedArray<godot::RID> get_multimeshes(int64_t p_index) const;
 
 	/// Covers all data, bit for bit; 0 for a tile that was not visible.

@@ -37,21 +37,23 @@ struct FoundViewers {
 	std::vector<std::uint64_t> ids; ///< The object ID of each viewer in the engine.
 };
 
-/// `node` is in the tree, and `offset` is the world position of the engine's origin. Viewers that are not in the tree, and viewers whose x
-/// or z is not finite, are left out.
+/// Finds the viewers of `node`, which is in the tree. `offset` is the world position of the engine's origin. Leaves out
+/// viewers that are not in the tree, and viewers whose x or z is not finite.
 ///
-/// An orthogonal camera shows objects in the same size from any distance. So its viewer is placed above the point that the camera looks at,
-/// at the height from which a perspective camera would show it in that size.
+/// An orthogonal camera shows objects in the same size at any distance. So its viewer is placed above the point that
+/// the camera looks at, at the height from which a perspective camera would show objects in that size.
 FoundViewers find_viewers(
 		const godot::Node3D &node, const ViewerSettings &settings, glm::dvec3 offset, const ViewGround &ground);
 
 /// Whether a node in the tree may be a viewer: its x and z are finite.
 bool has_place(const godot::Node3D &viewer);
 
-/// The camera of the viewport; in the editor, the camera of each visible 3D viewport. These are the viewers of a node without `paths`.
+/// The camera of the viewport; in the editor, the camera of each visible 3D viewport. A node without `paths` uses these
+/// as viewers.
 std::vector<godot::Camera3D *> active_cameras(const godot::Node3D &node);
 
-/// The world positions around which bodies and scenes are placed: those of the viewers, and of all Node3Ds of a group (empty for none).
+/// The world positions around which bodies and scenes are placed: the viewers, and all Node3Ds of a group (empty for no
+/// group).
 std::vector<glm::dvec3> find_near_centers(
 		const godot::Node3D &node, const FoundViewers &viewers, const godot::StringName &p_group, glm::dvec3 offset);
 

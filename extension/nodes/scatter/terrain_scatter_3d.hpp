@@ -45,8 +45,9 @@ namespace thicket {
 /// Streams layers of instances onto a ground, around viewers. Works in the editor as in the game. Instances are placed in world space: the
 /// node's own transform does not move them. The instances are never saved.
 ///
-/// The node has properties and signals. Its stream generates and draws tiles; its ScatterGameplay answers queries and stores changes.
-/// Callers hold shared references to both, because scripts that run in the middle of a call may free the node.
+/// The node itself only has properties and signals. Its stream generates and draws tiles. Its ScatterGameplay answers
+/// queries and stores changes. Callers use shared references to both, because a script that runs during a call may free
+/// the node.
 class TerrainScatter3D : public godot::Node3D, public ThreadGuarded, public RegionHost {
 	GDCLASS(TerrainScatter3D, godot::Node3D)
 	THICKET_GUARDED_METHODS(owner)
@@ -61,19 +62,18 @@ public:
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const { return seed_; }
 
-	/// A null entry draws nothing, and the other entries keep their indices. The array is shared with scripts, and their changes to it take
-	/// effect.
+	/// A null entry draws nothing and keeps its index. Scripts share the array, and their changes to it take effect.
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const { return layers_; }
 
-	/// Further layers, and the area in which each of them grows; null for none.
+	/// Further layers, and the area in which each of them grows; null for no biomes.
 	void set_biomes(const godot::Ref<ScatterBiomeMap> &p_biomes);
 	godot::Ref<ScatterBiomeMap> get_biomes() const { return biomes_; }
 
 	/// A new list of all layers, the node's own and those of its biomes. Null for an empty entry.
 	godot::TypedArray<ScatterLayer> get_all_layers() const { return copied(all_layers()); }
 
-	/// Whether there is water below water_level, for the rules of layers. It is not drawn.
+	/// Whether the area below water_level counts as water, for the rules of layers. Water is not drawn.
 	void set_water_enabled(bool p_enabled);
 	bool is_water_enabled() const { return water_enabled_; }
 
@@ -85,12 +85,13 @@ public:
 	void set_ground(const godot::Ref<ScatterGround> &p_ground);
 	godot::Ref<ScatterGround> get_ground() const { return ground_; }
 
-	/// Node3Ds to stream around. If empty, the camera of the viewport; in the editor, the editor's own.
+	/// Node3Ds to stream around. If empty, streams around the camera of the viewport; in the editor, around the
+	/// editor's own cameras.
 	void set_viewers(const godot::TypedArray<godot::NodePath> &p_viewers);
 	godot::TypedArray<godot::NodePath> get_viewers() const { return viewers_.paths; }
 
-	/// By index in the list of viewers, a factor for the view distance of each layer: 0 or more and finite. Missing entries are 1. A list
-	/// with any other value is refused.
+	/// Factors for the view distance of all layers, one for each viewer in the list: 0 or more and finite. Missing
+	/// entries are 1. A list with any other value is refused.
 	void set_viewer_distance_scales(const godot::PackedFloat32Array &p_scales);
 	godot::PackedFloat32Array get_viewer_distance_scales() const { return viewers_.distance_scales; }
 
@@ -99,29 +100,29 @@ public:
 	void set_world_offset(const godot::Vector3 &p_offset);
 	godot::Vector3 get_world_offset() const;
 
-	/// The time that the node may take on the main thread per frame, in microseconds: 1 to 1e6.
+	/// The time that the node may use on the main thread per frame, in microseconds: 1 to 1e6.
 	void set_frame_budget_usec(int64_t p_budget);
 	int64_t get_frame_budget_usec() const { return frame_budget_usec_; }
 
-	/// The share of every tile that is drawn, 0 to 1: the instances that a layer with this density would have, too. Changing it regenerates
-	/// and uploads nothing.
+	/// The share of every tile that is drawn, 0 to 1. Draws the same instances as layers with this density would have.
+	/// Changing it regenerates and uploads nothing.
 	void set_quality(double p_quality);
 	double get_quality() const { return quality_; }
 
-	/// The largest number of instances to draw in the editor, 0 to 1e9. All tiles are thinned alike to keep to it.
+	/// The largest number of instances to draw in the editor, 0 to 1e9. Beyond it, all tiles are thinned alike.
 	void set_preview_instances(int64_t p_count);
 	int64_t get_preview_instances() const { return preview_instances_; }
 
-	/// The largest number of visible multimeshes, 0 to 1e6. Beyond it, no more tiles are divided for drawing; the farthest ones lose their
-	/// cells first. Tiles that are drawn as a whole are displayed beyond the limit.
+	/// The largest number of visible multimeshes, 0 to 1e6. If it is reached, no more tiles are divided into cells, and
+	/// the farthest tiles lose their cells first. Tiles that are drawn as a whole are displayed even beyond the limit.
 	void set_max_multimeshes(int64_t p_count);
 	int64_t get_max_multimeshes() const { return max_multimeshes_; }
 
-	/// Node3Ds of this group count as near: bodies and scenes are placed around them as around viewers.
+	/// Bodies and scenes are placed around the Node3Ds of this group as around viewers.
 	void set_interaction_group(const godot::StringName &p_group) { interaction_group_ = p_group; }
 	godot::StringName get_interaction_group() const { return interaction_group_; }
 
-	/// Regenerates all tiles; existing instances stay until their successors are ready.
+	/// Regenerates all tiles. Existing instances stay until their replacements are ready.
 	void regenerate();
 
 	/// Reads the ground again, in portions, and regenerates tiles where it has changed. Ground that cannot report where it has changed
@@ -132,7 +133,7 @@ public:
 	bool is_settled() const;
 	godot::Dictionary get_stats() const;
 
-	/// Statistics of the current drawing: all of it, or only the part that a camera may see.
+	/// Statistics of the current drawing: of everything, or only of the part that a camera may see.
 	godot::Dictionary get_draw_stats(godot::Camera3D *p_camera) const;
 
 	/// One sentence for each problem that keeps the node from displaying what it should; the editor shows them as warnings.
@@ -141,7 +142,7 @@ public:
 		return guarded_call("TerrainScatter3D._get_configuration_warnings", [this] { return get_problems(); });
 	}
 
-	/// The visible tiles of a layer. For `p_layer`, here and below, see find_layer.
+	/// The visible tiles of a layer. For `p_layer`, in this and the following methods, see find_layer.
 	godot::TypedArray<godot::Vector2i> get_shown_tiles(const godot::Variant &p_layer) const;
 
 	/// The number of instances of a layer in visible tiles.
@@ -155,24 +156,25 @@ public:
 	/// The drawn content of a tile; empty for a tile that is not visible.
 	godot::Ref<ScatterTile> get_tile(const godot::Variant &p_layer, const godot::Vector2i &p_tile);
 
-	/// The instances in a half-open rectangle of world x and z, generated immediately on the calling thread, which is the main thread.
-	/// Empty, with an error, for a layer that does not exist and a rectangle that the core refuses.
+	/// The instances in a half-open rectangle of world x and z. Generates them immediately, on the main thread. Returns
+	/// an empty result, with an error, if the layer does not exist or the core refuses the rectangle.
 	godot::Ref<ScatterTile> build_rect(const godot::Variant &p_layer, const godot::Rect2 &p_rect);
 
-	/// The instances of a tile of the layer, visible or not: bit-identical to the result of `get_tile` for a visible tile. `p_rect`, unless
-	/// it is Rect2(), is a rectangle of the scene that clips the tile; clipped tiles still share their edges.
+	/// The instances of a tile of the layer, visible or not. For a visible tile, the result is bit-identical to that of
+	/// `get_tile`. `p_rect`, unless it is Rect2(), is a rectangle of the scene that clips the tile; clipped tiles still
+	/// share their edges.
 	godot::Ref<ScatterTile> build_tile(
 			const godot::Variant &p_layer, const godot::Vector2i &p_tile, const godot::Rect2 &p_rect);
 
-	// Explains why a layer has an instance at a position, or has none. Call these on the main thread.
+	// These explain why a layer has an instance at a position, or has none. Main thread only.
 
-	/// Explains a position, by x and z, for each of some layers (see find_layers). Empty, with an error, for a layer that does not exist
-	/// and a position that is not finite.
+	/// Explains a position, given by x and z, for each of some layers (see find_layers). Returns an empty array, with
+	/// an error, if a layer does not exist or the position is not finite.
 	godot::TypedArray<ScatterExplanation> explain_position(
 			const godot::Vector3 &p_position, const godot::Variant &p_layers);
 
-	/// Values at the centers of a grid over a rectangle, row by row: the density after the layer's rules, 0 to 1; the slope of the ground
-	/// in degrees, NAN where there is no ground; the rank of the nearest point of the layer's set, 0 to 1.
+	/// Values at the centers of a grid over a rectangle, row by row. Density: 0 to 1, after the layer's rules. Slope:
+	/// of the ground in degrees, NAN where there is no ground. Rank: of the nearest point of the layer's set, 0 to 1.
 	godot::PackedFloat32Array get_density_map(
 			const godot::Variant &p_layer, const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
 	godot::PackedFloat32Array get_slope_map(const godot::Rect2 &p_rect, const godot::Vector2i &p_size);
@@ -236,13 +238,15 @@ public:
 	}
 	godot::Variant get_instance_data(int64_t p_id) const { return gameplay_->get_instance_data(p_id); }
 
-	/// The instance that a body of the PhysicsServer3D represents, or represented until some frames ago; 0 if there is none.
+	/// The instance that a body of the PhysicsServer3D represents, or 0. A removed body still represents its last
+	/// instance for some frames.
 	int64_t get_body_instance(const godot::RID &p_body) const;
 
 	/// The scene that replaces an instance; null if there is none.
 	godot::Node3D *get_scene(int64_t p_id) const;
 
-	/// Hands the scene that replaces an instance over to the caller. The mesh is drawn again, unless the instance is removed.
+	/// Passes the ownership of the scene that replaces an instance to the caller. The mesh is drawn again, unless the
+	/// instance is removed.
 	godot::Node3D *take_scene(int64_t p_id);
 
 	void add_region(ScatterRegion3D *p_region) override;
@@ -286,7 +290,7 @@ private:
 	static void bind_changes();
 	static void bind_signals();
 
-	/// Returned by value: the caller holds it until the call returns, even if the node is freed.
+	/// Returned by value, so that the caller keeps it alive until the call returns, even if the node is freed.
 	std::shared_ptr<ScatterGameplay> gameplay() const { return gameplay_; }
 	TileDisplay &display() { return stream_->display(); }
 	const TileDisplay &display() const { return stream_->display(); }

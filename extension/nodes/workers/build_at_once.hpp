@@ -18,22 +18,24 @@
 
 namespace thicket {
 
-/// Samples the ground at some positions on the calling thread, which is the main thread. `terrain` is the snapshot of `ground` for workers.
-/// If it is null, `ground` itself is sampled immediately, and its script may do anything in the meantime. Replaces `r_answers`. Throws
-/// std::bad_alloc.
+/// Samples the ground at some positions on the calling thread, which is the main thread. `terrain` is the snapshot of
+/// `ground` for workers. If it is null, samples `ground` itself immediately; its script may do anything in the
+/// meantime. Replaces `r_answers`. Throws std::bad_alloc.
 Status ask_at_once(const Terrain *terrain, const HostedGround &ground, std::span<const glm::dvec2> positions,
 		std::span<const GroundQuery> queries, std::vector<Ground> &r_answers);
 
-/// Generates tiles for a caller on the main thread that waits for them. The engine's workers help with large rectangles. Keeps data that
-/// the next tile can use: memory and the surrounding points.
+/// Generates tiles for a caller on the main thread that waits for them. The engine's workers help with large
+/// rectangles. Keeps its memory and the surrounding points, because the next tile can use them.
 class AtOnceBuilder {
 public:
-	/// All steps of one tile, with the ground as above. A script that is called for the ground may call this again.
+	/// Runs all steps of one tile, with the ground as in ask_at_once. A script that is called for the ground may call
+	/// this again.
 	Status build(const LayerSettings &layer, const Terrain *terrain, const HostedGround &ground, const Rect &rect,
 			TileInstances &r_tile);
 
-	/// All steps of several tiles, in order; on all available threads if the ground may be sampled on any thread. Replaces `r_tiles`; null
-	/// for a tile that was not generated. Returns the error of the first tile that has one.
+	/// Runs all steps of several tiles, in order; on all available threads if any thread may sample the ground.
+	/// Replaces `r_tiles`, with null for each tile that was not generated. Returns the error of the first tile that
+	/// failed.
 	Status build_all(std::span<const TileOrder> orders, const Terrain *terrain, const HostedGround &ground,
 			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 
@@ -51,7 +53,8 @@ private:
 	std::unique_ptr<TileBuilder> spare_; ///< Null before the first tile, and while a tile is being generated.
 };
 
-/// Applies a game's changes to a finished rectangle, as they are displayed. After an error the tile is unspecified.
+/// Applies a game's changes to a finished rectangle, as the display does. After an error, the content of the tile is
+/// unspecified.
 Status lay_over(const LayerSettings &layer, const Rect &rect, const InstanceState &state, CompactTile &r_tile);
 
 } // namespace thicket

@@ -18,16 +18,17 @@ struct MeshUpload {
 	godot::AABB aabb; ///< The box around the placed meshes, relative to the tile's origin.
 };
 
-/// The box around meshes whose origins lie in the box from `min` to `max`, if they extend at most `margin` meters beyond it.
+/// The box around meshes whose origins lie in the box from `min` to `max`. No mesh extends more than `margin` meters
+/// beyond that box.
 godot::AABB box_around(glm::vec3 min, glm::vec3 max, float margin);
 
-/// Buffers that were already uploaded, for reuse. This saves time because the engine clears new memory, and the system has to find it. For
-/// one thread.
+/// Keeps buffers that were already uploaded, for reuse. This saves time, because the engine clears new memory and the
+/// system has to find it. For one thread.
 class SpareBuffers {
 public:
 	SpareBuffers() { buffers_.reserve(most); }
 
-	/// Keeps as many buffers as there is room for, and frees the others. Allocates no memory.
+	/// Keeps as many of the buffers as there is room for, and frees the others. Allocates no memory.
 	void keep(std::vector<MeshUpload> &&uploads);
 
 	/// A buffer with the given number of floats. Its content is unspecified.
@@ -44,7 +45,7 @@ private:
 	std::atomic<std::uint64_t> reused_ = 0;
 };
 
-/// `reach`: meters from the mesh's origin to its farthest corner, at scale 1.
+/// `reach` is the distance in meters from the mesh's origin to its farthest corner, at scale 1.
 MeshUpload to_upload(const MeshInstances &mesh, float reach, SpareBuffers &r_spare);
 MeshUpload to_upload(const CompactMesh &mesh, float reach);
 

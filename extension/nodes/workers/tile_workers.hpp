@@ -16,7 +16,7 @@
 
 namespace thicket {
 
-/// One tile from its request to its uploads. One thread owns it at a time.
+/// One tile, from its request to its uploads. Only one thread at a time owns it.
 struct TileJob {
 	/// The progress of the job.
 	enum class Step : std::uint8_t {
@@ -56,14 +56,14 @@ struct TileJob {
 	std::atomic<bool> cancelled = false; ///< Set by the main thread, at any time.
 };
 
-/// Sorts jobs as work_order does. A job whose ground is partly known keeps its index, and so does a job for queries.
+/// Sorts jobs by work_order. Jobs for queries, and jobs whose ground is partly known, keep their index.
 void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers);
 
 /// Generates tiles on the engine's WorkerThreadPool, or on the main thread if there are no threads. Called on the main thread only, apart
 /// from the work itself.
 class TileWorkers {
 public:
-	/// At most `threads` tasks of the pool at a time. With 0, work is done in `work_until`.
+	/// Runs at most `threads` tasks of the pool at a time. With 0 threads, `work_until` does the work.
 	explicit TileWorkers(std::size_t threads);
 	~TileWorkers();
 	TileWorkers(const TileWorkers &) = delete;
@@ -72,19 +72,19 @@ public:
 	/// Queues a job. Jobs are processed in the order of their arrival, or of the last sort.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Sorts waiting jobs; see sort_jobs. False if a worker holds the lock at the moment.
+	/// Sorts the waiting jobs; see sort_jobs. Returns false, without sorting, if a worker holds the lock.
 	bool sort(std::span<const Viewer> viewers);
 
-	/// Removes and returns the jobs that are done or need ground, in the order in which they were finished. Includes cancelled jobs. Never
-	/// waits for a worker: jobs that are not available immediately are returned in the next frame. Call it in every frame, because it also
-	/// starts workers for waiting jobs.
+	/// Removes and returns the jobs that are done or need ground, in the order in which they were finished. Includes
+	/// cancelled jobs. Never waits for a worker: a job that is not available immediately is returned in the next frame.
+	/// Call this in every frame, because it also starts workers for waiting jobs.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
-	/// Releases a large object without cost for the main thread: a worker frees it before the next job or, if there is none, within a
-	/// second.
+	/// Releases a large object without cost for the main thread. A worker frees it before the next job, or within a
+	/// second if there is none.
 	void let_go(std::shared_ptr<const void> unneeded);
 
-	/// Releases buffers that were uploaded. The worker that receives them reuses some of them for later tiles.
+	/// Takes back buffers that were uploaded. The worker that receives them reuses some of them for later tiles.
 	void take_back(std::vector<MeshUpload> &&uploads);
 
 	/// The number of such objects and buffers that workers have received.
@@ -93,12 +93,12 @@ public:
 	/// The number of buffers that were reused.
 	std::uint64_t reused() const;
 
-	/// Without threads: generates tiles until the deadline, but at least one if any waits. A script that is called for heights may call
-	/// anything but this in the meantime. With threads: does nothing.
+	/// Without worker threads: generates tiles until the deadline, at least one if any waits. A script that is called
+	/// for heights may call anything except this function. With worker threads: does nothing.
 	void work_until(std::chrono::steady_clock::time_point deadline);
 
-	/// Cancels everything and waits until no worker holds any of our data. Takes a few milliseconds, or as long as a script takes for
-	/// heights that were just requested.
+	/// Cancels all jobs and waits until no worker uses any of our data. Takes a few milliseconds, or as long as a
+	/// script needs for heights that were just requested.
 	void stop();
 
 	/// How many tiles are generated at a time, at least 1.
@@ -138,7 +138,7 @@ private:
 	std::atomic<std::uint64_t> freed_ = 0;    ///< The number of objects freed from unneeded_ and uploaded_.
 	std::atomic<bool> much_unneeded_ = false; ///< Whether unneeded_ and uploaded_ are worth a worker of their own.
 
-	// Main thread only: jobs that are not yet in the queue, and objects that are not yet in the list of unneeded ones.
+	// Main thread only. Jobs that are not in the queue yet, and objects that are not in the list of unneeded ones yet.
 	std::deque<std::shared_ptr<TileJob>> incoming_;
 	std::vector<std::shared_ptr<const void>> unneeded_here_;
 	std::vector<MeshUpload> uploaded_here_;
