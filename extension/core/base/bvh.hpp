@@ -53,7 +53,7 @@ public:
 	std::size_t begin(Node node) const { return static_cast<std::size_t>(node.index) * (leaf_size << node.level); }
 	std::size_t end(Node node) const { return std::min(begin(node) + (leaf_size << node.level), count_); }
 
-	/// The two halves of a node above the leaves. The last node of a level may have no second one.
+	/// The two halves of a node above the leaves. The last node of a level may lack the second half.
 	Node first(Node node) const { return {node.level - 1, node.index * 2}; }
 	Node second(Node node) const { return {node.level - 1, node.index * 2 + 1}; }
 	bool has_second(Node node) const { return node.index * 2 + 1 < nodes(node.level - 1); }
@@ -63,7 +63,8 @@ private:
 	std::vector<std::uint32_t> level_begin_{0}; ///< One more than levels.
 };
 
-/// The nodes still to visit in a walk through a Bvh that enters one half of a node and leaves the other for later.
+/// The nodes that a walk through a Bvh has yet to visit. The walk enters one half of a node and leaves the other half
+/// for later.
 template <typename T>
 class BvhStack {
 public:

@@ -28,7 +28,7 @@ void append(std::vector<std::uint8_t> &r_bytes, Number number) {
 	}
 }
 
-/// Reads numbers from the front of some bytes. Past the end it returns zeros and `good` becomes false.
+/// Reads numbers from the front of some bytes. A read past the end returns zeros and sets `good` to false.
 class ByteReader {
 public:
 	explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}

@@ -9,9 +9,9 @@
 
 namespace thicket {
 
-/// The border of the core: every public function that allocates memory does its work in here. Runs `work`, which returns a Status or
-/// nothing. If memory runs out, the result is ErrorCode::out_of_memory, with the name and the size of the request. A request that no
-/// container can hold counts as out of memory as well.
+/// The border of the core: every public function that allocates memory does its work inside this call. Runs `work`,
+/// which returns a Status or nothing. If memory runs out, returns ErrorCode::out_of_memory, with the name and the size
+/// of the request. A request that exceeds the maximum size of a container counts as out of memory as well.
 ///
 /// `work` allocates all the memory it needs before it changes anything that outlives the call, so a failure leaves everything unchanged.
 /// Functions that promise more than this document it.
@@ -39,8 +39,8 @@ Status guarded_answer(const char *asked_for, double value, Answer &r_answer, Wor
 	return status;
 }
 
-/// The reverse, for code within the core that calls a guarded function and has no status to return. It throws if the call ran out of
-/// memory, and the guard of its own caller catches that.
+/// The reverse of `guarded`, for code within the core that calls a guarded function and has no status to return. Throws
+/// if that call ran out of memory, and the guard of the calling function catches the exception.
 inline void throw_if_out_of_memory(const Status &status) {
 	if (status.code == ErrorCode::out_of_memory) {
 		throw std::bad_alloc();

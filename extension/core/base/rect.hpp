@@ -31,7 +31,7 @@ struct Rect {
 /// The points that lie in both rectangles; empty if there are none.
 inline Rect intersection(const Rect &a, const Rect &b) { return {glm::max(a.min, b.min), glm::min(a.max, b.max)}; }
 
-/// Whether two rectangles overlap or touch, edges included. A point is a rectangle without an area.
+/// True if two rectangles overlap or touch, edges included. A point is a rectangle without an area.
 constexpr bool meet(const Rect &a, const Rect &b) {
 	return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y;
 }

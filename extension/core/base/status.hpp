@@ -65,9 +65,10 @@ constexpr AllowedRange exactly(Number number, const char *note = "") {
 	return between(number, number, note);
 }
 
-/// The outcome of a call across the core's border, where the core throws nothing (see core/base/guard.hpp). A failed call does not change
-/// the object that it was called on. Two kinds of functions have no room for a status and throw std::bad_alloc if memory runs out:
-/// constructors, and functions that return their result by value (a list of ids, a digest). They change nothing in that case.
+/// The outcome of a call across the core's border, where the core throws nothing (see core/base/guard.hpp). A failed
+/// call does not change the object that it was called on. Two kinds of functions cannot return a status: constructors,
+/// and functions that return their result by value (a list of ids, a digest). If memory runs out, these throw
+/// std::bad_alloc and change nothing.
 struct [[nodiscard]] Status {
 	ErrorCode code = ErrorCode::none;
 	const char *property = ""; ///< The property that was refused; a string literal.
@@ -107,9 +108,9 @@ struct [[nodiscard]] Status {
 	}
 };
 
-/// A sentence with property, value, allowed range and site, as far as they are known, and a sentence with the remedy, for a log or an
-/// editor warning. The last period is left out: "view_distance must be between 0 and 1024 (64 x tile_size), got 1500. Lower it or raise
-/// tile_size".
+/// A message for a log or an editor warning: a sentence with property, value, allowed range and site, as far as they
+/// are known, and a sentence with the remedy. Without the last period: "view_distance must be between 0 and 1024 (64 x
+/// tile_size), got 1500. Lower it or raise tile_size".
 std::string describe(const Status &status);
 
 } // namespace thicket

@@ -24,15 +24,15 @@ struct TileRange {
 	friend bool operator==(const TileRange &, const TileRange &) = default;
 };
 
-/// The tile that a position lies in. It rounds down, so tile -1 ends where tile 0 begins. `tile_size` is in meters and above 0, and
-/// `position` is finite. Positions beyond max_tile_coordinate belong to the outermost tile.
+/// The tile that contains a position. Rounds down, so tile -1 ends where tile 0 begins. `tile_size` is in meters and
+/// above 0, and `position` is finite. Positions beyond max_tile_coordinate belong to the outermost tile.
 glm::ivec2 tile_at(double tile_size, glm::dvec2 position);
 
 /// The half-open square of a tile. Neighbors have bit-identical shared edges, so no point lies in two tiles or in none.
 Rect tile_rect(double tile_size, glm::ivec2 tile);
 
-/// The tiles that contain points of a half-open rectangle; none for an empty one. A tile that only touches the end of the rectangle is left
-/// out. `rect` is finite. Parts beyond max_tile_coordinate belong to the outermost tiles.
+/// The tiles that contain points of a half-open rectangle; none for an empty rectangle. Leaves out a tile that only
+/// touches the end of the rectangle. `rect` is finite. Parts beyond max_tile_coordinate belong to the outermost tiles.
 TileRange tiles_in(double tile_size, const Rect &rect);
 
 /// The squared distance from a position to the nearest point of a rectangle, in square meters; 0 inside.

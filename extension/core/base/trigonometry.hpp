@@ -2,8 +2,9 @@
 
 #include <glm/vec3.hpp>
 
-// Angles with the same bits on every machine. The C library's sine, cosine and arc tangent round differently from machine to machine. So
-// these are polynomials made of additions, multiplications, divisions and square roots, which IEEE 754 rounds exactly.
+// Angles with the same bits on every machine. The C library's sine, cosine and arc tangent round differently from
+// machine to machine. So these functions use polynomials made of additions, multiplications, divisions and square
+// roots, which IEEE 754 rounds exactly.
 
 namespace thicket {
 

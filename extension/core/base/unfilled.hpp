@@ -7,8 +7,8 @@
 
 namespace thicket {
 
-/// An allocator for elements that are written before they are read. Elements that a vector adds without a value stay uninitialized, so the
-/// threads that fill them are the first to touch their pages.
+/// An allocator for elements that are written before they are read. A vector does not initialize the elements that it
+/// adds without a value. So the threads that fill these elements are the first to touch their pages.
 template <class Value>
 struct UnfilledAllocator : std::allocator<Value> {
 	UnfilledAllocator() = default;

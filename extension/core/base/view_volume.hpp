@@ -8,7 +8,8 @@
 
 namespace thicket {
 
-/// The distances of the nearest and the farthest point of a box from the viewer nearest to it, as sight_distance measures. Meters.
+/// The distances in meters of a box's nearest and farthest point from the viewer nearest to the box, as sight_distance
+/// measures.
 struct DistanceRange {
 	double near = 0.0;
 	double far = 0.0;
@@ -22,8 +23,8 @@ struct DistanceRange {
 /// The space that a camera sees, bounded by six planes. World meters.
 class ViewVolume {
 public:
-	/// Takes the corners of the near side, in order around it, then those of the far side, in the same order. For perspective and
-	/// orthogonal cameras.
+	/// Takes the corners of the near side, in order around it, then the corners of the far side, in the same order. For
+	/// perspective and orthogonal cameras.
 	explicit ViewVolume(const std::array<glm::dvec3, 8> &corners) {
 		glm::dvec3 middle(0.0);
 		for (const glm::dvec3 &corner : corners) {

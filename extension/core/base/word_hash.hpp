@@ -6,9 +6,9 @@
 
 namespace thicket {
 
-/// FNV-1a (Fowler, Noll and Vo) of 64 bits over 32-bit words instead of bytes: hash = (hash xor word) * 0x100000001b3. With one byte per
-/// word it is FNV-1a itself. Each step is a bijection of the hash, so inputs that differ in one word never have the same hash. Simple
-/// enough to be repeated in a script.
+/// FNV-1a (Fowler, Noll and Vo) of 64 bits over 32-bit words instead of bytes: hash = (hash xor word) * 0x100000001b3.
+/// With one byte per word, the result is FNV-1a itself. Each step is a bijection of the hash, so inputs that differ in
+/// one word never have the same hash. Simple enough for a script to repeat.
 class WordHash {
 public:
 	constexpr void add(std::uint32_t word) { hash_ = (hash_ ^ word) * 0x100000001b3; }

@@ -19,9 +19,10 @@ struct CellSettings {
 /// Returns 1 for a cell size that is not smaller than the tile, is 0 or less, or is NAN.
 std::uint32_t cells_across(double tile_size, double cell_size);
 
-/// The default cell size, in meters, for a layer that sets none. `reach` is the distance in meters from a model's origin to its farthest
-/// corner, and `density` is the number of instances of a model per square meter. The size is 32 m for a reach of 4 to 16 m, down to 24 m
-/// for smaller models, and twice the reach for larger ones. It is larger where a cell would hold fewer than `fewest_in_cell` instances.
+/// The default cell size, in meters, for a layer that sets none. `reach` is the distance in meters from a model's
+/// origin to its farthest corner, and `density` is the number of instances of a model per square meter. The size is 32
+/// m for a reach of 4 to 16 m, down to 24 m for smaller models, and twice the reach for larger ones. The size is larger
+/// if a cell would otherwise contain fewer than `fewest_in_cell` instances.
 double usual_cell_size(double reach, double density);
 inline constexpr double fewest_in_cell = 16.0;
 
@@ -30,8 +31,8 @@ inline constexpr double fewest_in_cell = 16.0;
 /// farther away they change, the larger a cell may be. Cells are as small as the settings allow, and double in size as long as they are
 /// smaller than a quarter of the distance of the first such change.
 ///
-/// `shown` is the current division, 0 for a tile that is not displayed. It is kept until the distance is a tenth of the tile's size past
-/// the point where it should change. So a viewer who moves back and forth causes no uploads.
+/// `shown` is the current division, 0 for a tile that is not displayed. The current division is kept until the distance
+/// is a tenth of the tile's size past the point of change. So a viewer who moves back and forth causes no uploads.
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown);
 
 /// How much the distance may change, in either direction, before `division_at` must be called again. Meters, above 0; infinite where the

@@ -8,7 +8,7 @@
 
 namespace thicket {
 
-/// How the instances of one mesh in a cell are drawn, or in a tile that is drawn as a whole.
+/// How the instances of one mesh are drawn in a cell, or in a tile that is drawn as a whole.
 struct CellDrawing {
 	LodSpan span;             ///< The wanted LODs.
 	std::size_t lod = 0;      ///< The LOD that is drawn alone until all wanted LODs have a visual.
@@ -27,9 +27,10 @@ void adapt(const LodSettings &settings, std::span<const LodStep> steps, const Di
 /// How much the distances may change before `adapt` must be called again. Meters, 0 or more; infinite if nothing changes.
 double adapted_margin(const LodSettings &settings, std::span<const LodStep> steps, const DistanceRange &distance);
 
-/// The number of instances that a further LOD of a cell draws. `first_share` and `share` are the shares that the first LOD and this one draw
-/// by their own settings, 0 to 1. If the limit for all tiles thins the first LOD, this one draws no more than the first, so that a
-/// cross-fade does not show instances that are then removed. `ranks` are those of the cell, ascending.
+/// The number of instances that a further LOD of a cell draws. `first_share` and `share` are the shares that the first
+/// LOD and this LOD draw by their own settings, 0 to 1. If the limit for all tiles thins the first LOD, this LOD draws
+/// no more instances than the first. Otherwise a cross-fade would show instances that are then removed. `ranks` are the
+/// ranks of the cell's instances, ascending.
 std::size_t drawn_by_other(
 		std::span<const std::uint32_t> ranks, double first_share, double share, const CellDrawing &cell);
 

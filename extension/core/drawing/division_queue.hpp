@@ -8,8 +8,8 @@
 
 namespace thicket {
 
-/// A tile in cells gives way to a waiting tile only if it is farther from the viewers by this factor. So two tiles at similar distances do
-/// not replace each other endlessly.
+/// A tile in cells is drawn as a whole in favor of a waiting tile only if it is farther from the viewers by this
+/// factor. So two tiles at similar distances do not replace each other endlessly.
 inline constexpr double gives_way = 1.1;
 
 /// Decides which visible tiles are drawn in cells while the number of multimeshes is limited. Pure logic, like TileStreamer: the caller
@@ -32,7 +32,8 @@ public:
 		/// The distance from the nearest viewer to a tile's box. Meters, 0 or more.
 		virtual double distance(const TileKey &key) const = 0;
 
-		/// The current division of a tile, and the one that its distance requires: cells along a side, 1 if it is drawn as a whole.
+		/// The current division of a tile, and the division that its distance requires: cells along a side, 1 if the
+		/// tile is drawn as a whole.
 		virtual std::uint32_t shown(const TileKey &key) const = 0;
 		virtual std::uint32_t wanted(const TileKey &key) const = 0;
 
@@ -58,12 +59,13 @@ public:
 	static std::uint32_t first_division(
 			std::uint32_t wanted, Multimeshes then, bool replaces_visible_tile, bool others_wait);
 
-	/// Queues a visible tile if its division `shown` is not the wanted one. Does nothing if the tile waits already or is being divided.
+	/// Queues a visible tile if its division `shown` is not the wanted one. Does nothing if the tile is already queued
+	/// or is being divided.
 	void choose(const TileKey &key, std::uint32_t shown, std::uint32_t wanted);
 
-	/// Chooses the next division, which is then the current one until `finish` or `cancel`. Call it only while there is none. Returns
-	/// nothing if no waiting tile can be divided; then no tile waits any more. O(waiting tiles + tiles in cells) for each tile that it
-	/// considers.
+	/// Chooses the next division, which is the current one until `finish` or `cancel`. Call it only while no division
+	/// is current. If no waiting tile can be divided, returns nothing, and the queue is then empty. O(waiting tiles +
+	/// tiles in cells) for each tile that it considers.
 	std::optional<Division> begin(const Tiles &tiles, Multimeshes all);
 
 	const std::optional<Division> &current() const { return current_; }
@@ -72,10 +74,10 @@ public:
 	/// The current division is visible now.
 	void finish();
 
-	/// Gives up the current division. The tile does not wait until it is chosen again.
+	/// Gives up the current division. The tile is queued again only when it is chosen again.
 	void cancel() { current_.reset(); }
 
-	/// A tile is visible with this division, for example because it was uploaded in cells.
+	/// Reports that a tile is visible with this division, for example because it was uploaded in cells.
 	void show(const TileKey &key, std::uint32_t across);
 
 	/// A tile is gone; its division must not be the current one.

@@ -54,16 +54,18 @@ public:
 	void set_limits(const DrawLimits &limits) { next_limits_ = limits; }
 	const DrawLimits &limits() const { return next_limits_; }
 
-	/// Applies new limits and a new share. Returns true if there are any: every cell must then be drawn again.
+	/// Applies new limits and a new share. Returns true if any of them has changed; every cell must then be drawn
+	/// again.
 	bool begin_frame();
 
-	/// A tile has become visible, or was removed or changed: its amounts before and after.
+	/// Reports that a tile has become visible, or was removed or changed: its amounts before and after.
 	void add(const DrawAmounts &amounts) { amounts_ += amounts; }
 	void remove(const DrawAmounts &amounts) { amounts_ -= amounts; }
 	const DrawAmounts &amounts() const { return amounts_; }
 
-	/// Sets density and counts of a cell of a visible tile after `adapt`. `look_share` is the share that its first LOD draws by its own
-	/// settings, 0 to 1; `ranks` are those of the cell, ascending. Returns false if the limit thins the cell more than others.
+	/// Sets density and counts of a cell of a visible tile after `adapt`. `look_share` is the share that the cell's
+	/// first LOD draws by its own settings, 0 to 1. `ranks` are the ranks of the cell's instances, ascending. Returns
+	/// false if the limit thins the cell more than others.
 	bool draw(std::uint32_t layer, double look_share, std::span<const std::uint32_t> ranks, CellDrawing &r_cell);
 
 	/// The share of a layer's instances that is drawn at a distance from a viewer, if the layer is not hidden. Meters; 0 to 1.

@@ -22,7 +22,7 @@ struct DrawCell {
 	std::uint32_t number = 0; ///< Row by row: z times the cells along a side, plus x.
 	std::uint32_t begin = 0;  ///< The cell's part of DrawCells::order.
 	std::uint32_t end = 0;
-	/// Smallest and largest position relative to the tile's origin, without the size of the mesh.
+	/// The smallest and the largest position relative to the tile's origin, without the size of the mesh.
 	glm::vec3 min{0.0f};
 	glm::vec3 max{0.0f};
 
@@ -55,11 +55,12 @@ struct DrawCells {
 /// out of the rectangle belong to the nearest cell. O(instances + cells). If memory runs out, `r_cells` is empty.
 Status divide(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells);
 
-/// Writes the floats of these instances of a mesh, one after the other. `r_buffer` has room for mesh.stride() floats of each of them.
+/// Writes the floats of these instances of a mesh, one after the other. `r_buffer` has room for mesh.stride() floats
+/// per instance.
 void gather(const CompactMesh &mesh, std::span<const std::uint32_t> order, std::span<float> r_buffer);
 
-/// The reverse of `gather`: writes the floats of a cell back to their places in the tile. `r_buffer` has room for all instances of the
-/// tile.
+/// The reverse of `gather`: writes the floats of a cell back to their positions in the tile. `r_buffer` has room for
+/// all instances of the tile.
 void spread(std::span<const float> buffer, std::span<const std::uint32_t> order, std::size_t stride,
 		std::span<float> r_buffer);
 
@@ -69,7 +70,8 @@ struct CellReuse {
 	bool unchanged = false;            ///< It holds bit-identical instances in the same order: nothing needs an upload.
 };
 
-/// One for each cell of `cells`, for two divisions of the same tile into as many cells along a side. O(instances + cells).
+/// The sources of all cells of `cells`, for two divisions of the same tile into equally many cells along a side.
+/// O(instances + cells).
 std::vector<CellReuse> reuse_cells(
 		const CompactMesh &mesh_before, const DrawCells &cells_before, const CompactMesh &mesh, const DrawCells &cells);
 

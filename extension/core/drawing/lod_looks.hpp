@@ -39,7 +39,7 @@ public:
 	/// True if any look ever fades.
 	bool fades() const;
 
-	/// The ranges that a look may be drawn with, by LookFade::index; no_fade for one that never occurs.
+	/// The ranges in which a look may be drawn, by LookFade::index; no_fade for an index that never occurs.
 	std::array<FadeRange, LookFade::count> ranges(std::size_t look) const;
 
 	/// The number of looks that are drawn for a span, minus one.
@@ -54,7 +54,7 @@ public:
 	/// One of the looks of a span, 0 to beyond_first(span); 0 is the look of its first LOD.
 	Drawn drawn(const LodSpan &span, std::size_t index) const;
 
-	/// The look of one LOD of a span, drawn alone in place of the whole span.
+	/// The look of one LOD of a span when it is drawn alone, in place of the whole span.
 	Drawn drawn_alone(const LodSpan &span, std::size_t lod) const;
 
 private:

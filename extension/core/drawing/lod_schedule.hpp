@@ -15,16 +15,16 @@
 
 namespace thicket {
 
-/// Schedules which tiles to check again as viewers move: each tile only after a viewer has moved as far as that tile allows. Pure logic,
-/// like TileStreamer. Holds at most one visit per tile.
+/// Schedules which tiles to check again as viewers move: each tile only after a viewer has moved as far as that tile
+/// allows. Pure logic, like TileStreamer. Stores at most one visit per tile.
 class LodSchedule {
 public:
 	/// Takes the viewers' positions for this frame. Returns true if their number has changed or one of them has jumped. Every tile must
 	/// then be checked, whatever was scheduled.
 	bool move(std::span<const Viewer> viewers);
 
-	/// Schedules the next visit to a tile, after `margin` meters (0 or more), and replaces its earlier visit. An infinite margin
-	/// schedules none. O(log tiles).
+	/// Schedules the next visit to a tile, after `margin` meters (0 or more). Replaces the tile's earlier visit. With
+	/// an infinite margin, schedules no visit. O(log tiles).
 	void add(const TileKey &key, double margin);
 
 	/// Removes the visit to a tile that is gone.
@@ -42,10 +42,12 @@ public:
 	/// The number of scheduled visits.
 	std::size_t size() const { return visits_.size(); }
 
-	/// Accumulated meters: between two calls, no viewer has moved farther than this value has grown.
+	/// Meters, accumulated over all calls. Between two calls of `move`, no viewer has moved farther than this value has
+	/// grown.
 	double traveled() const { return traveled_; }
 
-	/// The distances from the viewer nearest to a box to the nearest and the farthest point of the box. Meters; infinite without viewers.
+	/// The distances from a box to the viewer nearest to it: from the nearest and from the farthest point of the box.
+	/// Meters; infinite without viewers.
 	DistanceRange distances_to(glm::dvec3 min, glm::dvec3 max, const Sight &sight) const;
 
 private:

@@ -19,7 +19,8 @@ struct LodStep {
 	friend bool operator==(const LodStep &, const LodStep &) = default;
 };
 
-/// The meshes that are drawn for the instances in a box: `first` to `last`, each for the instances in its range of distances.
+/// The meshes that are drawn for the instances in a box: `first` to `last`. Each is drawn for the instances in its
+/// range of distances.
 struct LodSpan {
 	std::size_t first = 0;
 	std::size_t last = 0;

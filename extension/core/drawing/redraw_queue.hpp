@@ -39,22 +39,22 @@ public:
 		bool all_ = false;
 	};
 
-	/// Instances may have changed in an area of a layer (world meters, edges included), or everywhere.
+	/// Reports that instances may have changed in an area of a layer (world meters, edges included), or everywhere.
 	void mark(std::uint32_t layer, const Rect &area) { marks_.areas_.push_back({layer, area}); }
 	void mark_all() { marks_.all_ = true; }
 
 	/// Allocates memory, so that the next `mark` throws nothing.
 	void reserve_mark() { marks_.areas_.reserve(marks_.areas_.size() + 1); }
 
-	/// Returns all marks and forgets them. If memory runs out, it throws and keeps them.
+	/// Returns all marks and forgets them. If memory runs out, throws and keeps them.
 	Marks take();
 
-	/// Instances have changed, and the caller queues each visible tile that may be affected.
+	/// Reports that instances have changed. The caller then queues each visible tile that may be affected.
 	void begin_later() { ++version_; }
 	void add_later(const TileKey &key) { later_.insert(key); }
 	bool has_later() const { return !later_.empty(); }
 
-	/// Removes the first tile that is queued for later and returns it. It may be hidden by now.
+	/// Removes the first tile that is queued for later and returns it. The tile may be hidden by now.
 	std::optional<TileKey> next_later();
 
 	/// Rises with every change: with `begin_later`, and with every `take` that returns marks.

@@ -4,8 +4,8 @@
 
 namespace thicket {
 
-/// Sorts tiles by layer, then by position, then the newest grid first. So the tiles of a layer stay together, and of two tiles at the same
-/// position, the one with the current tile size comes first.
+/// Sorts tiles by layer, then by position, then by grid, the newest first. So the tiles of a layer stay together. Of
+/// two tiles at the same position, the tile with the current tile size comes first.
 struct TileKeyOrder {
 	bool operator()(const TileKey &a, const TileKey &b) const {
 		if (a.layer != b.layer) {

@@ -13,7 +13,7 @@ public:
 		instances_ += instances;
 	}
 
-	/// True if nothing more should be uploaded. A new step is never full, so each step uploads something.
+	/// True if nothing more should be uploaded in this step. A new step is never full, so each step uploads something.
 	bool is_full() const { return visuals_ >= most_visuals || instances_ >= most_instances; }
 
 private:

@@ -22,8 +22,9 @@ struct RuledPlace {
 struct PlaceExplanation {
 	RuledPlace place;
 
-	/// The point of the layer's set that is nearest to the position, in the plane. It is closer than the radius, or there would be room for
-	/// one more point. An instance is placed there only if this point is kept.
+	/// The point of the layer's set that is nearest to the position, in the plane. It is closer than the radius,
+	/// because otherwise there would be room for one more point. An instance is placed there only if this point is
+	/// kept.
 	SamplePoint point{};
 	double distance = 0.0; ///< Meters, in the plane.
 	RuledPlace at_point;
@@ -31,14 +32,15 @@ struct PlaceExplanation {
 	/// Whether an instance is allowed at the position itself.
 	bool allowed() const { return place.density > 0.0; }
 
-	/// Whether the rules keep the point. It is then an instance, unless a game has removed it.
+	/// True if the rules keep the point. The point is then an instance, unless a game has removed it.
 	bool stands() const { return thicket::stands(point.rank, at_point.density); }
 };
 
 /// Explains positions with the same code that generates tiles. Two steps, as in DensityProbe.
 class PlaceExplainer {
 public:
-	/// Refuses positions that DensityProbe and TileSampler refuse: not finite, or outside the set's cells.
+	/// Refuses the positions that DensityProbe and TileSampler refuse: those that are not finite, or outside the set's
+	/// cells.
 	Status find(const LayerSettings &layer, glm::dvec2 place);
 
 	std::span<const glm::dvec2> positions() const { return probe_.positions(); }

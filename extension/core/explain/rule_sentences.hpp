@@ -30,7 +30,7 @@ struct RuleSentence {
 /// `factor` is one of `layer`.
 RuleSentence describe(const RuleFactor &factor, const LayerSettings &layer, const RuleNames &names);
 
-/// Why an instance of the layer is placed there or not, judged by its rules alone.
+/// Why an instance of the layer is placed at the position or not, judged by the layer's rules alone.
 struct RuleVerdict {
 	bool yes = false;   ///< An instance is allowed at the position, and the point nearest to it is kept.
 	std::string rule;   ///< The rule that refuses it, or "rank" if the density excludes the point; empty for yes.
@@ -39,8 +39,8 @@ struct RuleVerdict {
 
 RuleVerdict judge(const PlaceExplanation &explanation, const LayerSettings &layer, const RuleNames &names);
 
-/// A number for a sentence: two digits after the decimal point, fewer for large numbers, and no trailing zeros. It gets more digits if it
-/// would otherwise read the same as `other` although they differ.
+/// A number for a sentence: two digits after the decimal point, fewer for large numbers, and no trailing zeros. Has
+/// more digits if it would otherwise read the same as `other` although the numbers differ.
 std::string number_text(double number, double other = std::numeric_limits<double>::quiet_NaN());
 
 /// "1.2 m away", or "here" for anything nearer than a centimeter.

@@ -48,7 +48,7 @@ public:
 	std::span<const FrameSample> samples() const { return samples_; }
 
 private:
-	/// A vertex in the frame: in 1/256 samples from the left and from the top.
+	/// A vertex in the frame, in 1/256 of a sample from the left and from the top.
 	struct Corner {
 		std::int64_t x = 0;
 		std::int64_t y = 0;

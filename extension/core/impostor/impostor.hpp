@@ -43,18 +43,19 @@ struct Impostor {
 	glm::vec3 center{0.0F}; ///< The center of the sphere that the frames show, which is the center of the box.
 	float radius = 0.0F;    ///< Meters; half of a frame's side.
 
-	/// Both atlases, four bytes per pixel, row by row from the top: the finest level and then all its mip maps, each with half the side,
-	/// rounded down, to a single pixel. In levels where a frame has its own pixels, they are not mixed with those of its neighbors. The
-	/// share of pixels whose alpha is at least a half is the same in each level. Empty pixels have the color, normal and depth of nearby
-	/// ones.
+	/// Both atlases, four bytes per pixel, row by row from the top: the finest level and then all its mip maps, each
+	/// with half the side, rounded down, to a single pixel. In levels where each frame has its own pixels, these are
+	/// not mixed with the pixels of neighboring frames. Each level has the same share of pixels whose alpha is at least
+	/// a half. Empty pixels have the color, normal and depth of nearby ones.
 	std::vector<std::uint8_t> albedo; ///< sRGB, and the share of the pixel that is covered.
 	/// x, y, z of the normal from -1 to 1; depth towards the viewer from -radius to radius.
 	std::vector<std::uint8_t> normal;
 };
 
-/// Takes the frames. Refuses surfaces without a triangle, and numbers that ImpostorSurface::check refuses. A call that is refused,
-/// cancelled or out of memory leaves `r_impostor` unchanged. `progress` is called after each frame, and its `points` counts frames. A
-/// raised cancel flag ends the call within one frame (up to about 0.1 s at usual sizes).
+/// Renders the frames. Refuses surfaces without a triangle, and numbers that ImpostorSurface::check refuses. If the
+/// call is refused, cancelled or out of memory, `r_impostor` is unchanged. Calls `progress` after each frame; its
+/// `points` is the number of frames. Ends within one frame (up to about 0.1 s at usual sizes) after the cancel flag is
+/// raised.
 Status bake_impostor(std::span<const ImpostorSurface> surfaces, const ImpostorSettings &settings,
 		const Progress &progress, Impostor &r_impostor);
 

@@ -20,8 +20,8 @@ public:
 	/// Writes a frame into a column and a row.
 	void put(int column, int row, const FrameLevels &frame);
 
-	/// Call it once all frames are written. It generates the levels in which frames are smaller than a pixel, and gives all levels the
-	/// coverage of the finest.
+	/// Call this once all frames are written. Generates the levels in which frames are smaller than a pixel, and gives
+	/// all levels the coverage of the finest level.
 	void finish();
 
 	std::vector<std::uint8_t> &albedo() { return albedo_; }

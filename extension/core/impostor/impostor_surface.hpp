@@ -46,8 +46,8 @@ struct ImpostorSurface {
 	std::vector<std::uint32_t> indices;
 	ImpostorMaterial material;
 
-	/// Transforms positions and normals by a basis and an offset. A basis that mirrors also reverses the triangles, so that their fronts
-	/// stay fronts.
+	/// Transforms positions and normals by a basis and an offset. If the basis mirrors, also reverses the corners of
+	/// the triangles, so that their fronts stay fronts.
 	void transform(const glm::mat3 &basis, glm::vec3 offset);
 
 	/// Refuses numbers that are not finite, lists of different sizes, indices without a vertex, and values outside their ranges.

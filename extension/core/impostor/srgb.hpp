@@ -5,7 +5,8 @@
 
 namespace thicket {
 
-/// The curve of sRGB (IEC 61966-2-1) for bytes, with the same bits on every machine: the C library's powers round differently.
+/// The curve of sRGB (IEC 61966-2-1) for bytes. Has the same bits on every machine, because it does not use the C
+/// library's power functions, which round differently.
 class SrgbCurve {
 public:
 	/// The shared instance, created at the first call.

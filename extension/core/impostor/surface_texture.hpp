@@ -18,8 +18,8 @@ inline constexpr int max_texture_side = 1 << 14; ///< Pixels.
 /// Immutable after `set`.
 class SurfaceTexture {
 public:
-	/// `rgba` is row by row, x fastest, four bytes per pixel. Sides must be 1 to max_texture_side. Anything else is refused and changes
-	/// nothing.
+	/// `rgba` is row by row, x fastest, four bytes per pixel. Each side must be 1 to max_texture_side. Refuses anything
+	/// else and changes nothing.
 	Status set(int width, int height, std::span<const std::uint8_t> rgba);
 
 	/// The level whose pixels are at most as large as `area`, which is in pixels of the finest level.

@@ -4,7 +4,7 @@
 
 namespace thicket {
 
-/// The properties of an LOD of a layer's model that decide about its shadow.
+/// The properties of an LOD that determine whether it casts a shadow.
 struct LodCaster {
 	glm::dvec3 size{0.0};          ///< Meters, of the box around the model at the layer's largest scale.
 	double per_square_meter = 0.0; ///< Instances of the layer per square meter at its highest density.
@@ -18,11 +18,13 @@ inline constexpr double shadow_sight = 512.0; ///< Multiples of a shadow's width
 
 /// Whether an LOD should cast a shadow by default.
 ///
-/// Where small plants grow densely, as grass does, they soon hide each other's shadows. So an LOD of such a layer casts none if it begins
-/// at `near_in_sizes` times the longest side or farther. Elsewhere each LOD casts the shadow of its own mesh, which is cheaper the coarser
-/// it is. No LOD casts a shadow if it begins where the shadow is thinner than a pixel of its map. The width of a box's shadow is the middle
-/// one of its sides, whatever the direction of the sun. A pixel is a `shadow_sight`th of the distance wide: the map of a directional light,
-/// with 4096 pixels, has 2048 for the farthest of four splits, which must cover about four times the distance across.
+/// Small plants that grow densely, like grass, soon hide each other's shadows. So an LOD of such a layer casts no
+/// shadow if it begins at `near_in_sizes` times the longest side or farther. In other layers each LOD casts the shadow
+/// of its own mesh, and a coarser mesh costs less. No LOD casts a shadow if it begins where the shadow is thinner than
+/// a pixel of its map. As the width of a box's shadow, the middle one of its sides counts, whatever the direction of
+/// the sun. The width of a pixel is the distance divided by `shadow_sight`: the map of a directional light has 4096
+/// pixels, of which the farthest of four splits gets 2048, and that split must cover about four times the distance
+/// across.
 ///
 /// A NAN or a negative size keeps the LOD's shadow.
 bool casts_shadow(const LodCaster &lod);
