@@ -33,7 +33,8 @@ public:
 		add(product);
 	}
 
-	/// The rounded sum. It has the sign of the exact sum, because the last part outweighs all parts before it.
+	/// The rounded sum. It has the sign of the exact sum, because the last part is larger than the sum of all parts
+	/// before it.
 	double value() const {
 		double sum = 0.0;
 		for (std::size_t i = 0; i < size_; ++i) {

@@ -68,7 +68,7 @@ double slope_degrees(glm::vec3 normal) {
 	// From both legs of the triangle, because the height alone determines a small angle poorly.
 	const double across = std::sqrt(x * x + z * z);
 	const double up = std::abs(static_cast<double>(normal.y));
-	// atan(across / up) is 0, 45 or 90 degrees, whichever is nearest, and an angle within the reach of the series.
+	// atan(across / up) is 0, 45 or 90 degrees, whichever is nearest, plus an angle within the range of the series.
 	double base = 45.0;
 	double tangent = (across - up) / (across + up);
 	if (across <= reach * up) {

@@ -64,8 +64,8 @@ void tell(thicket_sampler &r_sampler, const char *text) {
 	r_sampler.message[length] = '\0';
 }
 
-/// Runs a call of a sampler. It is refused while a different call is in progress. `work(sampler)` returns a Status; `request` is that of a
-/// domain.
+/// Runs a call of a sampler. Refuses the call while a different one is in progress. `work(sampler)` returns a Status.
+/// `request` is the request of a domain.
 template <typename Work>
 thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::DomainRequest *request = nullptr) {
 	if (sampler == nullptr) {

@@ -16,7 +16,7 @@ constexpr double cell_per_distance = 0.25; ///< The size of the smallest cell, a
 constexpr double hysteresis = 0.1;         ///< Tiles.
 constexpr double look_again = 0.125;       ///< Tiles.
 
-/// The first distance in a range at which the meshes or the thinning change; infinite if they do not. Meters.
+/// The first distance in a range at which the meshes or the thinning change. Meters; infinite if they do not change.
 double first_change(const LodSettings &lod, double near, double far) {
 	double first = std::numeric_limits<double>::infinity();
 	for (const double begin : lod.lod_distances) {
@@ -75,7 +75,8 @@ double division_margin(const CellSettings &cells, const LodSettings &lod, double
 	if (cells.most_across < 2 || (lod.lod_distances.empty() && !thins)) {
 		return std::numeric_limits<double>::infinity();
 	}
-	// Beyond either distance, tiles are drawn whole: where even the largest cell, half a tile, is too small, and where nothing changes.
+	// Tiles are drawn whole beyond either of two distances: where even the largest cell, half a tile, is too small, and
+	// where nothing changes.
 	const double too_small = 0.5 / cell_per_distance * cells.tile_size;
 	const double last_change =
 			std::max(lod.lod_distances.empty() ? 0.0 : lod.lod_distances.back(), thins ? lod.thin_end : 0.0);

@@ -35,7 +35,8 @@ TileKey DivisionQueue::nearest_waiting(const Tiles &tiles) const {
 	return *nearest;
 }
 
-/// Begins the division of a waiting tile, or makes room for it. False if it is to stay unchanged: it stops waiting.
+/// Begins the division of a waiting tile, or makes room for it. Returns false if the tile must stay as it is; it then
+/// stops waiting.
 bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimeshes all) {
 	const std::uint32_t shown = tiles.shown(key);
 	const std::uint32_t across = tiles.wanted(key);

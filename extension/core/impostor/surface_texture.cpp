@@ -12,7 +12,8 @@ namespace thicket {
 
 namespace {
 
-/// A coordinate in pixels, in [0, count). It is 0 for coordinates that are not finite, or too large for a float to distinguish pixels.
+/// A coordinate in pixels, in [0, count). Returns 0 for coordinates that are not finite, or too large for a float to
+/// distinguish pixels.
 float wrapped(float coordinate, int count) {
 	constexpr float farthest = 1e6F;
 	if (!(coordinate > -farthest && coordinate < farthest)) {

@@ -138,7 +138,8 @@ std::vector<ModelLod> model_lods(std::span<const PartRange> parts) {
 }
 
 double usual_lod_distance(double size, std::size_t lod) {
-	// In sizes: at this distance, a model is about half as high as the screen at the engine's default field of view.
+	// In sizes of the model. At this distance, a model is about half as high as the screen at the engine's default
+	// field of view.
 	constexpr double first = 2.5;
 	constexpr double step = 2.0;
 	double distance = first * size;

@@ -17,9 +17,9 @@ struct LodName {
 	friend bool operator==(const LodName &, const LodName &) = default;
 };
 
-/// Splits a name. The mark is "LOD" and a number of one or two digits, in upper or lower case. "_", "-", "." or a blank may separate them.
-/// The mark must begin and end where a word does: "Tree_LOD0", "lod1", "TrunkLOD2" and "Tree-lod-1_leaves" have one; "Melod1" and "LOD100"
-/// have none. The last mark counts.
+/// Splits a name. The mark is "LOD" and a number of one or two digits, in upper or lower case. "_", "-", "." or a blank
+/// may separate them. The mark must begin and end at the border of a word: "Tree_LOD0", "lod1", "TrunkLOD2" and
+/// "Tree-lod-1_leaves" have one; "Melod1" and "LOD100" have none. The last mark counts.
 LodName read_lod_name(std::string_view name);
 
 /// The properties of a model's part that decide in which LODs it is drawn.
@@ -48,8 +48,8 @@ struct ModelLod {
 /// last LOD has no end, because the layer's settings decide how far it is visible.
 std::vector<ModelLod> model_lods(std::span<const PartRange> parts);
 
-/// Meters from which the LOD of this index is drawn by default, for a model whose box has a diagonal of `size` meters; 0 for the first.
-/// Each further LOD begins at about half the size on the screen.
+/// The default distance in meters from which the LOD of this index is drawn, for a model whose box has a diagonal of
+/// `size` meters; 0 for the first LOD. Each further LOD begins when the model is about half as large on the screen.
 double usual_lod_distance(double size, std::size_t lod);
 
 } // namespace thicket

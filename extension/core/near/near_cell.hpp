@@ -18,11 +18,12 @@ namespace thicket {
 struct Leaving {
 	std::uint32_t layer = 0;
 	std::uint64_t id = 0;
-	/// The position at which it is held. An instance that has meanwhile moved into a different cell is held there, and stays.
+	/// The position at which the instance is held. If the instance has since moved into a different cell, it is held
+	/// there and stays.
 	glm::dvec3 position{0.0};
 };
 
-/// The versions for which the result of a check is valid. Both are 0 if there is none.
+/// The versions for which the result of a check is valid. Both are 0 if the cell has no result.
 struct NearVersion {
 	std::uint64_t world = 0; ///< InstanceWorld::version.
 	std::uint64_t queue = 0; ///< Rises with other changes that invalidate it: different distances, released instances.
@@ -46,7 +47,7 @@ public:
 	/// A cell is checked at least once in this many frames, because requests for missing tiles must be repeated.
 	static constexpr int look_frames = 32;
 
-	/// Clears the centers that have the cell in reach. `add_center` then adds the current ones.
+	/// Clears the list of centers that have the cell in reach. `add_center` then adds the current ones.
 	void forget_centers() { centers_.clear(); }
 	void add_center(glm::dvec3 center) { centers_.push_back(center); }
 	std::span<const glm::dvec3> centers() const { return centers_; }
@@ -54,14 +55,14 @@ public:
 	/// Counts the frames since the last check.
 	void begin_frame() { ++frames_; }
 
-	/// True if the cell must be checked: since the last check a center has moved by more than `slack` meters, centers were added or
-	/// removed, or the world changed.
+	/// True if the cell must be checked: if a center has moved by more than `slack` meters since the last check,
+	/// centers were added or removed, or the world has changed.
 	bool outdated(double slack, const NearVersion &now) const;
 
 	/// Frames since the last check.
 	int frames() const { return frames_; }
 
-	/// True if the last check is long ago, whether or not the cell is outdated.
+	/// True if the last check was long ago, whether or not the cell is outdated.
 	bool due() const { return frames_ >= look_frames; }
 
 	/// Finds the instances that must enter and leave in the half-open square `of`. Returns the cost in instances.
@@ -81,7 +82,8 @@ public:
 	/// True if the result is valid and nothing is left to be taken out.
 	bool settled(const NearVersion &now) const { return fresh(now) && !again_ && !any_change(); }
 
-	/// The number of checks of the queue at this cell's last check. The cell that has waited longest is next.
+	/// The number of checks that the queue had made at this cell's last check. The cell that has waited longest is
+	/// next.
 	std::uint64_t looked = 0;
 
 	bool any_gone() const { return left_ < changes_.gone; }
@@ -95,7 +97,7 @@ public:
 		return changes_.leave.size() - left_ + changes_.changed.size() - changed_ + changes_.enter.size() - entered_;
 	}
 
-	/// The squared distance of the next instance that enters, or leaves, respectively.
+	/// The squared distance of the next instance that enters. `away_leaving` returns that of the next one that leaves.
 	double away_entering() const { return away_[entered_]; }
 	double away_leaving() const { return changes_.leave[left_].distance_squared; }
 

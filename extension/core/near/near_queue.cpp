@@ -15,7 +15,7 @@ namespace {
 /// The smallest side of a cell, in meters. Smaller cells would be too many for too few instances.
 constexpr double least_side = 4.0;
 
-/// No instance is placed farther from the origin than this, in meters. NAN is not a valid position either.
+/// The distance from the origin, in meters, beyond which no instance is placed. NAN is not a valid position either.
 bool possible(glm::dvec3 center) { return std::abs(center.x) < 1e12 && std::abs(center.z) < 1e12; }
 
 } // namespace
@@ -50,7 +50,7 @@ bool NearQueue::Layer::divide(double new_side) {
 	return status.ok();
 }
 
-/// Updates the centers of each cell. Cells that no center has in reach and that hold nothing are removed.
+/// Updates the centers of each cell. Removes cells that hold nothing and that no center has in reach.
 void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
 	stale = true; // In case memory runs out.
 	for (auto &[at, cell] : cells) {

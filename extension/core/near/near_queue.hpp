@@ -16,8 +16,9 @@
 
 namespace thicket {
 
-/// The instances that must enter and leave around some centers, for all layers, in steps. A caller that takes an instance out of the
-/// queue creates or frees the node or body for it. From then on the queue counts it as held, or as not held.
+/// The instances that must enter and leave around some centers, for all layers, in steps. A caller takes an instance
+/// out of the queue and creates or frees its node or body. From then on the queue counts the instance as held, or as
+/// not held.
 ///
 /// Distances are meters in space, from the nearest center to the instance's position. Every instance within a layer's distance enters, and
 /// held instances leave beyond `leave_share` of it. If very many are near, only some cells are checked in a frame: those that have waited
@@ -36,38 +37,41 @@ public:
 
 	static constexpr int most_waiting = 32;
 
-	/// No cell is checked either beyond those that have this many changes pending: more than a frame has time for.
+	/// No cell is checked if nearer cells have this many pending changes, which is more than a frame has time for.
 	static constexpr std::size_t max_found = 256;
 
-	/// This many cell sides reach as far as held instances: the check of one cell is a small part of a frame's work.
+	/// The number of cell sides in the distance up to which instances are held. So the check of one cell is a small
+	/// part of a frame's work.
 	static constexpr double cells_in_reach = 2.0;
 
-	/// Sets the distance of each layer, 0 for none. Held instances of layers that are removed must be released before.
+	/// Sets the distance of each layer, 0 for none. Before a layer is removed, its held instances must be released.
 	void set_distances(std::span<const double> distances);
 
 	/// Finds the instances that must enter and leave in cells where a center has moved far enough or the world has changed. Call it in
 	/// every frame. The queue keeps a pointer to the world until `forget_world`.
 	void look_around(std::span<const glm::dvec3> centers, const InstanceWorld &world);
 
-	/// Takes out the nearest instance that is removed, or whose layer has no distance any more. False if there is none.
+	/// Takes out the nearest instance that is removed, or whose layer has no distance any more. Returns false if there
+	/// is none.
 	bool next_gone(Leaving &r_leaving);
 
 	/// Takes out an instance that is removed or too far away. Each cell returns the removed ones first, then the farthest. False if there
 	/// is none.
 	bool next_leaving(Leaving &r_leaving);
 
-	/// Takes out an instance that is held in a different position, basis, mesh or layer. It stays held in its new state. False if there is
-	/// none.
+	/// Takes out a held instance whose position, basis, mesh or layer has changed. It stays held in its new state.
+	/// Returns false if there is none.
 	bool next_changed(PlacedInstance &r_instance);
 
 	/// Takes out the nearest instance that must enter. It is held from then on. False if there is none.
 	bool next_entering(PlacedInstance &r_instance);
 
-	/// Marks all held instances of a layer to be rebuilt. `next_due` takes them out, whatever moves or changes meanwhile.
+	/// Marks all held instances of a layer to be rebuilt. `next_due` takes them out, whatever moves or changes in the
+	/// meantime.
 	void renew(std::uint32_t layer);
 
-	/// Takes out the nearest instance that `renew` marked, by the centers at the last check. It stays held. It may be returned a second
-	/// time after a change of its layer's distance. False if there is none.
+	/// Takes out the nearest instance that `renew` has marked, measured from the centers at the last check. It stays
+	/// held. It may be returned a second time if its layer's distance changes. Returns false if there is none.
 	bool next_due(PlacedInstance &r_instance);
 
 	/// The instances that are held within `reach` meters of one of these positions, in space: at most `most` of them, nearest first.
@@ -85,7 +89,7 @@ public:
 
 	bool holds(std::uint32_t layer, std::uint64_t id) const;
 
-	/// Counts an instance as not held, in all layers. The queue returns nothing before the next check.
+	/// Counts an instance as not held, in all layers. The queue returns no instance before the next check.
 	void release(std::uint64_t id);
 
 	/// Counts an instance as not held in one layer. Other pending changes remain.
@@ -154,8 +158,8 @@ private:
 	std::size_t looked_ = 0; ///< Number of instances, in this frame.
 };
 
-/// Keeps a body or a scene for every instance that is near. Works in small steps under the budget of the frame, which it shares with the
-/// uploads. One thread at a time.
+/// Keeps a body or a scene for every instance near a center. Works in small steps within the budget of the frame, which
+/// it shares with the uploads. One thread at a time.
 class NearRing {
 public:
 	virtual ~NearRing() = default;
@@ -173,11 +177,12 @@ public:
 	/// True if `look_around` with these centers would find nothing more to do.
 	bool follows(std::span<const glm::dvec3> centers) const { return queue_.follows(centers); }
 
-	/// The instance is removed, or placed differently: its body or scene is freed immediately, regardless of the budget.
+	/// Frees the body or scene of an instance immediately, regardless of the budget, because the instance is removed or
+	/// placed differently.
 	virtual void drop(std::uint64_t id) = 0;
 
-	/// Frees, like `drop`, the body or scene of each instance that is `gone`. Ignores the budget, so meant for a few. Calls `gone` only for
-	/// instances that have one.
+	/// Like `drop`, for each instance for which `gone` returns true. Ignores the budget, so use it for a few instances.
+	/// Calls `gone` only for instances that have a body or scene.
 	virtual void drop_if(const std::function<bool(std::uint64_t id)> &gone) = 0;
 
 	/// Sets the position of the engine's origin in the world, in meters. Objects that are visible or near a center are moved immediately,

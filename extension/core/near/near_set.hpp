@@ -27,7 +27,8 @@ struct NearLeaving {
 	friend bool operator==(const NearLeaving &, const NearLeaving &) = default;
 };
 
-/// The difference between the instances that are held and those that should be. An instance is in at most one list, and only once.
+/// The difference between the instances that are held and those that should be held. An instance is in at most one
+/// list, and only once.
 struct NearChanges {
 	std::vector<PlacedInstance> enter;   ///< Not held, nearest first.
 	std::vector<PlacedInstance> changed; ///< Held in a different position, basis, mesh or layer; nearest first.
@@ -40,8 +41,8 @@ struct NearChanges {
 	void clear();
 };
 
-/// The instances of a layer that are near enough to some centers to need a body or a scene. It determines what should enter and leave. Its
-/// owner reports what has entered and left, when there was time for it.
+/// The instances of a layer that are near enough to some centers to need a body or a scene. Determines which instances
+/// should enter and leave. The owner reports which have entered and left, once it had time for them.
 class NearSet {
 public:
 	/// Replaces `r_changes` by the difference between held and near instances. `standing` holds all instances within range.leave of a

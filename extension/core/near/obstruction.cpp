@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-/// Steeper ground counts as this steep, so it falls off by no more than four times the horizontal distance.
+/// Steeper ground counts as having this slope, so it falls off by no more than four times the horizontal distance.
 constexpr double steepest = 75.0;
 
 constexpr int few_corners = 8;

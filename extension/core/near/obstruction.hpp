@@ -25,11 +25,13 @@ struct Obstruction {
 	double top = 0.0;
 };
 
-/// Computes the space that an instance blocks for walking, in a space of meters with y up that `basis` and `foot` are in. It covers every
-/// cell that the instance's cylinder touches, seen from above. If the cylinder leans, this counts up to the height of an agent. A cell
-/// counts as soon as the cylinder touches it, as when a mesh is baked, so a stem thinner than a cell is not lost between two of them. The
-/// outline is therefore 0.7 cells wider than the cylinder, and at its corners by half a cell more, or by a twenty-fifth if that is farther.
-/// The prism goes deep enough for ground that falls off below the cylinder, and for an agent whose head would hit it.
+/// Computes the space that an instance blocks for walking, in the space of `basis` and `foot`, which is in meters with
+/// y up. The obstruction covers every cell that the instance's cylinder touches, as seen from above; for a leaning
+/// cylinder, only the part up to an agent's height counts. A cell counts as soon as the cylinder touches it, as in a
+/// bake of a mesh. So a stem thinner than a cell is not lost between two cells. The outline is therefore 0.7 cells
+/// wider than the cylinder. At its corners it is wider by a further half cell, or by a twenty-fifth if that is more.
+/// The prism is deep enough for ground that falls off below the cylinder, and for an agent whose head would hit the
+/// cylinder.
 ///
 /// It adds no distance for the agent's radius, because the bake does. Returns false, without an obstruction, for an instance without a
 /// width and for numbers that are not finite. Replaces `r_obstruction` and reuses its memory.
@@ -39,7 +41,7 @@ bool obstruct(const glm::dmat3 &basis, glm::dvec3 foot, const InstanceShape &sha
 /// A hand-placed instance whose obstruction reaches farther, in meters, is a mistake: it would block the whole area of any bake.
 inline constexpr double max_obstruction_reach = 1000.0;
 
-/// The largest distance in meters from the foot of an instance of that scale to the end of its obstruction.
+/// The largest distance in meters from the foot of an instance of this scale to the end of its obstruction.
 double obstruction_reach(const InstanceShape &shape, double scale, const NavigationAgent &agent);
 
 } // namespace thicket

@@ -148,7 +148,7 @@ std::size_t CompactMesh::find(std::uint64_t id) const {
 	if (const auto found = std::ranges::find(ids_, id); found != ids_.end()) {
 		return static_cast<std::size_t>(found - ids_.begin());
 	}
-	// If the id belongs to none of these cells, either a part of it does not fit or the cell is not found.
+	// If the id belongs to none of these cells, a part of the id does not fit, or the cell is not found.
 	const std::uint64_t from_first = id - first_id_;
 	const std::uint64_t x = from_first >> 24;
 	const std::uint64_t y = from_first & 0xffffff;

@@ -14,8 +14,9 @@
 
 namespace thicket {
 
-/// The instances of one mesh in one tile, in a compact form that is kept as long as it may be needed. It stores the data that their floats
-/// are computed from, instead of the floats. It reproduces the MeshInstances that it was built from bit for bit, in the same order.
+/// The instances of one mesh in one tile, in a compact form that is kept as long as it may be needed. Instead of the
+/// floats, it stores the data from which they are computed. It reproduces its original MeshInstances bit for bit, in
+/// the same order.
 ///
 /// An instance takes 20 bytes if its layer is upright, 32 if it follows the ground, and 8 more if its color or its variation follows a
 /// source. Instances that the layer's settings do not generate (hand-placed ones) come first and are stored as floats.
@@ -23,10 +24,11 @@ class CompactMesh {
 public:
 	CompactMesh() = default;
 
-	/// `mesh` was generated from `settings`. Otherwise (without normals) all of it is stored as floats. Throws std::bad_alloc.
+	/// Compacts a mesh that was generated from `settings`. A mesh without normals was not generated from settings, so
+	/// it is stored as floats. Throws std::bad_alloc.
 	CompactMesh(const MeshInstances &mesh, std::shared_ptr<const LayerSettings> settings);
 
-	/// `first`, stored as floats, followed by the given instances of `base`, ascending. Throws std::bad_alloc.
+	/// Stores `first` as floats, followed by the given instances of `base`, ascending. Throws std::bad_alloc.
 	CompactMesh(const MeshInstances &first, const CompactMesh &base, std::span<const std::uint32_t> standing);
 
 	std::size_t size() const { return positions_.size(); }
@@ -119,7 +121,8 @@ struct CompactTile {
 	CompactTile(const TileInstances &tile, const std::shared_ptr<const LayerSettings> &settings);
 };
 
-/// The reverse. The result lacks the normals, so it cannot be compacted again. Throws std::bad_alloc.
+/// Converts a compact mesh back to floats. The result lacks the normals, so it cannot be compacted again. Throws
+/// std::bad_alloc.
 MeshInstances expanded(const CompactMesh &mesh);
 TileInstances expanded(const CompactTile &tile);
 

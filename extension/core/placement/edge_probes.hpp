@@ -27,8 +27,8 @@ constexpr std::array<glm::dvec2, edge_probes> edge_probe_offsets() {
 	return offsets;
 }
 
-/// The density of a point for which `allowed` of the probes are open: 1 if the layer is allowed all around. It is 0 if half of the
-/// surroundings or more are closed to the layer, as on a straight edge.
+/// The density of a point for which `allowed` of the probes are open: 1 if the layer is allowed all around. Returns 0
+/// if half of the surroundings or more are closed to the layer, as on a straight edge.
 constexpr double edge_density(std::size_t allowed) {
 	const double share = static_cast<double>(allowed) / static_cast<double>(edge_probes);
 	return share > 0.5 ? 2.0 * share - 1.0 : 0.0;

@@ -30,8 +30,9 @@ struct VariationSource : InstanceSource {
 	friend bool operator==(const VariationSource &, const VariationSource &) = default;
 };
 
-/// The data that an instance passes to its shader in addition to the transform. Every number is rounded to a half float, because the
-/// Compatibility renderer stores half floats. So all renderers, and code that reads the data back, get the same bits.
+/// The data that an instance passes to its shader in addition to the transform. Every number is rounded to a half
+/// float, because the Compatibility renderer stores half floats. So all renderers get the same bits, and so does code
+/// that reads the data back.
 struct InstanceData {
 	/// Adds a color, which is COLOR in a shader.
 	bool use_colors = false;
@@ -46,7 +47,7 @@ struct InstanceData {
 	ColorSource color{};         ///< Chooses an instance's color in `colors`; random by its hash.
 	VariationSource variation{}; ///< The variation in INSTANCE_CUSTOM; random by its hash.
 
-	/// True if instances need a share for their color, or for their variation, respectively.
+	/// True if instances need a share for their color. The other function returns this for their variation.
 	bool color_is_known() const { return use_colors && colors != nullptr && color.known(); }
 	bool variation_is_known() const { return use_custom_data && variation.known(); }
 

@@ -16,8 +16,8 @@ namespace {
 constexpr double shear_limit = 1e-3;
 constexpr double same_scale = 1e-6;
 
-/// The quaternion of a matrix with orthogonal columns of length 1 that is no mirror image, computed from the largest of its four numbers.
-/// GLM's function is not used, because other versions may compute it in different steps.
+/// The quaternion of a matrix with orthogonal columns of length 1 that is not a mirror image, computed from the largest
+/// of its four numbers. Does not use GLM's function, because other versions of GLM may compute it in different steps.
 glm::dvec4 quaternion_of(const glm::dmat3 &turn) {
 	const double trace = turn[0][0] + turn[1][1] + turn[2][2];
 	if (trace > 0.0) {

@@ -16,13 +16,13 @@ namespace thicket {
 /// The rotation and scale of an instance: basis = rotation * diag(scale).
 struct TurnAndScale {
 	glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f}; ///< Has length 1, and w is not negative.
-	/// All three are negative for a mirror image. They are bit-identical if they agree to one part in 10^6.
+	/// All three are negative for a mirror image. Scales that agree to one part in 10^6 are made bit-identical.
 	glm::vec3 scale{1.0f};
 	bool sheared = false; ///< The transform also has a shear above one part in 1,000, which is left out.
 };
 
-/// Decomposes a transform, a 3 x 4 matrix given row by row. A column of length 0 becomes a scale of 0; a matrix with such a column gets no
-/// rotation.
+/// Decomposes a transform, a 3 x 4 matrix given row by row. A column of length 0 becomes a scale of 0. A matrix with
+/// such a column has no rotation.
 TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform);
 
 /// A column of `instance_rows`: its name, and the type of its numbers in NumPy's notation. "<u8" is an unsigned integer of 8 bytes and

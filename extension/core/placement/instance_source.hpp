@@ -27,8 +27,9 @@ enum class SourceKind : std::uint8_t {
 struct InstanceSource {
 	SourceKind kind = SourceKind::random;
 
-	/// The share is 0 at `min` and below, 1 at `max` and above, and linear in between. If both are equal, it is a step. For a distance,
-	/// `max` is also the search radius: above 0, at most max_source_distance. |min| and |max| are at most max_source_value.
+	/// The share is 0 at `min` and below, 1 at `max` and above, and linear in between. If `min` and `max` are equal,
+	/// the share is a step. For a distance, `max` is also the search radius: above 0, at most max_source_distance.
+	/// |min| and |max| are at most max_source_value.
 	double min = 0.0;
 	double max = 1.0;
 
@@ -37,7 +38,8 @@ struct InstanceSource {
 	std::shared_ptr<const DensityField> noise{};  ///< For SourceKind::noise.
 	std::shared_ptr<const LayerSettings> layer{}; ///< For SourceKind::distance.
 
-	/// False for a number that is random alone, which includes noise and distance sources whose noise or layer is missing.
+	/// False for a number that is only random. This includes noise and distance sources whose noise or layer is
+	/// missing.
 	bool known() const {
 		return kind == SourceKind::noise
 				? noise != nullptr
@@ -67,8 +69,8 @@ Status validate(const InstanceSource &source, const SourceNames &names);
 /// The position of `value` within the range, as a share from 0 to 1.
 float share_of(const InstanceSource &source, double value);
 
-/// The share of an instance that was placed by hand, as far as its position determines it. Its height counts as that of the ground, its
-/// rank is 0, and slopes and distances are unknown.
+/// The share of an instance that was placed by hand, as far as its position determines it. Its own height counts as the
+/// height of the ground, its rank is 0, and slopes and distances are unknown.
 float share_by_hand(const InstanceSource &source, glm::dvec3 position);
 
 /// The resulting number, 0 to 1, with the source's curve, from `share` (0 to 1 or unknown_share) and the instance's own `random` number (0 to 1).

@@ -20,8 +20,8 @@ constexpr std::size_t between_looks = 2048;
 constexpr std::size_t rank_classes = 1 << 12;
 constexpr int rank_class_shift = 20;
 
-/// Parts per thread: enough that no thread waits long for the others, and few enough that each is worth the scan of all ranks that it
-/// takes.
+/// Parts per thread. There are enough of them that no thread waits long for the others, but so few that each is worth
+/// the scan of all ranks that it takes.
 constexpr std::size_t parts_each = 2;
 
 /// Adds a kept point to a batch.

@@ -55,9 +55,9 @@ struct InstanceBounds {
 /// Reuses its memory.
 class InstanceWriter {
 public:
-	/// Replaces the origin and the meshes of `r_tile`. Settings must be valid. When `cancel` is raised, it clears the meshes and returns
-	/// ErrorCode::cancelled. Throws std::bad_alloc, and then leaves the tile unchanged. `threads`, if there are any, share the work and do
-	/// not change the result.
+	/// Replaces the origin and the meshes of `r_tile`. Settings must be valid. When `cancel` is raised, clears the
+	/// meshes and returns ErrorCode::cancelled. If it throws std::bad_alloc, the tile is unchanged. `threads`, if
+	/// given, share the work and do not change the result.
 	Status write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin, TileInstances &r_tile,
 			const std::atomic<bool> *cancel, LentThreads *threads = nullptr);
 

@@ -14,8 +14,8 @@ namespace thicket {
 
 struct LayerSettings;
 
-/// How the points of a layer depend on the instances of a different layer. Only that layer's own rules decide which of its points are
-/// instances. So layers can form chains but never cycles: the pointers cannot express one.
+/// How the points of a layer depend on the instances of a different layer. A neighbor's own rules alone decide which of
+/// its points are instances. So layers can form chains but never cycles, which the pointers cannot express.
 struct Neighbor {
 	std::shared_ptr<const LayerSettings> layer; ///< Never null.
 	/// Meters, above 0, at most max_neighbor_distance: the distance up to which the other layer's instances count.
@@ -51,7 +51,7 @@ struct LayerSettings {
 /// Refuses a layer if any part of it is invalid.
 Status validate(const LayerSettings &layer);
 
-/// Whether transforms or looks of the instances depend on the normal of the ground.
+/// True if transforms or looks of the instances depend on the normal of the ground.
 bool follows_normals(const LayerSettings &layer);
 
 /// How far, in meters, a change of the ground, a mask or a shape may affect the instances of a valid layer. This is the sum of the

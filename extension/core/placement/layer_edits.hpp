@@ -27,14 +27,16 @@ struct EditedArea {
 /// An area expanded by `distance` meters (0 or more), plus a small margin for rounding.
 Rect grown(const Rect &area, double distance);
 
-/// Compares layer settings before and after a change, on the same ground, and finds where their instances may have changed. That is under
-/// changed shapes, mask pixels, biomes and water, and around these. Each area is expanded by the distance up to which a layer checks for
-/// its edge. It is also expanded by the distance up to which a layer depends on other layers, by a rule or for the look of its instances.
-/// The search caches its results, so layers that share neighbors cost little more than one. The settings must therefore outlive the search.
+/// Compares layer settings before and after a change, on the same ground, and finds where their instances may have
+/// changed. These are the areas of changed shapes, mask pixels, biomes and water. Each area is expanded by the distance
+/// up to which a layer checks for its edge, and by the distance up to which a layer depends on other layers, by a rule
+/// or for the look of its instances. The search caches its results, so layers that share neighbors cost little more
+/// than one. The settings must therefore outlive the search.
 class EditSearch {
 public:
-	/// The area for the layer itself: its instances, their transforms and their meshes. It is everywhere if anything but the mask, shapes,
-	/// biomes and water has changed, in the layer or in a rule of its neighbors, or if memory runs out.
+	/// The area for the layer itself: its instances, their transforms and their meshes. Covers everything if anything
+	/// but the mask, shapes, biomes and water has changed, in the layer or in a rule of its neighbors, or if memory
+	/// runs out.
 	const EditedArea &find(const LayerSettings &before, const LayerSettings &after);
 
 private:

@@ -76,7 +76,7 @@ void LayerFilter::keep_points(bool all) {
 		densities_.resize(count);
 	};
 	resize(sampled_);
-	// Without a branch, which densities would often mispredict: a removed point is overwritten by the next one.
+	// Has no branch, because densities would often mispredict it: the next point overwrites a removed one.
 	std::size_t kept = 0;
 	for (std::size_t i = 0; i < sampled_; ++i) {
 		positions_[kept] = points_[i].position;

@@ -22,15 +22,15 @@ namespace thicket {
 /// filter for its own layer and one for each layer that its rules depend on. Reuses its memory.
 class LayerFilter {
 public:
-	/// Prepares for a layer with valid settings, which must stay alive until the points are filtered. `neighbors` are the filters of
-	/// layer.neighbors, in the same order.
+	/// Sets the layer, whose settings must be valid. It must stay alive until the points are filtered. `neighbors` are
+	/// the filters of layer.neighbors, in the same order.
 	void set(const LayerSettings &layer, std::span<const LayerFilter *const> neighbors);
 
 	/// Finds the points of the half-open `window` that pass the rules of position. Returns ErrorCode::cancelled when `cancel` is raised.
 	Status sample(TileSampler &sampler, const Rect &window, const std::atomic<bool> *cancel, LentThreads *threads);
 
-	/// Used instead of `sample`: takes positions from the caller, in `window`, that need not be points of the set. All of them are kept,
-	/// with their index as id and the rank 0.
+	/// Used instead of `sample`: takes positions from the caller, in `window`, that need not be points of the set. All
+	/// positions are kept, with their index as id and the rank 0.
 	Status take(std::span<const glm::dvec2> places, const Rect &window);
 
 	/// The positions at which the ground must be known: those of the points, then edge_probes for each point if the layer checks for its
@@ -39,11 +39,12 @@ public:
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 	std::size_t position_count() const { return positions_.size() + probe_open_.size(); }
 
-	/// Decides which points are kept. `ground` has one entry for each of these positions. The neighbors must have been filtered before.
+	/// Decides which points are kept. `ground` has one entry for each position of add_queries. The neighbors must
+	/// already be filtered.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
 
-	/// The product of all rules at a point or position, evaluated in the order of their cost; `ground` as above. Once the product has
-	/// fallen to the point's rank, no further rule is evaluated.
+	/// The product of all rules at a point or position, evaluated in the order of their cost. `ground` is as for
+	/// `filter`. Once the product has fallen to the point's rank, no further rule is evaluated.
 	double density_at(std::size_t point, std::span<const Ground> ground) const;
 
 	/// Evaluates all rules at a point or position, whatever its rank, and adds their factors to `r_factors`. Throws std::bad_alloc.

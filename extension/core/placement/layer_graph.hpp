@@ -9,8 +9,9 @@
 
 namespace thicket {
 
-/// A layer and all layers that it depends on, directly or through others. Each appears once, however many paths lead to it. Everything that
-/// depends on the neighbors of a layer takes their order and margins from here. Allocates no memory. The layer must outlive the graph.
+/// A layer and all layers that it depends on, directly or through others. Each appears once, however many paths lead to
+/// it. All code that depends on the neighbors of a layer takes their order and margins from this graph. Allocates no
+/// memory. The layer must outlive the graph.
 class LayerGraph {
 public:
 	struct Node {
@@ -26,7 +27,7 @@ public:
 
 	explicit LayerGraph(const LayerSettings &layer);
 
-	/// Why there is no graph: an invalid neighbor or distance, too many layers, or too long a path.
+	/// The reason why no graph exists: an invalid neighbor or distance, too many layers, or too long a path.
 	const Status &status() const { return status_; }
 
 	/// Layers come before the layers that depend on them, and the layer itself is last. Empty unless the status is ok.

@@ -14,7 +14,8 @@
 
 namespace thicket {
 
-/// How a layer refers to a different one: by name, by index in the list, or by identity. Exactly one of the three is set.
+/// How a layer refers to a different layer: by name, by index in the list, or by identity. Exactly one of the three is
+/// set.
 struct LayerReference {
 	std::string name;           ///< If two layers share a name, it refers to the first.
 	std::int64_t index = -1;    ///< Not negative.
@@ -51,7 +52,7 @@ struct LayerLinks {
 	friend bool operator==(const LayerLinks &, const LayerLinks &) = default;
 };
 
-/// A layer before its references are resolved. Both pointers are null if there is no layer at this index.
+/// A layer before its references are resolved. Both pointers are null for an index without a layer.
 struct UnlinkedLayer {
 	const LayerSettings *settings = nullptr; ///< Without neighbors and source layers.
 	const LayerLinks *links = nullptr;

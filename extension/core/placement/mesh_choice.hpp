@@ -23,7 +23,7 @@ public:
 	/// The number of meshes, at least 1.
 	std::size_t size() const { return ends_.size(); }
 
-	/// The mesh for an instance: a function of its seed, its id and the weights.
+	/// The mesh for an instance. Depends only on its seed, its id and the weights.
 	std::size_t mesh_for(std::uint64_t seed, std::uint64_t id) const;
 
 private:

@@ -27,17 +27,18 @@ struct Placement {
 	double align_to_normal = 0.0; ///< 0 is upright, 1 follows the normal, in between the normalized mean; 0 to 1.
 	double height_offset = 0.0;   ///< Meters along world y, negative sinks it into the ground; |offset| <= 1e4.
 
-	/// Degrees by which the instance leans away from its own up axis (see align_to_normal), uniform in [min, max], in a random direction; 0
-	/// to 90.
+	/// The angle in degrees by which the instance leans away from its own up axis (see align_to_normal), uniform in
+	/// [min, max], in a random direction; 0 to 90.
 	double min_tilt_degrees = 0.0;
 	double max_tilt_degrees = 0.0;
 
-	/// Meters along the normal of the ground, regardless of align_to_normal and the tilt; negative values sink it into the ground; |offset|
-	/// <= 1e4. On a slope this also moves the instance sideways, off its point.
+	/// The distance in meters that the instance is moved along the normal of the ground, regardless of align_to_normal
+	/// and the tilt. Negative values sink it into the ground; |offset| <= 1e4. On a slope this also moves the instance
+	/// sideways, off its point.
 	double offset_along_normal = 0.0;
 
-	/// Maps the uniform random number, 0 to 1, to the share of the way from min_scale to max_scale. Null is a straight line, where all
-	/// scales are equally likely. Two placements are equal only if they share the same curve.
+	/// Maps the uniform random number, 0 to 1, to the share of the way from min_scale to max_scale. Null means a
+	/// straight line: all scales are equally likely. Two placements are equal only if they share the same curve.
 	std::shared_ptr<const CurveTable> scale_curve{};
 
 	friend bool operator==(const Placement &, const Placement &) = default;
@@ -50,10 +51,10 @@ inline constexpr double max_height_offset = 1e4; ///< Also for offset_along_norm
 /// Refuses values that are not finite or outside the ranges above, and a minimum above its maximum.
 Status validate(const Placement &placement);
 
-/// Writes an instance's transform except for the position. It applies yaw about the instance's own up axis, then the tilt away from it,
-/// then the alignment to the ground, both by the shortest way, and the scale. The basis is orthogonal, its columns have the length of the
-/// scale, and it is no mirror image, up to a float's rounding. `normal` must be finite and point up (y > 0). Returns the scale. `placement`
-/// must be valid.
+/// Writes an instance's transform except for the position. Applies the yaw about the instance's own up axis, then the
+/// tilt away from this axis and the alignment to the ground, both by the shortest rotation, and the scale. Up to a
+/// float's rounding, the basis is orthogonal, its columns have the length of the scale, and it is not a mirror image.
+/// `normal` must be finite and point up (y > 0). Returns the scale. `placement` must be valid.
 float write_basis(const Placement &placement, std::uint64_t seed, std::uint64_t id, glm::vec3 normal,
 		std::span<float, transform_floats> r_transform);
 

@@ -66,7 +66,8 @@ double PointGrid::nearest_in_row(glm::dvec2 position, int y, int first, int last
 	return nearest;
 }
 
-/// The smaller of `nearest` and the squared distances to the points of the cells from `first` to `last`. Stops once no ring can be nearer.
+/// Returns the smaller of `nearest` and the squared distances to the points of the cells from `first` to `last`. Stops
+/// once no further ring of cells can be nearer.
 double PointGrid::nearest_outwards(glm::dvec2 position, glm::ivec2 first, glm::ivec2 last, double nearest) const {
 	const glm::ivec2 own = cell_of(position);
 	const glm::ivec2 most = glm::max(own - first, last - own);

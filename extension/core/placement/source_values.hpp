@@ -15,8 +15,9 @@ namespace thicket {
 /// Computes the shares of a layer's color and variation sources at the points that become instances. Reuses its memory.
 class SourceValues {
 public:
-	/// Adds the shares of all known sources to `r_points`, which must be the points of the filter's own layer. They are valid until the
-	/// next call. Returns an error of a noise, or ErrorCode::cancelled when `cancel` is raised. Throws std::bad_alloc.
+	/// Adds the shares of all known sources to `r_points`, which must be the points of the filter's own layer. The
+	/// shares are valid until the next call. Returns the error of a noise that fails, or ErrorCode::cancelled when
+	/// `cancel` is raised. Throws std::bad_alloc.
 	Status find(const TileFilter &filter, StandingPoints &r_points, const std::atomic<bool> *cancel);
 
 private:

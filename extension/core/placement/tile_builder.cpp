@@ -34,7 +34,7 @@ double origin_height(std::span<const Ground> ground) {
 	return count > 0.0 ? std::floor(sum / count + 0.5) : 0.0;
 }
 
-/// Replaces `r_probes` by some of the positions, in an order in which the first few are spread as widely as all.
+/// Replaces `r_probes` by some of the positions. The first few of them are spread as widely as all.
 void choose_probes(
 		std::span<const glm::dvec2> positions, std::span<const Ground> ground, std::vector<GroundProbe> &r_probes) {
 	constexpr std::uint32_t golden = 2654435769; // Multiples of the golden section, modulo 2^32.

@@ -29,8 +29,8 @@ namespace thicket {
 /// `find_points` on a worker, get the ground for `positions()` wherever it is available, then call `place` on a worker.
 class TileBuilder {
 public:
-	/// A caller that keeps builders for later tiles keeps one only up to this many points in its tile, so that the memory of large
-	/// rectangles is freed.
+	/// The largest number of points in a tile after which a caller keeps the builder for later tiles. So the memory of
+	/// large rectangles is freed.
 	static constexpr std::size_t most_points_kept = 1 << 16;
 
 	/// `margins` and `cache` change how much is computed, never the result. `cache` may be shared with other builders.

@@ -40,7 +40,7 @@ public:
 	/// The index of the first position of the layer itself.
 	std::size_t own_first() const;
 
-	/// Filters all layers; `ground` holds the ground of their positions, one layer after the other.
+	/// Filters all layers. `ground` contains the ground of their positions, one layer after the other.
 	Status filter(std::span<const Ground> ground, const std::atomic<bool> *cancel);
 
 	/// Filters all layers except the layer itself.

@@ -16,12 +16,13 @@ namespace thicket {
 /// The instances of one mesh in one tile, sorted by (thinning rank, id). Every prefix is a well-spaced thinning of the whole, as if all
 /// densities were lower.
 struct MeshInstances {
-	/// `stride` floats per instance: the transform relative to the tile's origin, in meters, then the data that InstanceData adds.
+	/// The floats of all instances, `stride` each: the transform relative to the tile's origin, in meters, then the
+	/// data that InstanceData adds.
 	UnfilledVector<float> buffer;
 	std::vector<std::uint64_t> ids;   ///< Packed InstanceIds.
 	std::vector<std::uint32_t> ranks; ///< The thinning_rank of each, ascending.
 
-	// Further inputs of the floats; empty for instances that no layer's settings generated.
+	// Further inputs of the floats. Empty for instances that were not generated from a layer's settings.
 	UnfilledVector<glm::vec3> normals;  ///< Normals of the ground.
 	std::vector<InstanceShares> shares; ///< Also empty if no source is known.
 
@@ -55,8 +56,8 @@ struct TileCounts {
 
 /// All instances in one tile of one layer.
 struct TileInstances {
-	/// World meters: the center of the tile; y is a whole number of meters near its ground. A function of the rectangle and the terrain
-	/// alone, so that a rule changes no bit of the instances that it keeps.
+	/// The center of the tile in world meters; y is a whole number of meters near the tile's ground. Depends only on
+	/// the rectangle and the terrain, so that a rule changes no bit of the instances that it keeps.
 	glm::dvec3 origin{0.0};
 	std::vector<MeshInstances> meshes; ///< One for each mesh of the layer, empty ones included.
 	TileCounts counts;
@@ -66,8 +67,8 @@ struct TileInstances {
 /// all, and one below 0 or NAN shows none. O(log n).
 std::size_t visible_prefix(std::span<const std::uint32_t> ranks, double density);
 
-/// FNV-1a over 32-bit words instead of bytes: starting from 0xcbf29ce484222325, for each float's bits,
-/// hash = (hash xor bits) * 0x100000001b3, modulo 2^64. Simple enough to be repeated in a script.
+/// FNV-1a over 32-bit words instead of bytes: starting from 0xcbf29ce484222325, for each float's bits, hash = (hash xor
+/// bits) * 0x100000001b3, modulo 2^64. Simple enough for a script to repeat.
 std::uint64_t digest(std::span<const float> buffer);
 
 /// A digest of every bit of a tile: origin, ids, ranks and buffers, in order. Equal tiles have equal digests on every machine.

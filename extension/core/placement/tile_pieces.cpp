@@ -11,8 +11,8 @@ namespace thicket {
 
 namespace {
 
-/// The minimum width of a piece. It is measured in radii, as much as a sampler needs to reach full speed, and in margins of the surrounding
-/// layers, which are sampled again for each piece.
+/// The minimum width of a piece. One limit is in radii: a sampler needs this width to reach full speed. The other is in
+/// margins of the surrounding layers, which are sampled again for each piece.
 constexpr double radii = 64.0;
 constexpr double margins = 8.0;
 
@@ -158,7 +158,8 @@ Status TilePieces::find(const LayerSettings &layer, const Terrain &terrain, cons
 			failed = failed || !statuses[at].ok();
 		}
 	});
-	// Pieces are started in order, so the first that failed is the one that a single thread would have reached first.
+	// Pieces are started in order, so the first piece that failed is the one at which a single thread would have
+	// failed.
 	const auto first = std::ranges::find_if(statuses, [](const Status &status) { return !status.ok(); });
 	if (first != statuses.end()) {
 		throw_if_out_of_memory(*first);

@@ -1,6 +1,7 @@
 // write_basis of placement.cpp, and the position, for as many instances as a vector has doubles. Included once for each instruction set.
 //
-// It uses the same operations in the same order, none of them fused, so the bits are the same. Keep both in sync.
+// Uses the same operations in the same order, none of them fused, so the bits are the same. Keep this code in sync with
+// placement.cpp.
 
 #include "core/base/philox.hpp"
 #include "core/placement/transform_batch.hpp"
@@ -145,7 +146,8 @@ HWY_INLINE hn::VFromD<Floats> rounded(D value) { return hn::DemoteTo(Floats(), v
 
 } // namespace
 
-/// Processes whole vectors, so it includes some entries after the last instance. These hold numbers from before.
+/// Processes whole vectors, which may include some entries after the last instance. Those entries contain numbers from
+/// earlier calls.
 void make_transforms(const Placement &placement, std::uint64_t seed, TransformBatch &r_batch) {
 	const Doubles doubles;
 	const bool leans = placement.max_tilt_degrees > 0.0;

@@ -26,7 +26,7 @@ struct TransformBatch {
 	alignas(64) std::array<float, most> position_y{};
 	alignas(64) std::array<float, most> position_z{};
 
-	/// `position` is that of the instance, as `standing_position` returns it.
+	/// `position` is the position of the instance, as `standing_position` returns it.
 	void add(std::uint64_t id, glm::vec3 normal, glm::vec3 position) {
 		ids[count] = id;
 		normal_x[count] = normal.x;

@@ -13,8 +13,8 @@ struct Candidate {
 	PlacedInstance instance;
 };
 
-/// The candidates that such a search has found. Calls the filter's `accepts` in the order of `at`, layer and id, and only for candidates
-/// that come before everything that is still to be searched.
+/// The candidates that a search for the first instance has found. Calls the filter's `accepts` in the order of `at`,
+/// layer and id, and only for candidates that come before everything that is still to be searched.
 class Candidates {
 public:
 	explicit Candidates(const QueryFilter &filter) : filter_(filter) {}
@@ -24,7 +24,8 @@ public:
 
 	void add(const Candidate &candidate);
 
-	/// Looks for the answer among the candidates before `until`. Everything that was not added yet must come later. True if there is one.
+	/// Searches for the answer among the candidates before `until`. All candidates that are added later must not come
+	/// before `until`. Returns true if the answer is found.
 	bool settle(double until);
 
 	/// Valid after `settle` returned true.

@@ -13,9 +13,9 @@
 
 namespace thicket {
 
-/// The result of a query, as the instances were placed at that time and in the query's order. It holds the tiles of the instances, and
-/// assembles an instance only when it is read. Most callers read only ids and positions, and a complete instance takes five times the
-/// memory.
+/// The result of a query, as the instances were placed at that time and in the query's order. The result refers to the
+/// tiles of the instances, and assembles an instance only when it is read. Most callers only read ids and positions,
+/// and a complete instance takes five times the memory.
 class FoundInstances {
 public:
 	std::size_t size() const { return refs_.size(); }
@@ -48,11 +48,11 @@ public:
 	void add(const Ref &ref) { refs_.push_back(ref); }
 	void add(const PlacedInstance &by_hand);
 
-	/// Sorts the instances from this index on by id. They must be of one layer and in tiles. O(n) if they lie close together, as the
-	/// results of a query usually do.
+	/// Sorts the instances from this index on by id. They must all be of one layer and in tiles. O(n) if the instances
+	/// lie close together, as in the result of a usual query.
 	void sort_from(std::size_t first);
 
-	/// Removes the instances from `first` on that `accepts` refuses. It calls `accepts` in their order.
+	/// Removes the instances from `first` on that `accepts` refuses. Calls `accepts` in their order.
 	template <class Accepts>
 	void keep_from(std::size_t first, const Accepts &accepts) {
 		std::size_t kept = first;

@@ -48,8 +48,8 @@ class TileSource {
 public:
 	virtual ~TileSource() = default;
 
-	/// The instances in a tile of a layer by its rules, including removed ones but not hand-placed ones. May generate the tile. Null,
-	/// without an error, if it is not available now: such a tile counts as empty.
+	/// The instances in a tile of a layer by its rules, including removed ones but not hand-placed ones. May generate
+	/// the tile. Null, without an error, if the tile is not available now; it then counts as empty.
 	virtual Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) = 0;
 
 	/// Finds several tiles, in order, and replaces `r_tiles`. The error is that of the first tile that failed. Throws std::bad_alloc.
@@ -66,7 +66,8 @@ protected:
 struct QueryFilter {
 	std::vector<std::uint32_t> layers; ///< Indices in the list of layers; empty for all layers.
 
-	/// Called last, in the order of the ids or of the distance, and only for instances that pass everything else. Without it, all pass.
+	/// A last condition, called in the order of the ids or of the distance, and only for instances that pass all other
+	/// conditions. If empty, all instances pass.
 	std::function<bool(const PlacedInstance &)> accepts;
 };
 
@@ -109,13 +110,13 @@ struct InstanceQuery {
 	Status in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<PlacedInstance> &r_found) const;
 
-	/// Finds the first instance whose cylinder (InstanceShape, scaled, rotated and tilted with the instance) the ray from `from` to `to`
-	/// meets. Among several at the same distance, it is the one with the smallest (layer, id). A ray that starts inside meets it at 0.
-	/// Replaces `r_hit` by one entry or none.
+	/// Finds the first instance whose cylinder (InstanceShape, scaled, rotated and tilted with the instance) the ray
+	/// from `from` to `to` meets. Of several at the same distance, finds the one with the smallest (layer, id). A ray
+	/// that starts inside a cylinder meets it at 0. Replaces `r_hit` by one entry or none.
 	Status on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;
 
-	/// Finds the instance nearest to `position` in space, at most `max_distance` meters (0 or more) away. Ties are resolved as above.
-	/// Replaces `r_found` by one entry or none.
+	/// Finds the instance nearest to `position` in space, at most `max_distance` meters (0 or more) away. Ties are
+	/// resolved as in on_ray. Replaces `r_found` by one entry or none.
 	Status nearest(glm::dvec3 position, double max_distance, const QueryFilter &filter,
 			std::vector<NearestInstance> &r_found) const;
 
@@ -123,17 +124,19 @@ struct InstanceQuery {
 	/// tiles are smaller than the squares of its set, it samples the set itself to find the tile.
 	Status by_id(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
-	/// Finds the instance with that id even if it is removed: its layer's rules then determine where it would be placed.
+	/// Finds the instance with that id even if it is removed. The rules of its layer then determine its position.
 	Status by_id_even_removed(std::uint64_t id, std::vector<PlacedInstance> &r_found) const;
 
-	/// The tiles that such a query reads, ordered by layer and nearest first. These must be generated for it.
+	/// The tiles that such a query reads, ordered by layer, and by distance within a layer. They must be generated for
+	/// the query.
 	using Tile = WorldTile;
 	Status tiles_in_rect(const Rect &rect, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 	Status tiles_in_sphere(
 			glm::dvec3 center, double radius, const QueryFilter &filter, std::vector<Tile> &r_tiles) const;
 
 private:
-	// The work of the functions above, within the core's border (see core/base/guard.hpp). They throw std::bad_alloc.
+	// These do the work of the functions above, within the core's border (see core/base/guard.hpp). They throw
+	// std::bad_alloc.
 	Status find_in_rect(const Rect &rect, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status find_in_sphere(glm::dvec3 center, double radius, const QueryFilter &filter, FoundInstances &r_found) const;
 	Status find_on_ray(glm::dvec3 from, glm::dvec3 to, const QueryFilter &filter, std::vector<RayHit> &r_hit) const;

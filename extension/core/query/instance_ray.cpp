@@ -23,7 +23,8 @@ RayPart inside_tube(RayPart part, const Ray &ray, double radius) {
 	if (!(squared > 0.0)) {
 		return from.x * from.x + from.y * from.y <= radius * radius ? part : nothing;
 	}
-	// Computed from the position nearest to the axis: for a distant start, the terms of the usual formula would cancel.
+	// Computed from the position nearest to the axis, because for a distant start the terms of the usual formula would
+	// cancel.
 	const double nearest = -(from.x * along.x + from.y * along.y) / squared;
 	const glm::dvec2 off = from + nearest * along;
 	const double inside = radius * radius - (off.x * off.x + off.y * off.y);

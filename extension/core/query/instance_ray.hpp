@@ -29,17 +29,18 @@ RayPart clipped(RayPart part, double from, double along, double low, double high
 /// Meters by which rounding may move a position on a ray.
 double rounding_of(const Ray &ray);
 
-/// The largest distance in meters from an instance's origin to the end of its cylinder at that scale, including rounding.
+/// The largest distance in meters from an instance's origin to the end of its cylinder at this scale, including
+/// rounding.
 double cylinder_reach(const InstanceShape &shape, double scale);
 
-/// Tests which positions lie within `reach` meters of a ray. Never misses one.
+/// Tests which positions lie within `reach` meters of a ray. Never excludes such a position.
 class ReachTest {
 public:
 	ReachTest(const Ray &ray, double reach);
 
 	bool position(glm::dvec3 position) const;
 
-	/// Whether any position in a box may lie within reach. May return true although none does.
+	/// True if a position in a box may lie within reach. May return true although none does.
 	bool box(glm::dvec3 min, glm::dvec3 max) const;
 
 private:
@@ -48,8 +49,8 @@ private:
 	double per_squared_length_; ///< 0 for a ray without length.
 };
 
-/// The part of a ray inside the closed cylinder of an instance. Radius and height of the cylinder are in the instance's own space, from its
-/// origin along its y axis. Empty if they do not meet, and for a basis that has no inverse.
+/// The part of a ray inside the closed cylinder of an instance. Radius and height of the cylinder are in the instance's
+/// own space, from its origin along its y axis. Empty if the ray misses the cylinder, or if the basis has no inverse.
 RayPart inside_cylinder(const Ray &ray, const InstanceShape &shape, glm::dvec3 position, const glm::mat3 &basis);
 
 } // namespace thicket

@@ -15,12 +15,14 @@
 
 namespace thicket {
 
-/// The state of a world at one moment, for queries on any number of threads at the same time. Queries return the same results as the world
-/// did at that moment. The snapshot holds the tiles that were known then, and generates others on the thread of the query.
+/// The state of a world at one moment, for queries on any number of threads at the same time. Queries return the same
+/// results as the world did at that moment. The snapshot contains the tiles that were known at that moment, and
+/// generates others on the thread of the query.
 class InstanceSnapshot {
 public:
-	/// Copies `world`. `state` shares the memory of the world's state (InstanceState::share); none if nothing was changed. `maker` is
-	/// called on several threads at the same time. It may refuse a tile, and queries that need the tile are then refused.
+	/// Copies `world`. `state` shares the memory of the world's state (InstanceState::share); it is empty if nothing
+	/// was changed. `maker` is called on several threads at the same time. It may refuse a tile; queries that need this
+	/// tile are then refused.
 	InstanceSnapshot(const InstanceWorld &world, std::optional<InstanceState> state, TileMaker maker);
 
 	/// Runs a query, as InstanceWorld::ask does.

@@ -45,8 +45,8 @@ public:
 	/// Replaces the layers. Tiles of a layer whose set or tile size has changed are dropped.
 	void set_layers(std::vector<QueryLayer> layers);
 
-	/// Marks the tiles that an edit touches as no longer known. `known_in` keeps using them until they are replaced, because otherwise
-	/// everything near would vanish for some frames.
+	/// Marks the tiles that an edit touches as no longer known. `known_in` keeps using them until they are replaced.
+	/// Otherwise all nearby instances would vanish for some frames.
 	void invalidate(std::uint32_t layer, const EditedArea &area);
 	void set_maker(TileMaker maker) { maker_ = std::move(maker); }
 	void set_state(const InstanceState *state) {
@@ -55,8 +55,8 @@ public:
 	}
 	void clear();
 
-	/// Adds a finished tile. Tiles that nothing else holds are dropped once they have more than `max_idle_instances` in total. The oldest
-	/// are dropped first, a few for each tile that is added.
+	/// Adds a finished tile. Tiles that no other code uses are dropped once they have more than `max_idle_instances` in
+	/// total. The oldest are dropped first, a few for each tile that is added.
 	void keep(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> instances);
 
 	/// The tiles that were dropped since the last call. Freeing their memory takes some time, so a different thread may do it.
@@ -72,8 +72,8 @@ public:
 	std::uint64_t version() const { return version_; }
 	void touch();
 
-	/// False if `known_in` returns the same for this rectangle as at that version. It may return true although nothing changed, for old
-	/// versions.
+	/// False if `known_in` returns the same result for this rectangle as at that version. For old versions, may return
+	/// true although nothing has changed.
 	bool changed_since(std::uint64_t version, std::uint32_t layer, const Rect &rect) const;
 
 	std::span<const QueryLayer> layers() const { return layers_; }

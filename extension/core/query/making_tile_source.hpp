@@ -29,7 +29,8 @@ private:
 	virtual void keep(const WorldTile &tile, const std::shared_ptr<const CompactTile> &made) = 0;
 };
 
-/// The size of a tile where memory is limited: its instances of all meshes, plus one, because an empty tile takes memory, too.
+/// The size of a tile, where memory is limited: the number of its instances of all meshes, plus one, because an empty
+/// tile takes memory, too.
 std::size_t kept_size(const CompactTile &tile);
 
 } // namespace thicket

@@ -38,7 +38,8 @@ void QueryRequests::renumber(std::span<const std::uint32_t> current) {
 	}
 }
 
-/// True if all tiles are known. It checks again in every frame, because layers and tile sizes may have changed.
+/// Returns true if all tiles are known. Checks this again in every frame, because layers and tile sizes may have
+/// changed.
 bool QueryRequests::gather(const InstanceWorld &world, Open &r_open) {
 	std::vector<InstanceQuery::Tile> tiles;
 	const Status status = world.ask_known([&](const InstanceQuery &query) { return tiles_of(query, r_open, tiles); });

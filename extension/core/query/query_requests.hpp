@@ -26,7 +26,7 @@ public:
 		FoundInstances found;
 	};
 
-	/// Returns a number, from 1 on, that identifies the answer; or refuses what InstanceQuery refuses.
+	/// Returns a number, from 1 on, that identifies the answer. Refuses what InstanceQuery refuses.
 	Status add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area, const QueryFilter &filter,
 			std::int64_t &r_request);
 
@@ -36,8 +36,8 @@ public:
 	/// Call it once per frame: requests the missing tiles, and returns the answers that miss no tile, in the order of their requests.
 	std::vector<Answer> frame(const InstanceWorld &world);
 
-	/// The list of layers has changed: the layer that had index i has index `current[i]` now. An index beyond the list is for a layer that is
-	/// no longer there; requests of it get an empty answer.
+	/// The list of layers has changed: the layer that had index i has index `current[i]` now. An index beyond the list
+	/// means that the layer was removed; requests for it get an empty answer.
 	void renumber(std::span<const std::uint32_t> current);
 
 	void clear() { open_.clear(); }

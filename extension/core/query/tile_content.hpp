@@ -19,7 +19,8 @@ PlacedInstance placed_instance(
 /// Assembles a hand-placed instance.
 PlacedInstance placed_instance(std::uint64_t id, std::uint32_t layer, const AddedInstance &added);
 
-/// Whether the state has removed a point of the set. The constructor checks once whether the layer has any removed points.
+/// Returns whether the state has removed a point of the set. The constructor checks once whether the layer has any
+/// removed points.
 class RemovedPoints {
 public:
 	RemovedPoints(const InstanceState *state, std::uint16_t layer) : state_(state) {

@@ -82,7 +82,7 @@ Status check_position(const char *property, glm::dvec3 position);
 
 inline double squared_length(glm::dvec3 v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-/// A rectangle that holds all positions within `distance` of another position, including its border and rounding.
+/// A rectangle that contains all positions within `distance` of a position, including its border and rounding.
 Rect rect_around(glm::dvec2 center, double distance);
 
 } // namespace thicket

@@ -34,8 +34,8 @@ public:
 
 	bool active() const { return clumping_.size > 0.0; }
 
-	/// The density, 0 to 1. Returns 1 everywhere for a size of 0, and 0 for a position that is not finite or more than 10^14 sizes away.
-	/// The mean over long distances is the coverage, whatever the softness.
+	/// The density, 0 to 1. If the size is 0, returns 1 everywhere. Returns 0 for a position that is not finite or more
+	/// than 10^14 sizes away. The mean over a large area is the coverage, whatever the softness.
 	double at(glm::dvec2 position) const;
 
 private:

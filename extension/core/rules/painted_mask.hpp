@@ -47,9 +47,9 @@ public:
 	double pixel_size() const { return pixel_size_; }
 	double background() const; ///< Rounded to 8 bits.
 
-	/// Paints one dab. Returns in `r_changed` the world rectangle outside which no density has changed, empty if none has. A pixel whose
-	/// weight in the dab is at least half an 8-bit step moves at least one step towards the target, so that weak dabs reach it
-	/// eventually. Refuses a dab that reaches a pixel beyond pixel_limit.
+	/// Paints one dab. Sets `r_changed` to the world rectangle outside which no density has changed; empty if none has.
+	/// A pixel whose weight in the dab is at least half an 8-bit step moves at least one step towards the target, so
+	/// that weak dabs reach it eventually. Refuses a dab that reaches a pixel beyond pixel_limit.
 	Status paint(const Brush &brush, Rect &r_changed);
 
 	/// Returns 0 for a position that is not finite, and the background beyond pixel_limit.

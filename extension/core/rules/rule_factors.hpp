@@ -43,12 +43,13 @@ struct RuleFactor {
 
 	double density = 1.0; ///< The factor, 0 to 1.
 
-	/// Index of the field or neighbor. For shapes, the decisive shape, or no_index outside all including shapes.
+	/// Index of the field or neighbor. For shapes, the index of the decisive shape, or no_index outside all including
+	/// shapes.
 	std::uint32_t index = no_index;
 };
 
-/// The evaluation of rules passes each factor to a recorder and uses the recorder's return value. This recorder keeps nothing, so the
-/// compiler removes it. Tiles are generated with it.
+/// The evaluation of rules passes each factor to a recorder and uses the recorder's return value. This recorder stores
+/// nothing, so the compiler removes it. Tiles are generated with this recorder.
 struct NoRecord {
 	/// Whether every factor is needed, even where it is already known that no instance can be placed.
 	static constexpr bool complete = false;
@@ -75,10 +76,12 @@ private:
 	std::vector<RuleFactor> *factors_;
 };
 
-/// The product of all factors of a position, multiplied in the order used for tiles, so it is bit-identical.
+/// The product of all factors of a position, multiplied in the order used for tiles, so that it is bit-identical to the
+/// tiles' density.
 double product_of(std::span<const RuleFactor> factors);
 
-/// The factor that reduces the density most: the first of the smallest, if it is below 1. Null if there is none.
+/// The factor that reduces the density most: the smallest one if it is below 1; the first of equal ones. Null if there
+/// is none.
 const RuleFactor *strictest(std::span<const RuleFactor> factors);
 
 } // namespace thicket

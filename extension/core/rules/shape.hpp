@@ -25,8 +25,8 @@ enum class ShapeKind : std::uint8_t {
 struct Shape {
 	ShapeKind kind = ShapeKind::box;
 	bool exclude = false;
-	/// Box, sphere, cylinder: use the shape's shadow under vertical light, at any height. Depth is then the distance to the shadow's
-	/// border, so a flat box is as deep as it is wide.
+	/// If true, a box, sphere or cylinder acts at any height, within its shadow under vertical light. Its depth is then
+	/// the distance to the shadow's border, so a flat box is as deep as it is wide.
 	bool ignore_height = false;
 	double falloff = 0.0;      ///< Meters inside the border over which the effect grows to full. 0 is a sharp border.
 	glm::dvec3 center{0.0};    ///< Box, sphere, cylinder.

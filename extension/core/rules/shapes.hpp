@@ -35,13 +35,13 @@ struct ShapeEffect {
 /// are none) and by 1 minus the largest influence of all excluding ones.
 class ShapeSet {
 public:
-	/// Sets valid shapes. If one is refused, all are, and this object is unchanged.
+	/// Sets valid shapes. If one shape is refused, all are, and this object is unchanged.
 	Status set(std::vector<Shape> shapes);
 
 	bool empty() const { return shapes_.empty(); }
 	std::span<const Shape> shapes() const { return shapes_; }
 
-	/// Whether one of them is an including shape. The layer is then excluded wherever no including shape is.
+	/// True if one of the shapes is an including shape. The layer is then excluded wherever no including shape is.
 	bool includes() const { return includes_; }
 
 	/// Returns the shapes that may have an effect in `area`, borders included, as ascending indices. Replaces `r_near`. An including

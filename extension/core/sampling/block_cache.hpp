@@ -66,8 +66,9 @@ private:
 	std::vector<Point> points_;
 };
 
-/// Keeps recently sampled blocks of point sets. Tiles that are small compared with a block, and layers that other layers read, are then
-/// decided once and share one margin. The cache saves work and changes no point. Safe for any number of threads.
+/// Keeps recently sampled blocks of point sets. So tiles that are small compared with a block share one margin, and
+/// layers that other layers read are decided only once. The cache saves work and changes no point. Safe for any number
+/// of threads.
 ///
 /// A block is computed for the second window that touches it, or for the first one if an adjacent block is present, because the requested
 /// area usually grows. A single isolated window costs the same as without a cache.

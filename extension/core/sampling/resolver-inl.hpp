@@ -21,12 +21,13 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Cells around a region for which the coarser level is decided along with the region itself. Most chains that leave the region then find
-/// the required points of that level. Otherwise they would have to follow chains of it in each of their rounds.
+/// Cells around a region for which the coarser level is decided along with the region itself. Most chains that leave
+/// the region then find the required points of that level. Otherwise they would have to follow the coarser level's
+/// chains in each of their rounds.
 constexpr std::int32_t most_ahead = 4;
 
-/// Cells around a region whose first darts are thrown from the start. Chains rarely go farther. A chain that does throws all of the
-/// grid's.
+/// Cells around a region whose first darts are thrown from the start. Chains rarely go farther. If a chain does, the
+/// first darts of all cells of the grid are thrown.
 constexpr std::int32_t thrown_around = 12;
 
 struct Pass {
@@ -34,9 +35,9 @@ struct Pass {
 	std::int32_t around; ///< Cells around the region that are decided along with it; at most `most_ahead`.
 };
 
-/// The passes of `resolve_region`. Their ends double while much is left to cover, and then grow faster, because each pass visits all
-/// cells. Some chain needs nearly all early darts around a region. Deciding them in a row costs less than following one chain after the
-/// other.
+/// The passes of `resolve_region`. Their ends double while much is left to cover, and then grow faster, because each
+/// pass visits all cells. Nearly every early dart around a region is needed by some chain. Deciding all of them in a
+/// row costs less than following one chain after the other.
 constexpr Pass passes[] = {{0.125f, 4}, {0.25f, 4}, {0.5f, 3}, {1.0f, 2}, {2.0f, 1}, {4.0f, 1}, {8.0f, 0}, {32.0f, 0},
 		{std::numeric_limits<float>::infinity(), 0}};
 static_assert(std::ranges::all_of(
@@ -68,7 +69,8 @@ HWY_INLINE std::span<const std::uint32_t> find_due(
 	return {grid.due.data(), found};
 }
 
-/// Marks the cells that a pass visits in any case, after clearing the marks of the pass before. Nothing outside these cells is listed.
+/// Clears the marks of the previous pass, and marks the cells that this pass always visits. No cell outside these is
+/// listed.
 HWY_INLINE void list_region(LevelGrid &grid, const CellRect &before, const CellRect &region) {
 	const auto mark = [&](const CellRect &cells, LevelGrid::Listing listing) {
 		for (std::int32_t y = cells.min.y; y < cells.max.y; ++y) {
@@ -114,7 +116,7 @@ inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, cons
 	grid.listed.assign(grid.open.size(), LevelGrid::unlisted);
 	grid.wanted.clear();
 	if (grid.coarser != nullptr) {
-		// Does for all cells together the work that make_ready would do for each requested cell.
+		// Does the work for all cells together that make_ready would do for each requested cell.
 		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
 	CellRect listed;

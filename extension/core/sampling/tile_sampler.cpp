@@ -50,8 +50,8 @@ CellRect cells_of(const Rect &rect, double unit) {
 	return cells;
 }
 
-/// Appends the point of a cell if it lies in the rectangle. It is constructed in place, because copying a value that was just written in
-/// parts would wait for the processor to combine them.
+/// Appends the point of a cell if it lies in the rectangle. Constructs the point in place: the processor would stall on
+/// a copy of a value that was just written in parts.
 void add_point(const PointSet &set, const Rect &rect, double unit, glm::ivec2 cell, LevelGrid::PointOffset offset,
 		std::uint32_t rank, std::vector<SamplePoint> &r_points) {
 	const CellPosition position = LevelGrid::position_of(offset);
@@ -239,7 +239,8 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 	return true;
 }
 
-/// Samples some blocks per worker, then appends their points in order, and so on. This way, few points are held twice.
+/// Samples some blocks per worker, appends their points in order, and repeats this. So only few points are stored twice
+/// at a time.
 Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &rect, const BlockRange &range,
 		LentThreads &threads, std::vector<SamplePoint> &r_points, const Progress &progress) {
 	constexpr std::size_t blocks_each = 16;

@@ -21,7 +21,7 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Signed, because most processors can compare vectors only of signed numbers.
+/// Signed, because most processors can only compare vectors of signed numbers.
 using SlotLanes = hn::CappedTag<std::int32_t, WaitingSquares::slot_size>;
 using SlotWords = hn::RebindToUnsigned<SlotLanes>;
 constexpr std::size_t slot_lanes = hn::MaxLanes(SlotLanes());
@@ -250,7 +250,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 	if (HWY_UNLIKELY((is_full | is_tie(slots.next, time)) != 0)) {
 		return false;
 	}
-	// The order is known and there is room, without comparing the darts one by one.
+	// The order of the darts is known and the slot has room, so the darts need not be compared one by one.
 	columns.time[cell] = time;
 	columns.dart[cell] = slots.template next_place<with_children>(earliest, fresh, children);
 	for (std::size_t slot = 0; slot < slot_count; ++slot) {

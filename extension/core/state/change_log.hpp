@@ -28,8 +28,8 @@ public:
 	/// all changes in this log. Cheap even for very many changes, because logs share their memory.
 	void append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise);
 
-	/// Forgets changes that are repeated in `later`, and those beyond the capacity for a state that will then hold `held` ids, so that
-	/// `append` and `note` need not. Takes time proportional to the size of both logs.
+	/// Forgets changes that are repeated in `later`, and changes beyond the capacity for a state of `held` ids, so that
+	/// `append` and `note` do not have to do it. Takes time proportional to the size of both logs.
 	void make_way_for(const ChangeLog &later, std::size_t held);
 
 	std::size_t size() const { return size_; }

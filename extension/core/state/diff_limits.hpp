@@ -26,7 +26,7 @@ struct DiffLimits {
 
 // Refusals have ErrorCode::not_allowed; `missing_before` has ErrorCode::out_of_order.
 
-/// Refuses more than `most` of something. `limit` is a string literal with the name of the limit.
+/// Refuses a number of things above `most`. `limit` is a string literal with the name of the limit.
 Status check_limit(const char *what, std::uint64_t value, std::uint64_t most, const char *limit);
 
 /// Refuses a diff that replaces everything.

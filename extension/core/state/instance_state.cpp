@@ -157,7 +157,8 @@ void InstanceState::release_claims() {
 	const auto step = [] {
 		return StateStep{.kind = Kind::release_claims};
 	};
-	// If it cannot be recorded, the claims stay in the result of a pending diff: a layer too many refuses other points.
+	// If the step cannot be recorded, the claims stay in the result of a pending diff. The only effect is that one
+	// layer too many refuses other points.
 	static_cast<void>(Journal::noting(journal_.get(), "layers", 0.0, step, [] { return Status(); }));
 	for (auto &[number, layer] : content_->layers) {
 		layer.claimed = false;

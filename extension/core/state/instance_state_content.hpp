@@ -89,11 +89,12 @@ struct InstanceState::Content {
 	/// An entry with an instance placed now, and the current data of the id.
 	Entry placed_as(std::uint64_t id, const AddedInstance &instance) const;
 
-	/// The time of a write that replaces one of time `former`: the clock, or a time after `former` if that is ahead of the clock.
+	/// The time of a write that replaces a write of time `former`: the clock or, if `former` is ahead of the clock, a
+	/// time after `former`.
 	double time_of_write(double former) const;
 
-	/// A copy with the same memory, created in microseconds. Each copies the parts that it changes. The copy is incomplete until
-	/// `complete` is called, which may happen on a different thread, and it remembers no changes.
+	/// A copy with the same memory, created in microseconds. Each of the two copies the parts that it changes. The copy
+	/// has no log of changes. It is incomplete until `complete` is called, which may happen on a different thread.
 	std::unique_ptr<Content> share();
 
 	/// Builds the parts that `share` leaves out. Throws std::bad_alloc.

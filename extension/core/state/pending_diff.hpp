@@ -24,7 +24,8 @@ public:
 	/// Does the slow part. Call once, on any thread. The state's own thread may use the state meanwhile.
 	void work();
 
-	/// The result of `work`, valid if the state has not changed meanwhile. Only for the thread that called `work`.
+	/// The result of `work`, valid if the state has not changed meanwhile. Only the thread that called `work` may call
+	/// this.
 	const StateChanges &changes() const { return changes_; }
 
 	/// Ends `work` within some milliseconds; its result is then invalid. May be called from any thread.

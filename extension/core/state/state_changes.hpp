@@ -23,7 +23,7 @@ struct StateChanges {
 
 	std::size_t size() const { return list.size() + instead.size(); }
 
-	/// The change with a number below `size`. Null if it must not be reported.
+	/// The change with a number below `size`. Null if the change must not be reported.
 	const InstanceChange *at(std::size_t number) const {
 		if (number >= list.size()) {
 			return &instead[number - list.size()];

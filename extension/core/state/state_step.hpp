@@ -30,7 +30,7 @@ struct InstanceState::Journal {
 	std::deque<std::shared_ptr<PendingDiff>> diffs; ///< At least one.
 	std::deque<StateStep> steps;                    ///< Since the first diff was queued.
 
-	/// Records steps in a journal, if there is one, and removes them at the end of scope unless they are kept.
+	/// Records steps in a journal, if one exists, and removes them at the end of scope unless they are kept.
 	class Noting {
 	public:
 		explicit Noting(Journal *journal) :

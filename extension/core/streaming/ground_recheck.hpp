@@ -15,9 +15,9 @@
 
 namespace thicket {
 
-/// Detects ground changes under visible tiles that were not reported. It compares a few heights of a few tiles at a time, in turn, with
-/// the heights that the tiles were generated with. Pure logic: the caller reads the ground and the clock. Times are seconds of any clock.
-/// Methods that add entries throw std::bad_alloc.
+/// Detects ground changes under visible tiles that were not reported. Compares a few heights of a few tiles at a time,
+/// in turn, with the heights from which the tiles were generated. Pure logic: the caller reads the ground and the
+/// clock. Times are seconds of any clock. Methods that add entries throw std::bad_alloc.
 class GroundRecheck {
 public:
 	/// Reports that a tile, generated with these heights, is visible from now on. A tile that was visible before has been regenerated.

@@ -13,8 +13,8 @@ namespace thicket {
 
 namespace {
 
-/// A tile may be shown before tiles that are this many tiles nearer. Those were measured from the viewer's position at the last look.
-/// Together with the distance that it may have moved since, this is one tile.
+/// A tile may be shown before tiles that are this many tiles nearer. The distances of those tiles were measured at the
+/// last look. Together with the distance that the viewer may have moved since, the tolerance is one tile.
 constexpr double tolerance_tiles = 1.0 - slack_tiles;
 
 } // namespace

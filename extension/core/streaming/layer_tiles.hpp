@@ -86,7 +86,7 @@ public:
 	/// See TileStreamer::follows.
 	bool follows(std::span<const Viewer> viewers) const;
 
-	/// Drops retired tiles if no tile below them is missing: each is visible or out of view.
+	/// Drops retired tiles if no tile below them is missing: if each tile there is visible or out of view.
 	void drop_covered(StreamChanges &r_changes);
 
 	/// The waiting tile nearest to a viewer.

@@ -65,8 +65,8 @@ public:
 		start_over();
 	}
 
-	/// Returns the nearest entry for which `fits(const Entry &)` holds, or null if there is none. An entry that did not fit is not tested
-	/// again with the same `cursor` (0 or 1) until a tile is added or the viewer has moved.
+	/// Returns the nearest entry for which `fits(const Entry &)` holds, or null if there is none. If an entry does not
+	/// fit, it is not tested again with the same `cursor` (0 or 1) until a tile is added or the viewer has moved.
 	template <class Measure, class Fits>
 	const Entry *first(std::size_t cursor, Measure &&measure, Fits &&fits) {
 		sort(measure);

@@ -115,7 +115,8 @@ public:
 	/// Cancels the pending tiles of a layer and requests them again, because their answers would be useless.
 	void cancel(std::uint32_t layer);
 
-	/// Whether tiles of all layers can be streamed around a viewer: its position must be finite and within reach.
+	/// Returns whether tiles of all layers can be streamed around a viewer. Its position must be finite and within
+	/// reach.
 	Status check(const Viewer &viewer) const;
 
 	/// Computes the necessary changes for any number of viewers and replaces `r_changes` with them. At most `max_pending` tiles are
@@ -134,8 +135,8 @@ public:
 	/// decide.
 	std::optional<TileRequest> next_ready();
 
-	/// Whether a pending tile may be shown now. If showing takes time after `next_ready`, call this again. Returns false if memory does
-	/// not suffice.
+	/// Returns whether a pending tile may be shown now. Call this again if showing takes time after `next_ready`.
+	/// Returns false if memory does not suffice.
 	bool may_show(const TileRequest &request);
 
 	/// The final answer to a request: the tile is shown, or cannot be generated and stays empty until it is invalidated. Returns true if

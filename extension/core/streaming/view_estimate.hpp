@@ -13,8 +13,8 @@ inline double view_area(const StreamLayer &layer) {
 	return std::numbers::pi * reach * reach + 4.0 * reach * size + size * size;
 }
 
-/// The expected number of instances there. The set has `point_density` points per square meter, of which the rules keep the share
-/// `density`.
+/// The expected number of instances in this area. The set has `point_density` points per square meter, of which the
+/// rules keep the share `density`.
 inline double expected_instances(double point_density, double density, const StreamLayer &layer) {
 	return point_density * density * view_area(layer);
 }

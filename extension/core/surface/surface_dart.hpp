@@ -55,7 +55,8 @@ struct SurfaceSearch {
 	std::uint8_t axis = all_axes; ///< 0 to 2 if one axis suffices, because no normal in the cell is far from it.
 	float kept = 1.0f;            ///< A hit is kept with the probability kept / (sum of |n_i| over the searched axes).
 
-	/// Lines per unit of time through a cube as wide as a cell, at which kept hits have a rate of 1 per area of a cell's face.
+	/// The number of lines per unit of time through a cube as wide as a cell. Kept hits then have a rate of 1 per area
+	/// of a cell's face.
 	double rate() const { return (axis == all_axes ? 3.0 : 1.0) / static_cast<double>(kept); }
 };
 
@@ -94,8 +95,8 @@ struct SurfaceLine {
 		return {axis, place(u, bits), place(v, bits >> 16)};
 	}
 
-	/// Whether its hits are kept, if that has the given probability. Does not depend on where they are: the same surface in other
-	/// triangles is hit at depths that are rounded differently.
+	/// Whether the line's hits are kept, with the given probability. Does not depend on their positions, because the
+	/// same surface in different triangles is hit at depths that are rounded differently.
 	bool keeps(double probability) const {
 		return static_cast<double>(split_mix(hash ^ split_mix_mul_0) >> 32) < probability * 4294967296.0;
 	}

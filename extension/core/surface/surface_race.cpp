@@ -16,7 +16,8 @@ namespace {
 constexpr std::uint32_t sub_cubes = 4; // Per side of a cell.
 constexpr int sub_shift = surface_bits - 2;
 
-/// The least whole number whose square is not below radius^2: positions farther apart on one axis are apart.
+/// The least whole number whose square is not below radius^2. Positions that differ by more than this on one axis are
+/// farther apart than the radius.
 constexpr std::int32_t radius_units = 1816187;
 static_assert(std::int64_t{radius_units} * radius_units >= surface_radius_squared &&
 		std::int64_t{radius_units - 1} * (radius_units - 1) < surface_radius_squared);
@@ -60,7 +61,8 @@ std::uint64_t sub_cubes_near(const SurfaceTriangle &triangle, const glm::dvec3 &
 
 /// One axis for a cell if all normals in it are near enough to it.
 SurfaceSearch search_for(const glm::dvec3 &least) {
-	// Every plane has an axis for the last value, because 1 / sqrt(3) is more. Most ground is not steep, so y comes first.
+	// At least one axis of every plane reaches the last value, because 1 / sqrt(3) is larger. Most ground is not steep,
+	// so y comes first.
 	for (const float kept : {0.95f, 0.85f, 0.7f, 0.55f}) {
 		for (const std::uint8_t axis : {std::uint8_t{1}, std::uint8_t{0}, std::uint8_t{2}}) {
 			if (least[axis] >= static_cast<double>(kept)) {
@@ -269,7 +271,8 @@ void SurfaceRace::accept(std::uint32_t number, const glm::ivec3 &position, std::
 }
 
 void SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
-	// Coarser units, in which squares are floats without rounding. Rounded away from the point: what counts as covered is.
+	// Coarser units, in which squares are floats without rounding. Numbers are rounded away from the point, so that
+	// everything that counts as covered is covered.
 	constexpr int shift = 10;
 	constexpr std::int32_t width = 1 << (sub_shift - shift);
 	constexpr float limit = static_cast<float>(surface_radius_squared >> (2 * shift));

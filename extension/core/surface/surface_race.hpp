@@ -32,7 +32,7 @@ struct SurfaceCounts {
 /// earlier line, and no others. The times along such a chain decrease, so it ends.
 class SurfaceRace {
 public:
-	/// True for each face of the box, by axis, that has more of the surface behind it. Darts near these faces are unknown.
+	/// For each face of the box, by axis: true if the surface continues behind it. Darts near these faces are unknown.
 	struct OpenFaces {
 		std::array<bool, 3> lower{};
 		std::array<bool, 3> upper{};
@@ -87,7 +87,8 @@ private:
 
 	bool settle(std::uint32_t number, SurfaceTime until);
 	void throw_first(std::uint32_t number);
-	/// Decides the cell's next line, or returns the cell that must be decided up to that line's time before. `none` if neither is needed.
+	/// Decides the cell's next line and returns `none`. If a different cell must be decided first, up to that line's
+	/// time, returns that cell instead.
 	std::uint32_t step(std::uint32_t number);
 	void find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course);
 	Fate judge(std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t &r_blocker);

@@ -16,9 +16,9 @@ struct SurfaceCube {
 	double width = 0.0;
 };
 
-/// A triangle of a surface in units of one level's lattice. All results depend on the differences of positions alone, which are exact, and
-/// the corners are sorted. So they are the same wherever the origin is, in whichever order the corners were given, and on both sides of an
-/// edge that two triangles share.
+/// A triangle of a surface in units of one level's lattice. The corners are sorted, and all results depend only on
+/// differences of positions, which are exact. So results are the same wherever the origin is, in whichever order the
+/// corners were given, and on both sides of an edge that two triangles share.
 struct SurfaceTriangle {
 	std::array<glm::dvec3, 3> corners{}; ///< Whole units, sorted by x, then y, then z.
 	glm::dvec3 normal{0.0};              ///< Not of unit length: the cross product of the first corner's two edges.

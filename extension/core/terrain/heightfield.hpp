@@ -43,7 +43,7 @@ enum class FloatPosts : std::uint8_t {
 	units,  ///< 0 to 1, from the lowest to the highest height.
 };
 
-/// The posts of a heightfield, in one of the two grids. A value type like them.
+/// The posts of a heightfield, in one of the two grids. A value type, like the grids.
 struct HeightPosts {
 	PostGrid<std::uint16_t> steps; ///< 0 to 65535, from the lowest to the highest height.
 	PostGrid<float> floats;        ///< NAN for holes.

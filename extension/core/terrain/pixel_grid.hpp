@@ -13,14 +13,15 @@
 
 namespace thicket {
 
-/// Bytes owned elsewhere. They neither move nor change while `owner` is held.
+/// Bytes that a different object owns. They neither move nor change while `owner` is held.
 struct SharedBytes {
 	std::shared_ptr<const void> owner;
 	std::span<const std::uint8_t> bytes;
 };
 
-/// The pixels of an image owned elsewhere, without a copy. Only pixels that are patched later are copied, in blocks. A value type: copies
-/// share common memory, and a patch of one copy does not affect the others. Safe on any thread.
+/// The pixels of an image that a different object owns, without a copy. Only pixels that are patched later are copied,
+/// in blocks. A value type: copies share common memory, and a patch of one copy does not affect the others. Safe on any
+/// thread.
 class PixelGrid {
 public:
 	static constexpr int max_side = 1 << 15; ///< Pixels along x and along y.
@@ -31,9 +32,9 @@ public:
 	/// max_pixel_bytes bytes. `bytes` may be longer, as for images with mipmaps. Refused input changes nothing.
 	Status set(glm::ivec2 size, int pixel_bytes, SharedBytes bytes);
 
-	/// Replaces the pixels of a rectangle with those of `image`, which has the bytes of all pixels of the grid, as in `set`. They are no
-	/// longer needed afterwards. Refuses a rectangle that is empty or not inside the grid, and too few bytes. A failure changes nothing.
-	/// Copies the blocks that the rectangle touches.
+	/// Replaces the pixels of a rectangle with those of `image`, which has the bytes of all pixels of the grid, as in
+	/// `set`. These bytes are no longer needed afterwards. Refuses a rectangle that is empty or not inside the grid,
+	/// and too few bytes. A failure changes nothing. Copies the blocks that the rectangle touches.
 	Status patch(const PixelRect &rect, std::span<const std::uint8_t> image);
 
 	/// True if no pixels were set.

@@ -17,8 +17,9 @@ struct SmoothPatch {
 	glm::dvec2 gradient;
 };
 
-/// The indices of four posts in a line around a patch: the one before it, its two, and the one behind it, clamped to the grid. Also the
-/// factors that turn the differences of the neighbors of its first and its second post into gradients per post.
+/// The indices of four posts in a line around a patch: the post before the patch, its two posts, and the post behind
+/// it, clamped to the grid. Also contains the factors that turn the differences between neighboring posts into
+/// gradients per post.
 struct PostLine {
 	std::array<int, 4> index;
 	double first_weight;

@@ -39,7 +39,8 @@ public:
 		glm::vec3 normal{0.0f, 1.0f, 0.0f};
 	};
 
-	/// Returns false if there is no ground at `least` meters or above. Otherwise finds exactly the same ground as `sample`.
+	/// Returns false if the ground at the position is below `least` meters or missing. Otherwise finds exactly the same
+	/// ground as `sample`.
 	bool find_top(glm::dvec2 position, double least, Top &r_top) const;
 
 	/// The rectangle around all triangles that are not vertical, from corner to corner. Empty if there are none. Its far borders have

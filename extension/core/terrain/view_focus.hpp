@@ -20,9 +20,9 @@ struct ParallelView {
 	double usual_depth = 0.0; ///< Depth of the focus in meters where the axis misses the ground.
 };
 
-/// The focus of such a camera: the point where its axis meets the ground. Ground that cannot be sampled (null), and the area outside the
-/// ground, are assumed to be a plane at `level`. The focus is at `usual_depth` if the axis is less than 10 degrees below the horizon or
-/// meets neither.
+/// The focus of a camera with a parallel projection: the point where its axis meets the ground. Where the ground is
+/// missing or cannot be sampled (null), a plane at `level` replaces it. The focus is at `usual_depth` if the axis is
+/// less than 10 degrees below the horizon or meets neither.
 glm::dvec3 view_focus(const ParallelView &view, const Terrain *terrain, double level);
 
 } // namespace thicket

@@ -71,7 +71,8 @@ bool ThreadTurn::take(bool reads) {
 			}
 		}
 	} else {
-		// A const method may have called back into a non-const one on its own thread. Then that const call is the one reader.
+		// A const method may have called back into a non-const method on its own thread. That const call is then the
+		// only reader.
 		before_ = held ? 1 : 0;
 		calls = before_;
 		if (guard_->calls_.compare_exchange_strong(calls, ThreadGuard::writing)) {

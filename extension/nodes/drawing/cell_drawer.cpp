@@ -68,8 +68,8 @@ bool CellDrawer::draw_cell(
 	return whole;
 }
 
-/// The look of the visual that each cell has: the first of the wanted LODs, if all of them have a visual; otherwise the LOD that is to be
-/// drawn alone.
+/// The look of the visual that each cell already has: the look of the first wanted LOD if all wanted LODs have a
+/// visual; otherwise the look of the LOD that is drawn alone.
 const MeshLook &CellDrawer::first_look(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
 	const LodSpan &span = cell.drawing.span;

@@ -12,8 +12,9 @@ namespace thicket {
 
 namespace {
 
-/// The number of instances of one layer around a viewer that is worth a warning: some 140 to 200 MB. Dense grass, with a radius of 0.2 m
-/// and a view distance of 128 m, has 1.2 million; no layer of the presets and the demo has more than 0.5 million.
+/// A warning is printed for more instances than this in one layer around a viewer. They take some 140 to 200 MB. Dense
+/// grass, with a radius of 0.2 m and a view distance of 128 m, has 1.2 million; no layer of the presets and the demo
+/// has more than 0.5 million.
 constexpr double many_instances = 2e6;
 
 /// Main memory for an instance besides its floats in the renderer, as shown by get_stats().

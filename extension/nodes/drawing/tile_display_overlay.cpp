@@ -103,8 +103,8 @@ bool TileDisplay::patch_step() {
 	return false;
 }
 
-/// Leaves the counts and the changes with distance to the caller. If memory runs out, the tile stays visible and unchanged until there is
-/// some.
+/// The caller updates the counts and applies the changes with distance. If memory runs out, the tile stays visible and
+/// unchanged until memory is available.
 void TileDisplay::patch(const TileKey &key, DisplayedTile &r_tile) {
 	bool patched = false;
 	report("TerrainScatter3D", guarded("tile", r_tile.rect.size().x, [&] { patched = patch_parts(key, r_tile); }));

@@ -91,7 +91,7 @@ bool CollisionRing::step() {
 	return shapes_.free_some() || tidied;
 }
 
-/// Removed instances first, because a player must not run into them. Instances that are only far away can wait.
+/// Handles removed instances first, because a player must not run into them. Instances that are only far away can wait.
 bool CollisionRing::remove_some() {
 	int count = 0;
 	Leaving leaving;
@@ -229,8 +229,9 @@ void CollisionRing::place(Body &r_body) {
 	}
 }
 
-/// Moves bodies around the viewers immediately. Also moves those that would otherwise stay where the viewers are now, in the engine's
-/// space, because the physics of the same frame meets both. The others follow step by step.
+/// Immediately moves the bodies around the viewers' new positions, and those that would otherwise be left at the
+/// viewers' positions in the engine's space, because the physics of the same frame meets both. The other bodies follow
+/// step by step.
 void CollisionRing::set_world_offset(glm::dvec3 offset) {
 	if (offset == offset_) {
 		return;

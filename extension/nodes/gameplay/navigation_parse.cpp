@@ -32,7 +32,8 @@ struct Parser {
 	RID rid;
 	std::vector<Entry> nodes;
 
-	/// Makes the engine call the first of the nodes, or none if there is none. `later` defers that while the engine is calling.
+	/// Makes the engine call the first of the nodes, or no node if the list is empty. If `later` is true, defers this,
+	/// because the engine is calling at the moment.
 	void call_first(bool later) const {
 		NavigationServer3D *server = NavigationServer3D::get_singleton();
 		const Callable callback = nodes.empty() ? Callable() : Callable(nodes.front().node, nodes.front().method);
@@ -107,7 +108,8 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	corner[3] = Vector3(0, 0, far_away);
 	r_geometry.add_faces(faces, Transform3D());
 	const PackedFloat32Array probed = r_geometry.get_vertices();
-	// The setter of indices accepts no more of them than there are numbers in the vertices, and most meshes have more indices.
+	// The setter of indices accepts at most as many indices as there are numbers in the vertices, but most meshes have
+	// more.
 	r_geometry.set_vertices(resized_copy(vertices, std::max(vertices.size(), indices.size())));
 	r_geometry.set_indices(indices);
 	r_geometry.set_vertices(vertices);

@@ -45,7 +45,8 @@ void report_at(std::size_t index, const Status &status) {
 
 } // namespace
 
-/// False, with an error, for a layer that nothing can be added to. From now on, the state is bound to the layer's points.
+/// Returns false, with an error, for a layer to which nothing can be added. From then on, the state is bound to the
+/// layer's points.
 bool ScatterGameplay::find_layer_to_add_to(const char *p_method, const Variant &p_layer, std::uint32_t &r_layer) {
 	const SharedLayers layers = prepare(p_method);
 	if (layers == nullptr) {

@@ -360,7 +360,8 @@ const StringName &ScatterGameplay::Signals::of(InstanceChangeKind kind) const {
 	return none;
 }
 
-/// Emits a signal only if the instance's placement is known: changes from elsewhere generate no tiles. Runs scripts.
+/// Emits a signal only if the instance's placement is known, because changes from elsewhere must not generate tiles.
+/// Runs scripts.
 void ScatterGameplay::tell(const InstanceChange &change) {
 	const std::int64_t index = change.kind != InstanceChangeKind::left ? layer_index_of(change.id) : -1;
 	if (index < 0) {

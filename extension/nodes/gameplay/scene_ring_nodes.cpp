@@ -113,7 +113,7 @@ void SceneRing::take_out(Node3D *node) {
 	}
 }
 
-/// Notifies the last scene of `leaving_` that it leaves, then returns it to the pool, unless a script has taken it.
+/// Notifies the last scene of `leaving_` that it is hidden, then returns it to the pool, unless a script has taken it.
 void SceneRing::put_last_back() {
 	const std::weak_ptr<const void> alive = life_;
 	const Shown shown = leaving_.back();

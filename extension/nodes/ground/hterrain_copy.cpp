@@ -282,8 +282,8 @@ void read_textures(const Variant &p_node, const Variant &p_data, MapImages &imag
 
 } // namespace
 
-/// HTerrain 1.8 reports it immediately by its shader's type, and by the other method once the shader is in use. A custom shader reports it
-/// only by the latter.
+/// HTerrain 1.8 reports this immediately by its shader's type, and by the other method once the shader is in use. With
+/// a custom shader, only the other method reports it.
 bool uses_indexed_textures(const Variant &p_node) {
 	const Variant type = has_method(p_node, "get_shader_type") ? result_of(p_node, "get_shader_type") : Variant();
 	if (type.get_type() == Variant::STRING && static_cast<String>(type) == "Array") {

@@ -139,7 +139,8 @@ Status ObjectGround::ground_at(glm::dvec2 position, bool normal, Ground &r_groun
 	return status;
 }
 
-/// Tests the position, and also the one that the object receives, because a float may round up to the far edge.
+/// Tests both the position and the rounded position that the object receives, because a float may round up to the far
+/// edge.
 bool ObjectGround::within_bounds(glm::dvec2 position) const {
 	const glm::dvec2 asked = glm::dvec2(glm::vec2(in_engine(position))) + glm::dvec2(offset_.x, offset_.z);
 	return limits_.bounds.empty() || (limits_.bounds.contains(position) && limits_.bounds.contains(asked));

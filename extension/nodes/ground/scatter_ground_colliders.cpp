@@ -24,7 +24,7 @@ namespace thicket {
 
 namespace {
 
-/// How far the next ray starts inside of a body that is not ground: meters, and as a share of its height.
+/// How far inside a body that is not ground the next ray starts: in meters, and as a share of its height.
 constexpr real_t into_body = 1e-3F;
 constexpr real_t into_high_body = 1e-6F;
 
@@ -77,7 +77,8 @@ private:
 		return {static_cast<float>(point.y + offset_.y), normal / (normal.y < 0.0F ? -length : length)};
 	}
 
-	/// Whether the body of a hit does not move: characters and vehicles move over ground that stays the same.
+	/// Whether the body of a hit does not move. Characters and vehicles move over ground that stays the same, so they
+	/// are not ground.
 	bool rests(const Dictionary &hit) const {
 		const Object *collider = hit[collider_key_];
 		if (const auto *body = Object::cast_to<PhysicsBody3D>(collider)) {

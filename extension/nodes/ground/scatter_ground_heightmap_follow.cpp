@@ -43,8 +43,8 @@ void ScatterGroundHeightmap::finish_reading() {
 	if (!task_.busy() && !regions_.empty() && !sources_stale_) {
 		patch_regions(Clock::time_point::max());
 	}
-	// Twice, because a worker may be reading the previous settings. If a script that is notified changes further settings, they are read
-	// later.
+	// Twice, because a worker may be reading the previous settings. If a script changes further settings when it is
+	// notified, they are read later.
 	for (int round = 0; round < 2 && (field_stale_ || task_.busy()); ++round) {
 		if (!task_.busy()) {
 			start(true);

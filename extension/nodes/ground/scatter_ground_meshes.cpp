@@ -91,7 +91,8 @@ GroundWatch::Look ScatterGroundMeshes::look() const {
 	};
 }
 
-/// Watches the current members of the group. If `changed`, those that were added since the last check are still to be read.
+/// Watches the current members of the group. If `changed` is true, members that were added since the last check count
+/// as changed.
 void ScatterGroundMeshes::list_members(bool changed) {
 	listed_ = first_node()->get_tree()->get_node_count_in_group(group_);
 	std::set<std::uint64_t> found;

@@ -140,7 +140,8 @@ void ScatterGroundNode::take(const Found &found) {
 	set_recognized(recognized);
 }
 
-/// How far the engine's origin has moved in the world since the offsets `before` of the hosts. Empty if it is not the same for all.
+/// The distance that the engine's origin has moved in the world since the offsets `before` of the hosts. Empty if it is
+/// not the same for all hosts.
 std::optional<glm::dvec3> ScatterGroundNode::shift_since(std::span<const glm::dvec3> before) const {
 	if (before.size() != offsets_.size()) {
 		return glm::dvec3(0.0); // Hosts were added or removed, and request the ground themselves.

@@ -150,7 +150,8 @@ void ScatterGroundNode::area_edited(const AABB &p_area) {
 	emit_area(grown({p_area.position.x, p_area.position.z, p_area.size.x, p_area.size.z}, margin));
 }
 
-/// In the editor this signal comes in addition to the area of each stroke, and would regenerate all ground each time.
+/// In the editor, this signal is emitted in addition to the area of each stroke, and would regenerate all ground each
+/// time.
 void ScatterGroundNode::maps_changed() {
 	if (!in_editor()) {
 		change();

@@ -40,8 +40,8 @@ TypedArray<ScatterLod> with(const TypedArray<ScatterLod> &p_lods, const TypedArr
 	return result;
 }
 
-/// A model that is drawn as the entry, and with these LODs in addition. Null if the entry draws nothing. A former model is copied, because
-/// other layers may use it without these LODs.
+/// Creates a model that is drawn like the entry, with these LODs in addition. Null if the entry draws nothing. A model
+/// of release 0.2 is copied, because other layers may use it without these LODs.
 Ref<ScatterModel> model_with(const Variant &p_entry, const TypedArray<ScatterLod> &p_lods) {
 	Object *object = p_entry.get_validated_object();
 	Ref<ScatterModel> model;

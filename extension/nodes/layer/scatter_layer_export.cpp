@@ -75,7 +75,7 @@ bool ScatterLayer::embed_stripped_data() {
 	return any;
 }
 
-/// A convex hull is built from the vertices of a mesh. If any mesh was stripped, the stored hulls are used as bodies.
+/// Convex hulls are built from the vertices of meshes. If any mesh was stripped, all bodies use the stored hulls.
 bool ScatterLayer::needs_stored_hulls() const {
 	bool stripped = false;
 	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {

@@ -60,7 +60,8 @@ void ScatterLayer::replace_meshes(const LayerMeshes &p_meshes) {
 	watch_meshes(true);
 }
 
-/// Converts the LODs that release 0.2 saved, once those of all meshes are known; with `p_now`, as far as they are known.
+/// Converts the LODs that release 0.2 saved, once the LODs of all meshes are known. With `p_now`, converts those that
+/// are known.
 void ScatterLayer::convert_former_lods(bool p_now) {
 	if (former_lods_.known(meshes_.size()) || (p_now && !former_lods_.empty())) {
 		LayerMeshes next = meshes_;
@@ -96,7 +97,8 @@ bool ScatterLayer::read_step() {
 	return meshes.read_step();
 }
 
-/// For callers that cannot wait. Threads other than the main thread only get the parts that are already read.
+/// Reads all models, for callers that cannot wait. On other threads than the main thread, only the parts that are
+/// already read are available.
 void ScatterLayer::read_models() {
 	convert_former_lods(true);
 	if (meshes_.differs()) {

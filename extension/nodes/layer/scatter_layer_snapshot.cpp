@@ -44,8 +44,8 @@ void add_boxes(const LodSettings &lod, LayerDrawing &r_drawing) {
 	}
 }
 
-/// LODs without a shadow setting whose shadows are not worth drawing (see casts_shadow) cast none, unless the layer's setting differs from
-/// its default. An LOD with its own shadow mesh keeps its shadow.
+/// Turns off the shadows of LODs without a shadow setting if they are not worth drawing (see casts_shadow) and the
+/// layer's setting is the default. An LOD with its own shadow mesh keeps its shadow.
 void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, LayerDrawing &r_drawing) {
 	const double density = point_density(settings.set) * settings.rules.density;
 	for (std::size_t index = 0; index < r_drawing.lod_meshes.size(); ++index) {
@@ -59,13 +59,15 @@ void leave_out_shadows(const LayerSettings &settings, const LodSettings &lod, La
 	}
 }
 
-/// Added to the margin instead of the boxes, because distances are measured to the boxes and must not depend on how far a plant may lean.
+/// The sway is added to the margin, not to the boxes. Distances are measured to the boxes, and must not depend on how
+/// far a plant may lean.
 void add_sway(LayerDrawing &r_drawing) {
 	r_drawing.extra_cull_margin =
 			std::min(r_drawing.extra_cull_margin + sway_reach(materials_of(r_drawing)), max_cull_margin);
 }
 
-/// How finely the tiles are divided near viewers. Ignores the rules, so that moving a rule's slider uploads nothing again for this.
+/// How finely the tiles are divided near viewers. Does not depend on the rules, so moving a rule's slider does not
+/// upload tiles again for a different division.
 CellSettings cells_of(const LayerSettings &settings, double tile_size, const LayerDrawing &drawing) {
 	const float reach = drawing.mesh_reach.empty() ? 0.0F : std::ranges::max(drawing.mesh_reach);
 	const double density = point_density(settings.set) / std::max(static_cast<double>(drawing.meshes.size()), 1.0);

@@ -46,7 +46,7 @@ PropertyInfo value_property(const char *p_name) {
 	return PropertyInfo(Variant::OBJECT, p_name, PROPERTY_HINT_RESOURCE_TYPE, ScatterValueSource::class_name);
 }
 
-/// The settings of a value without those that its source does not use, so that changing these has no effect.
+/// The settings of a value that its source uses. So changing the other settings has no effect.
 InstanceSource used(const Ref<ScatterValueSource> &p_value, bool is_used) {
 	if (!is_used || p_value.is_null()) {
 		return {};

@@ -57,7 +57,7 @@ bool accept_count(const char *p_property, const TypedArray<ScatterLod> &p_lods) 
 	return fits;
 }
 
-/// Adds an LOD behind finer ones, with its defaults resolved. A null mesh means the mesh of the last one.
+/// Adds an LOD behind finer ones, with defaults replaced by values. A null mesh means the mesh of the previous LOD.
 void add_drawn(const Ref<ScatterLod> &p_lod, std::vector<DrawnLod> &r_lods) {
 	const Ref<Mesh> mesh = p_lod->get_mesh().is_valid() ? p_lod->get_mesh() : r_lods.back().mesh;
 	double distance = 0.0;

@@ -23,8 +23,8 @@ namespace {
 
 constexpr double rank_scale = 1.0 / 4294967296.0;
 
-/// Processes the points in parts, also on the engine's threads if there are many. Most of the time is the system's, which provides new
-/// memory page by page.
+/// Processes the points in parts, also on the engine's threads if there are many. The system takes most of the time,
+/// because it provides new memory page by page.
 template <class Work>
 void for_each_part(std::size_t size, const Work &work) {
 	constexpr std::size_t part = 1 << 14;

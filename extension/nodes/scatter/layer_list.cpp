@@ -38,7 +38,8 @@ EditedArea outdated_area(const SharedSnapshot &before, const SharedSnapshot &now
 	return area;
 }
 
-/// The property whose distance is too large, for a layer that takes too many points although its own tiles are small enough.
+/// The property whose distance is too large, for a layer that needs too many points although its own tiles are small
+/// enough.
 const char *far_looking_property(const LayerSettings &layer, double tile_size) {
 	LayerSettings plain = layer;
 	plain.instance_data = {};

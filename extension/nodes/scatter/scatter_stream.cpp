@@ -17,8 +17,9 @@ namespace thicket {
 
 namespace {
 
-/// Tiles in progress for each worker: enough that no worker runs dry between two frames, but few enough that the nearest tiles still come
-/// first after a turn or a change. The number is chosen so that a worker needs this time for them, within limits.
+/// Determines the number of tiles in progress for each worker. It must be large enough that no worker runs out of tiles
+/// between two frames, but so small that the nearest tiles still come first after a turn or a change. The number is
+/// chosen so that a worker needs this time for them, within limits.
 constexpr std::uint64_t worker_lead_microseconds = 30'000;
 constexpr std::size_t min_jobs_per_worker = 8;
 constexpr std::size_t max_jobs_per_worker = 64;
@@ -44,7 +45,8 @@ bool is_unseen(const std::shared_ptr<TileJob> &job) { return job->unseen; }
 
 ScatterStream::ScatterStream(InstanceWorld &world) : world_(world), workers_(spare_thread_count()) {}
 
-/// Marks jobs whose content has changed since they were started, or whose tiles have a different size: queries cannot use them.
+/// Marks jobs whose content has changed since they were started, or whose tiles have a different size, because queries
+/// cannot use them.
 void ScatterStream::mark_stale(std::span<const SharedSnapshot> next, std::span<const EditedArea> outdated) {
 	for (const std::shared_ptr<TileJob> &job : jobs_) {
 		const std::uint32_t layer = job->request.key.layer;
@@ -214,8 +216,8 @@ void ScatterStream::start(const TileRequest &request) {
 	workers_.push(job);
 }
 
-/// Starts tiles that queries have requested, which are not displayed. Tiles for which there is no room are requested again in the next
-/// frame.
+/// Starts the tiles that queries have requested and that are not displayed. If there is no room for a tile, it is
+/// requested again in the next frame.
 void ScatterStream::start_missing() {
 	const std::size_t room = min_jobs_per_worker * workers_.threads();
 	auto under_way = static_cast<std::size_t>(std::ranges::count_if(jobs_, is_unseen));

@@ -12,11 +12,11 @@ namespace thicket {
 
 namespace {
 
-/// While tiles wait to be shown, visible tiles are only divided again after this many uploads: until then the picture is the same, but
-/// takes more triangles.
+/// While tiles wait to be shown, visible tiles are only divided again after this many uploads. Until then the picture
+/// is the same, but takes more triangles.
 constexpr std::uint32_t uploads_before_divide = 32;
 
-/// While tiles wait to be shown, an LOD only fades in after this many uploads: until then LODs change abruptly.
+/// While tiles wait to be shown, an LOD only fades in after this many uploads. Until then LODs change abruptly.
 constexpr std::uint32_t uploads_before_fade = 8;
 
 /// Updates the usual time of a step. A step in which the machine did other work is only counted as a slow one; otherwise a single such step
@@ -29,7 +29,8 @@ std::chrono::steady_clock::duration smoothed(
 
 } // namespace
 
-/// Samples the ground at no more than `most` positions of the tile whose turn it is. Returns how many of `most` that used up.
+/// Samples the ground at no more than `most` positions of the next tile in turn. Returns the number of positions that
+/// this took.
 std::size_t ScatterStream::ground_step(std::size_t most) {
 	if (ask_ground_.empty() || most == 0) {
 		return 0;
@@ -166,8 +167,8 @@ bool ScatterStream::do_step(Step step) {
 	return false;
 }
 
-/// Does steps of all kinds in turn. A step for which too little time is left comes first in the next frame. False if a script has freed the
-/// stream in the meantime.
+/// Does steps of all kinds in turn. If too little time is left for a step, that step comes first in the next frame.
+/// Returns false if a script has freed the stream in the meantime.
 bool ScatterStream::work_until(Clock::time_point deadline) {
 	const std::weak_ptr<const void> alive = life_;
 	bool first = true;

@@ -58,8 +58,8 @@ void TerrainScatter3D::notified(int p_what) {
 		case NOTIFICATION_TRANSFORM_CHANGED: notice_transform(); break;
 		case NOTIFICATION_VISIBILITY_CHANGED: display().set_visible(is_visible_in_tree()); break;
 		case NOTIFICATION_CHILD_ORDER_CHANGED: gameplay()->scenes().children_changed(); break;
-		// A script that is called there may free the node. The engine accesses a node after a notification, but not after a call. Deferred
-		// calls are made in the same frame.
+		// Called deferred, because a script that runs there may free the node. The engine accesses a node after a
+		// notification, but not after a call. Deferred calls are made in the same frame.
 		case NOTIFICATION_INTERNAL_PROCESS: call_deferred("_process_frame"); break;
 		case NOTIFICATION_INTERNAL_PHYSICS_PROCESS: {
 			if (!on_main_thread()) {

@@ -22,7 +22,8 @@ namespace thicket {
 
 namespace {
 
-/// Meters around a change of the ground in which slopes may change: heights are compared over less than that.
+/// Meters around a change of the ground in which slopes may change, because slopes compare heights over a smaller
+/// distance.
 constexpr double slope_margin = 1.0;
 
 /// Meters around a single position that represent it, because a rectangle without an area is no change.

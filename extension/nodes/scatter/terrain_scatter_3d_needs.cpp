@@ -13,8 +13,8 @@ using namespace godot;
 
 namespace thicket {
 
-/// Reads the models of the layers, at least a part of one. False while some are unread after `deadline`, and if a script in one of them has
-/// freed the node.
+/// Reads the models of the layers, at least a part of one. Returns false if some are unread after `deadline`, or if a
+/// script in one of them has freed the node.
 bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadline) const {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const TypedArray<ScatterLayer> layers = all_layers();

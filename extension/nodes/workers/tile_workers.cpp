@@ -135,8 +135,8 @@ void TileWorkers::wake() {
 		if (waiting == 0) {
 			return;
 		}
-		// A worker that has run dry may still be returning to the pool: waiting for it here could cost the frame milliseconds. Another
-		// worker takes the job, or this one in the next frame.
+		// Does not wait for a worker that has no more jobs and is returning to the pool: that could cost the frame
+		// milliseconds. A different worker takes the job, or this one in the next frame.
 		if (worker->task >= 0 && !pool->is_task_completed(worker->task)) {
 			continue;
 		}
@@ -255,8 +255,8 @@ void TileWorkers::advance(Worker &worker, TileJob &job) {
 		finish(worker, job);
 		return;
 	}
-	// The points are computed a second time once the ground is known: a script costs more than that, and no job needs to hold a workspace
-	// while it waits for the main thread.
+	// Once the ground is known, the points are computed a second time. A script costs more than that, and no job has to
+	// hold a workspace while it waits for the main thread.
 	job.status = builder.find_points(settings, job.request.rect, &job.cancelled);
 	job.points_computed += builder.sample_stats().computed;
 	if (job.status.ok() && job.step == TileJob::Step::start) {
