@@ -16,8 +16,7 @@ func _ready() -> void:
 		state = ScatterState.new()
 
 
-## Removes a tree and leaves a stump. [member state] keeps both. Returns false if the instance is no tree or was felled
-## already.
+## Removes a tree and leaves a stump. [member state] keeps both. Returns false if the instance is not a tree or was already felled.
 func fell(id: int) -> bool:
 	var tree := get_instance(id)
 	var kind := TREES.find(tree.layer.resource_name) if tree != null else -1

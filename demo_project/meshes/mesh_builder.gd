@@ -7,9 +7,9 @@ extends RefCounted
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 
-## The engine draws an LOD where its edge length is below one pixel. This factor converts a distance into the edge length for which
-## that holds from this distance on, which is the key of an LOD. It is for a view 1280 pixels wide and 65 degrees high: twice the
-## tangent of half the horizontal angle, divided by the width.
+## The engine draws an LOD where its edge length is below one pixel. This factor converts a distance into the edge length that is one pixel long at
+## this distance, which is the key of an LOD. The factor is for a view 1280 pixels wide and 65 degrees high: twice the tangent of half the horizontal
+## angle, divided by the width.
 const EDGE_PER_METER := 0.00177
 
 ## For surfaces without a texture: stones, blades and petals, and the dark inside of a crown.

@@ -35,8 +35,7 @@ const SPECIES := {
 		variant = clampi(value, 0, 15)
 		_request_build()
 
-## The finest LOD that the mesh has. 0 is the species' finest; others make coarser meshes for
-## [member ScatterModel.lods].
+## The finest LOD that the mesh has. 0 is the species' finest LOD; larger numbers create coarser meshes for [member ScatterModel.lods].
 @export_range(0, 4) var finest_level := 0:
 	set(value):
 		finest_level = clampi(value, 0, 4)

@@ -1,7 +1,6 @@
 @tool
 extends ScatterModel
-## A plant or stone with a separate mesh for each LOD. A scene stores only its species and variant, and it builds itself when it is
-## loaded.
+## A plant or stone with a separate mesh for each LOD. A scene only stores its species and variant; the model builds itself when it is loaded.
 
 const Plant := preload("res://meshes/plant_mesh.gd")
 const Materials := preload("res://meshes/plant_materials.gd")

@@ -44,7 +44,7 @@ func _ready() -> void:
 		return
 	_heights = elevation.height_texture()
 	_relief = elevation.relief_texture()
-	# Through the RenderingServer, because values that the editor sets on the material would be saved with the scene.
+	# Sets the parameters through the RenderingServer, because values that the editor sets on the material would be saved with the scene.
 	var rid := material.get_rid()
 	RenderingServer.material_set_param(rid, &"heights", _heights.get_rid())
 	RenderingServer.material_set_param(rid, &"relief", _relief.get_rid())

@@ -27,8 +27,8 @@ var problem := ""
 var warnings := PackedStringArray()
 ## From 0 to 1.
 var progress := 0.0
-## The layer's meshes, each as a [ScatterModel] with its impostor as the last LOD, once [method step] has returned false without a
-## [member problem]. Former impostors are replaced. The layer's own models stay unchanged, because other layers may use them.
+## The layer's meshes, each as a [ScatterModel] with its impostor as the last LOD, once [method step] has returned false without a [member problem].
+## New impostors replace earlier ones. The layer's own models stay unchanged, because other layers may use them.
 var meshes := []
 ## The impostors of [member meshes]; null for entries that draw nothing.
 var baked: Array[Mesh] = []
@@ -69,9 +69,8 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	return _begin_next()
 
 
-## Checks whether an impostor is finished, and begins the next one. This takes a moment after each impostor, and no time while
-## another thread bakes one. Returns true while there is more to do. Returns false at the end, after [method cancel], and on an
-## error.
+## Checks whether an impostor is finished, and begins the next one. This takes a moment after each impostor, and no time while a different thread
+## bakes. Returns true while there is more to do. Returns false at the end, after [method cancel], and on an error.
 func step() -> bool:
 	if not _running:
 		return false
@@ -148,8 +147,8 @@ func _save() -> bool:
 	return true
 
 
-## Instances may be larger than their meshes, and each further distance divides the layer's tiles more, so the largest impostor decides
-## the distance of all.
+## Sets one distance for all LODs, that of the largest impostor: instances may be larger than their meshes, and each further distance divides the
+## layer's tiles more.
 func _set_lods() -> void:
 	var distance := 0.0
 	for mesh in baked:

@@ -33,8 +33,8 @@ const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version ex
 		_drop_all()
 		index_file = value
 		_look_up()
-## Tiles that are nearer to the camera than this are shown, in meters in the plane of x and z. A tile is removed when it is farther away than this by a
-## quarter of its side.
+## Tiles that are nearer to the camera than this are shown, in meters in the plane of x and z. A tile is removed when it is more than a quarter of its
+## side farther away.
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
 	set(value):
 		if not (value >= 0.0 and value < 1e6):
@@ -65,7 +65,7 @@ var _failed: Dictionary[Vector2i, bool] = {}
 var _wanted: Array[Vector2i] = [] # Neither shown nor being read; the nearest is last.
 # Most web builds have no threads.
 var _has_threads: bool = OS.has_feature("threads") and ProjectSettings.get_setting("threading/worker_pool/max_threads", -1) != 0
-# Without a display the engine uses a dummy renderer, and multimeshes must not be built on several threads with it.
+# Without a display, the engine uses a dummy renderer, for which multimeshes must not be built on several threads.
 var _builds_on_threads: bool = _has_threads and DisplayServer.get_name() != "headless"
 var _is_stale := true
 var _looked_from := Vector2.INF # World x, z.

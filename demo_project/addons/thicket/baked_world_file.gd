@@ -99,7 +99,7 @@ func whole(of: Dictionary, field: String, least: int, most: int) -> int:
 	return int(value)
 
 
-## Reads a field that must be a string. Otherwise returns an empty one and sets [member problem].
+## Reads a field that must be a string. Otherwise returns an empty string and sets [member problem].
 func text(of: Dictionary, field: String) -> String:
 	var value: Variant = of.get(field)
 	if value is String and (value as String).length() <= MOST_CHARACTERS:
@@ -114,7 +114,7 @@ func flag(of: Dictionary, field: String) -> bool:
 	return value if value is bool else _refuse("%s must be true or false, got %s" % [field, _shown(value)])
 
 
-## Reads a field that must be an array whose elements all have this type. Otherwise returns an empty one and sets [member problem].
+## Reads a field that must be an array whose elements all have this type. Otherwise returns an empty array and sets [member problem].
 func list(of: Dictionary, field: String, type: Variant.Type) -> Array:
 	var value: Variant = of.get(field)
 	if value is Array and (value as Array).all(func(element: Variant) -> bool: return typeof(element) == type):

@@ -93,6 +93,6 @@ func _take(file: BakedFile) -> void:
 	digests = file.payload.slice(count * 36)
 
 
-## Whether a path can only refer to a file of the game itself. Loading a resource from elsewhere may run foreign scripts.
+## Returns true if a path can only refer to a file of the game itself. Loading a resource from elsewhere may run foreign scripts.
 static func is_in_project(resource: String) -> bool:
 	return resource.begins_with("res://") and not ".." in resource

@@ -5,7 +5,7 @@ const Index := preload("res://addons/thicket/baked_world_index.gd")
 
 const _MISSING := "ScatterBakedWorld: %s %s. Instances that need it stay hidden. Add it to the project, or export the bake again."
 
-## The loaded meshes, in the order of the index, once [method load_step] has returned true; null for those that cannot be loaded.
+## The loaded meshes, in the order of the index, once [method load_step] has returned true. Null for meshes that cannot be loaded.
 var meshes: Array[Mesh] = []
 ## The loaded materials, in the order of the index; null for those that cannot be loaded.
 var materials: Array[Material] = []
@@ -17,7 +17,7 @@ var _on_threads: bool
 var _is_requested := false
 
 
-## Prepares to load the models of an index. Without [param on_threads], [method load_step] loads each in its caller's thread.
+## Prepares to load the models of an index. Without [param on_threads], [method load_step] loads each model on the calling thread.
 func _init(index: Index, on_threads: bool) -> void:
 	_on_threads = on_threads
 	_waiting = index.meshes + index.materials

@@ -32,7 +32,7 @@ var _meshes: Array[Mesh]
 var _materials: Array[Material]
 
 
-## Prepares to read the tile with this number of an index. [param meshes] and [param materials] are what the numbers in its file refer to; null for
+## Prepares to read the tile with this number of an index. The numbers in the tile's file refer to [param meshes] and [param materials]; null for
 ## missing ones.
 func _init(index: Index, number: int, meshes: Array[Mesh], materials: Array[Material]) -> void:
 	_tile = Vector2i(index.tiles[2 * number], index.tiles[2 * number + 1])
@@ -118,7 +118,7 @@ func _add(file: BakedFile, entry: Dictionary, most: int) -> int:
 	multimesh.transform_format = MultiMesh.TRANSFORM_3D
 	multimesh.use_colors = colors
 	multimesh.use_custom_data = custom
-	# Set before the buffer; otherwise the renderer must read the buffer back for the instances' bounding box.
+	# The mesh is set before the buffer. Otherwise the renderer must read the buffer back for the instances' bounding box.
 	multimesh.mesh = _meshes[mesh]
 	multimesh.instance_count = count
 	if count > 0:

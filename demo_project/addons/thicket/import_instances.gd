@@ -19,8 +19,8 @@ const Table := preload("res://addons/thicket/transform_table.gd")
 const FLOATS := 12
 ## The node under which ProtonScatter puts its output.
 const PROTON_OUTPUT := "ScatterOutput"
-## The smallest radius of a new layer in meters. The layer has hand-placed instances only, and a larger radius means fewer sampled points
-## that it discards.
+## The smallest radius of a new layer in meters. The layer only has hand-placed instances. With a larger radius, fewer points are sampled and
+## discarded.
 const LEAST_RADIUS := 2.0
 
 

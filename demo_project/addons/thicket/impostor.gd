@@ -16,7 +16,7 @@ extends RefCounted
 const Reader := preload("res://addons/thicket/impostor_materials.gd")
 const SHADER := preload("res://addons/thicket/shaders/impostor.gdshader")
 
-## Impostor pixels per screen pixel at the switch distance. More than 1, because mixing pictures loses some sharpness.
+## Impostor pixels per screen pixel at the switch distance. The number is above 1, because mixing pictures loses some sharpness.
 const DETAIL := 1.75
 
 ## The number of pictures along each side of the atlas, 2 to 32. They show the model from all directions above the ground, or from all
@@ -32,7 +32,7 @@ var samples := 2
 var full_sphere := false
 ## Replaces all materials, like [member ScatterLayer.material_override].
 var material_override: Material
-## Materials to bake instead of those in the keys, for shaders whose colors cannot be determined without a renderer.
+## Materials to bake instead of the materials in the keys, for shaders whose colors cannot be determined without a renderer.
 var stand_ins: Dictionary[Material, BaseMaterial3D] = {}
 
 ## The error as a sentence; empty if there is none.

@@ -21,7 +21,7 @@ const HALF := 0.5
 var stand_ins: Dictionary[Material, BaseMaterial3D] = {}
 var warnings := PackedStringArray()
 
-## The area of all triangles in square meters. The following values are sums weighted by area.
+## The area of all triangles in square meters. The following values are sums that are weighted by area.
 var area := 0.0
 var roughness := 0.0
 var specular := 0.0
@@ -51,8 +51,7 @@ func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	return look
 
 
-## Returns one of ScatterImpostorBaker's constants. The class cannot be named here, because the editor also compiles this script
-## where the library is missing.
+## Returns one of ScatterImpostorBaker's constants. This script must not name the class, because the editor also compiles it without the library.
 static func _constant(name: StringName) -> int:
 	return ClassDB.class_get_integer_constant(&"ScatterImpostorBaker", name)
 

@@ -23,7 +23,7 @@ func _exit_tree() -> void:
 		workspace = null
 
 
-## The library may be loaded while the editor runs: once it is built, or once the whole add-on is copied into the project.
+## The library may be loaded while the editor runs: after it is built, or after the whole add-on is copied into the project.
 func _process(delta: float) -> void:
 	if workspace != null:
 		workspace.process(delta)

@@ -66,7 +66,7 @@ static func _put(partial: String, path: String, error: Error) -> Error:
 	return error
 
 
-## ResourceSaver returns OK even if the disk had no room. If there was no room then, there is none now, so appending bytes fails.
+## ResourceSaver returns OK even if the disk is full. If the disk had no room then, it has none now, so appending bytes fails.
 static func _is_whole(path: String) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ_WRITE)
 	if file == null:

@@ -3,7 +3,7 @@ extends RefCounted
 
 ## The largest number of tiles of a bake, because readers of its manifest hold all of them in memory.
 const MAX_TILES := 1_000_000
-## The number of rows that a tile should not exceed by much, because of the programs that read it: a row has about 300 bytes.
+## The number of rows that a tile should not exceed by much. A row takes about 300 bytes in the programs that read it.
 const COMFORTABLE_ROWS := 1.5e6
 
 ## The reason why there is no grid, as a sentence; empty if there is one.
@@ -75,9 +75,9 @@ static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, hi
 	return edges
 
 
-## The default side of a tile in meters. Such a tile holds whole tiles of all layers, whose sides are [param sizes], if a side of at most 1,024 m can do
-## that. It begins at 256 m or more, and doubles up to 2,048 m while there are more than 4,096 tiles. It does not double beyond
-## [constant COMFORTABLE_ROWS] rows, counted with instances everywhere at [param density] per square meter.
+## The default side of a tile in meters. If a side of at most 1,024 m allows it, such a tile consists of whole tiles of all layers, whose sides are
+## [param sizes]. The side begins at 256 m or more, and doubles up to 2,048 m while there are more than 4,096 tiles. It does not double if a tile
+## would then have more than [constant COMFORTABLE_ROWS] rows, with instances everywhere at [param density] per square meter.
 static func default_size(rect: Array, sizes: PackedFloat64Array, density: float) -> float:
 	var base := 0.0
 	var common := 1

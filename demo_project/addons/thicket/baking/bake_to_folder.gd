@@ -20,7 +20,7 @@ const PART := ".part"
 const UNWRITABLE := "Cannot write %s: %s. Check that the disk has room and the folder may be written, or choose a different out."
 const SECONDS_A_LINE := 10.0
 const CHUNK_BYTES := 1 << 22
-## Keys whose values must not change when a bake continues in a folder. The texts are reported otherwise, with the value in the folder and
+## Keys whose values must not change when a bake continues in a folder. If a value has changed, its text is reported with the value in the folder and
 ## the current one.
 const SAME: Dictionary[String, String] = {
 	"scene": "the scene is different (%s, not %s)", "rect": "the rectangle is different (%s, not %s)",
@@ -104,7 +104,7 @@ static func _as_json(value: Variant) -> Variant:
 	return JSON.parse_string(JSON.stringify(value, "", false, true))
 
 
-## Whether the folder is new or belongs to the same bake. Sets [member problem] if it does not.
+## Returns whether the folder is new or belongs to the same bake. Otherwise sets [member problem].
 func _go_on() -> bool:
 	var path := _out.path_join(WORLD)
 	if not FileAccess.file_exists(path):
@@ -232,7 +232,7 @@ func _store(to: FileAccess, bytes: PackedByteArray) -> String:
 	return ""
 
 
-## Writes all messages of a tile, and the first one again when the digest is known. Returns the reason if it failed.
+## Writes all messages of a tile, and the first message again when the digest is known. Returns the reason if it failed.
 func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, header: Dictionary) -> String:
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)

@@ -17,8 +17,8 @@ var _tile_size := 0.0 # Meters; 0 for a size that fits the layers.
 var _layers := PackedStringArray() # Names or indices; empty for all.
 
 
-## Reads the request: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a text in the form of the command line. [method describe]
-## chooses values for missing or empty ones. Sets [member problem] for a text that cannot be read.
+## Reads the request: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a text in the form of the command line. [method
+## describe] chooses values for missing or empty texts. If a text cannot be read, sets [member problem].
 func _init(asked: Dictionary) -> void:
 	if asked.get("rect"):
 		_rect = numbers_in(asked["rect"], ",")

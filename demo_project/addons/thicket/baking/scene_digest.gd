@@ -10,7 +10,7 @@ extends RefCounted
 const PROBES := 33
 ## The file that contains the version.
 const PLUGIN := "res://addons/thicket/plugin.cfg"
-## Resources of which only the class and the path are hashed, because they determine only the look of instances.
+## Resources of which only the class and the path are hashed, because they only determine the look of instances.
 const LOOKS: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
 
 var _hashing: HashingContext

@@ -75,7 +75,7 @@ func run() -> void:
 		printerr("bake_world: ", wrong)
 		_tree.quit(2)
 		return
-	# From here on no frame passes, so that the scene does not change. This is a physics frame, because the ground may use ray queries.
+	# From here on no frame passes, so that the scene does not change. The bake runs in a physics frame, because the ground may use ray queries.
 	await _tree.physics_frame
 	if folder != null:
 		_tree.quit(folder.make(_scatter, _arguments["scene"]))

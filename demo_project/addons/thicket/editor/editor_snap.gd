@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## The snap settings of the editor's 3D view. Scripts can read them since Godot 4.6. Before, Ctrl snaps with the editor's
-## default settings.
+## The snap settings of the editor's 3D view. Scripts can read them since Godot 4.6. In earlier versions, Ctrl snaps with the editor's default
+## settings.
 
 
 ## Whether the editor snaps now: either its snap button is on or Ctrl is held, but not both.

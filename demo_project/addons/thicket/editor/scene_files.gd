@@ -84,7 +84,7 @@ func keep(resource: Resource, scene_path: String) -> void:
 		mark(resource)
 
 
-## Called when undo stops using a resource of [method create]. Its file is removed. If the scene on disk refers to the file, it is removed
+## Called when undo stops using a resource of [method create]. Removes the resource's file. If the scene on disk refers to the file, it is removed
 ## when the scene is saved.
 func drop(resource: Resource, scene_path: String) -> void:
 	if _changed.erase(resource.get_instance_id()):

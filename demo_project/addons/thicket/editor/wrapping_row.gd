@@ -3,8 +3,7 @@ extends HFlowContainer
 ## A row above the 3D view that wraps into further lines if it is too long, like the editor's own row of menus. Otherwise it would push the
 ## docks out of the window.
 
-## The row requests at most this width before it wraps, in pixels of an unscaled editor. It is less than the width of the editor's own
-## menus.
+## The row requests at most this width before it wraps, in pixels of an unscaled editor. This is less than the width of the editor's own menus.
 const WIDTH := 600.0
 
 
@@ -32,7 +31,7 @@ func _ask_for_width() -> void:
 	custom_minimum_size.x = minf(ceilf(length), WIDTH * EditorInterface.get_editor_scale())
 
 
-## Makes the editor's panel around the row fill its line while the row is visible: the rest of the line is the room for wrapping.
+## Makes the editor's panel around the row fill its line while the row is visible, so that the row can use the rest of the line before it wraps.
 func _stretch(wide: bool) -> void:
 	var panel := get_parent() as Control
 	while panel != null and not panel.get_parent() is FlowContainer:

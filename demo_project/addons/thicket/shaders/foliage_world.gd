@@ -17,10 +17,9 @@ const MOST_BODIES := 16
 
 ## Materials that receive the wind and the bodies, in addition to those of scatters. Empty entries are ignored.
 @export var materials: Array[ShaderMaterial] = []
-## If true, the materials of all [TerrainScatter3D]s in the tree receive them as well: those from
-## [method ScatterLayer.get_materials] of each layer whose shader includes [code]foliage.gdshaderinc[/code]. They are
-## collected again when such a node is added or removed, and when its list of layers or a layer changes. Only then is a
-## material checked whose shader has changed.
+## If true, the materials of all [TerrainScatter3D]s in the tree receive them as well: those from [method ScatterLayer.get_materials] of each layer
+## whose shader includes [code]foliage.gdshaderinc[/code]. The materials are collected again when such a node is added or removed, and when its list
+## of layers or a layer changes. A changed shader of a material is only noticed at that time.
 @export var include_scatters := true:
 	set(value):
 		include_scatters = value

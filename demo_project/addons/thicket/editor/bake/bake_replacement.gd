@@ -6,9 +6,9 @@ const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
 
-## Adds the scene at [param scene_path] below the scatter, and a region that keeps the baked layers out of [param rect]. Removes hand-placed instances there, so that nothing is placed twice. The region does not consider neighbors: for a
-## layer that was not baked and keeps a distance to a baked one, the baked instances are gone. Returns the reason if it failed, as a
-## sentence; empty on success.
+## Adds the scene at [param scene_path] below the scatter, and a region that keeps the baked layers out of [param rect]. Removes hand-placed instances
+## there, so that nothing is placed twice. The region also affects neighbors: a layer that was not baked, but keeps a distance to a baked layer, no
+## longer keeps it from the baked instances. Returns the reason if it failed, as a sentence; empty on success.
 static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: Array[ScatterLayer]) -> String:
 	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
 	if packed == null:

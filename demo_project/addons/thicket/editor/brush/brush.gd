@@ -31,9 +31,8 @@ func is_painting() -> bool:
 	return not _strokes.is_empty()
 
 
-## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one: an empty
-## mask for painting, so that the layer grows only where it is painted, and a full one for erasing. Returns the
-## reason if the stroke cannot begin, as a sentence; empty on success.
+## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one: an empty mask for painting, so that the layer
+## grows only where it is painted, or a full mask for erasing. Returns the reason if the stroke cannot begin, as a sentence; empty on success.
 func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
 		at: Vector2) -> String:
 	finish(null)

@@ -1,7 +1,6 @@
 @tool
 extends RefCounted
-## The text that the Why tool shows next to the mouse: a line for each layer, with a sentence that explains why it is placed there or
-## not.
+## The text that the Why tool shows next to the mouse: for each layer a line with a sentence that explains why the layer has an instance there or not.
 
 const MOST_LINES := 12
 const WIDTH := 560.0

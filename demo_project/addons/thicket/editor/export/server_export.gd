@@ -12,7 +12,8 @@ func _begin_customize_resources(_platform: EditorExportPlatform, _features: Pack
 	return get_export_preset().is_dedicated_server()
 
 
-## Changes a resource with its own file only when that file is exported (`path`): elsewhere it may be the object that the editor has open.
+## Only changes a resource that has its own file when that file is exported (`path`). In any other file, it may be the object that the editor has
+## open.
 func _customize_resource(resource: Resource, path: String) -> Resource:
 	var is_elsewhere := path.is_empty() and resource.resource_path.begins_with("res://") and not "::" in resource.resource_path
 	return resource if not is_elsewhere and _embed(resource) else null

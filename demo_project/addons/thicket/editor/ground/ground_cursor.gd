@@ -128,8 +128,7 @@ func _draw_line(overlay: Control, line: PackedVector2Array, color: Color, width:
 		overlay.draw_polyline(line, color, width, true)
 
 
-## The number of overlay pixels per viewport pixel: at half resolution a viewport has fewer pixels than its
-## overlay.
+## The number of overlay pixels per viewport pixel. At half resolution, a viewport has fewer pixels than its overlay.
 static func _shrink(camera: Camera3D) -> float:
 	var container := camera.get_viewport().get_parent() as SubViewportContainer
 	return float(container.stretch_shrink) if container != null and container.stretch else 1.0

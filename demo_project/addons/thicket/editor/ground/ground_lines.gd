@@ -9,7 +9,7 @@ const LIFT := 0.1
 var ground: ScatterGround
 ## The world height in meters of lines without a ground.
 var level := 0.0
-## The number of ground heights that may still be queried. After that, lines are straight from corner to corner.
+## The number of ground heights that may still be queried. Once it is used up, lines are straight from corner to corner.
 var budget := 4000
 ## Pairs of end points, in the space of the node.
 var segments := PackedVector3Array()
@@ -33,8 +33,8 @@ static func scatter_of(node: Node) -> TerrainScatter3D:
 	return node as TerrainScatter3D
 
 
-## A material for lines that are visible through everything, and opaque whether their node is selected or not. The
-## materials of a gizmo plugin are not.
+## A material for lines that are visible through everything, and opaque whether their node is selected or not. Materials of a gizmo plugin cannot do
+## this.
 static func material(color: Color) -> StandardMaterial3D:
 	var made := StandardMaterial3D.new()
 	made.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED

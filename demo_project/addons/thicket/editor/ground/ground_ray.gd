@@ -10,9 +10,9 @@ const MOST_STEPS := 600
 const HALVINGS := 24
 
 
-## Returns the first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if
-## there is none. [param direction] has a length of 1. A step is half the height of the ray above the ground. So a ridge
-## is missed only if the ground is steeper than 60 degrees and the ray grazes it. Queries the ground some hundred times.
+## Returns the first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is none. [param
+## direction] has a length of 1. A step is half the height of the ray above the ground. So the ray only misses a ridge if the ground is steeper than
+## 60 degrees and the ray grazes it. Queries the ground some hundred times.
 static func hit(ground: ScatterGround, from: Vector3, direction: Vector3) -> Vector3:
 	var at := 0.0
 	var last := NAN

@@ -126,7 +126,7 @@ func _on_key(key: InputEventKey) -> int:
 	if not key.pressed or key.ctrl_pressed or key.alt_pressed or key.meta_pressed or Input.is_mouse_button_pressed(MOUSE_BUTTON_RIGHT):
 		return NOT_MINE
 	match key.keycode:
-		# Both are also taken without a selection, because the editor would deselect or delete the scatter.
+		# The tool handles both keys even without a selection, because the editor would deselect or delete the scatter.
 		KEY_ESCAPE:
 			_give_up()
 		KEY_DELETE:

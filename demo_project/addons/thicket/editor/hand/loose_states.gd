@@ -15,8 +15,8 @@ func _init(files: SceneFiles) -> void:
 	_files = files
 
 
-## Gives each state of a scene that contains instances a file, if the scene has one, and marks states that differ from their files.
-## Returns true if there were any without a file.
+## Creates a file for each state of a scene that contains instances, if the scene has a file, and marks states that differ from their files. Returns
+## true if any state had no file.
 func take_in(root: Node) -> bool:
 	var moved := false
 	for scatter in Shared.scatters_of(root):

@@ -1,7 +1,7 @@
 @tool
 extends EditorProperty
-## An inspector editor for a property that refers to any number of layers, with a check box for
-## each. None checked means all layers.
+## An inspector editor for a property that refers to any number of layers, with a check box for each. If none is checked, the property refers to all
+## layers.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 

@@ -3,7 +3,7 @@ extends RefCounted
 ## Deep copies of layers. Resources with their own file are shared; all others are copied.
 
 
-## Resources that copies may share even if they are no files: a layer's content, as opposed to its settings.
+## Resources that copies may share even if they are not files: a layer's content, as opposed to its settings.
 const ASSETS: Array[StringName] = [&"Mesh", &"PackedScene", &"Material", &"Texture", &"ScatterModel", &"PhysicsMaterial"]
 
 

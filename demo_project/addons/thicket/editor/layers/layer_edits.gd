@@ -111,8 +111,8 @@ static func _commit(title: String, scatter: TerrainScatter3D, new: Array[Scatter
 		if layer != null and layer in old:
 			_follow_in_layer(layer, old, new, told, undo_redo)
 		elif layer != null and Copies.is_file(layer) and layer.layer_id == -1:
-			# The list assigns an id, which the layer's file stores: with any method call on it, the editor writes the file when it saves
-			# the scene.
+			# The list assigns an id, which the layer's file stores. Because of this method call on the layer, the editor writes that file when it
+			# saves the scene.
 			undo_redo.add_do_method(layer, &"get_layer_id")
 			undo_redo.add_undo_property(layer, &"layer_id", -1)
 	for region: ScatterRegion3D in scatter.find_children("*", "ScatterRegion3D", true, false):
@@ -163,7 +163,7 @@ static func _change(object: Object, property: StringName, before: Variant, after
 		undo_redo.add_undo_property(object, property, before)
 
 
-## The same reference to a layer; null if the old list had the layer and the new one does not. A reference without a layer stays.
+## The same reference to a layer; null if the old list had the layer and the new one does not. A reference to no layer stays.
 static func _next(mentioned: Variant, old: Array[ScatterLayer], new: Array[ScatterLayer]) -> Variant:
 	var layer := _meant(mentioned, old)
 	if layer == null:

@@ -232,7 +232,7 @@ func _enable() -> void:
 	_remove.disabled = none
 
 
-## The chosen layers without those of biomes. Other scatters may share those, and they are added and removed with their biome.
+## The chosen layers without those of biomes. Other scatters may share the layers of a biome, and these are added and removed with their biome.
 func _own_chosen() -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	if is_instance_valid(_scatter):

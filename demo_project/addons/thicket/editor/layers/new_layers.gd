@@ -10,12 +10,12 @@ const VIEW := 100.0
 const VIEW_RANGE := Vector2(10.0, 600.0)
 const TILE := 30.0
 const TILE_RANGE := Vector2(8.0, 128.0)
-## A later layer whose radius is less than [constant UNDERGROWTH] times an earlier one's grows beneath it. It keeps a distance of
-## [constant TRUNK] times the earlier radius.
+## A later layer whose radius is less than [constant UNDERGROWTH] times an earlier one's grows beneath the earlier layer. The later layer keeps a
+## distance of [constant TRUNK] times the earlier radius.
 const UNDERGROWTH := 0.35
 const TRUNK := 0.2
-## The largest distance to an earlier layer, as a part of its radius. Beyond that, hardly any instance remains: at full density, no
-## position is farther from the earlier layer than its radius.
+## The largest distance to an earlier layer, as a part of that layer's radius. Beyond that, hardly any instance remains: at full density, no position
+## is farther from the earlier layer than its radius.
 const ROOM := 0.62
 
 
@@ -76,8 +76,8 @@ static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) ->
 		done.append(layer)
 
 
-## The distance in meters that a later layer keeps to an earlier one: half the sum of both radii. It is less if that would leave no
-## room, or if the later layer is undergrowth; 0 if the earlier one is.
+## The distance in meters that a later layer keeps to an earlier one: half the sum of both radii. The distance is less if that would leave no room, or
+## if the later layer is undergrowth. It is 0 if the earlier layer is undergrowth.
 static func distance(earlier: ScatterLayer, later: ScatterLayer) -> float:
 	var wide := earlier.radius
 	var other := later.radius

@@ -1,6 +1,6 @@
 @tool
 extends VBoxContainer
-## Notes about a scatter, a row each, with a button that helps: it has no ground, or shares resources by accident.
+## Notes about a scatter, one in each row, with a button that fixes the problem: the scatter has no ground, or shares resources by accident.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")

@@ -122,7 +122,7 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	if new_seed:
 		undo_redo.add_do_property(scatter, &"seed", free_seed(scatter))
 		undo_redo.add_undo_property(scatter, &"seed", scatter.seed)
-	# A state is checked against the last seed that the scatter has processed. A query makes it process the new one.
+	# A state is checked against the last seed that the scatter has processed. A query makes the scatter process the new seed.
 	undo_redo.add_do_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
 	undo_redo.add_undo_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
 	undo_redo.add_do_property(scatter, &"state", states[0])
@@ -169,7 +169,7 @@ static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneF
 	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
 
 
-## Finds masks that are beside a different scene and have the name that the brush chooses: they belong to that scene. The same applies to
+## Finds masks that are beside a different scene and have the name that the brush chooses: these masks belong to that scene. The same applies to
 ## states of the hand tool.
 static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[ScatterLayer], scenes: PackedStringArray,
 		r_shared: Shared) -> void:

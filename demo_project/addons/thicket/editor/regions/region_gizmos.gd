@@ -202,7 +202,7 @@ static func _drag_width(region: ScatterRegion3D, from: Vector3, to: Vector3) -> 
 
 ## The position along an axis through the node's origin at which a ray is nearest to the axis; negative on the other side of the origin.
 static func _along(axis: Vector3, from: Vector3, to: Vector3) -> float:
-	# Not Geometry3D's segment function: its end points are far away, so 32-bit floats are off by centimeters.
+	# Does not use Geometry3D's segment function, whose end points are far away, so that 32-bit floats are off by centimeters.
 	var direction := (to - from).normalized()
 	var cosine := axis.dot(direction)
 	return (axis.dot(from) - cosine * direction.dot(from)) / maxf(1.0 - cosine * cosine, 1e-6)
