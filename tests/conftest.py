@@ -71,7 +71,7 @@ def pytest_addoption(parser: pytest.Parser):
 
 
 def pytest_configure():
-    """Each worker has its own cache folder for Godot. With a common one, an editor may read documentation that another is writing."""
+    """Each worker has its own cache folder for Godot. With a common folder, an editor might read documentation while a different editor writes it."""
     os.environ["THICKET_CACHE"] = str(CACHE)
     os.environ["XDG_CACHE_HOME"] = str(CACHE / "engine" / os.environ.get("PYTEST_XDIST_WORKER", "alone"))
     os.makedirs(os.environ["XDG_CACHE_HOME"], exist_ok=True)
@@ -103,13 +103,13 @@ def alone(item: pytest.Item) -> bool:
 
 
 def is_worker(config: pytest.Config) -> bool:
-    """Whether this is one of several workers. A run that a worker's test has started is not, although it has the worker's environment."""
+    """True if this process is one of several workers. False for a run that a worker's test has started, although it has the worker's environment."""
     return hasattr(config, "workerinput")
 
 
 @contextmanager
 def turn(config: pytest.Config, wants_to_be_alone: bool) -> Iterator[None]:
-    """Waits until a test may run together with those of other workers, or for `wants_to_be_alone` until none of those is running."""
+    """Waits until a test may run together with the tests of other workers. With `wants_to_be_alone`, waits until no other test is running."""
     if fcntl is None or not is_worker(config):
         yield
         return
@@ -242,7 +242,7 @@ def wheel_python(wheel: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def thicket(wheel_python: Path) -> ModuleType:
-    """The Python package, imported from that environment, which has the same Python."""
+    """The Python package, imported from the environment of `wheel_python`, which has the same Python."""
     done = run([wheel_python, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], timeout=60)
     sys.path.append(done.stdout.strip())
     module = import_module("thicket")

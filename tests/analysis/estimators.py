@@ -13,8 +13,8 @@ def inside(positions: np.ndarray, side: float) -> np.ndarray:
 
 
 def close_pairs(positions: np.ndarray, side: float, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(distance, angle, weight) of all pairs at a distance of at most `reach`. The weight is the number of its points in the
-    window, so that each point of the window counts all its neighbors once. Needs a border of `reach`."""
+    """(distance, angle, weight) of all pairs at a distance of at most `reach`. The weight of a pair is the number of its points in the window, so
+    that each point in the window counts all of its neighbors once. Needs a border of `reach`."""
     pairs = cKDTree(positions).query_pairs(reach, output_type="ndarray")
     offset = positions[pairs[:, 1]] - positions[pairs[:, 0]]
     within = inside(positions, side).astype(np.int64)
@@ -23,8 +23,8 @@ def close_pairs(positions: np.ndarray, side: float, reach: float) -> tuple[np.nd
 
 
 def pair_correlation(positions: np.ndarray, side: float, edges: np.ndarray, density: float) -> np.ndarray:
-    """g(r) in the bins between `edges`, relative to a fixed density (points per square radius), so that a set with a different density
-    differs. Needs a border of edges[-1]."""
+    """g(r) in the bins between `edges`, relative to a fixed density (points per square radius), so that sets with different densities have different
+    results. Needs a border of edges[-1]."""
     distance, _, weight = close_pairs(positions, side, edges[-1])
     counts, _ = np.histogram(distance, bins=edges, weights=weight)
     rings = np.pi * (edges[1:] ** 2 - edges[:-1] ** 2)
@@ -86,7 +86,7 @@ class Spectrum:
 
     def anisotropy(self, edges: np.ndarray) -> np.ndarray:
         """For each ring, the mean power times cos 2a, sin 2a, cos 4a and sin 4a, and the mean squared power (Ulichney's anisotropy
-        except for a factor). They show whether a set has preferred directions."""
+        except for a factor). These values show whether a set has preferred directions."""
         ring = np.digitize(self.frequency, edges) - 1
         kept = (ring >= 0) & (ring < len(edges) - 1)
         count = np.bincount(ring[kept], minlength=len(edges) - 1)

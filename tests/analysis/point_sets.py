@@ -49,7 +49,7 @@ class References:
         return self._sets("darts", side, first_seed, seeds)
 
     def progressive(self, side, levels, first_seed, seeds=1) -> list[np.ndarray]:
-        """Naive dart throwing on a torus with this side: with radius 2^(levels - 1), then with half of that, and so on down to 1."""
+        """Naive dart throwing on a torus with this side: first with radius 2^(levels - 1), then with half of this radius, and so on down to 1."""
         return self._sets("progressive", side, levels, first_seed, seeds)
 
     def colored(self, side, tile, first_seed, seeds=1) -> list[np.ndarray]:
@@ -62,6 +62,6 @@ class References:
 
 
 def in_radii(lattice: np.ndarray, corner) -> np.ndarray:
-    """Lattice coordinates in radii, relative to a corner in radii. They are subtracted as integers, so that sets far from the
-    origin keep their precision."""
+    """Lattice coordinates in radii, relative to a corner in radii. The corner is subtracted as integers, so that sets far from the origin keep their
+    precision."""
     return (lattice - np.round(np.asarray(corner) * RADIUS).astype(np.int64)) / RADIUS

@@ -1,5 +1,5 @@
-"""Hypothesis tests whose p-values are exact for normal data. All of them take one row of features for each independent set (a
-seed), so they estimate the correlation between features, and no bound needs tuning."""
+"""Hypothesis tests whose p-values are exact for normal data. All tests take one row of features for each independent set (a seed). From these rows
+they estimate the correlation between features, so no bound needs tuning."""
 
 from __future__ import annotations
 

@@ -3,8 +3,8 @@ Python of tools/bake.
 
     make_bake.py FOLDER
 
-The world is far from the origin. It has a tile without rows, a layer that was not baked between two that were, all kinds of models, and
-instances slightly outside of their tile. FOLDER/expected.npz has the columns of all tiles, one after the other, with each row's tile."""
+The world is far from the origin. It has a tile without rows, all kinds of models, and instances slightly outside of their tile. One layer was not
+baked, between two layers that were. FOLDER/expected.npz has the columns of all tiles, one after the other, with each row's tile."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ PER_TILE = {0: 40, 2: 200}
 
 
 def rows_of(x: int, z: int, rng: np.random.Generator) -> dict[str, np.ndarray]:
-    """The columns of a tile: instances at random positions in its part of the rectangle, and one 3 cm outside."""
+    """The columns of a tile: instances at random positions in the tile's part of the rectangle, and one instance 3 cm outside."""
     low = np.maximum([x * TILE_SIZE, z * TILE_SIZE], RECT[:2])
     high = np.minimum([(x + 1) * TILE_SIZE, (z + 1) * TILE_SIZE], [RECT[0] + RECT[2], RECT[1] + RECT[3]])
     counts = {layer: 0 if (x, z) == EMPTY else count for layer, count in PER_TILE.items()}

@@ -19,7 +19,7 @@ TOOLS = REPO / "tools/bake"
 
 
 def new_game(folder: Path) -> Path:
-    """A project without the extension. It only has the scripts that stream a world, and the models of the small bake."""
+    """Creates a project without the extension. It only contains the scripts that stream a world, and the models of the small bake."""
     scripts = folder / "addons/thicket"
     scripts.mkdir(parents=True)
     (folder / "project.godot").write_text('config_version=5\n[application]\nconfig/name="Baked"\n')
@@ -64,7 +64,7 @@ def reader(name: str, bake: Path, *arguments: str | Path, timeout: float = 120) 
 
 
 def refused(name: str, bake: Path, *arguments: str | Path) -> str:
-    """The error message of a reader that refuses a bake. It must be a sentence without a traceback."""
+    """The error message of a reader that refuses a bake. The message must be a sentence without a traceback."""
     done = reader(name, bake, *arguments)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stdout + done.stderr
     return done.stderr

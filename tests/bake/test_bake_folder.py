@@ -1,5 +1,5 @@
-"""Tiles that an engine makes into a folder, without a driver. A bake from them equals the driver's own bit for bit, even if an engine was
-killed or files were damaged meanwhile."""
+"""Tiles that an engine writes into a folder, without a driver. A bake from these tiles equals the driver's own bake bit for bit, even if an engine
+was killed or files were damaged in the meantime."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def test_a_bake_from_a_folder_equals_the_drivers_own(baked, made, tmp_path):
 
 
 def test_shares_add_up_to_the_whole(world, baked, tmp_path):
-    """Two engines make their shares independently, into two folders that are merged afterwards."""
+    """Two engines generate their shares independently, in two folders that are merged afterwards."""
     engines = [
         subprocess.Popen(command(world, "scene=res://world.tscn", f"out={tmp_path / str(share)}", *ASKED, f"share={share}/2"), stdout=subprocess.DEVNULL)
         for share in (1, 2)
@@ -95,7 +95,7 @@ def test_chosen_tiles_and_layers_with_the_default_tile_size(world, tmp_path):
 
 
 def test_a_killed_engine_only_costs_time(world, baked, tmp_path):
-    """Complete tiles stay. Missing, truncated and damaged ones are made again, and no partial file is left."""
+    """Complete tiles stay. Missing, truncated and damaged tiles are generated again, and no partial file is left."""
     folder = tmp_path / "made"
     with ground(world, "slow"):
         engine = subprocess.Popen(command(world, "scene=res://world.tscn", f"out={folder}", *ASKED), stdout=subprocess.DEVNULL)
@@ -144,7 +144,7 @@ def test_failing_tiles_are_reported_and_others_made(world, tmp_path):
 
 
 def test_a_changed_scene_is_noticed(world, made, tmp_path):
-    """A bake refuses a folder whose scene was changed, and one with a tile copied from a different scene."""
+    """A bake refuses a folder whose scene has changed, and a folder with a tile that was copied from a different scene."""
     other_world = shutil.copytree(world, tmp_path / "project", symlinks=True)
     scene = other_world / "world.tscn"
     scene.write_text(scene.read_text().replace("max_scale = 2.0", "max_scale = 2.25"))

@@ -31,7 +31,7 @@ def counted(rows: dict[str, np.ndarray], layer: int, meters: float, width: int, 
 
 @pytest.mark.parametrize(("meters", "memory", "size"), [(None, "256", (180, 130)), (7.3, "0.005", (25, 18)), (200.0, "256", (1, 1)), (0.5, "0.05", (360, 260))])
 def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, size):
-    """The counts can be computed for any pixel size, and whether the map is made at once or in bands of a few rows."""
+    """The counts can be computed for any pixel size, whether the map is created at once or in bands of a few rows."""
     options = [] if meters is None else ["--meters", str(meters)]
     done = reader("maps", bake, tmp_path / "maps", *options, "--memory", memory)
     assert done.returncode == 0, done.stderr
@@ -50,7 +50,7 @@ def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, siz
 
 
 def test_maps_of_8_bits(bake, expected, tmp_path):
-    """With 20 m per pixel, white is the maximum number of instances, and one instance of a dense layer is less than one gray value."""
+    """With 20 m per pixel, white means the maximum number of instances, and one instance of a dense layer is less than one gray value."""
     assert run(["bash", "demo_project/bake_export.sh", bake, "maps", tmp_path, "--meters", "20", "--bits", "8"], timeout=60, cwd=REPO).returncode == 0
     gray, about = map_of(tmp_path, "Grass")
     want = counted(expected, 2, 20.0, 9, 7)

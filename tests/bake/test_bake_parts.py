@@ -108,7 +108,7 @@ def test_a_leftover_that_cannot_be_removed_is_reported(tmp_path):
 
 
 def test_an_unusable_manifest_is_reported(tmp_path):
-    """A file that is no manifest is replaced with a message. A manifest that lacks an important field is refused."""
+    """A file that is not a manifest is replaced, and a message reports this. A manifest that lacks an important field is refused."""
     request = driver.BakeRequest(Source(("godot",), "/nowhere", "res://world.tscn"), tmp_path)
     said: list[str] = []
     driver._resume(request, dict(WORLD), said.append)

@@ -1,4 +1,4 @@
-"""The readers of a bake refuse damaged files; and the export of a bake to Godot, with the node that streams it."""
+"""Tests that the readers of a bake refuse damaged files, and tests the export of a bake to Godot, with the node that streams it."""
 
 from __future__ import annotations
 
@@ -41,8 +41,7 @@ def test_an_invalid_manifest_is_refused(copy, tmp_path, values, says):
 
 
 def test_damaged_tiles_are_refused(copy, tmp_path):
-    """A tile may be missing, truncated or different from the manifest's. Each error has the file's name and the command to bake it
-    again."""
+    """A tile may be missing, truncated or different from the manifest's. Each error contains the file's name and the command that bakes it again."""
     first, second = (copy / f"tiles/tile_{x}_-20002.parquet" for x in (60000, 60001))
     whole = first.read_bytes()
     for damage in (lambda: first.unlink(), lambda: first.write_bytes(whole[: len(whole) // 2]), lambda: shutil.copy(copy / "tiles/tile_60002_-20001.parquet", first)):
@@ -138,7 +137,7 @@ def test_exported_tiles_have_every_instance_at_its_baked_position(nodes, expecte
 
 
 def test_meshes_are_referenced_or_copied_once(nodes, world, bake):
-    """A mesh of the project is referenced by its path. A mesh that only the bake has is copied once."""
+    """A mesh of the project is referenced by its path. A mesh that only exists in the bake is copied once."""
     meshes = {re.sub(r"(_\d+)_\d+", r"\1", node["name"]): node["mesh"] for node in nodes}
     assert meshes["Oak_0_LOD0"] == "res://oak.tres" and meshes["Oak_0_LOD1"] == "res://far.tres"
     assert meshes["Grass_0"] == "res://world/models/2_0.res"
@@ -226,7 +225,7 @@ def distance(tile: str, place: tuple[float, float]) -> float:
 
 @pytest.mark.parametrize("engine", ["godot", "godot_xvfb"])
 def test_tiles_come_and_go_with_the_camera(engine, game, world, bake, request):
-    """Runs with and without a renderer; files are read on threads only with one. Exactly the tiles within the view distance appear.
+    """Runs with and without a renderer. Files are read on threads only if there is a renderer. Exactly the tiles within the view distance appear.
     Tiles that are a quarter of a tile farther away disappear. The content of each matches the manifest."""
     tiles = {key: entry for key, entry in manifest_of(bake)["tiles"].items() if entry["rows"]}
     walk = [(20.0, -80.0), (120.0, -80.0), (170.0, 20.0), (5000.0, 0.0)]

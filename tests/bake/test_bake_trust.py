@@ -79,7 +79,7 @@ def read(folder: Path, **options: bool):
 
 
 def test_each_changed_bit_of_a_tile_is_detected(bake):
-    """The error has the tile, both digests, and the command to bake it again."""
+    """The error contains the tile, both digests, and the command that bakes the tile again."""
     read(bake)
     file = bake / "tiles/tile_60000_-20002.parquet"
     wanted = json.loads((bake / MANIFEST).read_text())["tiles"][TILE]["sha256"]
@@ -92,7 +92,7 @@ def test_each_changed_bit_of_a_tile_is_detected(bake):
 
 
 def test_in_older_bakes_no_undetected_change_affects_an_instance(bake):
-    """Their manifests only have the digests of rows. The rest of a file does not affect instances."""
+    """Manifests of older bakes only contain the digests of rows. The rest of a file does not affect instances."""
     manifest = json.loads((bake / MANIFEST).read_text())
     del manifest["tiles"][TILE]["sha256"]
     (bake / MANIFEST).write_text(json.dumps(manifest))

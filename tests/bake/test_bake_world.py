@@ -1,5 +1,5 @@
-"""Bakes of a world into files. The files have the instances of the running game, independently of the workers and their order. If a
-worker is killed, or files are damaged or changed, this is detected."""
+"""Bakes of a world into files. The files have the instances of the running game, whatever the workers and their order. A bake detects killed workers,
+and damaged or changed files."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_manifest_describes_the_bake(baked):
 
 
 def test_costs_count_the_engine_too(world, baked):
-    """A wrapper that runs the engine does not hide its cost. A forecast uses the processor time of worker and engine."""
+    """If a wrapper runs the engine, the engine's cost still counts. A forecast uses the processor time of worker and engine."""
     engine = TileEngine(Source((str(REPO / "tools/godot"),), str(world), "res://world.tscn"))
     try:
         first = engine.core_seconds()
@@ -193,7 +193,7 @@ def test_adjacent_bakes_form_one_world(world, baked, tmp_path):
 
 
 def test_damaged_files_are_made_again(world, baked, tmp_path):
-    """Truncated, changed, swapped and missing files are found and made again. Valid ones are kept, although the manifest is damaged, too.
+    """Truncated, changed, swapped and missing files are found and generated again. Valid files are kept, although the manifest is damaged, too.
     Leftovers of a killed bake and tiles of a different bake are removed."""
     spoiled = copied(baked, tmp_path / "out")
     names = sorted(spoiled.manifest["tiles"])

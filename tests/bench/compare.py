@@ -38,7 +38,7 @@ def more_is_better(unit: str) -> bool:
 
 
 def outliers(turns: int) -> int:
-    """The number of turns, of this many, that may contradict the rest; -1 if there are too few turns to decide anything."""
+    """The number of turns, out of the given number, that may contradict the rest; -1 if the turns are too few to decide anything."""
     return max(k for k in range(-1, turns // 2) if 2 * sum(math.comb(turns, i) for i in range(k + 1)) / 2**turns <= CHANCE)
 
 
@@ -61,7 +61,7 @@ class Change:
 
 
 def compare(what: str, unit: str, base: list[float], new: list[float]) -> Change:
-    """Compares a row. Both lists hold the median of each turn, in the same order."""
+    """Compares a row. Both lists contain the median of each turn, in the same order."""
     ratios = sorted(b / a if a > 0 and b > 0 else 1.0 for a, b in zip(base, new, strict=True))
     ratio = statistics.median(ratios)
     against = sum(each >= 1.0 for each in ratios) if ratio < 1.0 else sum(each <= 1.0 for each in ratios)

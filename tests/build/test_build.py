@@ -129,7 +129,7 @@ INEXACT = """acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp e
 
 
 def test_core_calls_no_inexact_math_function(build_dir):
-    """Without exceptions, the core calls no function of the C library whose last bit depends on the library."""
+    """The core never calls a function of the C library whose result depends on the library in its last bit."""
     listed = run(["nm", "-u", build_dir / "libthicket_core.a"], timeout=60)
     assert listed.returncode == 0, listed.stderr
     wanted = {words[1] for words in map(str.split, listed.stdout.splitlines()) if len(words) == 2 and words[0] == "U"}
@@ -139,7 +139,7 @@ def test_core_calls_no_inexact_math_function(build_dir):
 
 
 def test_every_test_of_the_core_belongs_to_one_room():
-    """`bash tests/room.sh ROOM` runs each test for one room, except tests that include no room, because they test a benchmark."""
+    """`bash tests/room.sh ROOM` runs each test for one room. The only exceptions are tests of a benchmark, which include no room."""
     programs = {room: set(rooms.tests_of(REPO, rooms.PREFIX + room.removeprefix("core/"))[0]) for room in rooms.TESTED}
     everywhere = set.intersection(*programs.values())
     tests = [path.relative_to(REPO).as_posix() for path in sorted((REPO / "tests/core").glob("test_*.cpp"))]

@@ -82,7 +82,7 @@ def test_content_of_the_zip(addon):
 
 @pytest.mark.full
 def test_no_traces_of_the_build_machine(addon):
-    """No byte of the add-on contains a path, a compiler or a registry of the build machine."""
+    """No file of the add-on contains a path, a compiler or a registry of the build machine."""
     for path in (each for each in addon.rglob("*") if each.is_file() and each.name != "THIRD_PARTY.txt"):
         found = OF_THE_MACHINE.search(path.read_bytes())
         assert not found, f"{path.name}: {path.read_bytes()[max(0, found.start() - 40) : found.end() + 40]}"
@@ -207,7 +207,7 @@ def test_the_library_for_windows_loads(addon, at_home):
 
 @pytest.mark.full
 def test_the_library_for_arm_loads(addon, at_home):
-    """On ARM, the library registers the same classes as at home. Runs in an emulator, with the C library of a cross compiler."""
+    """On ARM, the library registers the same classes as on this machine. Runs in an emulator, with the C library of a cross compiler."""
     if not shutil.which("qemu-aarch64"):
         pytest.skip("qemu-user is not installed")
     root = Path("/usr/aarch64-linux-gnu")
@@ -221,8 +221,8 @@ def test_the_library_for_arm_loads(addon, at_home):
 @pytest.mark.full
 @pytest.mark.parametrize("threads", [True, False])
 def test_the_library_for_the_web_loads(addon, at_home, threads):
-    """In WebAssembly, the libraries for both kinds of export templates register the same classes as at home. A call with a wrong function
-    signature traps there."""
+    """In WebAssembly, the libraries for both kinds of export templates register the same classes as on this machine. In WebAssembly, a call with a
+    wrong function signature traps."""
     if not shutil.which("node"):
         pytest.skip("node is not installed")
     flags = ["-fwasm-exceptions", "-sSUPPORT_LONGJMP=wasm", "-sMAIN_MODULE=1", "-sWASM_BIGINT", "-sNODERAWFS", "-sINITIAL_MEMORY=256MB",

@@ -68,7 +68,7 @@ def test_wrong_names_are_refused():
 
 
 def test_builds_are_listed():
-    """--list prints the builds that the same arguments make, which decides the compilers that are installed."""
+    """--list prints the builds that the same arguments create. The installed compilers depend on this list."""
     for arguments, names in (
         ([], [build.name for build in package.BUILDS]),
         (["--out", "/tmp/windows"], [build.name for build in package.BUILDS]),

@@ -1,5 +1,5 @@
 """The core's tests on other platforms, without those that take long: for 64-bit ARM in an emulator, and for Windows in wine. In addition to
-the digests of test_golden.py, they verify that nothing else fails there."""
+the digests of test_golden.py, these tests verify that nothing else fails on those platforms."""
 
 from __future__ import annotations
 

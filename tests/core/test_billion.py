@@ -1,5 +1,5 @@
-"""The program bench/billion with a thousandth of its points. It makes the same set for any order of tiles, within its memory limit,
-and prints all documented values. tests/core/test_billion.cpp tests its checks."""
+"""The program bench/billion with a thousandth of its points. The program generates the same set for any order of tiles, within its memory limit, and
+prints all documented values. tests/core/test_billion.cpp tests its checks."""
 
 from __future__ import annotations
 

@@ -275,7 +275,7 @@ LONG = {"sample": lambda sampler, watch: sampler.sample((0.0, 0.0, 3000.0, 3000.
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_a_call_can_be_watched_and_canceled(sampler, work: Callable):
-    """It can be canceled by the result of the progress function, and from another thread. A nested call is refused."""
+    """A call can be canceled by the result of its progress function, and from a different thread. A nested call is refused."""
     seen: list[tuple[float, int]] = []
     inside: list = []
 

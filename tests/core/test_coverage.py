@@ -1,5 +1,5 @@
-"""Some test runs every line of the extension, except the lines in uncovered_core.txt and uncovered_nodes.txt. A line that should make
-something faster changes no result, so only this test shows that it is ever reached. The lines are counted by a build with coverage=yes."""
+"""Every line of the extension is run by some test, except the lines in uncovered_core.txt and uncovered_nodes.txt. A line that only makes the code
+faster changes no result, so only this test shows whether it is ever reached. A build with coverage=yes counts the lines."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def test_wrong_sets_are_detected(darts, wrong_sets, kind, feature):
 
 
 def test_a_different_order_is_detected(dart_sets, domain_sets):
-    """A comparison of parts that did not detect it would prove nothing: the wavefront fills a corner first."""
+    """The wavefront fills a corner first. If the comparison of parts did not detect this order, it would prove nothing."""
     wavefront = domain_sets["wavefront", "double"]
     assert means_differ(measured(dart_sets, 0.3).pairs, measured(wavefront, 0.3).pairs) < WRONG
 

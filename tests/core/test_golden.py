@@ -25,8 +25,8 @@ PLAIN = {f"{NATIVE} {each}" for each in ("g++ -O1", f"g++ {FUSED}", "clang++ -O1
 
 @pytest.fixture(scope="module")
 def outcome(request: pytest.FixtureRequest) -> Iterator[Callable[[str], Outcome]]:
-    """The result of a cell, by its name. Meanwhile, all cells of the selected tests are built with one compiler per core, because
-    they take minutes."""
+    """The result of a cell, by its name. In the meantime, all cells of the selected tests are built with one compiler per core, because building them
+    takes minutes."""
     cases = [item.callspec.params for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
     with ThreadPoolExecutor(os.cpu_count()) as compilers, ThreadPoolExecutor(os.cpu_count()) as runs:
         made: dict[str, Future[Outcome]] = {}

@@ -273,7 +273,7 @@ LONG = {
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_other_threads_run_meanwhile(thicket, work):
-    """If the call held the interpreter's lock, there would be no tick between its start and its end."""
+    """Counts the ticks of a different thread between the start and the end of a call. A call that held the interpreter's lock would allow none."""
     ticks: list[float] = []
     end = threading.Event()
 

@@ -32,7 +32,7 @@ GROUND = 564.0
 
 
 def new_demo_project(folder: Path) -> Path:
-    """The demo project, with the plugin that works as a designer would; what is saved goes into the copy."""
+    """A copy of the demo project, with the plugin that works as a designer would. All files are saved in the copy."""
     skipped = shutil.ignore_patterns(".godot", "bin", "pictures", "project.godot")
     shutil.copytree(DEMO, folder, dirs_exist_ok=True, ignore=skipped)
     (folder / "addons/thicket/bin").symlink_to(DEMO / "addons/thicket/bin")
@@ -83,7 +83,7 @@ def plain_project(tmp_path) -> Path:
 
 @pytest.mark.parametrize("script", ["test_bake", "test_scene_files"])
 def test_scripts_of_the_editor(godot, plain_project, script):
-    """Covers the result of a bake, canceling and refusing a bake, the brush's ray on the ground, and unwritable files."""
+    """Covers the result of a bake, a canceled bake, a refused bake, the brush's ray on the ground, and unwritable files."""
     link_library(plain_project)
     done = godot(["--verbose", "--path", plain_project, "--script", REPO / f"tests/engine/{script}.gd"], timeout=120)
     printed = done.stdout + done.stderr
@@ -139,8 +139,7 @@ def test_a_ground_can_be_chosen_and_moved(ground_follows):
 
 
 def test_terrain_plugins_as_ground(godot_xvfb, editor_project):
-    """The checks are in plugin_ground.gd. They use the doubles of terrain plug-ins from the engine tests, which run in the editor,
-    and water."""
+    """The checks are in plugin_ground.gd. They use water, and the test doubles of terrain plug-ins from the engine tests, here in the editor."""
     (editor_project / "doubles").mkdir()
     for name in ("harness", "terrain_harness", "terrain3d_harness", "hterrain_harness"):
         text = (REPO / f"tests/engine/{name}.gd").read_text(encoding="utf-8")
@@ -185,7 +184,8 @@ def test_why_a_position_is_empty(why):
 
 
 def test_pictures_of_the_ground_colors(why):
-    """Much of the ground is red where nothing is permitted, green where it is gentle, and blue where the first instances are."""
+    """Much of the ground is red, where nothing is permitted; green, where the slope is gentle; and blue, where the instances with the lowest ranks
+    are."""
     shares = {}
     for name in ("why", "why_density", "why_slope", "why_rank"):
         image = np.asarray(Image.open(PICTURES / f"{name}.png").convert("RGB"), np.int16)[150:850, 290:1150]

@@ -59,14 +59,14 @@ def project(tmp_path) -> Path:
 
 
 def complaints(output: str) -> list[str]:
-    """The complaints in an engine's output. Ignores that an invisible display has no V-Sync."""
+    """The complaints in an engine's output. Ignores the warning that an invisible display has no V-Sync."""
     return [line for line in output.splitlines() if COMPLAINTS.search(line) and "V-Sync" not in line]
 
 
 @pytest.mark.parametrize("display", ["godot", "godot_xvfb"])
 def test_scripts_see_our_classes_and_nothing_leaks(display, project, request):
-    """Runs a game that covers all uses from scripts. At the end, the engine has nothing to report in verbose mode. Only a real
-    renderer counts its resources."""
+    """Runs a game that covers all uses from scripts. At the end, the engine reports no leaks in verbose mode. Only a real renderer counts its
+    resources."""
     play = request.getfixturevalue(display)
     done = play(["--verbose", "--path", project, "--script", SCRIPTS / "test_language.gd"])
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
@@ -165,7 +165,7 @@ def described(path: Path) -> dict[str, str]:
 
 
 def defaults(path: Path) -> dict[str, str]:
-    """{property: its default} on a page of the class reference. The engine's pages only have some of the defaults that are empty."""
+    """{property: its default} on a page of the class reference. The engine's pages only contain some of the empty defaults."""
     members = {item.get("name"): item.get("default") for item in ElementTree.parse(path).getroot().iterfind("members/member")}
     return {name: default for name, default in members.items() if default and default != "<null>" and not default.endswith("()")}
 

@@ -210,7 +210,7 @@ def test_bodies(godot, request, physics, script):
 
 
 def test_a_model_from_an_asset_pack(godot, tmp_path):
-    """One engine writes the file, the editor imports it, and a third engine draws it."""
+    """One engine writes the file, the editor imports the file, and a third engine draws the model."""
     project = new_project(tmp_path)
     script = ENGINE / "test_imported_model.gd"
     assert_passed(godot(["--path", project, "--script", script, "--", "make"]))
@@ -253,7 +253,7 @@ def test_ground_rendered(godot_xvfb, project):
 
 
 def test_look(godot_xvfb, project):
-    """The instances that the renderer draws of each tile. The dummy renderer stores nothing, so this needs a real one."""
+    """Checks the instances that the renderer draws of each tile. The dummy renderer stores nothing, so this test needs a real renderer."""
     assert_passed(godot_xvfb(["--path", project, "--script", ENGINE / "test_look.gd"]))
 
 
@@ -342,7 +342,7 @@ def test_foliage_in_the_editor(godot_xvfb, tmp_path):
 
 
 def test_draw_cells(godot_xvfb, project):
-    """The instances that are drawn of tiles with cells. The division into cells is invisible in pictures."""
+    """Checks the instances that are drawn of tiles with cells. The division into cells must be invisible in pictures."""
     assert_passed(godot_xvfb(["--verbose", "--path", project, "--script", ENGINE / "test_draw_cells.gd"]))
 
 

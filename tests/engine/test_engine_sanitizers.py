@@ -1,5 +1,5 @@
-"""The extension in the real engine, with every memory access checked: by ThreadSanitizer, and by AddressSanitizer and
-UndefinedBehaviorSanitizer. The engine itself is not instrumented, so it is not checked."""
+"""Runs the extension in the real engine and checks every memory access, with ThreadSanitizer, and with AddressSanitizer
+and UndefinedBehaviorSanitizer. The engine itself is not instrumented, so its accesses are not checked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Everything at once for 45 seconds, and with --full for twenty minutes. tests/bench/soak.gd can run longer, started by hand."""
+"""Uses all features at once for 45 seconds, and with --full for twenty minutes. For longer runs, start tests/bench/soak.gd by hand."""
 
 from __future__ import annotations
 

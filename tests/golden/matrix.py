@@ -1,5 +1,5 @@
-"""The matrix of bit-identical results: analysis/golden from every compiler at every level for every platform. Runs on every instruction set
-of the processor, in an emulator if the platform is not this machine's.
+"""The matrix of bit-identical results: analysis/golden from every compiler at every level for every platform. The program runs on every instruction
+set of the processor, in an emulator if the platform is not this machine's.
 
     bash tests/golden/matrix.sh                    prints it as a Markdown table; installs the required packages
     bash tests/golden/matrix.sh aarch64 wasm       only these platforms

@@ -20,7 +20,7 @@ PATIENCE = 100.0
 
 
 class Process:
-    """An engine process, with functions that wait for its lines. It ends no later than the test."""
+    """An engine process, with functions that wait for lines of its output. The process ends no later than the test."""
 
     def __init__(self, arguments: list[str | Path], screen: str) -> None:
         command = [str(part) for part in (REPO / "tools/godot", screen, *arguments)]

@@ -181,7 +181,7 @@ def test_domain_run_refuses_bad_arguments(core_tool, words):
 
 
 def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
-    """The points are the same if they are returned or stay in the cells, and all of them are inside."""
+    """The points are the same whether they are returned or stay in the cells, and all of them lie inside the domain."""
     sets = {}
     for flags in ([], ["fill"]):
         dump = tmp_path / "sets"
@@ -197,8 +197,8 @@ def test_domain_run_dumps_the_counted_points(core_tool, tmp_path):
 
 
 def test_limited_memory_is_limited(build_dir):
-    """A set that is too large for the limit is refused, and succeeds with a larger limit. The limits depend on the call's own
-    count, so that they adapt to a sampler that needs less memory."""
+    """A set that is too large for the limit is refused, and succeeds with a larger limit. The limits follow from the
+    memory that the call counts, so that they adapt to a sampler that needs less memory."""
     programs = Programs(build_dir, peer=lambda *_: [], contenders=[])
     call = ("accumulator", "double", 300_000, 1, "torus", "fill")
     unlimited = programs.domain(*call)[0]

@@ -47,7 +47,8 @@ def test_versions_of_rust(version, taken):
 
 
 def test_a_missing_rust_is_reported(tmp_path):
-    """There is no cargo on the PATH or among the packages: one clear line, and a failure from which the caller can continue."""
+    """If cargo is neither on the PATH nor among the packages, the script prints one clear line, and fails in a way from which the caller can
+    continue."""
     for name in ("cargo", "apt-cache"):
         (tmp_path / name).write_text("#!/bin/sh\nexit 1\n")
         (tmp_path / name).chmod(0o755)

@@ -1,4 +1,4 @@
-"""Figure 5: point sets, spectra and coverage of methods that should all be the same process."""
+"""Figure 5: point sets, spectra and coverage of methods that should all have the same distribution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The columns of a tile's file, shared by the code that writes bakes and the code that reads them."""
+"""The columns of a tile's file, for the code that writes bakes and for the code that reads them."""
 
 from __future__ import annotations
 

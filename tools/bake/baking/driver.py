@@ -82,7 +82,7 @@ def _bake(request: BakeRequest, client: Client, say: Callable[[str], None]) -> O
 
 
 def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
-    """The plan, the manifest so far, which is on disk, and the seconds that an engine took to start."""
+    """Returns the plan, the manifest so far, which is on disk, and the seconds that an engine took to start."""
     try:
         described = client.submit(tile.describe, request.source, request.asked, pure=False).result()
     except (EngineGone, Refused) as error:

@@ -1,5 +1,5 @@
-"""A worker's code: makes one tile, or reuses an existing file. It runs in processes of Dask. Each has an engine of its own, which it
-keeps for all tiles."""
+"""A worker's code: makes one tile, or reuses an existing file. The code runs in processes of Dask. Each process has its own engine, which it keeps
+for all tiles."""
 
 from __future__ import annotations
 

@@ -165,8 +165,8 @@ class TileEngine:
                 found.append(header)
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, bytearray]]:
-        """For each of the game's tiles in a tile of the bake, its rows, and its `layer`, `bounds` (see grid.py) and so on. Refers
-        to the scene that was described last; see ScatterTile.get_rows."""
+        """For each of the game's tiles in a tile of the bake, its rows, and its `layer`, `bounds` (see grid.py) and so on. The tiles belong to the
+        scene that was described last. For the rows, see ScatterTile.get_rows."""
         self._send({"do": "rows", "tile": tile})
         while True:
             part, data = self._receive()

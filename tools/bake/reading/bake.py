@@ -121,7 +121,7 @@ def _tile(folder: Path, key: str, entry: dict, is_verified: bool) -> Tile:
 
 def open_bake(folder: Path | str, verify: bool = True) -> Bake:
     """Reads the manifest of a bake. An unfinished bake has the tiles that are done. Without `verify`, tiles are read without checking their
-    digests. Raises BakeError for a missing bake, for one of a different version, and for invalid values."""
+    digests. Raises BakeError for a missing bake, for a bake of a different version, and for invalid values."""
     folder = Path(folder).resolve()
     said = read_manifest(folder)
     check_manifest(said, folder / MANIFEST)

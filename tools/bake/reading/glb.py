@@ -103,8 +103,8 @@ class Glb:
         return len(self.json["meshes"]) - 1
 
     def add_meshes(self, other: dict, binary: bytes) -> int:
-        """Appends the meshes of a file with their materials and images, and returns the number of the first mesh. That file has one
-        buffer, like all binary files."""
+        """Appends the meshes of a file with their materials and images, and returns the number of the first mesh. The file has one buffer, like all
+        binary files."""
         names = ("bufferViews", "accessors", "meshes", "materials", "textures", "images", "samplers")
         base = {name: len(self.json.get(name, [])) for name in names}
         start = self._append(binary)

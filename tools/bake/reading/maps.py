@@ -77,7 +77,7 @@ class Map:
             self._slots[layer.index] = slot
 
     def columns(self, x: np.ndarray) -> np.ndarray:
-        """The columns of the positions. Positions a little outside of the rectangle count for its border."""
+        """Returns the column of pixels of each position. Positions a little outside of the rectangle count for its border."""
         return np.floor((x - self.left) / self.meters).clip(0, self.width - 1).astype(np.int64)
 
     def rows(self, z: np.ndarray | float) -> np.ndarray:

@@ -53,9 +53,9 @@ def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, 
 
 
 def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
-    """The number of cells along a side of a tile for a model. It is one if nothing changes with distance, or only so far away that
-    a whole tile may change at once. A cell has a side of at most `cell` meters. It is smaller if the first change is close, because
-    otherwise all of a dense meadow would be drawn at the finest level."""
+    """The number of cells along a side of a tile for a model. The number is one if nothing changes with distance, or only so far away that a whole
+    tile may change at once. A cell has a side of at most `cell` meters. Cells are smaller if the first change is close, because otherwise all of a
+    dense meadow would be drawn at the finest level."""
     levels = layer.models[model].levels
     nearest = levels[1].begin if len(levels) > 1 else layer.view_distance
     if nearest <= 0 or (len(levels) == 1 and nearest >= FAR_TILES * bake.tile_size):
