@@ -36,10 +36,11 @@ struct BaselineReport {
 
 /// Checks a Poisson-disk set on a whole rectangle or torus, in double precision: every pair and every position.
 ///
-/// Coverage is decided by subdivision. A square within one disk of radius (1 + tolerance) radii is covered, one whose
-/// center is more than a radius from every point is a gap, and any other is split. A square narrower than the tolerance
-/// is one or the other. So there are two outcomes: without a gap, every position has a point within 1 + tolerance
-/// radii; with a gap, a point is missing. Time grows with the number of points and the logarithm of the tolerance.
+/// Coverage is decided by subdivision. A square within one disk of radius (1 + tolerance) radii is covered, a square
+/// whose center is more than a radius from every point is a gap, and any other square is split. A square narrower than
+/// the tolerance is one or the other. So there are two outcomes: without a gap, every position has a point within 1 +
+/// tolerance radii; with a gap, a point is missing. Time grows with the number of points and the logarithm of the
+/// tolerance.
 class BaselineCheck {
 public:
 	static BaselineReport run(std::span<const glm::dvec2> points, const CheckedDomain &domain) {
@@ -155,8 +156,8 @@ private:
 		}
 	}
 
-	/// True if the disks cover the rectangle of half size `half` around `r_middle`. Otherwise `r_middle` is set to a
-	/// position in the gap.
+	/// Returns true if the disks cover the rectangle of half size `half` around `r_middle`. Otherwise sets `r_middle`
+	/// to a position in the gap.
 	bool covered(glm::dvec2 &r_middle, glm::dvec2 half, const Nearby &nearby) const {
 		Nearby meeting;
 		double nearest = std::numeric_limits<double>::infinity();

@@ -34,8 +34,8 @@ public:
 
 	void add_product(double a, double b) {
 		const double product = a * b;
-		// The product's rounding error, by halves that multiply exactly (Dekker). A std::fma for Windows returned
-		// 6e-294 instead of 0.
+		// The product's rounding error, computed from halves whose products are exact (Dekker). Does not use std::fma,
+		// because a version for Windows returned 6e-294 instead of 0.
 		const auto [a_high, a_low] = halves(a);
 		const auto [b_high, b_low] = halves(b);
 		add(a_low * b_low - (product - a_high * b_high - a_low * b_high - a_high * b_low));

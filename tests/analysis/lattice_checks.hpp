@@ -38,7 +38,8 @@ struct LatticeReport {
 /// sqrt(2) * 2^bits. Points closer than that conflict, and lattice points closer than that to a point are covered.
 ///
 /// Coverage is decided by subdivision: a square within the disk of one point is covered, a square that meets no disk is
-/// not, and any other is split, down to single lattice points. So the result is exact and needs no lists of gaps.
+/// not covered, and any other square is split, down to single lattice points. So the result is exact and needs no lists
+/// of gaps.
 class LatticeCheck {
 public:
 	/// `points` must include every point of the set within three cells of `region`, in any order, and may include

@@ -23,8 +23,8 @@ inline constexpr std::uint64_t max_progressive_levels = 16;
 /// the squares are 2^-40 of a radius wide.
 class NaiveDarts {
 public:
-	/// Splits the domain for `run_in_phases`: the squares of phase 0 are filled to their end, then those of phase 1,
-	/// and so on. It receives the center of a square. Every square of one grid cell must be in one phase.
+	/// Splits the domain for `run_in_phases`: the squares of phase 0 are filled to their end, then the squares of phase
+	/// 1, and so on. The function receives the center of a square. Every square of one grid cell must be in one phase.
 	using PhaseOf = int (*)(glm::dvec2 middle);
 
 	/// `side` is in radii, at least 8, so that a disk does not overlap itself. Any seed is valid.

@@ -1,5 +1,5 @@
 extends SceneTree
-## Prints what each tile of an exported world holds: a line of JSON for each of its nodes. Arguments: the index's path.
+## Prints the content of each tile of an exported world: a line of JSON for each of its nodes. Arguments: the index's path.
 
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")

@@ -1,6 +1,6 @@
 extends SceneTree
-## Reads files of a baked world as somebody else may have written them, and prints what each was refused with. Arguments: the index's path, and a folder
-## to write into. A changed bit, and each field with each of some values, under digests that fit.
+## Reads files of a baked world that a stranger may have written, and prints the error with which each was refused. Arguments: the index's path, and a
+## folder to write into. A changed bit, and each field with each of some values, under digests that fit.
 
 const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 const Index := preload("res://addons/thicket/baked_world_index.gd")
@@ -39,7 +39,7 @@ func _print(what: String, refused: String) -> void:
 	print("case ", JSON.stringify([what, refused]))
 
 
-## What the first tile is refused with if its file has these bytes; empty if it is not. Keeps the digest that the index names.
+## Returns the error with which the first tile is refused if its file has these bytes; empty if it is accepted. Keeps the digest in the index.
 func _refusal_of(bytes: PackedByteArray) -> String:
 	var at := Vector2i(_index.tiles[0], _index.tiles[1])
 	FileAccess.open(_index.tile_path(at), FileAccess.WRITE).store_buffer(bytes)

@@ -1,7 +1,7 @@
 @tool
 extends ScatterGround
-## Rolling ground 200 m around the origin. What the file user://ground says makes it worse: "bad", and it fails east of x = 48, as a
-## terrain does that has a fault somewhere; "slow", and tiles take a while.
+## Rolling ground 200 m around the origin. The content of the file user://ground adds a problem. With "bad", the ground fails east of x = 48, like a
+## terrain with a fault in one place. With "slow", tiles take a while.
 
 const REACH := 200.0
 

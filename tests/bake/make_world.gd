@@ -1,6 +1,7 @@
 extends SceneTree
-## Writes world.tscn: trees with colors and custom data, two meshes and an offset along the normal that moves them off their tiles;
-## grass that keeps away from them, in tiles that fit no others; and a state in which some were felled and some placed by hand.
+## Writes world.tscn: trees with colors and custom data, with two meshes, and with an offset along the normal that moves them off their tiles; grass
+## that keeps away from the trees, in tiles of a size that does not divide theirs; and a state in which some trees were felled and some were placed by
+## hand.
 
 const Hills := preload("res://hills.gd")
 

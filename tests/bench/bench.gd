@@ -79,14 +79,14 @@ func processor_time_of(call: Callable) -> float:
 	return _processor_time() - start
 
 
-## In microseconds; 0 if the system does not report it. The system updates it when a thread goes to sleep, or else at the next tick, about
-## 250 times per second.
+## In microseconds; 0 if the system does not report it. The system updates the value when a thread goes to sleep, or else at the next tick, about 250
+## times per second.
 func _processor_time() -> float:
 	OS.delay_usec(1)
 	return thread_times().x
 
 
-## Microseconds so far that this thread has run, and that it was ready but had to wait for a processor. 0 if the system does not report
+## Microseconds that this thread has run so far, and microseconds that it was ready but had to wait for a processor. 0 if the system does not report
 ## them.
 func thread_times() -> Vector2i:
 	var file := FileAccess.open(SCHEDULE, FileAccess.READ)

@@ -65,7 +65,7 @@ func _physics_name() -> String:
 	return "GodotPhysics" if setting == "DEFAULT" else setting
 
 
-## Bodies created and removed per millisecond in each round, all at once. Empty if they do not appear or disappear.
+## Bodies created and removed per millisecond in each round, all at once. Empty if the bodies do not appear or disappear.
 func _measure_shape(shape: ScatterLayer.CollisionShape, rounds: int) -> Array[PackedFloat64Array]:
 	var created: PackedFloat64Array = []
 	var removed: PackedFloat64Array = []

@@ -82,6 +82,7 @@ func _measure(speed: float, seconds: float) -> void:
 	var ends := [spent[0], spent[-1], count]
 	print("| %s, median | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[count / 2]] + ends))
 	print("| %s, p99 | %.0f µs | %.0f to %.0f µs | %d frames |" % ([flight, spent[ceili(0.99 * count) - 1]] + ends))
-	# Waiting time of the whole frame, including the engine's part, because the system does not report when it occurred.
+	# The time that the whole frame waited for a processor, including the engine's part, because the system does not report when the waiting
+	# occurred.
 	var details := [parts_text(longest.get("frame_parts", {})), longest_waited]
 	print("| %s, the longest | %.0f µs | %s; waited %d for a processor | %d frames |" % ([flight, spent[-1]] + details + [count]))

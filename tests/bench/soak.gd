@@ -203,7 +203,7 @@ func _on_completed(result: ScatterInstances, request: int) -> void:
 	_done.answers += 1
 
 
-## Adds a viewer every second, for half a second. Sometimes takes a scene from the scatter, as with a felled tree.
+## Adds a viewer every second, for half a second. Sometimes takes a scene from the scatter, as a game does with a felled tree.
 func _come_and_go(frame: int) -> void:
 	if frame % 60 == 0:
 		var body := Node3D.new()

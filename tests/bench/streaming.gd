@@ -59,7 +59,8 @@ func _take_scatter() -> bool:
 	return _scatter != null
 
 
-## Moves the viewer to its position after this many seconds, at a fixed height above the lowest ground, because height has no effect.
+## Moves the viewer to its position after this many seconds. The position is at a fixed height above the lowest ground, because the height has no
+## effect.
 func _fly(seconds: float) -> void:
 	var place := START + DIRECTION * SPEED * seconds
 	_viewer.global_position = Vector3(place.x, EYE, place.y)

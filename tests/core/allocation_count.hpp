@@ -6,7 +6,8 @@
 /// Number of calls of operator new on this thread so far. Tests compare it to prove that warm code allocates nothing.
 std::size_t allocation_count();
 
-/// While it lives, operator new fails on this thread after `allowed` calls: every later call, or only the next one.
+/// During the lifetime of this object, operator new fails on this thread after `allowed` calls: in every later call, or
+/// only in the next one.
 class AllocationLimit {
 public:
 	enum class Fails : std::uint8_t {

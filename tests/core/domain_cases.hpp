@@ -36,8 +36,8 @@ struct Shape {
 	bool toroidal;
 };
 
-/// Base squares are sqrt(1/2) = 0.707 radii wide, and a group of the wavefront is three of them wide. Along both axes,
-/// the counts of base squares have every remainder modulo three.
+/// Base squares are sqrt(1/2) = 0.707 radii wide, and a group of the wavefront is three base squares wide. Along both
+/// axes, the counts of base squares have every remainder modulo three.
 inline const std::vector<Shape> shapes = {
 		{"square", {30.0, 30.0}, 1.0, false},
 		{"wide", {61.3, 7.9}, 0.5, false},

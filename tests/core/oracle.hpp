@@ -25,7 +25,8 @@ struct Point {
 /// The points of a level, by cell.
 using Points = std::map<std::pair<std::int32_t, std::int32_t>, Point>;
 
-/// Points at the edge of a finite domain depend on missing neighbors. No chain of such dependencies was ever this long.
+/// Points at the edge of a finite domain depend on missing neighbors. No chain of such dependencies was ever longer
+/// than this margin.
 inline constexpr std::int32_t margin = 34;
 
 /// Textbook dart throwing on a finite domain: one heap holds all darts, the earliest first. Shares only the law of the

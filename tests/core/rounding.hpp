@@ -6,8 +6,8 @@
 
 namespace thicket::test {
 
-/// True if `work` rounded any result on this thread. Comparisons round nothing, nor does arithmetic on small whole
-/// numbers, so rounding reveals work that was not needed.
+/// True if `work` rounded any result on this thread. Comparisons and arithmetic on small whole numbers do not round, so
+/// rounding reveals unnecessary work.
 template <class Work>
 bool rounds(const Work &work) {
 	std::feclearexcept(FE_INEXACT);

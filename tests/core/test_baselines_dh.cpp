@@ -95,9 +95,9 @@ Coverage coverage_of(double side, int sets) {
 	return coverage;
 }
 
-/// Throws darts at a whole torus and accepts only those at least 1 from all points and less than 2 from one. This
-/// is the same as scalloped sectors, without their geometry. Once every position is less than 2 from a point, the second
-/// condition always holds, and naive dart throwing finishes the set.
+/// Throws darts at a whole torus and accepts only darts that are at least 1 from all points and less than 2 from some
+/// point. This is the same as scalloped sectors, without their geometry. Once every position is less than 2 from a
+/// point, the second condition always holds, and naive dart throwing finishes the set.
 std::vector<glm::dvec2> darts_within_two(double side, std::uint64_t seed) {
 	std::mt19937_64 random(seed);
 	std::uniform_real_distribution<double> coordinate(0.0, side);

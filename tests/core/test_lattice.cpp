@@ -97,8 +97,8 @@ TEST_CASE("lattice: the check itself finds a missing point and an extra point") 
 		if (!inside(points[i])) {
 			continue;
 		}
-		// Without the point, at least its own lattice point is uncovered, because no other point may be within the
-		// radius of it.
+		// Without the point, at least its own lattice point is uncovered, because no other point may lie within its
+		// radius.
 		std::vector<glm::i64vec2> fewer = points;
 		fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
 		const LatticeReport hole = LatticeCheck::run(fewer, lattice_bits, cells);

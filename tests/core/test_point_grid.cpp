@@ -60,8 +60,8 @@ TEST_CASE("point grid: the nearest of many points is bit-identical, at any dista
 }
 
 TEST_CASE("point grid: only points that may be the nearest are measured") {
-	// The near points and the position are whole numbers, also in cells. The squared distances of far points would be
-	// rounded.
+	// The near points and the position are whole numbers, also in units of cells. The squared distances of far points
+	// would be rounded.
 	std::vector<glm::dvec2> points{{5.0, 4.0}, {8.0, 8.0}};
 	for (int i = 0; i < 1022; ++i) {
 		points.emplace_back(40.1 + 0.2 * (i % 50), 35.7 + 0.7 * (i / 50 % 20));

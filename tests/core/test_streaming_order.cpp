@@ -147,7 +147,8 @@ TEST_CASE("streaming order: a waiting tile does not delay workers") {
 	const std::vector<Viewer> viewers{{{8.0, 8.0}}};
 	stage.look(viewers, 6);
 	const TileRequest nearest = stage.changes.request[0];
-	// All but the nearest are finished, repeatedly. Workers get more requests, regardless of the number of ready tiles.
+	// All requests except the nearest are finished, repeatedly. Workers get more requests, regardless of the number of
+	// ready tiles.
 	for (int round = 0; round < 200; ++round) {
 		for (const auto &[name, request] : stage.pending) {
 			if (request.ticket != nearest.ticket) {

@@ -16,7 +16,7 @@ const UNTYPED: Dictionary[String, StringName] = {
 const FOREIGN: Dictionary[String, PackedStringArray] = {
 	"import_instances.gd": ["node", "terrain", "data", "region", "asset", "Object", "look"],
 }
-## Members that scripts behind the gate reach by name because not every object has them: the rect of a terrain of any class, the curve of a path.
+## Members that scripts behind the gate reach by name because not every object has them: the rect of any class of terrain, and the curve of a path.
 const DYNAMIC: Dictionary[String, PackedStringArray] = {"scene_description.gd": ["rect"], "scene_digest.gd": ["curve"]}
 ## Calls that take the name of a member.
 const BY_NAME := "(\\w+|\\])\\)?\\.(?:[gs]et(?:_deferred|_indexed)?|callv?(?:_deferred)?|has_(?:method|signal)|(?:dis)?connect|emit_signal)" \

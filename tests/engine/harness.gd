@@ -186,7 +186,7 @@ func lod_mesh(layer: ScatterLayer, entry: int, lod: int) -> Mesh:
 	return layer.get_mesh_lods(entry)[lod].mesh
 
 
-## Returns a scene in which one node has an instance shader parameter, as the editor saves it. An engine without a renderer does not.
+## Returns a scene in which one node has an instance shader parameter, as the editor saves it. An engine without a renderer does not save it.
 func with_shader_parameter(scene: PackedScene, node: String, value: String) -> PackedScene:
 	ResourceSaver.save(scene, "user://with_parameter.tscn")
 	var text := FileAccess.get_file_as_string("user://with_parameter.tscn")

@@ -8,7 +8,7 @@ extends SceneTree
 const AREA := Rect2(-170.0, 40.0, 220.0, 220.0)
 const CLIENTS := 3
 const PATIENCE := 90.0
-## Of every five trees, the server and two clients fell one each, all three fell the fourth, and the fifth stays.
+## Of every five trees, the server and the two clients fell one each. All three fell the fourth tree, and the fifth stays.
 const CIRCLE := 5
 const OWN: Array[int] = [0, 1, 2]
 const SHARED := 3

@@ -20,7 +20,7 @@ func make_field(layers := 1) -> TerrainScatter3D:
 	return make_scatter(list, ScatterGroundFlat.new(), make_viewer())
 
 
-## Checks that exactly those instances of `before` remain, unmoved, for which `stays` returns true. Some must remain, some must not.
+## Checks that exactly the instances of `before` for which `stays` returns true remain, unmoved. Some instances must remain, and some must not.
 func check_kept(scatter: TerrainScatter3D, before: Dictionary[int, Transform3D], stays: Callable, context: String) -> void:
 	var after := instances(scatter, 0)
 	var wrong := 0

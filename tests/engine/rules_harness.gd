@@ -45,8 +45,8 @@ func instances(scatter: TerrainScatter3D, layer := 0) -> Dictionary:
 	return result
 
 
-## Checks that `after` is `before`, filtered by these densities: nothing new, nothing moved, nothing where the density is 0,
-## everything where it is 1, and a count that matches the sum of the densities.
+## Checks that `after` is `before`, filtered by these densities: no instance is new or moved, no instance is left where the density is 0, all are left
+## where it is 1, and the count matches the sum of the densities.
 func check_filtered(before: Dictionary, after: Dictionary, density: Callable, context: String) -> void:
 	var expected := 0.0
 	var variance := 0.0

@@ -78,7 +78,8 @@ func make_on(node: Node, thread_safe := false, layer := make_layer()) -> Terrain
 	return scatter
 
 
-## Makes an edit. Checks that the visible tiles of `under` were regenerated, and no others. With `any`, at least one must have been.
+## Makes an edit. Checks that the visible tiles of `under` were regenerated, and no others. With `any`, at least one of them must have been
+## regenerated.
 func check_regenerated_under(scatter: TerrainScatter3D, under: Array[Vector2i], any: bool, context: String, edit: Callable) -> void:
 	var made := await regenerated_by(scatter, edit)
 	var shown := scatter.get_shown_tiles(scatter.layers[0])

@@ -1,6 +1,6 @@
 extends "terrain_harness.gd"
-## Nodes that have the methods of Terrain3D or of HTerrain but not their images, as unknown versions might. They are queried
-## point by point. Also a node that has heights only.
+## Nodes that have the methods of Terrain3D or of HTerrain but not their images, as unknown versions might. They are queried point by point. Also
+## contains a node that only has heights.
 
 ## Behaves like Terrain3D's data: heights and normals with a round hole, a different texture in each half, signals for edits.
 class Terrain3DLikeData extends Object:

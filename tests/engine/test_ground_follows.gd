@@ -267,8 +267,7 @@ func test_bodies_are_followed() -> void:
 	check(all_transforms(scatter).any(func(one: Transform3D) -> bool: return absf(one.origin.y - 4.0) < 0.01), "on the hills")
 
 
-## A body that moves by itself is hit at its position, but not followed.
-## Plants leave its old position, and none move with it.
+## A body that moves by itself is hit at its current position, but not followed. Plants leave its old position, and no plant moves with it.
 func test_moving_bodies_are_not_followed() -> void:
 	if ProjectSettings.get_setting("threading/worker_pool/max_threads") == 0:
 		check(true, "not run: the engine's physics crashes without threads when such a body moves")

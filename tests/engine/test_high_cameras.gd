@@ -1,6 +1,6 @@
 extends "picture_harness.gd"
-## Cameras high up and orthogonal cameras see the same as low ones, with materials that fade and with others: tiles, thinning, LODs
-## and fades use the same distance. Measured as the fraction of red pixels, with 80 m of the ground from the top of the picture to its bottom.
+## Cameras high up and orthogonal cameras see the same as low cameras, with fading materials and with other materials: tiles, thinning, LODs and fades
+## use the same distance. Measured as the fraction of red pixels, with 80 m of the ground from the top of the picture to its bottom.
 
 const TALL := 80.0 ## Meters of the ground in the picture, vertically.
 

@@ -62,7 +62,7 @@ func test_deleting_a_layer_moves_no_other() -> void:
 				moved += int(stays and after[layer_name][id] != before[layer_name][id])
 		check(all > 10_000, "%d instances before" % all)
 		check_equal(moved, 0, "moved without " + deleted)
-		# Only grass keeps away from stones. Without spruces, there are more birches and bushes, which other layers keep away from.
+		# Only grass keeps away from stones. If spruces are deleted, there are more birches and bushes, and other layers keep away from these.
 		check(kept == all if deleted == "Stone" else kept > 0.9 * all, "%d of %d stay without %s" % [kept, all, deleted])
 		scatter.free()
 

@@ -215,7 +215,7 @@ func test_colors_and_custom_data() -> void:
 	check(absf(counts.get(Color(1.0, 0.0, 0.0), 0) / float(total) - 0.25) < 0.03, "a quarter is red: %s" % counts)
 	check(Color(0.0, 0.5, 1.0, 0.25) in counts, "the second color with its alpha")
 	check((sums / total).distance_to(Vector2(0.5, 0.5)) < 0.03, "mean of variation and phase: %s" % (sums / total))
-	# This renderer stores colors and custom data with half precision. A built tile was never uploaded but must be equal.
+	# This renderer stores colors and custom data with half precision. A built tile was never uploaded, but its data must be equal.
 	var built := scatter.build_rect(scatter.layers[0], Rect2(0.0, 0.0, 32.0, 32.0))
 	check_equal(tile_buffers(scatter, 0, Vector2i.ZERO), buffers_of(built), "the renderer's buffers, bit for bit")
 	# New colors regenerate tiles, but do not move instances.

@@ -165,8 +165,8 @@ func foliage(parameters: Dictionary) -> ShaderMaterial:
 	return material
 
 
-## Returns that height for a new node whose layer `edit` has changed. A new node is needed because the renderer rounds boxes up
-## when they grow.
+## Returns the height of the top for a new node whose layer `edit` has changed. The node must be new, because the renderer rounds boxes up when they
+## grow.
 func top_with(edit: Callable) -> float:
 	var scatter := make_view()
 	edit.call(scatter.layers[0])

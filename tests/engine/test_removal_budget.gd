@@ -160,7 +160,7 @@ func place_of(body: RID) -> Vector3:
 	return (PhysicsServer3D.body_get_state(body, PhysicsServer3D.BODY_STATE_TRANSFORM) as Transform3D).origin
 
 
-## After an origin shift, bodies near the viewer are correct at once: both those that belong there and those that must leave.
+## After an origin shift, bodies near the viewer are correct at once: bodies that belong there exist, and bodies that must leave are gone.
 func test_world_offset() -> void:
 	var scatter := await make_dense([make_dense_layer()])
 	var standing := bodies(scatter)

@@ -90,7 +90,7 @@ class Plateau extends ScatterGround:
 		return heights
 
 
-## A snapshot of ground that only the main thread can sample contains the loaded tiles, and returns an error for others.
+## A snapshot of ground that only the main thread can sample contains the loaded tiles, and returns an error for all other tiles.
 func test_a_snapshot_of_ground_for_the_main_thread_only() -> void:
 	var scatter := make_scatter([make_layer(4.0)], Plateau.new(), make_viewer())
 	await settle(scatter)

@@ -148,7 +148,7 @@ func test_peers_follow_by_diffs() -> void:
 	check_equal(signals.take(), [PackedInt64Array([point(-50)]), "changed"], "the merged change")
 	check_equal(client.merge(null), ERR_INVALID_DATA, "no state")
 	check_error(["ScatterState.merge: other is missing"], "no state")
-	# A server that has loaded a state knows no earlier revision: it sends everything, and that replaces everything.
+	# A server that has loaded a state knows no earlier revision. So it sends everything, and the diff replaces everything.
 	server.from_bytes(make_state(3).to_bytes())
 	client.apply_diff(server.diff_since(known))
 	check_same(client, server, "after the server has loaded")

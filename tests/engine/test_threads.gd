@@ -78,7 +78,7 @@ func own_classes(object: Object) -> PackedStringArray:
 	return types
 
 
-## Every method is allowed or refused as the class reference states, on an object that the scene uses and on one that it does not.
+## Every method is allowed or refused as the class reference states, both on an object that the scene uses and on an object that it does not use.
 func test_every_method_follows_its_documented_rule() -> void:
 	var pages := read_pages()
 	for in_scene: bool in [true, false]:

@@ -135,7 +135,7 @@ func test_a_teleport_unsettles_in_the_same_frame() -> void:
 	check(Vector2i(0, 0) in scatter.get_shown_tiles(scatter.layers[0]), "the tiles appear when it continues")
 
 
-## Even a change that takes a single frame is followed by the signal. A caller that awaits it must not wait forever.
+## Even a change that takes a single frame is followed by the signal. Otherwise a caller that awaits the signal would wait forever.
 func test_settled_follows_each_change() -> void:
 	var viewer := make_viewer()
 	var layer := make_layer()

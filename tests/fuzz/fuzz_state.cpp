@@ -1,5 +1,5 @@
-// Any bytes as a state or a diff, and any changes to one: they are either refused or leave a consistent state within
-// limits.
+// Any bytes as a state or a diff, and any changes to a state: they are either refused or leave a consistent state
+// within limits.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -165,7 +165,7 @@ DiffLimits read_limits(Bytes &r_bytes) {
 	return limits;
 }
 
-/// Passes bytes to a state with limits. A refused diff must change nothing. An accepted one must respect the limits,
+/// Passes bytes to a state with limits. A refused diff must change nothing. An accepted diff must respect the limits,
 /// and have no effect a second time.
 void feed_within(const InstanceState &state, const Stored &stored, const DiffLimits &limits) {
 	for (const bool joining : {false, true}) {

@@ -17,7 +17,8 @@ using namespace thicket;
 using fuzz::Bytes;
 using fuzz::promise;
 
-/// A field of at most 40 x 40 posts around the origin in most cases. A refused one must leave the previous flat field.
+/// A field of at most 40 x 40 posts around the origin in most cases. If the field is refused, the previous flat field
+/// must be unchanged.
 Heightfield read_field(Bytes &r_bytes) {
 	Heightfield field;
 	const std::vector<std::uint16_t> flat(4, 1000);

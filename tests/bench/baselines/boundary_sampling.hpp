@@ -25,8 +25,8 @@ namespace thicket::bench {
 /// than those of dart throwing and distributed differently. O(N) time. Keeps its memory between calls.
 class BoundarySampling {
 public:
-	/// Replaces `r_points` with a maximal set on the torus [0, side)^2 with no two points closer than 1. `side` is 11
-	/// to 1e5.
+	/// Replaces `r_points` with a maximal set on the torus [0, side)^2, in which no two points are closer than 1.
+	/// `side` is 11 to 1e5.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		grid_.reset(side);
 		active_.clear();

@@ -101,8 +101,8 @@ struct ScallopedSector {
 		}
 	}
 
-	/// True if the disk certainly misses the sector. A cheap test: the disk may miss it even if this returns false. The
-	/// origin must be outside of the disk, or `disk` has radius 2.
+	/// True if the disk certainly misses the sector. A cheap test: the disk may miss the sector even if this returns
+	/// false. The origin must be outside of the disk, or `disk` has radius 2.
 	bool misses(const Disk &disk) const {
 		const double squared = dot(disk.center, disk.center);
 		const double reach = std::max(far_from, far_to) + disk.radius;

@@ -31,12 +31,13 @@ namespace thicket::bench {
 /// sector, and a sector with no representable position left is dropped. Keeps its memory between calls.
 class ScallopedSectors {
 public:
-	/// Measured share of the torus that disks of half the radius cover. It is 0.0017 less than with darts at the whole
-	/// domain, because the set grows from one point, and positions near its edge are filled before others are open.
+	/// Measured share of the torus that disks of half the radius cover. This share is 0.0017 less than with darts at
+	/// the whole domain: the set grows from one point, and positions near its edge are filled before other positions
+	/// are open.
 	static constexpr double coverage = 0.5454;
 
-	/// Replaces `r_points` with a maximal set on the torus [0, side)^2 with no two points closer than 1. `side` is 11
-	/// to 5e4.
+	/// Replaces `r_points` with a maximal set on the torus [0, side)^2, in which no two points are closer than 1.
+	/// `side` is 11 to 5e4.
 	void sample(double side, std::uint64_t seed, std::vector<glm::dvec2> &r_points) {
 		grid_.reset(side);
 		areas_.reset(static_cast<std::size_t>(densest * side * side) + 1);
@@ -148,7 +149,7 @@ private:
 		weigh(index);
 	}
 
-	/// Gives all positions that are less than 2 from earlier points to those points, if their squared distances are
+	/// Assigns all positions that are less than 2 from earlier points to those points, if their squared distances are
 	/// from `least` to `limit`.
 	void cut_neighbors(std::size_t owner, double least, double limit) {
 		for (std::size_t i = 0; i < neighbor_count_ && first_[owner] != none; ++i) {

@@ -92,7 +92,7 @@ private:
 	}
 
 	/// Finds a point's neighbors and its cell. While points are few, the triangulation is of nine copies of the torus.
-	/// A neighbor may then be a copy, even of the point itself, and represents the one in `vertices_`.
+	/// A neighbor may then be a copy, even of the point itself, and represents the original in `vertices_`.
 	void look_at(Vertex vertex) {
 		around_.clear();
 		neighbors_.clear();
@@ -110,8 +110,8 @@ private:
 		cell_.assign(around_);
 	}
 
-	/// Rounding can move a dart on the rim of a free part into a disk: that of its cell's point or, in a corner, of a
-	/// neighbor. Such a dart is thrown again.
+	/// Rounding can move a dart on the rim of a free part into a disk: into the disk of its cell's point or, in a
+	/// corner, of a neighbor. Such a dart is thrown again.
 	bool keeps_distance(glm::dvec2 dart, glm::dvec2 site, const std::vector<glm::dvec2> &points) const {
 		const auto far_enough = [&](glm::dvec2 point) {
 			const glm::dvec2 straight = point - dart;

@@ -42,8 +42,8 @@ inline bool is_drawn(std::uint64_t tile, std::uint64_t key, std::uint64_t every)
 /// Finds lattice points of tiles that no point covers. A reusable workspace for a single thread.
 class GapCheck {
 public:
-	/// Checks the tile that was last passed to `tile.take`, whose points had this digest, using the points that
-	/// `source` returns around it. The source must return the tile's own points again.
+	/// Checks the tile that was last passed to `tile.take`, whose points had this digest. Uses the points that `source`
+	/// returns around the tile. The source must return the tile's own points again.
 	Status take(const TileCheck &tile, const Digest &digest, const TileSource &source, GapFindings &r_found) {
 		const CellRect &cells = tile.tile();
 		if (const Status status = source(world_rect(cells.grown(border)), around_); !status.ok()) {

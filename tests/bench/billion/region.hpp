@@ -43,8 +43,8 @@ struct Region {
 	std::int32_t side = 0; ///< In cells, a multiple of blocks_per_side.
 	std::int32_t tile = 0; ///< In cells.
 
-	/// The smallest region that certainly has `points` points: counts scatter by sqrt(points) / 4, and eight times that
-	/// is added.
+	/// The smallest region that certainly has `points` points. Counts scatter by sqrt(points) / 4, so eight times this
+	/// value is added.
 	static Region holding(double points, std::int32_t tile) {
 		const double cells = (points + 2.0 * std::sqrt(points)) / points_per_cell;
 		const auto blocks = static_cast<std::int32_t>(std::ceil(std::sqrt(cells) / blocks_per_side));

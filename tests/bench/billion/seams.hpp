@@ -24,8 +24,8 @@ class Seams {
 public:
 	explicit Seams(const Region &region) : region_(region), done_(region.tiles()) {}
 
-	/// Takes a finished tile's rim and returns those of the neighbors that were finished before, so every pair of
-	/// neighbors is returned once. Counts a tile that was finished before and returns nothing for it.
+	/// Takes a finished tile's rim, and returns the rims of the neighbors that were finished before. So every pair of
+	/// neighbors is returned once. If the tile was already finished, counts this and returns nothing.
 	std::vector<std::shared_ptr<const Rim>> finish(glm::ivec2 place, Rim &&rim) {
 		auto shared = std::make_shared<const Rim>(std::move(rim));
 		std::vector<std::shared_ptr<const Rim>> earlier;

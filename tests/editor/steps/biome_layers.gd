@@ -133,7 +133,7 @@ func test_a_layer_of_a_biome_is_painted() -> void:
 	paint.set_on(false)
 
 
-## Replacing a biome by one assignment: the panel shows the new layers, and the old ones are not chosen any more.
+## Replacing a biome by one assignment: the panel shows the new layers, and the old layers are no longer chosen.
 func test_a_biome_is_replaced() -> void:
 	await mouse_click(await name_at(layer("Reed")))
 	scatter.biomes.biomes[1] = new_biome("Dry Bed", Color.RED, [new_layer("Thistle", 2.0)])

@@ -1,8 +1,8 @@
 @tool
 extends "res://tests/steps.gd"
-## Actions that may cost a designer's work, with mouse and keys only, through the editor's whole window. The brush asks before the
-## first stroke, reports strokes that it cannot paint, and is put away with the selection. A region comes from a menu, and its size from a
-## handle. A radius is dragged in the inspector.
+## Actions that may cost a designer's work, with mouse and keys only, through the editor's whole window. The brush asks before the first stroke,
+## reports strokes that it cannot paint, and turns off when the node is deselected. A region comes from a menu, and its size from a handle. A radius
+## is dragged in the inspector.
 
 const SCENE := "res://yard.tscn"
 

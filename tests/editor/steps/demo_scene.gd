@@ -195,7 +195,8 @@ func test_paint_and_smooth() -> void:
 	workspace().toolbar.update_layers()
 
 
-## Painting a layer that covers everything asks first. Nothing changes before the answer or when it is dismissed, and "Not here" erases.
+## Painting a layer that covers everything opens a question first. Nothing changes before the answer or if the question is dismissed. "Not here"
+## erases.
 func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 	var dialog: ConfirmationDialog = workspace().toolbar.paint.first_stroke
 	for answer: String in ["dismiss", "erase", "paint"]:
@@ -228,7 +229,7 @@ func ask_first(layer: Resource, at: Vector2, full: Dictionary) -> void:
 			await settle(scatter)
 
 
-## A stroke that cannot be painted shows the reason and captures the button. A new selection puts the brush away.
+## A stroke that cannot be painted shows the reason and captures the button. A new selection turns the brush off.
 func test_a_stroke_that_cannot_be_painted() -> void:
 	workspace().toolbar.paint.set_on(true)
 	await frames(2)

@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## A duplicated scatter shares its layers, seed and masks with the original. The panel reports that, and makes them unique in one step. A
-## change that would show far more instances asks first.
+## A duplicated scatter shares its layers, seed and masks with the original. The panel reports that, and makes them unique in one step. A change that
+## would show far more instances needs a confirmation.
 
 const SCENE := "res://glade.tscn"
 const LAYER_FILE := "res://shared_moss.tres"
@@ -152,7 +152,8 @@ func test_shared_files_are_intended() -> void:
 	other.free()
 
 
-## A change that would show more than ten times as many instances asks first. The layer has the new value, and the view does not change.
+## A change that would show more than ten times as many instances needs a confirmation. Until then, the layer has the new value, but the view does not
+## change.
 func test_far_more() -> void:
 	var grass: Resource = scatter.layers[0]
 	var bar: Control = workspace().dock.bar

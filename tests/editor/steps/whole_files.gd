@@ -1,6 +1,6 @@
 @tool
 extends "res://tests/steps.gd"
-## Files that the editor's tools replace keep the ids by which scenes find them, and no partial file appears in the FileSystem dock.
+## Files that the editor's tools replace keep the ids by which scenes find them. No partial file appears in the FileSystem dock.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
