@@ -88,7 +88,7 @@ public:
 	void clear();
 
 private:
-	DrawLimits limits_; ///< Those that apply in this frame.
+	DrawLimits limits_; ///< The limits that apply in this frame.
 	DrawLimits next_limits_;
 	DrawAmounts amounts_;
 	double share_ = 1.0; ///< The share of the wanted instances that is drawn, so that max_instances is not exceeded.

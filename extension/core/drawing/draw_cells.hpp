@@ -67,7 +67,7 @@ void spread(std::span<const float> buffer, std::span<const std::uint32_t> order,
 /// The source of a cell's visuals after the tile's instances have changed.
 struct CellReuse {
 	std::optional<std::size_t> before; ///< The former cell at the same position, by index; none for a new cell.
-	bool unchanged = false;            ///< It holds bit-identical instances in the same order: nothing needs an upload.
+	bool unchanged = false;            ///< The cell has bit-identical instances in the same order.
 };
 
 /// The sources of all cells of `cells`, for two divisions of the same tile into equally many cells along a side.

@@ -12,7 +12,7 @@ namespace thicket {
 
 /// How a look fades: over which end of its range.
 struct LookFade {
-	bool comes = false; ///< It fades in and replaces the previous look.
+	bool comes = false; ///< The look fades in and replaces the previous look.
 	LodEnd end = LodEnd::stays;
 
 	static constexpr std::size_t count = 6;
@@ -59,9 +59,9 @@ public:
 
 private:
 	struct Look {
-		std::size_t first = 0; ///< Its LODs.
+		std::size_t first = 0; ///< The look's LODs.
 		std::size_t last = 0;
-		bool fades = false; ///< Its materials can fade.
+		bool fades = false; ///< The look's materials can fade.
 	};
 
 	LodSettings settings_;

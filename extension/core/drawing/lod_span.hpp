@@ -13,8 +13,8 @@ namespace thicket {
 
 /// One step in the sequence of meshes that replace each other with distance.
 struct LodStep {
-	bool same = false;  ///< It is the same mesh as in the previous step: nothing changes here.
-	bool fades = false; ///< Its materials can fade.
+	bool same = false;  ///< The mesh is the same as in the previous step.
+	bool fades = false; ///< The mesh's materials can fade.
 
 	friend bool operator==(const LodStep &, const LodStep &) = default;
 };

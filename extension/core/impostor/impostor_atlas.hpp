@@ -36,7 +36,7 @@ private:
 	std::span<std::uint8_t> albedo_of(const Level &level);
 	static void shrink(std::vector<std::uint8_t> &r_bytes, const Level &from, const Level &to);
 
-	int whole_levels_ = 0; ///< Those in which a frame has at least one pixel.
+	int whole_levels_ = 0; ///< The levels in which a frame has at least one pixel.
 	std::vector<Level> levels_;
 	std::vector<std::uint8_t> albedo_;
 	std::vector<std::uint8_t> normal_;

@@ -24,7 +24,7 @@ enum class CulledSide : std::uint8_t {
 /// How a surface uses its vertex colors.
 enum class VertexColors : std::uint8_t {
 	unused,
-	linear, ///< Albedo is multiplied by them.
+	linear, ///< The albedo is multiplied by the vertex colors.
 	srgb,   ///< As `linear`, after conversion to linear light.
 };
 

@@ -7,8 +7,8 @@ namespace thicket {
 
 /// The directions that the square of an octahedral map represents.
 enum class OctahedralSpan : bool {
-	hemisphere, ///< Those that do not point down.
-	sphere,     ///< All.
+	hemisphere, ///< Directions that do not point down.
+	sphere,     ///< All directions.
 };
 
 /// The unit direction for a position in the square [-1, 1] x [-1, 1]. Up is y, in the middle of the square. For a

@@ -106,7 +106,7 @@ private:
 		double distance = 0.0;
 		double side = 0.0; ///< The side of a cell, in meters.
 		std::map<Key, NearCell> cells;
-		bool stale = true;               ///< The cells that are near must be determined again.
+		bool stale = true;               ///< True if the near cells must be determined again.
 		std::vector<glm::dvec3> centers; ///< The centers at that time.
 
 		double slack() const { return look_share * distance; }
@@ -129,7 +129,7 @@ private:
 		std::uint32_t layer = 0;
 		Key key;
 		NearCell *cell = nullptr;
-		bool due = false;                       ///< It can wait for cells that are outdated.
+		bool due = false;                       ///< The check can wait until outdated cells are checked.
 		std::tuple<bool, bool, double> order{}; ///< The order of the checks.
 	};
 

@@ -173,7 +173,7 @@ double LayerFilter::product(std::size_t point, std::span<const Ground> ground, c
 	const Ground &here = ground[point];
 	double density = density_alone(point, ground, record);
 	if (Record::complete && !std::isfinite(here.height)) {
-		return density; // It is 0, and without ground the other rules have nothing to evaluate.
+		return density; // The density is 0, and the other rules cannot be evaluated without ground.
 	}
 	const auto goes_on = [&] {
 		return Record::complete || stands(ranks_[point], density);

@@ -30,8 +30,8 @@ std::size_t find(Links layers, const LayerReference &reference) {
 struct Found {
 	std::map<std::size_t, double> spacing;
 	std::size_t proximity_layer = 0; ///< The number of layers if there is none.
-	std::size_t color_layer = 0;     ///< The same.
-	std::size_t variation_layer = 0; ///< The same.
+	std::size_t color_layer = 0;     ///< As above, for the color.
+	std::size_t variation_layer = 0; ///< As above, for the variation.
 };
 
 std::vector<Found> find_all(Links layers) {

@@ -27,7 +27,7 @@ private:
 			std::size_t first, std::span<double> r_values);
 
 	std::vector<float> color_;     ///< One for each point; unspecified for points that are not kept.
-	std::vector<float> variation_; ///< The same.
+	std::vector<float> variation_; ///< As above, for the variation.
 
 	// Working memory of a batch.
 	std::vector<double> values_;

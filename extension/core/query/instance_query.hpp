@@ -34,7 +34,7 @@ struct QueryLayer {
 	double tile_size = 64.0; ///< Meters, for the tiles of the source; 0.01 to 1e15.
 	InstanceShape shape;
 	double max_scale = 1.0;  ///< The largest scale of an instance of the set; 0 to 1e4.
-	double max_offset = 0.0; ///< The most meters from its point, in the plane (offset_along_normal); 0 to 1e4.
+	double max_offset = 0.0; ///< The most meters of an instance from its point, in the plane; 0 to 1e4.
 };
 
 /// A tile of a layer, of the size that the layer has at the time of the call.

@@ -13,7 +13,7 @@ namespace {
 
 enum class Side : std::uint8_t {
 	none,  ///< The ray from the position towards +x misses the edge.
-	cross, ///< It crosses the edge.
+	cross, ///< The ray crosses the edge.
 	on,    ///< The position lies on the edge.
 };
 

@@ -50,7 +50,7 @@ struct Rules {
 	std::shared_ptr<const CurveTable> slope_curve{};  ///< Density over slope in degrees. Null if there is none.
 	std::vector<std::shared_ptr<const DensityField>> fields{}; ///< Densities over the plane. None is null.
 	Clumping clumping{};
-	std::vector<std::int32_t> ground_textures{}; ///< Their Terrain::weigh weight is a density. Empty: any ground.
+	std::vector<std::int32_t> ground_textures{}; ///< Their weight (Terrain::weigh) is a density. Empty: any ground.
 
 	/// Meters over which the layer thins towards the edge of the area that the other rules permit, 0 to max_edge_feather. Samples
 	/// edge_probes positions around each point, which costs as many ground queries; see placement/edge_probes.hpp.

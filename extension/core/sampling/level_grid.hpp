@@ -55,8 +55,8 @@ struct LevelGrid {
 	/// The reason why a cell is visited again.
 	enum Listing : std::uint8_t {
 		unlisted,
-		requested, ///< It is in `wanted`, for a cell that it blocks.
-		in_region, ///< It belongs to the region that is being decided.
+		requested, ///< The cell is in `wanted`, for a cell that it blocks.
+		in_region, ///< The cell belongs to the region that is being decided.
 	};
 
 	/// A cell whose darts must be decided up to a time, and a cell whose earlier dart blocked it, or `sentinel`.

@@ -126,7 +126,7 @@ struct CellSlots {
 	WaitingSquares::Slot *slots[slot_count];
 	hn::Vec<SlotLanes> times[slot_count][slot_vectors]; ///< time_never if the square is covered.
 	hn::Mask<SlotLanes> is_empty[slot_count][slot_vectors];
-	std::uint32_t empty[slot_count] = {}; ///< The same as bits.
+	std::uint32_t empty[slot_count] = {}; ///< The empty places as bits.
 	std::uint32_t room = 0;               ///< Number of empty places.
 	std::uint32_t next = 0; ///< A bit for each place that holds the earliest dart; the bits of children follow.
 

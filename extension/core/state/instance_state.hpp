@@ -51,7 +51,7 @@ enum class InstanceChangeKind : std::uint8_t {
 	added,    ///< Placed by hand.
 	left,     ///< A hand-placed instance is about to move. `added` is its former content. Its `moved` is next.
 	moved,    ///< The same instance has moved and now matches `added`.
-	data,     ///< Its data has changed.
+	data,     ///< The data of the instance has changed.
 };
 
 class PendingDiff;

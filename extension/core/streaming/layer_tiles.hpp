@@ -121,7 +121,7 @@ private:
 		TileDisc keep;
 		TileDisc old_view;
 		TileDisc old_keep;
-		TileQueue queue; ///< Its tiles that are not current, and temporarily others.
+		TileQueue queue; ///< The viewer's tiles that are not current, and for a while others.
 	};
 
 	/// A visible tile from a grid of a different size, kept until tiles of the current grid cover it.

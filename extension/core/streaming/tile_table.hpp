@@ -12,7 +12,7 @@ namespace thicket {
 /// The streamer's state of a tile.
 struct StreamedTile {
 	glm::ivec2 at{0};
-	std::uint64_t ticket = 0; ///< Of the pending request; 0 if there is none.
+	std::uint64_t ticket = 0; ///< The ticket of the pending request; 0 if there is none.
 	std::uint32_t viewer = 0; ///< The viewer that it was requested for.
 	double flown = 0.0;       ///< Meters that this viewer had flown at the time of the request.
 	bool exists = false;

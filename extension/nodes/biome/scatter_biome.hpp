@@ -23,8 +23,8 @@ public:
 
 	/// The water in the biome.
 	enum WaterMode : std::int64_t {
-		WATER_MODE_INHERIT, ///< That of the node.
-		WATER_MODE_OWN,     ///< At its own level.
+		WATER_MODE_INHERIT, ///< The water of the node.
+		WATER_MODE_OWN,     ///< Water at the biome's own level.
 		WATER_MODE_NONE,
 	};
 

@@ -79,7 +79,7 @@ struct DisplayedTile {
 	glm::vec3 max{-std::numeric_limits<float>::max()}; ///< inverted if nothing is drawn.
 	std::uint64_t drawing_version = 0;                 ///< The layer's drawing version when it was last drawn.
 	bool look_at_all = true;                           ///< The next visit also checks cells that are not due.
-	bool to_fade = false;                              ///< True while it waits for visuals of wanted LODs.
+	bool to_fade = false;                              ///< True while the tile waits for visuals of wanted LODs.
 
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 	bool draws_anything() const { return min.x <= max.x; }

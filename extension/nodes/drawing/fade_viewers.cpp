@@ -30,7 +30,7 @@ constexpr const char *viewers_name = "scatter_viewers";
 struct AllViewers {
 	struct Entry {
 		glm::vec4 place{0.0F};
-		const FadeViewers *owner = nullptr; ///< The node that has set it last.
+		const FadeViewers *owner = nullptr; ///< The node that set the viewer last.
 	};
 	std::map<std::uint64_t, Entry> by_id;
 	std::uint64_t version = 1; ///< Rises with every change.

@@ -128,7 +128,7 @@ private:
 	glm::dvec3 offset_{0.0};
 	std::vector<glm::dvec3> offsets_before_; ///< Offsets that some bodies may still be placed with.
 	std::uint64_t last_version_ = 0;
-	std::vector<Layer> layers_; ///< The last ones may already be removed from the node, and are releasing their bodies.
+	std::vector<Layer> layers_; ///< The last layers may be removed from the node already, until all bodies are freed.
 	CollisionShapes shapes_;
 	std::deque<Pooled> pool_;        ///< Without a shape, the oldest first.
 	std::size_t still_in_space_ = 0; ///< The number of bodies at the end of `pool_` that are still in the space.

@@ -67,7 +67,7 @@ std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> rem
 		}
 		const StateChange removed = state_.remove(id, until);
 		if (told("remove", removed.status) != OK) {
-			break; // The others would fail as well.
+			break; // The other removals would fail as well.
 		}
 		if (removed) {
 			changes.push_back(change);

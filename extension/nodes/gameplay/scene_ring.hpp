@@ -146,7 +146,7 @@ private:
 	glm::dvec3 offset_{0.0};
 	bool recycle_due_ = false;
 	bool moving_child_ = false; ///< True while the ring itself adds or removes a child.
-	int child_changes_ = 0;     ///< Child changes seen since then.
+	int child_changes_ = 0;     ///< Changes of children that the ring has seen.
 };
 
 } // namespace thicket

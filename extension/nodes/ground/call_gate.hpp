@@ -30,8 +30,8 @@ public:
 	private:
 		friend class CallGate;
 		const CallGate &gate_;
-		const Inside *outer_; ///< The enclosing one of the same thread, of any gate.
-		bool first_;          ///< True if it is the first of its thread in this gate.
+		const Inside *outer_; ///< The enclosing Inside of the same thread, of any gate.
+		bool first_;          ///< True if this is the first Inside of its thread in this gate.
 		static inline thread_local const Inside *innermost_ = nullptr;
 	};
 

@@ -23,7 +23,7 @@ struct GroundMesh {
 	glm::dvec3 offset{0.0};   ///< The world position of the engine's origin at that time.
 	std::uint64_t digest = 0; ///< The digest of the triangles in the world.
 	TriangleParts::Part ground;
-	std::shared_ptr<const MeshCopy> copy; ///< Its source, kept so that a mesh that only moves is not read again.
+	std::shared_ptr<const MeshCopy> copy; ///< The source. Kept, so that a moved mesh is not read again.
 };
 
 using GroundMeshes = std::map<std::uint64_t, std::shared_ptr<const GroundMesh>>; ///< By the instances' IDs.

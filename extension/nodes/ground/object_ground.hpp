@@ -86,7 +86,7 @@ private:
 	bool has_textures_ = false;
 	std::shared_ptr<const TerrainMap> map_;
 	GroundLimits limits_;
-	glm::dvec3 offset_{0.0}; ///< Guarded by gate_; that of a map never changes.
+	glm::dvec3 offset_{0.0}; ///< Guarded by gate_; the offset of a map never changes.
 
 	CallGate gate_; ///< Methods are called inside of it, so that the object is not freed in the meantime.
 	std::atomic<bool> open_ = true;

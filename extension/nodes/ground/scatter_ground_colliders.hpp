@@ -71,7 +71,7 @@ private:
 	/// A shape in the state that was last reported.
 	struct Placed {
 		GroundSight sight;
-		std::optional<godot::AABB> bounds; ///< In its own space; none if it may reach everywhere.
+		std::optional<godot::AABB> bounds; ///< In the shape's own space; none for an unbounded shape.
 	};
 
 	Status check() const;

@@ -103,7 +103,7 @@ private:
 	double max_height_ = 100.0;
 
 	std::shared_ptr<const Heightfield> field_;
-	godot::String problem_; ///< Why it differs from the settings; empty if it does not.
+	godot::String problem_; ///< Why `field_` differs from the settings; empty if not.
 	bool sources_stale_ = true;
 	bool field_stale_ = true; ///< True if `field_` does not match the settings, and no worker is building it.
 	WorkerTask<HeightmapWork> task_;

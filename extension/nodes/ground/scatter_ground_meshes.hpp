@@ -90,13 +90,13 @@ private:
 	Worlds worlds_;
 	std::shared_ptr<const TriangleParts> last_; ///< The ground of the first host, for a caller without one.
 	bool stale_ = true;                         ///< True if the group must be listed, and all of it read.
-	bool reading_all_ = false;                  ///< True once that has begun.
+	bool reading_all_ = false;                  ///< True once the listing has begun.
 	int64_t listed_ = 0;                        ///< The number of nodes in the group when it was listed.
 
 	// A change passes through these in order.
 	std::vector<std::uint64_t> queue_;  ///< Instances to check, and to read.
 	MeshReader reader_;                 ///< Reads the mesh of the last of them.
-	FreshCopy fresh_;                   ///< Its mesh, once it is read.
+	FreshCopy fresh_;                   ///< The mesh of that instance, once it is read.
 	std::vector<MeshReading> readings_; ///< Meshes that are read and wait for the builder.
 	std::vector<std::uint64_t> gone_;
 	WorkerTask<MeshWork> builder_;

@@ -122,13 +122,13 @@ private:
 	std::shared_ptr<const GroundCopy> copy_;
 	std::shared_ptr<ObjectGround> ground_;
 	bool present_ = false;                                            ///< True if the copied node exists.
-	std::map<std::uint64_t, std::shared_ptr<const Terrain>> grounds_; ///< The same for each host, by its ID.
+	std::map<std::uint64_t, std::shared_ptr<const Terrain>> grounds_; ///< The ground of each host, by the host's ID.
 	std::vector<glm::dvec3> offsets_;                                 ///< The offsets of all hosts, when it was copied.
 	std::vector<Given> given_; ///< All objects of that node; closed when it is freed.
 
 	bool stale_ = true;          ///< True if the node must be found.
 	bool finding_ = false;       ///< True while the node is being found, which may run its script.
-	bool telling_ = false;       ///< True while an edit is emitted that is already known here.
+	bool telling_ = false;       ///< True while this object itself emits an edit.
 	bool told_ = false;          ///< True if all users of the ground were notified that all of it has changed.
 	bool missed_ = false;        ///< True if the ground was requested while there was none.
 	bool edited_ = false;        ///< True if the plug-in has reported that some part of its ground has changed.

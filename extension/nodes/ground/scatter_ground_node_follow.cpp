@@ -212,7 +212,7 @@ void ScatterGroundNode::poll() {
 	if (present_ && (edited_ || !edits_.empty())) {
 		copy_again();
 	} else if (std::exchange(edited_, false) && !is_available()) {
-		change(); // It may now have what it lacked.
+		change(); // The node may now have the data that it lacked.
 		return;
 	}
 	tell();

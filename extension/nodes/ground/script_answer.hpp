@@ -16,7 +16,7 @@ namespace thicket {
 struct ScriptMethod {
 	const char *name;
 	const char *result;                ///< The array's name in errors.
-	const char *elements;              ///< Its name in errors about other types.
+	const char *elements;              ///< The array's name in errors about other types.
 	const char *expected;              ///< A description of the array, for the user.
 	godot::Variant::Type element_type; ///< FLOAT also accepts integers.
 };

@@ -15,7 +15,7 @@ namespace thicket {
 
 /// A layer was renamed: references to the old name now mean the new one.
 struct LayerRename {
-	godot::String from; ///< Empty for a layer that had no name, so that other layers held the object.
+	godot::String from; ///< Empty if the layer had no name: other layers then stored the object.
 	godot::String to;
 };
 

@@ -94,7 +94,7 @@ private:
 	godot::Ref<godot::Gradient> gradient_;
 	godot::Ref<godot::Curve> curve_;
 	godot::Variant layer_ = godot::String();
-	bool noise_is_new_ = false; ///< What was made from it is out of date.
+	bool noise_is_new_ = false; ///< True if the copy of the noise is out of date.
 	bool gradient_is_new_ = false;
 	bool curve_is_new_ = false;
 };

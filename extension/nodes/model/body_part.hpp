@@ -18,7 +18,7 @@ struct BodyPart {
 	Kind kind = Kind::box;
 	glm::vec3 size{0.0f};           ///< Meters from side to side along its own axes; unused for a convex shape.
 	glm::mat3 rotation{1.0f};       ///< From its own axes to the model's.
-	glm::vec3 origin{0.0f};         ///< Its middle in the model.
+	glm::vec3 origin{0.0f};         ///< The middle of the shape in the model.
 	std::vector<glm::vec3> corners; ///< For a convex shape, in the model.
 
 	friend bool operator==(const BodyPart &, const BodyPart &) = default;

@@ -44,7 +44,7 @@ constexpr std::uint64_t custom3_of_floats = std::uint64_t{7} << 22U; // Four per
 
 /// An index buffer for the engine's automatic LOD selection.
 struct IndexLod {
-	double edge_length = 0.0; ///< Meters of detail that it leaves out.
+	double edge_length = 0.0; ///< Meters of detail that the LOD leaves out.
 	PackedInt32Array indices;
 };
 

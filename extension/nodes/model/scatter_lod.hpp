@@ -23,7 +23,7 @@ using ShaderParameters = std::vector<std::pair<godot::StringName, godot::Variant
 struct LodLook {
 	double density = 1.0;                               ///< Share of the instances, 0 to 1.
 	double transparency = 0.0;                          ///< As in GeometryInstance3D, 0 to 1.
-	std::shared_ptr<const ShaderParameters> parameters; ///< Null if there are none. Other values are another object.
+	std::shared_ptr<const ShaderParameters> parameters; ///< Null if there are none. A change replaces the object.
 
 	friend bool operator==(const LodLook &, const LodLook &) = default;
 };

@@ -271,7 +271,7 @@ struct SceneReader::Progress {
 	Ref<PackedScene> scene;
 	bool walked = false;
 	Walk walk;
-	std::vector<ModelLod> lods; ///< The first `merged` ones are already read.
+	std::vector<ModelLod> lods; ///< The first `merged` of them are already read.
 	std::size_t merged = 0;
 	SceneReading result;
 };

@@ -47,7 +47,7 @@ struct StreamFigures {
 	std::uint64_t worker_microseconds = 0; ///< The time of all workers for all tiles.
 	std::uint64_t tiles_made = 0;
 	std::uint64_t points_sampled = 0;
-	std::uint64_t points_computed = 0; ///< For these, the points around them, and tiles that queries requested.
+	std::uint64_t points_computed = 0; ///< Includes the points around tiles, and tiles for queries.
 	std::uint64_t heights_rechecked = 0;
 };
 
@@ -198,12 +198,12 @@ private:
 	std::vector<Viewer> sorted_for_;                  ///< The viewers when the jobs were last sorted.
 	StreamChanges changes_;
 	std::vector<TileEvent> events_;
-	std::vector<Viewer> viewers_; ///< Those of the last frame, without viewers that are out of range.
+	std::vector<Viewer> viewers_; ///< The viewers of the last frame that are within range.
 	Status viewer_status_;        ///< The error of the first viewer that was left out.
 	Status update_status_;
 
 	GroundRecheck recheck_;
-	Clock::duration recheck_left_{0};    ///< Time that re-checks may take; negative after one that took too long.
+	Clock::duration recheck_left_{0};    ///< Time for re-checks; negative after one took too long.
 	Clock::duration usual_height_{1000}; ///< The usual time for one height.
 	bool recheck_due_ = false;           ///< Set once per frame.
 	LayerFailure recheck_failure_;       ///< The last one, for no layer. Kept until the layers or the ground change.
@@ -213,7 +213,7 @@ private:
 	Step next_step_ = Step::ask_ground;
 	std::uint32_t uploads_since_divide_ = 0;
 	std::uint32_t uploads_since_fade_ = 0;
-	std::uint64_t usual_job_microseconds_ = 10'000; ///< For one tile, smoothed; a guess until there were some.
+	std::uint64_t usual_job_microseconds_ = 10'000; ///< For one tile, smoothed; at first, a guess.
 };
 
 } // namespace thicket

@@ -378,7 +378,7 @@ private:
 	LayerList layer_list_;
 	InstanceLoad instance_load_;
 	SceneUse used_;                   ///< Used while the node is in the tree.
-	bool warned_of_stripped_ = false; ///< So that the warning is printed only once.
+	bool warned_of_stripped_ = false; ///< Set once the warning is printed.
 	LayerPreviews previews_;
 	FadeViewers fade_viewers_;
 	RegionRegister regions_;

@@ -136,7 +136,7 @@ private:
 	std::vector<MeshUpload> uploaded_;
 	std::atomic<std::size_t> waiting_ = 0;    ///< The size of queue_.
 	std::atomic<std::uint64_t> freed_ = 0;    ///< The number of objects freed from unneeded_ and uploaded_.
-	std::atomic<bool> much_unneeded_ = false; ///< Whether unneeded_ and uploaded_ are worth a worker of their own.
+	std::atomic<bool> much_unneeded_ = false; ///< Whether unneeded_ and uploaded_ need their own worker.
 
 	// Main thread only. Jobs that are not in the queue yet, and objects that are not in the list of unneeded ones yet.
 	std::deque<std::shared_ptr<TileJob>> incoming_;
