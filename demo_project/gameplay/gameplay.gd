@@ -1,6 +1,5 @@
 extends Node3D
-## A small game: walk, look at a tree, fell it, save, load. Felled trees stay felled, because a save holds the game's
-## changes to the world.
+## A small game: walk, look at a tree, fell it, save, load. Felled trees stay felled, because a save contains the game's changes to the world.
 ##
 ## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] plays a fixed
 ## sequence of keys and mouse moves, writes screenshots like the demo's other scenes, and quits.

@@ -1,4 +1,5 @@
-// Generates the tiles that an engine run lists with the core alone, and compares digests: one thread, no engine.
+// Reads a list of tiles that an engine run has written, generates the same tiles with the core alone, on one thread,
+// and compares the digests.
 //
 // Usage: tile_digests FILE. Each line of the file describes one item in words, as tests/engine/tile_log.gd writes it:
 //   flat HEIGHT

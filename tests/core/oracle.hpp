@@ -29,8 +29,8 @@ using Points = std::map<std::pair<std::int32_t, std::int32_t>, Point>;
 /// than this margin.
 inline constexpr std::int32_t margin = 34;
 
-/// Textbook dart throwing on a finite domain: one heap holds all darts, the earliest first. Shares only the law of the
-/// darts (dart.hpp) with the sampler.
+/// Textbook dart throwing on a finite domain: one heap contains all darts, the earliest first. Only shares the
+/// definition of the darts (dart.hpp) with the sampler.
 class StrictTimeHeap {
 public:
 	StrictTimeHeap(const PointSet &set, std::uint32_t level, const CellRect &cells, const Points &coarser) :

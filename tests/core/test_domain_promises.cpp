@@ -1,5 +1,5 @@
-// Promises 1 to 3 of DomainSampler on all kinds of domains: exact distances, also across the seams of a torus; no room
-// left, down to the precision; and all points within the domain.
+// Checks promises 1 to 3 of DomainSampler on all kinds of domains: distances are exact, also across the seams of a
+// torus; no room for a further point is left, down to the precision; and all points lie within the domain.
 
 #include "domain_cases.hpp"
 

@@ -1,5 +1,6 @@
-// Promises 2 and 3 of TileSampler, checked exactly on lattice integers: no two points closer than the radius, across
-// tiles too, and no lattice point left with room for another. Holds for every level of the progressive order.
+// Checks promises 2 and 3 of TileSampler exactly, on lattice integers: no two points are closer than the radius, across
+// tiles too, and no lattice point is left where a further point would fit. Holds for every level of the progressive
+// order.
 
 #include "tests/analysis/lattice_checks.hpp"
 #include "tilings.hpp"

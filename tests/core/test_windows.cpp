@@ -1,4 +1,5 @@
-// Promise 1 of TileSampler: a point of the set is returned, bit for bit the same, for every rectangle that contains it.
+// Checks promise 1 of TileSampler: every rectangle that contains a point of the set returns this point, bit for bit the
+// same.
 
 #include "core/base/instance_id.hpp"
 #include "tilings.hpp"

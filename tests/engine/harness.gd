@@ -145,8 +145,8 @@ func make_layer(radius := 2.0) -> ScatterLayer:
 	return layer
 
 
-## Returns models with coarser LODs, one for each entry of a layer's meshes. `rows` holds the entries' meshes at each of the distances; null
-## keeps the finer mesh.
+## Returns models with coarser LODs, one for each entry of a layer's meshes. `rows` contains the entries' meshes for each of the distances; null keeps
+## the finer mesh.
 func with_lods(meshes: Array, rows: Array, distances: Array) -> Array:
 	var models := []
 	for entry in meshes.size():

@@ -1,6 +1,6 @@
 extends RefCounted
-## Replaces files of a project completely or not at all. The new content is written to a file next to the old one, and replaces it once the
-## disk holds all of it. After an error, the old file is unchanged. The library does the same for [ScatterState] and [ScatterMask].
+## Replaces files of a project completely or not at all. The new content is written to a file next to the old one, and replaces it once the disk has
+## stored all of it. After an error, the old file is unchanged. The library does the same for [ScatterState] and [ScatterMask].
 
 ## The number of bytes appended to a file to find out whether the disk has room left: more than a usual disk block.
 const PROBE_BYTES := 1 << 14

@@ -8,9 +8,9 @@
 
 namespace thicket {
 
-/// The shape of a bounding volume hierarchy over a sorted array: a leaf holds `leaf_size` neighboring items, and each node above
-/// holds two neighboring nodes of the level below. The tree stores counts only. Its owner keeps the bounds of the nodes in an
-/// array of its own, at `index_of(node)`.
+/// The shape of a bounding volume hierarchy over a sorted array: a leaf has `leaf_size` neighboring items, and each
+/// node above has two neighboring nodes of the level below. The tree only stores counts. Its owner keeps the bounds of
+/// the nodes in a separate array, at `index_of(node)`.
 class Bvh {
 public:
 	struct Node {

@@ -20,7 +20,7 @@ std::string resolved_path(const std::string &path);
 /// writable. True if `path` does not exist.
 bool can_be_replaced(const std::string &path);
 
-/// Waits until the file is on the disk. If a file `replaced` exists, first gives its permissions to the new file.
+/// Waits until the file is on the disk. If the file `replaced` exists, first copies its permissions to the new file.
 /// Returns false if the disk fails.
 bool sync_file(const std::string &path, const std::string &replaced);
 

@@ -13,8 +13,8 @@ namespace thicket {
 /// which returns a Status or nothing. If memory runs out, returns ErrorCode::out_of_memory, with the name and the size
 /// of the request. A request that exceeds the maximum size of a container counts as out of memory as well.
 ///
-/// `work` allocates all the memory it needs before it changes anything that outlives the call, so a failure leaves everything unchanged.
-/// Functions that promise more than this document it.
+/// `work` allocates all the memory it needs before it changes anything that outlives the call, so a failure leaves
+/// everything unchanged. A function that promises more than this documents its promise.
 template <typename Work>
 Status guarded(const char *asked_for, double value, Work &&work) {
 	try {

@@ -13,8 +13,8 @@ inline constexpr std::int32_t cell_limit = 1 << 23;
 inline constexpr int id_layer_shift = 48;
 inline constexpr std::uint64_t id_cell_mask = (std::uint64_t{1} << id_layer_shift) - 1;
 
-/// The layer and the base square of a point. A base square holds at most one point of a set, so the id identifies the
-/// point permanently, whatever is loaded: 16 bits for the layer, 24 for the cell's x, 24 for its y.
+/// The layer and the base square of a point. A base square contains at most one point of a set, so the id identifies
+/// the point permanently, whatever is loaded: 16 bits for the layer, 24 for the cell's x, 24 for its y.
 struct InstanceId {
 	std::uint16_t layer = 0;
 	glm::ivec2 cell{0}; ///< In [-cell_limit, cell_limit); other values do not survive `pack`.

@@ -53,9 +53,9 @@ public:
 		std::uint32_t across = 1;
 	};
 
-	/// The division for a tile that is not uploaded yet: `wanted`, or 1. It is divided from the start if `then` multimeshes, with its own,
-	/// do not exceed the limit, and if it replaces a visible tile or no other tile waits for its upload. Otherwise it may be divided once
-	/// it is visible.
+	/// The division for a tile that is not uploaded yet: `wanted`, or 1. The tile is divided from the start if `then`
+	/// multimeshes, with its own, do not exceed the limit, and if it replaces a visible tile or no other tile waits for
+	/// its upload. Otherwise it may be divided once it is visible.
 	static std::uint32_t first_division(
 			std::uint32_t wanted, Multimeshes then, bool replaces_visible_tile, bool others_wait);
 

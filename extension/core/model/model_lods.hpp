@@ -40,9 +40,9 @@ struct ModelLod {
 
 /// Sorts the parts of a model into LODs, the finest first. Any parts result in at least one LOD, no parts in none.
 ///
-/// If any part has a number, numbers decide: there is an LOD for each number that occurs, in ascending order. A part without one counts as
-/// number 0 if a numbered part has the same stem, else it belongs to all LODs. An LOD begins at the largest `begin` of its numbered parts,
-/// if that is above 0.
+/// If any part has a number, numbers decide: each number that occurs becomes an LOD, in ascending order. A part without
+/// a number counts as number 0 if a numbered part has the same stem, else it belongs to all LODs. An LOD begins at the
+/// largest `begin` of its numbered parts, if that is above 0.
 ///
 /// Otherwise the ranges decide: an LOD begins at each distance at which parts appear or disappear, as long as something is drawn there. The
 /// last LOD has no end, because the layer's settings decide how far it is visible.

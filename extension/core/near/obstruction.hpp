@@ -33,8 +33,9 @@ struct Obstruction {
 /// The prism is deep enough for ground that falls off below the cylinder, and for an agent whose head would hit the
 /// cylinder.
 ///
-/// It adds no distance for the agent's radius, because the bake does. Returns false, without an obstruction, for an instance without a
-/// width and for numbers that are not finite. Replaces `r_obstruction` and reuses its memory.
+/// The obstruction does not include the agent's radius, because the bake adds it. Returns false, without an
+/// obstruction, for an instance without a width and for numbers that are not finite. Replaces `r_obstruction` and
+/// reuses its memory.
 bool obstruct(const glm::dmat3 &basis, glm::dvec3 foot, const InstanceShape &shape, const NavigationAgent &agent,
 		Obstruction &r_obstruction);
 

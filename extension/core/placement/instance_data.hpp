@@ -15,8 +15,9 @@
 
 namespace thicket {
 
-/// Colors to choose from, each with red, green, blue and alpha, and each for an equal part of the numbers from 0 to 1: a gradient of n
-/// entries is sampled at (i + 0.5) / n. It has 1 to max_colors entries. All numbers are finite, 0 to max_color.
+/// Colors to choose from, each with red, green, blue and alpha, and each for an equal part of the numbers from 0 to 1:
+/// a gradient of n entries is sampled at (i + 0.5) / n. A table has 1 to max_colors entries. All numbers are finite, 0
+/// to max_color.
 using ColorTable = std::vector<glm::vec4>;
 
 inline constexpr std::size_t max_colors = 4096;

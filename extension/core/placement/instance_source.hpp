@@ -38,8 +38,7 @@ struct InstanceSource {
 	std::shared_ptr<const DensityField> noise{};  ///< For SourceKind::noise.
 	std::shared_ptr<const LayerSettings> layer{}; ///< For SourceKind::distance.
 
-	/// False for a number that is only random. This includes noise and distance sources whose noise or layer is
-	/// missing.
+	/// False for a number that is only random, including noise and distance sources whose noise or layer is missing.
 	bool known() const {
 		return kind == SourceKind::noise
 				? noise != nullptr

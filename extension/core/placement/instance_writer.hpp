@@ -21,8 +21,8 @@
 
 namespace thicket {
 
-/// The points of a tile, and which of them become instances. `standing` holds indices of points, and `thinning_ranks` has one entry for
-/// each of those. All other lists have one entry for each point.
+/// The points of a tile, and which of them become instances. `standing` contains indices of points, and
+/// `thinning_ranks` has one entry for each of these indices. All other lists have one entry for each point.
 struct StandingPoints {
 	std::span<const glm::dvec2> positions; ///< World meters.
 	std::span<const Ground> ground;
@@ -51,8 +51,8 @@ struct InstanceBounds {
 	}
 };
 
-/// The last step of generating a tile: gives every kept point a mesh, a transform and a look, in the order in which a layer is thinned.
-/// Reuses its memory.
+/// The last step of generating a tile: assigns every kept point a mesh, a transform and a look, in the order in which a
+/// layer is thinned. Reuses its memory.
 class InstanceWriter {
 public:
 	/// Replaces the origin and the meshes of `r_tile`. Settings must be valid. When `cancel` is raised, clears the

@@ -58,8 +58,9 @@ bool follows_normals(const LayerSettings &layer);
 /// distances of its neighbors' chains, of its sources, and of edge feathers.
 double reach(const LayerSettings &layer);
 
-/// The approximate number of points that are sampled to generate a square tile of `tile_size` meters of a valid layer. It includes the
-/// points of the layer, and those of neighbors and source layers in the surroundings where they count. Memory and time grow with it.
+/// The approximate number of points that are sampled to generate a square tile of `tile_size` meters of a valid layer.
+/// The number includes the points of the layer, and the points of neighbors and source layers in the surroundings where
+/// they count. Memory and time grow with it.
 double points_to_sample(const LayerSettings &layer, double tile_size);
 
 } // namespace thicket

@@ -33,9 +33,9 @@ public:
 	/// positions are kept, with their index as id and the rank 0.
 	Status take(std::span<const glm::dvec2> places, const Rect &window);
 
-	/// The positions at which the ground must be known: those of the points, then edge_probes for each point if the layer checks for its
-	/// edge. Appends to both lists. Normals are queried only if the layer has a rule for the slope, or, at the points, if `normals` is
-	/// true.
+	/// The positions at which the ground must be known: the points' positions, then edge_probes for each point if the
+	/// layer checks for its edge. Appends to both lists. Normals are queried only if the layer has a rule for the
+	/// slope, or, at the points, if `normals` is true.
 	void add_queries(bool normals, std::vector<glm::dvec2> &r_positions, std::vector<GroundQuery> &r_queries) const;
 	std::size_t position_count() const { return positions_.size() + probe_open_.size(); }
 

@@ -69,19 +69,20 @@ struct LinkedLayer {
 /// An additional check that may refuse a layer, with its neighbors, at an index of the list.
 using LayerCheck = std::function<Status(const LayerSettings &layer, std::size_t index)>;
 
-/// Resolves references into pointers. Every layer gets the earlier layers as neighbors that it refers to or that refer to it, and the
-/// earlier layers that its sources depend on. Missing layers keep their index and become no neighbors. `before` holds the results of the
-/// last call, by index: a result that is equal to its previous one is returned as the same pointer. A layer that is refused (too many
-/// neighbors, too long a chain, a distance out of range, or by `check`) keeps its previous settings.
+/// Resolves references into pointers. Every layer gets the earlier layers as neighbors that it refers to or that refer
+/// to it, and the earlier layers that its sources depend on. Missing layers keep their index and become no neighbors.
+/// `before` contains the results of the last call, by index. A result that is equal to its previous result is returned
+/// as the same pointer. A layer that is refused (too many neighbors, too long a chain, a distance out of range, or by
+/// `check`) keeps its previous settings.
 std::vector<LinkedLayer> link_layers(
 		std::span<const UnlinkedLayer> layers, std::span<const SharedLayer> before, const LayerCheck &check = {});
 
 /// A name that is not yet taken: `name` itself, else `name` with the lowest free number from 2 on, as in "Oak 2".
 std::string free_layer_name(std::string_view name, std::span<const std::string> taken);
 
-/// Likely mistakes in a layer's name and references, one sentence each. These are references to no layer or to the layer itself, a name
-/// that an earlier layer has, and proximity to a layer that does not come earlier in the list. The last also applies to a layer that a
-/// color follows. `layers[index]` must not be null; others may be.
+/// Likely mistakes in a layer's name and references, one sentence each. Mistakes are references to no layer or to the
+/// layer itself, a name that an earlier layer has, and proximity to a layer that does not come earlier in the list. The
+/// same applies to a layer that a color follows. `layers[index]` must not be null; others may be.
 std::vector<std::string> name_problems(std::span<const LayerLinks *const> layers, std::size_t index);
 
 } // namespace thicket

@@ -26,9 +26,9 @@ struct TileOrder {
 /// very large. One call at a time.
 class ParallelTileBuilder {
 public:
-	/// Generates the tiles, each on whichever thread is free, and replaces `r_tiles` by them, in order; null for a tile that was not
-	/// generated. Each is identical to the result of TileBuilder. The error is that of the first tile that failed; after an error, other
-	/// tiles may be missing too.
+	/// Generates the tiles, each on whichever thread is free, and replaces `r_tiles` by them, in order; null for a tile
+	/// that was not generated. Each tile is identical to the result of TileBuilder. Returns the error of the first tile
+	/// that failed; after an error, other tiles may be missing, too.
 	Status build(std::span<const TileOrder> orders, const Terrain &terrain, LentThreads &threads,
 			std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 

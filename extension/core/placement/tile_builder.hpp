@@ -47,13 +47,15 @@ public:
 	Status build(const LayerSettings &layer, const Terrain &terrain, const Rect &rect, TileInstances &r_tile,
 			const std::atomic<bool> *cancel = nullptr, LentThreads *threads = nullptr);
 
-	/// The first step: finds the points that pass the rules of position (masks, noise, shapes seen from above). There are none after
-	/// ErrorCode::cancelled or ErrorCode::out_of_memory. `threads`, if there are any, share the points of a large rectangle.
+	/// The first step: finds the points that pass the rules of position (masks, noise, shapes seen from above). After
+	/// ErrorCode::cancelled or ErrorCode::out_of_memory, no points are found. `threads`, if there are any, share the
+	/// points of a large rectangle.
 	Status find_points(const LayerSettings &layer, const Rect &rect, const std::atomic<bool> *cancel = nullptr,
 			LentThreads *threads = nullptr);
 
-	/// The positions at which the ground must be known after `find_points`: the layer's points and those of its neighbors, the surroundings
-	/// of each if a layer checks for its edge, and a few positions for the tile's origin. Valid until the next call.
+	/// The positions at which the ground must be known after `find_points`: the points of the layer and of its
+	/// neighbors, the surroundings of each point if a layer checks for its edge, and a few positions for the tile's
+	/// origin. Valid until the next call.
 	std::span<const glm::dvec2> positions() const;
 
 	/// All positions, in order, grouped by the ground textures that matter for them. Valid as long as `positions()`.

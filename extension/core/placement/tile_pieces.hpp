@@ -45,7 +45,7 @@ public:
 	TilePieces(const SampleMargins &margins, std::shared_ptr<BlockCache> cache) :
 			margins_(margins), cache_(std::move(cache)) {}
 
-	/// Settings must be valid. The error is that of the first piece that failed. Throws std::bad_alloc.
+	/// Settings must be valid. Returns the error of the first piece that failed. Throws std::bad_alloc.
 	Status find(const LayerSettings &layer, const Terrain &terrain, const PieceGrid &grid,
 			const std::atomic<bool> *cancel, LentThreads &threads);
 

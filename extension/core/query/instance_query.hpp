@@ -20,8 +20,8 @@
 
 namespace thicket {
 
-/// The cylinder that represents an instance if only its transform is known. It extends from the instance's origin along its own up axis.
-/// Meters at scale 1.
+/// The cylinder that represents an instance if only its transform is known. The cylinder extends from the instance's
+/// origin along its own up axis. Meters at scale 1.
 struct InstanceShape {
 	double radius = 0.5; ///< 0 to 1e4.
 	double height = 2.0; ///< 0 to 1e4.
@@ -52,7 +52,8 @@ public:
 	/// the tile. Null, without an error, if the tile is not available now; it then counts as empty.
 	virtual Status find_tile(std::uint32_t layer, glm::ivec2 tile, std::shared_ptr<const CompactTile> &r_tile) = 0;
 
-	/// Finds several tiles, in order, and replaces `r_tiles`. The error is that of the first tile that failed. Throws std::bad_alloc.
+	/// Finds several tiles, in order, and replaces `r_tiles`. Returns the error of the first tile that failed. Throws
+	/// std::bad_alloc.
 	virtual Status find_tiles(
 			std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles);
 

@@ -22,8 +22,8 @@
 
 namespace thicket {
 
-/// Generates tiles immediately, in order; null for a tile that is not available or was not generated. The error is that of the first tile
-/// that failed; after an error, some other tiles may exist.
+/// Generates tiles immediately, in order; null for a tile that is not available or was not generated. Returns the error
+/// of the first tile that failed; after an error, some other tiles may exist.
 using TileMaker = std::function<Status(
 		std::span<const WorldTile> tiles, std::vector<std::shared_ptr<const CompactTile>> &r_tiles)>;
 

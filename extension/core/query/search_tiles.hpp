@@ -18,8 +18,8 @@ struct SearchTile {
 	glm::ivec2 tile{0};
 };
 
-/// Finds the tiles of some layers that may hold an instance whose cylinder a ray meets, in any order. `from` is a share of the ray's
-/// length. Replaces `r_tiles`. Refuses, as `to`, more than InstanceQuery::max_points in all of them.
+/// Finds the tiles of some layers that may contain an instance whose cylinder a ray meets, in any order. `from` is a
+/// share of the ray's length. Replaces `r_tiles`. Refuses, as `to`, more than InstanceQuery::max_points in all of them.
 Status find_ray_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const Ray &ray,
 		std::vector<SearchTile> &r_tiles);
 

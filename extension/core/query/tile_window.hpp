@@ -71,9 +71,9 @@ struct QueryArea {
 	double radius = std::numeric_limits<double>::infinity(); ///< Only within this many meters of the center.
 };
 
-/// Finds the tiles of some layers that must be searched for all instances whose origin lies in an area. They are ordered by layer, and
-/// nearest to the area's center first. Replaces `r_tiles`. Refuses more than InstanceQuery::max_points in all of them, and then leaves
-/// `r_tiles` empty.
+/// Finds the tiles of some layers that must be searched for all instances whose origin lies in an area. The tiles are
+/// ordered by layer, and nearest to the area's center first. Replaces `r_tiles`. Refuses more than
+/// InstanceQuery::max_points in all of them, and then leaves `r_tiles` empty.
 Status find_tiles(std::span<const QueryLayer> layers, std::span<const std::uint32_t> indices, const QueryArea &area,
 		std::vector<InstanceQuery::Tile> &r_tiles);
 

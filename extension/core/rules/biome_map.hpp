@@ -78,9 +78,9 @@ public:
 	/// an inverted or infinite rectangle.
 	BiomeSet biomes_in(const Rect &rect) const;
 
-	/// Appends rectangles outside which a value per biome is unchanged since the map `before`. They cover the pixels whose value differs,
-	/// in at most find_grid squared parts. Returns false and appends nothing if the two maps cover the world differently, because the
-	/// value may then differ anywhere.
+	/// Appends rectangles outside which a value per biome is unchanged since the map `before`. The rectangles cover the
+	/// pixels whose value differs, in at most find_grid squared parts. Returns false and appends nothing if the two
+	/// maps cover the world differently, because the value may then differ anywhere.
 	template <class T>
 	bool find_edits(const BiomeMap &before, const PerBiome<T> &value_before, const PerBiome<T> &value,
 			std::vector<Rect> &r_areas) const;

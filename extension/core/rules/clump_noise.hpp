@@ -25,8 +25,8 @@ inline constexpr double max_clump_size = 1e5;
 /// Refuses values that are not finite or outside the ranges above.
 Status validate(const Clumping &clumping);
 
-/// The density of a clumped layer: low-frequency noise of its own. A function of seed and position, bit-identical everywhere. Its values
-/// are made uniform over [0, 1], so that `coverage` holds.
+/// The density of a clumped layer: its own low-frequency noise. A function of seed and position, bit-identical
+/// everywhere. Its values are transformed to be uniform over [0, 1], so that `coverage` is the covered share.
 class ClumpNoise {
 public:
 	/// `clumping` must be valid.

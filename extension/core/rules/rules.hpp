@@ -88,8 +88,9 @@ public:
 	/// Whether any rule depends on the slope of the ground.
 	bool look_at_slope() const { return !slope_.open() || rules_.slope_curve != nullptr; }
 
-	/// Replaces `r_densities` by the product of the rules that depend only on the position: density, fields, mask, biome, clumping. They
-	/// can be evaluated before the ground is known. `scratch` is working memory that is reused by later calls. Fails if a field fails.
+	/// Replaces `r_densities` by the product of the rules that depend only on the position: density, fields, mask,
+	/// biome, clumping. These rules can be evaluated before the ground is known. `scratch` is working memory that is
+	/// reused by later calls. Fails if a field fails.
 	Status place_densities(
 			std::span<const glm::dvec2> positions, std::span<double> r_densities, std::vector<float> &scratch) const;
 

@@ -46,8 +46,8 @@ inline constexpr double max_shape_coordinate = 1e9; ///< Meters, either sign. Ap
 /// Reports half_size as "half_size" (box), "radius", "half_height" or "half_width" (path).
 Status validate(const Shape &shape);
 
-/// The world rectangle outside which a valid shape changes nothing. It includes the border and a small margin for rounding (10^-12 of the
-/// coordinates).
+/// The world rectangle outside which a valid shape changes nothing. The rectangle includes the border and a small
+/// margin for rounding (10^-12 of the coordinates).
 Rect bounds(const Shape &shape);
 
 } // namespace thicket

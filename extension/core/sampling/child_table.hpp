@@ -9,7 +9,8 @@
 
 namespace thicket {
 
-/// For each subset of a square's four children (one bit each): the values that distinguish each child from its siblings, without gaps.
+/// For each subset of a square's four children (one bit each): the values of the children in it, without gaps. Each
+/// value distinguishes a child from its siblings.
 struct ChildTable {
 	struct Line {
 		alignas(32) std::uint64_t gamma[4]{};  ///< Added to the parent before it is hashed.

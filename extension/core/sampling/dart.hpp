@@ -98,8 +98,9 @@ struct DartSource {
 	}
 };
 
-/// The dart of a child square (0 to 3, x first), hashed from its parent's dart. Its clock starts when the parent was rejected and runs at
-/// rate 4^-level. It is never earlier than the parent: float addition is monotone and both keys carry the same tag.
+/// The dart of a child square (0 to 3, x first), hashed from its parent's dart. Its clock starts when the parent was
+/// rejected and runs at rate 4^-level. The child is never earlier than the parent: float addition is monotone and both
+/// keys carry the same tag.
 inline DartKey child_dart(DartKey parent, std::uint32_t child) {
 	const std::uint64_t random = split_mix(parent + (child + 1) * split_mix_gamma);
 	const std::uint32_t level = dart_level(dart_place(parent)) + 1;

@@ -22,8 +22,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::int32_t side = static_cast<std::int32_t>(cell_size);
 
-/// A disk's radius is less than one and a half cells. It therefore reaches, on each axis, two cells beyond its own on the near side and
-/// one on the far side: 4 x 4 cells, which fill one vector of 16 lanes or a few smaller ones, row by row.
+/// A disk's radius is less than one and a half cells. The disk therefore reaches, on each axis, two cells beyond its
+/// own on the near side and one on the far side: 4 x 4 cells, which fill one vector of 16 lanes or a few smaller ones,
+/// row by row.
 struct Neighborhood {
 	std::uint32_t first; ///< Index of the lowest cell.
 	std::int32_t x;      ///< The disk's center, relative to the lowest cell's corner: 1.5 to 2.5 cells.

@@ -9,8 +9,9 @@
 
 namespace thicket {
 
-/// Identifies one infinite Poisson-disk point set. Equal values always identify equal sets, on every machine. A different seed or layer
-/// gives an unrelated set. Changing only the number of levels does not: the finest darts and some of the points stay the same.
+/// Identifies one infinite Poisson-disk point set. Equal values always identify equal sets, on every machine. A
+/// different seed or layer results in an unrelated set. A different number of levels alone does not: the finest darts
+/// and some of the points stay the same.
 struct PointSet {
 	std::uint64_t seed = 0;
 	double radius = 1.0;      ///< Minimum distance between points in meters. Finite, in [min_radius, max_radius].

@@ -6,9 +6,9 @@
 
 namespace thicket {
 
-/// The position of an accepted dart in the progressive order, as a fraction of 2^32: the share of the whole set whose (level, time) comes
-/// before. Levels go from coarse (levels - 1) to fine (0). Read from tables that hold for every seed and radius, because the process has
-/// no scale. Never decreases along that order.
+/// The position of an accepted dart in the progressive order, as a fraction of 2^32: the share of the whole set whose
+/// (level, time) comes before. Levels go from coarse (levels - 1) to fine (0). The rank is read from tables that are
+/// valid for every seed and radius, because the process has no scale. Never decreases along that order.
 std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
 /// The level at which a point of this rank was placed.

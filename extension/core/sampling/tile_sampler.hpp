@@ -47,12 +47,14 @@ public:
 	TileSampler(TileSampler &&) noexcept;
 	TileSampler &operator=(TileSampler &&) noexcept;
 
-	/// Replaces the contents of `r_points` with the points of `set` in `rect` (meters), in an order that depends only on the arguments.
-	/// `rect` must lie within cell_limit cells of the origin (+-2^23 * radius / sqrt(2) meters) and contain at most max_points_per_call
-	/// points. An empty rectangle returns no points and no error. An inverted or non-finite one is refused, and `r_points` is unchanged.
-	/// Raising `progress.cancel` ends the call within about a millisecond. `r_points` is empty after ErrorCode::margin_too_wide (the
-	/// widest margin does not decide a point; the status contains the seed, radius and position) and after ErrorCode::out_of_memory (the
-	/// status contains the number of bytes that the points of `rect` take). O(points) time; bounded memory, whatever the rectangle.
+	/// Replaces the contents of `r_points` with the points of `set` in `rect` (meters), in an order that depends only
+	/// on the arguments. `rect` must lie within cell_limit cells of the origin (+-2^23 * radius / sqrt(2) meters) and
+	/// contain at most max_points_per_call points. An empty rectangle returns no points and no error. An inverted or
+	/// non-finite rectangle is refused, and `r_points` is unchanged. Raising `progress.cancel` ends the call within
+	/// about a millisecond. `r_points` is empty after ErrorCode::margin_too_wide (the widest margin does not decide a
+	/// point; the status contains the seed, radius and position) and after ErrorCode::out_of_memory (the status
+	/// contains the number of bytes that the points of `rect` take). O(points) time; bounded memory, whatever the
+	/// rectangle.
 	///
 	/// Shares a rectangle of several blocks (128 cells, or 90 radii, wide) with `threads`, if there are any. The result is the same.
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,

@@ -24,8 +24,9 @@ public:
 	/// The ids that changed after `revision`, each once, in any order.
 	std::vector<std::uint64_t> since(std::uint64_t revision) const;
 
-	/// Appends the changes that a different log recorded after `revision`, with `raise` added to their revisions. They must be later than
-	/// all changes in this log. Cheap even for very many changes, because logs share their memory.
+	/// Appends the changes that a different log recorded after `revision`, with `raise` added to their revisions. These
+	/// changes must be later than all changes in this log. Cheap even for very many changes, because logs share their
+	/// memory.
 	void append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise);
 
 	/// Forgets changes that are repeated in `later`, and changes beyond the capacity for a state of `held` ids, so that

@@ -74,13 +74,15 @@ struct StateChange {
 	operator bool() const { return changed; } // NOLINT: most callers need only this.
 };
 
-/// The differences from the generated world: removed ids, hand-placed instances, and data of either. It also has a clock, by which
-/// removed points may grow again. Nothing else is stored, so a world with a million felled trees takes a few megabytes.
+/// The differences from the generated world: removed ids, hand-placed instances, and data of either. The state also has
+/// a clock, by which removed points may grow again. Nothing else is stored, so a world with a million felled trees
+/// takes a few megabytes.
 ///
-/// Every change has a number, its revision, so that peers can be sent only the changes that are new to them. Revisions belong to this
-/// object and are not saved. The state of an id before the state was loaded or cleared is not remembered. Where ids are added and removed
-/// endlessly, only the last changes are remembered (as many as the state holds, and 65536). A peer that requests older changes receives
-/// the whole state. Not thread safe.
+/// Every change has a number, its revision, so that peers can be sent only the changes that are new to them. Revisions
+/// belong to this object and are not saved. The state of an id before the state was loaded or cleared is not
+/// remembered. If ids are added and removed endlessly, only the last changes are remembered (at least as many as the
+/// state has entries, and at least 65536). A peer that requests older changes receives the whole state. Not thread
+/// safe.
 ///
 /// Layers are stamped with a number that identifies their point set (see `claim`), because ids of points mean nothing in a different set.
 /// Hand-placed instances are valid in any set.
@@ -114,8 +116,9 @@ public:
 	/// depends on the instances nearby, not on those in the whole world.
 	Status added_in(std::uint16_t layer, const Rect &rect, std::vector<std::uint64_t> &r_ids) const;
 
-	/// An upper bound for the length of the basis columns of the layer's hand-placed instances. It determines how far away to search for
-	/// instances that reach a position. 0 if there are none. May stay too large after some are removed. O(1).
+	/// An upper bound for the length of the basis columns of the layer's hand-placed instances. The bound determines
+	/// how far away to search for instances that reach a position. 0 if there are no such instances. May stay too large
+	/// after instances are removed. O(1).
 	double max_added_scale(std::uint16_t layer) const;
 
 	/// In ascending order, of one layer or of all.
@@ -243,12 +246,13 @@ public:
 	/// the diff has then changed nothing. Requires a pending diff.
 	Status finish_pending_diff(StateChanges &r_changes);
 
-	/// Joins the content of a different state to this one. An instance removed in either is removed, for the longer time. An instance
-	/// placed in either is placed. If the data, or the content of one hand-placed id, differ, the last write wins, by the clock of the
-	/// state that wrote it; at equal times, the greater bytes or numbers win. The clock becomes the later one, and points that are due by
-	/// then are restored. The order and number of joins do not matter: states that were joined in any way have the same content. An
-	/// undone change therefore returns from a state that still holds it: the removal of a restored point, a hand-placed instance that was
-	/// removed, erased data. Refuses stamps that contradict this state's as `layer`.
+	/// Joins the content of a different state to this one. An instance removed in either is removed, for the longer
+	/// time. An instance placed in either is placed. If the data, or the content of one hand-placed id, differ, the
+	/// last write wins, by the clock of the state that wrote it; at equal times, the greater bytes or numbers win. The
+	/// clock becomes the later one, and points that are due by then are restored. The order and number of joins do not
+	/// matter: states that were joined in any way have the same content. An undone change therefore returns from a
+	/// state that still contains it: the removal of a restored point, a hand-placed instance that was removed, erased
+	/// data. Refuses stamps that contradict this state's as `layer`.
 	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
 
 	/// Joins the content of a diff or a saved state, in any order, despite losses and repetitions. Restored points and deleted

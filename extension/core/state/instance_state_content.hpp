@@ -121,9 +121,9 @@ struct InstanceState::Content {
 		NewIds *new_ids = nullptr; ///< Null for a single id.
 	};
 
-	/// Sets ids to the given entries and appends the resulting changes, or throws std::bad_alloc and changes nothing. `each(use)` calls
-	/// `use(id, entry)` for every id once. It is called twice: first to determine the memory needed, then to make the changes. The second
-	/// call must not allocate memory.
+	/// Sets ids to the given entries and appends the resulting changes, or throws std::bad_alloc and changes nothing.
+	/// `each(use)` calls `use(id, entry)` for every id once. `each` is called twice: first to determine the memory
+	/// needed, then to make the changes. The second call must not allocate memory.
 	template <typename Each>
 	void change_all(const Each &each, std::vector<InstanceChange> &r_changes) {
 		NewIds new_ids;

@@ -14,8 +14,8 @@
 
 namespace thicket {
 
-/// Tiles of one layer, sorted by distance to one moving viewer. Only the nearest are kept in order. For all others, the queue only knows
-/// how near they may have come.
+/// Tiles of one layer, sorted by distance to one moving viewer. Only the nearest tiles are kept in order. For all
+/// others, the queue only stores how near they may have come.
 ///
 /// If memory runs out, methods throw std::bad_alloc and the queue is unchanged.
 ///

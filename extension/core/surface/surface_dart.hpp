@@ -16,8 +16,8 @@
 
 namespace thicket {
 
-/// Cells are cubes with a side of radius / sqrt(3), so that a cell holds one point at most. Positions in a cell are whole units, of which
-/// there are 2^surface_bits on each side; radius^2 = 3 * 4^surface_bits units^2, exactly.
+/// Cells are cubes with a side of radius / sqrt(3), so that a cell contains one point at most. Positions in a cell are
+/// whole units; a side has 2^surface_bits units; radius^2 = 3 * 4^surface_bits units^2, exactly.
 inline constexpr int surface_bits = 20;
 inline constexpr std::int32_t surface_cell_size = 1 << surface_bits;
 inline constexpr std::int64_t surface_radius_squared = std::int64_t{3} << (2 * surface_bits);

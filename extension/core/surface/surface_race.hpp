@@ -27,9 +27,9 @@ struct SurfaceCounts {
 	std::uint64_t accepted = 0; ///< Points.
 };
 
-/// The race of one level over a box of cells. A dart is accepted exactly if no accepted dart with an earlier time lies within the radius.
-/// It is decided as on the plane (ARCHITECTURE.md, "Why tiles are exact"): a dart waits for the cells within its reach that have an
-/// earlier line, and no others. The times along such a chain decrease, so it ends.
+/// The race of one level over a box of cells. A dart is accepted exactly if no accepted dart with an earlier time lies
+/// within the radius. A dart is decided as on the plane (ARCHITECTURE.md, "Why tiles are exact"): a dart waits for the
+/// cells within its reach that have an earlier line, and no others. The times along such a chain decrease, so it ends.
 class SurfaceRace {
 public:
 	/// For each face of the box, by axis: true if the surface continues behind it. Darts near these faces are unknown.

@@ -19,8 +19,8 @@ public:
 	/// The position itself, rounded to floats. Its height is needed where a neighbor has none.
 	glm::dvec2 center() const { return center_; }
 
-	/// The positions whose heights are needed: before and behind the position along x, then along z. They are 0.5 m away up to 10^6 m
-	/// from the origin.
+	/// The positions whose heights are needed: before and behind the position along x, then along z. Up to 10^6 m from
+	/// the origin, these positions are 0.5 m away.
 	const std::array<glm::dvec2, 4> &positions() const { return positions_; }
 
 	/// The unit normal, y up, from the height at the center and the heights at the positions, in their order. One-sided where a

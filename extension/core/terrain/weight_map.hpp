@@ -13,8 +13,9 @@
 
 namespace thicket {
 
-/// The share of the ground that belongs to each of a few textures: an image of up to four 8-bit channels. It is independent of meters:
-/// its first column and row lie at 0, its last at 1, whatever its resolution. A value type: copies share their memory.
+/// The share of the ground that belongs to each of a few textures: an image of up to four 8-bit channels. The map is
+/// independent of meters: the first column and row lie at 0, the last at 1, whatever the resolution. A value type:
+/// copies share their memory.
 class WeightMap {
 public:
 	static constexpr int max_side = 1 << 15; ///< Pixels along x and along y.

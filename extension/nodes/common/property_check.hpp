@@ -10,8 +10,8 @@
 
 namespace thicket {
 
-/// A bounded number among the properties of a class. One constant of this type holds all that the inspector, the setter and its error
-/// message need, so a new property takes one line.
+/// A bounded number among the properties of a class. One constant of this type contains all data that the inspector,
+/// the setter and its error message need, so a new property takes one line.
 template <class Values, class Number>
 struct NumberProperty {
 	using Limit = std::conditional_t<std::is_floating_point_v<Number>, double, std::int64_t>;

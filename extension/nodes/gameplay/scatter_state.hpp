@@ -35,8 +35,8 @@ class ScatterState;
 /// layer's own regrowth time.
 constexpr double regrowth_of_layer = -1.0;
 
-/// A node that uses a ScatterState. The state notifies it of every change. The node itself changes the instances that
-/// it knows.
+/// A node that uses a ScatterState. The state notifies it of every change. The node itself makes the changes of
+/// instances whose layers it displays.
 class StateListener {
 public:
 	virtual ~StateListener() = default;

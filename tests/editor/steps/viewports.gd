@@ -1,7 +1,7 @@
 @tool
 extends "res://tests/steps.gd"
-## The editor's 3D viewports: the orthogonal views along the axes, and a second viewport with a different view. A moved node is
-## marked in the Scene dock.
+## Tests the editor's 3D viewports: the orthogonal views along the axes, and a second viewport with a different view. Also tests that the Scene dock
+## marks a moved node.
 
 const SCENE := "res://yard.tscn"
 const VIEW_DISTANCE := 60.0

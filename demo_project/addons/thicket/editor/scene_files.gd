@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Keeps data that tools create, such as painted masks and hand-placed instances, in files next to the scene, so that the scene holds
-## settings only.
+## Keeps data that tools create, such as painted masks and hand-placed instances, in files next to the scene, so that the scene only contains
+## settings.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
@@ -50,8 +50,7 @@ func copy_mask(layer: ScatterLayer, scene_path: String, r_masks: Dictionary[Reso
 	return true
 
 
-## Adopts resources that other code has just written to new files next to a scene. They are removed and restored like those of
-## [method create].
+## Adopts resources that other code has just written to new files next to a scene. These files are removed and restored like those of [method create].
 func adopt(resources: Array, scene_path: String) -> void:
 	for resource: Resource in resources:
 		_unsaved[resource.resource_path] = scene_path

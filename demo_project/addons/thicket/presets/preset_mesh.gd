@@ -114,8 +114,8 @@ func _build_pebble() -> void:
 		_blob(at, Vector3(size, size * 0.6, size * 0.85), 0.2, Color(0.28, 0.27, 0.25), Color(0.55, 0.53, 0.5), true, 3)
 
 
-## Adds a ring of quads between two heights, or of triangles if one radius is 0. It is visible from outside if
-## [param to] is above [param from], else from below and inside.
+## Adds a ring of quads between two heights, or of triangles if one radius is 0. The ring is visible from outside if [param to] is above [param from],
+## else from below and inside.
 func _cone(from: float, to: float, low_radius: float, high_radius: float, sides: int, low: Color, high: Color,
 		at := Vector3.ZERO) -> void:
 	var lean := (low_radius - high_radius) / (to - from)

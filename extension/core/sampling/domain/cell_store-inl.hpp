@@ -21,9 +21,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Points by cells. Each cell has room for a number of points that is likely to suffice; excess points go to an overflow (section 4.3 of
-/// the paper). Large cells keep their points sorted by y, so that a lookup reads only a part of them. Points fill a cell evenly, so the
-/// lookup first guesses where this part begins and then searches from there.
+/// Points by cells. Each cell has room for a number of points that is likely to suffice; further points go to an
+/// overflow (section 4.3 of the paper). Large cells keep their points sorted by y, so that a lookup reads only a part
+/// of them. Points fill a cell evenly, so the lookup first guesses where this part begins and then searches from there.
 template <typename Real>
 class CellStore {
 public:

@@ -54,8 +54,8 @@ static func referring(layers: Array[ScatterLayer]) -> Array[Resource]:
 	return result
 
 
-## The properties of a layer or a value that refer to one other layer. They accept a layer or a name, and no other property accepts several
-## types. Empty for other objects.
+## The properties of a layer or a value that refer to one other layer. These properties accept a layer or a name, and no other property accepts
+## several types. Empty for other objects.
 static func reference_properties(object: Object) -> PackedStringArray:
 	var result := PackedStringArray()
 	if not (object is ScatterLayer or object is ScatterValueSource):

@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Creates layers for meshes, scenes and models. They are named after their files, their radius fits the width of the mesh, and they
-## keep distances to each other.
+## Creates layers for meshes, scenes and models. The layers are named after their files, their radius fits the width of the mesh, and they keep
+## distances to each other.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 
