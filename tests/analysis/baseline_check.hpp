@@ -38,9 +38,9 @@ struct BaselineReport {
 ///
 /// Coverage is decided by subdivision. A square within one disk of radius (1 + tolerance) radii is covered, a square
 /// whose center is more than a radius from every point is a gap, and any other square is split. A square narrower than
-/// the tolerance is one or the other. So there are two outcomes: without a gap, every position has a point within 1 +
-/// tolerance radii; with a gap, a point is missing. Time grows with the number of points and the logarithm of the
-/// tolerance.
+/// the tolerance is always either covered or a gap. So the check has two outcomes: without a gap, every position has a
+/// point within 1 + tolerance radii; with a gap, a point is missing. Time grows with the number of points and the
+/// logarithm of the tolerance.
 class BaselineCheck {
 public:
 	static BaselineReport run(std::span<const glm::dvec2> points, const CheckedDomain &domain) {

@@ -1,4 +1,4 @@
-"""A bake as binary glTF with GPU instancing. Separate code parses the files here, and Khronos' validator checks them."""
+"""Tests a bake as binary glTF with GPU instancing. Separate code parses the files, and Khronos' validator checks them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Maps of a bake: a gray picture for each layer, from which the counts can be computed."""
+"""Tests the maps of a bake: a gray picture for each layer, from which the counts can be computed."""
 
 from __future__ import annotations
 
@@ -50,7 +50,8 @@ def test_maps_count_every_instance(bake, expected, tmp_path, meters, memory, siz
 
 
 def test_maps_of_8_bits(bake, expected, tmp_path):
-    """With 20 m per pixel, white means the maximum number of instances, and one instance of a dense layer is less than one gray value."""
+    """With 20 m per pixel, white means the maximum number of instances, and one instance of a dense layer changes a pixel by less than one gray
+    value."""
     assert run(["bash", "demo_project/bake_export.sh", bake, "maps", tmp_path, "--meters", "20", "--bits", "8"], timeout=60, cwd=REPO).returncode == 0
     gray, about = map_of(tmp_path, "Grass")
     want = counted(expected, 2, 20.0, 9, 7)

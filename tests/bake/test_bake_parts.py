@@ -1,4 +1,4 @@
-"""The parts of a bake, each on its own: the areas of tiles, the messages about a scheduler, the manifest and the files."""
+"""Tests the parts of a bake separately: the areas of tiles, the messages about a scheduler, the manifest and the files."""
 
 from __future__ import annotations
 

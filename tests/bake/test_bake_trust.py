@@ -1,4 +1,4 @@
-"""Damaged and foreign bakes: each changed bit of a tile is detected, and a manifest with any content results in an error message."""
+"""Tests damaged and foreign bakes: each changed bit of a tile is detected, and a manifest with any content results in an error message."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""The C# wrappers of the add-on and the C# example of README.md, as far as a compiler can check them without an engine. No package registry
-has a Godot with .NET, so Debian's mono compiler compiles them with tests/csharp/GodotStub.cs."""
+"""Tests the C# wrappers of the add-on and the C# example of README.md, as far as a compiler can check them without an engine. No package registry has
+a Godot with .NET, so Debian's mono compiler compiles them with tests/csharp/GodotStub.cs."""
 
 from __future__ import annotations
 

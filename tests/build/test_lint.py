@@ -1,4 +1,4 @@
-"""The C++ sources are formatted according to .clang-format, and clang-tidy finds no problems."""
+"""Tests that the C++ sources are formatted according to .clang-format, and that clang-tidy finds no problems."""
 
 from __future__ import annotations
 

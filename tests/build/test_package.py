@@ -1,5 +1,5 @@
-"""The files for users: the zips of tools/package.sh have the right content and no traces of the build machine, and their libraries
-load on the oldest supported systems."""
+"""Tests the files for users: the zips of tools/package.sh have the right content and no traces of the build machine, and their libraries load on the
+oldest supported systems."""
 
 from __future__ import annotations
 

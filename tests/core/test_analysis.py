@@ -100,8 +100,8 @@ def test_near_pairs_have_no_direction(sampled):
 
 
 class Tally:
-    """Counts over five million points: 48 seeds, each a square of 565 cells, about 400 radii. The side is a multiple of five cells, so that
-    every phase and class has the same area."""
+    """Counts over five million points. Each of 48 seeds has a square with a side of 565 cells, about 400 radii. The side is a multiple of five cells,
+    so that every phase and class has the same area."""
 
     SEEDS = 48
     SIDE = 565 * CELL / RADIUS

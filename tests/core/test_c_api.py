@@ -1,4 +1,4 @@
-"""The C library. A program in C11 prints points, and all promises of extension/core/c_api/thicket.h hold for its shared library when called
+"""Tests the C library. A program in C11 prints points, and all promises of extension/core/c_api/thicket.h hold for its shared library when called
 from a different language."""
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-// A tile divided for drawing: its cells together are bit-identical to the tile, and each prefix of a cell is its share
-// of the tile's.
+// Tests tiles that are divided for drawing: the cells together are bit-identical to the tile, and each prefix of a cell
+// is the cell's share of a prefix of the tile.
 
 #include "core/drawing/draw_cells.hpp"
 #include "tile_fixture.hpp"

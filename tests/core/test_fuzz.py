@@ -1,6 +1,6 @@
-"""Random input for a few seconds each, under the address and undefined-behavior sanitizers. This is a smoke test of the targets in
-tests/fuzz, which can run for hours (see tests/fuzz/fuzz_main.hpp). Inputs come from fixed seeds, so failures are reproducible. The
-number of inputs depends on the machine."""
+"""Runs each target on random input for a few seconds, under the address and undefined-behavior sanitizers. This is a smoke test of the targets in
+tests/fuzz, which can run for hours (see tests/fuzz/fuzz_main.hpp). Inputs come from fixed seeds, so failures are reproducible. The number of inputs
+depends on the machine."""
 
 from __future__ import annotations
 

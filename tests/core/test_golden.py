@@ -1,6 +1,6 @@
-"""Bit-identical results on every platform, compiler, optimization level and instruction set. The program `analysis/golden` computes
-its digests on all instruction sets of its processor. These tests also build and run it for cells of the matrix in
-tests/golden/matrix.py. `bash tests/golden/matrix.sh` prints the complete matrix.
+"""Tests that results are bit-identical on every platform, compiler, optimization level and instruction set. The program `analysis/golden` computes
+its digests on all instruction sets of its processor. These tests also build and run it for cells of the matrix in tests/golden/matrix.py. `bash
+tests/golden/matrix.sh` prints the complete matrix.
 
 tests/golden/core.json changes only if the distribution of the sets or the placement is changed on purpose. Then:
     scons tests && build/<config>/analysis/golden > tests/golden/core.json

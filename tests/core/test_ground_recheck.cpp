@@ -1,4 +1,5 @@
-// Detection of ground changes that emit no signal: which heights are read, when, and which tiles are regenerated.
+// Tests the detection of ground changes that emit no signal: which heights are read, when, and which tiles are
+// regenerated.
 
 #include "core/streaming/ground_recheck.hpp"
 #include "tile_fixture.hpp"

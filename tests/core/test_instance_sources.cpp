@@ -1,5 +1,5 @@
-// Sources of colors and variations: their ranges, the distance at which a layer queries its neighbors, errors, and the
-// area of an edit.
+// Tests the sources of colors and variations: their ranges, the distance at which a layer queries its neighbors,
+// errors, and the area of an edit.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/placement/layer_graph.hpp"

@@ -1,5 +1,5 @@
-"""The Python package. It is built with its one command and installed offline into a new environment. Its digests equal the core's,
-NumPy arrays are not copied, other threads run during calls, calls can be canceled, and bad arguments are refused."""
+"""Tests the Python package. Its one command builds it and installs it offline into a new environment. Its digests equal the core's, NumPy arrays are
+not copied, other threads run during calls, calls can be canceled, and bad arguments are refused."""
 
 from __future__ import annotations
 

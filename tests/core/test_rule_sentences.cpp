@@ -1,4 +1,5 @@
-// The sentences that explain a rule to a designer: the value, the required range, and which rule excludes a position.
+// Tests the sentences that explain a rule to a designer: the value, the required range, and the rule that excludes a
+// position.
 
 #include "core/explain/rule_sentences.hpp"
 

@@ -1,4 +1,4 @@
-"""The core's tests with sanitizers, which check every memory access and every undefined operation."""
+"""Runs the core's tests with sanitizers, which check every memory access and every undefined operation."""
 
 from __future__ import annotations
 

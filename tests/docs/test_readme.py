@@ -1,4 +1,4 @@
-"""The examples of README and the tutorials run unchanged, and the commands and folders in README exist."""
+"""Tests that the examples of README and the tutorials run unchanged, and that the commands and folders in README exist."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""README's tables of speed are those that the benchmarks have written, and describe the measurement."""
+"""Tests that README's tables of speed are the tables that the benchmarks have written, and that they describe the measurement."""
 
 import importlib.util
 import json

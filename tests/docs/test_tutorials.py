@@ -1,5 +1,5 @@
-"""The add-on's tutorials: their links and pictures are valid, their steps work in the editor and over the network,
-and the class reference links to them. tests/docs/test_readme.py runs their examples."""
+"""Tests the add-on's tutorials: their links and pictures are valid, their steps work in the editor and over the
+network, and the class reference links to them. tests/docs/test_readme.py runs their examples."""
 
 from __future__ import annotations
 

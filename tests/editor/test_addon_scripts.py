@@ -1,5 +1,5 @@
-"""The add-on's scripts match the library: all of them compile with it, and a renamed member of the library is found before a user
-meets it."""
+"""Tests that the add-on's scripts match the library: all scripts compile with it, and a script that uses a renamed member of the library fails
+here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The promises of the bindings. The extension loads, unloads and reloads cleanly, in a game and in the editor. Scripts see our classes as
+"""Tests the promises of the bindings. The extension loads, unloads and reloads cleanly, in a game and in the editor. Scripts see our classes as
 declared. Engine code compiles with godot-cpp and with our stand-in."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The other scenes of the demo: their content, and the pictures that they take."""
+"""Tests the other scenes of the demo: their content, and the pictures that they take."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The demo's elevation data: their source, and the ground that is drawn from them."""
+"""Tests the demo's elevation data: their source, and the ground that is drawn from them."""
 
 from __future__ import annotations
 

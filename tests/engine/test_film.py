@@ -1,4 +1,4 @@
-"""A slow flight over the demo's path, frame by frame: nothing pops. The films are in build/film."""
+"""Flies slowly over the demo's path and checks frame by frame that nothing pops. The films are in build/film."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 extends "terrain_harness.gd"
-## Heightmaps that change: only tiles under a change are regenerated, a worker reads large maps, and errors name bad posts.
+## Tests heightmaps that change: only tiles under a change are regenerated, a worker reads large maps, and errors name bad posts.
 
 const SIDE := 257 ## In posts, one meter apart.
 

@@ -1,4 +1,4 @@
-"""Impostors look like their models from all sides, and in the light of the scene."""
+"""Tests that impostors look like their models from all sides, and in the light of the scene."""
 
 from __future__ import annotations
 

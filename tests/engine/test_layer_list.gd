@@ -1,6 +1,5 @@
 extends "harness.gd"
-## A node's list of layers: edits, the ids that layers keep during edits, and the names by which layers refer to each
-## other.
+## Tests a node's list of layers: edits, the ids that layers keep during edits, and the names by which layers refer to each other.
 
 const AREA := Rect2(-40.0, -40.0, 80.0, 80.0)
 

@@ -1,6 +1,6 @@
 extends "picture_harness.gd"
-## The multimeshes of a tile: meshes and visible instances by distance, quality, colors, custom data. They are read back from a
-## renderer that keeps them, so run this without --headless.
+## Tests the multimeshes of a tile: meshes and visible instances by distance, quality, colors, custom data. Only a real renderer stores multimeshes,
+## so run this without --headless.
 
 const REACH := 0.8660254 ## From the middle of a cube of 1 m to a corner.
 

@@ -1,4 +1,5 @@
-"""Several engine processes share a world over the loopback interface. They only exchange removals, and end with the same world."""
+"""Tests several engine processes that share a world over the loopback interface. The processes only exchange removals, and end with the same
+world."""
 
 from __future__ import annotations
 

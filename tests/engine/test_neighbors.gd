@@ -1,5 +1,5 @@
 extends "edits_harness.gd"
-## Layers that refer to each other by name: which layer keeps away from which, and effects of a change on other layers.
+## Tests layers that refer to each other by name: which layer keeps away from which, and how a change affects other layers.
 
 ## Returns the smallest distance from a layer's instances near the middle to those of a second layer.
 func gap(scatter: TerrainScatter3D, layer: int, other: int) -> float:

@@ -1,6 +1,6 @@
 extends "harness.gd"
-## Files of ScatterState and ScatterMask: saving and loading as in a game, refused files, and failures that leave the old data. The disk is
-## filled by tests/engine/test_saves.py.
+## Tests files of ScatterState and ScatterMask: saving and loading as in a game, refused files, and failures that leave the old data unchanged.
+## tests/engine/test_saves.py fills the disk.
 
 const FOLDER := "user://saves"
 const PATH := FOLDER + "/forest.state"

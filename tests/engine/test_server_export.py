@@ -1,4 +1,4 @@
-"""A dedicated server that was exported with Strip Visuals. Colliders, and layers that read textures, are the same as in the project."""
+"""Tests a dedicated server that was exported with Strip Visuals. Colliders, and layers that read textures, must be the same as in the project."""
 
 from __future__ import annotations
 

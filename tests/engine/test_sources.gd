@@ -1,5 +1,5 @@
 extends "edits_harness.gd"
-## Colors and variations that follow height, slope, noise, rank or the distance to a second layer: read back from the buffers,
+## Tests colors and variations that follow height, slope, noise, rank or the distance to a second layer. The values are read back from the buffers,
 ## and compared with the instances.
 
 const STRIDE := 20

@@ -1,5 +1,6 @@
 extends "models_harness.gd"
-## Exports for dedicated servers contain placeholders instead of meshes and textures. Collision, masks, heights and biomes must not change.
+## Tests exports for dedicated servers, which contain placeholders instead of meshes and textures. Collision, masks, heights and biomes must not
+## change.
 
 const AREA := Rect2(-64, -64, 128, 128)
 

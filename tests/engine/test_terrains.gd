@@ -1,6 +1,6 @@
 extends "terrain_harness.gd"
-## Ground from noise, scripts with textures, meshes and colliders: correct heights, holes, and the same results for any way
-## to query it.
+## Tests ground from noise, scripts with textures, meshes and colliders: heights and holes are correct, and all ways to query the ground have the same
+## results.
 
 ## Hills with a texture for each side of the world, and weights that depend on it.
 class Textured extends ScatterGround:

@@ -1,6 +1,6 @@
 extends "threads_harness.gd"
-## Calls on other threads than the main thread: each method follows its thread rule, the class reference states it, and no
-## script can break the engine.
+## Tests calls on threads other than the main thread: each method follows its thread rule, the class reference states the rule, and no script can
+## break the engine.
 
 ## Values for arguments by type.
 var samples := {

@@ -1,5 +1,5 @@
 extends "harness.gd"
-## Several viewers, each with its own radius; teleports, and flight at 1000 m/s: a far tile never appears before a near one.
+## Tests several viewers, each with its own radius, teleports, and flight at 1000 m/s: a far tile never appears before a near tile.
 
 ## Returns the distance in meters from a viewer to the nearest point of a tile.
 func distance(tile: Vector2i, size: float, from: Vector3) -> float:

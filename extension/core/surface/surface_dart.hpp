@@ -95,8 +95,9 @@ struct SurfaceLine {
 		return {axis, place(u, bits), place(v, bits >> 16)};
 	}
 
-	/// Whether the line's hits are kept, with the given probability. Does not depend on their positions, because the
-	/// same surface in different triangles is hit at depths that are rounded differently.
+	/// Returns true, with the given probability, if the line's hits are kept. The result does not depend on the
+	/// positions of hits, because these are rounded differently if the same surface is divided into different
+	/// triangles.
 	bool keeps(double probability) const {
 		return static_cast<double>(split_mix(hash ^ split_mix_mul_0) >> 32) < probability * 4294967296.0;
 	}

@@ -229,9 +229,9 @@ void CollisionRing::place(Body &r_body) {
 	}
 }
 
-/// Immediately moves the bodies around the viewers' new positions, and those that would otherwise be left at the
-/// viewers' positions in the engine's space, because the physics of the same frame meets both. The other bodies follow
-/// step by step.
+/// Moves two groups of bodies immediately, because the physics of the same frame may touch them: the bodies around the
+/// viewers, and bodies that would otherwise stay at the viewers' positions in the engine's space. The other bodies
+/// follow step by step.
 void CollisionRing::set_world_offset(glm::dvec3 offset) {
 	if (offset == offset_) {
 		return;

@@ -93,8 +93,8 @@ static func scatters_of(root: Node) -> Array[TerrainScatter3D]:
 	return result
 
 
-## Gives a scatter its own layers, masks and state, as one undo step, and an unused seed if [param new_seed] is true. Layers that are files
-## are copied if [param with_files] is true. Returns the reason if it failed, as a sentence; empty on success.
+## Creates separate layers, masks and a separate state for a scatter, as one undo step, and sets an unused seed if [param new_seed] is true. Layers
+## that are files are copied if [param with_files] is true. Returns the reason if it failed, as a sentence; empty on success.
 static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> String:
 	var old := scatter.layers
