@@ -21,8 +21,8 @@ struct LookFade {
 	friend bool operator==(const LookFade &, const LookFade &) = default;
 };
 
-/// The looks that replace each other with distance. Consecutive LODs that are drawn alike share one look. Decides which looks are drawn for
-/// a span of LODs, and which of them fade.
+/// The looks that replace each other as the distance grows. Consecutive LODs that are drawn alike share one look. This
+/// class decides which looks are drawn for a span of LODs, and which of these looks fade.
 class LodLooks {
 public:
 	LodLooks() = default;

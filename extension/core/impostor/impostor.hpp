@@ -35,7 +35,7 @@ Status validate(const ImpostorSettings &settings);
 /// the top) is taken from octahedral_direction(2 * (c, r) / (frames - 1) - 1), with picture_axes. It shows the square that encloses the
 /// model's bounding sphere, with `up` pointing up.
 ///
-/// The idea: Ryan Brucks, *Octahedral Impostors*, 2018.
+/// The idea is from Ryan Brucks, *Octahedral Impostors*, 2018.
 struct Impostor {
 	ImpostorSettings settings;
 	glm::vec3 min{0.0F}; ///< The box of all triangles, meters.

@@ -101,7 +101,8 @@ public:
 	double away_entering() const { return away_[entered_]; }
 	double away_leaving() const { return changes_.leave[left_].distance_squared; }
 
-	// These take out an instance, as NearQueue::next_leaving and so on do. Call them only if there is one.
+	// Each of these takes out an instance, as NearQueue::next_leaving and so on do. Call them only if such an instance
+	// exists.
 	NearLeaving take_leaving();
 	PlacedInstance take_changed();
 	PlacedInstance take_entering();

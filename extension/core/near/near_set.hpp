@@ -33,8 +33,9 @@ struct NearChanges {
 	std::vector<PlacedInstance> enter;   ///< Not held, nearest first.
 	std::vector<PlacedInstance> changed; ///< Held in a different position, basis, mesh or layer; nearest first.
 
-	/// First the `gone` instances, nearest first: those that are removed, or all for a range of 0. A player must not collide with an
-	/// instance that no longer exists. Then instances that are only too far away, farthest first.
+	/// First the `gone` instances, nearest first, because a player must not collide with an instance that no longer
+	/// exists. These are removed instances or, for a range of 0, all instances. The instances that are only too far
+	/// away follow, farthest first.
 	std::vector<NearLeaving> leave;
 	std::size_t gone = 0;
 
@@ -45,9 +46,9 @@ struct NearChanges {
 /// should enter and leave. The owner reports which have entered and left, once it had time for them.
 class NearSet {
 public:
-	/// Replaces `r_changes` by the difference between held and near instances. `standing` holds all instances within range.leave of a
-	/// center, in any order, and possibly more. It may contain an instance several times. Instances at equal distances are ordered by id.
-	/// False if memory runs out: nothing must be done then.
+	/// Replaces `r_changes` by the difference between held and near instances. `standing` holds all instances within
+	/// range.leave of a center, in any order, and possibly more. It may contain an instance several times. Instances at
+	/// equal distances are ordered by id. Returns false if memory runs out; the caller must then change nothing.
 	bool look(std::span<const glm::dvec3> centers, const NearRange &range, std::span<const PlacedInstance> standing,
 			NearChanges &r_changes);
 

@@ -65,7 +65,8 @@ public:
 	/// Writes the floats of all instances.
 	void read_all(std::span<float> r_floats) const;
 
-	/// True if an instance has the same id and bit-identical floats as one of a different mesh of the same tile and layer.
+	/// True if an instance has the same id and bit-identical floats as an instance of a different mesh of the same tile
+	/// and layer.
 	bool same(std::size_t i, const CompactMesh &other, std::size_t j) const;
 
 	/// Bytes of memory, without the object itself.

@@ -55,7 +55,7 @@ struct InstanceData {
 	friend bool operator==(const InstanceData &, const InstanceData &) = default;
 };
 
-/// The sources of an instance that depend on a different layer; null for the others.
+/// The sources of an instance that depend on a different layer. The entry of any other source is null.
 std::array<const InstanceSource *, 2> distance_sources(const InstanceData &data);
 
 /// The positions of an instance's sources within their ranges, 0 to 1.

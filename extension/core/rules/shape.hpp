@@ -42,8 +42,9 @@ struct Shape {
 inline constexpr std::size_t max_outline_points = 1 << 16;
 inline constexpr double max_shape_coordinate = 1e9; ///< Meters, either sign. Applies to coordinates, sizes and falloff.
 
-/// Refuses values that are not finite, outside the ranges above, or not orthonormal to 1e-6. Checks only the fields that the kind uses.
-/// Reports half_size as "half_size" (box), "radius", "half_height" or "half_width" (path).
+/// Refuses values that are not finite or outside the ranges above, and axes that are not orthonormal to 1e-6. Checks
+/// only the fields that the kind uses. A status names half_size as "half_size" (box), "radius", "half_height" or
+/// "half_width" (path).
 Status validate(const Shape &shape);
 
 /// The world rectangle outside which a valid shape changes nothing. The rectangle includes the border and a small

@@ -146,19 +146,19 @@ public:
 	/// more than 256 states, those that sent nothing for the longest time are forgotten.
 	std::uint64_t known_revision(std::uint64_t origin) const;
 
-	/// Stamps a layer with a number that identifies its point set (see stamp_of). Refuses, as `layer`, a layer above max_state_layer and
-	/// a layer whose points are held under a different stamp. From then on, points with a different stamp are refused for this layer.
-	/// `cell_side` is the width of the set's cells in meters, so that limits and summaries of diffs know the positions of its points; 0
-	/// if unknown.
+	/// Stamps a layer with a number that identifies its point set (see stamp_of). Refuses, as `layer`, a layer above
+	/// max_state_layer and a layer that already has points with a different stamp. From then on, points with a
+	/// different stamp are refused for this layer. `cell_side` is the width of the set's cells in meters, so that
+	/// limits and summaries of diffs know the positions of its points; 0 if unknown.
 	Status claim(std::uint16_t layer, std::uint64_t stamp, double cell_side = 0.0);
 
-	/// Keeps only the stamps of layers with content, so that a state without a world accepts any other.
+	/// Keeps only the stamps of layers with content, so that a state without a world accepts any other stamp.
 	void release_claims();
 
 	/// The stamp of a layer. 0 if there is none.
 	std::uint64_t stamp(std::uint16_t layer) const;
 
-	/// Whether points of a layer are held under a stamp other than this one, so that `claim` would refuse it.
+	/// True if the state has points of a layer with a different stamp, so that `claim` would refuse this stamp.
 	bool is_foreign(std::uint16_t layer, std::uint64_t stamp) const;
 
 	/// Removes an instance, permanently or until the clock reaches `until` (above 0, at most max_state_time). A hand-placed instance is
@@ -214,9 +214,10 @@ public:
 	/// Replaces `r_bytes` with the current state of some ids. `apply` restores that state later: for undo steps.
 	Status diff_of(std::span<const std::uint64_t> ids, std::vector<std::uint8_t> &r_bytes) const;
 
-	/// Applies the output of a different state's `diff_since`: its ids take over the state they have there, all others are unchanged. A
-	/// diff that contains the whole state, and the output of `save`, replace everything, including the clock. Refuses the same input as
-	/// `load`, and diffs that exceed the limits (ErrorCode::not_allowed).
+	/// Applies the output of a different state's `diff_since`: the ids in it take over the content that they have in
+	/// that state; all other ids are unchanged. A diff that contains the whole state, and the output of `save`, replace
+	/// everything, including the clock. Refuses the same input as `load`, and diffs that exceed the limits
+	/// (ErrorCode::not_allowed).
 	///
 	/// Diffs of a named state are applied in order. A diff that ends at a known revision is late or repeated and changes nothing. A diff
 	/// that begins after the last known revision is refused (ErrorCode::out_of_order), because diffs before it are missing.
@@ -231,10 +232,11 @@ public:
 	/// `r_summary` then has the content of the front of the bytes.
 	Status inspect(std::span<const std::uint8_t> bytes, DiffSummary &r_summary, const DiffLimits &limits = {}) const;
 
-	/// Queues a diff that a different thread applies meanwhile, in microseconds on this thread: `apply` in three parts. `bytes` must live
-	/// as long as `r_diff`. Until a queued diff is finished, all queries return results as if there were none. The final result is the
-	/// same as if `apply` had been called when the diff was queued: later changes are repeated after it. Ids of hand-placed instances are
-	/// unchanged. While any diff is pending, do not call `apply`, `merge`, `merge_diff`, `load` or `clear`.
+	/// Queues a diff, in microseconds, so that a different thread can apply it: this is `apply` in three parts. `bytes`
+	/// must live as long as `r_diff`. Until a queued diff is finished, all queries return results as if there were
+	/// none. The final result is the same as if `apply` had been called when the diff was queued: later changes are
+	/// repeated after it. Ids of hand-placed instances are unchanged. While any diff is pending, do not call `apply`,
+	/// `merge`, `merge_diff`, `load` or `clear`.
 	Status queue_diff(
 			std::span<const std::uint8_t> bytes, std::shared_ptr<PendingDiff> &r_diff, const DiffLimits &limits = {});
 
@@ -246,13 +248,13 @@ public:
 	/// the diff has then changed nothing. Requires a pending diff.
 	Status finish_pending_diff(StateChanges &r_changes);
 
-	/// Joins the content of a different state to this one. An instance removed in either is removed, for the longer
-	/// time. An instance placed in either is placed. If the data, or the content of one hand-placed id, differ, the
-	/// last write wins, by the clock of the state that wrote it; at equal times, the greater bytes or numbers win. The
-	/// clock becomes the later one, and points that are due by then are restored. The order and number of joins do not
-	/// matter: states that were joined in any way have the same content. An undone change therefore returns from a
-	/// state that still contains it: the removal of a restored point, a hand-placed instance that was removed, erased
-	/// data. Refuses stamps that contradict this state's as `layer`.
+	/// Joins the content of a different state to this one. An instance that either state has removed is removed, for
+	/// the longer time. An instance that either state has placed is placed. If the data, or the content of one
+	/// hand-placed id, differ, the last write wins, by the clock of the state that wrote it. At equal times, the
+	/// greater bytes or numbers win. The later of the two clocks is kept, and points that are due by then are restored.
+	/// The order and number of joins do not matter: states that were joined in any way have the same content. An undone
+	/// change therefore returns from a state that still contains it: the removal of a restored point, a hand-placed
+	/// instance that was removed, erased data. Refuses stamps that contradict this state's as `layer`.
 	Status merge(const InstanceState &other, std::vector<InstanceChange> &r_changes);
 
 	/// Joins the content of a diff or a saved state, in any order, despite losses and repetitions. Restored points and deleted

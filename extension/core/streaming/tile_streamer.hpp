@@ -119,11 +119,12 @@ public:
 	/// reach.
 	Status check(const Viewer &viewer) const;
 
-	/// Computes the necessary changes for any number of viewers and replaces `r_changes` with them. At most `max_pending` tiles are
-	/// pending at a time. Other tiles wait for their turn, which each update checks again. Without viewers, all tiles are dropped. A
-	/// viewer refused by `check` is refused here, and nothing changes. Costs little while viewers stay within an eighth of a tile. After
-	/// ErrorCode::out_of_memory, `r_changes` contains a partial result, which the caller applies as usual; the next update completes it.
-	/// Work to cancel may then be missing; its answers are refused all the same.
+	/// Computes the necessary changes for any number of viewers and replaces `r_changes` with them. At most
+	/// `max_pending` tiles are pending at a time. Other tiles wait for their turn, which each update checks again.
+	/// Without viewers, all tiles are dropped. If `check` refuses a viewer, this method refuses it as well, and nothing
+	/// changes. Costs little while viewers stay within an eighth of a tile. After ErrorCode::out_of_memory, `r_changes`
+	/// contains a partial result, which the caller applies as usual; the next update completes it. Work to cancel may
+	/// then be missing; its answers are refused all the same.
 	Status update(std::span<const Viewer> viewers, std::size_t max_pending, StreamChanges &r_changes);
 
 	/// Reports that the tile of a request is generated and waits for its turn. Returns false if it is too late; the caller must then
@@ -139,9 +140,9 @@ public:
 	/// Returns false if memory does not suffice.
 	bool may_show(const TileRequest &request);
 
-	/// The final answer to a request: the tile is shown, or cannot be generated and stays empty until it is invalidated. Returns true if
-	/// the caller must show it, in place of the tile with the same key. Returns false if it is too late; the caller must then discard the
-	/// tile.
+	/// The final answer to a request: the tile is shown, or cannot be generated and stays empty until it is
+	/// invalidated. Returns true if the caller must show the tile, in place of the tile with the same key. Returns
+	/// false if the answer is too late; the caller must then discard the tile.
 	bool finish(const TileRequest &request);
 
 	/// Forgets all tiles and keeps the layers, for a caller that has cleared its display itself. Answers to earlier requests will be

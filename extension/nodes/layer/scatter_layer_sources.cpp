@@ -161,7 +161,7 @@ void ScatterLayer::set_variation_value(const Ref<ScatterValueSource> &p_value) {
 bool ScatterLayer::set_former_value(const StringName &p_name, const Variant &p_value) {
 	for (const FormerValue &value : former_values) {
 		if (p_name ==
-				StringName(value.former)) { // No text is built before: the engine tries this for every property.
+				StringName(value.former)) { // No text is built before: the engine asks for every property that is set.
 			const char *current = value.is_color ? "color_value" : "variation_value";
 			const std::string owner = "ScatterLayer.";
 			warn_of_rename((owner + value.former).c_str(), (owner + current + "." + value.part).c_str());

@@ -45,9 +45,10 @@ public:
 	/// The scene to read LODs and shapes from. They follow the scene's changes. Setting an empty scene prints an error
 	/// and changes nothing.
 	///
-	/// The scene is read later. If that fails, an error is printed then. The model keeps its content, and the property
-	/// returns to the scene that the content was read from. A model without content keeps the new scene, so that saving
-	/// does not lose it. Null keeps the current content, which can be edited by hand from then on.
+	/// The main thread reads the scene when the model is first needed. If reading fails, an error is printed, the model
+	/// keeps its content, and the property returns to the scene that the content was read from. A model without content
+	/// keeps the new scene, so that saving does not lose it. Null keeps the current content, which can be edited by
+	/// hand from then on.
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const { return scene_; }
 

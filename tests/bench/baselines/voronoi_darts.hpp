@@ -7,8 +7,9 @@
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
 
-// CGAL's inexact predicates are filtered: where doubles cannot decide, exact numbers do. CGAL's own number types
-// suffice for that, so nothing is linked. Its assertions would distort benchmarks of the debug build.
+// CGAL's inexact predicates are filtered: if doubles cannot decide, exact numbers do. CGAL's own number types suffice
+// for that, so no library is linked. CGAL's assertions are off, because they would distort benchmarks of the debug
+// build.
 #define CGAL_DISABLE_GMP 1
 #define CGAL_NDEBUG 1
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

@@ -112,7 +112,8 @@ COUNTED = ["points", "seconds", "darts", "squares", "selections", "list_checks",
 
 
 def measure(programs: Programs, contenders: Iterable[Contender], settings: Settings) -> list[Row]:
-    """All runs. Within a round every contender has its turn, so that disturbances affect all of them equally."""
+    """Returns the rows of all runs. Within a round every contender has its turn, so that disturbances affect all
+    contenders equally."""
     rows: list[Row] = []
     series = [Series(contender, settings) for contender in contenders]
     for one in series:

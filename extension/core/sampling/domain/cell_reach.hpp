@@ -12,7 +12,7 @@
 
 namespace thicket {
 
-/// Points in base squares farther apart than this are never within a radius of each other.
+/// Points in base squares that are farther apart than this number of squares are never within a radius of each other.
 inline constexpr std::uint32_t squares_reached = 2;
 
 /// Calls action(x, y, base square) for the point itself and, on a torus, for its nearby images across the seams.

@@ -1,7 +1,7 @@
 @tool
 extends EditorInspectorPlugin
-## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are
-## dropped on them. Above a layer's LODs is a button that bakes impostors.
+## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are dropped on them.
+## A button above a layer's LODs bakes impostors.
 
 const LayerProperty := preload("res://addons/thicket/editor/inspector/layer_property.gd")
 const LayerListProperty := preload("res://addons/thicket/editor/inspector/layer_list_property.gd")
