@@ -113,7 +113,9 @@ def test_cases_run_every_line_of_the_core(tmp_path):
 def test_scripts_run_every_line_of_the_nodes(tmp_path):
     """The scripts of tests/engine."""
     build(*OPTIONS, "extension", timeout=3600)
-    addon = REPO / FOLDER / "addon"
-    check_engine_tests(addon, **environment(tmp_path))
+    addon, profiles = tmp_path / "addon", tmp_path / "profiles"
+    shutil.copytree(REPO / "demo_project/addons/thicket", addon, ignore=shutil.ignore_patterns("bin"))
+    shutil.copytree(REPO / FOLDER / "addon", addon, dirs_exist_ok=True)
+    check_engine_tests(addon, **environment(profiles))
     library = next((addon / "bin").glob("*.so"))
-    check_covered(library, tmp_path, "extension/nodes", "uncovered_nodes.txt")
+    check_covered(library, profiles, "extension/nodes", "uncovered_nodes.txt")
