@@ -147,7 +147,7 @@ func test_wrong_objects() -> void:
 			wrong.answer = answer
 			var on_wrong := make_on(wrong, thread_safe)
 			await settle(on_wrong)
-			check_error(["ScatterGroundNode.node", "number", "missing"], "a result of %s" % answer)
+			check_error(["ScatterGroundNode.node", "height method", "wrong type", "Return a float"], "a result of %s" % answer)
 			check_equal(on_wrong.get_stats()["instances"], 0, "instances")
 			wrong.answer = 5
 			on_wrong.regenerate()
