@@ -38,10 +38,10 @@ ARCH = {"amd64": "x86_64", "aarch64": "arm64"}.get(platform.machine().lower(), p
 WHEEL_VENV = REPO / "build/python/venv"
 BUILD_DIR = REPO / "build" / f"{platform.system().lower()}.template_debug.{ARCH}"
 
-# Doctest patterns of the core's slow cases.
-LONG_CASES = [
+# Doctest patterns of the core's slow cases, as a value of its options.
+LONG_CASES = ",".join(
     line for line in (REPO / "tests/core/long_cases.txt").read_text(encoding="utf-8").splitlines() if line[:1] not in ("", "#")
-]
+)
 
 # Any worker may take any test of these files. Other files go to one worker as a whole, because of their fixtures.
 SPREAD = ["test_core", "test_engine"]
