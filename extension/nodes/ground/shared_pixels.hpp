@@ -10,7 +10,7 @@ namespace thicket {
 /// The image in a variant; null for anything else, and for an image without pixels.
 godot::Ref<godot::Image> image_in(const godot::Variant &p_value);
 
-/// Shares the pixels of an image of any size without copying them; whoever writes first copies them. Returns false for
+/// Shares the pixels of an image of any size without copying them; the first writer copies them. Returns false for
 /// an image with a different number of bytes per pixel.
 bool share_pixels(const godot::Ref<godot::Image> &p_image, int pixel_bytes, PixelGrid &r_pixels);
 
