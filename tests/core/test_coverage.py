@@ -42,8 +42,8 @@ def never_run(program: Path, profiles: Path, folder: str) -> dict[str, Counter[s
             source = (REPO / path).read_text(encoding="utf-8").splitlines() if path.startswith(folder + "/") else []
         elif kind == "DA" and source:
             line, count = map(int, value.split(",")[:2])
-            # The end of a function may be a line after the file's last one.
-            text = source[line - 1].strip() if line <= len(source) else ""
+            # The end of a function may be a line after the file's last one. A comment may be reworded.
+            text = source[line - 1].split("//")[0].strip() if line <= len(source) else ""
             if count == 0 and not text.startswith("#") and not NO_WORDS.fullmatch(text):
                 found.setdefault(path, Counter())[text] += 1
     return found
@@ -61,7 +61,7 @@ def listed_lines(text: str) -> dict[str, Counter[str]]:
 
 
 def listing(lines: dict[str, Counter[str]]) -> str:
-    return "".join(f"{path}\n" + "".join(f"\t{text}\n" for text in sorted(lines[path].elements())) for path in sorted(lines))
+    return "".join(f"{path}\n" + "".join(f"\t{text}\n" for text in sorted(lines[path].elements())) for path in sorted(lines) if lines[path])
 
 
 def check_covered(program: Path, profiles: Path, folder: str, name: str):
