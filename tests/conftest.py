@@ -158,9 +158,9 @@ def build(*arguments: str | Path, timeout: float, cwd: Path = REPO):
     assert built.returncode == 0, (built.stdout + built.stderr)[-8000:]
 
 
-def check_engine_tests(addon: Path, **environment: str):
-    """Runs tests/engine in projects that contain only this add-on."""
-    done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", "tests/engine/test_engine.py"], timeout=3600, cwd=REPO,
+def check_engine_tests(addon: Path, *options: str, **environment: str):
+    """Runs tests/engine in projects that contain only this add-on. `options` are pytest's."""
+    done = run([sys.executable, "-m", "pytest", "-n", "0", "-p", "no:cacheprovider", *options, "tests/engine/test_engine.py"], timeout=3600, cwd=REPO,
         env={**os.environ, "THICKET_ADDON": str(addon), **environment})  # fmt: skip
     assert done.returncode == 0, done.stdout[-6000:]
 

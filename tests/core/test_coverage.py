@@ -111,11 +111,11 @@ def test_cases_run_every_line_of_the_core(tmp_path):
 
 
 def test_scripts_run_every_line_of_the_nodes(tmp_path):
-    """The scripts of tests/engine."""
+    """The scripts of tests/engine, except two that depend on speed and on the memory left, which counting changes."""
     build(*OPTIONS, "extension", timeout=3600)
     addon, profiles = tmp_path / "addon", tmp_path / "profiles"
     shutil.copytree(REPO / "demo_project/addons/thicket", addon, ignore=shutil.ignore_patterns("bin"))
     shutil.copytree(REPO / FOLDER / "addon", addon, dirs_exist_ok=True)
-    check_engine_tests(addon, **environment(profiles))
+    check_engine_tests(addon, "-k", "not lack_of_memory and not test_domain_cancel", **environment(profiles))
     library = next((addon / "bin").glob("*.so"))
     check_covered(library, profiles, "extension/nodes", "uncovered_nodes.txt")
