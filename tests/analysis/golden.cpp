@@ -1,5 +1,5 @@
-// Prints digests of the core's results as JSON, for a fixed list of point sets, domains, tiles, masks, states and
-// queries. Computes them on every instruction set of this processor, whose names it prints to stderr, and fails if two
+// Prints digests of the core's results as JSON, for a fixed list of point sets, domains, surfaces, tiles, masks, states
+// and queries. Computes them on every instruction set of this processor, whose names it prints to stderr, and fails if two
 // of them differ. tests/golden/core.json is this program's output. tests/golden/matrix.py compares every platform,
 // compiler and optimization level with it.
 
@@ -7,6 +7,7 @@
 #include "tests/analysis/golden_layers.hpp"
 #include "tests/analysis/golden_queries.hpp"
 #include "tests/analysis/golden_states.hpp"
+#include "tests/analysis/golden_surfaces.hpp"
 #include "tests/bench/common/hills.hpp"
 #include "tests/bench/common/simd_targets.hpp"
 
@@ -130,7 +131,8 @@ Digests all_digests() {
 			"undergrowth with every rule, 5 000 km out", digest_tile(builder, analysis::undergrowth(far), far));
 	for (const auto &more : {analysis::field_digests(require), analysis::state_digests(require),
 				 analysis::query_digests("queries", {-50.0, 400.0}, require),
-				 analysis::query_digests("queries, 5 000 km out", {5.0e6 + 2500.0, 5.0e6 + 3400.0}, require)}) {
+				 analysis::query_digests("queries, 5 000 km out", {5.0e6 + 2500.0, 5.0e6 + 3400.0}, require),
+				 analysis::surface_digests(require)}) {
 		digests.insert(digests.end(), more.begin(), more.end());
 	}
 	return digests;

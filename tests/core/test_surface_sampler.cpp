@@ -6,6 +6,7 @@
 #include <atomic>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <string>
 
@@ -35,6 +36,69 @@ std::size_t gaps(const Triangles &triangles, const PointCubes &cubes, double rad
 	}
 	return found;
 }
+
+/// Finds a line through a part of a plane on which a further point would fit. Considers every line of the lattice: it skips only squares of
+/// lines that one point's ball contains.
+class LineSearch {
+public:
+	/// Lines are along y. `facing` is a unit vector.
+	LineSearch(const std::vector<SurfacePoint> &points, const PointSet &set, const glm::dvec3 &facing) :
+			facing_(facing), unit_(surface_unit(set)) {
+		for (const SurfacePoint &point : points) {
+			points_.push_back(glm::floor(point.position / unit_ + 0.5));
+		}
+		plane_ = glm::dot(points_.front(), facing_);
+	}
+
+	/// In a square with its lower corner at (x, z) and 2^bits units wide. `near` are numbers of points.
+	bool finds(double x, double z, int bits, const std::vector<std::size_t> &near) {
+		++squares;
+		const double width = static_cast<double>(1 << bits);
+		const auto reaches = [&](std::size_t point, double reach) {
+			double farthest = 0.0;
+			for (const glm::dvec2 corner : {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(0, 1), glm::dvec2(1, 1)}) {
+				farthest = std::max(
+						farthest, glm::distance(on_plane(x + corner.x * width, z + corner.y * width), points_[point]));
+			}
+			return farthest < reach;
+		};
+		// Hits are rounded to whole units.
+		if (std::ranges::any_of(near, [&](std::size_t point) { return reaches(point, radius - 4.0); })) {
+			return false;
+		}
+		if (bits == 4) {
+			const glm::dvec3 hit = glm::floor(on_plane(x + 8.0, z + 8.0));
+			return std::ranges::none_of(
+					near, [&](std::size_t point) { return glm::distance(hit, points_[point]) < radius + 2.0; });
+		}
+		std::vector<std::size_t> nearer;
+		std::ranges::copy_if(near, std::back_inserter(nearer),
+				[&](std::size_t point) { return reaches(point, radius + 2.0 * width + 4.0); });
+		const double half = width / 2.0;
+		return finds(x, z, bits - 1, nearer) || finds(x + half, z, bits - 1, nearer) ||
+				finds(x, z + half, bits - 1, nearer) || finds(x + half, z + half, bits - 1, nearer);
+	}
+
+	std::vector<std::size_t> all() const {
+		std::vector<std::size_t> numbers(points_.size());
+		std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+		return numbers;
+	}
+
+	std::size_t squares = 0; ///< Looked at.
+
+private:
+	static constexpr double radius = 1816187.0; // Units, rounded up.
+
+	glm::dvec3 on_plane(double x, double z) const {
+		return {x, (plane_ - facing_.x * x - facing_.z * z) / facing_.y, z};
+	}
+
+	std::vector<glm::dvec3> points_;
+	glm::dvec3 facing_;
+	double unit_;
+	double plane_ = 0.0;
+};
 
 void check_distances(const Triangles &triangles, const PointSet &set) {
 	const std::vector<SurfacePoint> points = all_points(set, *triangles.surface());
@@ -84,6 +148,36 @@ TEST_CASE("surfaces: no two points are closer than the radius, and nowhere is ro
 	check_distances(sphere(10.0, 200), {.seed = 6, .radius = 0.7});
 	check_distances(house(), {.seed = 7});
 	check_distances(house(), {.seed = 8, .radius = 0.35, .levels = 3});
+}
+
+TEST_CASE("surfaces: no line of the lattice is left where another point would fit") {
+	for (const glm::dvec3 normal : {glm::dvec3(0, 1, 0), glm::dvec3(1, 8, 3), glm::dvec3(3, 4, 2)}) {
+		const PointSet set{.seed = 61};
+		const glm::dvec3 unit = glm::normalize(normal);
+		const glm::dvec3 along = glm::normalize(glm::cross(unit, glm::dvec3(0, 0, 1)));
+		const Triangles plane = square(24.0, 12, {-12.3, 0.1, -12.2}, along, glm::cross(along, unit));
+		std::vector<SurfacePoint> points = all_points(set, *plane.surface());
+		// Cells in the middle of the plane.
+		const double cell = 1048576.0;
+		const glm::dvec3 middle =
+				glm::floor((plane.vertices.front() + plane.vertices.back()) / 2.0 / surface_unit(set) / cell) * cell;
+		const auto finds = [&] {
+			LineSearch search(points, set, unit);
+			bool found = false;
+			for (int number = 0; number < 64; ++number) {
+				found |= search.finds(
+						middle.x + (number % 8 - 4) * cell, middle.z + (number / 8 - 4) * cell, 20, search.all());
+			}
+			CHECK(search.squares > 64);
+			return found;
+		};
+		CHECK_FALSE(finds());
+		// Without one of them, the search finds its place.
+		std::ranges::sort(points, {},
+				[&](const SurfacePoint &point) { return glm::distance(point.position / surface_unit(set), middle); });
+		points.erase(points.begin());
+		CHECK(finds());
+	}
 }
 
 TEST_CASE("surfaces: ids are unique") {

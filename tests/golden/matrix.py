@@ -39,7 +39,7 @@ GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"
 
 # The rooms that determine the digests; streaming, drawing, explain and impostor affect no instance. The room that takes longest to compile
 # is first.
-ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near"]
+ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near", "surface"]
 COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
 # Release builds treat warnings as errors, and -O3 finds other ones than -O2.
 RELEASE = ["-DNDEBUG", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]

@@ -42,8 +42,8 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 	glm::ivec3 first;
 	glm::ivec3 last;
 	for (int side = 0; side < 3; ++side) {
-		first[side] = std::max(cell_at(std::max(triangle.low[side], 0.0)), 0);
-		last[side] = cell_at(std::min(triangle.high[side], size_[side] * cell_width));
+		first[side] = std::max(cell_at(std::max(at(triangle.low, side), 0.0)), 0);
+		last[side] = cell_at(std::min(at(triangle.high, side), size_[side] * cell_width));
 		last[side] = std::min(last[side], size_[side] - 1);
 		if (first[side] > last[side]) {
 			return;
@@ -52,41 +52,38 @@ void SurfaceGrid::enter(const SurfaceTriangle &triangle, std::uint32_t number) {
 	// Columns along the axis that is nearest to the normal have the fewest cells near the plane.
 	const glm::dvec3 steep = glm::abs(triangle.normal);
 	int axis = steep.x > steep.y ? 0 : 1;
-	axis = steep.z > steep[axis] ? 2 : axis;
+	axis = steep.z > at(steep, axis) ? 2 : axis;
 	const auto [side_u, side_v] = axes_across(axis);
+	const SurfaceOutline outline(triangle, axis);
+	const double half = half_of_lines(cell_width);
+	const double reach = outline.reach(half);
+	// The plane may leave the box far away, beyond the range of an integer.
+	const double lowest = first[axis] * cell_width;
+	const double highest = (last[axis] + 1) * cell_width - 1.0;
 	for (std::int32_t v = first[side_v]; v <= last[side_v]; ++v) {
 		for (std::int32_t u = first[side_u]; u <= last[side_u]; ++u) {
+			const double middle_u = (u + 0.5) * cell_width;
+			const double middle_v = (v + 0.5) * cell_width;
+			if (!outline.meets(middle_u, middle_v, half)) {
+				continue;
+			}
+			const double middle = outline.height(middle_u, middle_v);
+			const double low = std::max(middle - reach, lowest);
+			const double high = std::min(middle + reach, highest);
+			if (low > high) {
+				continue;
+			}
 			glm::ivec3 cell(0);
 			cell[side_u] = u;
 			cell[side_v] = v;
-			enter_column(triangle, number, cell, axis, first, last);
+			const std::int32_t end = static_cast<std::int32_t>(high) >> surface_bits;
+			for (cell[axis] = static_cast<std::int32_t>(low) >> surface_bits; cell[axis] <= end; ++cell[axis]) {
+				const std::size_t word = word_of(cell);
+				const auto bit = static_cast<std::uint32_t>((cell.x + surface_reach) & 63);
+				bits_[word] |= std::uint64_t{1} << bit;
+				entries_.push_back({static_cast<std::uint32_t>(word * 64 + bit), number});
+			}
 		}
-	}
-}
-
-void SurfaceGrid::enter_column(const SurfaceTriangle &triangle, std::uint32_t number, glm::ivec3 cell, int axis,
-		const glm::ivec3 &first, const glm::ivec3 &last) {
-	const auto [side_u, side_v] = axes_across(axis);
-	const glm::dvec3 &normal = triangle.normal;
-	const glm::dvec3 &corner = triangle.corners[0];
-	const double u = (cell[side_u] + 0.5) * cell_width - corner[side_u];
-	const double v = (cell[side_v] + 0.5) * cell_width - corner[side_v];
-	const double middle = corner[axis] - (normal[side_u] * u + normal[side_v] * v) / normal[axis];
-	const double half =
-			(std::abs(normal[side_u]) + std::abs(normal[side_v])) / std::abs(normal[axis]) * cell_width / 2.0 + 1.0;
-	// The plane may leave the box far away, beyond the range of an integer.
-	const auto bounded = [this, axis](double units) {
-		return cell_at(std::clamp(units, -cell_width, (size_[axis] + 1) * cell_width));
-	};
-	const std::int32_t end = std::min(bounded(middle + half), last[axis]);
-	for (cell[axis] = std::max(bounded(middle - half), first[axis]); cell[axis] <= end; ++cell[axis]) {
-		if (!triangle.enters({glm::dvec3(cell) * cell_width, cell_width})) {
-			continue;
-		}
-		const std::size_t word = word_of(cell);
-		const auto bit = static_cast<std::uint32_t>((cell.x + surface_reach) & 63);
-		bits_[word] |= std::uint64_t{1} << bit;
-		entries_.push_back({static_cast<std::uint32_t>(word * 64 + bit), number});
 	}
 }
 
@@ -120,24 +117,29 @@ void SurfaceGrid::number_cells() {
 	starts_[0] = 0;
 }
 
-void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_numbers) const {
+void SurfaceGrid::append_neighbors(std::uint32_t number, std::vector<Run> &r_runs) const {
 	const glm::ivec3 &center = cells_[number];
+	// The five cells from x - 2 to x + 2 are at these bits of a row.
+	const int shift = center.x & 63;
+	const auto column = static_cast<std::size_t>(center.x >> 6);
 	for (std::int32_t z = -surface_reach; z <= surface_reach; ++z) {
-		for (std::int32_t y = -surface_reach; y <= surface_reach; ++y) {
-			const std::size_t word = word_of({center.x, center.y + y, center.z + z});
-			const auto left = word - static_cast<std::size_t>(((center.x + surface_reach) >> 6) - (center.x >> 6));
-			const int shift = center.x & 63;
-			// The five cells from x - 2 to x + 2.
+		auto row = static_cast<std::size_t>(center.z + z + surface_reach) * static_cast<std::size_t>(rows_) +
+				static_cast<std::size_t>(center.y);
+		for (std::int32_t y = -surface_reach; y <= surface_reach; ++y, ++row) {
+			const std::size_t left = row * words_ + column;
 			std::uint64_t run = bits_[left] >> shift;
 			if (shift > 59) {
 				run |= bits_[left + 1] << (64 - shift);
 			}
 			run &= in_reach(y, z) ? 0b11111u : 0b01110u;
-			run &= y == 0 && z == 0 ? ~std::uint64_t{0b00100} : ~std::uint64_t{0};
-			for (; run != 0; run &= run - 1) {
+			if (run != 0) {
 				const int place = shift + std::countr_zero(run);
-				const std::size_t at = left + static_cast<std::size_t>(place >> 6);
-				r_numbers.push_back(rank(at, std::uint64_t{1} << (place & 63)));
+				const std::size_t word = left + static_cast<std::size_t>(place >> 6);
+				std::uint32_t count = 0;
+				for (; run != 0; run &= run - 1) {
+					++count;
+				}
+				r_runs.push_back({rank(word, std::uint64_t{1} << (place & 63)), count});
 			}
 		}
 	}

@@ -28,7 +28,8 @@ struct CellBox {
 	friend bool operator==(const CellBox &, const CellBox &) = default;
 };
 
-/// The cells of a box that a surface enters, numbered by x, then y, then z, and the triangles in each of them.
+/// The cells of a box that a surface may enter, numbered by x, then y, then z, and the triangles that may enter each of them: all that do,
+/// and a few whose planes pass near their edges.
 class SurfaceGrid {
 public:
 	/// Rebuilds the grid, reusing memory. `triangles` are in units relative to the lower corner of `box`, and must outlive the grid's use.
@@ -55,8 +56,14 @@ public:
 		return std::span(triangles_).subspan(starts_[number], starts_[number + 1] - starts_[number]);
 	}
 
-	/// Appends the numbers of the other cells that a ball around a point in this cell can reach.
-	void append_neighbors(std::uint32_t number, std::vector<std::uint32_t> &r_numbers) const;
+	/// Cells whose numbers follow each other.
+	struct Run {
+		std::uint32_t first;
+		std::uint32_t count;
+	};
+
+	/// Appends the cells that a ball around a point in this cell can reach, this one among them, in order.
+	void append_neighbors(std::uint32_t number, std::vector<Run> &r_runs) const;
 
 	std::size_t bytes() const;
 
@@ -75,8 +82,6 @@ private:
 		return ranks_[word] + static_cast<std::uint32_t>(std::popcount(bits_[word] & (bit - 1)));
 	}
 	void enter(const SurfaceTriangle &triangle, std::uint32_t number);
-	void enter_column(const SurfaceTriangle &triangle, std::uint32_t number, glm::ivec3 cell, int axis,
-			const glm::ivec3 &first, const glm::ivec3 &last);
 	void number_cells();
 
 	CellBox box_;

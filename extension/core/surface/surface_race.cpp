@@ -13,68 +13,30 @@ namespace thicket {
 
 namespace {
 
-constexpr std::uint32_t sub_cubes = 4; // Per side of a cell.
-constexpr int sub_shift = surface_bits - 2;
-
 /// The least whole number whose square is not below radius^2. Positions that differ by more than this on one axis are
 /// farther apart than the radius.
 constexpr std::int32_t radius_units = 1816187;
 static_assert(std::int64_t{radius_units} * radius_units >= surface_radius_squared &&
 		std::int64_t{radius_units - 1} * (radius_units - 1) < surface_radius_squared);
 
-/// The sub-cubes of a cube that is at most two halvings deep, or the sub-cube that contains it.
-constexpr std::uint64_t sub_cubes_of(const glm::ivec3 &low, int depth) {
-	const glm::ivec3 first = low >> sub_shift;
-	const std::uint32_t wide = depth == 0 ? 4 : depth == 1 ? 2 : 1;
-	const std::uint64_t row = (std::uint64_t{1} << wide) - 1;
-	std::uint64_t result = 0;
-	for (std::uint32_t z = 0; z < wide; ++z) {
-		for (std::uint32_t y = 0; y < wide; ++y) {
-			result |= row << (4 * (static_cast<std::uint32_t>(first.y) + y) +
-							  16 * (static_cast<std::uint32_t>(first.z) + z));
-		}
-	}
-	return result << first.x;
+/// The bits of a line's column in `Cell::open`, or the bit of the wider column that contains it.
+constexpr std::uint64_t columns_of(const SurfaceLine &line) {
+	const std::uint64_t bits = line.depth == 0 ? 0xffff : 1;
+	return bits << (line.axis * 16 + (line.low_u() >> SurfacePatch::shift) + 4 * (line.low_v() >> SurfacePatch::shift));
 }
 
-/// The sub-cubes that the plane of a triangle may enter, in a cell with its lower corner at `low`.
-std::uint64_t sub_cubes_near(const SurfaceTriangle &triangle, const glm::dvec3 &low) {
-	constexpr double width = surface_cell_size / static_cast<double>(sub_cubes);
-	const glm::dvec3 &normal = triangle.normal;
-	const glm::dvec3 middle = low + width / 2.0 - triangle.corners[0];
-	const double first = normal.x * middle.x + normal.y * middle.y + normal.z * middle.z;
-	// A little more than needed, because the distances of the other sub-cubes are rounded several times.
-	const double reach = (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)) * (width / 2.0 + 1.0);
-	std::uint64_t result = 0;
-	std::uint32_t bit = 0;
-	for (int z = 0; z < 4; ++z) {
-		for (int y = 0; y < 4; ++y) {
-			const double row = first + width * (normal.y * y + normal.z * z);
-			for (int x = 0; x < 4; ++x) {
-				const bool near = std::abs(row + width * normal.x * x) <= reach;
-				result |= std::uint64_t{near} << bit++;
-			}
-		}
-	}
-	return result;
-}
-
-/// One axis for a cell if all normals in it are near enough to it.
-SurfaceSearch search_for(const glm::dvec3 &least) {
-	// At least one axis of every plane reaches the last value, because 1 / sqrt(3) is larger. Most ground is not steep,
-	// so y comes first.
-	for (const float kept : {0.95f, 0.85f, 0.7f, 0.55f}) {
-		for (const std::uint8_t axis : {std::uint8_t{1}, std::uint8_t{0}, std::uint8_t{2}}) {
-			if (least[axis] >= static_cast<double>(kept)) {
-				return {axis, kept};
-			}
-		}
-	}
-	return {};
+std::uint64_t column_of(const SurfaceLine &line, const SurfaceLine::Course &course) {
+	return std::uint64_t{1} << (line.axis * 16 + (course.u >> SurfacePatch::shift) +
+				   4 * (course.v >> SurfacePatch::shift));
 }
 
 std::int64_t squared(const glm::ivec3 &offset) {
 	return std::int64_t{offset.x} * offset.x + std::int64_t{offset.y} * offset.y + std::int64_t{offset.z} * offset.z;
+}
+
+/// From a position to the nearest one in a cell with its lower corner at `low`, on each axis.
+glm::ivec3 gap(const glm::ivec3 &position, const glm::ivec3 &low) {
+	return glm::max(glm::max(low - position, position - (low + (surface_cell_size - 1))), glm::ivec3(0));
 }
 
 } // namespace
@@ -92,10 +54,13 @@ void SurfaceRace::start(const SurfaceSource &source, std::uint32_t level, const 
 		extra_.emplace_back((dart.position - origin) >> std::int64_t{surface_bits});
 	}
 	grid_.build(box, triangles, extra_);
+	times_.assign(grid_.count(), surface_time_unthrown);
 	cells_.assign(grid_.count(), Cell());
+	patches_.clear();
 	points_.clear();
 	lines_.clear();
 	neighbors_.clear();
+	near_.clear();
 	for (std::size_t index = 0; index < placed.size(); ++index) {
 		const SurfaceDart &dart = placed[index];
 		accept(grid_.number_of(extra_[index]), glm::ivec3(dart.position - origin), dart.triangle, dart.time,
@@ -109,7 +74,7 @@ bool SurfaceRace::decide(const CellBox &wanted, const std::atomic<bool> *cancel)
 	for (const double pass : passes) {
 		const auto until = std::bit_cast<SurfaceTime>(pass);
 		for (std::uint32_t number = 0; number < grid_.count(); ++number) {
-			if (cells_[number].time <= until && wanted.contains(grid_.cell(number) + grid_.box().min) &&
+			if (times_[number] <= until && wanted.contains(grid_.cell(number) + grid_.box().min) &&
 					!settle(number, until)) {
 				return false;
 			}
@@ -126,7 +91,7 @@ bool SurfaceRace::settle(std::uint32_t number, SurfaceTime until) {
 	wanted_.push_back({number, until});
 	while (!wanted_.empty()) {
 		const Wanted top = wanted_.back();
-		const SurfaceTime time = cells_[top.cell].time;
+		const SurfaceTime time = times_[top.cell];
 		if (time == surface_time_unthrown) {
 			throw_first(top.cell);
 		} else if (time > top.until) {
@@ -140,75 +105,108 @@ bool SurfaceRace::settle(std::uint32_t number, SurfaceTime until) {
 	return true;
 }
 
-void SurfaceRace::throw_first(std::uint32_t number) {
-	Cell &cell = cells_[number];
-	const glm::dvec3 low = glm::dvec3(grid_.cell(number)) * static_cast<double>(surface_cell_size);
-	std::uint64_t entered = 0;
+SurfaceSearch SurfaceRace::search_in(std::uint32_t number) const {
+	const std::span<const std::uint32_t> inside = grid_.triangles_in(number);
+	if (inside.empty()) {
+		return {};
+	}
+	const SurfaceSearch &search = triangles_[inside.front()].search;
+	if (std::ranges::all_of(inside, [&](std::uint32_t index) { return triangles_[index].search == search; })) {
+		return search;
+	}
+	// The search must depend only on the surface in the cell, and the grid lists a few triangles that are not in it.
+	const SurfaceCube cube{glm::dvec3(grid_.cell(number) * surface_cell_size), static_cast<double>(surface_cell_size)};
 	glm::dvec3 least(1.0);
-	for (const std::uint32_t index : grid_.triangles_in(number)) {
-		const SurfaceTriangle &triangle = triangles_[index];
-		entered |= sub_cubes_near(triangle, low);
-		least = glm::min(least, glm::abs(triangle.normal) / triangle.length);
+	for (const std::uint32_t index : inside) {
+		if (triangles_[index].enters(cube)) {
+			least = glm::min(least, triangles_[index].steepness());
+		}
 	}
-	cell.open &= entered;
-	cell.search = search_for(least);
-	cell.time = surface_time_never;
+	return search_for(least);
+}
+
+void SurfaceRace::prepare(std::uint32_t number) {
+	Cell &cell = cells_[number];
+	cell.search = search_in(number);
+	cell.patches = static_cast<std::uint32_t>(patches_.size());
+	const glm::dvec3 low(grid_.cell(number) * surface_cell_size);
+	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
+		SurfacePatch patch(axis);
+		for (const std::uint32_t index : grid_.triangles_in(number)) {
+			patch.add(triangles_[index], low);
+		}
+		cell.open |= std::uint64_t{patch.entered()} << (axis * 16);
+		patches_.push_back(patch);
+	}
+	if (cell.open == 0) {
+		finish(number);
+	}
+}
+
+void SurfaceRace::throw_first(std::uint32_t number) {
+	if (cells_[number].patches == none) {
+		prepare(number);
+	}
+	Cell &cell = cells_[number];
+	if (cell.open == 0) {
+		return;
+	}
 	++counts_.cells;
-	if (cell.open != 0) {
-		lines_.add(cell.lines, source_.first(grid_.cell(number) + grid_.box().min, cell.search));
-		show_next(number);
+	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
+		if ((cell.open >> (axis * 16) & 0xffff) != 0) {
+			lines_.add(cell.lines, source_.first(grid_.cell(number) + grid_.box().min, axis, cell.search.rate()));
+		}
 	}
+	show_next(number);
 }
 
 std::uint32_t SurfaceRace::step(std::uint32_t number) {
 	const SurfaceLine line = lines_.first(cells_[number].lines);
-	const SurfaceLine::Course course = line.course(cells_[number].search);
-	find_hits(number, line, course);
-	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
-	const auto [side_u, side_v] = axes_across(course.axis);
-	for (const Hit &hit : hits_) {
-		glm::ivec3 position = low;
-		position[course.axis] += hit.along;
-		position[side_u] += course.u;
-		position[side_v] += course.v;
-		std::uint32_t blocker = none;
-		switch (judge(number, line.time, position, blocker)) {
-			case Fate::accepted:
-				accept(number, position, triangles_[hit.triangle].index, line.time, level_);
-				return none;
-			case Fate::waits: return blocker;
-			case Fate::unknown:
-				is_undecided_ = true;
-				undecided_ = (glm::i64vec3(grid_.box().min) << std::int64_t{surface_bits}) + glm::i64vec3(position);
-				return none;
-			case Fate::rejected: break;
+	const SurfaceLine::Course course = line.course();
+	if ((cells_[number].open & column_of(line, course)) != 0) {
+		find_hits(number, line, course);
+		const auto [side_u, side_v] = axes_across(line.axis);
+		for (const Hit &hit : hits_) {
+			glm::ivec3 position = grid_.cell(number) * surface_cell_size;
+			position[line.axis] += hit.along;
+			position[side_u] += course.u;
+			position[side_v] += course.v;
+			std::uint32_t blocker = none;
+			switch (judge(number, line.time, position, blocker)) {
+				case Fate::accepted:
+					accept(number, position, triangles_[hit.triangle].index, line.time, level_);
+					return none;
+				case Fate::waits: return blocker;
+				case Fate::unknown:
+					is_undecided_ = true;
+					undecided_ = (glm::i64vec3(grid_.box().min) << std::int64_t{surface_bits}) + glm::i64vec3(position);
+					return none;
+				case Fate::rejected: ++counts_.hits; break;
+			}
 		}
 	}
 	++counts_.lines;
-	counts_.hits += hits_.size();
-	replace_line(number, !hits_.empty());
+	split(number);
 	return none;
 }
 
 void SurfaceRace::find_hits(std::uint32_t number, const SurfaceLine &line, const SurfaceLine::Course &course) {
 	hits_.clear();
 	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
-	const auto [side_u, side_v] = axes_across(course.axis);
+	const auto [side_u, side_v] = axes_across(line.axis);
 	const double u = low[side_u] + course.u;
 	const double v = low[side_v] + course.v;
-	const std::int32_t first = line.low()[course.axis];
 	for (const std::uint32_t index : grid_.triangles_in(number)) {
-		const std::optional<double> hit = triangles_[index].hit(course.axis, u, v);
+		const std::optional<double> hit = triangles_[index].hit(line.axis, u, v);
 		if (!hit) {
 			continue;
 		}
-		const double along = *hit - low[course.axis];
-		if (along < first || along >= first + line.width()) {
-			continue;
-		}
-		const auto place = static_cast<std::int32_t>(along);
-		if (line.keeps(triangles_[index].keep_probability(cells_[number].search))) {
-			hits_.push_back({place, index});
+		const double along = *hit - low[line.axis];
+		// The finest columns have only one line, so that one is always kept: then no gap remains.
+		if (along >= 0 && along < surface_cell_size &&
+				(line.depth == surface_depth ||
+						line.keeps(triangles_[index].keep_probability(cells_[number].search)))) {
+			hits_.push_back({static_cast<std::int32_t>(along), index});
 		}
 	}
 	if (hits_.size() > 1) {
@@ -219,21 +217,15 @@ void SurfaceRace::find_hits(std::uint32_t number, const SurfaceLine &line, const
 
 SurfaceRace::Fate SurfaceRace::judge(
 		std::uint32_t number, SurfaceTime time, const glm::ivec3 &position, std::uint32_t &r_blocker) {
-	const glm::ivec3 within = position - grid_.cell(number) * surface_cell_size;
-	if ((cells_[number].open & sub_cubes_of(within, 2)) == 0) {
+	if (is_covered(number, position, position)) {
 		return Fate::rejected;
 	}
 	SurfaceTime earliest = time;
-	for (const std::uint32_t near : neighbors_of(number)) {
-		const Cell &cell = cells_[near];
-		if (cell.point != none && squared(points_[cell.point].position - position) < surface_radius_squared) {
-			return Fate::rejected;
-		}
-		if (cell.time < earliest) {
-			const glm::ivec3 low = grid_.cell(near) * surface_cell_size;
-			const glm::ivec3 nearest = glm::clamp(position, low, low + (surface_cell_size - 1));
-			if (squared(nearest - position) < surface_radius_squared) {
-				earliest = cell.time;
+	for (const SurfaceGrid::Run &run : neighbors_of(number)) {
+		for (std::uint32_t near = run.first; near < run.first + run.count; ++near) {
+			if (times_[near] < earliest &&
+					squared(gap(position, grid_.cell(near) * surface_cell_size)) < surface_radius_squared) {
+				earliest = times_[near];
 				r_blocker = near;
 			}
 		}
@@ -257,112 +249,128 @@ bool SurfaceRace::is_near_open_face(const glm::ivec3 &position) const {
 void SurfaceRace::accept(std::uint32_t number, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
 		std::uint32_t level) {
 	++counts_.accepted;
-	Cell &cell = cells_[number];
-	lines_.drop(cell.lines);
-	cell.time = surface_time_never;
-	cell.open = 0;
-	cell.point = static_cast<std::uint32_t>(points_.size());
+	finish(number);
+	cells_[number].point = static_cast<std::uint32_t>(points_.size());
 	points_.push_back({position, triangle, level, time});
-	for (const std::uint32_t near : neighbors_of(number)) {
-		if (cells_[near].open != 0) {
-			cover(position, near);
+	for (const SurfaceGrid::Run &run : neighbors_of(number)) {
+		for (std::uint32_t near = run.first; near < run.first + run.count; ++near) {
+			if (times_[near] != surface_time_never) {
+				cover(position, near);
+			}
 		}
 	}
 }
 
 void SurfaceRace::cover(const glm::ivec3 &position, std::uint32_t number) {
-	// Coarser units, in which squares are floats without rounding. Numbers are rounded away from the point, so that
-	// everything that counts as covered is covered.
-	constexpr int shift = 10;
-	constexpr std::int32_t width = 1 << (sub_shift - shift);
-	constexpr float limit = static_cast<float>(surface_radius_squared >> (2 * shift));
-	const glm::ivec3 offset = grid_.cell(number) * surface_cell_size - position;
-	const auto farthest = [](std::int32_t first) {
-		std::array<float, sub_cubes> squares{};
-		std::int32_t low = first >> shift;
-		for (float &square : squares) {
-			const auto distance = static_cast<float>(std::max(-low, low + width + 1));
-			square = distance * distance;
-			low += width;
-		}
-		return squares;
-	};
-	const std::array<float, sub_cubes> far_x = farthest(offset.x);
-	const std::array<float, sub_cubes> far_y = farthest(offset.y);
-	const std::array<float, sub_cubes> far_z = farthest(offset.z);
-	std::uint64_t open = 0;
-	std::uint32_t bit = 0;
-	for (const float z : far_z) {
-		for (const float y : far_y) {
-			const float left = limit - y - z;
-			for (const float x : far_x) {
-				open |= std::uint64_t{x > left} << bit++;
-			}
-		}
+	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
+	if (squared(gap(position, low)) >= surface_radius_squared) {
+		return;
+	}
+	if (cells_[number].patches == none) {
+		prepare(number);
 	}
 	Cell &cell = cells_[number];
+	constexpr float width = 1.0f / static_cast<float>(surface_cell_size);
+	const glm::vec3 point = glm::vec3(position - low) * width;
+	std::uint64_t open = 0;
+	std::uint32_t patch = cell.patches;
+	for (int axis = cell.search.first_axis(); axis <= cell.search.last_axis(); ++axis) {
+		open |= std::uint64_t{patches_[patch++].open_beside(point)} << (axis * 16);
+	}
 	cell.open &= open;
 	if (cell.open == 0) {
-		lines_.drop(cell.lines);
-		cell.time = surface_time_never;
+		finish(number);
+		return;
 	}
+	near_.push_back({position, cell.near});
+	cell.near = static_cast<std::uint32_t>(near_.size() - 1);
 }
 
-void SurfaceRace::replace_line(std::uint32_t number, bool had_darts) {
+void SurfaceRace::finish(std::uint32_t number) {
+	lines_.drop(cells_[number].lines);
+	cells_[number].open = 0;
+	times_[number] = surface_time_never;
+}
+
+void SurfaceRace::split(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	const SurfaceLine line = lines_.take_first(cell.lines);
-	if (!had_darts && line.tried + 1u < SurfaceLine::tries) {
-		lines_.add(cell.lines, next_line(line, cell.search));
+	// A whole cell is split into the columns of `Cell::open`, a column into quarters.
+	std::uint32_t open = 0;
+	if (line.depth == 0) {
+		open = static_cast<std::uint32_t>(cell.open >> (line.axis * 16)) & 0xffffu;
 	} else if (line.depth < surface_depth) {
-		split(number, line);
+		open = open_quarters(number, line);
+	}
+	for (std::uint32_t part = 0; open != 0; ++part, open >>= 1) {
+		if ((open & 1) != 0) {
+			lines_.add(cell.lines, part_line(line, part, line.depth == 0 ? 2 : 1, cell.search.rate()));
+		}
 	}
 	show_next(number);
 }
 
-void SurfaceRace::split(std::uint32_t number, const SurfaceLine &line) {
-	const std::int32_t half = (surface_cell_size >> line.depth) / 2;
-	for (std::uint32_t child = 0; child < 8; ++child) {
-		const glm::ivec3 low = line.low() + glm::ivec3(child & 1u, child >> 1 & 1u, child >> 2) * half;
-		if ((cells_[number].open & sub_cubes_of(low, line.depth + 1)) != 0) {
-			const SurfaceLine first = child_line(line, child, cells_[number].search);
-			if (first.depth <= 2 || is_open(number, first)) {
-				lines_.add(cells_[number].lines, first);
+std::uint32_t SurfaceRace::open_quarters(std::uint32_t number, const SurfaceLine &line) const {
+	if ((cells_[number].open & columns_of(line)) == 0) {
+		return 0;
+	}
+	const int axis = line.axis;
+	const glm::ivec3 low = grid_.cell(number) * surface_cell_size;
+	const auto [side_u, side_v] = axes_across(axis);
+	const std::int32_t width = line.width() / 2;
+	std::uint32_t open = 0;
+	for (const std::uint32_t index : grid_.triangles_in(number)) {
+		const SurfaceTriangle &triangle = triangles_[index];
+		if (!triangle.is_over(axis, low[side_u] + line.low_u(), low[side_v] + line.low_v(), line.width())) {
+			continue;
+		}
+		const SurfaceOutline outline(triangle, axis);
+		for (std::uint32_t quarter = 0; quarter < 4; ++quarter) {
+			if ((open >> quarter & 1) != 0) {
+				continue;
 			}
+			glm::ivec3 from = low;
+			from[side_u] += line.low_u() + static_cast<std::int32_t>(quarter & 1) * width;
+			from[side_v] += line.low_v() + static_cast<std::int32_t>(quarter >> 1) * width;
+			const SurfaceRange range = outline.range_in(from[side_u], from[side_v], width);
+			const double first = std::max(range.low, static_cast<double>(low[axis]));
+			const double last = std::min(range.high, static_cast<double>(low[axis] + surface_cell_size - 1));
+			if (first > last) {
+				continue;
+			}
+			glm::ivec3 to = from + (width - 1);
+			from[axis] = static_cast<std::int32_t>(first);
+			to[axis] = static_cast<std::int32_t>(last);
+			open |= std::uint32_t{!is_covered(number, from, to)} << quarter;
 		}
 	}
+	return open;
 }
 
-bool SurfaceRace::is_open(std::uint32_t number, const SurfaceLine &cube) {
-	const SurfaceCube bounds = cube_of(number, cube);
-	const glm::ivec3 low(bounds.low);
-	const std::int32_t width = cube.width();
-	for (const std::uint32_t near : neighbors_of(number)) {
-		if (cells_[near].point != none) {
-			const glm::ivec3 offset = low - points_[cells_[near].point].position;
-			if (squared(glm::max(-offset, offset + (width - 1))) < surface_radius_squared) {
-				return false;
-			}
+bool SurfaceRace::is_covered(std::uint32_t number, const glm::ivec3 &from, const glm::ivec3 &to) const {
+	for (std::uint32_t near = cells_[number].near; near != none; near = near_[near].next) {
+		const glm::ivec3 &point = near_[near].position;
+		if (squared(glm::max(point - from, to - point)) < surface_radius_squared) {
+			return true;
 		}
 	}
-	const std::span<const std::uint32_t> inside = grid_.triangles_in(number);
-	return std::ranges::any_of(
-			inside, [this, &bounds](std::uint32_t index) { return triangles_[index].enters(bounds); });
+	return false;
 }
 
 void SurfaceRace::show_next(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	while (cell.lines != SurfaceLines::empty) {
 		const SurfaceLine &first = lines_.first(cell.lines);
-		if ((cell.open & sub_cubes_of(first.low(), first.depth)) != 0) {
-			cell.time = first.time;
+		if ((cell.open & columns_of(first)) != 0) {
+			times_[number] = first.time;
 			return;
 		}
 		lines_.take_first(cell.lines);
 	}
-	cell.time = surface_time_never;
+	finish(number);
 }
 
-std::span<const std::uint32_t> SurfaceRace::neighbors_of(std::uint32_t number) {
+std::span<const SurfaceGrid::Run> SurfaceRace::neighbors_of(std::uint32_t number) {
 	Cell &cell = cells_[number];
 	if (cell.neighbors == none) {
 		cell.neighbors = static_cast<std::uint32_t>(neighbors_.size());
@@ -370,10 +378,6 @@ std::span<const std::uint32_t> SurfaceRace::neighbors_of(std::uint32_t number) {
 		cell.neighbor_count = static_cast<std::uint32_t>(neighbors_.size()) - cell.neighbors;
 	}
 	return std::span(neighbors_).subspan(cell.neighbors, cell.neighbor_count);
-}
-
-SurfaceCube SurfaceRace::cube_of(std::uint32_t number, const SurfaceLine &line) const {
-	return {glm::dvec3(grid_.cell(number) * surface_cell_size + line.low()), static_cast<double>(line.width())};
 }
 
 void SurfaceRace::append_points(const CellBox &wanted, std::vector<SurfaceDart> &r_points) const {
@@ -387,8 +391,9 @@ void SurfaceRace::append_points(const CellBox &wanted, std::vector<SurfaceDart> 
 }
 
 std::size_t SurfaceRace::bytes() const {
-	return grid_.bytes() + cells_.capacity() * sizeof(Cell) + points_.capacity() * sizeof(Point) + lines_.bytes() +
-			neighbors_.capacity() * sizeof(std::uint32_t);
+	return grid_.bytes() + patches_.capacity() * sizeof(SurfacePatch) + near_.capacity() * sizeof(Near) +
+			cells_.capacity() * sizeof(Cell) + points_.capacity() * sizeof(Point) + lines_.bytes() +
+			times_.capacity() * sizeof(SurfaceTime) + neighbors_.capacity() * sizeof(SurfaceGrid::Run);
 }
 
 } // namespace thicket

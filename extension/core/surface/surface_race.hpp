@@ -2,6 +2,7 @@
 
 #include "core/surface/surface_grid.hpp"
 #include "core/surface/surface_lines.hpp"
+#include "core/surface/surface_patch.hpp"
 
 #include <atomic>
 #include <cstdint>
@@ -22,8 +23,8 @@ struct SurfaceDart {
 /// Statistics of races, added up.
 struct SurfaceCounts {
 	std::uint64_t cells = 0;    ///< Cells that threw a line.
-	std::uint64_t lines = 0;    ///< Lines thrown.
-	std::uint64_t hits = 0;     ///< Hits that were kept as darts.
+	std::uint64_t lines = 0;    ///< Lines without a point.
+	std::uint64_t hits = 0;     ///< Darts that were rejected.
 	std::uint64_t accepted = 0; ///< Points.
 };
 
@@ -60,13 +61,14 @@ private:
 	static constexpr std::uint32_t none = SurfaceGrid::none;
 
 	struct Cell {
-		SurfaceTime time = surface_time_unthrown; ///< Of the cell's next line; never once the cell is decided.
-		std::uint64_t open = ~std::uint64_t{
-				0}; ///< 4 x 4 x 4 sub-cubes: the surface may enter it, and it is not known to be covered.
+		/// For each axis, 16 bits of columns that the surface may enter and that are not known to be covered.
+		std::uint64_t open = 0;
 		SurfaceLines::List lines = SurfaceLines::empty;
-		std::uint32_t neighbors = none; ///< Their start in `neighbors_`.
+		std::uint32_t patches = none;   ///< The first in `patches_`, one for each searched axis; none before `prepare`.
+		std::uint32_t neighbors = none; ///< The first run in `neighbors_`.
 		std::uint32_t neighbor_count = 0;
 		std::uint32_t point = none; ///< Index in `points_`.
+		std::uint32_t near = none;  ///< The last one in `near_`.
 		SurfaceSearch search;
 	};
 	struct Point {
@@ -74,6 +76,11 @@ private:
 		std::uint32_t triangle;
 		std::uint32_t level;
 		SurfaceTime time;
+	};
+	/// A point whose ball reaches a cell: a list for each cell.
+	struct Near {
+		glm::ivec3 position;
+		std::uint32_t next;
 	};
 	struct Hit {
 		std::int32_t along;
@@ -86,6 +93,9 @@ private:
 	enum class Fate : std::uint8_t { accepted, rejected, waits, unknown };
 
 	bool settle(std::uint32_t number, SurfaceTime until);
+	/// Finds out how a cell is searched, and where its surface is.
+	void prepare(std::uint32_t number);
+	SurfaceSearch search_in(std::uint32_t number) const;
 	void throw_first(std::uint32_t number);
 	/// Decides the cell's next line and returns `none`. If a different cell must be decided first, up to that line's
 	/// time, returns that cell instead.
@@ -95,12 +105,14 @@ private:
 	void accept(std::uint32_t number, const glm::ivec3 &position, std::uint32_t triangle, SurfaceTime time,
 			std::uint32_t level);
 	void cover(const glm::ivec3 &position, std::uint32_t number);
-	void replace_line(std::uint32_t number, bool had_darts);
-	bool is_open(std::uint32_t number, const SurfaceLine &cube);
-	void split(std::uint32_t number, const SurfaceLine &line);
+	void finish(std::uint32_t number);
+	void split(std::uint32_t number);
+	/// Which quarters of a line's column, a bit for each, no point's ball is known to cover.
+	std::uint32_t open_quarters(std::uint32_t number, const SurfaceLine &line) const;
+	/// True if the ball of one point covers the box between two corners.
+	bool is_covered(std::uint32_t number, const glm::ivec3 &from, const glm::ivec3 &to) const;
 	void show_next(std::uint32_t number);
-	std::span<const std::uint32_t> neighbors_of(std::uint32_t number);
-	SurfaceCube cube_of(std::uint32_t number, const SurfaceLine &line) const;
+	std::span<const SurfaceGrid::Run> neighbors_of(std::uint32_t number);
 	bool is_near_open_face(const glm::ivec3 &position) const;
 
 	SurfaceSource source_;
@@ -109,10 +121,13 @@ private:
 	std::span<const SurfaceTriangle> triangles_;
 	SurfaceGrid grid_;
 	std::vector<glm::ivec3> extra_;
+	std::vector<SurfaceTime> times_; ///< Of each cell's next line; never once the cell is decided.
 	std::vector<Cell> cells_;
+	std::vector<SurfacePatch> patches_;
 	std::vector<Point> points_;
 	SurfaceLines lines_;
-	std::vector<std::uint32_t> neighbors_;
+	std::vector<SurfaceGrid::Run> neighbors_;
+	std::vector<Near> near_;
 	std::vector<Wanted> wanted_;
 	std::vector<Hit> hits_;
 	glm::i64vec3 undecided_{0};

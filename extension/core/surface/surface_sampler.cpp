@@ -22,7 +22,7 @@ namespace thicket {
 namespace {
 
 /// The widest block that is decided as a whole, in cells: its margin is a small part of it, and its grid stays in the cache.
-constexpr std::int32_t widest_block = 96;
+constexpr std::int32_t widest_block = 128;
 
 /// Cells lie in [-surface_cell_limit, surface_cell_limit) on each axis, so that all positions in units are exact as doubles.
 constexpr std::int32_t surface_cell_limit = 1 << 30;

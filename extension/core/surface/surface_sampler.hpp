@@ -47,7 +47,7 @@ struct SurfaceStats {
 /// Promises, for one PointSet and one surface, over all calls, windows, orders, threads, compilers and instruction sets:
 ///  (1) every window that contains a point of the set returns that point, bit for bit the same, and no other window does;
 ///  (2) no two points are closer than the radius, exactly, on the lattice;
-///  (3) nowhere on the surface is left where a further point would fit, but for gaps of radius / 113,000;
+///  (3) nowhere on the surface is left where a further point would fit, exactly, on a grid of lines radius / 113,000 apart;
 ///  (4) with levels = 1 the set is distributed like naive dart throwing run to its end, uniform by area in every direction;
 ///  (5) the points depend on where the surface is, not on how it is divided into triangles, but for rounding: nearly all points of a
 ///      surface that is divided otherwise are the same. A change of the surface changes points within the reach of a chain of darts.

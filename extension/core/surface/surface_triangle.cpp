@@ -12,6 +12,10 @@ namespace thicket {
 
 namespace {
 
+/// The edges, by the numbers of their corners. The first corner of an edge comes before its second.
+constexpr std::array<std::array<std::size_t, 2>, 3> edges{{{0, 1}, {1, 2}, {0, 2}}};
+constexpr std::array<std::size_t, 3> corner_opposite{2, 0, 1};
+
 bool comes_before(const glm::dvec3 &a, const glm::dvec3 &b) {
 	if (a.x != b.x) {
 		return a.x < b.x;
@@ -37,7 +41,26 @@ bool edge_is_apart(const glm::dvec3 &edge, const glm::dvec3 &on, const glm::dvec
 			apart(edge.x * on.y - edge.y * on.x, edge.x * off.y - edge.y * off.x, half * (size.x + size.y));
 }
 
+/// On which side of a line a position is, seen along an axis. The line itself belongs to one side.
+bool side(const glm::dvec3 &from, const glm::dvec3 &to, int side_u, int side_v, double u, double v) {
+	return (at(to, side_u) - at(from, side_u)) * (v - at(from, side_v)) >=
+			(at(to, side_v) - at(from, side_v)) * (u - at(from, side_u));
+}
+
 } // namespace
+
+SurfaceSearch search_for(const glm::dvec3 &least_steepness) {
+	// At least one axis of every plane reaches the last value, because 1 / sqrt(3) is larger. Most ground is not steep,
+	// so y comes first.
+	for (const float kept : {0.95f, 0.85f, 0.7f, 0.55f}) {
+		for (const std::uint8_t axis : {std::uint8_t{1}, std::uint8_t{0}, std::uint8_t{2}}) {
+			if (at(least_steepness, axis) >= static_cast<double>(kept)) {
+				return {axis, kept};
+			}
+		}
+	}
+	return {};
+}
 
 std::optional<SurfaceTriangle> SurfaceTriangle::of(const std::array<glm::dvec3, 3> &corners, std::uint32_t index) {
 	SurfaceTriangle result;
@@ -55,25 +78,40 @@ std::optional<SurfaceTriangle> SurfaceTriangle::of(const std::array<glm::dvec3, 
 	result.normal = cross(b - a, c - a);
 	result.length = std::sqrt(
 			result.normal.x * result.normal.x + result.normal.y * result.normal.y + result.normal.z * result.normal.z);
+	if (!(result.length > 0.0)) {
+		return std::nullopt;
+	}
 	result.low = glm::min(a, glm::min(b, c));
 	result.high = glm::max(a, glm::max(b, c));
 	result.index = index;
-	return result.length > 0.0 ? std::optional(result) : std::nullopt;
+	result.search = search_for(result.steepness());
+	for (int axis = 0; axis < 3; ++axis) {
+		const auto [side_u, side_v] = axes_across(axis);
+		for (std::size_t edge = 0; edge < edges.size(); ++edge) {
+			const glm::dvec3 &off = result.corners[corner_opposite[edge]];
+			const bool is_inside = side(result.corners[edges[edge][0]], result.corners[edges[edge][1]], side_u, side_v,
+					at(off, side_u), at(off, side_v));
+			result.inside[static_cast<std::size_t>(axis)] |= static_cast<std::uint8_t>(is_inside << edge);
+		}
+	}
+	return result;
 }
 
-double SurfaceTriangle::keep_probability(const SurfaceSearch &search) const {
-	const double along = search.axis == SurfaceSearch::all_axes
+glm::dvec3 SurfaceTriangle::steepness() const { return glm::abs(normal) / length; }
+
+double SurfaceTriangle::keep_probability(const SurfaceSearch &wanted) const {
+	const double along = wanted.axis == SurfaceSearch::all_axes
 			? std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)
-			: std::abs(normal[search.axis]);
-	return static_cast<double>(search.kept) * length / along;
+			: std::abs(at(normal, wanted.axis));
+	return static_cast<double>(wanted.kept) * length / along;
 }
 
 bool SurfaceTriangle::enters(const SurfaceCube &cube) const {
 	// Surfaces on the upper faces belong to the next cubes. Positions are whole units, so half a unit excludes them.
 	const double half = (cube.width - 0.5) / 2.0;
 	const glm::dvec3 center = cube.low + half;
-	for (int side = 0; side < 3; ++side) {
-		if (low[side] > center[side] + half || high[side] < center[side] - half) {
+	for (int axis = 0; axis < 3; ++axis) {
+		if (at(low, axis) > at(center, axis) + half || at(high, axis) < at(center, axis) - half) {
 			return false;
 		}
 	}
@@ -89,22 +127,69 @@ bool SurfaceTriangle::enters(const SurfaceCube &cube) const {
 }
 
 std::optional<double> SurfaceTriangle::hit(int axis, double u, double v) const {
-	const std::array<int, 2> across = axes_across(axis);
-	const int side_u = across[0];
-	const int side_v = across[1];
-	const auto &[a, b, c] = corners;
-	// On which side of an edge, from its first corner to its second. The edge itself belongs to one side.
-	const auto side = [&](const glm::dvec3 &from, const glm::dvec3 &to, double at_u, double at_v) {
-		return (to[side_u] - from[side_u]) * (at_v - from[side_v]) >=
-				(to[side_v] - from[side_v]) * (at_u - from[side_u]);
-	};
-	if (normal[axis] == 0.0 || side(a, b, u, v) != side(a, b, c[side_u], c[side_v]) ||
-			side(b, c, u, v) != side(b, c, a[side_u], a[side_v]) ||
-			side(a, c, u, v) != side(a, c, b[side_u], b[side_v])) {
+	const auto [side_u, side_v] = axes_across(axis);
+	if (u < at(low, side_u) || u > at(high, side_u) || v < at(low, side_v) || v > at(high, side_v) ||
+			at(normal, axis) == 0.0) {
 		return std::nullopt;
 	}
-	const double rise = -(normal[side_u] * (u - a[side_u]) + normal[side_v] * (v - a[side_v])) / normal[axis];
-	return std::clamp(a[axis] + std::floor(rise), low[axis], high[axis]);
+	std::uint32_t sides = 0;
+	for (std::size_t edge = 0; edge < edges.size(); ++edge) {
+		sides |=
+				static_cast<std::uint32_t>(side(corners[edges[edge][0]], corners[edges[edge][1]], side_u, side_v, u, v))
+				<< edge;
+	}
+	if (sides != inside[static_cast<std::size_t>(axis)]) {
+		return std::nullopt;
+	}
+	const glm::dvec3 &corner = corners[0];
+	const double rise =
+			-(at(normal, side_u) * (u - at(corner, side_u)) + at(normal, side_v) * (v - at(corner, side_v))) /
+			at(normal, axis);
+	return std::clamp(at(corner, axis) + std::floor(rise), at(low, axis), at(high, axis));
+}
+
+SurfaceOutline::SurfaceOutline(const SurfaceTriangle &triangle, int axis) {
+	const auto [side_u, side_v] = axes_across(axis);
+	for (std::size_t edge = 0; edge < edges.size(); ++edge) {
+		const glm::dvec3 &from = triangle.corners[edges[edge][0]];
+		const glm::dvec3 &to = triangle.corners[edges[edge][1]];
+		// The left side of an edge is inside, or the right one.
+		const double sign = (triangle.inside[static_cast<std::size_t>(axis)] >> edge & 1) != 0 ? 1.0 : -1.0;
+		Edge &made = edges_[edge];
+		made.at_u = at(from, side_u);
+		made.at_v = at(from, side_v);
+		made.u = sign * (at(from, side_v) - at(to, side_v));
+		made.v = sign * (at(to, side_u) - at(from, side_u));
+		made.size = std::abs(made.u) + std::abs(made.v);
+	}
+	bounds_ = {at(triangle.low, axis), at(triangle.high, axis)};
+	corner_u_ = at(triangle.corners[0], side_u);
+	corner_v_ = at(triangle.corners[0], side_v);
+	corner_height_ = at(triangle.corners[0], axis);
+	slope_u_ = at(triangle.normal, side_u) / at(triangle.normal, axis);
+	slope_v_ = at(triangle.normal, side_v) / at(triangle.normal, axis);
+}
+
+// Whole units, so that sums are exact wherever the origin is.
+
+double SurfaceOutline::height(double u, double v) const {
+	return corner_height_ - std::floor(slope_u_ * (u - corner_u_) + slope_v_ * (v - corner_v_));
+}
+
+double SurfaceOutline::reach(double half) const {
+	return std::ceil((std::abs(slope_u_) + std::abs(slope_v_)) * half) + 1.0;
+}
+
+SurfaceRange SurfaceOutline::range_in(double u, double v, double width) const {
+	const double half = half_of_lines(width);
+	const double middle_u = u + width / 2.0;
+	const double middle_v = v + width / 2.0;
+	if (!meets(middle_u, middle_v, half)) {
+		return {1.0, 0.0};
+	}
+	const double middle = height(middle_u, middle_v);
+	const double extent = reach(half);
+	return {std::max(middle - extent, bounds_.low), std::min(middle + extent, bounds_.high)};
 }
 
 } // namespace thicket
