@@ -305,3 +305,20 @@ func test_the_limit_of_instance_uniforms_is_a_problem() -> void:
 	check(not errors.take().is_empty(), "the engine has no room for all parameters")
 	scatter.free()
 	errors.take()
+
+
+## In place of its scatter, a bake shows the same picture.
+func test_a_bake_shows_its_scatter() -> void:
+	var scatter := make_view()
+	await settle(scatter)
+	var before := await share(RED)
+	var bake := preload("res://addons/thicket/bake.gd").new()
+	check_equal(bake.begin(scatter, Rect2(-50.0, -50.0, 120.0, 120.0), "res://baked_picture", "cubes"), OK, bake.problem)
+	while bake.step(20.0):
+		await process_frame
+	scatter.queue_free()
+	await frames(2)
+	check_equal(await share(RED), 0.0, "the scatter is gone")
+	root.add_child((load(bake.scene_path) as PackedScene).instantiate())
+	var after := await share(RED)
+	check(before > 0.15 and absf(after - before) < 0.005, "%.3f of the picture before the bake, %.3f after it" % [before, after])

@@ -118,6 +118,15 @@ public:
 		COLLISION_MODEL,  ///< The shapes of the instance's model.
 	};
 
+	/// What the meshes of a layer are, for fit_to_meshes.
+	enum ModelKind : std::int64_t {
+		KIND_AUTOMATIC, ///< Judged by their size; see kind_of.
+		KIND_TREE,
+		KIND_SHRUB,
+		KIND_GRASS,
+		KIND_ROCK,
+	};
+
 	// The accessors of properties. scatter_layer_properties.hpp defines each with one line.
 	template <const auto &property>
 	void set_number(double p_value);
@@ -185,9 +194,12 @@ public:
 	/// Rereads the scenes with these paths in `meshes`, because their files have changed.
 	void reload_scenes(const godot::PackedStringArray &p_paths);
 
-	/// Sets the properties that follow from the size of `meshes`: radius, instance_radius and instance_height; also collision_shape, if a
+	/// Sets the properties that follow from the size and the kind of `meshes`: see get_fitted_properties and fit_of; collision_shape only if a
 	/// model has shapes. Returns false and sets nothing if there are no meshes.
-	bool fit_to_meshes();
+	bool fit_to_meshes(ModelKind p_kind = KIND_AUTOMATIC);
+
+	/// The properties that fit_to_meshes sets.
+	godot::PackedStringArray get_fitted_properties() const;
 
 	/// The relative frequency of each of the meshes, 0 to 1e6; missing entries count as 1.
 	void set_mesh_weights(const godot::PackedFloat32Array &p_weights);
@@ -341,6 +353,7 @@ private:
 	static void bind_neighbors();
 	static void bind_placement();
 	static void bind_meshes();
+	static void bind_fit();
 	static void bind_drawing();
 	static void bind_sources();
 	static void bind_lod();
@@ -386,3 +399,4 @@ private:
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskChannel)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::MaskEdge)
 VARIANT_ENUM_CAST(thicket::ScatterLayer::CollisionShape)
+VARIANT_ENUM_CAST(thicket::ScatterLayer::ModelKind)

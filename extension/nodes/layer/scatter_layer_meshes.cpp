@@ -1,4 +1,4 @@
-// The meshes, scenes and models of a layer, and the properties that follow from their size.
+// The meshes, scenes and models of a layer.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/threads.hpp"
@@ -17,20 +17,6 @@ using namespace godot;
 namespace thicket {
 
 namespace {
-
-constexpr double least_size = 0.05; ///< Meters. Smaller meshes get the spacing and the collision of this size.
-
-/// Meters around the axis of an instance.
-struct Extent {
-	double radius = 0.0;
-	double top = 0.0;
-
-	void add(const Vector3 &p_corner) {
-		radius = std::max(
-				{radius, std::abs(static_cast<double>(p_corner.x)), std::abs(static_cast<double>(p_corner.z))});
-		top = std::max(top, static_cast<double>(p_corner.y));
-	}
-};
 
 /// False, with an error, if there are too many entries.
 bool accept_count(const Array &p_meshes) {
@@ -124,41 +110,6 @@ void ScatterLayer::set_mesh_weights(const PackedFloat32Array &p_weights) {
 
 PackedFloat32Array ScatterLayer::get_mesh_weights() const { return mesh_weights_; }
 
-bool ScatterLayer::fit_to_meshes() {
-	read_models();
-	Extent drawn;
-	Extent solid;
-	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
-		if (const Ref<Mesh> mesh = meshes_.mesh(entry); mesh.is_valid()) {
-			const AABB box = mesh->get_aabb();
-			drawn.add(box.position);
-			drawn.add(box.position + box.size);
-		}
-	}
-	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();
-	for (const std::vector<BodyPart> &parts : bodies) {
-		for (const BodyPart &part : parts) {
-			const glm::vec3 reach = 0.5F * part.size;
-			solid.add(to_engine(part.origin - reach));
-			solid.add(to_engine(part.origin + reach));
-			for (const glm::vec3 &corner : part.corners) {
-				solid.add(to_engine(corner));
-			}
-		}
-	}
-	if (!meshes_.has_mesh()) {
-		return false;
-	}
-	settings_.set.radius = std::clamp(2.0 * drawn.radius, least_size, max_radius);
-	gameplay_.instance_radius = std::max(solid.radius > 0.0 ? solid.radius : drawn.radius, least_size);
-	gameplay_.instance_height = std::max(drawn.top, least_size);
-	if (solid.radius > 0.0) {
-		gameplay_.collision.shape = BodyShape::model;
-	}
-	changed();
-	return true;
-}
-
 void ScatterLayer::bind_meshes() {
 	bind_guarded<&ScatterLayer::set_meshes>(D_METHOD("set_meshes", "meshes"));
 	bind_guarded<&ScatterLayer::get_meshes>(D_METHOD("get_meshes"));
@@ -172,7 +123,7 @@ void ScatterLayer::bind_meshes() {
 	add_layer_property(PropertyUse::placement, PropertyInfo(Variant::PACKED_FLOAT32_ARRAY, "mesh_weights"),
 			"set_mesh_weights", "get_mesh_weights");
 	bind_guarded<&ScatterLayer::reload_scenes>(D_METHOD("reload_scenes", "paths"));
-	bind_guarded<&ScatterLayer::fit_to_meshes>(D_METHOD("fit_to_meshes"));
+	bind_fit();
 }
 
 } // namespace thicket

@@ -97,16 +97,23 @@ func test_first_minute() -> void:
 	check_equal(_clicks, 4, "clicks, besides two drops")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	check_species(scatter)
+	await get_tree().create_timer(0.6).timeout
+	await click(middle(button("Add Camera, Sun, Sky and Wind")))
+	await get_tree().create_timer(0.6).timeout
+	for kind: String in ["Camera3D", "DirectionalLight3D", "WorldEnvironment", "ScatterFoliageWorld"]:
+		check_equal(root.find_children("*", kind, true, false).size(), 1, kind)
+	check(panel().find_children("*", "Button", true, false).all(func(found: Button) -> bool:
+		return not found.text.begins_with("Add Camera") or not found.is_visible_in_tree()), "the note is gone")
 	await picture("first_minute")
 	await key(KEY_S, KEY_MASK_CTRL)
 	await until(func() -> bool: return "ScatterGroundMeshes" in FileAccess.get_file_as_string(SCENE), "saved with Ctrl+S")
 	var text := FileAccess.get_file_as_string(SCENE)
 	check(text.length() < 5000 and not "MultiMesh" in text, "a small scene: %d bytes" % text.length())
 	var steps := 0
-	while root.get_child_count() > 0 and steps < 6:
+	while root.get_child_count() > 0 and steps < 7:
 		await undo()
 		steps += 1
-	check(steps == 4 and root.get_child_count() == 0, "four steps of undo lead back to the empty scene: %d" % steps)
+	check(steps == 5 and root.get_child_count() == 0, "five steps of undo lead back to the empty scene: %d" % steps)
 
 
 ## All of them are on the hill, and keep apart within and between species.

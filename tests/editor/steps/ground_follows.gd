@@ -226,7 +226,14 @@ func test_pick_in_the_tree() -> void:
 	if not check_equal(dialogs.size(), 1, "a dialog with the tree"):
 		return
 	await picture("ground_pick", dialogs[0])
+	var tree: Tree = dialogs[0].find_children("*", "Tree", true, false)[0]
+	for item in [item_of(tree.get_root(), "Hill"), item_of(tree.get_root(), "Meadow")]:
+		check(item != null and item.is_selectable(0), "imported scenes and meshes can be picked")
 	dialogs[0].hide()
+	dialogs[0].emit_signal(&"selected", hill.get_path())
+	await frames(3)
+	check(hill.get_node("Top").is_in_group("meadow_flowers_ground") and scatter.get(&"ground") != null, "the meshes of the imported scene are the ground")
+	await undo()
 	dialogs[0].emit_signal(&"selected", meadow.get_path())
 	await frames(3)
 	check(meadow.is_in_group("meadow_flowers_ground") and scatter.get(&"ground") != null, "the picked node is the ground")
@@ -265,3 +272,13 @@ func look_from(at: Vector3) -> void:
 	camera().global_position = at
 	camera().look_at(Vector3.ZERO)
 	await frames(2)
+
+
+func item_of(item: TreeItem, text: String) -> TreeItem:
+	if item.get_text(0) == text:
+		return item
+	for child in item.get_children():
+		var found := item_of(child, text)
+		if found != null:
+			return found
+	return null

@@ -64,8 +64,8 @@ func save_models() -> void:
 	ResourceSaver.save(pine, MODELS[1])
 	var fern := MeshInstance3D.new()
 	fern.name = "Fern"
-	fern.mesh = BoxMesh.new()
-	fern.mesh.size = Vector3(0.8, 0.3, 0.8)
+	fern.mesh = QuadMesh.new()
+	fern.mesh.size = Vector2(1.6, 0.3)
 	var packed := PackedScene.new()
 	packed.pack(fern)
 	fern.free()
@@ -137,9 +137,9 @@ func test_first_minute() -> void:
 	for each: Resource in scatter.layers:
 		check(tree().row_of(each).get_icon(0) != null, each.resource_name + " has a thumbnail in its row")
 	await picture("panel_layers")
-	check_apart("Old Oak", "Young Pine", 3.5)
-	check_apart("Old Oak", "Fern", 0.8)
-	check_apart("Young Pine", "Fern", 0.6)
+	check_apart("Old Oak", "Young Pine", 0.5 * (layer("Old Oak").radius + layer("Young Pine").radius))
+	check_apart("Old Oak", "Fern", 0.2 * layer("Old Oak").radius)
+	check_apart("Young Pine", "Fern", 0.2 * layer("Young Pine").radius)
 	check_equal(EditorInterface.get_inspector().get_edited_object(), scatter.layers[0], "the inspector shows the first layer")
 	check(workspace().toolbar.visible, "the tools stay visible")
 

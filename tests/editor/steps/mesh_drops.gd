@@ -55,7 +55,8 @@ func drop() -> void:
 	check_equal(scatter.layers.size(), before.size() + 1, "one more layer")
 	var layer: Resource = scatter.layers[before.size()]
 	check_equal(layer.resource_name, "Pine", "named after its file")
-	check(absf(layer.radius - 2.0) < 0.01, "as far apart as the crown is wide: %f" % layer.radius)
+	check(layer.radius > 1.0 and layer.radius < 2.01, "as far apart as the crown is wide: %f" % layer.radius)
+	check(layer.min_scale < 0.9 and layer.max_scale > 1.1 and layer.max_tilt_degrees > 0.0, "no two are the same")
 	check_equal(layer.collision_shape, 5, "with the scene's shape")
 	await settle(scatter)
 	check(instances(scatter, before.size()).size() > 100, "there are pines")
@@ -64,11 +65,13 @@ func drop() -> void:
 	await picture("dropped")
 
 	await inspect(layer)
+	var radius: float = layer.radius
 	field()._drop_data(Vector2.ZERO, dragged([PINE]))
 	check_equal(layer.meshes.size(), 2, "a drop on a layer adds a mesh")
-	check(absf(layer.radius - 2.0) < 0.01, "the radius does not change")
+	check_equal(layer.radius, radius, "the radius does not change")
 	await undo_last(layer)
 	check_equal(layer.meshes.size(), 1, "undone")
+	await choose_kinds(layer)
 
 	save_pine(4.0)
 	addon().scene_saved.emit(PINE)
@@ -77,3 +80,35 @@ func drop() -> void:
 	check(absf(mesh.get_aabb().size.x - 4.0) < 0.01, "a saved scene is drawn with its new content: %s" % mesh.get_aabb())
 	history(scatter).undo()
 	check_equal(scatter.layers, before, "undone")
+
+
+## The buttons at the top of the inspector.
+func choose_kinds(layer: Resource) -> void:
+	await inspect(layer)
+	var radius: float = layer.radius
+	var seen := {radius: true}
+	for text: String in ["Shrub", "Grass", "Rock"]:
+		await click_at(center_of(kind_button(text)))
+		await frames(3)
+		seen[layer.radius] = true
+		await picture("fit_to_" + text.to_lower())
+	check_equal(seen.size(), 4, "each kind has its own spacing: %s" % [seen.keys()])
+	check(layer.clump_size > 0.0 and layer.density < 1.0, "rocks lie in groups")
+	await click_at(center_of(kind_button("Automatic")))
+	await frames(3)
+	check_equal(layer.radius, radius, "a tree again")
+	for step in 4:
+		await undo_last(layer)
+	check(layer.radius == radius and layer.clump_size == 0.0, "undone")
+
+
+func kind_button(text: String) -> Button:
+	for button: Button in EditorInterface.get_inspector().find_children("*", "Button", true, false):
+		if button.text == text and button.get_parent().get_script() != null and button.get_parent().get_script().resource_path.ends_with("kind_buttons.gd"):
+			return button
+	check(false, "the inspector has a button %s" % text)
+	return null
+
+
+func center_of(control: Control) -> Vector2:
+	return control.get_global_rect().get_center()

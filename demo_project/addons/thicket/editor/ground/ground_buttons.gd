@@ -5,7 +5,6 @@ extends HBoxContainer
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 
-const BODY := &"StaticBody3D"
 const MESH := &"MeshInstance3D"
 const SCATTER := &"TerrainScatter3D"
 
@@ -59,7 +58,7 @@ static func use(scatter: TerrainScatter3D, nodes: Array[Node], manager: EditorUn
 		if not node is StaticBody3D or scatter.ground is ScatterGroundMeshes:
 			meshes.append_array(_meshes_of(node))
 	if meshes.is_empty() and bodies.is_empty():
-		return "%s cannot be ground: select a MeshInstance3D with a mesh or a StaticBody3D." % _names(nodes)
+		return "%s cannot be ground: select a StaticBody3D, a MeshInstance3D with a mesh, or a node that has meshes below it." % _names(nodes)
 	return _use_bodies(scatter, bodies, manager) if meshes.is_empty() else _use_meshes(scatter, meshes, manager)
 
 
@@ -162,11 +161,12 @@ func _meant() -> TerrainScatter3D:
 	return found[0] if found.size() == 1 else null
 
 
-## Makes the selected nodes the ground. If none of them can be ground, opens a node selector.
+## Makes the selected nodes the ground. If none of them can be ground, opens a dialog with the scene's tree.
 func choose() -> void:
 	var grounds := _grounds_of(EditorInterface.get_selection().get_selected_nodes())
 	if grounds.is_empty():
-		EditorInterface.popup_node_selector(_on_picked, [MESH, BODY])
+		# Any node, because the meshes of an imported scene or of a group are below one that is neither a mesh nor a body.
+		EditorInterface.popup_node_selector(_on_picked, [&"Node3D"])
 	else:
 		_use_or_tell(grounds)
 

@@ -1,8 +1,9 @@
 @tool
 extends EditorInspectorPlugin
 ## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are dropped on them.
-## A button above a layer's LODs bakes impostors.
+## Buttons fit a layer to what its meshes are. A button above a layer's LODs bakes impostors.
 
+const KindButtons := preload("res://addons/thicket/editor/inspector/kind_buttons.gd")
 const LayerProperty := preload("res://addons/thicket/editor/inspector/layer_property.gd")
 const LayerListProperty := preload("res://addons/thicket/editor/inspector/layer_list_property.gd")
 const Drop := preload("res://addons/thicket/editor/layers/mesh_drop.gd")
@@ -25,6 +26,8 @@ func _can_handle(object: Object) -> bool:
 func _parse_begin(object: Object) -> void:
 	if object is ScatterLayer or object is TerrainScatter3D:
 		add_custom_control(Drop.new(object))
+	if object is ScatterLayer and not (object as ScatterLayer).meshes.is_empty():
+		add_custom_control(KindButtons.new(object as ScatterLayer))
 
 
 func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: PropertyHint, _hint_string: String,

@@ -98,7 +98,21 @@ func _apply_marks() -> void:
 ## Called for every added node. A scatter that is added to a scene that is already open was pasted, duplicated or created.
 func _on_node_added(node: Node) -> void:
 	if not node is TerrainScatter3D:
+		_tell_of_dropped_scene(node)
 		return
 	marks.apply(node as TerrainScatter3D)
-	if is_instance_valid(_root) and _root == EditorInterface.get_edited_scene_root() and _root.is_ancestor_of(node):
+	if _is_in_open_scene(node):
 		_appeared.append(node as TerrainScatter3D)
+
+
+## The editor makes a child of a scene that is dropped on the scatter's node. Most often, a layer was meant.
+func _tell_of_dropped_scene(node: Node) -> void:
+	if node.get_parent() is TerrainScatter3D and not node.scene_file_path.is_empty() and _is_in_open_scene(node):
+		EditorInterface.get_editor_toaster().push_toast(
+				"%s is a node below %s now. To scatter it, undo and drop its file onto the list in the Scatter panel." % [node.name, node.get_parent().name],
+				EditorToaster.SEVERITY_WARNING)
+
+
+## True for a node that appears in a scene that was open before.
+func _is_in_open_scene(node: Node) -> bool:
+	return is_instance_valid(_root) and _root == EditorInterface.get_edited_scene_root() and _root.is_ancestor_of(node)

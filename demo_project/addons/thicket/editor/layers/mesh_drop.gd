@@ -6,8 +6,6 @@ const HINT_ON_LAYER := "Drop scenes or meshes here"
 const HINT_ON_SCATTER := "Drop scenes or meshes here: a layer for each"
 const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
-## Properties that are set from the size of the meshes when they are dropped on a layer without meshes.
-const FITTED: Array[StringName] = [&"radius", &"instance_radius", &"instance_height", &"collision_shape"]
 
 var _object: Object
 
@@ -72,7 +70,7 @@ static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_re
 	undo_redo.add_do_property(layer, &"meshes", old + dropped)
 	undo_redo.add_undo_property(layer, &"meshes", old)
 	if old.is_empty():
-		for property in FITTED:
+		for property in layer.get_fitted_properties():
 			undo_redo.add_do_property(layer, property, fitted.get(property))
 			undo_redo.add_undo_property(layer, property, layer.get(property))
 	undo_redo.commit_action()

@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Creates layers for meshes, scenes and models. The layers are named after their files, their radius fits the width of the mesh, and they keep
-## distances to each other.
+## Creates layers for meshes, scenes and models. The layers are named after their files, their values suit the size and the kind of the mesh, and
+## they keep distances to each other.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 
@@ -108,4 +108,4 @@ static func _share_ground(layers: Array[ScatterLayer]) -> void:
 		for later in range(index + 1, layers.size()):
 			if layers[later].radius > 0.5 * layers[index].radius:
 				rest += 1
-		layers[index].density = snappedf(1.0 / rest, 0.01)
+		layers[index].density = snappedf(layers[index].density / rest, 0.01)

@@ -1,0 +1,54 @@
+@tool
+extends HBoxContainer
+## Buttons at the top of a layer's inspector. Each fits the layer to what its meshes are, as one undo step.
+
+const KINDS: Dictionary[String, ScatterLayer.ModelKind] = {
+	"Automatic": ScatterLayer.KIND_AUTOMATIC,
+	"Tree": ScatterLayer.KIND_TREE,
+	"Shrub": ScatterLayer.KIND_SHRUB,
+	"Grass": ScatterLayer.KIND_GRASS,
+	"Rock": ScatterLayer.KIND_ROCK,
+}
+const TOOLTIP := "Sets radius, density, clumps, scale, tilt, height offset and the size for the game, so that instances stand as %s."
+const MEANINGS: Dictionary[String, String] = {
+	"Automatic": "the size of the meshes suggests",
+	"Tree": "trees: crowns touch, trunks are nearly upright",
+	"Shrub": "shrubs: thickets with gaps between them",
+	"Grass": "grass or flowers: dense, leaning with the ground",
+	"Rock": "rocks: groups of large and small ones, sunk into the ground",
+}
+
+var _layer: ScatterLayer
+
+
+func _init(layer: ScatterLayer) -> void:
+	_layer = layer
+	var label := Label.new()
+	label.text = "Fit to"
+	add_child(label)
+	for kind in KINDS:
+		var button := Button.new()
+		button.text = kind
+		button.tooltip_text = TOOLTIP % MEANINGS[kind]
+		button.size_flags_horizontal = Control.SIZE_EXPAND_FILL
+		button.clip_text = true
+		button.pressed.connect(_fit.bind(kind))
+		add_child(button)
+
+
+func _fit(kind: String) -> void:
+	fit(_layer, KINDS[kind], EditorInterface.get_editor_undo_redo())
+
+
+## Fits a layer to its meshes as one undo step. Returns false if it has no meshes.
+static func fit(layer: ScatterLayer, kind: ScatterLayer.ModelKind, undo_redo: EditorUndoRedoManager) -> bool:
+	var fitted := ScatterLayer.new()
+	fitted.meshes = layer.meshes
+	if not fitted.fit_to_meshes(kind):
+		return false
+	undo_redo.create_action("Fit to Meshes", UndoRedo.MERGE_DISABLE, layer)
+	for property in layer.get_fitted_properties():
+		undo_redo.add_do_property(layer, property, fitted.get(property))
+		undo_redo.add_undo_property(layer, property, layer.get(property))
+	undo_redo.commit_action()
+	return true

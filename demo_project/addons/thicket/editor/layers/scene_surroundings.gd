@@ -1,0 +1,87 @@
+@tool
+extends RefCounted
+## What a scene needs to be looked at in the game: a camera, a light, a sky, and wind for the plants. Adds what is missing.
+
+const FoliageWorld := preload("res://addons/thicket/shaders/foliage_world.gd")
+
+const KINDS: Dictionary[StringName, String] = {
+	&"Camera3D": "camera", &"DirectionalLight3D": "sun", &"WorldEnvironment": "sky", &"ScatterFoliageWorld": "wind",
+}
+
+
+## The parts that a scene lacks, in words.
+static func missing(root: Node) -> PackedStringArray:
+	var result := PackedStringArray()
+	for kind in KINDS:
+		if not _has(root, kind):
+			result.append(KINDS[kind])
+	return result
+
+
+## Whether the game would show a grey window: no camera, or neither a light nor a sky.
+static func is_grey(root: Node) -> bool:
+	return not _has(root, &"Camera3D") or not (_has(root, &"Light3D") or _has(root, &"WorldEnvironment"))
+
+
+## Adds the missing parts below the root, as one undo step. The camera looks as the editor's view does.
+static func add(root: Node, view: Transform3D, undo_redo: EditorUndoRedoManager) -> void:
+	undo_redo.create_action("Add Camera, Sun, Sky and Wind", UndoRedo.MERGE_DISABLE, root)
+	for kind in KINDS:
+		if not _has(root, kind):
+			var node := _make(kind, view)
+			undo_redo.add_do_method(root, &"add_child", node, true)
+			undo_redo.add_do_property(node, &"owner", root)
+			undo_redo.add_do_reference(node)
+			undo_redo.add_undo_method(root, &"remove_child", node)
+	undo_redo.commit_action()
+
+
+static func _has(root: Node, kind: StringName) -> bool:
+	return root.is_class(kind) or not root.find_children("*", kind, true, false).is_empty()
+
+
+static func _make(kind: StringName, view: Transform3D) -> Node:
+	match kind:
+		&"Camera3D":
+			var camera := Camera3D.new()
+			camera.name = "Camera"
+			camera.transform = view
+			camera.far = 2000.0
+			return camera
+		&"DirectionalLight3D":
+			var sun := DirectionalLight3D.new()
+			sun.name = "Sun"
+			sun.rotation_degrees = Vector3(-38.0, -55.0, 0.0)
+			sun.light_color = Color(1.0, 0.95, 0.86)
+			sun.light_energy = 1.3
+			sun.shadow_enabled = true
+			sun.directional_shadow_max_distance = 150.0
+			return sun
+		&"WorldEnvironment":
+			var sky := WorldEnvironment.new()
+			sky.name = "Sky"
+			sky.environment = _environment()
+			return sky
+		_:
+			var wind := FoliageWorld.new()
+			wind.name = "Wind"
+			return wind
+
+
+static func _environment() -> Environment:
+	var material := ProceduralSkyMaterial.new()
+	material.sky_top_color = Color(0.28, 0.46, 0.72)
+	material.sky_horizon_color = Color(0.72, 0.79, 0.86)
+	material.ground_horizon_color = Color(0.62, 0.66, 0.66)
+	material.ground_bottom_color = Color(0.25, 0.26, 0.22)
+	var environment := Environment.new()
+	environment.background_mode = Environment.BG_SKY
+	environment.sky = Sky.new()
+	environment.sky.sky_material = material
+	environment.ambient_light_source = Environment.AMBIENT_SOURCE_SKY
+	environment.tonemap_mode = Environment.TONE_MAPPER_FILMIC
+	environment.fog_enabled = true
+	environment.fog_light_color = Color(0.66, 0.74, 0.82)
+	environment.fog_density = 0.0008
+	environment.fog_aerial_perspective = 0.4
+	return environment

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstdint>
+
+namespace thicket {
+
+/// The size of a model that stands on y = 0. Meters.
+struct ModelSize {
+	double width = 0.0; ///< Of the whole, the average of x and z.
+	double footprint =
+			0.0; ///< The width that neighbors should leave free. Three of four slices are at most as wide. At least 0.6 of `width`.
+	double base = 0.0;   ///< Width of the lowest tenth above the ground: the trunk of a tree.
+	double height = 0.0; ///< Above y = 0.
+	double depth = 0.0;  ///< Below y = 0.
+	double fill = 0.0;   ///< Enclosed volume as a part of the bounding box, 0 to 1. Leaves on cards enclose nothing.
+};
+
+/// Measures triangles.
+class ModelMeasure {
+public:
+	/// `low` and `high` are the bounds of all triangles.
+	ModelMeasure(const glm::dvec3 &low, const glm::dvec3 &high);
+
+	/// O(slices that the triangle enters).
+	void add(const std::array<glm::dvec3, 3> &triangle);
+
+	ModelSize size() const;
+
+private:
+	static constexpr std::size_t slices = 20;
+
+	struct Extent {
+		double low_x;
+		double high_x;
+		double low_z;
+		double high_z;
+
+		bool is_empty() const { return high_x < low_x; }
+		double width() const { return is_empty() ? 0.0 : 0.5 * (high_x - low_x + high_z - low_z); }
+		void add(double x, double z);
+		void add(const Extent &other);
+	};
+	static const Extent nothing;
+
+	Extent extent_between(double bottom, double top) const;
+
+	glm::dvec3 low_;
+	glm::dvec3 high_;
+	std::array<Extent, slices> extents_;
+	double volume_ = 0.0;
+};
+
+/// What a model is. Decides how its copies stand.
+enum class ModelKind : std::uint8_t {
+	tree,
+	shrub,
+	grass, ///< And flowers, ferns, moss.
+	rock,
+};
+
+/// The most likely kind: a tree is taller than 2.5 m and slender, a rock encloses a quarter of its box, grass is less than 0.7 m tall.
+ModelKind kind_of(const ModelSize &size);
+
+/// Values of a layer that suit a kind and a size. Names as in Placement, Rules and Clumping.
+struct ModelFit {
+	double radius = 0.0; ///< Meters.
+	double density = 1.0;
+	double min_scale = 1.0;
+	double max_scale = 1.0;
+	double max_tilt_degrees = 0.0;
+	double align_to_normal = 0.0;
+	double height_offset =
+			0.0; ///< Meters, not above 0: the base is below the ground even at its lowest edge on a slope of 25 degrees.
+	double clump_size = 0.0; ///< Meters; 0 for none.
+	double clump_coverage = 0.5;
+};
+ModelFit fit_of(ModelKind kind, const ModelSize &size);
+
+} // namespace thicket

@@ -1,0 +1,164 @@
+// Properties that follow from what the meshes of a layer are: their size, and whether they are trees, shrubs, grass or rocks.
+
+#include "core/model/model_size.hpp"
+#include "nodes/common/convert.hpp"
+#include "nodes/common/surface_streams.hpp"
+#include "nodes/layer/scatter_layer_properties.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+using namespace godot;
+
+namespace thicket {
+
+namespace {
+
+constexpr double least_size = 0.05; ///< Meters. Smaller meshes get the spacing and the collision of this size.
+
+/// Set by fit_to_meshes.
+constexpr std::array fitted_properties{"radius", "density", "min_scale", "max_scale", "min_tilt_degrees",
+		"max_tilt_degrees", "align_to_normal", "height_offset", "clump_size", "clump_coverage", "instance_radius",
+		"instance_height", "collision_shape"};
+
+/// Meters around the axis of an instance.
+struct Extent {
+	double radius = 0.0;
+	double top = 0.0;
+
+	void add(const Vector3 &p_corner) {
+		radius = std::max(
+				{radius, std::abs(static_cast<double>(p_corner.x)), std::abs(static_cast<double>(p_corner.z))});
+		top = std::max(top, static_cast<double>(p_corner.y));
+	}
+};
+
+void measure(const Array &p_arrays, ModelMeasure &r_measure) {
+	if (p_arrays.size() <= SurfaceStream::indices) {
+		return;
+	}
+	const PackedVector3Array positions = p_arrays[SurfaceStream::positions];
+	const PackedInt32Array indices = p_arrays[SurfaceStream::indices];
+	const bool indexed = indices.size() > 0;
+	const int64_t count = indexed ? indices.size() : positions.size();
+	const Vector3 *position = positions.ptr();
+	const int32_t *index = indices.ptr();
+	for (int64_t first = 0; first + 2 < count; first += 3) {
+		std::array<glm::dvec3, 3> triangle{};
+		bool is_whole = true;
+		for (std::size_t corner = 0; corner < 3; ++corner) {
+			const int64_t at = first + static_cast<int64_t>(corner);
+			const int64_t vertex = indexed ? index[at] : at;
+			is_whole = is_whole && vertex >= 0 && vertex < positions.size();
+			if (is_whole) {
+				triangle[corner] = to_core(position[vertex]);
+			}
+		}
+		if (is_whole) {
+			r_measure.add(triangle);
+		}
+	}
+}
+
+ModelSize size_of(const Ref<Mesh> &p_mesh) {
+	const AABB box = p_mesh->get_aabb();
+	ModelMeasure measured(to_core(box.position), to_core(box.position + box.size));
+	for (int32_t surface = 0; surface < p_mesh->get_surface_count(); ++surface) {
+		measure(p_mesh->surface_get_arrays(surface), measured);
+	}
+	return measured.size();
+}
+
+/// The widest of the meshes decides.
+std::optional<ModelSize> size_of(const LayerMeshes &meshes) {
+	const LayerMeshes kept = meshes; // A copy, because scripts of meshes may replace the list.
+	std::optional<ModelSize> widest;
+	for (std::size_t entry = 0; entry < kept.size(); ++entry) {
+		if (const Ref<Mesh> mesh = kept.mesh(entry); mesh.is_valid()) {
+			const ModelSize size = size_of(mesh);
+			if (!widest || size.footprint > widest->footprint) {
+				widest = size;
+			}
+		}
+	}
+	return widest;
+}
+
+} // namespace
+
+PackedStringArray ScatterLayer::get_fitted_properties() const {
+	PackedStringArray names;
+	for (const char *name : fitted_properties) {
+		names.push_back(name);
+	}
+	return names;
+}
+
+bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
+	if (!accept_number(ScatterLayer::class_name, "kind", static_cast<double>(p_kind), KIND_AUTOMATIC, KIND_ROCK)) {
+		return false;
+	}
+	read_models();
+	const std::optional<ModelSize> size = size_of(meshes_);
+	if (!size) {
+		return false;
+	}
+	Extent drawn;
+	Extent solid;
+	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
+		if (const Ref<Mesh> mesh = meshes_.mesh(entry); mesh.is_valid()) {
+			const AABB box = mesh->get_aabb();
+			drawn.add(box.position);
+			drawn.add(box.position + box.size);
+		}
+	}
+	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();
+	for (const std::vector<BodyPart> &parts : bodies) {
+		for (const BodyPart &part : parts) {
+			const glm::vec3 reach = 0.5F * part.size;
+			solid.add(to_engine(part.origin - reach));
+			solid.add(to_engine(part.origin + reach));
+			for (const glm::vec3 &corner : part.corners) {
+				solid.add(to_engine(corner));
+			}
+		}
+	}
+	const thicket::ModelKind kind = p_kind == KIND_AUTOMATIC
+			? kind_of(*size)
+			: static_cast<thicket::ModelKind>(static_cast<int64_t>(p_kind) - KIND_TREE);
+	const ModelFit fit = fit_of(kind, *size);
+	settings_.set.radius = std::clamp(fit.radius, least_size, max_radius);
+	settings_.rules.density = fit.density;
+	settings_.rules.clumping.size =
+			fit.clump_size > 0.0 ? std::clamp(fit.clump_size, min_clump_size, max_clump_size) : 0.0;
+	settings_.rules.clumping.coverage = fit.clump_coverage;
+	settings_.placement.min_scale = fit.min_scale;
+	settings_.placement.max_scale = fit.max_scale;
+	settings_.placement.min_tilt_degrees = 0.0;
+	settings_.placement.max_tilt_degrees = fit.max_tilt_degrees;
+	settings_.placement.align_to_normal = fit.align_to_normal;
+	settings_.placement.height_offset = fit.height_offset;
+	gameplay_.instance_radius = std::max(solid.radius > 0.0 ? solid.radius : drawn.radius, least_size);
+	gameplay_.instance_height = std::max(drawn.top, least_size);
+	if (solid.radius > 0.0) {
+		gameplay_.collision.shape = BodyShape::model;
+	}
+	changed();
+	return true;
+}
+
+void ScatterLayer::bind_fit() {
+	bind_guarded<&ScatterLayer::fit_to_meshes>(D_METHOD("fit_to_meshes", "kind"), DEFVAL(KIND_AUTOMATIC));
+	bind_guarded<&ScatterLayer::get_fitted_properties>(D_METHOD("get_fitted_properties"));
+	BIND_ENUM_CONSTANT(KIND_AUTOMATIC);
+	BIND_ENUM_CONSTANT(KIND_TREE);
+	BIND_ENUM_CONSTANT(KIND_SHRUB);
+	BIND_ENUM_CONSTANT(KIND_GRASS);
+	BIND_ENUM_CONSTANT(KIND_ROCK);
+}
+
+} // namespace thicket
