@@ -127,6 +127,8 @@ func test_first_minute() -> void:
 	check(not button("Delete").disabled and not button("Duplicate").disabled, "they can be deleted and duplicated")
 	await settle(scatter)
 	await wait_for_panel()
+	await mouse_click(middle(button("Not Here")))
+	check(not panel().notes._grey.visible, "the note that the scene has no camera is dismissed")
 	for index in 3:
 		var count: int = scatter.get_shown_count(scatter.layers[index])
 		check(count > 100, "%s: %d instances" % [names()[index], count])

@@ -4,68 +4,72 @@ extends RefCounted
 
 const FoliageWorld := preload("res://addons/thicket/shaders/foliage_world.gd")
 
-const KINDS: Dictionary[StringName, String] = {
-	&"Camera3D": "camera", &"DirectionalLight3D": "sun", &"WorldEnvironment": "sky", &"ScatterFoliageWorld": "wind",
-}
+const PARTS: PackedStringArray = ["camera", "sun", "sky", "wind"]
 
 
-## The parts that a scene lacks, in words.
+## The parts that a scene lacks.
 static func missing(root: Node) -> PackedStringArray:
+	var nodes: Array[Node] = [root]
+	nodes.append_array(root.find_children("*", "", true, false))
 	var result := PackedStringArray()
-	for kind in KINDS:
-		if not _has(root, kind):
-			result.append(KINDS[kind])
+	for part in PARTS:
+		if not nodes.any(_is_part.bind(part)):
+			result.append(part)
 	return result
 
 
 ## Whether the game would show a grey window: no camera, or neither a light nor a sky.
 static func is_grey(root: Node) -> bool:
-	return not _has(root, &"Camera3D") or not (_has(root, &"Light3D") or _has(root, &"WorldEnvironment"))
+	var parts := missing(root)
+	return parts.has("camera") or parts.has("sun") and parts.has("sky")
 
 
 ## Adds the missing parts below the root, as one undo step. The camera looks as the editor's view does.
 static func add(root: Node, view: Transform3D, undo_redo: EditorUndoRedoManager) -> void:
 	undo_redo.create_action("Add Camera, Sun, Sky and Wind", UndoRedo.MERGE_DISABLE, root)
-	for kind in KINDS:
-		if not _has(root, kind):
-			var node := _make(kind, view)
-			undo_redo.add_do_method(root, &"add_child", node, true)
-			undo_redo.add_do_property(node, &"owner", root)
-			undo_redo.add_do_reference(node)
-			undo_redo.add_undo_method(root, &"remove_child", node)
+	for part in missing(root):
+		var node := _make(part, view)
+		node.name = part.capitalize()
+		undo_redo.add_do_method(root, &"add_child", node, true)
+		undo_redo.add_do_property(node, &"owner", root)
+		undo_redo.add_do_reference(node)
+		undo_redo.add_undo_method(root, &"remove_child", node)
 	undo_redo.commit_action()
 
 
-static func _has(root: Node, kind: StringName) -> bool:
-	return root.is_class(kind) or not root.find_children("*", kind, true, false).is_empty()
+static func _is_part(node: Node, part: String) -> bool:
+	match part:
+		"camera":
+			return node is Camera3D
+		"sun":
+			return node is Light3D
+		"sky":
+			return node is WorldEnvironment
+		_:
+			return node is FoliageWorld
 
 
-static func _make(kind: StringName, view: Transform3D) -> Node:
-	match kind:
-		&"Camera3D":
+static func _make(part: String, view: Transform3D) -> Node:
+	match part:
+		"camera":
 			var camera := Camera3D.new()
-			camera.name = "Camera"
 			camera.transform = view
 			camera.far = 2000.0
 			return camera
-		&"DirectionalLight3D":
+		"sun":
 			var sun := DirectionalLight3D.new()
-			sun.name = "Sun"
 			sun.rotation_degrees = Vector3(-38.0, -55.0, 0.0)
 			sun.light_color = Color(1.0, 0.95, 0.86)
 			sun.light_energy = 1.3
 			sun.shadow_enabled = true
 			sun.directional_shadow_max_distance = 150.0
 			return sun
-		&"WorldEnvironment":
+		"sky":
 			var sky := WorldEnvironment.new()
-			sky.name = "Sky"
 			sky.environment = _environment()
 			return sky
 		_:
-			var wind := FoliageWorld.new()
-			wind.name = "Wind"
-			return wind
+			return FoliageWorld.new()
 
 
 static func _environment() -> Environment:
