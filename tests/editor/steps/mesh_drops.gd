@@ -94,7 +94,7 @@ func choose_kinds(layer: Resource) -> void:
 		await picture("fit_to_" + text.to_lower())
 	check_equal(seen.size(), 4, "each kind has its own spacing: %s" % [seen.keys()])
 	check(layer.clump_size > 0.0 and layer.density < 1.0, "rocks lie in groups")
-	await click_at(center_of(kind_button("Automatic")))
+	await click_at(center_of(kind_button("Auto")))
 	await frames(3)
 	check_equal(layer.radius, radius, "a tree again")
 	for step in 4:

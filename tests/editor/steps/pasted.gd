@@ -135,6 +135,14 @@ func test_reopening() -> void:
 	await select(pasted)
 	check(panel().notes._sharing.is_visible_in_tree(), "reported again")
 	check_equal(panel().notes._shared.tell(pasted.name), "Trees shares its painted masks and its state with orchard.tscn.", "text of the report")
+	var mask: Resource = pasted.layers[0].mask
+	var path := mask.resource_path
+	check_equal(DirAccess.rename_absolute(path, "res://old_paint.res"), OK, "the mask's file is renamed")
+	mask.take_over_path("res://old_paint.res")
+	await wait_for_panel()
+	check(panel().notes._shared.masks.has("res://old_paint.res"), "and still known to belong to the other scene: %s" % [panel().notes._shared.masks])
+	DirAccess.rename_absolute("res://old_paint.res", path)
+	mask.take_over_path(path)
 	for layer: Resource in pasted.layers:
 		layer.mask = null
 	await wait_for_panel()

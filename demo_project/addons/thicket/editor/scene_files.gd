@@ -8,6 +8,9 @@ const WholeFile := preload("res://addons/thicket/whole_file.gd")
 const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists and is writable and that the disk has room, then save the scene again."
 const UNREMOVABLE := "Cannot remove %s, which no scene uses: %s. Delete it by hand."
 
+## Metadata of a resource: the UID of the scene that it was made for. It stays right when the file or the scene is renamed or moved.
+const SCENE_UID := &"thicket_scene_uid"
+
 ## The reason why [method create] failed, as a sentence.
 var problem := ""
 
@@ -26,6 +29,10 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 		problem = "The scene has no file yet. Save the scene first: your changes are stored in a file beside it."
 		return false
 	var path := _free_path(scene_path, owner_name, kind)
+	resource.remove_meta(SCENE_UID)
+	var uid := ResourceLoader.get_resource_uid(scene_path)
+	if uid != ResourceUID.INVALID_ID:
+		resource.set_meta(SCENE_UID, ResourceUID.id_to_text(uid))
 	var error := WholeFile.save(resource, path)
 	if error != OK:
 		problem = UNWRITABLE % [path, error_string(error)]
@@ -33,6 +40,13 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	resource.take_over_path(path)
 	_unsaved[path] = scene_path
 	return true
+
+
+## The scene that a resource was made for by [method create]; empty if that is unknown, or if the scene does not exist any more.
+static func scene_of(resource: Resource) -> String:
+	var uid := ResourceUID.text_to_id(str(resource.get_meta(SCENE_UID, "")))
+	var path := ResourceUID.get_id_path(uid) if uid != ResourceUID.INVALID_ID and ResourceUID.has_id(uid) else ""
+	return path if FileAccess.file_exists(path) else ""
 
 
 ## Gives a copied layer its own copy of the mask, if the mask is a file. The mask and its copy are added to [param r_masks], so layers that

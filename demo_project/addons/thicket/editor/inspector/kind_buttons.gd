@@ -1,9 +1,9 @@
 @tool
-extends HBoxContainer
+extends HFlowContainer
 ## Buttons at the top of a layer's inspector. Each fits the layer to what its meshes are, as one undo step.
 
 const KINDS: Dictionary[String, ScatterLayer.ModelKind] = {
-	"Automatic": ScatterLayer.KIND_AUTOMATIC,
+	"Auto": ScatterLayer.KIND_AUTOMATIC,
 	"Tree": ScatterLayer.KIND_TREE,
 	"Shrub": ScatterLayer.KIND_SHRUB,
 	"Grass": ScatterLayer.KIND_GRASS,
@@ -11,7 +11,7 @@ const KINDS: Dictionary[String, ScatterLayer.ModelKind] = {
 }
 const TOOLTIP := "Sets radius, density, clumps, scale, tilt, height offset and the size for the game, so that instances stand as %s."
 const MEANINGS: Dictionary[String, String] = {
-	"Automatic": "the size of the meshes suggests",
+	"Auto": "the size of the meshes suggests",
 	"Tree": "trees: crowns touch, trunks are nearly upright",
 	"Shrub": "shrubs: thickets with gaps between them",
 	"Grass": "grass or flowers: dense, leaning with the ground",
@@ -30,8 +30,6 @@ func _init(layer: ScatterLayer) -> void:
 		var button := Button.new()
 		button.text = kind
 		button.tooltip_text = TOOLTIP % MEANINGS[kind]
-		button.size_flags_horizontal = Control.SIZE_EXPAND_FILL
-		button.clip_text = true
 		button.pressed.connect(_fit.bind(kind))
 		add_child(button)
 

@@ -169,8 +169,7 @@ static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneF
 	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
 
 
-## Finds masks that are beside a different scene and have the name that the brush chooses: these masks belong to that scene. The same applies to
-## states of the hand tool.
+## Finds masks that the brush made for a different scene, and states that the hand tool made for one.
 static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[ScatterLayer], scenes: PackedStringArray,
 		r_shared: Shared) -> void:
 	for layer in own:
@@ -189,10 +188,16 @@ static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[Sc
 		_add_scene(keeper, scenes, r_shared)
 
 
-## The scene that a file is named after, without its extension; empty if it is the scatter's own scene or there is none.
+## The scene that a file was made for, without its extension; empty if it is the scatter's own scene or there is none. Files that do not say it
+## are named after their scene.
 static func _other_scene_of(resource: Resource, scatter: TerrainScatter3D) -> String:
 	var stem := resource.resource_path.get_basename()
-	if not Copies.is_file(resource) or stem.begins_with(_scene_of(scatter).get_basename() + "_"):
+	if not Copies.is_file(resource):
+		return ""
+	var made_for := SceneFiles.scene_of(resource)
+	if not made_for.is_empty():
+		return "" if made_for == _scene_of(scatter) else made_for.get_basename()
+	if stem.begins_with(_scene_of(scatter).get_basename() + "_"):
 		return ""
 	while "_" in stem.get_file():
 		stem = stem.get_base_dir().path_join(stem.get_file().rsplit("_", true, 1)[0])
