@@ -270,15 +270,57 @@ func test_shapes_set_before_the_scene_is_read_stay() -> void:
 func bad_scenes() -> Array:
 	var mesh := box(Vector3.ONE, null)
 	var empty := Node3D.new()
-	var mirrored := Node3D.new()
-	put_mesh(mesh, "Left", mirrored, mirrored, Transform3D(Basis().scaled(Vector3(-1, 1, 1)), Vector3.ZERO))
 	var flat := Node3D.new()
 	put_mesh(mesh, "Leaf", flat, flat, Transform3D(Basis().scaled(Vector3(1, 0, 1)), Vector3.ZERO))
 	var crowd := Node3D.new()
 	for number in 300:
 		put_mesh(mesh, "Part%d" % number, crowd, crowd)
-	return [[PackedScene.new(), "it is empty"], [pack(empty), "no visible MeshInstance3D"], [pack(mirrored), "\"Left\" has a negative scale"],
+	return [[PackedScene.new(), "it is empty"], [pack(empty), "no visible MeshInstance3D"],
 			[pack(flat), "\"Leaf\" has a scale of 0"], [pack(crowd), "more than 256 meshes"]]
+
+
+## Packs often contain a part that is a mirror image of another one.
+func test_mirrored_parts_are_drawn() -> void:
+	var lopsided := ArrayMesh.new()
+	var tool := SurfaceTool.new()
+	tool.create_from(SphereMesh.new(), 0)
+	tool.generate_tangents()
+	lopsided = tool.commit()
+	var scene := Node3D.new()
+	put_mesh(lopsided, "Right", scene, scene, Transform3D(Basis(), Vector3(2.0, 0.0, 0.0)))
+	put_mesh(lopsided, "Left", scene, scene, Transform3D(Basis().scaled(Vector3(-1.0, 1.0, 1.0)), Vector3(-2.0, 0.0, 0.0)))
+	var box_node := CollisionShape3D.new()
+	var hull := CollisionShape3D.new()
+	box_node.shape = BoxShape3D.new()
+	hull.shape = lopsided.create_convex_shape()
+	for shape: CollisionShape3D in [box_node, hull]:
+		shape.name = "Hull" if shape == hull else "Box"
+		shape.scale.z = -2.0
+		scene.add_child(shape)
+		shape.owner = scene
+	var model := ScatterModel.new()
+	model.scene = pack(scene)
+	check_equal(model.shapes.size(), 1, "the box collides")
+	check(model.shape_transforms[0].basis.determinant() > 0.0 and is_equal_approx(model.shape_transforms[0].basis.get_scale().z, 2.0), "with its size: %s" % model.shape_transforms[0])
+	check(model.get_problems().size() == 1 and "\"Hull\" is left out" in model.get_problems()[0], "the hull is left out: %s" % model.get_problems())
+	var drawn := model.get_mesh(0)
+	check_equal(drawn.get_faces().size(), 2 * lopsided.get_faces().size(), "both parts")
+	var inside_out := 0
+	var faces := drawn.get_faces()
+	for at in range(0, faces.size(), 3):
+		var middle := Vector3(2.0 * signf(faces[at].x), 0.0, 0.0)
+		var normal := (faces[at + 2] - faces[at]).cross(faces[at + 1] - faces[at])
+		inside_out += int(normal.length() > 1e-6 and normal.dot(faces[at] - middle) < 0.0)
+	check_equal(inside_out, 0, "no triangle shows its back")
+	var arrays := drawn.surface_get_arrays(0)
+	var normals: PackedVector3Array = arrays[Mesh.ARRAY_NORMAL]
+	var vertices: PackedVector3Array = arrays[Mesh.ARRAY_VERTEX]
+	var tangents: PackedFloat32Array = arrays[Mesh.ARRAY_TANGENT]
+	var signs := {}
+	for at in vertices.size():
+		check(normals[at].dot(vertices[at] - Vector3(2.0 * signf(vertices[at].x), 0.0, 0.0)) > 0.0, "normals point outward")
+		signs[Vector2(signf(vertices[at].x), tangents[4 * at + 3])] = true
+	check_equal(signs.size(), 2, "the mirrored part has the other handedness: %s" % [signs.keys()])
 
 
 func test_saved_models_contain_no_copy_of_their_scene() -> void:

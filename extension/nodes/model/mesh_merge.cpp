@@ -29,6 +29,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <utility>
 
 using namespace godot;
 
@@ -97,6 +98,8 @@ void append_stream(const Variant &p_more, Variant &r_all) {
 	}
 }
 
+bool is_mirrored(const Transform3D &p_transform) { return glm::determinant(to_core(p_transform.basis)) < 0.0; }
+
 void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 	const glm::dmat3 basis = to_core(p_transform.basis);
 	const glm::dmat3 for_normals = glm::transpose(glm::inverse(basis));
@@ -120,10 +123,30 @@ void transform_streams(const Transform3D &p_transform, Array &r_arrays) {
 		for (int axis = 0; axis < 3; ++axis) {
 			tangent[at + static_cast<std::size_t>(axis)] = static_cast<float>(turned[axis]);
 		}
+		tangent[at + 3] = is_mirrored(p_transform) ? -tangent[at + 3] : tangent[at + 3];
 	}
 	if (tangents.size() > 0) {
 		r_arrays[SurfaceStream::tangents] = tangents;
 	}
+}
+
+/// A mirrored triangle shows its back, unless its corners are listed the other way around.
+PackedInt32Array turned_around(const PackedInt32Array &p_indices, int64_t p_primitive) {
+	if (p_indices.size() < 3) {
+		return p_indices;
+	}
+	if (p_primitive == SurfacePrimitive::triangle_strip) { // One corner more at the front changes all directions.
+		PackedInt32Array result = resized_copy(p_indices, p_indices.size() + 1);
+		const std::span<int32_t> index = writable(result);
+		std::copy_n(p_indices.ptr(), p_indices.size(), index.begin() + 1);
+		return result;
+	}
+	PackedInt32Array result = resized_copy(p_indices, p_indices.size());
+	const std::span<int32_t> index = writable(result);
+	for (std::size_t first = 0; p_primitive == SurfacePrimitive::triangles && first + 2 < index.size(); first += 3) {
+		std::swap(index[first + 1], index[first + 2]);
+	}
+	return result;
 }
 
 PackedInt32Array indices_of(const Array &p_arrays, int32_t vertices) {
@@ -253,6 +276,12 @@ Surface surface_of(const MeshPart &part, int32_t index) {
 						unpacked(coarser["index_data"], piece.vertices)});
 	}
 	std::ranges::stable_sort(piece.lods, {}, &IndexLod::edge_length);
+	if (is_mirrored(part.transform)) {
+		piece.indices = turned_around(piece.indices, result.primitive);
+		for (IndexLod &lod : piece.lods) {
+			lod.indices = turned_around(lod.indices, result.primitive);
+		}
+	}
 	result.pieces.push_back(std::move(piece));
 	return result;
 }

@@ -14,7 +14,7 @@ namespace thicket {
 /// A mesh as a part of a model.
 struct MeshPart {
 	godot::Ref<godot::Mesh> mesh; ///< Never null.
-	godot::Transform3D transform; ///< From the mesh's space to the model's; not mirrored, not flat.
+	godot::Transform3D transform; ///< From the mesh's space to the model's; not flat.
 	std::vector<godot::Ref<godot::Material>>
 			materials; ///< Replace the materials of its surfaces; null keeps a surface's own.
 	godot::Ref<godot::Material>
@@ -25,7 +25,7 @@ struct MeshPart {
 /// One mesh that looks like all parts at their positions. For a single unmodified part, returns its own mesh. Otherwise
 /// returns a new mesh, with a surface for each material and vertex format. Keeps the surfaces' LODs for the engine's
 /// automatic selection. Discards bones: a mesh is in its rest pose, with the weights of its blend shapes. An overlay
-/// becomes separate surfaces. For parts that an export has stripped, returns a placeholder with the box around them.
+/// becomes separate surfaces. Triangles of mirrored parts are turned around. For parts that an export has stripped, returns a placeholder with the box around them.
 /// Null if the parts have neither surfaces nor such a box.
 godot::Ref<godot::Mesh> merged_mesh(std::span<const MeshPart> parts);
 

@@ -18,6 +18,7 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <array>
 #include <optional>
 #include <string>
@@ -114,17 +115,13 @@ void Walk::visit(Node *p_node, const Above &above, bool is_root) {
 	}
 }
 
-/// False for a transform that no part of a model can have.
+/// False, with an error, for a transform that no part of a model can have.
 bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
 	constexpr double flat = 1e-9; // As a share of the volume of a cube with the longest side.
 	const glm::dmat3 basis = to_core(p_transform.basis);
 	const double side = largest_scale(basis);
 	const double volume = glm::determinant(basis);
-	if (volume < -flat * side * side * side) {
-		fail(vformat("\"%s\" has a negative scale: apply its transform where the model is made", p_node->get_name()));
-		return false;
-	}
-	if (!(volume > flat * side * side * side)) {
+	if (!(std::abs(volume) > flat * side * side * side)) {
 		fail(vformat("\"%s\" has a scale of 0 along an axis", p_node->get_name()));
 		return false;
 	}
@@ -183,7 +180,20 @@ void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
 				"cylinder or a convex polygon.",
 				p_node->get_name(), kind));
 	} else if (accept(p_node, above.transform)) {
-		shapes.push_back({shape, above.transform});
+		Transform3D transform = above.transform;
+		if (glm::determinant(to_core(transform.basis)) < 0.0) {
+			// The engine's bodies cannot be mirrored, but all other shapes are their own mirror images.
+			if (kind == String("ConvexPolygonShape3D")) {
+				remark(vformat("\"%s\" is left out: a convex polygon cannot have a negative scale. Apply its transform "
+							   "where the model is made.",
+						p_node->get_name()));
+				return;
+			}
+			glm::dmat3 basis = to_core(transform.basis);
+			basis[0] = -basis[0];
+			transform.basis = to_engine(glm::mat3(basis));
+		}
+		shapes.push_back({shape, transform});
 	}
 }
 
