@@ -279,6 +279,41 @@ func bad_scenes() -> Array:
 			[pack(flat), "\"Leaf\" has a scale of 0"], [pack(crowd), "more than 256 meshes"]]
 
 
+## Three posts side by side: one node is moved, one is below a scaled group, and of one the vertices are moved.
+func make_pack() -> PackedScene:
+	var scene := Node3D.new()
+	var group := put(Node3D.new(), "Group", scene, scene, Transform3D(Basis().scaled(Vector3.ONE * 2.0), Vector3(20.0, 0.0, 0.0))) as Node3D
+	put_mesh(box(Vector3(1.0, 4.0, 1.0), null), "Moved", scene, scene, Transform3D(Basis(), Vector3(10.0, 2.0, -5.0)))
+	put_mesh(box(Vector3(1.0, 1.0, 1.0), null), "Scaled", group, scene, Transform3D(Basis(), Vector3(0.0, 0.5, 0.0)))
+	var baked := SurfaceTool.new()
+	baked.append_from(box(Vector3(2.0, 1.0, 3.0), null), 0, Transform3D(Basis(), Vector3(-30.0, 0.5, 7.0)))
+	put_mesh(baked.commit(), "Baked", scene, scene)
+	return pack(scene)
+
+
+func test_one_part_of_a_pack() -> void:
+	var scene := make_pack()
+	var boxes := {"Moved": AABB(Vector3(-0.5, 0.0, -0.5), Vector3(1.0, 4.0, 1.0)), "Group/Scaled": AABB(Vector3(-1.0, 0.0, -1.0), Vector3.ONE * 2.0),
+		"Group": AABB(Vector3(-1.0, 0.0, -1.0), Vector3.ONE * 2.0), "Baked": AABB(Vector3(-1.0, 0.0, -1.5), Vector3(2.0, 1.0, 3.0))}
+	for path: String in boxes:
+		var model := ScatterModel.new()
+		model.scene_part = path
+		model.scene = scene
+		check(model.get_aabb().is_equal_approx(boxes[path]), "%s stands at the origin: %s" % [path, model.get_aabb()])
+	var model := ScatterModel.new()
+	model.scene = scene
+	check(model.get_aabb().size.x > 40.0, "without a path, the whole scene")
+	var mesh := model.get_mesh(0)
+	model.scene_part = "Missing"
+	check_equal(model.get_mesh(0), mesh, "the content stays")
+	check_error(["ScatterModel.scene", "no node \"Missing\"", "scene_part"], "a path without a node")
+	check_equal(model.scene_part, "", "the path of the content returns")
+	model.scene_part = "Moved"
+	ResourceSaver.save(model, "user://part.tres")
+	var loaded := ResourceLoader.load("user://part.tres", "", ResourceLoader.CACHE_MODE_IGNORE) as ScatterModel
+	check(loaded.get_aabb().is_equal_approx(boxes["Moved"]), "saved and loaded: %s" % loaded.get_aabb())
+
+
 ## Packs often contain a part that is a mirror image of another one.
 func test_mirrored_parts_are_drawn() -> void:
 	var lopsided := ArrayMesh.new()

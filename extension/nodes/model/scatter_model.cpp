@@ -100,12 +100,25 @@ void ScatterModel::set_scene(const Ref<PackedScene> &p_scene) {
 	emit_changed();
 }
 
+void ScatterModel::set_scene_part(const String &p_path) {
+	if (scene_part_ == p_path) {
+		return;
+	}
+	scene_part_ = p_path;
+	if (scene_.is_valid()) {
+		unread_ = scene_;
+		reader_ = nullptr;
+		problem_ = String();
+		emit_changed();
+	}
+}
+
 bool ScatterModel::read_step() {
 	if (unread_.is_null() || stepping_) {
 		return false;
 	}
 	if (reader_ == nullptr) {
-		reader_ = std::make_shared<SceneReader>(unread_);
+		reader_ = std::make_shared<SceneReader>(unread_, scene_part_);
 	}
 	const std::shared_ptr<SceneReader> reader = reader_;
 	bool more = false;
@@ -128,6 +141,7 @@ void ScatterModel::finish_reading(const SceneReading &reading) {
 	reader_ = nullptr;
 	if (!take_over(reading, scene) && scene_ == scene && !lods_.is_empty()) {
 		scene_ = source_;
+		scene_part_ = source_part_;
 		notify_property_list_changed();
 	}
 }
@@ -146,6 +160,7 @@ bool ScatterModel::take_over(const SceneReading &reading, const Ref<PackedScene>
 		append(transforms, shape.transform);
 	}
 	source_ = scene_;
+	source_part_ = scene_part_;
 	if (!hand_set_.lods) {
 		replace_lods(lods_, array_of(reading.lods));
 	}
@@ -173,7 +188,7 @@ bool ScatterModel::reload() {
 		ERR_PRINT(vformat("ScatterModel.scene: %s cannot be loaded.", path));
 		return false;
 	}
-	SceneReader reader(fresh);
+	SceneReader reader(fresh, scene_part_);
 	const Ref<PackedScene> scene = scene_;
 	while (reader.step()) {}
 	if (!(scene == scene_)) {
@@ -333,6 +348,8 @@ void ScatterModel::_bind_methods() {
 	using Self = ScatterModel;
 	bind_guarded<&Self::set_scene>(D_METHOD("set_scene", "scene"));
 	bind_guarded<&Self::get_scene>(D_METHOD("get_scene"));
+	bind_guarded<&Self::set_scene_part>(D_METHOD("set_scene_part", "path"));
+	bind_guarded<&Self::get_scene_part>(D_METHOD("get_scene_part"));
 	bind_guarded<&Self::set_lods>(D_METHOD("set_lods", "lods"));
 	bind_guarded<&Self::get_lods>(D_METHOD("get_lods"));
 	bind_guarded<&Self::set_far_lods>(D_METHOD("set_far_lods", "lods"));
@@ -347,6 +364,7 @@ void ScatterModel::_bind_methods() {
 	bind_guarded<&Self::get_problems>(D_METHOD("get_problems"));
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
 			"get_scene");
+	ADD_PROPERTY(PropertyInfo(Variant::STRING, "scene_part"), "set_scene_part", "get_scene_part");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lods", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterLod", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_lods", "get_lods");

@@ -52,6 +52,11 @@ public:
 	void set_scene(const godot::Ref<godot::PackedScene> &p_scene);
 	godot::Ref<godot::PackedScene> get_scene() const { return scene_; }
 
+	/// The path of the node in `scene` to read, relative to the root; empty reads the whole scene. For scenes with several
+	/// models side by side.
+	void set_scene_part(const godot::String &p_path);
+	godot::String get_scene_part() const { return scene_part_; }
+
 	/// Reads the next part of a scene that was set but is not fully read. Returns false if there was nothing to read.
 	/// Main thread only. Runs scripts in the scene, which may do anything, also with this model.
 	bool read_step();
@@ -122,6 +127,8 @@ private:
 	godot::Ref<godot::PackedScene> scene_;
 	godot::Ref<godot::PackedScene> source_; ///< The scene that the LODs were read from; null for LODs made by hand.
 	godot::Ref<godot::PackedScene> unread_; ///< The scene to read when the model is needed; null if there is none.
+	godot::String scene_part_;
+	godot::String source_part_; ///< `scene_part_` when `source_` was read.
 	std::shared_ptr<SceneReader> reader_;   ///< Reads `unread_`; null until its first step.
 	bool stepping_ = false;                 ///< Set because a script in the scene may request this model.
 	HandSet hand_set_;

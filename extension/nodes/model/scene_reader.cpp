@@ -2,6 +2,7 @@
 
 #include "core/base/basis_scale.hpp"
 #include "core/model/model_lods.hpp"
+#include "nodes/common/boxes.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/stripped.hpp"
 #include "nodes/model/mesh_merge.hpp"
@@ -251,8 +252,49 @@ void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod
 	}
 }
 
+/// The transform from the space above a node to the root's, moved so that the node is above the origin.
+Transform3D above_of(const Node *p_root, const Node *p_node) {
+	Transform3D above;
+	for (const Node *node = p_node->get_parent(); node != nullptr && node != p_root; node = node->get_parent()) {
+		if (const auto *parent = Object::cast_to<Node3D>(node)) {
+			above = combined(parent->get_transform(), above);
+		}
+	}
+	if (const auto *node = Object::cast_to<Node3D>(p_node)) {
+		const Vector3 origin = combined(above, node->get_transform()).origin;
+		above.origin.x -= origin.x;
+		above.origin.z -= origin.z;
+	}
+	return above;
+}
+
+/// Moves the middle of all parts to the origin, unless the origin is below their box.
+void center(Walk &r_walk) {
+	std::optional<AABB> box;
+	for (const ScenePart &part : r_walk.parts) {
+		if (part.part.mesh.is_valid()) {
+			const AABB of_part = transformed(part.part.mesh->get_aabb(), part.part.transform);
+			box = box ? joined(*box, of_part) : of_part;
+		}
+	}
+	if (!box) {
+		return;
+	}
+	const Vector3 end = box->position + box->size;
+	if (box->position.x <= 0 && end.x >= 0 && box->position.z <= 0 && end.z >= 0) {
+		return;
+	}
+	const Vector3 shift((box->position.x + end.x) / -2, 0, (box->position.z + end.z) / -2);
+	for (ScenePart &part : r_walk.parts) {
+		part.part.transform.origin = part.part.transform.origin + shift;
+	}
+	for (ModelShape &shape : r_walk.shapes) {
+		shape.transform.origin = shape.transform.origin + shift;
+	}
+}
+
 /// Fills in `r_walk`, or its problem.
-void walk_over(const Ref<PackedScene> &p_scene, Walk &r_walk) {
+void walk_over(const Ref<PackedScene> &p_scene, const String &p_part, Walk &r_walk) {
 	if (!p_scene->can_instantiate()) {
 		r_walk.problem = empty_scene;
 		return;
@@ -263,7 +305,14 @@ void walk_over(const Ref<PackedScene> &p_scene, Walk &r_walk) {
 		return;
 	}
 	r_walk.parameter_names = instance_parameters_of(p_scene);
-	r_walk.visit(root, {}, true);
+	if (p_part.is_empty()) {
+		r_walk.visit(root, {}, true);
+	} else if (Node *part = root->get_node_or_null(NodePath(p_part)); part != nullptr && part != root) {
+		r_walk.visit(part, {above_of(root, part), {}}, false);
+		center(r_walk);
+	} else {
+		r_walk.problem = vformat("it has no node \"%s\" below its root, which ScatterModel.scene_part names", p_part);
+	}
 	memdelete(root);
 }
 
@@ -279,6 +328,7 @@ std::vector<ModelLod> lods_of(const Walk &walk) {
 
 struct SceneReader::Progress {
 	Ref<PackedScene> scene;
+	String part;
 	bool walked = false;
 	Walk walk;
 	std::vector<ModelLod> lods; ///< The first `merged` of them are already read.
@@ -286,8 +336,10 @@ struct SceneReader::Progress {
 	SceneReading result;
 };
 
-SceneReader::SceneReader(const Ref<PackedScene> &p_scene) : progress_(std::make_unique<Progress>()) {
+SceneReader::SceneReader(const Ref<PackedScene> &p_scene, const String &p_part) :
+		progress_(std::make_unique<Progress>()) {
 	progress_->scene = p_scene;
+	progress_->part = p_part;
 }
 
 SceneReader::~SceneReader() = default;
@@ -295,7 +347,7 @@ SceneReader::~SceneReader() = default;
 bool SceneReader::step() {
 	Progress &now = *progress_;
 	if (!std::exchange(now.walked, true)) {
-		walk_over(now.scene, now.walk);
+		walk_over(now.scene, now.part, now.walk);
 		if (now.walk.problem.is_empty()) {
 			now.lods = lods_of(now.walk);
 		}

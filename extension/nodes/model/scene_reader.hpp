@@ -36,11 +36,13 @@ inline constexpr std::size_t max_model_parts = 256;
 inline constexpr const char *empty_scene = "it is empty, or cannot be instantiated";
 
 /// Reads all visible MeshInstance3Ds and all CollisionShape3Ds of a scene, relative to its root, whose own transform is
-/// ignored. Works in steps, which a caller may spread over frames. Main thread only, because reading a mesh waits for
+/// ignored. With a path, reads only that node and the nodes below it, moved to the origin: their rotation, scale and
+/// height stay. If the origin is not below their box then, because an artist moved the vertices and not the node, the
+/// middle of the box is moved there. Works in steps, which a caller may spread over frames. Main thread only, because reading a mesh waits for
 /// the renderer.
 class SceneReader {
 public:
-	explicit SceneReader(const godot::Ref<godot::PackedScene> &p_scene);
+	explicit SceneReader(const godot::Ref<godot::PackedScene> &p_scene, const godot::String &p_part = {});
 	~SceneReader();
 	SceneReader(const SceneReader &) = delete;
 	SceneReader &operator=(const SceneReader &) = delete;

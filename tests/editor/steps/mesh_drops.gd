@@ -72,6 +72,7 @@ func drop() -> void:
 	await undo_last(layer)
 	check_equal(layer.meshes.size(), 1, "undone")
 	await choose_kinds(layer)
+	await split_a_pack(layer)
 
 	save_pine(4.0)
 	addon().scene_saved.emit(PINE)
@@ -103,11 +104,54 @@ func choose_kinds(layer: Resource) -> void:
 
 
 func kind_button(text: String) -> Button:
+	var found := inspector_button(text)
+	check(found != null, "the inspector has a button %s" % text)
+	return found
+
+
+func inspector_button(text: String) -> Button:
 	for button: Button in EditorInterface.get_inspector().find_children("*", "Button", true, false):
-		if button.text == text and button.get_parent().get_script() != null and button.get_parent().get_script().resource_path.ends_with("kind_buttons.gd"):
+		if button.text == text and button.is_visible_in_tree():
 			return button
-	check(false, "the inspector has a button %s" % text)
 	return null
+
+
+## A scene with six trees side by side becomes six models of the layer.
+func split_a_pack(layer: Resource) -> void:
+	check(inspector_button("Split into 2 Models") == null, "a tree of a trunk and a crown is one model")
+	var before: Array = layer.meshes
+	var radius: float = layer.radius
+	var pack := Node3D.new()
+	pack.name = "Pack"
+	for index in 6:
+		var tree := MeshInstance3D.new()
+		tree.name = "Tree%d" % index
+		tree.mesh = CylinderMesh.new()
+		tree.mesh.height = 4.0 + index
+		tree.position = Vector3(5.0 * index, 2.0 + 0.5 * index, 0.0)
+		pack.add_child(tree)
+		tree.owner = pack
+	var packed := PackedScene.new()
+	packed.pack(pack)
+	pack.free()
+	layer.meshes = [packed]
+	await inspect(scatter)
+	await inspect(layer)
+	var split := inspector_button("Split into 6 Models")
+	if not check(split != null, "the inspector offers to split a pack"):
+		return
+	await picture("split_offered")
+	await click_at(center_of(split))
+	await frames(5)
+	check_equal(layer.meshes.size(), 6, "six models")
+	check(layer.radius < 4.0, "as far apart as one tree is wide: %f" % layer.radius)
+	check(layer.meshes.all(func(model: Resource) -> bool: return absf(model.get_aabb().get_center().x) < 0.01), "each at the origin")
+	await undo_last(layer)
+	check_equal(layer.meshes, [packed], "undone")
+	layer.meshes = before
+	check_equal(layer.radius, radius, "with its radius")
+	await inspect(scatter)
+	await inspect(layer)
 
 
 func center_of(control: Control) -> Vector2:

@@ -1,7 +1,7 @@
 @tool
 extends EditorInspectorPlugin
 ## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are dropped on them.
-## Buttons fit a layer to what its meshes are. A button above a layer's LODs bakes impostors.
+## Buttons fit a layer to what its meshes are, and split packs of models. A button above a layer's LODs bakes impostors.
 
 const KindButtons := preload("res://addons/thicket/editor/inspector/kind_buttons.gd")
 const LayerProperty := preload("res://addons/thicket/editor/inspector/layer_property.gd")
@@ -10,6 +10,7 @@ const Drop := preload("res://addons/thicket/editor/layers/mesh_drop.gd")
 const Impostors := preload("res://addons/thicket/editor/inspector/impostor_button.gd")
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const SplitButton := preload("res://addons/thicket/editor/inspector/split_button.gd")
 const Spacing := preload("res://addons/thicket/editor/inspector/spacing_editor.gd")
 
 var _files: SceneFiles
@@ -28,6 +29,7 @@ func _parse_begin(object: Object) -> void:
 		add_custom_control(Drop.new(object))
 	if object is ScatterLayer and not (object as ScatterLayer).meshes.is_empty():
 		add_custom_control(KindButtons.new(object as ScatterLayer))
+		add_custom_control(SplitButton.new(object as ScatterLayer))
 
 
 func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: PropertyHint, _hint_string: String,

@@ -1,0 +1,113 @@
+@tool
+extends Button
+## Offers to split a layer's only mesh, a scene with several models side by side, into one model for each, as one undo step.
+
+## Two models are side by side if their boxes, seen from above, share at most this part of the smaller one.
+const MOST_SHARED := 0.1
+
+static var _known: Dictionary[int, PackedStringArray] = {} ## The parts of scenes, by instance id.
+
+var _layer: ScatterLayer
+var _scene: PackedScene
+var _parts: PackedStringArray
+
+
+## Hidden if there is nothing to split.
+func _init(layer: ScatterLayer) -> void:
+	_layer = layer
+	_scene = _scene_of(layer)
+	_parts = parts_of(_scene) if _scene != null else PackedStringArray()
+	visible = _parts.size() > 1
+	text = "Split into %d Models" % _parts.size()
+	tooltip_text = "The scene contains several models side by side: %s. Makes each of them a mesh of the layer, and fits the layer to them." % ", ".join(_parts)
+	pressed.connect(func() -> void: split(_layer, _scene, _parts, EditorInterface.get_editor_undo_redo()))
+
+
+## The paths of the nodes in a scene that are models side by side; empty if the scene is a single model.
+static func parts_of(scene: PackedScene) -> PackedStringArray:
+	var id := scene.get_instance_id()
+	if not _known.has(id):
+		_known[id] = _find_parts(scene)
+	return _known[id]
+
+
+static func split(layer: ScatterLayer, scene: PackedScene, parts: PackedStringArray, undo_redo: EditorUndoRedoManager) -> void:
+	var models := []
+	for path in parts:
+		var model := ScatterModel.new()
+		model.resource_name = path.get_file().capitalize()
+		model.scene_part = path
+		model.scene = scene
+		models.append(model)
+	var fitted := ScatterLayer.new()
+	fitted.meshes = models
+	if not fitted.fit_to_meshes():
+		return
+	undo_redo.create_action("Split into %d Models" % parts.size(), UndoRedo.MERGE_DISABLE, layer)
+	undo_redo.add_do_property(layer, &"meshes", models)
+	undo_redo.add_undo_property(layer, &"meshes", layer.meshes)
+	for property in layer.get_fitted_properties():
+		undo_redo.add_do_property(layer, property, fitted.get(property))
+		undo_redo.add_undo_property(layer, property, layer.get(property))
+	undo_redo.commit_action()
+
+
+static func _scene_of(layer: ScatterLayer) -> PackedScene:
+	var only: Variant = layer.meshes[0] if layer.meshes.size() == 1 else null
+	if only is ScatterModel:
+		return (only as ScatterModel).scene if (only as ScatterModel).scene_part.is_empty() else null
+	return only as PackedScene
+
+
+static func _find_parts(scene: PackedScene) -> PackedStringArray:
+	var found := PackedStringArray()
+	var root := scene.instantiate() if scene.can_instantiate() else null
+	if root == null:
+		return found
+	var holder := root
+	var with_meshes := _children_with_meshes(root)
+	while with_meshes.size() == 1 and not with_meshes[0] is MeshInstance3D: # Packs are often below one node, or several.
+		holder = with_meshes[0]
+		with_meshes = _children_with_meshes(holder)
+	var areas: Array[Rect2] = []
+	for child in with_meshes:
+		var area := _area_of(child, root)
+		if areas.any(func(other: Rect2) -> bool: return _overlap(area, other)):
+			areas.clear()
+			break
+		areas.append(area)
+	if areas.size() > 1 and not holder is MeshInstance3D:
+		for child in with_meshes:
+			found.append(root.get_path_to(child))
+	root.free()
+	return found
+
+
+static func _children_with_meshes(node: Node) -> Array[Node]:
+	return node.get_children().filter(func(child: Node) -> bool:
+		return child is Node3D and (child as Node3D).visible and not _meshes_in(child).is_empty())
+
+
+static func _meshes_in(node: Node) -> Array[Node]:
+	var found := node.find_children("*", "MeshInstance3D", true, false)
+	if node is MeshInstance3D:
+		found.append(node)
+	return found.filter(func(mesh: MeshInstance3D) -> bool: return mesh.mesh != null)
+
+
+## The box of a node's meshes in the scene, seen from above.
+static func _area_of(node: Node, root: Node) -> Rect2:
+	var box := AABB()
+	for mesh: MeshInstance3D in _meshes_in(node):
+		var above := Transform3D()
+		var at: Node = mesh
+		while at != root:
+			above = (at as Node3D).transform * above if at is Node3D else above
+			at = at.get_parent()
+		var own := above * mesh.mesh.get_aabb()
+		box = own if box == AABB() else box.merge(own)
+	return Rect2(box.position.x, box.position.z, box.size.x, box.size.z)
+
+
+static func _overlap(a: Rect2, b: Rect2) -> bool:
+	return a.intersection(b).get_area() > MOST_SHARED * minf(a.get_area(), b.get_area())
