@@ -32,7 +32,8 @@ def test_type_names_are_unique():
 
 @pytest.fixture(scope="module")
 def database():
-    done = run(["scons", "-Q", "compiledb"], timeout=300, cwd=REPO)
+    # Waits for builds of other tests in this tree.
+    done = run(["scons", "-Q", "compiledb"], timeout=1800, cwd=REPO)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
