@@ -3,6 +3,7 @@
 #include "core/model/model_size.hpp"
 #include "nodes/common/convert.hpp"
 #include "nodes/common/surface_streams.hpp"
+#include "nodes/common/threads.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
 
 #include <algorithm>
@@ -64,10 +65,11 @@ void measure(const Array &p_arrays, ModelMeasure &r_measure) {
 	}
 }
 
+/// On other threads than the main thread, only its box is known, because reading a mesh waits for the renderer, and so for the main thread.
 ModelSize size_of(const Ref<Mesh> &p_mesh) {
 	const AABB box = p_mesh->get_aabb();
 	ModelMeasure measured(to_core(box.position), to_core(box.position + box.size));
-	for (int32_t surface = 0; surface < p_mesh->get_surface_count(); ++surface) {
+	for (int32_t surface = 0; on_main_thread() && surface < p_mesh->get_surface_count(); ++surface) {
 		measure(p_mesh->surface_get_arrays(surface), measured);
 	}
 	return measured.size();
