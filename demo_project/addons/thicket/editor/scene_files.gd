@@ -9,7 +9,7 @@ const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists and is wr
 const UNREMOVABLE := "Cannot remove %s, which no scene uses: %s. Delete it by hand."
 
 ## Metadata of a resource: the UID of the scene that it was made for. It stays right when the file or the scene is renamed or moved.
-const SCENE_UID := &"thicket_scene_uid"
+const SCENE_UID := "thicket_scene_uid"
 
 ## The reason why [method create] failed, as a sentence.
 var problem := ""
