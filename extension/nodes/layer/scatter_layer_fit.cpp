@@ -77,10 +77,9 @@ ModelSize size_of(const Ref<Mesh> &p_mesh) {
 
 /// The widest of the meshes decides.
 std::optional<ModelSize> size_of(const LayerMeshes &meshes) {
-	const LayerMeshes kept = meshes; // A copy, because scripts of meshes may replace the list.
 	std::optional<ModelSize> widest;
-	for (std::size_t entry = 0; entry < kept.size(); ++entry) {
-		if (const Ref<Mesh> mesh = kept.mesh(entry); mesh.is_valid()) {
+	for (std::size_t entry = 0; entry < meshes.size(); ++entry) {
+		if (const Ref<Mesh> mesh = meshes.mesh(entry); mesh.is_valid()) {
 			const ModelSize size = size_of(mesh);
 			if (!widest || size.footprint > widest->footprint) {
 				widest = size;
@@ -105,7 +104,8 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 		return false;
 	}
 	read_models();
-	const std::optional<ModelSize> size = size_of(meshes_);
+	const LayerMeshes meshes = meshes_; // A copy, because scripts of meshes may replace the list.
+	const std::optional<ModelSize> size = size_of(meshes);
 	if (!size) {
 		return false;
 	}

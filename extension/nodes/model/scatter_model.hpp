@@ -128,9 +128,9 @@ private:
 	godot::Ref<godot::PackedScene> source_; ///< The scene that the LODs were read from; null for LODs made by hand.
 	godot::Ref<godot::PackedScene> unread_; ///< The scene to read when the model is needed; null if there is none.
 	godot::String scene_part_;
-	godot::String source_part_; ///< `scene_part_` when `source_` was read.
-	std::shared_ptr<SceneReader> reader_;   ///< Reads `unread_`; null until its first step.
-	bool stepping_ = false;                 ///< Set because a script in the scene may request this model.
+	godot::String source_part_;           ///< `scene_part_` when `source_` was read.
+	std::shared_ptr<SceneReader> reader_; ///< Reads `unread_`; null until its first step.
+	bool stepping_ = false;               ///< Set because a script in the scene may request this model.
 	HandSet hand_set_;
 	godot::String problem_;
 	godot::TypedArray<ScatterLod> lods_;
