@@ -111,6 +111,7 @@ ModelKind kind_of(const ModelSize &size) {
 
 ModelFit fit_of(ModelKind kind, const ModelSize &size) {
 	ModelFit fit;
+	const double below_slope = 0.5 * size.base * tan_25_degrees; // The lowest edge of an upright base.
 	double sink = 0.0;
 	switch (kind) {
 		case ModelKind::tree:
@@ -119,7 +120,7 @@ ModelFit fit_of(ModelKind kind, const ModelSize &size) {
 					.min_scale = 0.75,
 					.max_scale = 1.25,
 					.max_tilt_degrees = 4.0};
-			sink = 0.5 * size.base * tan_25_degrees;
+			sink = below_slope;
 			break;
 		case ModelKind::shrub:
 			fit = {.radius = size.footprint,
@@ -129,8 +130,7 @@ ModelFit fit_of(ModelKind kind, const ModelSize &size) {
 					.max_tilt_degrees = 8.0,
 					.align_to_normal = 0.3};
 			fit.clump_size = 10.0 * fit.radius;
-			fit.clump_coverage = 0.5;
-			sink = std::min(0.5 * size.base * tan_25_degrees, 0.15 * size.height) * (1.0 - fit.align_to_normal);
+			sink = std::min(below_slope, 0.15 * size.height) * (1.0 - fit.align_to_normal);
 			break;
 		case ModelKind::grass:
 			fit = {.radius = 0.7 * size.footprint,
@@ -138,7 +138,7 @@ ModelFit fit_of(ModelKind kind, const ModelSize &size) {
 					.max_scale = 1.3,
 					.max_tilt_degrees = 10.0,
 					.align_to_normal = 0.7};
-			sink = std::min(0.5 * size.base * tan_25_degrees, 0.2 * size.height) * (1.0 - fit.align_to_normal);
+			sink = std::min(below_slope, 0.2 * size.height) * (1.0 - fit.align_to_normal);
 			break;
 		case ModelKind::rock:
 			fit = {.radius = 1.6 * size.footprint,

@@ -53,7 +53,7 @@ private:
 	double volume_ = 0.0;
 };
 
-/// What a model is. Decides how its copies stand.
+/// The kind of a model. Decides how its instances are placed.
 enum class ModelKind : std::uint8_t {
 	tree,
 	shrub,

@@ -111,14 +111,14 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 	}
 	Extent drawn;
 	Extent solid;
-	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {
-		if (const Ref<Mesh> mesh = meshes_.mesh(entry); mesh.is_valid()) {
+	for (std::size_t entry = 0; entry < meshes.size(); ++entry) {
+		if (const Ref<Mesh> mesh = meshes.mesh(entry); mesh.is_valid()) {
 			const AABB box = mesh->get_aabb();
 			drawn.add(box.position);
 			drawn.add(box.position + box.size);
 		}
 	}
-	const std::vector<std::vector<BodyPart>> bodies = meshes_.bodies();
+	const std::vector<std::vector<BodyPart>> bodies = meshes.bodies();
 	for (const std::vector<BodyPart> &parts : bodies) {
 		for (const BodyPart &part : parts) {
 			const glm::vec3 reach = 0.5F * part.size;

@@ -128,7 +128,7 @@ func test_first_minute() -> void:
 	await settle(scatter)
 	await wait_for_panel()
 	await mouse_click(middle(button("Not Here")))
-	check(not panel().notes._grey.visible, "the note that the scene has no camera is dismissed")
+	check(not panel().notes._gray.visible, "the note that the scene has no camera is dismissed")
 	for index in 3:
 		var count: int = scatter.get_shown_count(scatter.layers[index])
 		check(count > 100, "%s: %d instances" % [names()[index], count])

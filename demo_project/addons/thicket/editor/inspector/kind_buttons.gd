@@ -2,6 +2,8 @@
 extends HFlowContainer
 ## Buttons at the top of a layer's inspector. Each fits the layer to what its meshes are, as one undo step.
 
+const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
+
 const KINDS: Dictionary[String, ScatterLayer.ModelKind] = {
 	"Auto": ScatterLayer.KIND_AUTOMATIC,
 	"Tree": ScatterLayer.KIND_TREE,
@@ -40,13 +42,10 @@ func _fit(kind: String) -> void:
 
 ## Fits a layer to its meshes as one undo step. Returns false if it has no meshes.
 static func fit(layer: ScatterLayer, kind: ScatterLayer.ModelKind, undo_redo: EditorUndoRedoManager) -> bool:
-	var fitted := ScatterLayer.new()
-	fitted.meshes = layer.meshes
-	if not fitted.fit_to_meshes(kind):
+	var fitted := NewLayers.of_meshes(layer.meshes, kind)
+	if fitted == null:
 		return false
 	undo_redo.create_action("Fit to Meshes", UndoRedo.MERGE_DISABLE, layer)
-	for property in layer.get_fitted_properties():
-		undo_redo.add_do_property(layer, property, fitted.get(property))
-		undo_redo.add_undo_property(layer, property, layer.get(property))
+	NewLayers.add_fit(layer, fitted, undo_redo)
 	undo_redo.commit_action()
 	return true

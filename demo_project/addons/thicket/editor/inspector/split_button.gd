@@ -2,6 +2,8 @@
 extends Button
 ## Offers to split a layer's only mesh, a scene with several models side by side, into one model for each, as one undo step.
 
+const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
+
 ## Two models are side by side if their boxes, seen from above, share at most this part of the smaller one.
 const MOST_SHARED := 0.1
 
@@ -39,16 +41,13 @@ static func split(layer: ScatterLayer, scene: PackedScene, parts: PackedStringAr
 		model.scene_part = path
 		model.scene = scene
 		models.append(model)
-	var fitted := ScatterLayer.new()
-	fitted.meshes = models
-	if not fitted.fit_to_meshes():
+	var fitted := NewLayers.of_meshes(models)
+	if fitted == null:
 		return
 	undo_redo.create_action("Split into %d Models" % parts.size(), UndoRedo.MERGE_DISABLE, layer)
 	undo_redo.add_do_property(layer, &"meshes", models)
 	undo_redo.add_undo_property(layer, &"meshes", layer.meshes)
-	for property in layer.get_fitted_properties():
-		undo_redo.add_do_property(layer, property, fitted.get(property))
-		undo_redo.add_undo_property(layer, property, layer.get(property))
+	NewLayers.add_fit(layer, fitted, undo_redo)
 	undo_redo.commit_action()
 
 

@@ -70,9 +70,7 @@ static func _add_to_layer(layer: ScatterLayer, dropped: Array[Resource], undo_re
 	undo_redo.add_do_property(layer, &"meshes", old + dropped)
 	undo_redo.add_undo_property(layer, &"meshes", old)
 	if old.is_empty():
-		for property in layer.get_fitted_properties():
-			undo_redo.add_do_property(layer, property, fitted.get(property))
-			undo_redo.add_undo_property(layer, property, layer.get(property))
+		NewLayers.add_fit(layer, fitted, undo_redo)
 	undo_redo.commit_action()
 
 

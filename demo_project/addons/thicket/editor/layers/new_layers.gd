@@ -20,11 +20,18 @@ const ROOM := 0.62
 
 
 ## Creates a layer with these meshes, whose values fit their sizes; null if there is nothing to draw.
-static func of_meshes(meshes: Array) -> ScatterLayer:
+static func of_meshes(meshes: Array, kind := ScatterLayer.KIND_AUTOMATIC) -> ScatterLayer:
 	var layer := ScatterLayer.new()
 	for mesh: Variant in meshes: # One by one, because a layer keeps an invalid entry only if its list was empty before.
 		layer.meshes = layer.meshes + [mesh]
-	return layer if layer.fit_to_meshes() and layer.meshes.size() == meshes.size() else null
+	return layer if layer.fit_to_meshes(kind) and layer.meshes.size() == meshes.size() else null
+
+
+## Adds to an undo step that a layer gets the values which fit_to_meshes has set on a different one.
+static func add_fit(layer: ScatterLayer, fitted: ScatterLayer, undo_redo: EditorUndoRedoManager) -> void:
+	for property in layer.get_fitted_properties():
+		undo_redo.add_do_property(layer, property, fitted.get(property))
+		undo_redo.add_undo_property(layer, property, layer.get(property))
 
 
 ## Creates a layer for each resource that can be drawn, the widest first, with names that are not taken. Resources that are layers

@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
 ## Notes about a scatter, one in each row, with a button that fixes the problem: the scatter has no ground, shares resources by accident, or is in a
-## scene that would be grey in the game.
+## scene that would be gray in the game.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -23,7 +23,7 @@ var _files: SceneFiles
 var _scatter: TerrainScatter3D
 var _ground: HBoxContainer
 var _sharing: HBoxContainer
-var _grey: HBoxContainer
+var _gray: HBoxContainer
 var _accepted: Dictionary[String, bool] = {} ## Paths of scenes that need no surroundings.
 var _shared: Shared.Shared
 var _looks := 0
@@ -44,17 +44,17 @@ func _init(undo_redo: EditorUndoRedoManager, files: SceneFiles) -> void:
 	unique.text = "Make Unique..."
 	unique.pressed.connect(ask_to_make_unique)
 	_sharing.add_child(unique)
-	_grey = _row(&"NodeInfo")
+	_gray = _row(&"NodeInfo")
 	var surround := Button.new()
 	surround.text = "Add Camera, Sun, Sky and Wind"
 	surround.tooltip_text = "Adds the missing ones to the scene. The camera looks as this view does."
 	surround.pressed.connect(_surround)
-	_grey.add_child(surround)
+	_gray.add_child(surround)
 	var accept := Button.new()
 	accept.text = "Not Here"
 	accept.tooltip_text = "Hides this note: a different scene has them."
-	accept.pressed.connect(_accept_grey)
-	_grey.add_child(accept)
+	accept.pressed.connect(_accept_gray)
+	_gray.add_child(accept)
 	add_child(dialog)
 	dialog.decided.connect(make_unique)
 
@@ -69,7 +69,7 @@ func look(scatter: TerrainScatter3D) -> void:
 	_ground.visible = scatter != null and scatter.ground == null
 	_sharing.visible = _shared != null and _shared.is_by_accident()
 	_look_at_surroundings()
-	visible = _ground.visible or _sharing.visible or _grey.visible
+	visible = _ground.visible or _sharing.visible or _gray.visible
 	if _sharing.visible:
 		_label(_sharing).text = _shared.tell(scatter.name)
 		_label(_sharing).tooltip_text = _shared.tell(scatter.name)
@@ -106,10 +106,10 @@ func make_unique(new_seed: bool, with_files: bool) -> void:
 ## Once there is something to see: a scatter with a ground and layers.
 func _look_at_surroundings() -> void:
 	var root := EditorInterface.get_edited_scene_root()
-	_grey.visible = root != null and _scatter != null and _scatter.ground != null and not _scatter.layers.is_empty() and (
-			not _accepted.has(root.scene_file_path)) and Surroundings.is_grey(root)
-	if _grey.visible:
-		_label(_grey).text = "The game would show a grey window: this scene has no %s." % ", no ".join(Surroundings.missing(root))
+	_gray.visible = root != null and _scatter != null and _scatter.ground != null and not _scatter.layers.is_empty() and (
+			not _accepted.has(root.scene_file_path)) and Surroundings.is_gray(root)
+	if _gray.visible:
+		_label(_gray).text = "The game would show a gray window: this scene has no %s." % ", no ".join(Surroundings.missing(root))
 
 
 func _surround() -> void:
@@ -119,7 +119,7 @@ func _surround() -> void:
 		look(_scatter)
 
 
-func _accept_grey() -> void:
+func _accept_gray() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null:
 		_accepted[root.scene_file_path] = true

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## What a scene needs to be looked at in the game: a camera, a light, a sky, and wind for the plants. Adds what is missing.
+## The parts that a scene needs to be visible in the game: a camera, a light, a sky, and wind for the plants. Adds what is missing.
 
 const FoliageWorld := preload("res://addons/thicket/shaders/foliage_world.gd")
 
@@ -18,8 +18,8 @@ static func missing(root: Node) -> PackedStringArray:
 	return result
 
 
-## Whether the game would show a grey window: no camera, or neither a light nor a sky.
-static func is_grey(root: Node) -> bool:
+## Whether the game would show a gray window: no camera, or neither a light nor a sky.
+static func is_gray(root: Node) -> bool:
 	var parts := missing(root)
 	return parts.has("camera") or parts.has("sun") and parts.has("sky")
 
