@@ -21,7 +21,7 @@ DrawAmounts multimeshes_only(std::size_t count) {
 CellDrawer::Drawing CellDrawer::drawing_of(const TileKey &key, const DisplayedTile &tile, std::size_t mesh) const {
 	const LodChain *chain = fades_.find(key.layer, mesh);
 	const bool fades = chain != nullptr && chain->is_made() && chain->is_of(tile.parts[mesh].lods);
-	return {key.layer, layer_of(key).lod, fades ? chain : nullptr};
+	return {display_.layers.index_of(tile.owner, key.layer), layer_of(key).lod, fades ? chain : nullptr};
 }
 
 /// The distances to a box of a tile, relative to the tile's origin.

@@ -57,7 +57,7 @@ public:
 private:
 	/// How the instances of a mesh are drawn at any distance.
 	struct Drawing {
-		std::uint32_t layer;
+		std::uint32_t layer; ///< The one that the tile belongs to.
 		const LodSettings &lod;
 		const LodChain *chain; ///< Null unless it belongs to the looks that the tile is drawn with, and is complete.
 

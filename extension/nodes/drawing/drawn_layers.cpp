@@ -1,5 +1,6 @@
 #include "nodes/drawing/drawn_layers.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace thicket {
@@ -19,6 +20,16 @@ bool DrawnLayers::set(std::span<const SharedSnapshot> layers) {
 	}
 	layers_.assign(layers.begin(), layers.end());
 	return changed;
+}
+
+std::uint32_t DrawnLayers::index_of(std::uint64_t owner, std::uint32_t index) const {
+	const auto belongs = [owner](const SharedSnapshot &layer) {
+		return layer != nullptr && layer->links.identity == owner;
+	};
+	if (index < layers_.size() && belongs(layers_[index])) {
+		return index;
+	}
+	return static_cast<std::uint32_t>(std::ranges::find_if(layers_, belongs) - layers_.begin());
 }
 
 } // namespace thicket

@@ -58,6 +58,7 @@ void TileDisplay::begin(TileUpload &r_upload, bool others_wait) const {
 	DisplayedTile &tile = r_upload.tile;
 	tile.tile = job.tile != nullptr ? job.tile : nothing; // A tile that could not be generated is empty.
 	tile.settings = job.layer->settings;
+	tile.owner = job.layer->links.identity;
 	tile.mesh_reach = job.layer->drawing.mesh_reach;
 	tile.rect = job.request.rect;
 	tile.drawing_version = layers_.version(key.layer);
@@ -218,10 +219,13 @@ std::vector<glm::ivec2> TileDisplay::tiles(std::uint32_t layer) const {
 }
 
 std::uint64_t TileDisplay::instance_count(std::uint32_t layer) const {
+	const LayerSnapshot *counted = layers_.find(layer);
 	std::uint64_t result = 0;
-	for (auto at = first_of(layer); at != tiles_.end() && at->first.layer == layer; ++at) {
-		for (const DisplayedTile::Part &part : at->second.parts) {
-			result += part.shown->size();
+	for (const auto &[key, tile] : tiles_) {
+		if (counted != nullptr && tile.owner == counted->links.identity) {
+			for (const DisplayedTile::Part &part : tile.parts) {
+				result += part.shown->size();
+			}
 		}
 	}
 	return result;
