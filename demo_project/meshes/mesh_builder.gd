@@ -73,6 +73,22 @@ func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region:
 	quad(corners[0], corners[3], corners[2], corners[1])
 
 
+## Adds [param count] upright pictures of a whole crown, crossed at [param bottom], for far away. [param low] and [param high] are the colors at the
+## bottom and at the top.
+func crossed(bottom: Vector3, half_width: float, height: float, region: Rect2, low: Color, high: Color, count: int) -> void:
+	for plane in count:
+		var angle := PI * (plane + 0.25) / count
+		var right := Vector3(cos(angle), 0.0, sin(angle))
+		var front := right.cross(Vector3.UP)
+		var corners: Array[int] = []
+		for corner: Vector2 in [Vector2(-1, 0), Vector2(1, 0), Vector2(1, 1), Vector2(-1, 1)]:
+			var uv := region.position + region.size * Vector2(0.5 + 0.5 * corner.x, 1.0 - corner.y)
+			var normal := right * corner.x * 0.7 + front * 0.3 + Vector3.UP * (0.2 + 0.6 * corner.y)
+			corners.append(vertex(bottom + right * half_width * corner.x + Vector3.UP * height * corner.y, normal,
+					high if corner.y > 0.0 else low, uv))
+		quad(corners[0], corners[3], corners[2], corners[1])
+
+
 ## Adds an open tapered tube from [param from] to [param to] with [param sides] sides, as a trunk or branch. [param bark] is the
 ## index of its bark in [code]leaf_atlas.gd[/code].
 func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, sides: int, color: Color, bark: int) -> void:

@@ -6,25 +6,14 @@ extends ArrayMesh
 ## The surfaces are never saved, so a scene that uses it stays small. The same settings produce the same mesh on every
 ## machine.
 
-const Builder := preload("res://meshes/mesh_builder.gd")
+const Species := preload("res://meshes/species.gd")
 const Materials := preload("res://meshes/plant_materials.gd")
-const SPECIES := {
-	&"oak": preload("res://meshes/oak.gd"),
-	&"spruce": preload("res://meshes/spruce.gd"),
-	&"shrub": preload("res://meshes/shrub.gd"),
-	&"fern": preload("res://meshes/fern.gd"),
-	&"grass": preload("res://meshes/grass.gd"),
-	&"flower": preload("res://meshes/flower.gd"),
-	&"reed": preload("res://meshes/reed.gd"),
-	&"stone": preload("res://meshes/stone.gd"),
-	&"stump": preload("res://meshes/stump.gd"),
-}
 
-## The builder to use, one of the keys of [constant SPECIES].
-@export_enum("oak", "spruce", "shrub", "fern", "grass", "flower", "reed", "stone", "stump") var species := "oak":
+## One of the keys of [constant Species.SCRIPTS].
+@export var species := "oak":
 	set(value):
-		if not SPECIES.has(StringName(value)):
-			push_error("species must be one of %s, got '%s'" % [", ".join(SPECIES.keys()), value])
+		if not Species.SCRIPTS.has(StringName(value)):
+			push_error("species must be one of %s, got '%s'" % [", ".join(Species.SCRIPTS.keys()), value])
 			return
 		species = value
 		_request_build()
@@ -61,4 +50,4 @@ func _request_build() -> void:
 
 func _build() -> void:
 	_requested = false
-	SPECIES[StringName(species)].build(variant).commit(self, finest_level, Materials.of(StringName(species)))
+	Species.build(StringName(species), variant).commit(self, finest_level, Materials.of(StringName(species)))

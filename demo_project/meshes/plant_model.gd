@@ -2,14 +2,14 @@
 extends ScatterModel
 ## A plant or stone with a separate mesh for each LOD. A scene only stores its species and variant; the model builds itself when it is loaded.
 
-const Plant := preload("res://meshes/plant_mesh.gd")
+const Species := preload("res://meshes/species.gd")
 const Materials := preload("res://meshes/plant_materials.gd")
 
-## The builder to use, one of the keys of [constant Plant.SPECIES].
-@export_enum("oak", "spruce", "shrub", "fern", "grass", "flower", "reed", "stone", "stump") var species := "oak":
+## One of the keys of [constant Species.SCRIPTS].
+@export var species := "oak":
 	set(value):
-		if not Plant.SPECIES.has(StringName(value)):
-			push_error("species must be one of %s, got '%s'" % [", ".join(Plant.SPECIES.keys()), value])
+		if not Species.SCRIPTS.has(StringName(value)):
+			push_error("species must be one of %s, got '%s'" % [", ".join(Species.SCRIPTS.keys()), value])
 			return
 		species = value
 		_request_build()
@@ -40,7 +40,7 @@ func _request_build() -> void:
 
 func _build() -> void:
 	_requested = false
-	var builder := Plant.SPECIES[StringName(species)].build(variant) as Plant.Builder
+	var builder := Species.build(StringName(species), variant)
 	var built: Array[ScatterLod] = []
 	for level in builder.level_count():
 		var lod := ScatterLod.new()

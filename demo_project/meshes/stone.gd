@@ -1,30 +1,39 @@
 extends RefCounted
-## A weathered boulder of about 1 m, mossy on top, with facets softened by shared normals.
+## A weathered rock of about 1 m with flat faces and worn edges. The variants are boulders, slabs and blocks.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
-const ROCK_LOW := Color(0.16, 0.155, 0.145, 0.6)
-const ROCK_HIGH := Color(0.44, 0.42, 0.385, 1.0)
+const LOW := Color(0.17, 0.165, 0.155, 0.6)
+const HIGH := Color(0.44, 0.42, 0.385, 1.0)
+## Width, height and depth of the shapes, before cuts.
+const SHAPES: Array[Vector3] = [
+	Vector3(0.95, 0.72, 0.82), Vector3(1.15, 0.42, 0.9), Vector3(0.75, 0.95, 0.68), Vector3(1.05, 0.6, 0.7),
+]
 
 
 ## Builds the stone with the number [param variant].
 static func build(variant: int) -> Builder:
+	return build_of(1300 + variant, SHAPES[variant % SHAPES.size()], LOW, HIGH, 3)
+
+
+## Builds a stone of this size and these colors. [param finest] is the number of subdivisions of its finest LOD; stones that are drawn small need fewer,
+## and coarser LODs nearer.
+static func build_of(seed: int, stretch: Vector3, low: Color, high: Color, finest: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:
 		builder.begin_level()
-		_rock(builder, 2 - level, variant)
-	builder.end(PackedFloat32Array([25.0, 70.0]))
+		rock(builder, maxi(finest - level, 0), seed, stretch, Vector3.UP * 0.12 * stretch.y, low, high)
+	builder.end(PackedFloat32Array([25.0, 70.0]) if finest > 2 else PackedFloat32Array([12.0, 35.0]))
 	return builder
 
 
-## Adds an icosphere cut by a few random planes, which are the stone's faces.
-static func _rock(builder: Builder, subdivisions: int, variant: int) -> void:
+## Adds an icosphere cut by random planes, which are the stone's faces. Most are near the vertical or near the horizontal, as strata break.
+static func rock(builder: Builder, subdivisions: int, seed: int, stretch: Vector3, center: Vector3, low: Color, high: Color) -> void:
 	var rng := RandomNumberGenerator.new()
-	rng.seed = 1300 + variant
+	rng.seed = seed
 	var cuts: Array[Plane] = []
-	for i in 9:
-		var normal := Vector3(rng.randfn(), rng.randfn() * 0.8, rng.randfn()).normalized()
-		cuts.append(Plane(normal, rng.randf_range(0.5, 0.82)))
-	var stretch := Vector3(rng.randf_range(0.7, 0.95), rng.randf_range(0.45, 0.62), rng.randf_range(0.6, 0.75))
+	for i in 14:
+		var normal := Vector3(rng.randfn(), rng.randfn() * (0.3 if i % 3 > 0 else 2.2), rng.randfn()).normalized()
+		cuts.append(Plane(normal, rng.randf_range(0.42, 0.78)))
 	var shape := Builder._icosphere(subdivisions)
 	var points: PackedVector3Array = shape[0]
 	var faces: PackedInt32Array = shape[1]
@@ -36,10 +45,11 @@ static func _rock(builder: Builder, subdivisions: int, variant: int) -> void:
 			var over := plane.distance_to(cut)
 			if over > 0.0:
 				cut -= plane.normal * over
-				normal = plane.normal
-		var shade := ROCK_LOW.lerp(ROCK_HIGH, clampf(cut.y * 0.6 + 0.55 + rng.randf_range(-0.12, 0.12), 0.0, 1.0))
-		var index := builder.vertex(cut * stretch + Vector3.UP * 0.12, normal.lerp(point, 0.3) / stretch, shade,
-				Builder.OPAQUE_UV)
+				normal = normal.lerp(plane.normal, 0.9)
+		# Worn: no two points of a face are at exactly the same depth.
+		cut *= 1.0 + 0.03 * sin(point.x * 17.0 + seed) * sin(point.y * 13.0) * sin(point.z * 19.0)
+		var shade := low.lerp(high, clampf(cut.y * 0.6 + 0.6 + 0.14 * sin(point.x * 23.0 + point.y * 31.0 + seed), 0.0, 1.0))
+		var index := builder.vertex(cut * stretch + center, normal / stretch, shade, Builder.OPAQUE_UV)
 		if first < 0:
 			first = index
 	for i in range(0, faces.size(), 3):

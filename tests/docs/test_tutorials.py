@@ -90,13 +90,9 @@ def editor(godot, godot_xvfb, tmp_path_factory) -> str:
     link_library(folder)
     add_steps(folder)
     shutil.copytree(REPO / "demo_project/meshes", folder / "meshes")
-    (folder / "shaders").mkdir()
-    for shader in (REPO / "demo_project/shaders").glob("stone.gdshader*"):
-        shutil.copy(shader, folder / "shaders")
     made = godot(["--path", folder, "--script", "res://tests/tutorial_tree.gd"], timeout=120)
     assert "written" in made.stdout and not complaints(made.stdout + made.stderr), made.stdout + made.stderr
     shutil.rmtree(folder / "meshes")
-    shutil.rmtree(folder / "shaders")
     godot(["--path", folder, "--import"], timeout=120)
     settings = folder / "project.godot"
     settings.write_text(settings.read_text() + '[rendering]\nrenderer/rendering_method="gl_compatibility"\n')

@@ -317,7 +317,7 @@ func test_the_world_node_finds_the_materials_of_presets() -> void:
 	root.add_child(world_node())
 	root.add_child(meadow)
 	var found: Array = meadow.layers.map(func(layer: ScatterLayer) -> Material: return layer.get_materials()[0])
-	check_equal(await blown(found), [true, true, true], "bush, flowers and grass")
+	check_equal(await blown(found), [true, true, true, true], "oaks, bushes, flowers and grass")
 
 
 ## The world node reads a layer only when that reports a change.

@@ -37,7 +37,7 @@ func _initialize() -> void:
 func parts_of(level: int) -> Array:
 	var random := RandomNumberGenerator.new()
 	random.seed = 100
-	var clumps: Array[Vector4] = oak._clumps(random, 0)
+	var clumps: Array[Vector4] = oak.clumps_of(random, 0)
 	var heart: Array[Vector4] = [Vector4(0.0, 9.4, 0.0, 3.7)]
 	var builder: GDScript = load("res://meshes/mesh_builder.gd")
 	var trunk: RefCounted = builder.new()
@@ -47,11 +47,10 @@ func parts_of(level: int) -> Array:
 		branches = clumps
 	trunk.begin_level()
 	crown.begin_level()
-	oak._trunk(trunk, branches, [6, 4, 3][level])
-	oak._crown(crown, clumps, [15, 5, 2][level], [1.0, 1.6, 2.05][level], random)
-	if level == 0:
-		oak._crown(crown, heart, 16, 1.1, random)
-	oak._cores(crown, clumps.slice(3, 9) + heart, [0.42, 0.7, 0.9][level], oak.CORE, oak.CORE, random)
+	oak.trunk(trunk, branches, [6, 4, 3][level])
+	var leaves: RefCounted = oak.crown(Vector2.ONE, random)
+	leaves.add(crown, heart, [22, 10, 5][level], [1.3, 1.8, 2.4][level])
+	leaves.add(crown, clumps, [22, 7, 3][level], [1.0, 1.6, 2.2][level])
 	for part: RefCounted in [trunk, crown]:
 		part.end(PackedFloat32Array())
 	return [trunk, crown]

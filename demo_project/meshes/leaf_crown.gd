@@ -1,0 +1,55 @@
+extends RefCounted
+## Fills clumps with leaf cards, as the crown of a tree or shrub. Leaves are darker inside and below, and lit as parts of one round crown.
+
+const Builder := preload("res://meshes/mesh_builder.gd")
+
+## The part of the atlas on the cards.
+var region := Rect2()
+## The colors of the lowest, innermost leaves, and of the highest, outermost ones.
+var low := Color.BLACK
+var high := Color.WHITE
+## The middle of the crown.
+var heart := Vector3.ZERO
+## The distance from the middle to the outermost leaves, in meters.
+var radius := 1.0
+## The heights of the lowest and of the highest leaves, in meters.
+var heights := Vector2(0.0, 1.0)
+## The height of a clump, as a share of its width.
+var flatness := 1.0
+var random := RandomNumberGenerator.new()
+
+
+## Adds [param count] cards to each clump, a Vector4 of its center and radius. [param size] is half the side of a card in meters.
+func add(builder: Builder, clumps: Array[Vector4], count: int, size: float) -> void:
+	for clump in clumps:
+		var center := Vector3(clump.x, clump.y, clump.z)
+		var outward := (center - heart).normalized()
+		for i in count:
+			var out := _direction(i, count)
+			# No leaves where the clump touches the others.
+			if out.dot(outward) < -0.35:
+				out = (out - outward * 2.0 * out.dot(outward)).normalized()
+			var away := random.randf_range(0.55, 0.95) if count > 2 else 0.35
+			var position := center + out * Vector3(1.0, flatness, 1.0) * clump.w * away
+			_card(builder, position, out, outward, size * random.randf_range(0.85, 1.2))
+
+
+func _card(builder: Builder, position: Vector3, out: Vector3, outward: Vector3, size: float) -> void:
+	var from_heart := position - heart
+	var height := clampf((position.y - heights.x) / (heights.y - heights.x), 0.0, 1.0)
+	var depth := clampf(from_heart.length() / radius, 0.0, 1.0)
+	var color := low.lerp(high, clampf(0.1 + 0.5 * height * depth + 0.4 * depth * depth + random.randf_range(-0.12, 0.16), 0.0, 1.0))
+	color.a = clampf(0.1 + 0.65 * depth * depth + 0.35 * height, 0.0, 1.0)
+	var normal := from_heart.normalized() * 0.8 + out * 0.4 + Vector3.UP * 0.25
+	var face := (out + outward * 0.4 + Vector3(random.randf_range(-0.4, 0.4), random.randf_range(-0.2, 0.5),
+			random.randf_range(-0.4, 0.4))).normalized()
+	var right := face.cross(Vector3.UP + Vector3(0.01, 0.0, 0.0)).normalized().rotated(face, random.randf() * TAU)
+	builder.card(position, right * size, right.cross(face) * size, normal, region, color)
+
+
+## The i-th of n directions spread over the sphere.
+func _direction(i: int, n: int) -> Vector3:
+	var y := 1.0 - 2.0 * (i + 0.5) / n
+	var angle := i * 2.39996 + random.randf() * 0.8
+	var ring := sqrt(1.0 - y * y)
+	return Vector3(cos(angle) * ring, y, sin(angle) * ring)
