@@ -265,10 +265,12 @@ func test_presets() -> void:
 	workspace().toolbar.preset_chosen.emit("forest")
 	check_equal(history(scatter).get_version(), version + 2, "a preset is one step of undo")
 	var names := PackedStringArray(scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name))
-	check(names.has("Spruce") and names.has("Spruce 2") and names.size() == 13, "names: %s" % names)
+	check(names.has("Spruce") and names.has("Spruce 2") and names.size() == 17, "names: %s" % names)
 	var bush: Resource = scatter.layers[names.find("Bush 2")]
-	check_equal(bush.spacing.keys(), ["Spruce 2", "Birch 2"], "rules refer to the new layers")
-	check(scatter.layers[names.find("Bush")] != bush and bush.meshes[0].resource_path.is_empty(), "layers are copies")
+	check_equal(bush.spacing.keys().slice(0, 3), ["Spruce 2", "Oak 2", "Birch 2"], "rules refer to the new layers")
+	check(bush.spacing.has("Spruce") and bush.spacing.has("Posts"), "new layers keep apart from older ones: %s" % bush.spacing)
+	check(scatter.layers[names.find("Bush")] != bush and bush.resource_path.is_empty(), "layers are copies")
+	check(bush.meshes[0].resource_path.begins_with("res://addons/thicket/presets/plants/"), "models are shared")
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
 	history(scatter).undo()
 	for layer: Resource in scatter.layers:
@@ -280,15 +282,15 @@ func test_presets() -> void:
 	var flat: Resource = ClassDB.instantiate(&"ScatterGroundFlat")
 	scatter.ground = flat
 	workspace().toolbar.preset_chosen.emit("scree")
-	check(not workspace()._preset_watcher._fresh.is_empty(), "new layers are watched until they are visible")
+	check(workspace()._new_layers.is_watching(), "new layers are watched until they are visible")
 	await settle(scatter)
-	await until(func() -> bool: return workspace()._preset_watcher._fresh.is_empty(), "layers without instances are reported")
+	await until(func() -> bool: return not workspace()._new_layers.is_watching(), "layers without instances are reported")
 	await picture("missing")
 	history(scatter).undo()
 	scatter.ground = ground
-	for preset in ["meadow", "scree"]:
+	for preset in ["meadow", "pine_wood", "shore", "scree", "desert"]:
 		workspace().toolbar.preset_chosen.emit(preset)
-		check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "%s: %s" % [preset, scatter.get_problems()])
+		check(scatter.layers.size() > 4 and scatter.get_problems().is_empty(), "%s: %s" % [preset, scatter.get_problems()])
 		history(scatter).undo()
 
 

@@ -44,13 +44,15 @@ func undo_last(object: Object) -> void:
 func choose() -> void:
 	workspace().toolbar.preset_chosen.emit("forest")
 	var names: Array = scatter.layers.map(func(layer: Resource) -> String: return layer.resource_name)
-	check_equal(scatter.layers.map(func(layer: Resource) -> int: return layer.layer_id), [0, 1, 2, 3, 4, 5, 6], "ids of all layers")
+	check_equal(scatter.layers.map(func(layer: Resource) -> int: return layer.layer_id), [0, 1, 2, 3, 4, 5, 6, 7, 8], "ids of all layers")
 	var fern: Resource = scatter.layers[names.find("Fern")]
+	fern.proximity_layer = "Spruce"
+	fern.spacing = {"Spruce": 0.7, "Birch": 0.7, "Bush": 1.0}
 	await inspect(fern)
 	var choice: OptionButton = property_editor(&"proximity_layer").find_children("*", "OptionButton", true, false)[0]
-	check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Birch", "Bush", "Stone"]), "layers before the ferns")
+	check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Oak", "Birch", "Bush", "Stone", "Deadwood"]), "layers before the ferns")
 	check_equal(choice.get_item_text(choice.selected), "Spruce", "the current choice")
-	choice.item_selected.emit(3)
+	choice.item_selected.emit(4)
 	check_equal(fern.proximity_layer, "Birch", "a new choice")
 	await undo_last(fern)
 	check_equal(fern.proximity_layer, "Spruce", "undone")
@@ -60,7 +62,7 @@ func choose() -> void:
 		fern.set(property, value)
 		await inspect(value)
 		choice = property_editor(&"layer").find_children("*", "OptionButton", true, false)[0]
-		check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Birch", "Bush", "Stone"]), "layers before the ferns")
+		check_equal(items(choice), PackedStringArray(["None", "Posts", "Spruce", "Oak", "Birch", "Bush", "Stone", "Deadwood"]), "layers before the ferns")
 		choice.item_selected.emit(1)
 		check_equal(value.get(&"layer"), "Posts", property + " follows a layer")
 		await undo_last(value)
@@ -72,8 +74,8 @@ func choose() -> void:
 	await picture("neighbors")
 	var add: MenuButton = spacing.find_children("*", "MenuButton", true, false)[0]
 	add.about_to_popup.emit()
-	check_equal(add.get_popup().get_item_text(1), "Stone", "a layer that has no distance yet")
-	add.get_popup().index_pressed.emit(1)
+	check_equal(add.get_popup().get_item_text(2), "Stone", "a layer that has no distance yet")
+	add.get_popup().index_pressed.emit(2)
 	await frames(3)
 	check_equal(fern.spacing.keys(), ["Spruce", "Birch", "Bush", "Stone"], "a distance is added")
 	var sliders := spacing.find_children("*", "EditorSpinSlider", true, false)
@@ -95,7 +97,7 @@ func choose() -> void:
 	ticks[1].button_pressed = true
 	await frames(3)
 	check_equal(region.layers, ["Spruce"], "one box is checked")
-	property_editor(&"layers").find_children("*", "CheckBox", true, false)[2].button_pressed = true
+	property_editor(&"layers").find_children("*", "CheckBox", true, false)[3].button_pressed = true
 	await frames(3)
 	await picture("region_layers")
 	check_equal(region.layers, ["Spruce", "Birch"], "two boxes are checked")

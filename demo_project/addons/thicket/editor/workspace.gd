@@ -5,7 +5,8 @@ extends RefCounted
 
 const Bake := preload("res://addons/thicket/editor/bake/bake_dialog.gd")
 const ExtentGizmos := preload("res://addons/thicket/editor/ground/extent_gizmos.gd")
-const PresetWatcher := preload("res://addons/thicket/editor/layers/preset_watcher.gd")
+const NewLayersWatcher := preload("res://addons/thicket/editor/layers/new_layers_watcher.gd")
+const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
 const GroundButtons := preload("res://addons/thicket/editor/ground/ground_buttons.gd")
 const HelpLinks := preload("res://addons/thicket/editor/help/help_links.gd")
 const Import := preload("res://addons/thicket/editor/import/import_dialog.gd")
@@ -42,7 +43,7 @@ var _plugin: EditorPlugin
 var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
 var _inspector: LayerInspector
-var _preset_watcher := PresetWatcher.new()
+var _new_layers := NewLayersWatcher.new()
 var _help_links: HelpLinks
 var _loose_states: LooseStates
 var _server_export := ServerExport.new()
@@ -68,6 +69,8 @@ func _init(plugin: EditorPlugin) -> void:
 	plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 	dock.enter(toolbar)
 	dock.panel.preset_chosen.connect(_add_preset)
+	dock.panel.adding.connect(func() -> void: _new_layers.note(_scatter))
+	dock.panel.added.connect(func() -> void: _new_layers.watch())
 	dock.panel.notes.ground_wanted.connect(ground_buttons.choose)
 	bake = Bake.new()
 	EditorInterface.get_base_control().add_child(bake)
@@ -169,7 +172,7 @@ func process(delta: float) -> void:
 	if _since_look < LOOK_SECONDS:
 		return
 	_since_look = 0.0
-	_preset_watcher.look()
+	_new_layers.look()
 	dock.look()
 	if is_instance_valid(_scatter):
 		var shown := _state(_scatter)
@@ -211,7 +214,9 @@ func draw_over(overlay: Control) -> void:
 
 func _add_preset(name: String) -> void:
 	if is_instance_valid(_scatter):
-		_preset_watcher.add(name, _scatter, _plugin.get_undo_redo())
+		_new_layers.note(_scatter)
+		Presets.add(name, _scatter, dock.panel.keeps_apart(), _plugin.get_undo_redo())
+		_new_layers.watch()
 		toolbar.update_layers()
 
 

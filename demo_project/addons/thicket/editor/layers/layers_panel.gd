@@ -20,6 +20,10 @@ const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
 ## The user chose layers here for tools; the first one is the main layer.
 signal layers_chosen(layers: Array[ScatterLayer])
 signal preset_chosen(name: String)
+## Layers are about to be added here.
+signal adding
+## Layers were added here.
+signal added
 
 enum Add { MESHES, LAYERS, EMPTY, FIRST_PRESET }
 const MESH_CLASSES: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel"]
@@ -131,11 +135,17 @@ func look() -> void:
 func add(resources: Array[Resource], at := -1) -> void:
 	if not is_instance_valid(_scatter):
 		return
-	var added := LayerEdits.add(_scatter, resources, at, _apart.button_pressed, _undo_redo)
-	_tell(LayerEdits.left_out(resources, added))
-	if added.is_empty():
-		return
-	_choose_new(added)
+	adding.emit()
+	var new := LayerEdits.add(_scatter, resources, at, keeps_apart(), _undo_redo)
+	added.emit()
+	_tell(LayerEdits.left_out(resources, new))
+	if not new.is_empty():
+		_choose_new(new)
+
+
+## Whether new layers keep a distance to other layers.
+func keeps_apart() -> bool:
+	return _apart.button_pressed
 
 
 ## Adds copies of the chosen layers.
@@ -143,7 +153,7 @@ func duplicate_chosen() -> void:
 	var chosen := _own_chosen()
 	if chosen.is_empty():
 		return
-	var copies := LayerEdits.copy(_scatter, chosen, _apart.button_pressed, _files, scene_path(), _undo_redo)
+	var copies := LayerEdits.copy(_scatter, chosen, keeps_apart(), _files, scene_path(), _undo_redo)
 	if copies.is_empty():
 		_tell(_files.problem)
 	else:

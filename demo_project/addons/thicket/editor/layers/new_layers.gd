@@ -83,6 +83,17 @@ static func keep_apart(new: Array[ScatterLayer], layers: Array[ScatterLayer]) ->
 		done.append(layer)
 
 
+## Sets the spacing of later layers to all earlier ones, by name. The distances that the later ones keep to each other stay.
+static func give_way(later: Array[ScatterLayer], earlier: Array[ScatterLayer]) -> void:
+	for layer in later:
+		var spacing := layer.spacing.duplicate()
+		for other in earlier:
+			var meters := distance(other, layer) if other != null and not other.resource_name.is_empty() else 0.0
+			if meters > 0.0 and spacing.size() < ScatterLayer.MAX_NEIGHBORS:
+				spacing[other.resource_name] = meters
+		layer.spacing = spacing
+
+
 ## The distance in meters that a later layer keeps to an earlier one: half the sum of both radii. The distance is less if that would leave no room, or
 ## if the later layer is undergrowth. It is 0 if the earlier layer is undergrowth.
 static func distance(earlier: ScatterLayer, later: ScatterLayer) -> float:

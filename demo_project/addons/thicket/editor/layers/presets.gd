@@ -3,23 +3,20 @@ extends RefCounted
 ## Layers to start with: copies of the layers in the scenes of the presets folder.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
+const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 const FOLDER := "res://addons/thicket/presets/"
-const NAMES: PackedStringArray = ["forest", "meadow", "scree"]
+const NAMES: PackedStringArray = ["forest", "meadow", "pine_wood", "shore", "scree", "desert"]
 
 
 ## Creates new layers from a preset. Names in [param taken] get a number, and references in other layers
 ## are updated. Returns an empty array, and prints an error, if there is no such preset.
 static func layers(name: String, taken: PackedStringArray) -> Array[ScatterLayer]:
-	var path := FOLDER + name + ".tscn"
-	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
-	var source := scene.instantiate() as TerrainScatter3D if scene != null else null
-	if source == null:
-		push_error("The preset %s cannot be loaded from %s: it must be a scene whose root is a TerrainScatter3D. Presets are: %s. Install all files of the add-on again." % [
-			name, path, ", ".join(NAMES)])
-		return []
-	var copies: Dictionary[Resource, Resource] = {}
 	var result: Array[ScatterLayer] = []
+	var source := _open(name)
+	if source == null:
+		return result
+	var copies: Dictionary[Resource, Resource] = {}
 	for layer in source.layers:
 		var copy := Copies.of(layer, copies)
 		copy.layer_id = -1 # The scatter that it is added to assigns an id.
@@ -29,16 +26,35 @@ static func layers(name: String, taken: PackedStringArray) -> Array[ScatterLayer
 	return result
 
 
-## Adds a preset's layers to a scatter, as one undo step.
-static func add(name: String, scatter: TerrainScatter3D, undo_redo: EditorUndoRedoManager) -> void:
+## The node in a preset's scene. Returns null, and prints an error, if there is no such preset.
+static func _open(name: String) -> TerrainScatter3D:
+	var path := FOLDER + name + ".tscn"
+	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
+	var source := scene.instantiate() as TerrainScatter3D if scene != null else null
+	if source == null:
+		push_error("The preset %s cannot be loaded from %s: it must be a scene whose root is a TerrainScatter3D. Presets are: %s. Install all files of the add-on again." % [
+			name, path, ", ".join(NAMES)])
+	return source
+
+
+## Adds a preset's layers to a scatter, as one undo step. With [param apart], they keep distances to the layers that are already there. A preset with
+## water enables that of the scatter.
+static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo: EditorUndoRedoManager) -> void:
 	var old := scatter.layers
 	var new: Array[ScatterLayer] = old.duplicate()
 	new.append_array(layers(name, Copies.names(old)))
 	if new.size() == old.size():
 		return
+	if apart:
+		NewLayers.give_way(new.slice(old.size()), old)
 	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)
+	var source := _open(name)
+	if source.water_enabled and not scatter.water_enabled:
+		undo_redo.add_do_property(scatter, &"water_enabled", true)
+		undo_redo.add_undo_property(scatter, &"water_enabled", false)
+	source.free()
 	undo_redo.commit_action()
 
 

@@ -1,0 +1,113 @@
+@tool
+extends RefCounted
+## Watches layers that were added until their instances are placed. Tells which of them have no instance or little room, and which older
+## layers have lost instances to them.
+
+const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+
+## A new layer has little room if at least this share of its points is too close to other layers. The share is measured at this number of
+## positions, within so many radii of the layer around the point that the view looks at.
+const CROWDED := 0.5
+const POSITIONS := 60
+const RADII := 15.0
+## An older layer has lost instances if less than this share of them is left, and has had at least so many.
+const KEPT := 0.7
+const FEW := 20
+
+var _scatter: TerrainScatter3D
+var _fresh: Array[ScatterLayer] = []
+var _before: Dictionary[ScatterLayer, int] = {} ## The numbers of visible instances of older layers.
+
+
+## Notes the instances of a scatter's layers. Call it before layers are added.
+func note(scatter: TerrainScatter3D) -> void:
+	_scatter = scatter
+	_before.clear()
+	for layer in scatter.layers:
+		if layer != null:
+			_before[layer] = scatter.get_shown_count(layer)
+
+
+## Watches the layers that were added since [method note].
+func watch() -> void:
+	_fresh = _scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and not _before.has(layer))
+
+
+## True until the new layers' instances are placed.
+func is_watching() -> bool:
+	return not _fresh.is_empty()
+
+
+## Once all tiles are ready, tells what the user should know.
+func look() -> void:
+	if _fresh.is_empty():
+		return
+	if not is_instance_valid(_scatter) or not _scatter.is_inside_tree():
+		_fresh.clear()
+		return
+	if not _scatter.is_settled():
+		return
+	var layers := _scatter.layers
+	var fresh := _fresh.filter(func(layer: ScatterLayer) -> bool: return layer in layers)
+	_fresh.clear()
+	if _scatter.ground == null: # The node has a warning.
+		return
+	var missing := fresh.filter(func(layer: ScatterLayer) -> bool: return _scatter.get_shown_count(layer) == 0)
+	if not missing.is_empty():
+		_tell(_why(missing))
+	var sentences := PackedStringArray()
+	for layer: ScatterLayer in fresh:
+		if not layer in missing:
+			sentences.append_array(_crowding(layer))
+	sentences.append_array(_losses(layers))
+	if not sentences.is_empty():
+		sentences.append("More of them fit if distances in Spacing, or densities of other layers, are lower.")
+		_tell(" ".join(sentences))
+
+
+## Explains for each layer, in a sentence, why it has no instance at the position that the view
+## looks at.
+func _why(missing: Array[ScatterLayer]) -> String:
+	var sentences := PackedStringArray()
+	for explanation in _scatter.explain_position(_looked_at(), missing):
+		sentences.append("%s: %s" % [explanation.layer_name, explanation.reason])
+	return "No instance is visible here of " + " ".join(sentences)
+
+
+## A sentence if other layers take most of a layer's room.
+func _crowding(layer: ScatterLayer) -> PackedStringArray:
+	if layer.spacing.is_empty():
+		return []
+	var center := _looked_at()
+	var refused := 0
+	var counted := 0
+	for index in POSITIONS:
+		# A golden-angle spiral: evenly spread, and the same each time.
+		var away := Vector2.from_angle(index * 2.39996) * sqrt((index + 0.5) / POSITIONS) * RADII * layer.radius
+		var found := _scatter.explain_position(center + Vector3(away.x, 0.0, away.y), [layer])
+		if found.is_empty():
+			continue
+		refused += int(found[0].refused_by == "spacing")
+		counted += int(found[0].refused_by == "spacing" or found[0].standing)
+	if counted == 0 or refused < CROWDED * counted:
+		return []
+	return ["Other layers are too close at %d %% of the points of %s." % [roundi(100.0 * refused / counted), layer.resource_name]]
+
+
+## A sentence about older layers that have fewer instances now.
+func _losses(layers: Array[ScatterLayer]) -> PackedStringArray:
+	var parts := PackedStringArray()
+	for layer in _before:
+		if layer in layers and _before[layer] >= FEW and _scatter.get_shown_count(layer) < KEPT * _before[layer]:
+			parts.append("%s from %d to %d" % [layer.resource_name, _before[layer], _scatter.get_shown_count(layer)])
+	return [] if parts.is_empty() else ["The new layers take room from others: %s." % ", ".join(parts)]
+
+
+## The position on the ground that the view looks at.
+func _looked_at() -> Vector3:
+	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
+	return camera.global_position - camera.global_basis.z * GroundRay.distance(_scatter.ground, camera.global_position, -camera.global_basis.z)
+
+
+static func _tell(sentence: String) -> void:
+	EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
