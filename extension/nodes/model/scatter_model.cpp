@@ -105,6 +105,32 @@ void ScatterModel::set_scene_part(const String &p_path) {
 		return;
 	}
 	scene_part_ = p_path;
+	read_again();
+}
+
+void ScatterModel::set_replacement_materials(const Dictionary &p_materials) {
+	Dictionary materials; // A copy, because scripts share dictionaries.
+	const Array names = p_materials.keys();
+	for (int64_t index = 0; index < names.size(); ++index) {
+		const Variant &name = names[index];
+		const Ref<Material> material = p_materials[name];
+		const bool is_text = name.get_type() == Variant::STRING || name.get_type() == Variant::STRING_NAME;
+		if (!is_text || material.is_null()) {
+			ERR_PRINT(vformat(
+					"ScatterModel.replacement_materials must have the names of the scene's materials as keys, and a "
+					"Material for each; got %s for %s. The last value is kept.",
+					p_materials[name], name));
+			return;
+		}
+		materials[static_cast<String>(name)] = material;
+	}
+	materials.make_read_only();
+	replacement_materials_ = materials;
+	read_again();
+}
+
+/// After a change of how the scene is read.
+void ScatterModel::read_again() {
 	if (scene_.is_valid()) {
 		unread_ = scene_;
 		reader_ = nullptr;
@@ -118,7 +144,7 @@ bool ScatterModel::read_step() {
 		return false;
 	}
 	if (reader_ == nullptr) {
-		reader_ = std::make_shared<SceneReader>(unread_, scene_part_);
+		reader_ = std::make_shared<SceneReader>(unread_, scene_part_, replacement_materials_);
 	}
 	const std::shared_ptr<SceneReader> reader = reader_;
 	bool more = false;
@@ -188,7 +214,7 @@ bool ScatterModel::reload() {
 		ERR_PRINT(vformat("ScatterModel.scene: %s cannot be loaded.", path));
 		return false;
 	}
-	SceneReader reader(fresh, scene_part_);
+	SceneReader reader(fresh, scene_part_, replacement_materials_);
 	const Ref<PackedScene> scene = scene_;
 	while (reader.step()) {}
 	if (!(scene == scene_)) {
@@ -350,6 +376,8 @@ void ScatterModel::_bind_methods() {
 	bind_guarded<&Self::get_scene>(D_METHOD("get_scene"));
 	bind_guarded<&Self::set_scene_part>(D_METHOD("set_scene_part", "path"));
 	bind_guarded<&Self::get_scene_part>(D_METHOD("get_scene_part"));
+	bind_guarded<&Self::set_replacement_materials>(D_METHOD("set_replacement_materials", "materials"));
+	bind_guarded<&Self::get_replacement_materials>(D_METHOD("get_replacement_materials"));
 	bind_guarded<&Self::set_lods>(D_METHOD("set_lods", "lods"));
 	bind_guarded<&Self::get_lods>(D_METHOD("get_lods"));
 	bind_guarded<&Self::set_far_lods>(D_METHOD("set_far_lods", "lods"));
@@ -365,6 +393,8 @@ void ScatterModel::_bind_methods() {
 	ADD_PROPERTY(PropertyInfo(Variant::OBJECT, "scene", PROPERTY_HINT_RESOURCE_TYPE, "PackedScene"), "set_scene",
 			"get_scene");
 	ADD_PROPERTY(PropertyInfo(Variant::STRING, "scene_part"), "set_scene_part", "get_scene_part");
+	ADD_PROPERTY(PropertyInfo(Variant::DICTIONARY, "replacement_materials"), "set_replacement_materials",
+			"get_replacement_materials");
 	ADD_PROPERTY(PropertyInfo(Variant::ARRAY, "lods", PROPERTY_HINT_ARRAY_TYPE,
 						 vformat("%d/%d:ScatterLod", Variant::OBJECT, PROPERTY_HINT_RESOURCE_TYPE)),
 			"set_lods", "get_lods");

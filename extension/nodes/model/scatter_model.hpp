@@ -57,6 +57,11 @@ public:
 	void set_scene_part(const godot::String &p_path);
 	godot::String get_scene_part() const { return scene_part_; }
 
+	/// The materials to draw with in place of those of the scene, by the names of these (see material_name). Copied and
+	/// returned read-only. A wrong key or value is refused with an error.
+	void set_replacement_materials(const godot::Dictionary &p_materials);
+	godot::Dictionary get_replacement_materials() const { return replacement_materials_; }
+
 	/// Reads the next part of a scene that was set but is not fully read. Returns false if there was nothing to read.
 	/// Main thread only. Runs scripts in the scene, which may do anything, also with this model.
 	bool read_step();
@@ -117,6 +122,7 @@ private:
 		bool shape_transforms = false;
 	};
 
+	void read_again();
 	void read();
 	bool take_over(const SceneReading &reading, const godot::Ref<godot::PackedScene> &p_scene);
 	void finish_reading(const SceneReading &reading);
@@ -128,9 +134,10 @@ private:
 	godot::Ref<godot::PackedScene> source_; ///< The scene that the LODs were read from; null for LODs made by hand.
 	godot::Ref<godot::PackedScene> unread_; ///< The scene to read when the model is needed; null if there is none.
 	godot::String scene_part_;
-	godot::String source_part_;           ///< `scene_part_` when `source_` was read.
-	std::shared_ptr<SceneReader> reader_; ///< Reads `unread_`; null until its first step.
-	bool stepping_ = false;               ///< Set because a script in the scene may request this model.
+	godot::String source_part_;               ///< `scene_part_` when `source_` was read.
+	godot::Dictionary replacement_materials_; ///< Read-only.
+	std::shared_ptr<SceneReader> reader_;     ///< Reads `unread_`; null until its first step.
+	bool stepping_ = false;                   ///< Set because a script in the scene may request this model.
 	HandSet hand_set_;
 	godot::String problem_;
 	godot::TypedArray<ScatterLod> lods_;

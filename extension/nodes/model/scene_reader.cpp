@@ -71,10 +71,12 @@ public:
 	std::vector<ModelShape> shapes;
 	PackedStringArray remarks;
 	std::set<std::string> parameter_names; ///< The names of the instance shader parameters in the scene.
+	Dictionary replacements;               ///< Materials, by the names of those that they replace.
 
 	void remark(const String &p_sentence);
 
 private:
+	Ref<Material> drawn(const Ref<Material> &p_material, const Ref<Mesh> &p_mesh, int32_t p_surface) const;
 	void add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name);
 	void add_shape(CollisionShape3D *p_node, const Above &above);
 	void remark_on(Node *p_node);
@@ -138,6 +140,16 @@ std::vector<double> blend_weights_of(const MeshInstance3D &node) {
 	return at_rest ? std::vector<double>() : weights;
 }
 
+/// The material of a surface: `p_material`, or if it is null, that of the mesh, which is returned as null; or its replacement.
+Ref<Material> Walk::drawn(const Ref<Material> &p_material, const Ref<Mesh> &p_mesh, int32_t p_surface) const {
+	if (replacements.is_empty()) {
+		return p_material;
+	}
+	const Ref<Material> replaced = p_material.is_valid() ? p_material : p_mesh->surface_get_material(p_surface);
+	const Ref<Material> replacement = replacements.get(material_name(replaced), Variant());
+	return replaced.is_valid() && replacement.is_valid() ? replacement : p_material;
+}
+
 void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name) {
 	const Ref<Mesh> mesh = p_node->get_mesh();
 	if (mesh.is_null() || (mesh->get_surface_count() == 0 && !is_stripped(mesh))) {
@@ -159,7 +171,8 @@ void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &n
 	part.look = look_of(*p_node, parameter_names);
 	const Ref<Material> over_all = p_node->get_material_override();
 	for (int32_t surface = 0; surface < mesh->get_surface_count(); ++surface) {
-		part.part.materials.push_back(over_all.is_valid() ? over_all : p_node->get_surface_override_material(surface));
+		const Ref<Material> own = over_all.is_valid() ? over_all : p_node->get_surface_override_material(surface);
+		part.part.materials.push_back(drawn(own, mesh, surface));
 	}
 	part.range = {name.stem, above.lod, p_node->get_visibility_range_begin(), p_node->get_visibility_range_end()};
 	part.cast_shadow = static_cast<int64_t>(p_node->get_cast_shadows_setting());
@@ -336,10 +349,20 @@ struct SceneReader::Progress {
 	SceneReading result;
 };
 
-SceneReader::SceneReader(const Ref<PackedScene> &p_scene, const String &p_part) :
+String material_name(const Ref<Material> &p_material) {
+	if (p_material.is_null()) {
+		return {};
+	}
+	const String own = p_material->get_name();
+	const String path = p_material->get_path();
+	return own.is_empty() && !path.contains("::") ? path.get_file().get_basename() : own;
+}
+
+SceneReader::SceneReader(const Ref<PackedScene> &p_scene, const String &p_part, const Dictionary &p_materials) :
 		progress_(std::make_unique<Progress>()) {
 	progress_->scene = p_scene;
 	progress_->part = p_part;
+	progress_->walk.replacements = p_materials;
 }
 
 SceneReader::~SceneReader() = default;

@@ -2,8 +2,10 @@
 
 #include "nodes/model/scatter_lod.hpp"
 
+#include <godot_cpp/classes/material.hpp>
 #include <godot_cpp/classes/packed_scene.hpp>
 #include <godot_cpp/classes/shape3d.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 #include <godot_cpp/variant/string.hpp>
 #include <godot_cpp/variant/transform3d.hpp>
@@ -32,6 +34,9 @@ struct SceneReading {
 
 inline constexpr std::size_t max_model_parts = 256;
 
+/// The name of a material in ScatterModel.replacement_materials: its own, or that of its file; empty if it has neither.
+godot::String material_name(const godot::Ref<godot::Material> &p_material);
+
 /// The problem of a scene for which PackedScene.can_instantiate is false.
 inline constexpr const char *empty_scene = "it is empty, or cannot be instantiated";
 
@@ -42,7 +47,9 @@ inline constexpr const char *empty_scene = "it is empty, or cannot be instantiat
 /// the renderer.
 class SceneReader {
 public:
-	explicit SceneReader(const godot::Ref<godot::PackedScene> &p_scene, const godot::String &p_part = {});
+	/// `p_materials` has the materials to draw with in place of the scene's, by the names of these; see material_name.
+	explicit SceneReader(const godot::Ref<godot::PackedScene> &p_scene, const godot::String &p_part = {},
+			const godot::Dictionary &p_materials = {});
 	~SceneReader();
 	SceneReader(const SceneReader &) = delete;
 	SceneReader &operator=(const SceneReader &) = delete;
