@@ -45,6 +45,9 @@ func _process(_delta: float) -> void:
 	if _highlight.mesh != mesh:
 		_highlight.mesh = mesh
 		_highlight.material_override = _glow_of(mesh)
+	# The scatter sets the time on the renderer, for its own materials.
+	var time: Variant = RenderingServer.material_get_param(mesh.surface_get_material(0).get_rid(), &"wind_time")
+	RenderingServer.material_set_param(_highlight.material_override.get_rid(), &"wind_time", time)
 	_highlight.global_transform = tree.transform
 	var height := mesh.get_aabb().end.y * tree.transform.basis.get_scale().y
 	_looking.text = "%s, %.1f m tall, %.1f m away\nid %d\nF   fell" % [

@@ -59,6 +59,8 @@ func fall(direction: Vector3, ground: ScatterGround) -> void:
 func _wear(standing: ShaderMaterial) -> void:
 	_material = standing.duplicate()
 	_material.shader = FELLED
+	# The scatter sets the time on the renderer. The wind stands still in the falling tree.
+	_material.set_shader_parameter(&"wind_time", RenderingServer.material_get_param(standing.get_rid(), &"wind_time"))
 	_material.set_shader_parameter(&"rooted", _standing.origin)
 	_material.set_shader_parameter(&"cut_height", Stump.HEIGHT)
 	_body.material_override = _material

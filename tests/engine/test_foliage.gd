@@ -132,7 +132,15 @@ func test_wind_moves_the_top() -> void:
 	await create_timer(0.5).timeout
 	check_equal(lit(await picture()), before, "pixels after half a second without wind")
 	parameters[&"wind_strength"] = 1.0
-	(standing.mesh as QuadMesh).material = material(parameters)
+	var blowing := material(parameters)
+	(standing.mesh as QuadMesh).material = blowing
+	await create_timer(0.5).timeout
+	check_equal(lit(await picture()).size(), before.size(), "pixels while nothing sets the time")
+	var world := world_node()
+	world.set(&"wind_strength", 1.0)
+	world.set(&"wind_direction", Vector2(1.0, 0.0))
+	world.set(&"materials", [blowing] as Array[ShaderMaterial])
+	root.add_child(world)
 	var moved := 0
 	for look_number in 20: # Wind varies: a few pictures may all fall into lulls.
 		if look_number >= 3 and moved >= 2:
@@ -142,6 +150,18 @@ func test_wind_moves_the_top() -> void:
 		moved = maxi(moved, absi(now[0].x - before[0].x))
 		check(absi(now[-1].x - before[-1].x) <= 1, "the foot does not move")
 	check(moved >= 2, "the top moves by %d pixels" % moved)
+
+
+## The editor draws only after changes, and TIME in a shader is one in every frame.
+func test_a_plant_in_view_requests_no_frames() -> void:
+	look()
+	pane(material({&"wind_strength": 1.0}))
+	await frames(5)
+	var requested := 0
+	for frame in 10:
+		await RenderingServer.frame_post_draw
+		requested += int(RenderingServer.has_changed())
+	check_equal(requested, 0, "frames of 10 after which another one is needed")
 
 
 func test_a_body_bends_only_nearby_plants() -> void:
@@ -244,6 +264,31 @@ func test_the_world_node_sets_wind_and_bodies() -> void:
 	check_equal(one.get_shader_parameter(&"bend_count"), 16, "bodies out of 20")
 	var bodies: PackedVector4Array = one.get_shader_parameter(&"bend_bodies")
 	check_equal(bodies[3], Vector4(3.0, 0.0, 0.0, 0.6), "position and radius of a body")
+
+
+## In a game, a scatter moves its plants itself.
+func test_a_scatter_sets_the_time_of_its_materials() -> void:
+	var layer := make_layer(2.0)
+	var own := material({})
+	layer.meshes = [bush(own)]
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
+	await settle(scatter)
+	var early: float = RenderingServer.material_get_param(own.get_rid(), &"wind_time")
+	await create_timer(0.2).timeout
+	var late: float = RenderingServer.material_get_param(own.get_rid(), &"wind_time")
+	check(late - early > 0.1 and late - early < 2.0, "%.2f s have passed in 0.2 s" % (late - early))
+	check_equal(own.get_shader_parameter(&"wind_time"), 0.0, "the material itself is unchanged")
+
+
+func test_the_world_node_finds_multimeshes() -> void:
+	root.add_child(world_node())
+	var baked := MultiMeshInstance3D.new()
+	baked.multimesh = MultiMesh.new()
+	var own := material({})
+	baked.multimesh.mesh = bush(own)
+	root.add_child(baked)
+	check_equal(await blown([own]), [true], "the wind of a baked plant")
+	check(RenderingServer.material_get_param(own.get_rid(), &"wind_time") > 0.0, "and its time")
 
 
 func world_node() -> Node:

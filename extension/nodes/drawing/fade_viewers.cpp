@@ -4,9 +4,6 @@
 #include "nodes/layer/layer_materials.hpp"
 
 #include <godot_cpp/classes/rendering_server.hpp>
-#include <godot_cpp/classes/shader.hpp>
-#include <godot_cpp/classes/shader_material.hpp>
-#include <godot_cpp/core/object.hpp>
 #include <godot_cpp/variant/packed_float32_array.hpp>
 #include <godot_cpp/variant/string_name.hpp>
 #include <godot_cpp/variant/variant.hpp>
@@ -15,7 +12,6 @@
 
 #include <algorithm>
 #include <map>
-#include <utility>
 
 using namespace godot;
 
@@ -68,29 +64,10 @@ struct AllViewers {
 	}
 };
 
-bool takes_viewers(const Ref<Material> &material) {
-	const auto *with_shader = Object::cast_to<ShaderMaterial>(material.ptr());
-	const Ref<Shader> shader = with_shader != nullptr ? with_shader->get_shader() : Ref<Shader>();
-	return shader.is_valid() &&
-			RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), count_name).get_type() ==
-			Variant::INT;
-}
-
 } // namespace
 
 void FadeViewers::set_layers(std::span<const SharedSnapshot> layers) {
-	std::vector<Ref<Material>> materials;
-	for (const SharedSnapshot &layer : layers) {
-		if (layer == nullptr) {
-			continue;
-		}
-		for (const Ref<Material> &material : materials_of(layer->drawing)) {
-			if (takes_viewers(material) && std::ranges::find(materials, material) == materials.end()) {
-				materials.push_back(material);
-			}
-		}
-	}
-	materials_ = std::move(materials);
+	materials_ = materials_with(layers, count_name, Variant::INT);
 	written_ = 0;
 }
 

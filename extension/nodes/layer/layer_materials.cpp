@@ -80,6 +80,30 @@ std::vector<Ref<Material>> materials_of(const LayerDrawing &drawing) {
 	return materials;
 }
 
+std::vector<Ref<Material>> materials_with(
+		std::span<const SharedSnapshot> layers, const char *p_uniform, Variant::Type p_type) {
+	const auto has_uniform = [&](const Ref<Material> &material) {
+		const auto *with_shader = Object::cast_to<ShaderMaterial>(material.ptr());
+		const Ref<Shader> shader = with_shader != nullptr ? with_shader->get_shader() : Ref<Shader>();
+		return shader.is_valid() &&
+				RenderingServer::get_singleton()
+						->shader_get_parameter_default(shader->get_rid(), p_uniform)
+						.get_type() == p_type;
+	};
+	std::vector<Ref<Material>> result;
+	for (const SharedSnapshot &layer : layers) {
+		if (layer == nullptr) {
+			continue;
+		}
+		for (const Ref<Material> &material : materials_of(layer->drawing)) {
+			if (has_uniform(material) && std::ranges::find(result, material) == result.end()) {
+				result.push_back(material);
+			}
+		}
+	}
+	return result;
+}
+
 bool use_instance_uniforms(std::span<const Ref<Material>> materials) {
 	return std::ranges::any_of(materials, [](const Ref<Material> &material) {
 		const auto *own = Object::cast_to<ShaderMaterial>(material.ptr());

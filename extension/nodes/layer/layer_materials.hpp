@@ -14,6 +14,10 @@ namespace thicket {
 /// otherwise those of all surfaces of its meshes, their LODs and their shadow meshes.
 std::vector<godot::Ref<godot::Material>> materials_of(const LayerDrawing &drawing);
 
+/// The materials of all layers whose shader has a uniform with this name and type, without duplicates. Materials keep their order.
+std::vector<godot::Ref<godot::Material>> materials_with(
+		std::span<const SharedSnapshot> layers, const char *p_uniform, godot::Variant::Type p_type);
+
 /// True if any of the shaders declares an instance uniform, or includes the add-on's scatter_scale.gdshaderinc.
 bool use_instance_uniforms(std::span<const godot::Ref<godot::Material>> materials);
 

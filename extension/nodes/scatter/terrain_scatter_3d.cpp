@@ -118,6 +118,7 @@ void TerrainScatter3D::stop() {
 	stream->stop();
 	stream->take_events();
 	fade_viewers_.clear();
+	wind_time_.set_layers({});
 	used_.replace({});
 }
 
@@ -170,6 +171,7 @@ void TerrainScatter3D::work(Clock::time_point start) {
 	const Presence here(gameplay);
 	const std::chrono::microseconds budget(frame_budget_usec_);
 	if (!in_editor()) {
+		wind_time_.advance(get_process_delta_time(), Engine::get_singleton()->get_process_frames());
 		gameplay->advance(get_process_delta_time(), Engine::get_singleton()->get_process_frames());
 		if (!here) {
 			return;

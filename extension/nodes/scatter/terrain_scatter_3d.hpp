@@ -13,6 +13,7 @@
 #include "nodes/region/scatter_region_3d.hpp"
 #include "nodes/workers/build_at_once.hpp"
 #include "nodes/drawing/fade_viewers.hpp"
+#include "nodes/drawing/wind_time.hpp"
 #include "nodes/drawing/instance_load.hpp"
 #include "nodes/explain/layer_explainer.hpp"
 #include "nodes/scatter/layer_list.hpp"
@@ -381,6 +382,7 @@ private:
 	bool warned_of_stripped_ = false; ///< Set once the warning is printed.
 	LayerPreviews previews_;
 	FadeViewers fade_viewers_;
+	WindTime wind_time_;
 	RegionRegister regions_;
 	SharedLayers
 			former_layers_; ///< Those before the last change, until the signals for tiles that it has hidden were emitted.

@@ -242,6 +242,7 @@ void TerrainScatter3D::apply_changes() {
 			outdated, tile_maker());
 	stream->set_layers(layer_list_.snapshots(), outdated, {ground_snapshot_, {ground_, get_instance_id()}});
 	fade_viewers_.set_layers(layer_list_.snapshots());
+	wind_time_.set_layers(layer_list_.snapshots());
 	instance_load_.forget();
 	notice_load();
 	if (former != nullptr && former != ground_snapshot_) {

@@ -4,9 +4,9 @@ extends Node3D
 ## Sets wind and moving bodies on materials whose shader includes [code]foliage.gdshaderinc[/code].
 ##
 ## One node in a scene is enough. It works in the editor and in exported games, and needs no project setting. In the
-## editor it shows the wind but does not change the materials, so nothing is saved with them. Bodies have an effect only
-## in games. Without the native library, the node still updates [member materials]; for that reason, it uses none of the
-## library's classes as a type.
+## editor it does not change the materials, so nothing is saved with them, and plants stand still unless
+## [member animate_in_editor] is on. Bodies have an effect only in games. Without the native library, the node still
+## updates [member materials]; for that reason, it uses none of the library's classes as a type.
 ##
 ## @tutorial(Your own tree): res://addons/thicket/tutorials/your_own_tree.md
 
@@ -18,8 +18,9 @@ const MOST_BODIES := 16
 ## Materials that receive the wind and the bodies, in addition to those of scatters. Empty entries are ignored.
 @export var materials: Array[ShaderMaterial] = []
 ## If true, the materials of all [TerrainScatter3D]s in the tree receive them as well: those from [method ScatterLayer.get_materials] of each layer
-## whose shader includes [code]foliage.gdshaderinc[/code]. The materials are collected again when such a node is added or removed, and when its list
-## of layers or a layer changes. A changed shader of a material is only noticed at that time.
+## whose shader includes [code]foliage.gdshaderinc[/code]. So do the materials of [MultiMeshInstance3D]s, such as baked ones. The materials are
+## collected again when such a node is added or removed, and when a list of layers or a layer changes. A changed shader of a material is only
+## noticed at that time.
 @export var include_scatters := true:
 	set(value):
 		include_scatters = value
@@ -29,6 +30,8 @@ const MOST_BODIES := 16
 @export_range(0.0, 2.0) var wind_strength := 1.0
 ## The direction in which the wind blows: x and z of the world. Its length does not matter.
 @export var wind_direction := Vector2(1.0, 0.35)
+## If true, plants move in the editor, too. The editor then draws without a pause, which keeps a processor core and the graphics card busy.
+@export var animate_in_editor := false
 ## The group of the [Node3D]s that bend plants. If there are more than 16, the nearest to the camera are used.
 @export var bodies_group := &"scatter_interaction"
 ## The radius of each body in meters.
@@ -39,6 +42,11 @@ var _layers: Array[Resource] = []
 var _found: Array[ShaderMaterial] = []
 var _is_stale := false
 var _shown: Dictionary[ShaderMaterial, PackedStringArray] = {} ## The parameters set on the renderer in the editor.
+var _last_parameters := {} ## Set on the renderer in the editor, on these materials.
+var _last_materials: Array[ShaderMaterial] = []
+var _added: Array[MultiMeshInstance3D] = [] ## Nodes whose materials were not read yet.
+var _of_multimeshes: Array[ShaderMaterial] = []
+var _time := 0.0
 
 
 func _enter_tree() -> void:
@@ -51,33 +59,58 @@ func _exit_tree() -> void:
 		for parameter in _shown[material]:
 			RenderingServer.material_set_param(material.get_rid(), parameter, material.get_shader_parameter(parameter))
 	_shown.clear()
+	_last_parameters = {}
 
 
-func _process(_delta: float) -> void:
+func _process(delta: float) -> void:
 	for scatter in _scatters:
 		_is_stale = _is_stale or LibraryGate.layers_of(scatter) != _scatters[scatter]
 	if _is_stale:
 		_find_materials()
+	for node in _added:
+		if is_instance_valid(node):
+			_add_multimesh(node)
+	_added.clear()
 	var parameters := {&"wind_strength": wind_strength, &"wind_direction": wind_direction}
 	if not Engine.is_editor_hint():
 		var bodies := _bodies()
 		parameters[&"bend_count"] = bodies[0]
 		parameters[&"bend_bodies"] = bodies[1]
-	for list: Array[ShaderMaterial] in [materials, _found]:
-		for material in list:
-			if material:
-				_tell(material, parameters)
-
-
-## In the editor, a parameter that is set on a material would be saved with it, so only the renderer receives it.
-func _tell(material: ShaderMaterial, parameters: Dictionary) -> void:
-	for parameter: StringName in parameters:
-		if Engine.is_editor_hint():
-			RenderingServer.material_set_param(material.get_rid(), parameter, parameters[parameter])
-		else:
-			material.set_shader_parameter(parameter, parameters[parameter])
 	if Engine.is_editor_hint():
+		_show(parameters, delta)
+		return
+	_time = fmod(_time + delta, 3600.0)
+	for material in _all():
+		for parameter: StringName in parameters:
+			material.set_shader_parameter(parameter, parameters[parameter])
+		if material not in _found: # Otherwise its scatter sets the time.
+			RenderingServer.material_set_param(material.get_rid(), &"wind_time", _time)
+
+
+## In the editor, a parameter that is set on a material would be saved with it, so only the renderer receives it. It receives nothing while nothing
+## changes, because the editor would draw again.
+func _show(parameters: Dictionary, delta: float) -> void:
+	if animate_in_editor:
+		_time = fmod(_time + delta, 3600.0)
+		parameters[&"wind_time"] = _time
+	var all := _all()
+	if parameters == _last_parameters and all == _last_materials:
+		return
+	_last_parameters = parameters
+	_last_materials = all
+	for material in all:
+		for parameter: StringName in parameters:
+			RenderingServer.material_set_param(material.get_rid(), parameter, parameters[parameter])
 		_shown[material] = PackedStringArray(parameters.keys())
+
+
+func _all() -> Array[ShaderMaterial]:
+	var all: Array[ShaderMaterial] = []
+	for list: Array[ShaderMaterial] in [materials, _found, _of_multimeshes]:
+		for material in list:
+			if material and material not in all:
+				all.append(material)
+	return all
 
 
 ## Starts or stops watching for scatters that are added and removed, including those already in the tree.
@@ -90,11 +123,15 @@ func _watch_tree(watch: bool) -> void:
 		tree.node_removed.connect(_on_node_removed)
 		for scatter in _top().find_children("*", LibraryGate.SCATTER, true, false):
 			_on_node_added(scatter)
+		for multimesh in _top().find_children("*", "MultiMeshInstance3D", true, false):
+			_on_node_added(multimesh)
 		_on_node_added(_top())
 	else:
 		tree.node_added.disconnect(_on_node_added)
 		tree.node_removed.disconnect(_on_node_removed)
 		_scatters.clear()
+		_added.clear()
+		_of_multimeshes.clear()
 		_find_materials()
 
 
@@ -110,6 +147,8 @@ func _on_node_added(node: Node) -> void:
 	if LibraryGate.is_scatter(node):
 		_scatters[node] = []
 		_is_stale = true
+	elif node is MultiMeshInstance3D:
+		_added.append(node as MultiMeshInstance3D)
 
 
 func _on_node_removed(node: Node) -> void:
@@ -134,14 +173,20 @@ func _find_materials() -> void:
 			if layer and layer not in _layers:
 				_layers.append(layer)
 				layer.changed.connect(_on_layer_changed)
-				_add_materials(layer)
+				for material in LibraryGate.materials_of(layer):
+					_add_material(material, _found)
 
 
-func _add_materials(layer: Resource) -> void:
-	for material in LibraryGate.materials_of(layer):
-		var with_shader := material as ShaderMaterial
-		if with_shader and with_shader not in _found and _is_foliage(with_shader.shader):
-			_found.append(with_shader)
+func _add_multimesh(node: MultiMeshInstance3D) -> void:
+	var mesh := node.multimesh.mesh if node.multimesh else null
+	for surface in (mesh.get_surface_count() if mesh else 0):
+		_add_material(node.material_override if node.material_override else mesh.surface_get_material(surface), _of_multimeshes)
+
+
+func _add_material(material: Material, list: Array[ShaderMaterial]) -> void:
+	var with_shader := material as ShaderMaterial
+	if with_shader and with_shader not in list and _is_foliage(with_shader.shader):
+		list.append(with_shader)
 
 
 func _is_foliage(shader: Shader) -> bool:
