@@ -8,12 +8,11 @@ static func take(game: Node3D, scatter: TerrainScatter3D, file: String) -> void:
 	var tree := game.get_tree()
 	tree.root.size = SIZE
 	var preset: Node = load("res://addons/thicket/presets/forest.tscn").instantiate()
-	var spruce: ScatterLayer = preset.layers[0]
-	scatter.layers[0].meshes = spruce.meshes + preset.layers[1].meshes
+	scatter.layers[0].meshes = preset.layers[0].meshes.slice(0, 1) + preset.layers[2].meshes.slice(0, 1)
 	scatter.layers[0].min_scale = 1.1
 	scatter.layers[0].max_scale = 1.7
 	scatter.layers[0].max_yaw_degrees = 360.0
-	scatter.layers[0].view_distance = 400.0
+	scatter.layers[0].view_distance = 250.0
 	for material: ShaderMaterial in scatter.layers[0].get_materials():
 		material.set_shader_parameter(&"wind_strength", 0.0) # Makes two pictures identical.
 	preset.free()
@@ -32,9 +31,11 @@ static func take(game: Node3D, scatter: TerrainScatter3D, file: String) -> void:
 	game.add_child(air)
 	for sun: DirectionalLight3D in game.find_children("*", "DirectionalLight3D", true, false):
 		sun.shadow_enabled = true
+	RenderingServer.render_loop_enabled = false # A software renderer needs seconds for a frame.
 	await tree.process_frame
 	while not scatter.is_settled():
 		await tree.process_frame
+	RenderingServer.render_loop_enabled = true
 	for frame in 4:
 		await RenderingServer.frame_post_draw
 	tree.root.get_texture().get_image().save_png(file)

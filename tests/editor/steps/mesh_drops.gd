@@ -14,6 +14,7 @@ func save_pine(crown_size: float) -> void:
 		instance.name = part[0]
 		instance.mesh = part[1]
 		instance.mesh.material = StandardMaterial3D.new()
+		instance.mesh.material.resource_name = part[0]
 		instance.position.y = part[2]
 		pine.add_child(instance)
 		instance.owner = pine
@@ -72,6 +73,7 @@ func drop() -> void:
 	await undo_last(layer)
 	check_equal(layer.meshes.size(), 1, "undone")
 	await choose_kinds(layer)
+	await make_foliage(layer)
 	await split_a_pack(layer)
 
 	save_pine(4.0)
@@ -101,6 +103,35 @@ func choose_kinds(layer: Resource) -> void:
 	for step in 4:
 		await undo_last(layer)
 	check(layer.radius == radius and layer.clump_size == 0.0, "undone")
+
+
+## Standard materials become foliage materials in files beside the scene. Undo removes them.
+func make_foliage(layer: Resource) -> void:
+	await inspect(scatter)
+	await inspect(layer)
+	var packed: Resource = layer.meshes[0]
+	await click_at(center_of(kind_button("Make Foliage Materials")))
+	await settle(scatter)
+	var model: Resource = layer.meshes[0]
+	check_equal(model.get_class(), "ScatterModel", "the scene is in a model")
+	check_equal(model.scene, packed, "which refers to it")
+	check_equal(model.replacement_materials.keys(), ["Trunk", "Crown"], "both materials are replaced")
+	var drawn: Array = layer.get_materials()
+	check(drawn.size() == 2 and drawn.all(func(material: Material) -> bool: return material is ShaderMaterial), "drawn with %s" % [drawn])
+	var files := drawn.map(func(material: Material) -> String: return material.resource_path)
+	check_equal(files, ["res://demo_pine_trunk.tres", "res://demo_pine_crown.tres"], "files beside the scene")
+	check(drawn[0].get_shader_parameter(&"sway_height") > 3.0, "it sways by its height")
+	check(inspector_button("Make Foliage Materials") == null or await foliage_is_done(layer), "nothing is left to convert")
+	await picture("foliage")
+	await undo_last(layer)
+	check_equal(layer.meshes[0], packed, "undone")
+	check(not files.any(FileAccess.file_exists), "the files are removed")
+
+
+func foliage_is_done(layer: Resource) -> bool:
+	await inspect(scatter)
+	await inspect(layer)
+	return inspector_button("Make Foliage Materials") == null
 
 
 func kind_button(text: String) -> Button:

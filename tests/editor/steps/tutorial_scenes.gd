@@ -154,14 +154,6 @@ func add_scatter() -> void:
 	await select(scatter)
 
 
-## Sets external materials in the import settings, like the import dialog.
-func import_with(materials: Dictionary) -> void:
-	var chosen := {}
-	for title: String in materials:
-		chosen[title] = {"use_external/enabled": true, "use_external/path": materials[title]}
-	await import_as(OAK, {"_subresources": {"materials": chosen}})
-
-
 func import_as(path: String, parameters: Dictionary) -> void:
 	var settings := ConfigFile.new()
 	check_equal(settings.load(path + ".import"), OK, "%s was imported" % path)
@@ -172,17 +164,6 @@ func import_as(path: String, parameters: Dictionary) -> void:
 	EditorInterface.get_resource_filesystem().reimport_files([path])
 	await frames(5)
 	RenderingServer.render_loop_enabled = false
-
-
-func foliage(path: String, parameters: Dictionary) -> Material:
-	DirAccess.copy_absolute("res://addons/thicket/shaders/foliage.tres", path)
-	var made := load(path) as ShaderMaterial
-	made.set_shader_parameter(&"albedo_texture", load("res://pack/oak.png"))
-	made.set_shader_parameter(&"sway_height", 14.0)
-	for parameter: StringName in parameters:
-		made.set_shader_parameter(parameter, parameters[parameter])
-	check_equal(ResourceSaver.save(made, path), OK, "a copy of the material")
-	return made
 
 
 func menu_of_regions(section: String, item: String) -> int:

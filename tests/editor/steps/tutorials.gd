@@ -15,7 +15,7 @@ func test_first_forest() -> void:
 	panel()._on_add(panel().Add.FIRST_PRESET)
 	await settle(scatter)
 	await wait_for_panel()
-	check_equal(scatter.layers.size(), 6, "five kinds of plants, and stones")
+	check_equal(scatter.layers.size(), 8, "six kinds of plants, stones and deadwood")
 	for each: Resource in scatter.layers:
 		check(scatter.get_shown_count(each) > 10, "%d of %s" % [scatter.get_shown_count(each), each.resource_name])
 	var before: int = scatter.get_shown_count(scatter.layers[0])
@@ -50,13 +50,20 @@ func test_your_own_tree() -> void:
 	check_equal(model.lods.size(), 3, "with its LODs")
 	check_equal(oak.collision_shape, ClassDB.class_get_integer_constant(&"ScatterLayer", &"COLLISION_MODEL"), "it uses the model's shape")
 	check(oak.get_materials().all(func(material: Material) -> bool: return material is StandardMaterial3D), "with the materials of the file")
-	var leaves := foliage("res://leaves.tres", {})
-	var bark := foliage("res://bark.tres", {&"wind_flutter": 0.0, &"backlight": 0.0})
-	await import_with({"Leaves": "res://leaves.tres", "Bark": "res://bark.tres"})
+	EditorInterface.inspect_object(oak, "", true)
+	await frames(5)
+	for button: Button in EditorInterface.get_inspector().find_children("*", "Button", true, false):
+		if button.text == "Make Foliage Materials":
+			await click_at(middle(button))
 	await settle(scatter)
 	var materials: Array = oak.get_materials()
-	check(materials.has(leaves) and materials.has(bark), "with the foliage materials after the import: %s" % [materials])
-	check(materials.all(func(material: Material) -> bool: return material is ShaderMaterial), "on all LODs")
+	var files := materials.map(func(material: Material) -> String: return material.resource_path.get_file())
+	files.sort()
+	check_equal(files, ["own_oak_bark.tres", "own_oak_leaves.tres"], "the foliage materials, on all LODs")
+	for material: ShaderMaterial in materials:
+		material.set_shader_parameter(&"albedo", Color.WHITE)
+		material.set_shader_parameter(&"albedo_texture", load("res://pack/oak.png"))
+		material.set_shader_parameter(&"alpha_scissor", 0.5)
 	oak.min_scale = 0.8
 	oak.max_scale = 1.2
 	oak.height_offset = -0.1

@@ -3,6 +3,7 @@ extends VBoxContainer
 ## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files next to the scene, and makes each the
 ## last LOD of its mesh, with undo.
 
+const FoliageButton := preload("res://addons/thicket/editor/inspector/foliage_button.gd")
 const Job := preload("res://addons/thicket/bake_impostors.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
@@ -39,7 +40,7 @@ func press() -> void:
 		job.cancel()
 		_end(false, "Cancelled: no impostor was baked.")
 		return
-	var path := _place()
+	var path := FoliageButton.place_of(_layer)
 	if path.is_empty():
 		_end(false, "The scene has no file yet. Save the scene first: impostors go into files beside it.")
 	elif job.begin(_layer, path.get_base_dir(), path.get_file()) != OK:
@@ -93,18 +94,6 @@ func _add_files(undo: EditorUndoRedoManager) -> void:
 func _exit_tree() -> void:
 	job.cancel()
 	set_process(false)
-
-
-## The path with which the names of files begin: next to the scene, or next to the layer's own file. Empty if there is no such path.
-func _place() -> String:
-	var root := EditorInterface.get_edited_scene_root()
-	var owner := _layer.resource_path.get_slice("::", 0)
-	if owner.is_empty() and root != null:
-		owner = root.scene_file_path
-	if owner.is_empty():
-		return ""
-	var name := _layer.resource_name.to_snake_case().validate_filename()
-	return "%s_%s" % [owner.get_basename(), name if not name.is_empty() else "layer"]
 
 
 func _end(written: bool, problem: String) -> void:

@@ -1,8 +1,9 @@
 @tool
 extends EditorInspectorPlugin
 ## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are dropped on them.
-## Buttons fit a layer to what its meshes are, and split packs of models. A button above a layer's LODs bakes impostors.
+## Buttons fit a layer to what its meshes are, split packs of models, and make foliage materials. A button above a layer's LODs bakes impostors.
 
+const FoliageButton := preload("res://addons/thicket/editor/inspector/foliage_button.gd")
 const KindButtons := preload("res://addons/thicket/editor/inspector/kind_buttons.gd")
 const LayerProperty := preload("res://addons/thicket/editor/inspector/layer_property.gd")
 const LayerListProperty := preload("res://addons/thicket/editor/inspector/layer_list_property.gd")
@@ -30,6 +31,7 @@ func _parse_begin(object: Object) -> void:
 	if object is ScatterLayer and not (object as ScatterLayer).meshes.is_empty():
 		add_custom_control(KindButtons.new(object as ScatterLayer))
 		add_custom_control(SplitButton.new(object as ScatterLayer))
+		add_custom_control(FoliageButton.new(object as ScatterLayer, _files))
 
 
 func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: PropertyHint, _hint_string: String,
