@@ -2,7 +2,7 @@ extends "harness.gd"
 ## The files that the add-on's bake writes, without an editor, and the point where its brush hits the ground.
 
 const Bake := preload("res://addons/thicket/bake.gd")
-const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
 const FOLDER := "res://baked/deep"
 const SCENE := FOLDER + "/wood.tscn"

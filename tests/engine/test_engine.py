@@ -172,6 +172,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_build_rect",
         "test_kept_points",
         "test_presets",
+        "test_debug_overlay",
         "test_impostors",
         pytest.param("test_response", marks=pytest.mark.alone),
     ],

@@ -6,7 +6,7 @@ const Brush := preload("res://addons/thicket/editor/brush/brush.gd")
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const FirstStroke := preload("res://addons/thicket/editor/brush/first_stroke.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
-const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 const MaskOverlay := preload("res://addons/thicket/editor/brush/mask_overlay.gd")
 
 const RADIUS_STEP := 1.15

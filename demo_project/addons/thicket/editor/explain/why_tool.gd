@@ -4,17 +4,17 @@ extends "res://addons/thicket/editor/scatter_tool.gd"
 ## color the ground by density, slope or rank.
 
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
-const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 const RuleOverlay := preload("res://addons/thicket/editor/explain/rule_overlay.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
-const WhyPanel := preload("res://addons/thicket/editor/explain/why_panel.gd")
+const WhyRows := preload("res://addons/thicket/why_rows.gd")
 
 ## The minimum time in milliseconds between two explanations while the mouse moves.
 const PAUSE := 80
 ## The distance in pixels from the pin within which a click removes it.
 const NEAR := 24.0
 
-var panel := WhyPanel.new()
+var panel := WhyRows.new()
 var overlay := RuleOverlay.new()
 ## The world position of the pin, in meters; [constant Vector3.INF] while the panel follows the mouse.
 var pinned := Vector3.INF

@@ -2,7 +2,7 @@
 extends RefCounted
 ## The position on the ground below the mouse, and the shapes that a tool draws there over the view.
 
-const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
 const SIDES := 64
 const PIECES := 24

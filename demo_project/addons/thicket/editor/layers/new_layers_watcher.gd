@@ -3,7 +3,7 @@ extends RefCounted
 ## Watches layers that were added until their instances are placed. Tells which of them have no instance or little room, and which older
 ## layers have lost instances to them.
 
-const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
 ## A new layer has little room if at least this share of its points is too close to other layers. The share is measured at this number of
 ## positions, within so many radii of the layer around the point that the view looks at.

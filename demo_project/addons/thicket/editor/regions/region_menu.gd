@@ -2,7 +2,7 @@
 extends MenuButton
 ## Adds a region below the scatter: on the ground in the middle of the view, or, for a polygon, by clicking its corners.
 
-const GroundRay := preload("res://addons/thicket/editor/ground/ground_ray.gd")
+const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
 ## The user wants to draw a polygon that excludes or includes.
 signal polygon_requested(exclude: bool)

@@ -1,6 +1,7 @@
 @tool
 extends RefCounted
-## The text that the Why tool shows next to the mouse: for each layer a line with a sentence that explains why the layer has an instance there or not.
+## The text of the Why tool and of the debug overlay: for each layer a line with a sentence that explains why the layer has an instance at a position or
+## not. Games without the library may contain this script, so it names no class of the library.
 
 const MOST_LINES := 12
 const WIDTH := 560.0
@@ -13,18 +14,18 @@ const DIM := Color(0.92, 0.92, 0.92, 0.65)
 var rows: Array[Array] = []
 
 
-## Shows the layers of a scatter from the result of [method TerrainScatter3D.explain_position]. For the layer
-## [param chosen], all rules are listed.
-func fill(explanations: Array, chosen: ScatterLayer) -> void:
+## Shows the layers of a scatter from the result of [method TerrainScatter3D.explain_position]. For the [code]ScatterLayer[/code] [param chosen], all
+## rules are listed; null lists no rules.
+func fill(explanations: Array, chosen: Resource) -> void:
 	rows.clear()
 	# The chosen layer is first, so that it is never among the omitted ones.
-	var ordered := explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer == chosen)
-	ordered.append_array(explanations.filter(func(explanation: ScatterExplanation) -> bool: return explanation.layer != chosen))
+	var ordered := explanations.filter(func(explanation: RefCounted) -> bool: return explanation.get(&"layer") == chosen)
+	ordered.append_array(explanations.filter(func(explanation: RefCounted) -> bool: return explanation.get(&"layer") != chosen))
 	for index in ordered.size():
 		if rows.size() >= MOST_LINES:
 			rows.append([DIM, "… and %d more layers" % (ordered.size() - index)])
 			break
-		var explanation: ScatterExplanation = ordered[index]
+		var explanation: Variant = ordered[index]
 		var yes: bool = str(explanation.refused_by).is_empty()
 		var name: String = explanation.layer_name if explanation.layer_name else "Layer %d" % explanations.find(explanation)
 		rows.append([YES if yes else NO, "%s %s: %s" % ["✓" if yes else "✗", name, explanation.reason]])

@@ -1,6 +1,7 @@
 @tool
 extends RefCounted
-## Finds where a ray meets the ground of a [code]ScatterGround[/code].
+## Finds where a ray meets the ground of a [code]ScatterGround[/code]. Games without the library may contain this script, so it names no class of the
+## library.
 
 ## In meters: the longest ray, and the shortest and longest step along it.
 const REACH := 20000.0
@@ -13,7 +14,7 @@ const HALVINGS := 24
 ## Returns the first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is none. [param
 ## direction] has a length of 1. A step is half the height of the ray above the ground. So the ray only misses a ridge if the ground is steeper than
 ## 60 degrees and the ray grazes it. Queries the ground some hundred times.
-static func hit(ground: ScatterGround, from: Vector3, direction: Vector3) -> Vector3:
+static func hit(ground: Resource, from: Vector3, direction: Vector3) -> Vector3:
 	var at := 0.0
 	var last := NAN
 	var last_at := 0.0
@@ -32,16 +33,16 @@ static func hit(ground: ScatterGround, from: Vector3, direction: Vector3) -> Vec
 
 
 ## Returns the meters to the ground along a ray, at most 1000; 100 if there is no ground.
-static func distance(ground: ScatterGround, from: Vector3, direction: Vector3) -> float:
+static func distance(ground: Resource, from: Vector3, direction: Vector3) -> float:
 	var position := hit(ground, from, direction)
 	return minf(position.distance_to(from), 1000.0) if position.is_finite() else 100.0
 
 
-static func _above(ground: ScatterGround, position: Vector3) -> float:
-	return position.y - ground.get_height(position)
+static func _above(ground: Resource, position: Vector3) -> float:
+	return position.y - float(ground.call(&"get_height", position))
 
 
-static func _refine(ground: ScatterGround, from: Vector3, direction: Vector3, above_at: float, below_at: float) -> Vector3:
+static func _refine(ground: Resource, from: Vector3, direction: Vector3, above_at: float, below_at: float) -> Vector3:
 	for halving in HALVINGS:
 		var middle := 0.5 * (above_at + below_at)
 		if _above(ground, from + direction * middle) > 0.0:

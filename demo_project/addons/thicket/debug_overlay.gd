@@ -1,0 +1,138 @@
+class_name ScatterDebugOverlay
+extends CanvasLayer
+## Shows what the scatters of a game do: instances, milliseconds, draw calls, tiles in work, and at the middle of the screen, why something grows there or
+## not.
+##
+## Add it to a scene, and press [member toggle_key] in the game. It is hidden at first, and costs nothing while it is hidden. It works in release
+## builds, too; leave it out of them, or set [member toggle_key] to [constant KEY_NONE], if players should not see it. Without the native library, it
+## only shows that there is none.
+
+const LibraryGate := preload("res://addons/thicket/library_gate.gd")
+const GroundRay := preload("res://addons/thicket/ground_ray.gd")
+const WhyRows := preload("res://addons/thicket/why_rows.gd")
+
+## Seconds between two updates.
+const INTERVAL := 0.25
+const MARGIN := 14.0
+const BACKGROUND := Color(0.0, 0.0, 0.0, 0.72)
+const TEXT := Color(0.92, 0.92, 0.92)
+## Meters to a position that the view looks at, if it looks at no ground.
+const REACH := 1000.0
+
+## The key that shows and hides the overlay.
+@export var toggle_key: Key = KEY_F3
+## If true, the overlay explains the position at the middle of the screen.
+@export var explain := true
+
+## The lines of the overlay at the last update.
+var lines := PackedStringArray()
+
+var _canvas := Control.new()
+var _why := WhyRows.new()
+var _since := INF
+
+
+func _init() -> void:
+	layer = 100
+	visible = false
+
+
+func _ready() -> void:
+	_canvas.set_anchors_preset(Control.PRESET_FULL_RECT)
+	_canvas.mouse_filter = Control.MOUSE_FILTER_IGNORE
+	_canvas.draw.connect(_draw_all)
+	add_child(_canvas)
+	visibility_changed.connect(_on_visibility_changed)
+	_on_visibility_changed()
+
+
+func _input(event: InputEvent) -> void:
+	var key := event as InputEventKey
+	if key and key.pressed and not key.echo and toggle_key != KEY_NONE and key.keycode == toggle_key:
+		visible = not visible
+
+
+func _process(delta: float) -> void:
+	_since += delta
+	if _since >= INTERVAL:
+		_since = 0.0
+		update()
+
+
+## Reads all figures again, also while the overlay is hidden.
+func update() -> void:
+	lines.clear()
+	_why.rows.clear()
+	lines.append("%d fps, %d draw calls of all nodes" % [
+		Engine.get_frames_per_second(), RenderingServer.get_rendering_info(RenderingServer.RENDERING_INFO_TOTAL_DRAW_CALLS_IN_FRAME)])
+	if not LibraryGate.is_open():
+		lines.append(LibraryGate.problem())
+	var scatters := get_tree().root.find_children("*", LibraryGate.SCATTER, true, false)
+	for scatter in scatters:
+		_add_scatter(scatter as Node3D)
+	if explain:
+		_explain(scatters)
+	_canvas.queue_redraw()
+
+
+func _add_scatter(scatter: Node3D) -> void:
+	var stats: Dictionary = scatter.call(&"get_stats")
+	var camera := get_viewport().get_camera_3d()
+	var drawn: Dictionary = scatter.call(&"get_draw_stats", camera)
+	var in_work: int = stats.waiting + stats.pending + stats.uploading
+	lines.append("")
+	lines.append("%s: %.2f ms on the main thread%s" % [scatter.name, stats.frame_usec / 1000.0, "" if scatter.is_visible_in_tree() else ", hidden"])
+	lines.append("  %s instances in %d tiles, %d tiles in work" % [_grouped(stats.instances), stats.tiles, in_work])
+	lines.append("  in view: %s instances, %s triangles, %d draw calls" % [_grouped(drawn.instances), _grouped(drawn.triangles), drawn.draw_calls])
+	lines.append("  %d bodies, %d scenes, %.1f MiB" % [stats.bodies, stats.scenes, stats.instance_bytes / 1048576.0])
+	for each in LibraryGate.layers_of(scatter):
+		if each:
+			lines.append("    %s  %s" % [_grouped(scatter.call(&"get_shown_count", each)).lpad(9), each.resource_name])
+
+
+## Explains the position on the ground that is nearest along the view, and names the instance that the view meets.
+func _explain(scatters: Array[Node]) -> void:
+	var camera := get_viewport().get_camera_3d()
+	if camera == null:
+		return
+	var from := camera.global_position
+	var toward := -camera.global_basis.z
+	var nearest := REACH
+	for scatter in scatters:
+		var ground: Resource = scatter.get(&"ground")
+		var away := GroundRay.distance(ground, from, toward) if ground else REACH
+		if away >= nearest:
+			continue
+		nearest = away
+		_why.fill(scatter.call(&"explain_position", from + toward * away), null)
+		var met: Variant = scatter.call(&"query_ray", from, from + toward * away)
+		if met != null:
+			_why.rows.push_front([WhyRows.PLAIN, "%s, id %d, at %.1f m" % [met.layer.resource_name, met.id, met.distance]])
+
+
+func _on_visibility_changed() -> void:
+	set_process(visible)
+	_since = INF
+
+
+func _draw_all() -> void:
+	var font := ThemeDB.fallback_font
+	var size := ThemeDB.fallback_font_size
+	var text := "\n".join(lines)
+	var extent := font.get_multiline_string_size(text, HORIZONTAL_ALIGNMENT_LEFT, -1, size)
+	_canvas.draw_rect(Rect2(Vector2(MARGIN, MARGIN), extent + Vector2(20.0, 16.0)), BACKGROUND)
+	var at := Vector2(MARGIN + 10.0, MARGIN + 8.0 + font.get_ascent(size))
+	_canvas.draw_multiline_string(font, at, text, HORIZONTAL_ALIGNMENT_LEFT, -1, size, -1, TEXT)
+	if not _why.rows.is_empty():
+		var middle := _canvas.size * 0.5
+		for axis: Vector2 in [Vector2(8.0, 0.0), Vector2(0.0, 8.0)]:
+			_canvas.draw_line(middle - axis, middle + axis, TEXT, 1.0)
+		_why.draw(_canvas, middle, false)
+
+
+## 1234567 as 1,234,567.
+static func _grouped(number: int) -> String:
+	var digits := str(number)
+	for at in range(digits.length() - 3, 0, -3):
+		digits = digits.insert(at, ",")
+	return digits
