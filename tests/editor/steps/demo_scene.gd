@@ -299,6 +299,33 @@ func test_gizmos() -> void:
 	await run_part(preload("res://tests/region_handles.gd").new(), &"drag_all")
 
 
+## Water is drawn as a plane while the scatter is selected, and a handle changes its level.
+func test_water() -> void:
+	select(scatter)
+	await settle(scatter)
+	var level: float = ground.get_height(Vector3(LOOKED_AT.x, 0.0, LOOKED_AT.y)) - 6.0
+	scatter.water_level = level
+	scatter.water_enabled = true
+	await settle(scatter)
+	await frames(30)
+	await picture("water")
+	for gizmo: EditorNode3DGizmo in scatter.get_gizmos():
+		var gizmos := gizmo.get_plugin()
+		if gizmos.call(&"_get_gizmo_name") != "TerrainScatter3D Water":
+			continue
+		var middle: Vector2 = gizmos._area().get_center()
+		var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
+		check_equal(gizmos._get_handle_value(gizmo, 0, false), level, "the handle's value")
+		gizmos._set_handle(gizmo, 0, false, camera, camera.unproject_position(Vector3(middle.x, level + 3.0, middle.y)))
+		gizmos._commit_handle(gizmo, 0, false, level, false)
+		check(absf(scatter.water_level - level - 3.0) < 0.05, "dragged by 3 m: %f" % (scatter.water_level - level))
+		history(scatter).undo()
+		check_equal(scatter.water_level, level, "undone")
+		scatter.water_enabled = false
+		return
+	check(false, "the water has a gizmo")
+
+
 ## Properties that refer to layers offer a list of layers.
 func test_choosing_layers() -> void:
 	await run_part(preload("res://tests/layer_choices.gd").new(), &"choose")

@@ -18,6 +18,7 @@ const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layer
 const ServerExport := preload("res://addons/thicket/editor/export/server_export.gd")
 const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
+const WaterGizmos := preload("res://addons/thicket/editor/ground/water_gizmos.gd")
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 
 ## The item of the menu Project > Tools that opens the tutorials.
@@ -42,6 +43,7 @@ var tutorials: Tutorials
 var _plugin: EditorPlugin
 var _regions := RegionGizmos.new()
 var _extent := ExtentGizmos.new()
+var _water := WaterGizmos.new()
 var _inspector: LayerInspector
 var _new_layers := NewLayersWatcher.new()
 var _help_links: HelpLinks
@@ -88,6 +90,8 @@ func _init(plugin: EditorPlugin) -> void:
 	_regions.undo_redo = undo_redo
 	plugin.add_node_3d_gizmo_plugin(_regions)
 	plugin.add_node_3d_gizmo_plugin(_extent)
+	_water.undo_redo = undo_redo
+	plugin.add_node_3d_gizmo_plugin(_water)
 	_inspector = LayerInspector.new(toolbar.paint.brush.files)
 	plugin.add_inspector_plugin(_inspector)
 	plugin.add_export_plugin(_server_export)
@@ -105,6 +109,7 @@ func leave() -> void:
 	_help_links.leave()
 	_plugin.remove_export_plugin(_server_export)
 	_plugin.remove_inspector_plugin(_inspector)
+	_plugin.remove_node_3d_gizmo_plugin(_water)
 	_plugin.remove_node_3d_gizmo_plugin(_extent)
 	_plugin.remove_node_3d_gizmo_plugin(_regions)
 	_plugin.remove_control_from_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, toolbar)
@@ -130,6 +135,7 @@ func edit(object: Object) -> void:
 	toolbar.set_scatter(_scatter)
 	dock.set_scatter(_scatter)
 	_extent.scatter = _scatter
+	_water.scatter = _scatter
 	for node: TerrainScatter3D in [last, _scatter]:
 		if is_instance_valid(node):
 			node.update_gizmos()
@@ -184,9 +190,9 @@ func process(delta: float) -> void:
 		tool.look()
 
 
-## The data of a scatter that the extent and the toolbar show.
+## The data of a scatter that the gizmos and the toolbar show.
 func _state(scatter: TerrainScatter3D) -> Array:
-	var state: Array = [scatter, scatter.global_transform, scatter.ground]
+	var state: Array = [scatter, scatter.global_transform, scatter.ground, scatter.water_enabled, scatter.water_level]
 	for layer in ScatterLayers.of(scatter):
 		state.append_array([layer, layer.resource_name if layer != null else ""])
 	# Tiles are added and removed as the camera moves; the line is updated when they have settled.

@@ -1,0 +1,91 @@
+@tool
+extends EditorNode3DGizmoPlugin
+## Draws the water of the selected [code]TerrainScatter3D[/code] as a plane over its tiles, with a handle in its middle that changes the level.
+
+const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
+const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
+
+const COLOR := Color(0.25, 0.55, 0.95, 0.35)
+## Meters from the middle to the sides if no tile is shown.
+const REACH := 100.0
+## The step of the level in meters without snapping.
+const STEP := 0.01
+
+var undo_redo: EditorUndoRedoManager
+## The selected scatter; no other is drawn.
+var scatter: TerrainScatter3D
+
+var _material := StandardMaterial3D.new()
+
+
+func _init() -> void:
+	_material.albedo_color = COLOR
+	_material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA
+	_material.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED
+	_material.cull_mode = BaseMaterial3D.CULL_DISABLED
+	create_handle_material("handles")
+
+
+func _get_gizmo_name() -> String:
+	return "TerrainScatter3D Water"
+
+
+func _has_gizmo(node: Node3D) -> bool:
+	return node is TerrainScatter3D
+
+
+func _redraw(gizmo: EditorNode3DGizmo) -> void:
+	gizmo.clear()
+	if gizmo.get_node_3d() != scatter or not scatter.water_enabled:
+		return
+	var area := _area()
+	var mesh := PlaneMesh.new()
+	mesh.size = area.size
+	var middle := Vector3(area.get_center().x, scatter.water_level, area.get_center().y)
+	# The water does not move with the node.
+	var to_node := scatter.global_transform.affine_inverse()
+	gizmo.add_mesh(mesh, _material, to_node * Transform3D(Basis.IDENTITY, middle))
+	gizmo.add_handles([to_node * middle], get_material("handles", gizmo), [])
+
+
+func _get_handle_name(_gizmo: EditorNode3DGizmo, _id: int, _secondary: bool) -> String:
+	return "Water Level"
+
+
+func _get_handle_value(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool) -> Variant:
+	return (gizmo.get_node_3d() as TerrainScatter3D).water_level
+
+
+func _set_handle(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool, camera: Camera3D, point: Vector2) -> void:
+	var node := gizmo.get_node_3d() as TerrainScatter3D
+	var middle := _area().get_center()
+	var from := camera.project_ray_origin(point)
+	var to := from + camera.project_ray_normal(point) * camera.far
+	var low := Vector3(middle.x, from.y - camera.far, middle.y)
+	var high := Vector3(middle.x, from.y + camera.far, middle.y)
+	var level := Geometry3D.get_closest_points_between_segments(low, high, from, to)[0].y
+	node.water_level = snappedf(level, EditorSnap.meters() if EditorSnap.is_on() else STEP)
+	node.update_gizmos()
+
+
+func _commit_handle(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool, restore: Variant, cancel: bool) -> void:
+	var node := gizmo.get_node_3d() as TerrainScatter3D
+	if cancel:
+		node.water_level = restore
+		return
+	undo_redo.create_action("Change Water Level", UndoRedo.MERGE_DISABLE, node)
+	undo_redo.add_do_property(node, &"water_level", node.water_level)
+	undo_redo.add_undo_property(node, &"water_level", restore)
+	undo_redo.commit_action()
+
+
+## The rectangle of the tiles that are shown, x and z in meters.
+func _area() -> Rect2:
+	var area := Rect2()
+	for layer in ScatterLayers.of(scatter):
+		if layer == null:
+			continue
+		for tile in scatter.get_shown_tiles(layer):
+			var of_tile := Rect2(Vector2(tile) * layer.tile_size, Vector2.ONE * layer.tile_size)
+			area = of_tile if not area.has_area() else area.merge(of_tile)
+	return area if area.has_area() else Rect2(-REACH, -REACH, 2.0 * REACH, 2.0 * REACH)
