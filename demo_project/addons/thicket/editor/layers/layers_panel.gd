@@ -33,7 +33,7 @@ const COLORS: Dictionary[String, Color] = {
 	"Red": Color(1.0, 0.27, 0.27), "Orange": Color(1.0, 0.56, 0.27), "Yellow": Color(1.0, 0.89, 0.27), "Green": Color(0.5, 1.0, 0.27),
 	"Teal": Color(0.27, 1.0, 0.64), "Blue": Color(0.27, 0.75, 1.0), "Purple": Color(0.56, 0.27, 1.0), "Pink": Color(1.0, 0.27, 0.65),
 }
-const HEIGHT := 230.0
+const HEIGHT := 250.0
 
 ## The rows.
 var tree := LayersTree.new()
@@ -121,6 +121,7 @@ func look() -> void:
 		return
 	notes.look(_scatter)
 	if _scatter == null:
+		_total.text = ""
 		return
 	var total := 0
 	for layer in layers:
@@ -163,11 +164,19 @@ func duplicate_chosen() -> void:
 ## Deletes the chosen layers.
 func remove_chosen() -> void:
 	var chosen := _own_chosen()
-	if not chosen.is_empty():
-		var told := LayerEdits.remove(_scatter, chosen, _undo_redo)
-		if not told.is_empty():
-			_tell(" ".join(told))
-		look()
+	if chosen.is_empty():
+		return
+	var at := _scatter.layers.find(chosen[0])
+	var told := LayerEdits.remove(_scatter, chosen, _undo_redo)
+	if not told.is_empty():
+		_tell(" ".join(told))
+	look()
+	# The inspector must not keep a layer that is gone.
+	var left := _scatter.layers
+	if left.is_empty():
+		EditorInterface.edit_node(_scatter)
+	else:
+		_choose_new([left[clampi(at, 0, left.size() - 1)]] as Array[ScatterLayer])
 
 
 ## Adds a scatter to the edited scene, and selects it.
@@ -255,7 +264,9 @@ func _show_count(layer: ScatterLayer) -> int:
 	var watch := _steps.held_of(_scatter, layer)
 	var text := PreviewBar.grouped(count)
 	var note := notes.note_on(layer)
-	if watch != null:
+	if _marks.is_hidden(layer):
+		text = "hidden in the editor"
+	elif watch != null:
 		text += " of ~" + PreviewBar.about(watch.estimate())
 		note = "The view shows less than the game: see below the view."
 	tree.show_count(layer, text, note)
@@ -336,6 +347,8 @@ func _on_tree_input(event: InputEvent) -> void:
 		remove_chosen()
 	elif key.keycode == KEY_D and key.is_command_or_control_pressed():
 		duplicate_chosen()
+	elif key.keycode == KEY_F2 and not tree.chosen_layers().is_empty():
+		tree.rename(tree.chosen_layers()[0])
 	else:
 		return
 	tree.accept_event()

@@ -21,7 +21,7 @@ enum Column { NAME, COUNT, MARKS }
 const MARKS: Array[StringName] = [Marks.COLOR, Marks.LOCKED, Marks.HIDDEN]
 const DRAGGED := "scatter_layers"
 ## Pixels, times the scale of the editor.
-const PICTURE := 32.0
+const PICTURE := 26.0
 const COUNT_WIDTH := 170.0
 const MARKS_WIDTH := 100.0
 

@@ -60,9 +60,8 @@ func look() -> void:
 		if not layer in missing:
 			sentences.append_array(_crowding(layer))
 	sentences.append_array(_losses(layers))
-	if not sentences.is_empty():
-		sentences.append("More of them fit if distances in Spacing, or densities of other layers, are lower.")
-		_tell(" ".join(sentences))
+	for sentence in sentences:
+		_tell(sentence, "More instances fit if distances in Spacing, or the densities of the other layers, are lower.")
 
 
 ## Explains for each layer, in a sentence, why it has no instance at the position that the view
@@ -91,16 +90,16 @@ func _crowding(layer: ScatterLayer) -> PackedStringArray:
 		counted += int(found[0].refused_by == "spacing" or found[0].standing)
 	if counted == 0 or refused < CROWDED * counted:
 		return []
-	return ["Other layers are too close at %d %% of the points of %s." % [roundi(100.0 * refused / counted), layer.resource_name]]
+	return ["%s: %d %% of its points are too close to other layers." % [layer.resource_name, roundi(100.0 * refused / counted)]]
 
 
-## A sentence about older layers that have fewer instances now.
+## A sentence about each older layer that has fewer instances now.
 func _losses(layers: Array[ScatterLayer]) -> PackedStringArray:
 	var parts := PackedStringArray()
 	for layer in _before:
 		if layer in layers and _before[layer] >= FEW and _scatter.get_shown_count(layer) < KEPT * _before[layer]:
-			parts.append("%s from %d to %d" % [layer.resource_name, _before[layer], _scatter.get_shown_count(layer)])
-	return [] if parts.is_empty() else ["The new layers take room from others: %s." % ", ".join(parts)]
+			parts.append("%s: %d of %d instances are left beside the new layers." % [layer.resource_name, _scatter.get_shown_count(layer), _before[layer]])
+	return parts
 
 
 ## The position on the ground that the view looks at.
@@ -109,5 +108,5 @@ func _looked_at() -> Vector3:
 	return camera.global_position - camera.global_basis.z * GroundRay.distance(_scatter.ground, camera.global_position, -camera.global_basis.z)
 
 
-static func _tell(sentence: String) -> void:
-	EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING)
+static func _tell(sentence: String, remedy := "") -> void:
+	EditorInterface.get_editor_toaster().push_toast(sentence, EditorToaster.SEVERITY_WARNING, "%s\n%s" % [sentence, remedy] if remedy else "")
