@@ -2,6 +2,7 @@
 // have.
 
 #include "domain_cases.hpp"
+#include "surface_fixture.hpp"
 #include "tests/bench/common/simd_targets.hpp"
 #include "tilings.hpp"
 
@@ -63,6 +64,28 @@ TEST_CASE_TEMPLATE("instruction sets: the same points in the same order, whole d
 					CHECK(identical);
 				}
 			}
+		}
+	}
+}
+
+TEST_CASE("instruction sets: the same points in the same order, surfaces") {
+	for (const std::uint32_t levels : {1U, 3U}) {
+		const PointSet set{.seed = 44, .radius = 1.0, .levels = levels, .layer = 4};
+		const auto sphere = surfaces::sphere(15.0, 30).surface();
+		const auto slope = surfaces::facing(glm::normalize(glm::dvec3(1.0, 1.0, 1.0)), 60.0, 20).surface();
+		for (const std::shared_ptr<const Surface> &surface : {sphere, slope}) {
+			std::vector<SurfacePoint> expected;
+			for (const bench::SimdTarget &target : bench::simd_targets()) {
+				CAPTURE(target.name);
+				const bench::ForcedTarget forced(target);
+				const std::vector<SurfacePoint> points = surfaces::all_points(set, *surface);
+				if (expected.empty()) {
+					expected = points;
+				}
+				const bool identical = points == expected;
+				CHECK(identical);
+			}
+			CHECK(expected.size() > 1000);
 		}
 	}
 }
