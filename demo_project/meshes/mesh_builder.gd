@@ -109,35 +109,14 @@ func tube(from: Vector3, to: Vector3, from_radius: float, to_radius: float, side
 		quad(a, a + 1, a + 3, a + 2)
 
 
-## Adds a closed lumpy ellipsoid: an icosahedron subdivided [param subdivisions] times, flatter below than above. Its radii vary by
-## up to [param roughness] (0..1). Vertex colors change from [param low] at the bottom to [param high] at the top.
-func blob(center: Vector3, radii: Vector3, subdivisions: int, roughness: float, low: Color, high: Color,
-		rng: RandomNumberGenerator) -> void:
-	var sphere := _icosphere(subdivisions)
-	var points: PackedVector3Array = sphere[0]
-	var faces: PackedInt32Array = sphere[1]
-	var first := _vertices.size()
-	for point in points:
-		var lump := 1.0 + roughness * (rng.randf() * 2.0 - 1.0)
-		var shade := low.lerp(high, clampf(point.y * 0.5 + 0.5 + rng.randf_range(-0.12, 0.12), 0.0, 1.0))
-		var flat := Vector3(point.x, point.y * 0.65 if point.y < 0.0 else point.y, point.z)
-		vertex(center + flat * radii * lump, point / radii, shade, OPAQUE_UV)
-	for i in range(0, faces.size(), 3):
-		triangle(first + faces[i], first + faces[i + 1], first + faces[i + 2])
-
-
-## Adds a cone (a conifer's tier) with a star-shaped skirt. Its apex is at the top, and every second rim point is pulled in by
-## [param notch].
-func cone(base: Vector3, radius: float, height: float, sides: int, notch: float, droop: float, low: Color, high: Color,
-		turn: float) -> void:
-	var apex := vertex(base + Vector3.UP * height, Vector3.UP, high, OPAQUE_UV)
+## Adds a cone without a base, whose apex is above [param base].
+func cone(base: Vector3, radius: float, height: float, sides: int, color: Color) -> void:
+	var apex := vertex(base + Vector3.UP * height, Vector3.UP, color, OPAQUE_UV)
 	var first := _vertices.size()
 	for i in sides:
-		var angle := turn + TAU * i / sides
+		var angle := TAU * i / sides
 		var out := Vector3(cos(angle), 0.0, sin(angle))
-		var reach := radius * (1.0 - (notch if i % 2 == 1 else 0.0))
-		var drop := droop * (1.0 if i % 2 == 0 else 0.4)
-		vertex(base + out * reach + Vector3.DOWN * drop, out + Vector3.UP * 0.55, low, OPAQUE_UV)
+		vertex(base + out * radius, out + Vector3.UP * 0.55, color, OPAQUE_UV)
 	for i in sides:
 		triangle(apex, first + i, first + (i + 1) % sides)
 
@@ -209,7 +188,7 @@ func _arrays() -> Array:
 
 
 ## The points and clockwise faces of a unit icosphere.
-static func _icosphere(subdivisions: int) -> Array:
+static func icosphere(subdivisions: int) -> Array:
 	var t := (1.0 + sqrt(5.0)) / 2.0
 	var points := PackedVector3Array()
 	for p: Vector3 in [

@@ -97,7 +97,7 @@ static func _bough(builder: Builder, start: Vector3, out: Vector3, reach: float,
 
 ## Adds a dark cone inside the boughs, which hides the other side of the crown.
 static func _core(builder: Builder, sides: int, slim: float) -> void:
-	builder.cone(Vector3.UP * HEIGHT * 0.12, _radius(0.12) * slim, HEIGHT * 0.8, sides, 0.0, 0.0, DARK, DARK, 0.0)
+	builder.cone(Vector3.UP * HEIGHT * 0.12, _radius(0.12) * slim, HEIGHT * 0.8, sides, DARK)
 
 
 ## Adds crossed pictures of the tree, and two pieces that are seen from above.

@@ -34,7 +34,7 @@ static func rock(builder: Builder, subdivisions: int, seed: int, stretch: Vector
 	for i in 14:
 		var normal := Vector3(rng.randfn(), rng.randfn() * (0.3 if i % 3 > 0 else 2.2), rng.randfn()).normalized()
 		cuts.append(Plane(normal, rng.randf_range(0.42, 0.78)))
-	var shape := Builder._icosphere(subdivisions)
+	var shape := Builder.icosphere(subdivisions)
 	var points: PackedVector3Array = shape[0]
 	var faces: PackedInt32Array = shape[1]
 	var first := -1

@@ -29,7 +29,7 @@ func test_failed_writes_are_repeated() -> void:
 
 func test_a_preset_that_is_missing_is_reported() -> void:
 	check(Presets.layers("moor", []).is_empty(), "no layers")
-	check_error(["moor", "forest, meadow, scree"], "no such preset")
+	check_error(["moor", "forest, meadow, pine_wood"], "no such preset")
 
 
 ## Errors name each dropped resource that did not become a layer.

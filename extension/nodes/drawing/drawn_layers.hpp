@@ -21,8 +21,8 @@ public:
 	const LayerSnapshot *find(std::uint32_t index) const {
 		return index < layers_.size() ? layers_[index].get() : nullptr;
 	}
-	/// The index of the layer that a tile belongs to. Differs from `index`, under which the tile is displayed, if the list of layers has changed
-	/// since. Returns the number of layers if the layer is no longer displayed.
+	/// The index of the layer that a tile belongs to. If the list of layers has changed since, this is not the `index`
+	/// under which the tile is displayed. Returns the number of layers if the layer is no longer displayed.
 	std::uint32_t index_of(std::uint64_t owner, std::uint32_t index) const;
 	std::uint64_t version(std::uint32_t index) const { return index < versions_.size() ? versions_[index] : 0; }
 

@@ -140,7 +140,7 @@ std::vector<double> blend_weights_of(const MeshInstance3D &node) {
 	return at_rest ? std::vector<double>() : weights;
 }
 
-/// The material of a surface: `p_material`, or if it is null, that of the mesh, which is returned as null; or its replacement.
+/// The replacement of a surface's material if there is one; otherwise `p_material`, which is null if the mesh's own material is drawn.
 Ref<Material> Walk::drawn(const Ref<Material> &p_material, const Ref<Mesh> &p_mesh, int32_t p_surface) const {
 	if (replacements.is_empty()) {
 		return p_material;

@@ -68,17 +68,15 @@ func _process(delta: float) -> void:
 	if _is_stale:
 		_find_materials()
 	for node in _added:
-		if is_instance_valid(node):
-			_add_multimesh(node)
+		_add_multimesh(node)
 	_added.clear()
 	var parameters := {&"wind_strength": wind_strength, &"wind_direction": wind_direction}
-	if not Engine.is_editor_hint():
-		var bodies := _bodies()
-		parameters[&"bend_count"] = bodies[0]
-		parameters[&"bend_bodies"] = bodies[1]
 	if Engine.is_editor_hint():
 		_show(parameters, delta)
 		return
+	var bodies := _bodies()
+	parameters[&"bend_count"] = bodies[0]
+	parameters[&"bend_bodies"] = bodies[1]
 	_time = fmod(_time + delta, 3600.0)
 	for material in _all():
 		for parameter: StringName in parameters:
@@ -154,6 +152,8 @@ func _on_node_added(node: Node) -> void:
 func _on_node_removed(node: Node) -> void:
 	if _scatters.erase(node):
 		_is_stale = true
+	elif node is MultiMeshInstance3D:
+		_added.erase(node as MultiMeshInstance3D)
 
 
 func _on_layer_changed() -> void:

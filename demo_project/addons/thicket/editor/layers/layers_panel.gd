@@ -33,7 +33,7 @@ const COLORS: Dictionary[String, Color] = {
 	"Red": Color(1.0, 0.27, 0.27), "Orange": Color(1.0, 0.56, 0.27), "Yellow": Color(1.0, 0.89, 0.27), "Green": Color(0.5, 1.0, 0.27),
 	"Teal": Color(0.27, 1.0, 0.64), "Blue": Color(0.27, 0.75, 1.0), "Purple": Color(0.56, 0.27, 1.0), "Pink": Color(1.0, 0.27, 0.65),
 }
-const HEIGHT := 250.0
+const HEIGHT := 230.0
 
 ## The rows.
 var tree := LayersTree.new()
