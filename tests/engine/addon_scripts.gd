@@ -10,7 +10,7 @@ const UNTYPED: Dictionary[String, StringName] = {
 	"scatter": &"TerrainScatter3D", "_scatter": &"TerrainScatter3D",
 	"layer": &"ScatterLayer", "_layer": &"ScatterLayer", "found": &"ScatterLayer",
 	"model": &"ScatterModel", "built": &"ScatterTile", "grid": &"ScatterTileGrid", "lod": &"ScatterLod",
-	"_baker": &"ScatterImpostorBaker",
+	"_baker": &"ScatterImpostorBaker", "ground": &"ScatterGround", "explanation": &"ScatterExplanation",
 }
 ## Variables of scripts that hold objects of Terrain3D or no objects at all, although their members have names of the library's.
 const FOREIGN: Dictionary[String, PackedStringArray] = {

@@ -26,7 +26,8 @@ func _validate_property(property: Dictionary) -> void:
 
 func _copy() -> void:
 	var model: Resource = load("res://addons/thicket/presets/plants/%s.res" % MODELS[kind])
-	var mesh: ArrayMesh = model.get(&"lods")[0].get(&"mesh")
+	var lod: Resource = model.get(&"lods")[0]
+	var mesh: ArrayMesh = lod.get(&"mesh")
 	clear_surfaces()
 	# The mesh's data as it is stored: reading it back from the renderer would make a loading thread wait.
 	set(&"_surfaces", mesh.get(&"_surfaces"))

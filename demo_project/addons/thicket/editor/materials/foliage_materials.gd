@@ -98,19 +98,19 @@ func _converted(from: BaseMaterial3D, height: float) -> ShaderMaterial:
 	var made := ShaderMaterial.new()
 	made.shader = FOLIAGE
 	made.resource_name = _name_of(from)
-	made.set_shader_parameter(&"albedo", from.albedo_color)
+	made.set_shader_parameter("albedo", from.albedo_color)
 	if from.albedo_texture:
-		made.set_shader_parameter(&"albedo_texture", from.albedo_texture)
-	made.set_shader_parameter(&"vertex_color_as_albedo", from.vertex_color_use_as_albedo)
+		made.set_shader_parameter("albedo_texture", from.albedo_texture)
+	made.set_shader_parameter("vertex_color_as_albedo", from.vertex_color_use_as_albedo)
 	# An opaque material ignores alpha, so nearly nothing is cut.
 	var scissor := from.alpha_scissor_threshold if from.transparency == BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR else 0.5
-	made.set_shader_parameter(&"alpha_scissor", scissor if cut else 0.01)
+	made.set_shader_parameter("alpha_scissor", scissor if cut else 0.01)
 	var light := from.backlight.get_luminance() if from.backlight_enabled else LEAF_LIGHT if is_leaf else 0.0
-	made.set_shader_parameter(&"backlight", light)
-	made.set_shader_parameter(&"sway_height", clampf(height, 0.05, 60.0))
-	made.set_shader_parameter(&"wind_sway", minf(SWAY.x * height, SWAY.y))
-	made.set_shader_parameter(&"wind_flutter", minf(FLUTTER.x * height, FLUTTER.y) if is_leaf else 0.0)
-	made.set_shader_parameter(&"bend_reach", BEND * minf(height, 1.0) if height < BENT else 0.0)
+	made.set_shader_parameter("backlight", light)
+	made.set_shader_parameter("sway_height", clampf(height, 0.05, 60.0))
+	made.set_shader_parameter("wind_sway", minf(SWAY.x * height, SWAY.y))
+	made.set_shader_parameter("wind_flutter", minf(FLUTTER.x * height, FLUTTER.y) if is_leaf else 0.0)
+	made.set_shader_parameter("bend_reach", BEND * minf(height, 1.0) if height < BENT else 0.0)
 	_made[from] = made
 	return made
 
