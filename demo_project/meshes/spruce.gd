@@ -64,7 +64,7 @@ static func _boughs(builder: Builder, count: int, slim: float, bent: bool, rng: 
 	# The leader: two crossed upright twigs at the top.
 	for turn: float in [0.0, PI * 0.5]:
 		var side := Vector3(cos(turn), 0.0, sin(turn))
-		builder.card(Vector3.UP * HEIGHT * 0.965, Vector3.UP * 1.1, side * 0.4, Vector3.UP, Atlas.TWIG, LOW.lerp(HIGH, 0.7), 0.3)
+		builder.card(Vector3.UP * HEIGHT * 0.965, Vector3.UP * 0.75, side * 0.25, Vector3.UP, Atlas.TWIG, LOW.lerp(HIGH, 0.3), 0.3)
 
 
 ## Adds one bough: a roof of one or two pairs of quads with hanging sides, visible from the side as well as from above. A young bough leaves the trunk
