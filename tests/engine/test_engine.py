@@ -136,6 +136,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_layer_snapshot",
         "test_mask",
         "test_models",
+        "test_model_materials",
         "test_model_layers",
         "test_stripped",
         pytest.param("test_viewers", marks=pytest.mark.alone),

@@ -220,9 +220,12 @@ std::vector<glm::ivec2> TileDisplay::tiles(std::uint32_t layer) const {
 
 std::uint64_t TileDisplay::instance_count(std::uint32_t layer) const {
 	const LayerSnapshot *counted = layers_.find(layer);
+	if (counted == nullptr) {
+		return 0;
+	}
 	std::uint64_t result = 0;
 	for (const auto &[key, tile] : tiles_) {
-		if (counted != nullptr && tile.owner == counted->links.identity) {
+		if (tile.owner == counted->links.identity) {
 			for (const DisplayedTile::Part &part : tile.parts) {
 				result += part.shown->size();
 			}

@@ -31,6 +31,12 @@ void add_materials(const Ref<Mesh> &mesh, std::vector<Ref<Material>> &r_material
 	}
 }
 
+/// Null for a material without a shader of its own.
+Ref<Shader> shader_of(const Ref<Material> &material) {
+	const auto *own = Object::cast_to<ShaderMaterial>(material.ptr());
+	return own != nullptr ? own->get_shader() : Ref<Shader>();
+}
+
 bool is_number(const Variant &p_value) {
 	return p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
 }
@@ -83,8 +89,7 @@ std::vector<Ref<Material>> materials_of(const LayerDrawing &drawing) {
 std::vector<Ref<Material>> materials_with(
 		std::span<const SharedSnapshot> layers, const char *p_uniform, Variant::Type p_type) {
 	const auto has_uniform = [&](const Ref<Material> &material) {
-		const auto *with_shader = Object::cast_to<ShaderMaterial>(material.ptr());
-		const Ref<Shader> shader = with_shader != nullptr ? with_shader->get_shader() : Ref<Shader>();
+		const Ref<Shader> shader = shader_of(material);
 		return shader.is_valid() &&
 				RenderingServer::get_singleton()
 						->shader_get_parameter_default(shader->get_rid(), p_uniform)
@@ -106,8 +111,7 @@ std::vector<Ref<Material>> materials_with(
 
 bool use_instance_uniforms(std::span<const Ref<Material>> materials) {
 	return std::ranges::any_of(materials, [](const Ref<Material> &material) {
-		const auto *own = Object::cast_to<ShaderMaterial>(material.ptr());
-		const Ref<Shader> shader = own != nullptr ? own->get_shader() : Ref<Shader>();
+		const Ref<Shader> shader = shader_of(material);
 		const String code = shader.is_valid() ? static_cast<String>(shader->call("get_code")) : String();
 		const std::string text = code.utf8().get_data();
 		return text.find("instance uniform") != std::string::npos ||

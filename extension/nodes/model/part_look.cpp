@@ -3,7 +3,7 @@
 #include <godot_cpp/classes/scene_state.hpp>
 #include <godot_cpp/classes/shader.hpp>
 #include <godot_cpp/classes/shader_material.hpp>
-#include <godot_cpp/variant/dictionary.hpp>
+#include <godot_cpp/variant/variant.hpp>
 
 #include <algorithm>
 #include <string_view>
@@ -76,6 +76,25 @@ PartLook look_of(const MeshInstance3D &node, const std::set<std::string> &names)
 		}
 	}
 	return look;
+}
+
+String material_name(const Ref<Material> &p_material) {
+	if (p_material.is_null()) {
+		return {};
+	}
+	const String own = p_material->get_name();
+	const String path = p_material->get_path();
+	return own.is_empty() && !path.contains("::") ? path.get_file().get_basename() : own;
+}
+
+Ref<Material> drawn_material(
+		const Ref<Material> &p_material, const Ref<Mesh> &p_mesh, int32_t p_surface, const Dictionary &p_replacements) {
+	if (p_replacements.is_empty()) {
+		return p_material;
+	}
+	const Ref<Material> replaced = p_material.is_valid() ? p_material : p_mesh->surface_get_material(p_surface);
+	const Ref<Material> replacement = p_replacements.get(material_name(replaced), Variant());
+	return replaced.is_valid() && replacement.is_valid() ? replacement : p_material;
 }
 
 void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, PackedStringArray &r_remarks) {

@@ -2,11 +2,15 @@
 
 #include "nodes/model/scatter_lod.hpp"
 
+#include <godot_cpp/classes/material.hpp>
+#include <godot_cpp/classes/mesh.hpp>
 #include <godot_cpp/classes/mesh_instance3d.hpp>
 #include <godot_cpp/classes/packed_scene.hpp>
+#include <godot_cpp/variant/dictionary.hpp>
 #include <godot_cpp/variant/packed_string_array.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <set>
 #include <span>
 #include <string>
@@ -27,6 +31,13 @@ std::set<std::string> instance_parameters_of(const godot::Ref<godot::PackedScene
 
 /// `names` are those of its scene.
 PartLook look_of(const godot::MeshInstance3D &node, const std::set<std::string> &names);
+
+/// The name of a material in ScatterModel.replacement_materials: its own, or that of its file; empty if it has neither.
+godot::String material_name(const godot::Ref<godot::Material> &p_material);
+
+/// The replacement of a surface's material, by its name, if there is one. Otherwise `p_material`, which is null if the mesh's own material is drawn.
+godot::Ref<godot::Material> drawn_material(const godot::Ref<godot::Material> &p_material,
+		const godot::Ref<godot::Mesh> &p_mesh, int32_t p_surface, const godot::Dictionary &p_replacements);
 
 /// Sets one look for all parts of an LOD, because they are drawn as one instance. If their looks differ, uses the first
 /// one for all and adds a remark.

@@ -2,6 +2,7 @@
 
 #include "nodes/common/guard.hpp"
 #include "nodes/common/scene_use.hpp"
+#include "nodes/model/part_look.hpp"
 #include "nodes/model/scatter_lod.hpp"
 #include "nodes/model/scene_reader.hpp"
 
@@ -61,6 +62,11 @@ public:
 	/// returned read-only. A wrong key or value is refused with an error.
 	void set_replacement_materials(const godot::Dictionary &p_materials);
 	godot::Dictionary get_replacement_materials() const { return replacement_materials_; }
+
+	/// The key of a material of the scene in `replacement_materials`.
+	godot::String get_material_name(const godot::Ref<godot::Material> &p_material) const {
+		return material_name(p_material);
+	}
 
 	/// Reads the next part of a scene that was set but is not fully read. Returns false if there was nothing to read.
 	/// Main thread only. Runs scripts in the scene, which may do anything, also with this model.

@@ -76,7 +76,6 @@ public:
 	void remark(const String &p_sentence);
 
 private:
-	Ref<Material> drawn(const Ref<Material> &p_material, const Ref<Mesh> &p_mesh, int32_t p_surface) const;
 	void add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name);
 	void add_shape(CollisionShape3D *p_node, const Above &above);
 	void remark_on(Node *p_node);
@@ -140,16 +139,6 @@ std::vector<double> blend_weights_of(const MeshInstance3D &node) {
 	return at_rest ? std::vector<double>() : weights;
 }
 
-/// The replacement of a surface's material if there is one; otherwise `p_material`, which is null if the mesh's own material is drawn.
-Ref<Material> Walk::drawn(const Ref<Material> &p_material, const Ref<Mesh> &p_mesh, int32_t p_surface) const {
-	if (replacements.is_empty()) {
-		return p_material;
-	}
-	const Ref<Material> replaced = p_material.is_valid() ? p_material : p_mesh->surface_get_material(p_surface);
-	const Ref<Material> replacement = replacements.get(material_name(replaced), Variant());
-	return replaced.is_valid() && replacement.is_valid() ? replacement : p_material;
-}
-
 void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &name) {
 	const Ref<Mesh> mesh = p_node->get_mesh();
 	if (mesh.is_null() || (mesh->get_surface_count() == 0 && !is_stripped(mesh))) {
@@ -172,7 +161,7 @@ void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &n
 	const Ref<Material> over_all = p_node->get_material_override();
 	for (int32_t surface = 0; surface < mesh->get_surface_count(); ++surface) {
 		const Ref<Material> own = over_all.is_valid() ? over_all : p_node->get_surface_override_material(surface);
-		part.part.materials.push_back(drawn(own, mesh, surface));
+		part.part.materials.push_back(drawn_material(own, mesh, surface, replacements));
 	}
 	part.range = {name.stem, above.lod, p_node->get_visibility_range_begin(), p_node->get_visibility_range_end()};
 	part.cast_shadow = static_cast<int64_t>(p_node->get_cast_shadows_setting());
@@ -348,15 +337,6 @@ struct SceneReader::Progress {
 	std::size_t merged = 0;
 	SceneReading result;
 };
-
-String material_name(const Ref<Material> &p_material) {
-	if (p_material.is_null()) {
-		return {};
-	}
-	const String own = p_material->get_name();
-	const String path = p_material->get_path();
-	return own.is_empty() && !path.contains("::") ? path.get_file().get_basename() : own;
-}
 
 SceneReader::SceneReader(const Ref<PackedScene> &p_scene, const String &p_part, const Dictionary &p_materials) :
 		progress_(std::make_unique<Progress>()) {

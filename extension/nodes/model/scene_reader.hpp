@@ -2,7 +2,6 @@
 
 #include "nodes/model/scatter_lod.hpp"
 
-#include <godot_cpp/classes/material.hpp>
 #include <godot_cpp/classes/packed_scene.hpp>
 #include <godot_cpp/classes/shape3d.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
@@ -33,9 +32,6 @@ struct SceneReading {
 };
 
 inline constexpr std::size_t max_model_parts = 256;
-
-/// The name of a material in ScatterModel.replacement_materials: its own, or that of its file; empty if it has neither.
-godot::String material_name(const godot::Ref<godot::Material> &p_material);
 
 /// The problem of a scene for which PackedScene.can_instantiate is false.
 inline constexpr const char *empty_scene = "it is empty, or cannot be instantiated";

@@ -28,7 +28,7 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	if scene_path.is_empty():
 		problem = "The scene has no file yet. Save the scene first: your changes are stored in a file beside it."
 		return false
-	var path := _free_path(scene_path, owner_name, kind)
+	var path := free_path("%s_%s" % [_place(scene_path, owner_name), kind], "res")
 	resource.remove_meta(SCENE_UID)
 	var uid := ResourceLoader.get_resource_uid(scene_path)
 	if uid != ResourceUID.INVALID_ID:
@@ -40,6 +40,25 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	resource.take_over_path(path)
 	_unsaved[path] = scene_path
 	return true
+
+
+## The path with which the names of a layer's files begin: next to the edited scene, or next to the layer's own file. Empty if there is no such path.
+static func place_of(layer: ScatterLayer) -> String:
+	var root := EditorInterface.get_edited_scene_root()
+	var path := layer.resource_path.get_slice("::", 0)
+	if path.is_empty() and root != null:
+		path = root.scene_file_path
+	return "" if path.is_empty() else _place(path, layer.resource_name)
+
+
+## A path such as scene_layer_mask.res, with a number if that file exists already, or a resource in memory has its path.
+static func free_path(stem: String, extension: String) -> String:
+	var path := "%s.%s" % [stem, extension]
+	var number := 2
+	while ResourceLoader.exists(path):
+		path = "%s_%d.%s" % [stem, number, extension]
+		number += 1
+	return path
 
 
 ## The scene that a resource was made for by [method create]; empty if that is unknown, or if the scene does not exist any more.
@@ -174,13 +193,6 @@ static func _reported(path: String, error: Error) -> bool:
 	return error == OK
 
 
-## A path such as scene_layer_mask.res, with a number if that file exists already.
-static func _free_path(scene_path: String, owner_name: String, kind: String) -> String:
+static func _place(path: String, owner_name: String) -> String:
 	var name := owner_name.to_snake_case().validate_filename()
-	var stem := "%s_%s_%s" % [scene_path.get_basename(), name if not name.is_empty() else "layer", kind]
-	var path := stem + ".res"
-	var number := 2
-	while ResourceLoader.exists(path):
-		path = "%s_%d.res" % [stem, number]
-		number += 1
-	return path
+	return "%s_%s" % [path.get_basename(), name if not name.is_empty() else "layer"]

@@ -20,7 +20,7 @@ func _init(layer: ScatterLayer, files: SceneFiles) -> void:
 
 
 func press() -> void:
-	var place := place_of(_layer)
+	var place := SceneFiles.place_of(_layer)
 	var told := PackedStringArray()
 	if place.is_empty():
 		told.append("The scene has no file yet. Save the scene first: materials go into files beside it.")
@@ -28,15 +28,3 @@ func press() -> void:
 		told = FoliageMaterials.new(_files).convert(_layer, place, EditorInterface.get_editor_undo_redo())
 	if not told.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(" ".join(told), EditorToaster.SEVERITY_WARNING)
-
-
-## The path with which the names of a layer's files begin: next to the scene, or next to the layer's own file. Empty if there is no such path.
-static func place_of(layer: ScatterLayer) -> String:
-	var root := EditorInterface.get_edited_scene_root()
-	var owner := layer.resource_path.get_slice("::", 0)
-	if owner.is_empty() and root != null:
-		owner = root.scene_file_path
-	if owner.is_empty():
-		return ""
-	var name := layer.resource_name.to_snake_case().validate_filename()
-	return "%s_%s" % [owner.get_basename(), name if not name.is_empty() else "layer"]

@@ -3,7 +3,6 @@ extends VBoxContainer
 ## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files next to the scene, and makes each the
 ## last LOD of its mesh, with undo.
 
-const FoliageButton := preload("res://addons/thicket/editor/inspector/foliage_button.gd")
 const Job := preload("res://addons/thicket/bake_impostors.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
@@ -40,7 +39,7 @@ func press() -> void:
 		job.cancel()
 		_end(false, "Cancelled: no impostor was baked.")
 		return
-	var path := FoliageButton.place_of(_layer)
+	var path := SceneFiles.place_of(_layer)
 	if path.is_empty():
 		_end(false, "The scene has no file yet. Save the scene first: impostors go into files beside it.")
 	elif job.begin(_layer, path.get_base_dir(), path.get_file()) != OK:

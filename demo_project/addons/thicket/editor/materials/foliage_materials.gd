@@ -15,10 +15,7 @@ const BEND := 0.3
 ## How much light leaves let through if their material does not say.
 const LEAF_LIGHT := 0.3
 
-## Why the last call of [method convert] made nothing; empty if it made something.
-var problem := ""
-
-var _layer: ScatterLayer
+var _problem := "" ## Why a file could not be written; empty if all were.
 var _files: SceneFiles
 var _made: Dictionary[Material, ShaderMaterial] = {}
 var _left_out := PackedStringArray()
@@ -31,20 +28,18 @@ func _init(files: SceneFiles) -> void:
 ## Converts the materials of a layer's models, as one undo step. A scene in the list becomes a model that refers to it. Returns the sentences that the
 ## user should read. [param place] is the path with which the names of files begin.
 func convert(layer: ScatterLayer, place: String, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
-	_layer = layer
 	_made.clear()
 	_left_out.clear()
-	problem = ""
+	_problem = ""
 	var meshes := layer.meshes.duplicate()
 	var replaced: Array[Array] = [] # Models, with their materials before and after.
 	for index in meshes.size():
 		meshes[index] = _convert_entry(meshes[index], replaced)
 	if _made.is_empty():
-		problem = "There is no standard material to convert. " + " ".join(_left_out)
-		return [problem.strip_edges()]
+		return [("There is no standard material to convert. " + " ".join(_left_out)).strip_edges()]
 	var written := _save(place)
-	if not problem.is_empty():
-		return [problem]
+	if not _problem.is_empty():
+		return [_problem]
 	if layer.resource_path.is_empty() or "::" in layer.resource_path: # Otherwise the layer may be saved without the scene.
 		_files.adopt(written, _scene_path())
 	undo_redo.create_action("Make Foliage Materials", UndoRedo.MERGE_DISABLE, layer)
@@ -76,8 +71,8 @@ func _convert_entry(entry: Variant, r_replaced: Array[Array]) -> Variant:
 			for surface in (mesh.get_surface_count() if mesh else 0):
 				var material := mesh.surface_get_material(surface)
 				if material is BaseMaterial3D:
-					var name := _name_of(material)
-					var converted := _converted(material as BaseMaterial3D, height)
+					var name := model.get_material_name(material)
+					var converted := _converted(material as BaseMaterial3D, name, height)
 					if replacements.get_or_add(name, converted) != converted:
 						_left_out.append("%s has several materials named \"%s\", which are drawn with one now: give them names of their own." % [_title(entry), name])
 	if replacements.is_empty():
@@ -90,14 +85,14 @@ func _convert_entry(entry: Variant, r_replaced: Array[Array]) -> Variant:
 	return model
 
 
-func _converted(from: BaseMaterial3D, height: float) -> ShaderMaterial:
+func _converted(from: BaseMaterial3D, name: String, height: float) -> ShaderMaterial:
 	if _made.has(from):
 		return _made[from]
 	var cut := from.transparency != BaseMaterial3D.TRANSPARENCY_DISABLED
 	var is_leaf := cut or from.cull_mode == BaseMaterial3D.CULL_DISABLED
 	var made := ShaderMaterial.new()
 	made.shader = FOLIAGE
-	made.resource_name = _name_of(from)
+	made.resource_name = name
 	made.set_shader_parameter("albedo", from.albedo_color)
 	if from.albedo_texture:
 		made.set_shader_parameter("albedo_texture", from.albedo_texture)
@@ -119,15 +114,10 @@ func _converted(from: BaseMaterial3D, height: float) -> ShaderMaterial:
 func _save(place: String) -> Array[Resource]:
 	var written: Array[Resource] = []
 	for material: ShaderMaterial in _made.values():
-		var stem := "%s_%s" % [place, material.resource_name.to_snake_case().validate_filename()]
-		var path := stem + ".tres"
-		var number := 2
-		while FileAccess.file_exists(path):
-			path = "%s_%d.tres" % [stem, number]
-			number += 1
+		var path := SceneFiles.free_path("%s_%s" % [place, material.resource_name.to_snake_case().validate_filename()], "tres")
 		var error := WholeFile.save(material, path)
 		if error != OK:
-			problem = "%s cannot be saved: %s." % [path, error_string(error)]
+			_problem = "%s cannot be saved: %s." % [path, error_string(error)]
 			return written
 		material.take_over_path(path)
 		written.append(material)
@@ -137,13 +127,6 @@ func _save(place: String) -> Array[Resource]:
 static func _scene_path() -> String:
 	var root := EditorInterface.get_edited_scene_root()
 	return root.scene_file_path if root else ""
-
-
-## As ScatterModel.replacement_materials names it.
-static func _name_of(material: Material) -> String:
-	if not material.resource_name.is_empty() or "::" in material.resource_path:
-		return material.resource_name
-	return material.resource_path.get_file().get_basename()
 
 
 static func _title(entry: Variant) -> String:
