@@ -9,25 +9,8 @@ const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "pine_wood", "shore", "scree", "desert"]
 
 
-## Creates new layers from a preset. Names in [param taken] get a number, and references in other layers
-## are updated. Returns an empty array, and prints an error, if there is no such preset.
-static func layers(name: String, taken: PackedStringArray) -> Array[ScatterLayer]:
-	var result: Array[ScatterLayer] = []
-	var source := _open(name)
-	if source == null:
-		return result
-	var copies: Dictionary[Resource, Resource] = {}
-	for layer in source.layers:
-		var copy := Copies.of(layer, copies)
-		copy.layer_id = -1 # The scatter that it is added to assigns an id.
-		result.append(copy)
-	source.free()
-	_rename(result, taken)
-	return result
-
-
 ## The node in a preset's scene. Returns null, and prints an error, if there is no such preset.
-static func _open(name: String) -> TerrainScatter3D:
+static func open(name: String) -> TerrainScatter3D:
 	var path := FOLDER + name + ".tscn"
 	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
 	var source := scene.instantiate() as TerrainScatter3D if scene != null else null
@@ -40,22 +23,34 @@ static func _open(name: String) -> TerrainScatter3D:
 ## Adds a preset's layers to a scatter, as one undo step. With [param apart], they keep distances to the layers that are already there. A preset with
 ## water enables that of the scatter.
 static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo: EditorUndoRedoManager) -> void:
-	var old := scatter.layers
-	var new: Array[ScatterLayer] = old.duplicate()
-	new.append_array(layers(name, Copies.names(old)))
-	if new.size() == old.size():
+	var source := open(name)
+	if source == null:
 		return
+	var old := scatter.layers
+	var added := _copied(source, Copies.names(old))
 	if apart:
-		NewLayers.give_way(new.slice(old.size()), old)
+		NewLayers.give_way(added, old)
+	var new: Array[ScatterLayer] = old + added
 	undo_redo.create_action("Add Layers: " + name.capitalize(), UndoRedo.MERGE_DISABLE, scatter)
 	undo_redo.add_do_property(scatter, &"layers", new)
 	undo_redo.add_undo_property(scatter, &"layers", old)
-	var source := _open(name)
 	if source.water_enabled and not scatter.water_enabled:
 		undo_redo.add_do_property(scatter, &"water_enabled", true)
 		undo_redo.add_undo_property(scatter, &"water_enabled", false)
 	source.free()
 	undo_redo.commit_action()
+
+
+## Copies of a preset's layers. Names in [param taken] get a number, and references in other layers are updated.
+static func _copied(source: TerrainScatter3D, taken: PackedStringArray) -> Array[ScatterLayer]:
+	var result: Array[ScatterLayer] = []
+	var copies: Dictionary[Resource, Resource] = {}
+	for layer in source.layers:
+		var copy := Copies.of(layer, copies)
+		copy.layer_id = -1 # The scatter that it is added to assigns an id.
+		result.append(copy)
+	_rename(result, taken)
+	return result
 
 
 static func _rename(new_layers: Array[ScatterLayer], taken: PackedStringArray) -> void:
