@@ -36,6 +36,9 @@ func test_it_shows_figures_after_its_key_is_pressed() -> void:
 	check(text.contains("in view: ") and not text.contains("in view: 0 instances"), text)
 	var why: Array = overlay.get(&"_why").rows
 	check(why.any(func(row: Array) -> bool: return row[1].contains("Larches")), "why: %s" % [why])
+	camera.look_at_from_position(Vector3(0.0, 10.0, 0.0), Vector3(0.0, 20.0, -12.0))
+	overlay.update()
+	check(overlay.get(&"_why").rows.is_empty(), "nothing is explained in the sky: %s" % [overlay.get(&"_why").rows])
 	scatter.visible = false
 	overlay.update()
 	check("\n".join(overlay.lines).contains(", hidden"), "a hidden scatter")

@@ -9,6 +9,7 @@ extends CanvasLayer
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
+const NumberText := preload("res://addons/thicket/number_text.gd")
 const WhyRows := preload("res://addons/thicket/why_rows.gd")
 
 ## Seconds between two updates.
@@ -16,7 +17,7 @@ const INTERVAL := 0.25
 const MARGIN := 14.0
 const BACKGROUND := Color(0.0, 0.0, 0.0, 0.72)
 const TEXT := Color(0.92, 0.92, 0.92)
-## Meters to a position that the view looks at, if it looks at no ground.
+## The longest distance in meters at which a position is explained.
 const REACH := 1000.0
 
 ## The key that shows and hides the overlay.
@@ -82,12 +83,12 @@ func _add_scatter(scatter: Node3D) -> void:
 	var in_work: int = stats.waiting + stats.pending + stats.uploading
 	lines.append("")
 	lines.append("%s: %.2f ms on the main thread%s" % [scatter.name, stats.frame_usec / 1000.0, "" if scatter.is_visible_in_tree() else ", hidden"])
-	lines.append("  %s instances in %d tiles, %d tiles in work" % [_grouped(stats.instances), stats.tiles, in_work])
-	lines.append("  in view: %s instances, %s triangles, %d draw calls" % [_grouped(drawn.instances), _grouped(drawn.triangles), drawn.draw_calls])
+	lines.append("  %s instances in %d tiles, %d tiles in work" % [NumberText.grouped(stats.instances), stats.tiles, in_work])
+	lines.append("  in view: %s instances, %s triangles, %d draw calls" % [NumberText.grouped(drawn.instances), NumberText.grouped(drawn.triangles), drawn.draw_calls])
 	lines.append("  %d bodies, %d scenes, %.1f MiB" % [stats.bodies, stats.scenes, stats.instance_bytes / 1048576.0])
 	for each in LibraryGate.layers_of(scatter):
 		if each:
-			lines.append("    %s  %s" % [_grouped(scatter.call(&"get_shown_count", each)).lpad(9), each.resource_name])
+			lines.append("    %s  %s" % [NumberText.grouped(scatter.call(&"get_shown_count", each)).lpad(9), each.resource_name])
 
 
 ## Explains the position on the ground that is nearest along the view, and names the instance that the view meets.
@@ -100,12 +101,12 @@ func _explain(scatters: Array[Node]) -> void:
 	var nearest := REACH
 	for scatter in scatters:
 		var ground: Resource = scatter.get(&"ground")
-		var away := GroundRay.distance(ground, from, toward) if ground else REACH
-		if away >= nearest:
+		var hit := GroundRay.hit(ground, from, toward) if ground else Vector3.INF
+		if hit.distance_to(from) >= nearest:
 			continue
-		nearest = away
-		_why.fill(scatter.call(&"explain_position", from + toward * away), null)
-		var met: Variant = scatter.call(&"query_ray", from, from + toward * away)
+		nearest = hit.distance_to(from)
+		_why.fill(scatter.call(&"explain_position", hit), null)
+		var met: Variant = scatter.call(&"query_ray", from, hit)
 		if met != null:
 			_why.rows.push_front([WhyRows.PLAIN, "%s, id %d, at %.1f m" % [met.layer.resource_name, met.id, met.distance]])
 
@@ -128,11 +129,3 @@ func _draw_all() -> void:
 		for axis: Vector2 in [Vector2(8.0, 0.0), Vector2(0.0, 8.0)]:
 			_canvas.draw_line(middle - axis, middle + axis, TEXT, 1.0)
 		_why.draw(_canvas, middle, false)
-
-
-## 1234567 as 1,234,567.
-static func _grouped(number: int) -> String:
-	var digits := str(number)
-	for at in range(digits.length() - 3, 0, -3):
-		digits = digits.insert(at, ",")
-	return digits

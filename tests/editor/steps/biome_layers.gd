@@ -83,7 +83,7 @@ func test_layers_of_biomes_are_listed() -> void:
 		check_equal(row.get_parent().get_text(0), pair[1], pair[0] + " is below its biome")
 		var count: int = scatter.get_shown_count(layer(pair[0]))
 		check(count > 20, "%s: %d instances" % [pair[0], count])
-		check_equal(row.get_text(1), load("res://addons/thicket/editor/layers/preview_bar.gd").grouped(count), "the count is in its row")
+		check_equal(row.get_text(1), load("res://addons/thicket/number_text.gd").grouped(count), "the count is in its row")
 	await picture("biome_layers")
 
 

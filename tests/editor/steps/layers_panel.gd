@@ -147,7 +147,7 @@ func test_first_minute() -> void:
 
 
 func grouped(number: int) -> String:
-	return load("res://addons/thicket/editor/layers/preview_bar.gd").grouped(number)
+	return load("res://addons/thicket/number_text.gd").grouped(number)
 
 
 ## Checks that all instances of two layers near the middle keep this distance.

@@ -9,6 +9,7 @@ const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
 const LayersTree := preload("res://addons/thicket/editor/layers/layers_tree.gd")
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 const Notes := preload("res://addons/thicket/editor/layers/panel_notes.gd")
+const NumberText := preload("res://addons/thicket/number_text.gd")
 const Pictures := preload("res://addons/thicket/editor/layers/layer_pictures.gd")
 const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
 const PreviewBar := preload("res://addons/thicket/editor/layers/preview_bar.gd")
@@ -128,7 +129,7 @@ func look() -> void:
 		if layer != null:
 			total += _show_count(layer)
 			_pictures.ask(_scatter, layer)
-	_total.text = "%s visible" % PreviewBar.grouped(total)
+	_total.text = "%s visible" % NumberText.grouped(total)
 
 
 ## Adds a layer for each of these resources at an index, and chooses the new layers. With an index of -1, each is inserted at a fitting
@@ -262,7 +263,7 @@ func _own_chosen() -> Array[ScatterLayer]:
 func _show_count(layer: ScatterLayer) -> int:
 	var count := _scatter.get_shown_count(layer)
 	var watch := _steps.held_of(_scatter, layer)
-	var text := PreviewBar.grouped(count)
+	var text := NumberText.grouped(count)
 	var note := notes.note_on(layer)
 	if _marks.is_hidden(layer):
 		text = "hidden in the editor"

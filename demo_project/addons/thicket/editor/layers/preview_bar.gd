@@ -3,6 +3,7 @@ extends PanelContainer
 ## The bar below the 3D view. It asks before many more instances are shown, and shows a note while the view
 ## shows fewer instances than the game.
 
+const NumberText := preload("res://addons/thicket/number_text.gd")
 const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
 
 var steps: Steps
@@ -61,15 +62,7 @@ func update() -> void:
 ## A number for display: a large one is rounded to two digits, and grouped by three.
 static func about(number: float) -> String:
 	var digits := maxi(0, floori(log(maxf(number, 1.0)) / log(10.0)) - 1)
-	return grouped(roundi(snappedf(number, pow(10.0, digits))))
-
-
-## A whole number in groups of three digits.
-static func grouped(number: int) -> String:
-	var text := str(number)
-	for at in range(text.length() - 3, 0, -3):
-		text = text.insert(at, ",")
-	return text
+	return NumberText.grouped(roundi(snappedf(number, pow(10.0, digits))))
 
 
 func _notification(what: int) -> void:
