@@ -1,6 +1,6 @@
 extends RefCounted
-## Draws the leaves and the bark of all plants into one texture: original artwork from ellipses, strokes and noise. See [code]leaf_atlas.gd[/code] for
-## what is where.
+## Draws the leaves and the bark of all plants into one texture: original artwork from ellipses, strokes and noise. [code]leaf_atlas.gd[/code]
+## has the regions.
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 const CELL := Atlas.CELL

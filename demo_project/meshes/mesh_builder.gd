@@ -56,11 +56,6 @@ func quad(a: int, b: int, c: int, d: int) -> void:
 	triangle(a, c, d)
 
 
-## The number of triangles of a level.
-func triangle_count(level: int) -> int:
-	return _levels[level].size() / 3
-
-
 ## Adds a flat leaf card with its own normal direction at the center. [param bulge] bends the corner normals outwards from it (0
 ## flat, 1 strongly), so that a crown of cards is lit like a round body.
 func card(center: Vector3, right: Vector3, up: Vector3, normal: Vector3, region: Rect2, color: Color,
