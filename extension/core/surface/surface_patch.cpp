@@ -1,5 +1,7 @@
 #include "core/surface/surface_patch.hpp"
 
+#include "core/base/instruction_sets.hpp"
+
 #include <algorithm>
 #include <cmath>
 
