@@ -304,11 +304,3 @@ func test_a_preset_without_instances() -> void:
 	await picture("clicks_scree")
 	await undo()
 	check_equal(scatter.layers.size(), 2, "undone")
-
-
-## Returns the text of the editor's toasts.
-func toast_text() -> String:
-	var words := PackedStringArray()
-	for label: Label in EditorInterface.get_editor_toaster().find_children("*", "Label", true, false):
-		words.append(label.text)
-	return " ".join(words)

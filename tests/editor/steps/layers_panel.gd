@@ -129,6 +129,8 @@ func test_first_minute() -> void:
 	await wait_for_panel()
 	await mouse_click(middle(button("Not Here")))
 	check(not panel().notes._gray.visible, "the note that the scene has no camera is dismissed")
+	var crowded := RegEx.create_from_string("Young Pine: [5-9]\\d % of its points are too close to other layers")
+	await until(func() -> bool: return crowded.search(toast_text()) != null, "a layer with little room is reported")
 	for index in 3:
 		var count: int = scatter.get_shown_count(scatter.layers[index])
 		check(count > 100, "%s: %d instances" % [names()[index], count])
@@ -340,6 +342,24 @@ func test_adding() -> void:
 	await undo()
 	EditorInterface.edit_node(scatter)
 	await wait_for_panel()
+
+
+## A layer of far wider models comes before the others, which give way to it.
+func test_losses() -> void:
+	var giant := CylinderMesh.new()
+	giant.top_radius = 5.0
+	giant.bottom_radius = 0.75
+	giant.height = 12.5
+	ResourceSaver.save(giant, "res://giant.res")
+	EditorInterface.get_resource_filesystem().update_file("res://giant.res")
+	await until(func() -> bool: return EditorInterface.get_resource_filesystem().get_file_type("res://giant.res") == "CylinderMesh", "the file is known")
+	var oaks: int = scatter.get_shown_count(layer("Old Oak"))
+	await drag_files(["res://giant.res"], middle(tree()))
+	check_equal(names()[0], "Giant", "the widest is first")
+	await settle(scatter)
+	var left := "Old Oak: %d of %d instances are left beside the new layers." % [scatter.get_shown_count(layer("Old Oak")), oaks]
+	check(await until(func() -> bool: return left in toast_text(), "losses are told"), "%s in %s" % [left, toast_text()])
+	await undo()
 
 
 ## The editor saves marks next to the scene, for the next time it is opened.

@@ -353,3 +353,11 @@ func picture(picture_name: String, window := get_window()) -> void:
 ## Returns the files in a folder, by name.
 func files(folder: String) -> PackedStringArray:
 	return DirAccess.get_files_at(folder) if DirAccess.dir_exists_absolute(folder) else PackedStringArray()
+
+
+## Returns the text of the editor's toasts.
+func toast_text() -> String:
+	var words := PackedStringArray()
+	for label: Label in EditorInterface.get_editor_toaster().find_children("*", "Label", true, false):
+		words.append(label.text)
+	return " ".join(words)

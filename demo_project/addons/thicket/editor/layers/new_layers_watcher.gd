@@ -15,7 +15,9 @@ const KEPT := 0.7
 const FEW := 20
 
 var _scatter: TerrainScatter3D
-var _fresh: Array[ScatterLayer] = []
+var _fresh: Array[ScatterLayer] = [] ## The new layers that were not looked at yet.
+var _missing: Array[ScatterLayer] = [] ## New layers without instances.
+var _sentences := PackedStringArray()
 var _before: Dictionary[ScatterLayer, int] = {} ## The numbers of visible instances of older layers.
 
 
@@ -30,6 +32,8 @@ func note(scatter: TerrainScatter3D) -> void:
 
 ## Watches the layers that were added since [method note].
 func watch() -> void:
+	_missing.clear()
+	_sentences.clear()
 	_fresh = _scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and not _before.has(layer))
 
 
@@ -38,7 +42,7 @@ func is_watching() -> bool:
 	return not _fresh.is_empty()
 
 
-## Once all tiles are ready, tells what the user should know.
+## Once all tiles are ready, looks at one new layer. After the last one, tells what the user should know. Call it several times per second.
 func look() -> void:
 	if _fresh.is_empty():
 		return
@@ -47,20 +51,25 @@ func look() -> void:
 		return
 	if not _scatter.is_settled():
 		return
-	var layers := _scatter.layers
-	var fresh := _fresh.filter(func(layer: ScatterLayer) -> bool: return layer in layers)
-	_fresh.clear()
 	if _scatter.ground == null: # The node has a warning.
+		_fresh.clear()
 		return
-	var missing := fresh.filter(func(layer: ScatterLayer) -> bool: return _scatter.get_shown_count(layer) == 0)
+	# One layer each time, because the explanations of many layers take longer than a frame.
+	var layer: ScatterLayer = _fresh.pop_front()
+	if layer in _scatter.layers:
+		if _scatter.get_shown_count(layer) == 0:
+			_missing.append(layer)
+		else:
+			_sentences.append_array(_crowding(layer))
+	if _fresh.is_empty():
+		_tell_all()
+
+
+func _tell_all() -> void:
+	var missing := _missing.filter(func(layer: ScatterLayer) -> bool: return layer in _scatter.layers)
 	if not missing.is_empty():
 		_tell(_why(missing))
-	var sentences := PackedStringArray()
-	for layer: ScatterLayer in fresh:
-		if not layer in missing:
-			sentences.append_array(_crowding(layer))
-	sentences.append_array(_losses(layers))
-	for sentence in sentences:
+	for sentence in _sentences + _losses(_scatter.layers):
 		_tell(sentence, "More instances fit if distances in Spacing, or the densities of the other layers, are lower.")
 
 
