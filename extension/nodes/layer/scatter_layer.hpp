@@ -198,6 +198,9 @@ public:
 	/// model has shapes. Returns false and sets nothing if there are no meshes.
 	bool fit_to_meshes(ModelKind p_kind = KIND_AUTOMATIC);
 
+	/// The kind that the size of `meshes` suggests; KIND_AUTOMATIC if there are none.
+	ModelKind get_model_kind();
+
 	/// The properties that fit_to_meshes sets.
 	godot::PackedStringArray get_fitted_properties() const;
 

@@ -99,6 +99,13 @@ PackedStringArray ScatterLayer::get_fitted_properties() const {
 	return names;
 }
 
+ScatterLayer::ModelKind ScatterLayer::get_model_kind() {
+	read_models();
+	const LayerMeshes meshes = meshes_; // A copy, because scripts of meshes may replace the list.
+	const std::optional<ModelSize> size = size_of(meshes);
+	return size ? static_cast<ModelKind>(static_cast<int64_t>(kind_of(*size)) + KIND_TREE) : KIND_AUTOMATIC;
+}
+
 bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 	if (!accept_number(ScatterLayer::class_name, "kind", static_cast<double>(p_kind), KIND_AUTOMATIC, KIND_ROCK)) {
 		return false;
@@ -156,6 +163,7 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 void ScatterLayer::bind_fit() {
 	bind_guarded<&ScatterLayer::fit_to_meshes>(D_METHOD("fit_to_meshes", "kind"), DEFVAL(KIND_AUTOMATIC));
 	bind_guarded<&ScatterLayer::get_fitted_properties>(D_METHOD("get_fitted_properties"));
+	bind_guarded<&ScatterLayer::get_model_kind>(D_METHOD("get_model_kind"));
 	BIND_ENUM_CONSTANT(KIND_AUTOMATIC);
 	BIND_ENUM_CONSTANT(KIND_TREE);
 	BIND_ENUM_CONSTANT(KIND_SHRUB);

@@ -3,6 +3,7 @@ extends "res://tests/layer_choices.gd"
 ## Scenes dropped on a scatter and on a layer, and a scene that is saved while it is scattered. All changes are undone at the end.
 
 const PINE := "res://pine.tscn"
+const FOLIAGE_FILES := ["res://demo_pine_trunk.tres", "res://demo_pine_crown.tres"]
 
 
 ## A trunk with a collision shape, and a crown.
@@ -63,7 +64,12 @@ func drop() -> void:
 	check(instances(scatter, before.size()).size() > 100, "there are pines")
 	var mesh: Mesh = scatter.get_tile(layer, scatter.get_shown_tiles(layer)[0]).get_mesh(0)
 	check_equal(mesh.get_surface_count(), 2, "trunk and crown are in one mesh")
+	check_equal(files_of(layer), FOLIAGE_FILES, "with foliage materials in files beside the scene")
 	await picture("dropped")
+	history(scatter).undo()
+	check(not FOLIAGE_FILES.any(FileAccess.file_exists), "undone, with the files")
+	history(scatter).redo()
+	check(FOLIAGE_FILES.all(FileAccess.file_exists), "done again")
 
 	await inspect(layer)
 	var radius: float = layer.radius
@@ -105,27 +111,68 @@ func choose_kinds(layer: Resource) -> void:
 	check(layer.radius == radius and layer.clump_size == 0.0, "undone")
 
 
+func files_of(layer: Resource) -> Array:
+	return layer.get_materials().map(func(material: Material) -> String: return material.resource_path)
+
+
 ## Standard materials become foliage materials in files beside the scene. Undo removes them.
 func make_foliage(layer: Resource) -> void:
+	var dropped: Array = layer.meshes
+	var packed: Resource = load(PINE)
+	layer.meshes = [packed]
 	await inspect(scatter)
 	await inspect(layer)
-	var packed: Resource = layer.meshes[0]
 	await click_at(center_of(kind_button("Make Foliage Materials")))
 	await settle(scatter)
 	var model: Resource = layer.meshes[0]
 	check_equal(model.get_class(), "ScatterModel", "the scene is in a model")
 	check_equal(model.scene, packed, "which refers to it")
 	check_equal(model.replacement_materials.keys(), ["Trunk", "Crown"], "both materials are replaced")
-	var drawn: Array = layer.get_materials()
-	check(drawn.size() == 2 and drawn.all(func(material: Material) -> bool: return material is ShaderMaterial), "drawn with %s" % [drawn])
-	var files := drawn.map(func(material: Material) -> String: return material.resource_path)
-	check_equal(files, ["res://demo_pine_trunk.tres", "res://demo_pine_crown.tres"], "files beside the scene")
-	check(drawn[0].get_shader_parameter(&"sway_height") > 3.0, "it sways by its height")
+	var files := files_of(layer)
+	check_equal(files, ["res://demo_pine_trunk_2.tres", "res://demo_pine_crown_2.tres"], "files beside the scene, with free names")
+	check(layer.get_materials()[0].get_shader_parameter(&"sway_height") > 3.0, "it sways by its height")
 	check(inspector_button("Make Foliage Materials") == null or await foliage_is_done(layer), "nothing is left to convert")
 	await picture("foliage")
 	await undo_last(layer)
 	check_equal(layer.meshes[0], packed, "undone")
 	check(not files.any(FileAccess.file_exists), "the files are removed")
+	await make_foliage_of_a_mesh(layer)
+	await make_foliage_of_a_model(model)
+	layer.meshes = dropped
+
+
+## A mesh without a scene gets the material itself, with its normal map.
+func make_foliage_of_a_mesh(layer: Resource) -> void:
+	var bark := StandardMaterial3D.new()
+	bark.resource_name = "Bark"
+	bark.normal_enabled = true
+	bark.normal_texture = GradientTexture2D.new()
+	bark.uv1_scale = Vector3(2.0, 3.0, 1.0)
+	var mesh := CylinderMesh.new()
+	mesh.material = bark
+	layer.meshes = [mesh]
+	await inspect(scatter)
+	await inspect(layer)
+	await click_at(center_of(kind_button("Make Foliage Materials")))
+	await settle(scatter)
+	var made := mesh.material as ShaderMaterial
+	check(made != null and made.get_shader_parameter(&"normal_texture") == bark.normal_texture, "the mesh's material has the normal map")
+	check_equal(made.get_shader_parameter(&"uv_scale"), Vector2(2.0, 3.0), "and the scale of its texture")
+	await undo_last(layer)
+	check_equal(mesh.material, bark, "undone")
+
+
+## The button in a model's own inspector. A replacement that is a standard material keeps its key.
+func make_foliage_of_a_model(model: Resource) -> void:
+	var own := StandardMaterial3D.new()
+	own.resource_name = "Own"
+	model.replacement_materials = {"Trunk": own}
+	await inspect(model)
+	await click_at(center_of(kind_button("Make Foliage Materials")))
+	check_equal(model.replacement_materials.keys(), ["Trunk", "Crown"], "both are replaced, by the names in the scene")
+	check(model.replacement_materials.values().all(func(material: Material) -> bool: return material is ShaderMaterial), "with foliage materials")
+	await undo_last(model)
+	check_equal(model.replacement_materials, {"Trunk": own}, "undone")
 
 
 func foliage_is_done(layer: Resource) -> bool:

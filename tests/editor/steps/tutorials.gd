@@ -49,13 +49,6 @@ func test_your_own_tree() -> void:
 	model.scene = load(OAK)
 	check_equal(model.lods.size(), 3, "with its LODs")
 	check_equal(oak.collision_shape, ClassDB.class_get_integer_constant(&"ScatterLayer", &"COLLISION_MODEL"), "it uses the model's shape")
-	check(oak.get_materials().all(func(material: Material) -> bool: return material is StandardMaterial3D), "with the materials of the file")
-	EditorInterface.inspect_object(oak, "", true)
-	await frames(5)
-	for button: Button in EditorInterface.get_inspector().find_children("*", "Button", true, false):
-		if button.text == "Make Foliage Materials":
-			await click_at(middle(button))
-	await settle(scatter)
 	var materials: Array = oak.get_materials()
 	var files := materials.map(func(material: Material) -> String: return material.resource_path.get_file())
 	files.sort()

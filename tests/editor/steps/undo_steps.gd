@@ -134,7 +134,7 @@ func test_layers() -> void:
 	var panel: Control = workspace().dock.panel
 	await step("New layers", panel.add.bind([make_layer("Heather", 1.0), SphereMesh.new()] as Array[Resource]))
 	await step("An empty layer", panel._on_add.bind(panel.Add.EMPTY))
-	await step("Meshes for the empty layer", func() -> void: MeshDrop.add(layer("Layer"), [BoxMesh.new()] as Array[Resource], manager))
+	await step("Meshes for the empty layer", func() -> void: MeshDrop.add(layer("Layer"), [BoxMesh.new()] as Array[Resource], panel._files, manager))
 	await step("A preset", panel._on_add.bind(panel.Add.FIRST_PRESET + 1))
 	await step("A name", func() -> void: LayerEdits.rename(scatter, layer("Grass"), "Sedge", manager))
 	await step("A name of a layer in a file", func() -> void: LayerEdits.rename(scatter, layer("Moss"), "Lichen", manager))
@@ -149,7 +149,7 @@ func test_layers() -> void:
 				property._set_distance(0.75, "Trees", false))
 	await step("A layer from a file", panel._on_file.bind(FERN))
 	check(scatter.layers.any(func(each: Resource) -> bool: return each.resource_path == FERN), "the file is a layer")
-	await step("Meshes for a layer in a file", func() -> void: MeshDrop.add(layer("Lichen"), [SphereMesh.new()] as Array[Resource], manager))
+	await step("Meshes for a layer in a file", func() -> void: MeshDrop.add(layer("Lichen"), [SphereMesh.new()] as Array[Resource], panel._files, manager))
 	await select(scatter)
 
 

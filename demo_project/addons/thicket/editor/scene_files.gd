@@ -42,13 +42,14 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	return true
 
 
-## The path with which the names of a layer's files begin: next to the edited scene, or next to the layer's own file. Empty if there is no such path.
-static func place_of(layer: ScatterLayer) -> String:
+## The path with which the names of the files of a layer or a model begin: next to the edited scene, or next to the resource's own file. Empty if there
+## is no such path.
+static func place_of(owner: Resource) -> String:
 	var root := EditorInterface.get_edited_scene_root()
-	var path := layer.resource_path.get_slice("::", 0)
+	var path := owner.resource_path.get_slice("::", 0)
 	if path.is_empty() and root != null:
 		path = root.scene_file_path
-	return "" if path.is_empty() else _place(path, layer.resource_name)
+	return "" if path.is_empty() else _place(path, owner.resource_name)
 
 
 ## A path such as scene_layer_mask.res, with a number if that file exists already, or a resource in memory has its path.

@@ -1,30 +1,40 @@
 @tool
 extends Button
-## A button in a layer's inspector that makes foliage materials from the standard materials of its models.
+## A button in the inspector of a layer or a model that makes foliage materials from its standard materials.
 
 const FoliageMaterials := preload("res://addons/thicket/editor/materials/foliage_materials.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-var _layer: ScatterLayer
+var _object: Resource
 var _files: SceneFiles
 
 
-## Hidden if no model has a standard material.
-func _init(layer: ScatterLayer, files: SceneFiles) -> void:
-	_layer = layer
+## [param object] is a layer or a model. Hidden if it has no standard material.
+func _init(object: Resource, files: SceneFiles) -> void:
+	_object = object
 	_files = files
 	text = "Make Foliage Materials"
-	tooltip_text = "Gives the models materials that sway in the wind, let light through leaves and fade: made from their standard materials, and saved beside the scene. Normal and roughness maps are not used."
-	visible = layer.get_materials().any(func(material: Material) -> bool: return material is BaseMaterial3D)
+	tooltip_text = "Gives the models materials that sway in the wind, let light through leaves and fade: made from their standard materials, and saved beside the scene. Roughness, metal and emission are not used."
+	visible = _materials().any(func(material: Material) -> bool: return material is BaseMaterial3D)
 	pressed.connect(press)
 
 
 func press() -> void:
-	var place := SceneFiles.place_of(_layer)
+	var place := SceneFiles.place_of(_object)
 	var told := PackedStringArray()
 	if place.is_empty():
 		told.append("The scene has no file yet. Save the scene first: materials go into files beside it.")
+	elif _object is ScatterLayer:
+		told = FoliageMaterials.new(_files, place).convert(_object as ScatterLayer, EditorInterface.get_editor_undo_redo())
 	else:
-		told = FoliageMaterials.new(_files).convert(_layer, place, EditorInterface.get_editor_undo_redo())
+		told = FoliageMaterials.new(_files, place).convert_model(_object as ScatterModel, EditorInterface.get_editor_undo_redo())
 	if not told.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(" ".join(told), EditorToaster.SEVERITY_WARNING)
+
+
+func _materials() -> Array[Material]:
+	var layer := _object as ScatterLayer
+	if layer == null:
+		layer = ScatterLayer.new()
+		layer.meshes = [_object]
+	return layer.get_materials()

@@ -22,16 +22,17 @@ func _init(files: SceneFiles) -> void:
 
 
 func _can_handle(object: Object) -> bool:
-	return ["ScatterLayer", "ScatterValueSource", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
+	return ["ScatterLayer", "ScatterModel", "ScatterValueSource", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
 
 
 func _parse_begin(object: Object) -> void:
 	if object is ScatterLayer or object is TerrainScatter3D:
-		add_custom_control(Drop.new(object))
+		add_custom_control(Drop.new(object, _files))
 	if object is ScatterLayer and not (object as ScatterLayer).meshes.is_empty():
 		add_custom_control(KindButtons.new(object as ScatterLayer))
 		add_custom_control(SplitButton.new(object as ScatterLayer))
-		add_custom_control(FoliageButton.new(object as ScatterLayer, _files))
+	if object is ScatterLayer or object is ScatterModel:
+		add_custom_control(FoliageButton.new(object as Resource, _files))
 
 
 func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: PropertyHint, _hint_string: String,

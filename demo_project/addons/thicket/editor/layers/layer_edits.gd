@@ -3,6 +3,7 @@ extends RefCounted
 ## Changes to a scatter's list of layers, each of them one undo step. Layers keep their ids, and references to deleted layers are removed.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
+const FoliageMaterials := preload("res://addons/thicket/editor/materials/foliage_materials.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
@@ -10,8 +11,8 @@ const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
 
 
 ## Adds a layer for each of these meshes, scenes, models and layers at an index. With an index of -1, each is inserted at a fitting
-## position. Returns the new layers.
-static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, apart: bool,
+## position. Scenes of plants get foliage materials, in files beside the edited scene if that has a file. Returns the new layers.
+static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, apart: bool, files: SceneFiles,
 		undo_redo: EditorUndoRedoManager) -> Array[ScatterLayer]:
 	var old := scatter.layers
 	var fresh := resources.filter(func(resource: Resource) -> bool: return not resource is ScatterLayer or not resource in old)
@@ -23,8 +24,24 @@ static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, 
 		new.insert(at + index if at >= 0 else NewLayers.place_for(added[index], new), added[index])
 	if apart:
 		NewLayers.keep_apart(added.filter(func(layer: ScatterLayer) -> bool: return not Copies.is_file(layer)), new)
-	_commit("Add Layers", scatter, new, undo_redo)
+	var materials := _make_foliage(added, files)
+	var root := EditorInterface.get_edited_scene_root()
+	var scene_path := root.scene_file_path if root else ""
+	files.adopt(materials, scene_path)
+	_commit("Add Layers", scatter, new, undo_redo, func() -> void: files.add_to_undo(materials, scene_path, undo_redo))
+	for material in materials:
+		EditorInterface.get_resource_filesystem().update_file(material.resource_path)
 	return added
+
+
+## Gives new layers of plants foliage materials, if there is a place for their files. Returns the materials.
+static func _make_foliage(added: Array[ScatterLayer], files: SceneFiles) -> Array[Resource]:
+	var result: Array[Resource] = []
+	for layer in added:
+		var place := SceneFiles.place_of(layer)
+		if place and not Copies.is_file(layer) and layer.get_model_kind() != ScatterLayer.KIND_ROCK:
+			result.append_array(FoliageMaterials.new(files, place).give(layer))
+	return result
 
 
 ## Names the resources for which [method add] added no layer, in a sentence; empty if there are none. [param added] is the result of
@@ -32,10 +49,15 @@ static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, 
 static func left_out(resources: Array[Resource], added: Array[ScatterLayer]) -> String:
 	var names := PackedStringArray()
 	for resource in resources:
-		if not added.any(func(layer: ScatterLayer) -> bool: return layer == resource or layer.meshes.has(resource)):
+		if not added.any(func(layer: ScatterLayer) -> bool: return layer == resource or _draws(layer, resource)):
 			names.append(resource.resource_path if resource.resource_path else resource.get_class())
 	return "" if names.is_empty() else "Not added: %s. A mesh needs surfaces, a scene a visible MeshInstance3D, and a layer must not be in the list yet." % \
 			", ".join(names)
+
+
+static func _draws(layer: ScatterLayer, resource: Resource) -> bool:
+	return layer.meshes.any(func(entry: Variant) -> bool:
+		return entry == resource or entry is ScatterModel and (entry as ScatterModel).scene == resource)
 
 
 ## Adds copies of layers after the last of them, with their own masks. Returns the copies.

@@ -138,7 +138,7 @@ func add(resources: Array[Resource], at := -1) -> void:
 	if not is_instance_valid(_scatter):
 		return
 	adding.emit()
-	var new := LayerEdits.add(_scatter, resources, at, keeps_apart(), _undo_redo)
+	var new := LayerEdits.add(_scatter, resources, at, keeps_apart(), _files, _undo_redo)
 	added.emit()
 	_tell(LayerEdits.left_out(resources, new))
 	if not new.is_empty():

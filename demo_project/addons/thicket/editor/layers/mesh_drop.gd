@@ -6,12 +6,15 @@ const HINT_ON_LAYER := "Drop scenes or meshes here"
 const HINT_ON_SCATTER := "Drop scenes or meshes here: a layer for each"
 const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 var _object: Object
+var _files: SceneFiles
 
 
-func _init(object: Object) -> void:
+func _init(object: Object, files: SceneFiles) -> void:
 	_object = object
+	_files = files
 	var label := Label.new()
 	label.text = HINT_ON_LAYER if object is ScatterLayer else HINT_ON_SCATTER
 	label.horizontal_alignment = HORIZONTAL_ALIGNMENT_CENTER
@@ -25,17 +28,17 @@ func _can_drop_data(_at: Vector2, data: Variant) -> bool:
 
 
 func _drop_data(_at: Vector2, data: Variant) -> void:
-	add(_object, taken(data), EditorInterface.get_editor_undo_redo())
+	add(_object, taken(data), _files, EditorInterface.get_editor_undo_redo())
 
 
 ## Adds the dropped resources to a layer or a scatter, as one undo step. Resources that cannot be drawn are not added, and a toast names
 ## them.
-static func add(object: Object, dropped: Array[Resource], undo_redo: EditorUndoRedoManager) -> void:
+static func add(object: Object, dropped: Array[Resource], files: SceneFiles, undo_redo: EditorUndoRedoManager) -> void:
 	if object is ScatterLayer:
 		_add_to_layer(object as ScatterLayer, dropped, undo_redo)
 	else:
 		var scatter := object as TerrainScatter3D
-		_tell(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, undo_redo)))
+		_tell(LayerEdits.left_out(dropped, LayerEdits.add(scatter, dropped, scatter.layers.size(), true, files, undo_redo)))
 
 
 ## Returns true if all dragged resources can be drawn. [param with_layers] also accepts layers.

@@ -3,6 +3,7 @@ extends RefCounted
 ## Makes foliage materials from the standard materials of models: with wind, light through leaves, and fade. They are saved beside the scene.
 
 const FOLIAGE := preload("res://addons/thicket/shaders/foliage.gdshader")
+const FOLIAGE_MAPPED := preload("res://addons/thicket/shaders/foliage_mapped.gdshader")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
@@ -17,38 +18,68 @@ const LEAF_LIGHT := 0.3
 
 var _problem := "" ## Why a file could not be written; empty if all were.
 var _files: SceneFiles
+var _place: String
+var _plain_only := false
 var _made: Dictionary[Material, ShaderMaterial] = {}
 var _left_out := PackedStringArray()
+var _models: Array[Array] = [] ## Models that exist already, each with its materials before and after.
+var _surfaces: Array[Array] = [] ## Meshes without a scene, each with a surface and the surface's material before and after.
 
 
-func _init(files: SceneFiles) -> void:
+## [param place] is the path with which the names of files begin.
+func _init(files: SceneFiles, place: String) -> void:
 	_files = files
+	_place = place
 
 
 ## Converts the materials of a layer's models, as one undo step. A scene in the list becomes a model that refers to it. Returns the sentences that the
-## user should read. [param place] is the path with which the names of files begin.
-func convert(layer: ScatterLayer, place: String, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
-	_made.clear()
-	_left_out.clear()
-	_problem = ""
-	var meshes := layer.meshes.duplicate()
-	var replaced: Array[Array] = [] # Models, with their materials before and after.
-	for index in meshes.size():
-		meshes[index] = _convert_entry(meshes[index], replaced)
+## user should read.
+func convert(layer: ScatterLayer, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
+	var meshes := layer.meshes.map(_convert_entry)
+	return _commit(layer, undo_redo, func() -> void:
+		undo_redo.add_do_property(layer, &"meshes", meshes)
+		undo_redo.add_undo_property(layer, &"meshes", layer.meshes.duplicate()))
+
+
+## Converts the materials of one model, as [method convert] does.
+func convert_model(model: ScatterModel, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
+	_convert_entry(model)
+	return _commit(model, undo_redo, func() -> void: pass )
+
+
+## Converts the materials of scenes in a layer that is not in use yet, except those with features that foliage materials lack. Returns the new
+## materials, which the caller adds to its undo step. If they cannot be saved, prints an error and leaves the layer as it is.
+func give(layer: ScatterLayer) -> Array[Resource]:
+	_plain_only = true
+	var meshes := layer.meshes.map(func(entry: Variant) -> Variant: return _convert_entry(entry) if entry is PackedScene else entry)
+	var written := _save()
+	if not _problem.is_empty():
+		push_error(_problem)
+		for material in written:
+			DirAccess.remove_absolute(material.resource_path)
+		written.clear()
+	elif not written.is_empty():
+		layer.meshes = meshes
+	return written
+
+
+func _commit(owner: Resource, undo_redo: EditorUndoRedoManager, add_more: Callable) -> PackedStringArray:
 	if _made.is_empty():
 		return [("There is no standard material to convert. " + " ".join(_left_out)).strip_edges()]
-	var written := _save(place)
+	var written := _save()
 	if not _problem.is_empty():
 		return [_problem]
-	if layer.resource_path.is_empty() or "::" in layer.resource_path: # Otherwise the layer may be saved without the scene.
+	if owner.resource_path.is_empty() or "::" in owner.resource_path: # Otherwise the owner may be saved without the scene.
 		_files.adopt(written, _scene_path())
-	undo_redo.create_action("Make Foliage Materials", UndoRedo.MERGE_DISABLE, layer)
+	undo_redo.create_action("Make Foliage Materials", UndoRedo.MERGE_DISABLE, owner)
 	_files.add_to_undo(written, _scene_path(), undo_redo)
-	for change in replaced:
+	for change in _models:
 		undo_redo.add_do_property(change[0], &"replacement_materials", change[2])
 		undo_redo.add_undo_property(change[0], &"replacement_materials", change[1])
-	undo_redo.add_do_property(layer, &"meshes", meshes)
-	undo_redo.add_undo_property(layer, &"meshes", layer.meshes.duplicate())
+	for change in _surfaces:
+		undo_redo.add_do_method(change[0], &"surface_set_material", change[1], change[3])
+		undo_redo.add_undo_method(change[0], &"surface_set_material", change[1], change[2])
+	add_more.call()
 	undo_redo.commit_action()
 	for material in written:
 		EditorInterface.get_resource_filesystem().update_file(material.resource_path)
@@ -56,33 +87,66 @@ func convert(layer: ScatterLayer, place: String, undo_redo: EditorUndoRedoManage
 
 
 ## The entry of the layer's list after its materials are converted.
-func _convert_entry(entry: Variant, r_replaced: Array[Array]) -> Variant:
+func _convert_entry(entry: Variant) -> Variant:
+	if entry is Mesh:
+		_convert_mesh(entry as Mesh)
+		return entry
 	var model := entry as ScatterModel
 	if entry is PackedScene:
 		model = ScatterModel.new()
 		model.scene = entry
-	if model == null or model.scene == null:
-		_left_out.append("%s is a mesh without a scene: set the material on the mesh itself." % _title(entry))
+	if model == null:
 		return entry
 	var height := model.get_aabb().end.y
 	var replacements := {}
 	for lod in model.lods:
 		for mesh: Mesh in [lod.mesh, lod.shadow_mesh]:
+			if mesh != null and model.scene == null:
+				_convert_mesh(mesh)
+				continue
 			for surface in (mesh.get_surface_count() if mesh else 0):
 				var material := mesh.surface_get_material(surface)
-				if material is BaseMaterial3D:
-					var name := model.get_material_name(material)
-					var converted := _converted(material as BaseMaterial3D, name, height)
-					if replacements.get_or_add(name, converted) != converted:
-						_left_out.append("%s has several materials named \"%s\", which are drawn with one now: give them names of their own." % [_title(entry), name])
+				if not _is_convertible(material):
+					continue
+				var replaced: Variant = model.replacement_materials.find_key(material)
+				var name: String = replaced if replaced != null else model.get_material_name(material)
+				var converted := _converted(material as BaseMaterial3D, name, height)
+				if replacements.get_or_add(name, converted) != converted:
+					_left_out.append("%s has several materials named \"%s\", which are drawn with one now: give them names of their own." % [_title(entry), name])
 	if replacements.is_empty():
 		return entry
 	if entry is PackedScene: # The new model is not in the scene yet, so nothing needs to be undone in it.
 		model.resource_name = _title(entry)
 		model.replacement_materials = replacements
 	else:
-		r_replaced.append([model, model.replacement_materials, model.replacement_materials.merged(replacements, true)])
+		_models.append([model, model.replacement_materials, model.replacement_materials.merged(replacements, true)])
 	return model
+
+
+## A mesh without a scene gets the materials itself, unless the next import would write it anew.
+func _convert_mesh(mesh: Mesh) -> void:
+	var path := mesh.resource_path
+	var is_own := path.is_empty() or path.begins_with(_scene_path() + "::") or path.get_extension() in ["tres", "res"]
+	for surface in mesh.get_surface_count():
+		var material := mesh.surface_get_material(surface)
+		if not _is_convertible(material):
+			continue
+		if not is_own:
+			_left_out.append("%s is imported without a scene: set Import As to Scene in the Import dock, or set the layer's Material Override." % _title(mesh))
+			return
+		var name := material.resource_name if material.resource_name else "%s_%d" % [_title(mesh), surface]
+		_surfaces.append([mesh, surface, material, _converted(material as BaseMaterial3D, name, mesh.get_aabb().end.y)])
+
+
+func _is_convertible(material: Material) -> bool:
+	return material is BaseMaterial3D and (not _plain_only or is_plain(material as BaseMaterial3D))
+
+
+## Whether a foliage material can replace this one without losing a feature that one sees.
+static func is_plain(material: BaseMaterial3D) -> bool:
+	return material.shading_mode != BaseMaterial3D.SHADING_MODE_UNSHADED and material.billboard_mode == BaseMaterial3D.BILLBOARD_DISABLED \
+			and not (material.emission_enabled or material.refraction_enabled or material.detail_enabled or material.clearcoat_enabled
+			or material.uv1_triplanar or material.heightmap_enabled or material.next_pass != null or material.metallic > 0.5)
 
 
 func _converted(from: BaseMaterial3D, name: String, height: float) -> ShaderMaterial:
@@ -90,12 +154,18 @@ func _converted(from: BaseMaterial3D, name: String, height: float) -> ShaderMate
 		return _made[from]
 	var cut := from.transparency != BaseMaterial3D.TRANSPARENCY_DISABLED
 	var is_leaf := cut or from.cull_mode == BaseMaterial3D.CULL_DISABLED
+	var is_mapped := from.normal_enabled and from.normal_texture != null
 	var made := ShaderMaterial.new()
-	made.shader = FOLIAGE
+	made.shader = FOLIAGE_MAPPED if is_mapped else FOLIAGE
 	made.resource_name = name
+	if is_mapped:
+		made.set_shader_parameter("normal_texture", from.normal_texture)
+		made.set_shader_parameter("normal_scale", from.normal_scale)
 	made.set_shader_parameter("albedo", from.albedo_color)
 	if from.albedo_texture:
 		made.set_shader_parameter("albedo_texture", from.albedo_texture)
+	made.set_shader_parameter("uv_scale", Vector2(from.uv1_scale.x, from.uv1_scale.y))
+	made.set_shader_parameter("uv_offset", Vector2(from.uv1_offset.x, from.uv1_offset.y))
 	made.set_shader_parameter("vertex_color_as_albedo", from.vertex_color_use_as_albedo)
 	# An opaque material ignores alpha, so nearly nothing is cut.
 	var scissor := from.alpha_scissor_threshold if from.transparency == BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR else 0.5
@@ -111,10 +181,10 @@ func _converted(from: BaseMaterial3D, name: String, height: float) -> ShaderMate
 
 
 ## Saves the new materials, each in a file whose name is free.
-func _save(place: String) -> Array[Resource]:
+func _save() -> Array[Resource]:
 	var written: Array[Resource] = []
 	for material: ShaderMaterial in _made.values():
-		var path := SceneFiles.free_path("%s_%s" % [place, material.resource_name.to_snake_case().validate_filename()], "tres")
+		var path := SceneFiles.free_path("%s_%s" % [_place, material.resource_name.to_snake_case().validate_filename()], "tres")
 		var error := WholeFile.save(material, path)
 		if error != OK:
 			_problem = "%s cannot be saved: %s." % [path, error_string(error)]
