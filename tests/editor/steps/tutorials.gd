@@ -112,13 +112,14 @@ func add_regions() -> void:
 	await settle(scatter)
 	check_equal(count_in(Vector2(-16.0, -10.0), 7.0, ["Spruce", "Birch"]), 0, "the clearing")
 	await select(scatter)
+	surface().grab_focus()
 	regions._on_chosen(menu_of_regions("Exclude Layers", "Path"))
 	await frames(3)
-	var path: Path3D = scatter.get_node("WithoutPath/Path3D")
-	path.global_position = Vector3.ZERO
-	path.curve.clear_points()
-	for point: Vector2 in [Vector2(-40, 30), Vector2(-8, 14), Vector2(12, 12), Vector2(26, -12), Vector2(22, -60)]:
-		path.curve.add_point(on_ground(point.x, point.y), Vector3(-6, 0, 3), Vector3(6, 0, -3))
+	for point: Vector2 in [Vector2(-30, 26), Vector2(-8, 14), Vector2(12, 12), Vector2(24, -6)]:
+		await click_at(on_screen(on_ground(point.x, point.y)))
+	await key(KEY_ENTER)
+	await frames(3)
+	check_equal((scatter.get_node("WithoutPath/Path3D") as Path3D).curve.point_count, 4, "a path")
 	scatter.get_node("WithoutPath").width = 6.0
 	await select(scatter)
 	surface().grab_focus()

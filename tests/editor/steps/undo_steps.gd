@@ -235,15 +235,16 @@ func drag_handle(region: Node3D, handle: int, to: Vector3) -> void:
 
 func test_regions() -> void:
 	var menu: Node = workspace().toolbar.regions
-	for kind: int in [0, 1, 2, 4]:
+	for kind: int in [0, 1, 2]:
 		await select(scatter)
 		await step("A region of shape %d" % kind, menu._on_chosen.bind(kind))
-	await select(scatter)
-	await step("A polygon", func() -> void:
-		var polygon: Node = workspace().toolbar.polygon
-		menu._on_chosen(8)
-		polygon.corners = PackedVector3Array([Vector3(-1, 0, -1), Vector3(1, 0, -1), Vector3(0, 0, 1)])
-		polygon.close())
+	for kind: int in [4, 8]:
+		await select(scatter)
+		await step("A drawn region of shape %d" % (kind % 5), func() -> void:
+			var drawing: Node = workspace().toolbar.region_drawing
+			menu._on_chosen(kind)
+			drawing.corners = PackedVector3Array([Vector3(-1, 0, -1), Vector3(1, 0, -1), Vector3(0, 0, 1)])
+			drawing.close())
 	await step("Layers of a region", func() -> void:
 		EditorInterface.edit_node(scatter.get_node("Region2"))
 		await frames(4)

@@ -6,7 +6,7 @@ extends "res://addons/thicket/editor/wrapping_row.gd"
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const HandTool := preload("res://addons/thicket/editor/hand/hand_tool.gd")
 const PaintTool := preload("res://addons/thicket/editor/brush/paint_tool.gd")
-const PolygonTool := preload("res://addons/thicket/editor/regions/polygon_tool.gd")
+const RegionDrawing := preload("res://addons/thicket/editor/regions/region_drawing.gd")
 const Presets := preload("res://addons/thicket/editor/layers/presets.gd")
 const RectangleTool := preload("res://addons/thicket/editor/bake/rectangle_tool.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
@@ -29,11 +29,11 @@ var hand := HandTool.new()
 ## Explains why instances are placed at a position or not.
 var why := WhyTool.new()
 ## Draws the outline of a region.
-var polygon := PolygonTool.new()
+var region_drawing := RegionDrawing.new()
 ## Draws the rectangle of a bake.
 var rectangle := RectangleTool.new()
 ## All tools, in the order of their buttons.
-var tools: Array[ScatterTool] = [paint, hand, why, polygon, rectangle]
+var tools: Array[ScatterTool] = [paint, hand, why, region_drawing, rectangle]
 ## Adds regions.
 var regions := RegionMenu.new()
 ## The layers that tools work on; the first is the main one.
@@ -152,10 +152,11 @@ func _add_presets() -> void:
 
 func _add_regions(undo_redo: EditorUndoRedoManager) -> void:
 	regions.undo_redo = undo_redo
-	regions.polygon_requested.connect(func(exclude: bool) -> void:
-		polygon.set_on(true)
-		polygon.exclude = exclude)
-	polygon.drawn.connect(regions.insert)
+	regions.drawing_requested.connect(func(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
+		region_drawing.set_on(true)
+		region_drawing.shape = shape
+		region_drawing.exclude = exclude)
+	region_drawing.drawn.connect(regions.insert)
 	add_child(regions)
 
 

@@ -1,11 +1,11 @@
 @tool
 extends MenuButton
-## Adds a region below the scatter: on the ground in the middle of the view, or, for a polygon, by clicking its corners.
+## Adds a region below the scatter: on the ground in the middle of the view, or, for a polygon or a path, by clicking its corners.
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
-## The user wants to draw a polygon that excludes or includes.
-signal polygon_requested(exclude: bool)
+## The user wants to draw a polygon or a path that excludes or includes.
+signal drawing_requested(shape: ScatterRegion3D.Shape, exclude: bool)
 
 const SHAPE_NAMES: PackedStringArray = ["Box", "Sphere", "Cylinder", "Polygon", "Path"]
 ## In meters: the smallest and the largest size of a new region. Between these, the size is this part of the view's
@@ -29,7 +29,7 @@ func _init() -> void:
 	popup.id_pressed.connect(_on_chosen)
 
 
-## Adds a region of a shape in the middle of the view, as one undo step, and selects it.
+## Adds a box, a sphere or a cylinder in the middle of the view, as one undo step, and selects it.
 func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	var away := 20.0
@@ -40,15 +40,6 @@ func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	region.size = Vector3(size, maxf(size, 10.0), size)
 	region.radius = 0.5 * size
 	region.height = maxf(size, 10.0)
-	if shape == ScatterRegion3D.SHAPE_PATH:
-		var path := Path3D.new()
-		path.name = "Path3D"
-		path.curve = Curve3D.new()
-		for end: float in [-0.5, 0.5]:
-			path.curve.add_point(Vector3(size * end, 0.0, 0.0))
-		region.add_child(path)
-		region.path = NodePath("Path3D")
-		region.width = maxf(1.0, 0.2 * size)
 	insert(region, camera.global_position - camera.global_basis.z * away)
 
 
@@ -88,7 +79,7 @@ func _on_chosen(id: int) -> void:
 		return
 	var shape := (id % SHAPE_NAMES.size()) as ScatterRegion3D.Shape
 	var exclude := id < SHAPE_NAMES.size()
-	if shape == ScatterRegion3D.SHAPE_POLYGON:
-		polygon_requested.emit(exclude)
+	if shape in [ScatterRegion3D.SHAPE_POLYGON, ScatterRegion3D.SHAPE_PATH]:
+		drawing_requested.emit(shape, exclude)
 	else:
 		add(shape, exclude)

@@ -1,25 +1,34 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## Draws a region by clicking the corners of its polygon on the ground.
+## Draws a region by clicking on the ground: the corners of its polygon, or the points of its path.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
-## The polygon is finished: a region that is not in the scene yet, and its world position.
+## The shape is finished: a region that is not in the scene yet, and its world position.
 signal drawn(region: ScatterRegion3D, place: Vector3)
 
-const HINT_FIRST := "Click the corners   Enter or double click closes   Backspace removes the last one   Esc cancels"
-const HINT_NEXT := "%d corners   Enter or double click closes   Backspace removes the last one   Esc cancels"
+const HINTS: Dictionary[ScatterRegion3D.Shape, String] = {
+	ScatterRegion3D.SHAPE_POLYGON: "Click the corners   Enter or double click closes   Backspace removes the last one   Esc cancels",
+	ScatterRegion3D.SHAPE_PATH: "Click along the path   Enter or double click ends it   Backspace removes the last point   Esc cancels",
+}
 ## The distance in pixels from the first corner within which a click closes the polygon.
 const GRAB := 10.0
 ## The smallest area of a region in square meters.
 const LEAST_AREA := 1e-4
 
+## The width of a new path in meters.
+const WIDTH := 3.0
+## The handles of a path's points, as a share of the way from the point before to the point after, so that the path is smooth.
+const BEND := 1.0 / 6.0
+
+## A polygon or a path.
+var shape := ScatterRegion3D.SHAPE_POLYGON
 ## Whether the new region excludes.
 var exclude := true
-## World positions of the corners.
+## World positions of the corners, or of the points of the path.
 var corners := PackedVector3Array()
 ## The reason why the last click did nothing, as a sentence; empty if it succeeded.
 var problem := ""
@@ -30,7 +39,7 @@ var _mouse := Vector2.ZERO
 
 func _init() -> void:
 	needs_layer = false
-	_setup("Polygon", &"ToolAddNode", "Polygon: click the corners of a region on the ground.")
+	_setup("Region", &"ToolAddNode", "Region: click its corners on the ground.")
 	# The region menu turns the tool on.
 	button.visible = false
 
@@ -48,7 +57,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 		return NOT_MINE
 	if pressed.pressed:
 		problem = ""
-		var on_first := corners.size() >= 3 and _cursor.to_overlay(corners[0]).distance_to(_mouse) <= GRAB
+		var on_first := shape == ScatterRegion3D.SHAPE_POLYGON and corners.size() >= 3 and _cursor.to_overlay(corners[0]).distance_to(_mouse) <= GRAB
 		if pressed.double_click or on_first:
 			close()
 		else:
@@ -65,13 +74,13 @@ func draw_over(overlay: Control) -> void:
 		if not line.is_empty():
 			_cursor.draw_path(overlay, _cursor.along_ground(line[-1], corner, ground()), color, 2.0)
 		line.append(corner)
-	if line.size() > 2:
+	if line.size() > 2 and shape == ScatterRegion3D.SHAPE_POLYGON:
 		_cursor.draw_path(overlay, _cursor.along_ground(line[-1], line[0], ground()), Color(color, 0.4), 1.0)
 	for corner in corners:
 		_cursor.draw_knob(overlay, corner, color)
 	if not problem.is_empty():
 		_cursor.say(overlay, problem)
-	_cursor.hint(overlay, HINT_NEXT % corners.size() if not corners.is_empty() else HINT_FIRST)
+	_cursor.hint(overlay, HINTS[shape])
 
 
 func finish() -> void:
@@ -89,6 +98,15 @@ func close() -> void:
 	var middle := Vector3.ZERO
 	for corner in corners:
 		middle += corner / corners.size()
+	var region := _polygon(middle) if shape == ScatterRegion3D.SHAPE_POLYGON else _path(middle)
+	if region == null:
+		redraw_requested.emit()
+		return
+	set_on(false)
+	drawn.emit(region, middle)
+
+
+func _polygon(middle: Vector3) -> ScatterRegion3D:
 	var polygon := PackedVector2Array()
 	var area := 0.0
 	for index in corners.size():
@@ -97,12 +115,28 @@ func close() -> void:
 		area += 0.5 * polygon[index].cross(Vector2(corners[index - 1].x - middle.x, corners[index - 1].z - middle.z))
 	if corners.size() < 3 or absf(area) < LEAST_AREA:
 		problem = "A region needs at least three corners, not in a line, got %d. Click more of them." % corners.size()
-		redraw_requested.emit()
-		return
-	var region := RegionMenu.make(ScatterRegion3D.SHAPE_POLYGON, exclude)
+		return null
+	var region := RegionMenu.make(shape, exclude)
 	region.polygon = polygon
-	set_on(false)
-	drawn.emit(region, middle)
+	return region
+
+
+## A smooth path through the points, which its Path3D below the region keeps.
+func _path(middle: Vector3) -> ScatterRegion3D:
+	if corners.size() < 2:
+		problem = "A path needs at least two points, got %d. Click more of them." % corners.size()
+		return null
+	var region := RegionMenu.make(shape, exclude)
+	var path := Path3D.new()
+	path.name = "Path3D"
+	path.curve = Curve3D.new()
+	for index in corners.size():
+		var along := (corners[mini(index + 1, corners.size() - 1)] - corners[maxi(index - 1, 0)]) * BEND
+		path.curve.add_point(corners[index] - middle, -along, along)
+	region.add_child(path)
+	region.path = NodePath("Path3D")
+	region.width = WIDTH
+	return region
 
 
 func _on_key(key: InputEventKey) -> int:
