@@ -77,8 +77,8 @@ func _commit(owner: Resource, undo_redo: EditorUndoRedoManager, add_more: Callab
 		undo_redo.add_do_property(change[0], &"replacement_materials", change[2])
 		undo_redo.add_undo_property(change[0], &"replacement_materials", change[1])
 	for change in _surfaces:
-		undo_redo.add_do_method(change[0], &"surface_set_material", change[1], change[3])
-		undo_redo.add_undo_method(change[0], &"surface_set_material", change[1], change[2])
+		undo_redo.add_do_method(change[0], "surface_set_material", change[1], change[3])
+		undo_redo.add_undo_method(change[0], "surface_set_material", change[1], change[2])
 	add_more.call()
 	undo_redo.commit_action()
 	for material in written:
