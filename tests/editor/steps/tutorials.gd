@@ -28,6 +28,8 @@ func test_first_forest() -> void:
 	await settle(scatter)
 	await wait_for_panel()
 	check(scatter.get_problems().is_empty(), "no problems: %s" % scatter.get_problems())
+	await until(func() -> bool: return not workspace()._new_layers.is_watching(), "all new layers were looked at")
+	check_equal(toast_text(), "", "a preset alone is not said to have little room")
 	await hide_handles()
 	await page_picture("tutorial_first_forest")
 	check_equal(EditorInterface.save_scene(), OK, "saved")

@@ -222,7 +222,7 @@ func _add_preset(name: String) -> void:
 	if is_instance_valid(_scatter):
 		_new_layers.note(_scatter)
 		Presets.add(name, _scatter, dock.panel.keeps_apart(), _plugin.get_undo_redo())
-		_new_layers.watch()
+		_new_layers.watch(true)
 		toolbar.update_layers()
 
 

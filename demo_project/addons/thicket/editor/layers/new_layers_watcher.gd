@@ -16,6 +16,7 @@ const FEW := 20
 
 var _scatter: TerrainScatter3D
 var _fresh: Array[ScatterLayer] = [] ## The new layers that were not looked at yet.
+var _tells_room := true
 var _missing: Array[ScatterLayer] = [] ## New layers without instances.
 var _sentences := PackedStringArray()
 var _before: Dictionary[ScatterLayer, int] = {} ## The numbers of visible instances of older layers.
@@ -30,8 +31,10 @@ func note(scatter: TerrainScatter3D) -> void:
 			_before[layer] = scatter.get_shown_count(layer)
 
 
-## Watches the layers that were added since [method note].
-func watch() -> void:
+## Watches the layers that were added since [method note]. With [param is_preset], they have little room beside each other on purpose, so that is only
+## told if the scatter had layers before.
+func watch(is_preset := false) -> void:
+	_tells_room = not is_preset or not _before.is_empty()
 	_missing.clear()
 	_sentences.clear()
 	_fresh = _scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and not _before.has(layer))
@@ -59,7 +62,7 @@ func look() -> void:
 	if layer in _scatter.layers:
 		if _scatter.get_shown_count(layer) == 0:
 			_missing.append(layer)
-		else:
+		elif _tells_room:
 			_sentences.append_array(_crowding(layer))
 	if _fresh.is_empty():
 		_tell_all()
@@ -69,8 +72,9 @@ func _tell_all() -> void:
 	var missing := _missing.filter(func(layer: ScatterLayer) -> bool: return layer in _scatter.layers)
 	if not missing.is_empty():
 		_tell(_why(missing))
-	for sentence in _sentences + _losses(_scatter.layers):
-		_tell(sentence, "More instances fit if distances in Spacing, or the densities of the other layers, are lower.")
+	var sentences := _sentences + _losses(_scatter.layers)
+	if not sentences.is_empty(): # One toast, because several cover the panel.
+		_tell(" ".join(sentences), "More instances fit if distances in Spacing, or the densities of the other layers, are lower.")
 
 
 ## Explains for each layer, in a sentence, why it has no instance at the position that the view
