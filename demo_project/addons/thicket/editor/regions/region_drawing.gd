@@ -10,10 +10,8 @@ const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd"
 ## The shape is finished: a region that is not in the scene yet, and its world position.
 signal drawn(region: ScatterRegion3D, place: Vector3)
 
-const HINTS: Dictionary[ScatterRegion3D.Shape, String] = {
-	ScatterRegion3D.SHAPE_POLYGON: "Click the corners   Enter or double click closes   Backspace removes the last one   Esc cancels",
-	ScatterRegion3D.SHAPE_PATH: "Click along the path   Enter or double click ends it   Backspace removes the last point   Esc cancels",
-}
+const HINT_FIRST := "Click along the %s   Enter or double click ends it   Backspace removes the last one   Esc cancels"
+const HINT_NEXT := "%d points   Enter or double click ends it   Backspace removes the last one   Esc cancels"
 ## The distance in pixels from the first corner within which a click closes the polygon.
 const GRAB := 10.0
 ## The smallest area of a region in square meters.
@@ -80,7 +78,8 @@ func draw_over(overlay: Control) -> void:
 		_cursor.draw_knob(overlay, corner, color)
 	if not problem.is_empty():
 		_cursor.say(overlay, problem)
-	_cursor.hint(overlay, HINTS[shape])
+	var outline := "path" if shape == ScatterRegion3D.SHAPE_PATH else "outline"
+	_cursor.hint(overlay, HINT_FIRST % outline if corners.is_empty() else HINT_NEXT % corners.size())
 
 
 func finish() -> void:
