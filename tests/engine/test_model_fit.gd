@@ -1,0 +1,79 @@
+extends "models_harness.gd"
+## Layers that are fitted to their meshes.
+
+
+func layer_box(layer: ScatterLayer) -> AABB:
+	var model := ScatterModel.new()
+	model.scene = layer.meshes[0]
+	return model.get_mesh().get_aabb()
+
+
+func test_fit_to_meshes() -> void:
+	var layer := ScatterLayer.new()
+	check(not layer.fit_to_meshes(), "without meshes, nothing fits")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_AUTOMATIC, "nor is there a kind")
+	check_equal(layer.radius, 2.0, "nothing is changed")
+	layer.meshes = [pack(make_tree())]
+	layer.fit_to_meshes()
+	var box := layer_box(layer)
+	var reach := maxf(maxf(-box.position.x, box.end.x), maxf(-box.position.z, box.end.z))
+	var width := 0.5 * (box.size.x + box.size.z)
+	check(layer.radius > 0.5 * width and layer.radius <= width, "as far apart as the crown is wide: %f of %f" % [layer.radius, width])
+	check(is_equal_approx(layer.instance_height, box.end.y), "as high as the model: %f" % layer.instance_height)
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_MODEL, "the model's own shapes")
+	check(layer.instance_radius < reach and layer.instance_radius > 1.0, "as thick as the shapes: %f" % layer.instance_radius)
+	layer = ScatterLayer.new()
+	layer.meshes = [box(Vector3(1.0, 0.5, 3.0), null)]
+	layer.fit_to_meshes()
+	check(is_equal_approx(layer.radius, 3.2), "a solid thing lies apart: %f" % layer.radius)
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "it is taken for a rock")
+	check_equal(layer.collision_shape, ScatterLayer.COLLISION_NONE, "a mesh has no shapes")
+
+
+## Instances vary and stand in the ground. A pivot beside the trunk does not push them apart.
+func test_a_fitted_layer_looks_natural() -> void:
+	var layer := make_layer(6.0)
+	layer.meshes = [pack(make_tree())]
+	check(layer.fit_to_meshes(ScatterLayer.KIND_TREE), "fitted")
+	var radius := layer.radius
+	var scatter := make_scatter([layer], ScatterGroundFlat.new(), make_viewer())
+	await settle(scatter)
+	var scales := PackedFloat32Array()
+	var leans := 0
+	for transform: Transform3D in instances(scatter, 0).values():
+		scales.append(transform.basis.get_scale().y)
+		leans += int(transform.basis.y.normalized().y < 0.9999)
+		check(transform.origin.y < 0.0, "its foot is in the ground: %s" % transform.origin)
+	scales.sort()
+	check(scales.size() > 50 and scales[0] < 0.85 and scales[-1] > 1.15, "from small to large: %s" % scales.slice(0, 3))
+	check(leans > scales.size() / 2, "%d of %d lean" % [leans, scales.size()])
+
+	var moved := Node3D.new()
+	var tree := make_tree()
+	moved.add_child(tree)
+	tree.position = Vector3(3.0, 0.0, 0.0)
+	for node: Node in [tree] + tree.find_children("*", "", true, false):
+		node.owner = moved
+	layer = make_layer(6.0)
+	layer.meshes = [pack(moved)]
+	layer.fit_to_meshes(ScatterLayer.KIND_TREE)
+	check(is_equal_approx(layer.radius, radius), "%f with its pivot 3 m aside, %f in the middle" % [layer.radius, radius])
+
+
+func test_kinds_differ() -> void:
+	var layer := ScatterLayer.new()
+	layer.meshes = [pack(make_tree())]
+	var seen := {}
+	for kind: ScatterLayer.ModelKind in [ScatterLayer.KIND_TREE, ScatterLayer.KIND_SHRUB, ScatterLayer.KIND_GRASS, ScatterLayer.KIND_ROCK]:
+		check(layer.fit_to_meshes(kind), "kind %d" % kind)
+		var values := []
+		for property in layer.get_fitted_properties():
+			values.append(layer.get(property))
+		seen[values] = true
+		check(layer.min_scale < 1.0 and layer.max_scale > 1.0 and layer.max_tilt_degrees > 0.0 and layer.height_offset < 0.0, "kind %d varies: %s" % [kind, values])
+	check_equal(seen.size(), 4, "four kinds")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_TREE, "the meshes' own kind stays")
+	var before := layer.radius
+	check(not layer.fit_to_meshes(9 as ScatterLayer.ModelKind), "refused")
+	check_error(["ScatterLayer.kind", "between 0 and 4", "got 9"], "an unknown kind")
+	check_equal(layer.radius, before, "nothing is changed")
