@@ -13,6 +13,7 @@ const KINDS: Dictionary[String, ScatterLayer.ModelKind] = {
 }
 const TOOLTIP := "Sets radius, density, clumps, scale, tilt, height offset and the size for the game, so that instances stand as %s."
 const MEANINGS: Dictionary[String, String] = {
+	"Auto": "the size of the meshes suggests",
 	"Tree": "trees: crowns touch, trunks are nearly upright",
 	"Shrub": "shrubs: thickets with gaps between them",
 	"Grass": "grass or flowers: dense, leaning with the ground",
@@ -30,8 +31,7 @@ func _init(layer: ScatterLayer) -> void:
 	for kind in KINDS:
 		var button := Button.new()
 		button.text = kind
-		var meant: String = KINDS.find_key(layer.get_model_kind()) if kind == "Auto" else kind
-		button.tooltip_text = TOOLTIP % MEANINGS.get(meant, "their size suggests")
+		button.tooltip_text = TOOLTIP % MEANINGS[kind]
 		button.pressed.connect(_fit.bind(kind))
 		add_child(button)
 
