@@ -93,8 +93,3 @@ func lock_problem() -> String:
 	if layers.is_empty() or not unlocked().is_empty():
 		return ""
 	return "%s is locked: unlock it in the Scatter panel." % (layer.resource_name if layer.resource_name else "The layer")
-
-
-## The path of the edited scene; empty if it was never saved.
-static func scene_path() -> String:
-	return EditorInterface.get_edited_scene_root().scene_file_path

@@ -3,6 +3,7 @@ extends RefCounted
 ## Keeps data that tools create, such as painted masks and hand-placed instances, in files next to the scene, so that the scene only contains
 ## settings.
 
+const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
 const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists and is writable and that the disk has room, then save the scene again."
@@ -45,11 +46,16 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 ## The path with which the names of the files of a layer or a model begin: next to the edited scene, or next to the resource's own file. Empty if there
 ## is no such path.
 static func place_of(owner: Resource) -> String:
-	var root := EditorInterface.get_edited_scene_root()
 	var path := owner.resource_path.get_slice("::", 0)
-	if path.is_empty() and root != null:
-		path = root.scene_file_path
+	if path.is_empty():
+		path = edited_scene_path()
 	return "" if path.is_empty() else _place(path, owner.resource_name)
+
+
+## The path of the edited scene; empty if there is none, or if it was never saved.
+static func edited_scene_path() -> String:
+	var root := EditorInterface.get_edited_scene_root()
+	return root.scene_file_path if root != null else ""
 
 
 ## A path such as scene_layer_mask.res, with a number if that file exists already, or a resource in memory has its path.
@@ -84,10 +90,15 @@ func copy_mask(layer: ScatterLayer, scene_path: String, r_masks: Dictionary[Reso
 	return true
 
 
-## Adopts resources that other code has just written to new files next to a scene. These files are removed and restored like those of [method create].
-func adopt(resources: Array, scene_path: String) -> void:
-	for resource: Resource in resources:
-		_unsaved[resource.resource_path] = scene_path
+## Adds resources that other code has just written to new files to the undo step that is being created, as [method add_to_undo] does for those of
+## [method create]. The edited scene must be saved to keep them, unless [param owner], which refers to them, is a file and may be saved without the
+## scene.
+func add_new_to_undo(resources: Array, owner: Resource, undo_redo: EditorUndoRedoManager) -> void:
+	var scene_path := edited_scene_path()
+	if not Copies.is_file(owner):
+		for resource: Resource in resources:
+			_unsaved[resource.resource_path] = scene_path
+	add_to_undo(resources, scene_path, undo_redo)
 
 
 ## Restores the content of a file, and the path of a resource, unless it is null; for undo.

@@ -3,6 +3,7 @@ extends RefCounted
 ## Replaces the instances of a scatter in a baked rectangle by the baked scene, as one undo step.
 
 const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
 
@@ -14,7 +15,7 @@ static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: Str
 	if packed == null:
 		return "%s cannot be loaded, so the scatter was not replaced; the Output panel has the reason." % scene_path
 	var by_hand := _by_hand(scatter, rect, layers)
-	if not by_hand.is_empty() and not edits.begin(scatter, EditorInterface.get_edited_scene_root().scene_file_path):
+	if not by_hand.is_empty() and not edits.begin(scatter, SceneFiles.edited_scene_path()):
 		return edits.problem
 	for id in by_hand:
 		edits.remove(id)

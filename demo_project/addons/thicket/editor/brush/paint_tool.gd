@@ -8,6 +8,7 @@ const FirstStroke := preload("res://addons/thicket/editor/brush/first_stroke.gd"
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 const MaskOverlay := preload("res://addons/thicket/editor/brush/mask_overlay.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 const RADIUS_STEP := 1.15
 const MODE_NAMES: PackedStringArray = ["Paint", "Erase", "Smooth"]
@@ -167,7 +168,7 @@ func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
 		first_stroke.ask(names, everywhere.reduce(
 				func(sum: int, chosen: ScatterLayer) -> int: return sum + scatter.get_shown_count(chosen), 0), on_map)
 		return ""
-	return brush.begin(scatter, unlocked(), scene_path(), mode, on_map)
+	return brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, on_map)
 
 
 ## Paints a single dab for the user's choice in the dialog, and keeps its mode for the brush.
@@ -175,7 +176,7 @@ func _stroke_once(mode: ScatterMask.Mode, at: Vector2) -> void:
 	if not is_instance_valid(scatter) or unlocked().is_empty():
 		return
 	choose_mode(mode)
-	problem = brush.begin(scatter, unlocked(), scene_path(), mode, at)
+	problem = brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, at)
 	finish()
 	redraw_requested.emit()
 

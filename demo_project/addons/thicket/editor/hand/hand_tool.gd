@@ -7,6 +7,7 @@ const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const HandFrame := preload("res://addons/thicket/editor/hand/hand_frame.gd")
 const HandPlanting := preload("res://addons/thicket/editor/hand/hand_planting.gd")
 const InstanceGhost := preload("res://addons/thicket/editor/hand/instance_ghost.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 const SIZE_STEP := 1.1
 const LEAST_SIZE := 0.01
@@ -176,7 +177,7 @@ func _press(mouse: InputEventMouseButton) -> String:
 func _plant(with_control: bool) -> String:
 	if not _cursor.on_ground.is_finite():
 		return "There is no ground below the mouse: click where the ground is."
-	if not edits.begin(scatter, scene_path()):
+	if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 		return edits.problem
 	var id := edits.add(layer, planting.transform_at(_cursor.on_ground, ground(), with_control), planting.mesh)
 	edits.commit("Plant %s" % layer.resource_name)
@@ -191,7 +192,7 @@ func _drag(mouse: InputEventMouse) -> void:
 	if not _dragged:
 		if _mouse.distance_to(_pressed_at) < SLACK:
 			return
-		if not edits.begin(scatter, scene_path()):
+		if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 			problem = edits.problem
 			_pressed = false
 			return
@@ -244,7 +245,7 @@ func _delete() -> void:
 	if selected == 0 or _pressed:
 		return
 	problem = ""
-	if not edits.begin(scatter, scene_path()):
+	if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 		problem = edits.problem
 		return
 	edits.remove(selected)
@@ -270,7 +271,7 @@ func _scale(factor: float) -> void:
 
 func _change_at_once(name: String, basis: Basis) -> void:
 	problem = ""
-	if not edits.begin(scatter, scene_path()):
+	if not edits.begin(scatter, SceneFiles.edited_scene_path()):
 		problem = edits.problem
 		return
 	_change(Transform3D(basis, _frame.transform.origin))

@@ -112,8 +112,7 @@ func start() -> void:
 	if not is_instance_valid(_scatter) or get_ok_button().disabled:
 		return
 	var action := ImportAction.new()
-	var scene := EditorInterface.get_edited_scene_root()
-	imported = action.run(_scatter, _layer(), _reading, files, scene.scene_file_path if scene != null else "", undo_redo)
+	imported = action.run(_scatter, _layer(), _reading, files, SceneFiles.edited_scene_path(), undo_redo)
 	if imported == 0:
 		_said.text = action.problem
 		return

@@ -25,9 +25,9 @@ func press() -> void:
 	if place.is_empty():
 		told.append("The scene has no file yet. Save the scene first: materials go into files beside it.")
 	elif _object is ScatterLayer:
-		told = FoliageMaterials.new(_files, place).convert(_object as ScatterLayer, EditorInterface.get_editor_undo_redo())
+		told = FoliageMaterials.new(place).convert(_object as ScatterLayer, _files, EditorInterface.get_editor_undo_redo())
 	else:
-		told = FoliageMaterials.new(_files, place).convert_model(_object as ScatterModel, EditorInterface.get_editor_undo_redo())
+		told = FoliageMaterials.new(place).convert_model(_object as ScatterModel, _files, EditorInterface.get_editor_undo_redo())
 	if not told.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(" ".join(told), EditorToaster.SEVERITY_WARNING)
 

@@ -85,9 +85,7 @@ func _add_files(undo: EditorUndoRedoManager) -> void:
 		elif root != null: # Otherwise no saved scene will refer to it.
 			new.append(mesh)
 	if not new.is_empty():
-		if _layer.resource_path.is_empty() or "::" in _layer.resource_path: # Otherwise the layer may be saved without the scene.
-			_files.adopt(new, root.scene_file_path)
-		_files.add_to_undo(new, root.scene_file_path, undo)
+		_files.add_new_to_undo(new, _layer, undo)
 
 
 func _exit_tree() -> void:

@@ -24,24 +24,18 @@ static func add(scatter: TerrainScatter3D, resources: Array[Resource], at: int, 
 		new.insert(at + index if at >= 0 else NewLayers.place_for(added[index], new), added[index])
 	if apart:
 		NewLayers.keep_apart(added.filter(func(layer: ScatterLayer) -> bool: return not Copies.is_file(layer)), new)
-	var materials := _make_foliage(added, files)
-	var root := EditorInterface.get_edited_scene_root()
-	var scene_path := root.scene_file_path if root else ""
-	files.adopt(materials, scene_path)
-	_commit("Add Layers", scatter, new, undo_redo, func() -> void: files.add_to_undo(materials, scene_path, undo_redo))
-	for material in materials:
-		EditorInterface.get_resource_filesystem().update_file(material.resource_path)
+	_commit("Add Layers", scatter, new, undo_redo, func() -> void:
+		for layer in added:
+			files.add_new_to_undo(_make_foliage(layer), layer, undo_redo))
 	return added
 
 
-## Gives new layers of plants foliage materials, if there is a place for their files. Returns the materials.
-static func _make_foliage(added: Array[ScatterLayer], files: SceneFiles) -> Array[Resource]:
-	var result: Array[Resource] = []
-	for layer in added:
-		var place := SceneFiles.place_of(layer)
-		if place and not Copies.is_file(layer) and layer.get_model_kind() != ScatterLayer.KIND_ROCK:
-			result.append_array(FoliageMaterials.new(files, place).give(layer))
-	return result
+## Gives a new layer of plants foliage materials, if there is a place for their files. Returns the materials.
+static func _make_foliage(layer: ScatterLayer) -> Array[Resource]:
+	var place := SceneFiles.place_of(layer)
+	if place.is_empty() or Copies.is_file(layer) or layer.get_model_kind() == ScatterLayer.KIND_ROCK:
+		return []
+	return FoliageMaterials.new(place).give(layer)
 
 
 ## Names the resources for which [method add] added no layer, in a sentence; empty if there are none. [param added] is the result of

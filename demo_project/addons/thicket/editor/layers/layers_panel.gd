@@ -155,7 +155,7 @@ func duplicate_chosen() -> void:
 	var chosen := _own_chosen()
 	if chosen.is_empty():
 		return
-	var copies := LayerEdits.copy(_scatter, chosen, keeps_apart(), _files, scene_path(), _undo_redo)
+	var copies := LayerEdits.copy(_scatter, chosen, keeps_apart(), _files, SceneFiles.edited_scene_path(), _undo_redo)
 	if copies.is_empty():
 		_tell(_files.problem)
 	else:
@@ -201,10 +201,6 @@ func add_scatter() -> void:
 	EditorInterface.get_selection().clear()
 	EditorInterface.get_selection().add_node(scatter)
 	EditorInterface.edit_node(scatter)
-
-
-static func scene_path() -> String:
-	return EditorInterface.get_edited_scene_root().scene_file_path
 
 
 func _make_head() -> void:

@@ -95,8 +95,7 @@ func ask_to_make_unique() -> void:
 func make_unique(new_seed: bool, with_files: bool) -> void:
 	if not is_instance_valid(_scatter):
 		return
-	var scene_path := EditorInterface.get_edited_scene_root().scene_file_path
-	var problem := Shared.make_unique(_scatter, new_seed, with_files, _files, scene_path, _undo_redo)
+	var problem := Shared.make_unique(_scatter, new_seed, with_files, _files, SceneFiles.edited_scene_path(), _undo_redo)
 	if not problem.is_empty():
 		EditorInterface.get_editor_toaster().push_toast(problem, EditorToaster.SEVERITY_ERROR)
 	_looks = 0

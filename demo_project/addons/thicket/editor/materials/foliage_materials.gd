@@ -17,7 +17,6 @@ const BEND := 0.3
 const LEAF_LIGHT := 0.3
 
 var _problem := "" ## Why a file could not be written; empty if all were.
-var _files: SceneFiles
 var _place: String
 var _plain_only := false
 var _made: Dictionary[Material, ShaderMaterial] = {}
@@ -27,24 +26,23 @@ var _surfaces: Array[Array] = [] ## Meshes without a scene, each with a surface 
 
 
 ## [param place] is the path with which the names of files begin.
-func _init(files: SceneFiles, place: String) -> void:
-	_files = files
+func _init(place: String) -> void:
 	_place = place
 
 
 ## Converts the materials of a layer's models, as one undo step. A scene in the list becomes a model that refers to it. Returns the sentences that the
 ## user should read.
-func convert(layer: ScatterLayer, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
+func convert(layer: ScatterLayer, files: SceneFiles, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
 	var meshes := layer.meshes.map(_convert_entry)
-	return _commit(layer, undo_redo, func() -> void:
+	return _commit(layer, files, undo_redo, func() -> void:
 		undo_redo.add_do_property(layer, &"meshes", meshes)
 		undo_redo.add_undo_property(layer, &"meshes", layer.meshes.duplicate()))
 
 
 ## Converts the materials of one model, as [method convert] does.
-func convert_model(model: ScatterModel, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
+func convert_model(model: ScatterModel, files: SceneFiles, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
 	_convert_entry(model)
-	return _commit(model, undo_redo, func() -> void: pass )
+	return _commit(model, files, undo_redo)
 
 
 ## Converts the materials of scenes in a layer that is not in use yet, except those with features that foliage materials lack. Returns the new
@@ -63,26 +61,23 @@ func give(layer: ScatterLayer) -> Array[Resource]:
 	return written
 
 
-func _commit(owner: Resource, undo_redo: EditorUndoRedoManager, add_more: Callable) -> PackedStringArray:
+func _commit(owner: Resource, files: SceneFiles, undo_redo: EditorUndoRedoManager, add_more := Callable()) -> PackedStringArray:
 	if _made.is_empty():
 		return [("There is no standard material to convert. " + " ".join(_left_out)).strip_edges()]
 	var written := _save()
 	if not _problem.is_empty():
 		return [_problem]
-	if owner.resource_path.is_empty() or "::" in owner.resource_path: # Otherwise the owner may be saved without the scene.
-		_files.adopt(written, _scene_path())
 	undo_redo.create_action("Make Foliage Materials", UndoRedo.MERGE_DISABLE, owner)
-	_files.add_to_undo(written, _scene_path(), undo_redo)
+	files.add_new_to_undo(written, owner, undo_redo)
 	for change in _models:
 		undo_redo.add_do_property(change[0], &"replacement_materials", change[2])
 		undo_redo.add_undo_property(change[0], &"replacement_materials", change[1])
 	for change in _surfaces:
 		undo_redo.add_do_method(change[0], "surface_set_material", change[1], change[3])
 		undo_redo.add_undo_method(change[0], "surface_set_material", change[1], change[2])
-	add_more.call()
+	if add_more.is_valid():
+		add_more.call()
 	undo_redo.commit_action()
-	for material in written:
-		EditorInterface.get_resource_filesystem().update_file(material.resource_path)
 	return _left_out
 
 
@@ -101,13 +96,11 @@ func _convert_entry(entry: Variant) -> Variant:
 	var replacements := {}
 	for lod in model.lods:
 		for mesh: Mesh in [lod.mesh, lod.shadow_mesh]:
-			if mesh != null and model.scene == null:
+			if model.scene == null:
 				_convert_mesh(mesh)
 				continue
-			for surface in (mesh.get_surface_count() if mesh else 0):
+			for surface in _surfaces_to_convert(mesh):
 				var material := mesh.surface_get_material(surface)
-				if not _is_convertible(material):
-					continue
 				var replaced: Variant = model.replacement_materials.find_key(material)
 				var name: String = replaced if replaced != null else model.get_material_name(material)
 				var converted := _converted(material as BaseMaterial3D, name, height)
@@ -123,27 +116,27 @@ func _convert_entry(entry: Variant) -> Variant:
 	return model
 
 
-## A mesh without a scene gets the materials itself, unless the next import would write it anew.
+## A mesh without a scene gets the materials itself, unless the next import would replace it.
 func _convert_mesh(mesh: Mesh) -> void:
-	var path := mesh.resource_path
-	var is_own := path.is_empty() or path.begins_with(_scene_path() + "::") or path.get_extension() in ["tres", "res"]
-	for surface in mesh.get_surface_count():
-		var material := mesh.surface_get_material(surface)
-		if not _is_convertible(material):
-			continue
-		if not is_own:
+	for surface in _surfaces_to_convert(mesh):
+		var path := mesh.resource_path
+		if not (path.is_empty() or path.begins_with(SceneFiles.edited_scene_path() + "::") or path.get_extension() in ["tres", "res"]):
 			_left_out.append("%s is imported without a scene: set Import As to Scene in the Import dock, or set the layer's Material Override." % _title(mesh))
 			return
+		var material := mesh.surface_get_material(surface)
 		var name := material.resource_name if material.resource_name else "%s_%d" % [_title(mesh), surface]
 		_surfaces.append([mesh, surface, material, _converted(material as BaseMaterial3D, name, mesh.get_aabb().end.y)])
 
 
-func _is_convertible(material: Material) -> bool:
-	return material is BaseMaterial3D and (not _plain_only or is_plain(material as BaseMaterial3D))
+## The surfaces of a mesh whose materials are converted; none if it is null.
+func _surfaces_to_convert(mesh: Mesh) -> Array:
+	return range(mesh.get_surface_count() if mesh != null else 0).filter(func(surface: int) -> bool:
+		var material := mesh.surface_get_material(surface)
+		return material is BaseMaterial3D and (not _plain_only or _is_plain(material as BaseMaterial3D)))
 
 
 ## Whether a foliage material can replace this one without losing a feature that one sees.
-static func is_plain(material: BaseMaterial3D) -> bool:
+static func _is_plain(material: BaseMaterial3D) -> bool:
 	return material.shading_mode != BaseMaterial3D.SHADING_MODE_UNSHADED and material.billboard_mode == BaseMaterial3D.BILLBOARD_DISABLED \
 			and not (material.emission_enabled or material.refraction_enabled or material.detail_enabled or material.clearcoat_enabled
 			or material.uv1_triplanar or material.heightmap_enabled or material.next_pass != null or material.metallic > 0.5)
@@ -190,13 +183,9 @@ func _save() -> Array[Resource]:
 			_problem = "%s cannot be saved: %s." % [path, error_string(error)]
 			return written
 		material.take_over_path(path)
+		EditorInterface.get_resource_filesystem().update_file(path)
 		written.append(material)
 	return written
-
-
-static func _scene_path() -> String:
-	var root := EditorInterface.get_edited_scene_root()
-	return root.scene_file_path if root else ""
 
 
 static func _title(entry: Variant) -> String:
