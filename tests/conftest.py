@@ -129,9 +129,14 @@ def pytest_runtest_protocol(item: pytest.Item):
         return (yield)
 
 
+# Time limits only end what hangs. A machine that is shared can be many times slower than usual for a minute.
+PATIENCE = 3
+
+
 def run(command: list[str | Path], timeout: float, **options) -> subprocess.CompletedProcess[str]:
-    """Runs a command to its end, with text output and without standard input. A command that takes longer than `timeout` seconds is
-    killed together with the programs that it has started, and fails the test with its output."""
+    """Runs a command to its end, with text output and without standard input. `timeout` is for an idle machine, in seconds. A
+    command that takes PATIENCE times as long is killed together with the programs that it has started, and fails the test with its output."""
+    timeout *= PATIENCE
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "errors": "replace", "stdin": subprocess.DEVNULL, **options}
     arguments = [str(part) for part in command]
     with subprocess.Popen(arguments, start_new_session=True, **options) as process:

@@ -317,7 +317,7 @@ def survive(world: Path, out: Path, digest: str, victim: str, seconds: float | N
             assert seconds is not None or (victims[victim] and driver.poll() is None and len(list(out.glob("tiles/*.parquet"))) < 16)
             for each in victims[victim]:
                 kill(each.pid)
-            said = driver.communicate(timeout=120)[0]
+            said = driver.communicate(timeout=360)[0]
             if victim == "driver":
                 wait_for(lambda: all(has_ended(each) for each in below), "the end of all workers and engines")
             else:
@@ -342,7 +342,7 @@ def test_an_interrupt_ends_the_bake_with_a_message(world, baked, tmp_path):
         wait_for(lambda: len(list(out.glob("tiles/*.parquet"))) > 3, "some tiles")
         below = processes_below(driver)
         os.killpg(driver.pid, signal.SIGINT)
-        said = driver.communicate(timeout=60)[0]
+        said = driver.communicate(timeout=180)[0]
     assert driver.returncode == 130 and "interrupted; the same command goes on from here" in said, said
     assert "Traceback" not in said, said
     wait_for(lambda: all(has_ended(each) for each in below), "the end of all workers and engines")
@@ -378,6 +378,6 @@ def test_workers_of_an_existing_cluster(world, baked, tmp_path):
         first = driver.stdout.readline()
         assert f"The scheduler at {address} has no workers: the bake waits" in first
         start("distributed.cli.dask_worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard")
-        said = driver.communicate(timeout=120)[0]
+        said = driver.communicate(timeout=360)[0]
         assert driver.returncode == 0 and baked.manifest["digest"] in said, said
         assert not [each for each in psutil.process_iter(["name", "cmdline"]) if is_engine_of(each, world)]
