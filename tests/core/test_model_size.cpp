@@ -1,11 +1,13 @@
 // How models are measured, and how layers are fitted to them.
 
-#include "core/model/model_size.hpp"
+#include "core/model/model_fit.hpp"
 
 #include <doctest/doctest.h>
 #include <glm/common.hpp>
 
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 using namespace thicket;
@@ -100,6 +102,20 @@ TEST_CASE("model size: kinds by size and by what is enclosed") {
 	CHECK(kind_of(measured(cards(1.5, 1.4))) == ModelKind::shrub);
 	CHECK(kind_of(measured(cards(0.6, 0.4))) == ModelKind::grass);
 	CHECK(kind_of(measured(cards(3.0, 8.0))) == ModelKind::tree);
+}
+
+TEST_CASE("model size: kinds by name") {
+	using Named = std::pair<const char *, std::optional<ModelKind>>;
+	for (const auto &[name, kind] : {Named("Pine_2b", ModelKind::tree), Named("BirchTree_Autumn_3", ModelKind::tree),
+				 Named("DEAD TREES 04", ModelKind::tree), Named("Bush_1_A_Color1", ModelKind::shrub),
+				 Named("flower-bushes", ModelKind::shrub), Named("CactusFlowers", ModelKind::grass),
+				 Named("moss.001", ModelKind::grass), Named("Grasses", ModelKind::grass),
+				 Named("grass-trees-tall", ModelKind::tree), Named("rocks", ModelKind::rock),
+				 Named("tree_stump", ModelKind::rock), Named("WoodLog", ModelKind::rock),
+				 Named("Fountain", std::nullopt), Named("street", std::nullopt), Named("catalogs", std::nullopt),
+				 Named("b\xC3\xA4ume", std::nullopt), Named("42", std::nullopt), Named("", std::nullopt)}) {
+		CHECK_MESSAGE(kind_named(name) == kind, name);
+	}
 }
 
 TEST_CASE("model size: copies differ, stand apart and reach into the ground") {

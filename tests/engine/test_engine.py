@@ -137,7 +137,7 @@ def assert_passed(done, loads_on_threads=False):
         "test_mask",
         "test_models",
         "test_model_materials",
-        "test_model_fit",
+        "test_model_fit", "test_model_parts",
         "test_model_layers",
         "test_stripped",
         pytest.param("test_viewers", marks=pytest.mark.alone),

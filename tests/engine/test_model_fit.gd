@@ -77,3 +77,48 @@ func test_kinds_differ() -> void:
 	check(not layer.fit_to_meshes(9 as ScatterLayer.ModelKind), "refused")
 	check_error(["ScatterLayer.kind", "between 0 and 4", "got 9"], "an unknown kind")
 	check_equal(layer.radius, before, "nothing is changed")
+
+
+## Bushes of a low-poly pack are as closed as rocks, and its trees as small as shrubs. Their names say what they are.
+func test_names_say_the_kind() -> void:
+	var closed := box(Vector3(1.0, 0.8, 1.0), null)
+	var layer := ScatterLayer.new()
+	layer.meshes = [closed]
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "without a name, by its shape")
+	closed.resource_name = "Bush_1"
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_SHRUB, "by the mesh's name")
+	layer.fit_to_meshes()
+	check(is_equal_approx(layer.radius, 1.0), "fitted as a shrub: %f" % layer.radius)
+	closed.take_over_path("res://tree_small.res")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_TREE, "by its file first")
+	closed.take_over_path("res://pines.tscn::1")
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_SHRUB, "but not by the file that it is a part of")
+	var pack_of_models := Node3D.new()
+	for title: String in ["Oak", "Boulder"]:
+		put_mesh(box(Vector3.ONE, null), title, pack_of_models, pack_of_models, Transform3D())
+	var model := ScatterModel.new()
+	model.scene = pack(pack_of_models)
+	model.scene.take_over_path("res://plants/ferns.glb")
+	layer.meshes = [model]
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_GRASS, "by its scene's file")
+	model.scene_part = "Boulder"
+	check_equal(layer.get_model_kind(), ScatterLayer.KIND_ROCK, "by its part of a scene")
+
+
+class EmptyMesh:
+	extends Mesh
+
+	func _get_aabb() -> AABB:
+		return AABB(Vector3.ZERO, Vector3(2.0, 1.0, 2.0))
+
+	func _get_surface_count() -> int:
+		return 1
+
+	func _surface_get_arrays(_index: int) -> Array:
+		return []
+
+
+func test_a_mesh_without_arrays_has_the_size_of_its_box() -> void:
+	var layer := ScatterLayer.new()
+	layer.meshes = [EmptyMesh.new()]
+	check(layer.fit_to_meshes(ScatterLayer.KIND_SHRUB) and is_equal_approx(layer.radius, 2.0), "as wide as its box: %f" % layer.radius)

@@ -15,7 +15,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 constexpr double least_footprint = 0.6; // Of the whole width.
-constexpr double tan_25_degrees = 0.46630765815499858;
 
 } // namespace
 
@@ -96,64 +95,6 @@ ModelSize ModelMeasure::size() const {
 	const double space = box.x * box.y * box.z;
 	result.fill = space > 0.0 ? std::min(std::abs(volume_) / space, 1.0) : 0.0;
 	return result;
-}
-
-ModelKind kind_of(const ModelSize &size) {
-	const double tall = size.height + size.depth;
-	if (tall >= 2.5 && tall >= 1.2 * size.width) {
-		return ModelKind::tree;
-	}
-	if (size.fill >= 0.25) {
-		return ModelKind::rock;
-	}
-	return tall < 0.7 ? ModelKind::grass : ModelKind::shrub;
-}
-
-ModelFit fit_of(ModelKind kind, const ModelSize &size) {
-	ModelFit fit;
-	const double below_slope = 0.5 * size.base * tan_25_degrees; // The lowest edge of an upright base.
-	double sink = 0.0;
-	switch (kind) {
-		case ModelKind::tree:
-			fit = {.radius = 0.9 * size.footprint,
-					.density = 0.85,
-					.min_scale = 0.75,
-					.max_scale = 1.25,
-					.max_tilt_degrees = 4.0};
-			sink = below_slope;
-			break;
-		case ModelKind::shrub:
-			fit = {.radius = size.footprint,
-					.density = 0.8,
-					.min_scale = 0.65,
-					.max_scale = 1.3,
-					.max_tilt_degrees = 8.0,
-					.align_to_normal = 0.3};
-			fit.clump_size = 10.0 * fit.radius;
-			sink = std::min(below_slope, 0.15 * size.height) * (1.0 - fit.align_to_normal);
-			break;
-		case ModelKind::grass:
-			fit = {.radius = 0.7 * size.footprint,
-					.min_scale = 0.7,
-					.max_scale = 1.3,
-					.max_tilt_degrees = 10.0,
-					.align_to_normal = 0.7};
-			sink = std::min(below_slope, 0.2 * size.height) * (1.0 - fit.align_to_normal);
-			break;
-		case ModelKind::rock:
-			fit = {.radius = 1.6 * size.footprint,
-					.density = 0.7,
-					.min_scale = 0.4,
-					.max_scale = 1.4,
-					.max_tilt_degrees = 12.0,
-					.align_to_normal = 0.6};
-			fit.clump_size = 12.0 * fit.radius;
-			fit.clump_coverage = 0.3;
-			sink = 0.2 * size.height;
-			break;
-	}
-	fit.height_offset = std::min(size.depth - sink, 0.0);
-	return fit;
 }
 
 } // namespace thicket

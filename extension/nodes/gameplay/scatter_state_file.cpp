@@ -2,14 +2,13 @@
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/file_replace.hpp"
+#include "nodes/common/resource_file.hpp"
 #include "nodes/gameplay/scatter_state.hpp"
 #include "nodes/gameplay/state_refusal.hpp"
 
 #include <godot_cpp/classes/resource_loader.hpp>
 #include <godot_cpp/core/error_macros.hpp>
-#include <godot_cpp/variant/char_string.hpp>
 
-#include <string>
 #include <utility>
 
 using namespace godot;
@@ -35,9 +34,7 @@ Error ScatterState::load_from_file(const String &p_path) {
 
 void ScatterState::warn_if_cached() {
 	const String path = get_path();
-	const std::string text = path.utf8().get_data();
-	const bool is_file = !text.empty() && text.find("::") == std::string::npos;
-	if (warned_ || !is_file || ResourceLoader::get_singleton()->get_cached_ref(path) != Ref<Resource>(this)) {
+	if (warned_ || !is_own_file(path) || ResourceLoader::get_singleton()->get_cached_ref(path) != Ref<Resource>(this)) {
 		return;
 	}
 	warned_ = true;

@@ -1,6 +1,7 @@
 #include "nodes/ground/former_grounds.hpp"
 
 #include "nodes/common/renames.hpp"
+#include "nodes/common/resource_file.hpp"
 #include "nodes/ground/scatter_ground_colliders.hpp"
 #include "nodes/ground/scatter_ground_flat.hpp"
 #include "nodes/ground/scatter_ground_heightmap.hpp"
@@ -11,11 +12,9 @@
 #include <godot_cpp/core/class_db.hpp>
 #include <godot_cpp/core/memory.hpp>
 #include <godot_cpp/variant/array.hpp>
-#include <godot_cpp/variant/char_string.hpp>
 #include <godot_cpp/variant/dictionary.hpp>
 
 #include <cstdint>
-#include <string>
 
 using namespace godot;
 
@@ -86,7 +85,7 @@ Ref<ScatterGround> current_ground(const Ref<ScatterGround> &p_ground) {
 	}
 	p_ground->call("set_meta", successor_meta, made);
 	const String path = p_ground->get_path();
-	if (const std::string text = path.utf8().get_data(); !text.empty() && text.find("::") == std::string::npos) {
+	if (is_own_file(path)) {
 		made->call("take_over_path", path);
 	}
 	return made;

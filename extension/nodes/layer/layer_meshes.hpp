@@ -63,6 +63,9 @@ public:
 	/// The model of an entry. For a scene, the model that was created from it; null for a mesh.
 	godot::Ref<ScatterModel> model(std::size_t entry) const { return taken_[entry].model; }
 
+	/// The entry as scripts set it; null for an empty entry.
+	godot::Ref<godot::Resource> resource(std::size_t entry) const { return taken_[entry].resource; }
+
 	/// The mesh of an entry's finest LOD. Null if the entry has none, or while its scene has not been read.
 	godot::Ref<godot::Mesh> mesh(std::size_t entry) const;
 

@@ -1,7 +1,8 @@
 // Properties that follow from what the meshes of a layer are: their size, and whether they are trees, shrubs, grass or rocks.
 
-#include "core/model/model_size.hpp"
+#include "core/model/model_fit.hpp"
 #include "nodes/common/convert.hpp"
+#include "nodes/common/resource_file.hpp"
 #include "nodes/common/surface_streams.hpp"
 #include "nodes/common/threads.hpp"
 #include "nodes/layer/scatter_layer_properties.hpp"
@@ -75,14 +76,37 @@ ModelSize size_of(const Ref<Mesh> &p_mesh) {
 	return measured.size();
 }
 
+struct Measured {
+	ModelSize size;
+	std::optional<thicket::ModelKind> named; ///< The kind that its name says.
+
+	thicket::ModelKind kind() const { return named.value_or(kind_of(size)); }
+};
+
+std::optional<thicket::ModelKind> kind_in(const String &p_name) { return kind_named(p_name.utf8().get_data()); }
+
+/// The kind that an entry is named after: by the part of a scene, by its file, or by itself.
+std::optional<thicket::ModelKind> named_kind_of(const Ref<Resource> &p_entry) {
+	const Ref<ScatterModel> model = p_entry;
+	Ref<Resource> source = p_entry;
+	if (model.is_valid() && model->get_scene().is_valid()) {
+		if (const auto kind = kind_in(model->get_scene_part().get_file())) {
+			return kind;
+		}
+		source = model->get_scene();
+	}
+	const auto kind = kind_in(name_of_file(source->get_path()));
+	return kind ? kind : kind_in(p_entry->get_name());
+}
+
 /// The widest of the meshes decides.
-std::optional<ModelSize> size_of(const LayerMeshes &meshes) {
-	std::optional<ModelSize> widest;
+std::optional<Measured> measured(const LayerMeshes &meshes) {
+	std::optional<Measured> widest;
 	for (std::size_t entry = 0; entry < meshes.size(); ++entry) {
 		if (const Ref<Mesh> mesh = meshes.mesh(entry); mesh.is_valid()) {
 			const ModelSize size = size_of(mesh);
-			if (!widest || size.footprint > widest->footprint) {
-				widest = size;
+			if (!widest || size.footprint > widest->size.footprint) {
+				widest = {.size = size, .named = named_kind_of(meshes.resource(entry))};
 			}
 		}
 	}
@@ -102,8 +126,8 @@ PackedStringArray ScatterLayer::get_fitted_properties() const {
 ScatterLayer::ModelKind ScatterLayer::get_model_kind() {
 	read_models();
 	const LayerMeshes meshes = meshes_; // A copy, because scripts of meshes may replace the list.
-	const std::optional<ModelSize> size = size_of(meshes);
-	return size ? static_cast<ModelKind>(static_cast<int64_t>(kind_of(*size)) + KIND_TREE) : KIND_AUTOMATIC;
+	const std::optional<Measured> widest = measured(meshes);
+	return widest ? static_cast<ModelKind>(static_cast<int64_t>(widest->kind()) + KIND_TREE) : KIND_AUTOMATIC;
 }
 
 bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
@@ -112,8 +136,8 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 	}
 	read_models();
 	const LayerMeshes meshes = meshes_; // A copy, because scripts of meshes may replace the list.
-	const std::optional<ModelSize> size = size_of(meshes);
-	if (!size) {
+	const std::optional<Measured> widest = measured(meshes);
+	if (!widest) {
 		return false;
 	}
 	Extent drawn;
@@ -137,9 +161,9 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 		}
 	}
 	const thicket::ModelKind kind = p_kind == KIND_AUTOMATIC
-			? kind_of(*size)
+			? widest->kind()
 			: static_cast<thicket::ModelKind>(static_cast<int64_t>(p_kind) - KIND_TREE);
-	const ModelFit fit = fit_of(kind, *size);
+	const ModelFit fit = fit_of(kind, widest->size);
 	settings_.set.radius = std::clamp(fit.radius, least_size, max_radius);
 	settings_.rules.density = fit.density;
 	settings_.rules.clumping.size =

@@ -1,4 +1,5 @@
 #include "nodes/model/part_look.hpp"
+#include "nodes/common/resource_file.hpp"
 
 #include <godot_cpp/classes/scene_state.hpp>
 #include <godot_cpp/classes/shader.hpp>
@@ -83,8 +84,7 @@ String material_name(const Ref<Material> &p_material) {
 		return {};
 	}
 	const String own = p_material->get_name();
-	const String path = p_material->get_path();
-	return own.is_empty() && !path.contains("::") ? path.get_file().get_basename() : own;
+	return own.is_empty() ? name_of_file(p_material->get_path()) : own;
 }
 
 Ref<Material> drawn_material(

@@ -13,7 +13,7 @@ const KINDS: Dictionary[String, ScatterLayer.ModelKind] = {
 }
 const TOOLTIP := "Sets radius, density, clumps, scale, tilt, height offset and the size for the game, so that instances stand as %s."
 const MEANINGS: Dictionary[String, String] = {
-	"Auto": "the size of the meshes suggests",
+	"Auto": "the names and sizes of the meshes suggest",
 	"Tree": "trees: crowns touch, trunks are nearly upright",
 	"Shrub": "shrubs: thickets with gaps between them",
 	"Grass": "grass or flowers: dense, leaning with the ground",
