@@ -92,6 +92,26 @@ func test_wide() -> void:
 	await picture("toolbar_wide")
 
 
+## Looking at a scatter, a layer and a region does not move the view's edges.
+func test_the_view_keeps_its_width() -> void:
+	var scatter := root.get_node("Scatter")
+	var region: Node = ClassDB.instantiate(&"ScatterRegion3D")
+	scatter.add_child(region)
+	region.owner = root
+	await resize(Vector2i(1440, 900))
+	await select(root.get_node("Mesh"))
+	var edges := surface().get_global_rect()
+	for object: Object in [scatter, scatter.layers[0], region]:
+		if object is Node:
+			await select(object as Node)
+		else:
+			EditorInterface.inspect_object(object, "", true)
+			await frames(8)
+		var now := surface().get_global_rect()
+		check(now.position.x == edges.position.x and now.size.x == edges.size.x, "%s: %s instead of %s" % [object.get_class(), now, edges])
+	region.free()
+
+
 ## Beside the tools of other nodes, the ground buttons stay alone, and the editor's own panel does not change.
 func test_a_different_node() -> void:
 	var ground: Control = workspace().ground_buttons

@@ -18,6 +18,7 @@ func _init(object: Object, files: SceneFiles) -> void:
 	var label := Label.new()
 	label.text = HINT_ON_LAYER if object is ScatterLayer else HINT_ON_SCATTER
 	label.horizontal_alignment = HORIZONTAL_ALIGNMENT_CENTER
+	label.autowrap_mode = TextServer.AUTOWRAP_WORD_SMART # The inspector keeps its width, and so the view beside it does.
 	label.mouse_filter = Control.MOUSE_FILTER_PASS
 	label.modulate.a = 0.7
 	add_child(label)
