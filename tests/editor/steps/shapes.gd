@@ -73,6 +73,7 @@ func test_buttons() -> void:
 			if not check(region != null and region.shape == shape and region.exclude == exclude, "a region of shape %d" % shape):
 				return
 			check(region.global_position.distance_to(middle) < 0.1, "in the middle of the view: %s" % region.global_position)
+			check(workspace().toolbar.visible and workspace().dock.panel.tree.row_of(scatter.layers[0]) != null, "the tools and the panel stay")
 			check(region.owner == root and EditorInterface.get_selection().get_selected_nodes() == [region], "it belongs to the scene, and is selected")
 			var problems: PackedStringArray = scatter.get_problems() # The node was moved so that shapes and world differ, which is one problem.
 			check(problems.size() == 1 and "global_transform" in problems[0], "no other problems: %s" % problems)
@@ -118,6 +119,11 @@ func test_a_path_by_clicks() -> void:
 			"no instances on it")
 	region.width = tool.WIDTH
 	await picture("path_done")
+	workspace().toolbar.hand.button.button_pressed = true
+	await frames(3)
+	check_equal(EditorInterface.get_selection().get_selected_nodes(), [scatter] as Array[Node], "a tool selects the scatter")
+	check(workspace().toolbar.hand.is_on(), "and is on")
+	workspace().toolbar.hand.set_on(false)
 	await undo()
 	await settle(scatter)
 	check(scene_bytes() == before, "undone, byte for byte")

@@ -50,6 +50,7 @@ var _help_links: HelpLinks
 var _loose_states: LooseStates
 var _server_export := ServerExport.new()
 var _scatter: TerrainScatter3D
+var _holds := false ## True while a node below the scatter is selected in its place.
 var _shown: Array = []
 var _tiles := 0
 var _since_look := 0.0
@@ -99,10 +100,14 @@ func _init(plugin: EditorPlugin) -> void:
 	EditorInterface.get_resource_filesystem().resources_reimported.connect(_reload_scenes)
 	plugin.scene_saved.connect(_on_scene_saved)
 	plugin.scene_closed.connect(toolbar.paint.brush.files.on_scene_closed)
+	EditorInterface.get_selection().selection_changed.connect(_on_selection_changed, CONNECT_DEFERRED)
+	for tool in toolbar.tools:
+		tool.button.toggled.connect(_on_tool_toggled)
 
 
 ## Removes everything from the editor.
 func leave() -> void:
+	EditorInterface.get_selection().selection_changed.disconnect(_on_selection_changed)
 	edit(null)
 	EditorInterface.get_resource_filesystem().resources_reimported.disconnect(_reload_scenes)
 	_plugin.remove_tool_menu_item(TUTORIALS_ITEM)
@@ -147,6 +152,37 @@ func make_visible(visible: bool) -> void:
 	_place_ground_buttons(visible)
 	if not visible:
 		edit(null)
+
+
+## While a region or a different node below a scatter is selected, the panel and the tools stay with that scatter. Runs after the editor has called
+## [method make_visible].
+func _on_selection_changed() -> void:
+	var scatter := _scatter_above_selection()
+	if scatter != null:
+		_holds = true
+		make_visible(true)
+		edit(scatter)
+	elif _holds:
+		_holds = false
+		if not EditorInterface.get_selection().get_selected_nodes().any(handles):
+			make_visible(false)
+
+
+## The scatter above the selected node; null if there is none, or if several nodes are selected.
+func _scatter_above_selection() -> TerrainScatter3D:
+	var selected := EditorInterface.get_selection().get_selected_nodes()
+	var node: Node = selected[0].get_parent() if selected.size() == 1 and not handles(selected[0]) else null
+	while node != null and not node is TerrainScatter3D:
+		node = node.get_parent()
+	return node as TerrainScatter3D
+
+
+## A tool gets the input over the 3D view only while the scatter itself is selected.
+func _on_tool_toggled(on: bool) -> void:
+	if on and _holds and is_instance_valid(_scatter):
+		EditorInterface.get_selection().clear()
+		EditorInterface.get_selection().add_node(_scatter)
+		EditorInterface.edit_node(_scatter)
 
 
 ## Moves the ground buttons into the toolbar, where they wrap with the rest, or beside it.
