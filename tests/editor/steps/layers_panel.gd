@@ -144,7 +144,7 @@ func test_first_minute() -> void:
 	check_apart("Old Oak", "Young Pine", 0.5 * (layer("Old Oak").radius + layer("Young Pine").radius))
 	check_apart("Old Oak", "Fern", 0.2 * layer("Old Oak").radius)
 	check_apart("Young Pine", "Fern", 0.2 * layer("Young Pine").radius)
-	check_equal(EditorInterface.get_inspector().get_edited_object(), scatter.layers[0], "the inspector shows the first layer")
+	check_equal(EditorInterface.get_inspector().get_edited_object().layers, scatter.layers, "the inspector shows all of them")
 	check(workspace().toolbar.visible, "the tools stay visible")
 
 
@@ -182,6 +182,37 @@ func test_choosing() -> void:
 	await mouse_click(await name_at(layer("Old Oak")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
 	await frames(2)
 	check_equal(workspace().toolbar.chosen, [layer("Old Oak"), layer("Fern")] as Array[ScatterLayer], "Ctrl and a click choose one more layer")
+
+
+## The inspector shows the first of several layers, and changes all of them.
+func test_a_value_of_several_layers() -> void:
+	await mouse_click(await name_at(layer("Young Pine")), MOUSE_BUTTON_LEFT, KEY_MASK_CTRL)
+	await frames(5)
+	var inspector := EditorInterface.get_inspector()
+	check(scatter.layers.all(inspector.get_edited_object().layers.has), "three layers: %s" % [inspector.get_edited_object().layers])
+	var editors: Dictionary[String, EditorProperty] = {}
+	for editor: EditorProperty in inspector.find_children("*", "EditorProperty", true, false):
+		editors[editor.get_edited_property()] = editor
+	check(editors.has("density") and editors.has("max_scale"), "it has the layers' properties: %s" % [editors.keys()])
+	for own: String in ["meshes", "seed", "spacing", "resource_name"]:
+		check(not editors.has(own), "but not " + own)
+	var before := saved_files()
+	var old: Array = scatter.layers.map(func(each: Resource) -> float: return each.max_scale)
+	for value: float in [1.7, 1.75]: # Like a drag.
+		editors["max_scale"].emit_changed("max_scale", value, "", value < 1.75)
+		await frames(1)
+	for each: Resource in scatter.layers:
+		check_equal(each.max_scale, 1.75, each.resource_name + " has the new value")
+	await check_undo(before, "a value of three layers")
+	await undo()
+	await frames(2)
+	check_equal(scatter.layers.map(func(each: Resource) -> float: return each.max_scale), old, "each has its former value")
+	for control: Button in EditorInterface.get_inspector().find_children("*", "Button", true, false):
+		if control.text == "Grass":
+			control.pressed.emit()
+	await frames(2)
+	check(scatter.layers.all(func(each: Resource) -> bool: return each.density == 1.0), "a kind for all of them")
+	await undo()
 
 
 func test_marks() -> void:

@@ -20,11 +20,11 @@ const MEANINGS: Dictionary[String, String] = {
 	"Rock": "rocks: groups of large and small ones, sunk into the ground",
 }
 
-var _layer: ScatterLayer
+var _layers: Array[ScatterLayer] = []
 
 
-func _init(layer: ScatterLayer) -> void:
-	_layer = layer
+func _init(layers: Array[ScatterLayer] = []) -> void:
+	_layers = layers
 	var label := Label.new()
 	label.text = "Fit to"
 	add_child(label)
@@ -37,15 +37,14 @@ func _init(layer: ScatterLayer) -> void:
 
 
 func _fit(kind: String) -> void:
-	fit(_layer, KINDS[kind], EditorInterface.get_editor_undo_redo())
+	fit(_layers, KINDS[kind], EditorInterface.get_editor_undo_redo())
 
 
-## Fits a layer to its meshes as one undo step. Returns false if it has no meshes.
-static func fit(layer: ScatterLayer, kind: ScatterLayer.ModelKind, undo_redo: EditorUndoRedoManager) -> bool:
-	var fitted := NewLayers.of_meshes(layer.meshes, kind)
-	if fitted == null:
-		return false
-	undo_redo.create_action("Fit to Meshes", UndoRedo.MERGE_DISABLE, layer)
-	NewLayers.add_fit(layer, fitted, undo_redo)
+## Fits layers to their meshes as one undo step.
+static func fit(layers: Array[ScatterLayer], kind: ScatterLayer.ModelKind, undo_redo: EditorUndoRedoManager) -> void:
+	undo_redo.create_action("Fit to Meshes", UndoRedo.MERGE_DISABLE, layers[0])
+	for layer in layers:
+		var fitted := NewLayers.of_meshes(layer.meshes, kind)
+		if fitted != null:
+			NewLayers.add_fit(layer, fitted, undo_redo)
 	undo_redo.commit_action()
-	return true

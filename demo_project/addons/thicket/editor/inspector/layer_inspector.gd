@@ -3,6 +3,7 @@ extends EditorInspectorPlugin
 ## Inspector editors for references to layers: they offer the layers of the scatter. Layers and scatters also accept meshes that are dropped on them.
 ## Buttons fit a layer to what its meshes are, split packs of models, and make foliage materials. A button above a layer's LODs bakes impostors.
 
+const ChosenLayers := preload("res://addons/thicket/editor/inspector/chosen_layers.gd")
 const FoliageButton := preload("res://addons/thicket/editor/inspector/foliage_button.gd")
 const KindButtons := preload("res://addons/thicket/editor/inspector/kind_buttons.gd")
 const LayerProperty := preload("res://addons/thicket/editor/inspector/layer_property.gd")
@@ -22,21 +23,25 @@ func _init(files: SceneFiles) -> void:
 
 
 func _can_handle(object: Object) -> bool:
-	return ["ScatterLayer", "ScatterModel", "ScatterValueSource", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
+	return object is ChosenLayers or ["ScatterLayer", "ScatterModel", "ScatterValueSource", "ScatterRegion3D", "TerrainScatter3D"].any(object.is_class)
 
 
 func _parse_begin(object: Object) -> void:
 	if object is ScatterLayer or object is TerrainScatter3D:
 		add_custom_control(Drop.new(object, _files))
 	if object is ScatterLayer and not (object as ScatterLayer).meshes.is_empty():
-		add_custom_control(KindButtons.new(object as ScatterLayer))
+		add_custom_control(KindButtons.new([object as ScatterLayer]))
 		add_custom_control(SplitButton.new(object as ScatterLayer))
+	if object is ChosenLayers:
+		add_custom_control(KindButtons.new((object as ChosenLayers).layers))
 	if object is ScatterLayer or object is ScatterModel:
 		add_custom_control(FoliageButton.new(object as Resource, _files))
 
 
 func _parse_property(object: Object, _type: Variant.Type, name: String, _hint: PropertyHint, _hint_string: String,
 		_usage: int, _wide: bool) -> bool:
+	if object is ChosenLayers and name == "script":
+		return true
 	var editor: EditorProperty
 	match name:
 		_ when name in Names.reference_properties(object):

@@ -4,6 +4,7 @@ extends VBoxContainer
 ## chosen here are the ones that tools work on.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
+const ChosenLayers := preload("res://addons/thicket/editor/inspector/chosen_layers.gd")
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const LayerEdits := preload("res://addons/thicket/editor/layers/layer_edits.gd")
 const LayersTree := preload("res://addons/thicket/editor/layers/layers_tree.gd")
@@ -100,7 +101,8 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 
 ## Chooses layers, like clicks on their rows.
 func choose(layers: Array[ScatterLayer]) -> void:
-	if layers != tree.chosen_layers():
+	var chosen := tree.chosen_layers()
+	if layers.size() != chosen.size() or not layers.all(chosen.has): # In any order: the row that was clicked last stays the current one.
 		tree.choose(layers)
 	_enable()
 
@@ -283,7 +285,7 @@ func _on_chosen(layers: Array[ScatterLayer]) -> void:
 	_enable()
 	layers_chosen.emit(layers)
 	if not layers.is_empty():
-		EditorInterface.inspect_object(layers[0], "", true)
+		EditorInterface.inspect_object(layers[0] if layers.size() == 1 else ChosenLayers.new(layers, _undo_redo), "", true)
 
 
 func _on_renamed(layer: ScatterLayer, text: String) -> void:

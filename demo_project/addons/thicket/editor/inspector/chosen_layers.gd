@@ -1,0 +1,71 @@
+@tool
+extends Resource
+## Several layers as one object of the inspector. It shows the values of the first one; a changed value is set on all of them, as one undo step.
+## A resource, because the editor deselects the node for other objects.
+
+const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
+## Properties that differ between layers by their nature.
+const OWN: PackedStringArray = ["meshes", "seed", "spacing", "script", "resource_local_to_scene", "resource_path", "resource_name"]
+
+var layers: Array[ScatterLayer] = []
+
+var _undo_redo: EditorUndoRedoManager
+
+
+func _init(chosen: Array[ScatterLayer] = [], undo_redo: EditorUndoRedoManager = null) -> void:
+	layers = chosen.duplicate()
+	_undo_redo = undo_redo
+
+
+## The inspector's title.
+func _get_editor_name() -> String:
+	return "%d layers" % layers.size()
+
+
+## The inspector leaves undo steps to an object with this method, which knows the former value of each layer.
+func _dont_undo_redo() -> bool:
+	return true
+
+
+func _get_property_list() -> Array[Dictionary]:
+	if layers.is_empty():
+		return []
+	var references := Names.reference_properties(layers[0])
+	return layers[0].get_property_list().filter(func(property: Dictionary) -> bool:
+		var name: String = property.name
+		var is_title: bool = property.usage & (PROPERTY_USAGE_GROUP | PROPERTY_USAGE_SUBGROUP) or (
+				property.usage & PROPERTY_USAGE_CATEGORY and name == "ScatterLayer")
+		return is_title or property.usage & PROPERTY_USAGE_EDITOR and not name in OWN and not name in references)
+
+
+func _validate_property(property: Dictionary) -> void:
+	if property.name in OWN:
+		property.usage = PROPERTY_USAGE_NO_EDITOR
+
+
+func _get(property: StringName) -> Variant:
+	return layers[0].get(property) if _has(property) else null
+
+
+func _set(property: StringName, value: Variant) -> bool:
+	if not _has(property):
+		return false
+	_undo_redo.create_action("Set %s of %d Layers" % [property, layers.size()], UndoRedo.MERGE_ENDS, layers[0])
+	for layer in layers:
+		_undo_redo.add_do_property(layer, property, value)
+		_undo_redo.add_undo_property(layer, property, layer.get(property))
+	_undo_redo.commit_action()
+	notify_property_list_changed() # A value may hide other properties.
+	return true
+
+
+func _property_can_revert(property: StringName) -> bool:
+	return _has(property) and layers.any(func(layer: ScatterLayer) -> bool: return layer.property_can_revert(property))
+
+
+func _property_get_revert(property: StringName) -> Variant:
+	return layers[0].property_get_revert(property)
+
+
+func _has(property: StringName) -> bool:
+	return not layers.is_empty() and not property in OWN and property in layers[0]
