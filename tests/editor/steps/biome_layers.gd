@@ -133,6 +133,77 @@ func test_a_layer_of_a_biome_is_painted() -> void:
 	paint.set_on(false)
 
 
+func test_a_biome_is_painted() -> void:
+	var before := saved_files()
+	var map: Resource = scatter.biomes
+	var tool: Node = workspace().toolbar.biomes
+	check(tool.button.visible and not tool.visible, "there is a brush for biomes")
+	tool.set_on(true)
+	await look()
+	check_equal(tool._biomes.item_count, 3, "it offers the two biomes, and none")
+	tool.choose_biome(1)
+	tool._radius.value = 10.0
+	await stroke([Vector3(-14.0, 0.0, 0.0), Vector3(-10.0, 0.0, 0.0)])
+	check_equal(tool.problem, "", "the stroke is painted")
+	check_equal(map.get_biome_at(Vector2(-12.0, 0.0)), map.biomes[1], "swamp in the meadow")
+	check_equal(map.get_biome_at(Vector2(-40.0, 0.0)), map.biomes[0], "meadow around it")
+	await settle(scatter)
+	var inside := Rect2(-15.0, -3.0, 6.0, 6.0)
+	check_equal(scatter.query_rect(inside, layer("Grass")).size(), 0, "no grass remains there")
+	check(scatter.query_rect(inside, layer("Reed")).size() > 3, "reed grows there")
+	await look()
+	check(tool.overlay.is_shown(), "the biomes are shown")
+	await picture("biome_painted")
+	var after := saved_files()
+	check_equal(after.size(), before.size() + 1, "the map's image is a file beside the scene: %s" % [after.keys()])
+	await undo()
+	check_same(saved_files(), before, "undone")
+	check_equal(map.get_biome_at(Vector2(-12.0, 0.0)), map.biomes[0], "meadow again")
+	await redo()
+	check_same(saved_files(), after, "redone")
+	check_equal(map.get_biome_at(Vector2(-12.0, 0.0)), map.biomes[1], "swamp again")
+	tool.choose_biome(-1)
+	await stroke([Vector3(4.0, 0.0, 0.0)])
+	check(map.get_biome_at(Vector2(4.0, 0.0)) == null, "no biome")
+	check_equal(saved_files().size(), after.size(), "in the same file")
+	await undo()
+	check_same(saved_files(), after, "undone, pixel by pixel")
+	map.biomes[1].color = Color.LIME
+	check("Meadow and Swamp have the same color" in tool.brush.begin(scatter, 1, SCENE, Vector2.ZERO), "equal colors are refused")
+	map.biomes[1].color = Color.RED
+	check("The map ends here" in tool.brush.begin(scatter, 0, SCENE, Vector2(300.0, 0.0)), "so is land outside the map")
+	tool.set_on(false)
+	await undo()
+	check_same(saved_files(), before, "all undone")
+
+
+## Numbers in one channel, and a scatter whose map has no image yet.
+func test_images_for_the_biome_brush() -> void:
+	var brush: RefCounted = workspace().toolbar.biomes.brush
+	var map := new_map()
+	scatter.biomes = map
+	map.map_mode = 1
+	for number: int in [1, -1, 0]:
+		map.map_image = null
+		check_equal(brush.begin(scatter, number, SCENE, Vector2(20.0, 30.0)), "", "a new image")
+		brush.finish(null)
+		check_equal(map.map_image.get_format(), Image.FORMAT_R8, "with one channel")
+		check_equal(map.map_image.get_size(), Vector2i(1024, 1024), "of this size")
+		check(map.get_biome_at(Vector2(20.0, 30.0)) == (map.biomes[number] if number >= 0 else null), "biome %d" % number)
+		check_equal(map.get_biome_at(Vector2(60.0, 30.0)), map.biomes[0], "the first biome elsewhere")
+	map.map_mode = 0
+	var imported := Image.create_empty(512, 256, true, Image.FORMAT_RGB8)
+	imported.fill(Color.LIME)
+	map.map_image = ImageTexture.create_from_image(imported)
+	check_equal(brush.begin(scatter, 1, SCENE, Vector2(20.0, 30.0)), "", "a texture is copied")
+	brush.finish(null)
+	check(map.map_image is Image and map.map_image.get_size() == Vector2i(512, 256), "with its size: %s" % map.map_image)
+	check_equal(map.get_biome_at(Vector2(20.0, 30.0)), map.biomes[1], "and painted")
+	for path: String in files("res://"):
+		if path.begins_with("valley_biomes"):
+			DirAccess.remove_absolute("res://" + path)
+
+
 ## Replacing a biome by one assignment: the panel shows the new layers, and the old layers are no longer chosen.
 func test_a_biome_is_replaced() -> void:
 	await mouse_click(await name_at(layer("Reed")))

@@ -3,6 +3,7 @@ extends "res://addons/thicket/editor/wrapping_row.gd"
 ## The toolbar above the 3D view while a scatter is selected: tools with their settings, the layer that they work on, presets, bakes and
 ## imports.
 
+const BiomeTool := preload("res://addons/thicket/editor/brush/biome_tool.gd")
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const HandTool := preload("res://addons/thicket/editor/hand/hand_tool.gd")
 const PaintTool := preload("res://addons/thicket/editor/brush/paint_tool.gd")
@@ -24,6 +25,8 @@ signal redraw_requested
 
 ## Paints masks.
 var paint := PaintTool.new()
+## Paints the map of biomes.
+var biomes := BiomeTool.new()
 ## Plants and changes single instances.
 var hand := HandTool.new()
 ## Explains why instances are placed at a position or not.
@@ -33,7 +36,7 @@ var region_drawing := RegionDrawing.new()
 ## Draws the rectangle of a bake.
 var rectangle := RectangleTool.new()
 ## All tools, in the order of their buttons.
-var tools: Array[ScatterTool] = [paint, hand, why, region_drawing, rectangle]
+var tools: Array[ScatterTool] = [paint, biomes, hand, why, region_drawing, rectangle]
 ## Adds regions.
 var regions := RegionMenu.new()
 ## The layers that tools work on; the first is the main one.
@@ -48,6 +51,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
 	super()
 	_buttons.allow_unpress = true
 	hand.edits.files = paint.brush.files
+	biomes.brush.files = paint.brush.files
 	hand.edits.undo_redo = undo_redo
 	for tool in tools:
 		add_child(tool.button)

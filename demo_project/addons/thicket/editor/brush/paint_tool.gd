@@ -1,16 +1,12 @@
 @tool
-extends "res://addons/thicket/editor/scatter_tool.gd"
+extends "res://addons/thicket/editor/brush/brush_tool.gd"
 ## The brush: paints the mask of a layer, and shows it.
 
 const Brush := preload("res://addons/thicket/editor/brush/brush.gd")
-const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const FirstStroke := preload("res://addons/thicket/editor/brush/first_stroke.gd")
-const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
-const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 const MaskOverlay := preload("res://addons/thicket/editor/brush/mask_overlay.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-const RADIUS_STEP := 1.15
 const MODE_NAMES: PackedStringArray = ["Paint", "Erase", "Smooth"]
 const MODE_TIPS: PackedStringArray = [
 	"Paint: more of the layer. The first stroke on a layer that grows everywhere opens a dialog with two choices.",
@@ -24,12 +20,8 @@ var brush := Brush.new()
 var first_stroke := FirstStroke.new()
 ## Shows the mask of the chosen layer.
 var mask_overlay := MaskOverlay.new()
-## The reason why the last stroke failed, as a sentence; empty if it succeeded.
-var problem := ""
 
-var _cursor := GroundCursor.new()
 var _modes: Array[Button] = []
-var _radius: EditorSpinSlider
 var _strength: EditorSpinSlider
 var _hardness: EditorSpinSlider
 
@@ -48,9 +40,8 @@ func _init() -> void:
 		choice.pressed.connect(_on_mode.bind(mode))
 		_modes.append(choice)
 		add_child(choice)
-	_radius = _slider("Radius", "The radius of the brush in meters (keys [ and ]).", 0.25, 256.0, 0.25, brush.radius, "m")
-	_radius.exp_edit = true
-	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value; redraw_requested.emit())
+	_add_radius(brush.radius)
+	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value)
 	_strength = _slider("Strength", "Strength: the change of density by one dab, at its center.", 1.0, 100.0, 1.0, brush.strength * 100.0, "%")
 	_strength.value_changed.connect(func(value: float) -> void: brush.strength = value * 0.01)
 	_hardness = _slider("Hardness", "Hardness: the part of the radius with full strength.", 0.0, 100.0, 1.0,
@@ -73,44 +64,10 @@ func set_brush(radius: float, strength: float, hardness: float) -> void:
 	_hardness.value = hardness * 100.0
 
 
-func input(camera: Camera3D, event: InputEvent) -> int:
-	if event is InputEventKey:
-		return _on_key(event as InputEventKey)
-	if not event is InputEventMouse:
-		return NOT_MINE
-	var mouse := event as InputEventMouse
-	_cursor.aim(camera, mouse.position, ground())
-	redraw_requested.emit()
-	var at := _cursor.on_ground
-	if mouse is InputEventMouseMotion:
-		if not brush.is_painting():
-			return NOT_MINE
-		if at.is_finite():
-			brush.move(Vector2(at.x, at.z))
-		return MINE
-	var pressed := mouse as InputEventMouseButton
-	if pressed == null or pressed.button_index != MOUSE_BUTTON_LEFT or pressed.alt_pressed:
-		return NOT_MINE
-	# The tool always takes the left button, because the editor's box selection would deselect the scatter.
-	if not pressed.pressed:
-		finish()
-	else:
-		problem = _begin_stroke(at, pressed)
-	return MINE
-
-
 func draw_over(overlay: Control) -> void:
-	if not _cursor.is_over(overlay):
-		return
-	if not problem.is_empty():
-		_cursor.say(overlay, problem)
-	if not _cursor.on_ground.is_finite() or ground() == null:
-		return
-	var color := COLORS[brush.mode]
-	_cursor.draw_ring(overlay, ground(), brush.radius, color, 2.0)
-	if brush.hardness > 0.0:
-		_cursor.draw_ring(overlay, ground(), brush.radius * brush.hardness, Color(color, 0.45), 1.0)
-	_cursor.draw_dot(overlay, color)
+	super(overlay)
+	if _cursor.is_over(overlay) and _cursor.on_ground.is_finite() and ground() != null and brush.hardness > 0.0:
+		_cursor.draw_ring(overlay, ground(), brush.radius * brush.hardness, Color(_color(), 0.45), 1.0)
 
 
 ## Shows the mask of the chosen layer while the brush is on.
@@ -120,18 +77,23 @@ func look() -> void:
 	if mask == null:
 		mask_overlay.hide()
 		return
-	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
-	var away := GroundRay.distance(ground(), camera.global_position, -camera.global_basis.z)
-	mask_overlay.show(scatter, camera.global_position - camera.global_basis.z * away, away)
+	_show_where_seen(func(around: Vector3, away: float) -> void: mask_overlay.show(scatter, around, away))
 
 
 func finish() -> void:
 	brush.finish(undo_redo)
 
 
-func _on_toggled() -> void:
-	problem = ""
-	_cursor.clear()
+func _color() -> Color:
+	return COLORS[brush.mode]
+
+
+func _is_painting() -> bool:
+	return brush.is_painting()
+
+
+func _move_stroke(at: Vector2) -> void:
+	brush.move(at)
 
 
 func _on_mode(mode: ScatterMask.Mode) -> void:
@@ -139,23 +101,15 @@ func _on_mode(mode: ScatterMask.Mode) -> void:
 	redraw_requested.emit()
 
 
-func _on_key(key: InputEventKey) -> int:
-	if not key.pressed or not (key.keycode == KEY_BRACKETLEFT or key.keycode == KEY_BRACKETRIGHT):
-		return NOT_MINE
-	_radius.value *= RADIUS_STEP if key.keycode == KEY_BRACKETRIGHT else 1.0 / RADIUS_STEP
-	return MINE
-
-
-## Begins a stroke at a position on the ground. Returns the reason if it cannot, as a sentence.
 func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
-	if ground() == null:
-		return "There is no ground to paint on: set the ground of %s, or press Use as Ground." % scatter.name
+	if not _ground_problem().is_empty():
+		return _ground_problem()
 	if layer == null:
 		return "There is nothing to paint: add a layer to %s in the Scatter panel." % scatter.name
 	if not lock_problem().is_empty():
 		return lock_problem()
 	if not at.is_finite():
-		return "There is no ground below the brush: paint where the ground is."
+		return NO_GROUND_BELOW
 	var mode := brush.mode
 	if pressed.shift_pressed:
 		mode = ScatterMask.MODE_SMOOTH
@@ -179,10 +133,3 @@ func _stroke_once(mode: ScatterMask.Mode, at: Vector2) -> void:
 	problem = brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, at)
 	finish()
 	redraw_requested.emit()
-
-
-func _slider(label: String, tip: String, from: float, to: float, step: float, value: float,
-		suffix: String) -> EditorSpinSlider:
-	var slider := Controls.slider(label, tip, Vector3(from, to, step), value, suffix, 138.0)
-	add_child(slider)
-	return slider

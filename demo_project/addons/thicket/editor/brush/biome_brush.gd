@@ -1,0 +1,185 @@
+@tool
+extends RefCounted
+## Paints biomes into the image of a map. A stroke is a row of discs, and one undo step.
+
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+
+## The distance between discs, as a part of the radius.
+const SPACING := 0.25
+## The longer side of the image that a map without one gets, in pixels, and the largest side.
+const SIDE := 1024
+const LARGEST := 8192
+## The number of pixels in a radius, at least: an image with fewer is enlarged.
+const FINENESS := 4.0
+## The shortest time between two readings of the image during a stroke. Reading takes at most a quarter of the time.
+const PAUSE_MSEC := 60
+## A pixel of the red channel for land without a biome.
+const NO_INDEX := 255
+
+## In meters, above 0.
+var radius := 16.0
+## Manages the files of images.
+var files: SceneFiles
+
+var _map: ScatterBiomeMap
+var _image: Image
+var _former: Resource ## What the map had instead of the image.
+var _before: Image
+var _touched := Rect2i() ## Pixels that may have changed.
+var _color := Color.BLACK
+var _title := ""
+var _scatter: TerrainScatter3D
+var _scene_path := ""
+var _last := Vector2.ZERO
+var _next_reading := 0
+
+
+## True between [method begin] and [method finish].
+func is_painting() -> bool:
+	return _map != null
+
+
+## Starts a stroke with a disc at world x and z. [param index] is the biome's; -1 is land without a biome. Returns the reason if the stroke cannot
+## begin, as a sentence; empty on success.
+func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector2) -> String:
+	finish(null)
+	var map := scatter.biomes
+	var same := _same_color(map, index)
+	if not same.is_empty():
+		return same
+	if not map.map_rect.has_point(at):
+		return "The map ends here: it covers %s. Enlarge the map_rect of the biome map." % map.map_rect
+	_former = map.map_image
+	_image = _paintable(map, index)
+	if _image != _former and not files.create(scene_path, _image, "biomes", "map"):
+		return files.problem
+	_map = map
+	_scatter = scatter
+	_scene_path = scene_path
+	_color = _pixel(map, index)
+	_title = "Paint Biome %s" % name_of(map, index)
+	_before = _image.duplicate()
+	_touched = Rect2i()
+	_last = at
+	_disc(at)
+	_read()
+	return ""
+
+
+## Continues the stroke to world x and z, with discs on the way.
+func move(at: Vector2) -> void:
+	if not is_painting():
+		return
+	var step := radius * SPACING
+	var direction := (at - _last).normalized()
+	for number in floori(_last.distance_to(at) / step):
+		_last += direction * step
+		_disc(_last)
+	if Time.get_ticks_msec() >= _next_reading:
+		_read()
+
+
+## Ends the stroke and adds an undo step, unless nothing has changed.
+func finish(undo_redo: EditorUndoRedoManager) -> void:
+	if not is_painting():
+		return
+	var map := _map
+	_map = null
+	map.map_image = _image
+	files.mark(_image)
+	var old := _before.get_region(_touched)
+	var new := _image.get_region(_touched)
+	if undo_redo != null and is_instance_valid(_scatter) and (_image != _former or old.get_data() != new.get_data()):
+		undo_redo.create_action(_title, UndoRedo.MERGE_DISABLE, _scatter)
+		undo_redo.add_do_method(self, &"restore", map, _image, new, _touched.position)
+		undo_redo.add_undo_method(self, &"restore", map, _image, old, _touched.position)
+		if _image != _former:
+			undo_redo.add_undo_property(map, &"map_image", _former)
+			files.add_to_undo([_image], _scene_path, undo_redo)
+		undo_redo.commit_action(false)
+	_before = null
+	_former = null
+	_scatter = null
+
+
+## Puts pixels back into the image, and the image into the map; for undo.
+func restore(map: ScatterBiomeMap, image: Image, pixels: Image, at: Vector2i) -> void:
+	image.blit_rect(pixels, Rect2i(Vector2i.ZERO, pixels.get_size()), at)
+	map.map_image = image
+	files.mark(image)
+
+
+## The name of a biome; -1 is land without a biome.
+static func name_of(map: ScatterBiomeMap, index: int) -> String:
+	if index < 0 or map.biomes[index] == null:
+		return "No Biome"
+	return map.biomes[index].resource_name if map.biomes[index].resource_name else "Biome %d" % index
+
+
+## The reason why a biome has no color of its own to paint with, as a sentence.
+static func _same_color(map: ScatterBiomeMap, index: int) -> String:
+	if index < 0 or map.map_mode == ScatterBiomeMap.MAP_MODE_INDICES:
+		return ""
+	for earlier in index:
+		if map.biomes[earlier] != null and map.biomes[earlier].color.to_rgba32() >> 8 == map.biomes[index].color.to_rgba32() >> 8:
+			return "%s and %s have the same color: change the color of one of these biomes." % [name_of(map, earlier), name_of(map, index)]
+	return ""
+
+
+static func _pixel(map: ScatterBiomeMap, index: int) -> Color:
+	if map.map_mode == ScatterBiomeMap.MAP_MODE_INDICES:
+		return Color8(index if index >= 0 else NO_INDEX, 0, 0)
+	return Color(map.biomes[index].color, 1.0) if index >= 0 else Color.TRANSPARENT
+
+
+## The image of the map if it can be painted; else a copy, for example of an imported picture, or a new one.
+func _paintable(map: ScatterBiomeMap, index: int) -> Image:
+	var image := map.map_image as Image
+	if image == null and map.map_image is Texture2D:
+		image = (map.map_image as Texture2D).get_image()
+	if image == null or image.is_empty():
+		var sides := map.map_rect.size * (SIDE / maxf(map.map_rect.size.x, map.map_rect.size.y))
+		image = Image.create_empty(maxi(roundi(sides.x), 1), maxi(roundi(sides.y), 1), false, _formats(map, index)[0] as Image.Format)
+		image.fill(_pixel(map, 0))
+	var own_file := image.resource_path.is_empty() or "::" in image.resource_path or image.resource_path.get_extension() in ["res", "tres"]
+	var pixel := map.map_rect.size / Vector2(image.get_size())
+	var factor := mini(ceili(maxf(pixel.x, pixel.y) * FINENESS / radius), floori(LARGEST / float(maxi(image.get_width(), image.get_height()))))
+	if image == map.map_image and own_file and factor <= 1 and image.get_format() in _formats(map, index) and not image.has_mipmaps():
+		return image
+	var copy: Image = image.duplicate()
+	copy.decompress()
+	copy.clear_mipmaps()
+	copy.convert(_formats(map, index)[0] as Image.Format)
+	if factor > 1:
+		copy.resize(copy.get_width() * factor, copy.get_height() * factor, Image.INTERPOLATE_NEAREST)
+	return copy
+
+
+## The formats of images to paint. Land without a biome needs alpha.
+static func _formats(map: ScatterBiomeMap, index: int) -> PackedInt32Array:
+	if map.map_mode == ScatterBiomeMap.MAP_MODE_INDICES:
+		return [Image.FORMAT_R8, Image.FORMAT_RGB8, Image.FORMAT_RGBA8]
+	return [Image.FORMAT_RGBA8] if index < 0 else [Image.FORMAT_RGBA8, Image.FORMAT_RGB8]
+
+
+func _disc(at: Vector2) -> void:
+	var per_meter := Vector2(_image.get_size()) / _map.map_rect.size
+	var middle := (at - _map.map_rect.position) * per_meter
+	var reach := per_meter * radius
+	var whole := Rect2i(Vector2i.ZERO, _image.get_size())
+	for y in range(maxi(floori(middle.y - reach.y), 0), mini(ceili(middle.y + reach.y), whole.size.y)):
+		var share := 1.0 - ((y + 0.5 - middle.y) / reach.y) ** 2
+		if share > 0.0:
+			var half := reach.x * sqrt(share)
+			var first := roundi(middle.x - half)
+			var row := Rect2i(first, y, maxi(roundi(middle.x + half) - first, 1), 1).intersection(whole)
+			if row.has_area():
+				_image.fill_rect(row, _color)
+				_touched = row.merge(_touched) if _touched.has_area() else row
+
+
+## Lets the map read the image.
+func _read() -> void:
+	var begun := Time.get_ticks_msec()
+	_map.map_image = _image
+	_next_reading = Time.get_ticks_msec() + maxi(PAUSE_MSEC, 3 * (Time.get_ticks_msec() - begun))

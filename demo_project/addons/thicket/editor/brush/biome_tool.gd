@@ -1,0 +1,107 @@
+@tool
+extends "res://addons/thicket/editor/brush/brush_tool.gd"
+## The brush for biomes: paints the map of the scatter's biomes, and shows it. Its button is there while the scatter has biomes.
+
+const BiomeBrush := preload("res://addons/thicket/editor/brush/biome_brush.gd")
+const BiomeOverlay := preload("res://addons/thicket/editor/brush/biome_overlay.gd")
+const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+
+## The side of a biome's color in the list, in pixels.
+const SWATCH := 14
+
+var brush := BiomeBrush.new()
+## Shows the biomes.
+var overlay := BiomeOverlay.new()
+
+var _biomes := OptionButton.new()
+var _listed: Array = []
+
+
+func _init() -> void:
+	needs_layer = false
+	_setup("Biomes", &"Bucket", "Biomes: paint which biome lies where, with the left mouse button.")
+	button.visible = false
+	_biomes.tooltip_text = "The biome to paint."
+	_biomes.item_selected.connect(redraw_requested.emit.unbind(1))
+	add_child(_biomes)
+	_add_radius(brush.radius)
+	_radius.value_changed.connect(func(value: float) -> void: brush.radius = value)
+
+
+## Chooses a biome by its index in the map; -1 is land without a biome.
+func choose_biome(index: int) -> void:
+	_biomes.select(_biomes.get_item_index(_id(index)))
+	redraw_requested.emit()
+
+
+func look() -> void:
+	var map := _map()
+	button.visible = map != null
+	if map == null and is_on():
+		set_on(false)
+	_list(map)
+	overlay.watch(map if is_on() and ground() != null else null)
+	if is_on() and ground() != null:
+		_show_where_seen(func(around: Vector3, away: float) -> void: overlay.show(scatter, around, away))
+	else:
+		overlay.hide()
+
+
+func finish() -> void:
+	brush.finish(undo_redo)
+
+
+func _color() -> Color:
+	var map := _map()
+	var index := _index()
+	return map.biomes[index].color if map != null and index >= 0 and map.biomes[index] != null else Color.WHITE
+
+
+func _is_painting() -> bool:
+	return brush.is_painting()
+
+
+func _begin_stroke(at: Vector3, _pressed: InputEventMouseButton) -> String:
+	if not _ground_problem().is_empty():
+		return _ground_problem()
+	if not at.is_finite():
+		return NO_GROUND_BELOW
+	return brush.begin(scatter, _index(), SceneFiles.edited_scene_path(), Vector2(at.x, at.z))
+
+
+func _move_stroke(at: Vector2) -> void:
+	brush.move(at)
+
+
+## The map to paint; null if there is none with biomes.
+func _map() -> ScatterBiomeMap:
+	var map := scatter.biomes if is_instance_valid(scatter) else null
+	return map if map != null and not map.biomes.is_empty() else null
+
+
+## The index of the chosen biome; -1 for land without a biome.
+func _index() -> int:
+	return _biomes.get_selected_id() - 1
+
+
+static func _id(index: int) -> int:
+	return index + 1
+
+
+func _list(map: ScatterBiomeMap) -> void:
+	var rows: Array = []
+	if map != null:
+		for index in map.biomes.size():
+			if map.biomes[index] != null:
+				rows.append([BiomeBrush.name_of(map, index), _id(index), map.biomes[index].color])
+		rows.append([BiomeBrush.name_of(map, -1), _id(-1), Color.TRANSPARENT])
+	if rows == _listed:
+		return
+	_listed = rows
+	var chosen := _biomes.get_selected_id()
+	_biomes.clear()
+	for row: Array in rows:
+		var swatch := Image.create_empty(SWATCH, SWATCH, false, Image.FORMAT_RGBA8)
+		swatch.fill(row[2])
+		_biomes.add_icon_item(ImageTexture.create_from_image(swatch), row[0], row[1])
+	_biomes.select(maxi(_biomes.get_item_index(chosen), 0) if not rows.is_empty() else -1)

@@ -1,0 +1,46 @@
+@tool
+extends "res://addons/thicket/editor/ground/ground_overlay.gd"
+## The base class of overlays that show a painted resource while its brush is on.
+
+var _painted: Resource
+var _version := 0 ## Increases with each change of the resource.
+
+
+## Sets the resource to show; null for none.
+func watch(painted: Resource) -> void:
+	if painted == _painted:
+		return
+	if _painted != null:
+		_painted.disconnect(_change(), _on_changed)
+	_painted = painted
+	if _painted != null:
+		_painted.connect(_change(), _on_changed)
+
+
+## Draws the resource on the ground around a position, seen from [param away] meters. Does nothing if nothing has changed.
+func show(scatter: TerrainScatter3D, around: Vector3, away: float) -> void:
+	cover(scatter, around, away, [_painted, _version], _sample)
+	while not is_complete(): # A stroke must be visible immediately.
+		work(100000)
+
+
+func _sample(rect: Rect2, size: Vector2i) -> PackedColorArray:
+	var colors := PackedColorArray()
+	for z in size.y:
+		for x in size.x:
+			colors.append(_color_at(rect.position + rect.size * (Vector2(x, z) + Vector2(0.5, 0.5)) / Vector2(size)))
+	return colors
+
+
+## The signal of the resource that reports a change.
+func _change() -> StringName:
+	return &"changed"
+
+
+## The color at world x and z.
+func _color_at(_at: Vector2) -> Color:
+	return Color.TRANSPARENT
+
+
+func _on_changed(_area := Rect2()) -> void:
+	_version += 1
