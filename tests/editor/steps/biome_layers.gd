@@ -199,6 +199,14 @@ func test_images_for_the_biome_brush() -> void:
 	brush.finish(null)
 	check(map.map_image is Image and map.map_image.get_size() == Vector2i(512, 256), "with its size: %s" % map.map_image)
 	check_equal(map.get_biome_at(Vector2(20.0, 30.0)), map.biomes[1], "and painted")
+	ResourceSaver.save(map, "res://valley_map.tres")
+	map.take_over_path("res://valley_map.tres")
+	map.map_image = null
+	brush.begin(scatter, 1, SCENE, Vector2(40.0, 30.0))
+	brush.finish(null)
+	EditorInterface.save_scene()
+	var saved := ResourceLoader.load("res://valley_map.tres", "", ResourceLoader.CACHE_MODE_IGNORE_DEEP)
+	check_equal(saved.get_biome_at(Vector2(40.0, 30.0)).resource_name, "Swamp", "a map in its own file is saved with the scene")
 	for path: String in files("res://"):
 		if path.begins_with("valley_biomes"):
 			DirAccess.remove_absolute("res://" + path)

@@ -13,6 +13,8 @@ const LARGEST := 8192
 const FINENESS := 4.0
 ## The shortest time between two readings of the image during a stroke. Reading takes at most a quarter of the time.
 const PAUSE_MSEC := 60
+## The smallest radius of a disc in pixels, with which it has at least one.
+const LEAST_REACH := 0.75
 ## A pixel of the red channel for land without a biome.
 const NO_INDEX := 255
 
@@ -86,7 +88,7 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 	var map := _map
 	_map = null
 	map.map_image = _image
-	files.mark(_image)
+	_mark(map, _image)
 	var old := _before.get_region(_touched)
 	var new := _image.get_region(_touched)
 	if undo_redo != null and is_instance_valid(_scatter) and (_image != _former or old.get_data() != new.get_data()):
@@ -106,7 +108,7 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 func restore(map: ScatterBiomeMap, image: Image, pixels: Image, at: Vector2i) -> void:
 	image.blit_rect(pixels, Rect2i(Vector2i.ZERO, pixels.get_size()), at)
 	map.map_image = image
-	files.mark(image)
+	_mark(map, image)
 
 
 ## The name of a biome; -1 is land without a biome.
@@ -162,10 +164,16 @@ static func _formats(map: ScatterBiomeMap, index: int) -> PackedInt32Array:
 	return [Image.FORMAT_RGBA8] if index < 0 else [Image.FORMAT_RGBA8, Image.FORMAT_RGB8]
 
 
+## A map may have a file of its own, which names the image.
+func _mark(map: ScatterBiomeMap, image: Image) -> void:
+	files.mark(image)
+	files.mark(map)
+
+
 func _disc(at: Vector2) -> void:
 	var per_meter := Vector2(_image.get_size()) / _map.map_rect.size
 	var middle := (at - _map.map_rect.position) * per_meter
-	var reach := per_meter * radius
+	var reach := (per_meter * radius).max(Vector2.ONE * LEAST_REACH)
 	var whole := Rect2i(Vector2i.ZERO, _image.get_size())
 	for y in range(maxi(floori(middle.y - reach.y), 0), mini(ceili(middle.y + reach.y), whole.size.y)):
 		var share := 1.0 - ((y + 0.5 - middle.y) / reach.y) ** 2
