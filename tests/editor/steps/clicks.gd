@@ -40,23 +40,6 @@ func press_in(dialog: Window, text: String) -> void:
 	check(false, "Tab finds " + text)
 
 
-## Presses and releases a key in a window, as an event of the system.
-func key_in(window: Window, code: Key) -> void:
-	for pressed: bool in [true, false]:
-		var event := InputEventKey.new()
-		event.keycode = code
-		event.physical_keycode = code
-		event.pressed = pressed
-		await send_to(window, event)
-
-
-func send_to(window: Window, event: InputEventFromWindow) -> void:
-	event.window_id = window.get_window_id()
-	Input.parse_input_event(event)
-	Input.flush_buffered_events()
-	await frames(2)
-
-
 ## Presses the mouse button in the 3D view, drags, and releases it.
 func drag_in_view(from: Vector3, to: Vector3) -> void:
 	await mouse_drag(on_screen(from), on_screen(to))

@@ -116,6 +116,34 @@ func test_first_minute() -> void:
 	check(steps == 5 and root.get_child_count() == 0, "five steps of undo lead back to the empty scene: %d" % steps)
 
 
+## The tutorial of the first forest, from a scene that is empty again.
+func test_a_preset() -> void:
+	_clicks = 0
+	await drag_files([GROUND], row_of("Plot"))
+	await click(middle(button("New Scatter")))
+	await click(row_of("Hill"))
+	await click(middle(button("Use as Ground")))
+	await click(row_of("Scatter"))
+	await get_tree().create_timer(0.6).timeout
+	var menu := button("Add Layer") as MenuButton
+	await click(middle(menu))
+	for item in menu.get_popup().item_count:
+		if menu.get_popup().get_item_text(item) == "Forest":
+			_clicks += 1
+			menu.get_popup().set_focused_item(item)
+			await key_in(menu.get_popup(), KEY_ENTER)
+	var scatter: Node3D = root.get_node("Scatter")
+	await settle(scatter)
+	await get_tree().create_timer(0.6).timeout
+	await click(middle(button("Add Camera, Sun, Sky and Wind")))
+	await settle(scatter)
+	check_equal(_clicks, 7, "clicks, besides one drop")
+	check(scatter.layers.size() > 3 and scatter.get_problems().is_empty(), "a forest without problems: %s" % scatter.get_problems())
+	for layer: Resource in scatter.layers:
+		check(scatter.get_shown_count(layer) > 0, "%s: %d instances" % [layer.resource_name, scatter.get_shown_count(layer)])
+	await picture("first_preset")
+
+
 ## All of them are on the hill, and keep apart within and between species.
 func check_species(scatter: Node3D) -> void:
 	var all: Array[PackedVector2Array] = []

@@ -266,6 +266,23 @@ func key(code: Key, keys := 0) -> void:
 	await frames(2)
 
 
+## Presses and releases a key in a window, as an event of the system.
+func key_in(window: Window, code: Key) -> void:
+	for pressed: bool in [true, false]:
+		var event := InputEventKey.new()
+		event.keycode = code
+		event.physical_keycode = code
+		event.pressed = pressed
+		await send_to(window, event)
+
+
+func send_to(window: Window, event: InputEventFromWindow) -> void:
+	event.window_id = window.get_window_id()
+	Input.parse_input_event(event)
+	Input.flush_buffered_events()
+	await frames(2)
+
+
 ## Undoes with the keyboard shortcut.
 func undo() -> void:
 	await key(KEY_Z, KEY_MASK_CTRL)
