@@ -83,6 +83,9 @@ static func _environment() -> Environment:
 	environment.sky = Sky.new()
 	environment.sky.sky_material = material
 	environment.ambient_light_source = Environment.AMBIENT_SOURCE_SKY
+	environment.ambient_light_color = Color(0.75, 0.8, 0.85) # A blue sky alone makes the ground below trees dark and blue.
+	environment.ambient_light_sky_contribution = 0.4
+	environment.ambient_light_energy = 1.7
 	environment.tonemap_mode = Environment.TONE_MAPPER_FILMIC
 	environment.fog_enabled = true
 	environment.fog_light_color = Color(0.66, 0.74, 0.82)
