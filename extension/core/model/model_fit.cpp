@@ -1,5 +1,7 @@
 #include "core/model/model_fit.hpp"
 
+#include "core/model/letters.hpp"
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -81,10 +83,6 @@ constexpr std::array<std::pair<std::string_view, ModelKind>, 66> words{{
 		{"stump", ModelKind::rock},
 }};
 
-constexpr bool is_upper(char letter) { return letter >= 'A' && letter <= 'Z'; }
-
-constexpr bool is_letter(char letter) { return is_upper(letter) || (letter >= 'a' && letter <= 'z'); }
-
 /// The kind that a word without capitals says.
 std::optional<ModelKind> kind_of_word(std::string_view word) {
 	// "trees" and "bushes", but also "moss", "cactus" and "grass".
@@ -107,16 +105,15 @@ std::optional<ModelKind> kind_named(std::string_view name) {
 	std::optional<ModelKind> kind;
 	std::string word;
 	for (std::size_t at = 0; at <= name.size(); ++at) {
-		const bool ends =
-				at == name.size() || !is_letter(name[at]) || (at > 0 && is_upper(name[at]) && !is_upper(name[at - 1]));
-		if (ends) {
+		const bool in_word = at < name.size() && is_letter(name[at]);
+		if (!in_word || begins_word(name, at)) {
 			if (const std::optional<ModelKind> said = kind_of_word(word)) {
 				kind = said;
 			}
 			word.clear();
 		}
-		if (at < name.size() && is_letter(name[at])) {
-			word += is_upper(name[at]) ? static_cast<char>(name[at] - 'A' + 'a') : name[at];
+		if (in_word) {
+			word += lower(name[at]);
 		}
 	}
 	return kind;

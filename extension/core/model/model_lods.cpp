@@ -1,5 +1,7 @@
 #include "core/model/model_lods.hpp"
 
+#include "core/model/letters.hpp"
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -11,23 +13,13 @@ namespace {
 constexpr std::string_view mark = "lod";
 constexpr std::size_t max_digits = 2;
 
-// ASCII only, whatever the locale.
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
-bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
 bool is_separator(char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }
-char lower(char c) { return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool has_mark_at(std::string_view name, std::size_t at) {
 	return at + mark.size() <= name.size() &&
 			std::equal(mark.begin(), mark.end(), name.begin() + static_cast<std::ptrdiff_t>(at),
 					[](char a, char b) { return a == lower(b); });
-}
-
-/// True where a word begins: after a character that is not a letter, or at a capital after a lower-case letter ("TrunkLOD1").
-bool begins_word(std::string_view name, std::size_t at) {
-	const char before = at > 0 ? name[at - 1] : '_';
-	return !(is_upper(before) || is_lower(before)) || (is_lower(before) && is_upper(name[at]));
 }
 
 /// The name without [from, to), and without a separator that remains at the seam.
