@@ -1,5 +1,5 @@
 extends "res://demo/stage.gd"
-## The scene that shows the presets of the add-on, and what a layer becomes when a single model is dropped, one at a time on the same hill and under the
+## The scene that shows the presets of the add-on, and layers of one model each, with the values of a drop, one at a time on the same hill and under the
 ## same light.
 
 const DemoGround := preload("res://demo/demo_ground.gd")
@@ -71,7 +71,7 @@ func _preset(name: String) -> Array:
 	return found
 
 
-## A layer as the panel makes it for a model that is dropped on it.
+## A layer with the values that the panel sets for a model that is dropped on it.
 func _dropped(model: String) -> Resource:
 	var layer: Resource = ClassDB.instantiate(&"ScatterLayer")
 	layer.resource_name = model

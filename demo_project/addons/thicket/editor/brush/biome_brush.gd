@@ -3,9 +3,8 @@ extends RefCounted
 ## Paints biomes into the image of a map. A stroke is a row of discs, and one undo step.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
+const StrokePlaces := preload("res://addons/thicket/editor/brush/stroke_places.gd")
 
-## The distance between discs, as a part of the radius.
-const SPACING := 0.25
 ## The longer side of the image that a map without one gets, in pixels, and the largest side.
 const SIDE := 1024
 const LARGEST := 8192
@@ -34,6 +33,7 @@ var _scatter: TerrainScatter3D
 var _scene_path := ""
 var _last := Vector2.ZERO
 var _next_reading := 0
+var _unread := false ## True if discs were added since the map read the image.
 
 
 ## True between [method begin] and [method finish].
@@ -62,7 +62,6 @@ func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector
 	_title = "Paint Biome %s" % name_of(map, index)
 	_before = _image.duplicate()
 	_touched = Rect2i()
-	_last = at
 	_disc(at)
 	_read()
 	return ""
@@ -72,12 +71,9 @@ func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector
 func move(at: Vector2) -> void:
 	if not is_painting():
 		return
-	var step := radius * SPACING
-	var direction := (at - _last).normalized()
-	for number in floori(_last.distance_to(at) / step):
-		_last += direction * step
-		_disc(_last)
-	if Time.get_ticks_msec() >= _next_reading:
+	for place in StrokePlaces.between(_last, at, radius):
+		_disc(place)
+	if _unread and Time.get_ticks_msec() >= _next_reading:
 		_read()
 
 
@@ -85,9 +81,10 @@ func move(at: Vector2) -> void:
 func finish(undo_redo: EditorUndoRedoManager) -> void:
 	if not is_painting():
 		return
+	if _unread:
+		_read()
 	var map := _map
 	_map = null
-	map.map_image = _image
 	_mark(map, _image)
 	var old := _before.get_region(_touched)
 	var new := _image.get_region(_touched)
@@ -171,6 +168,8 @@ func _mark(map: ScatterBiomeMap, image: Image) -> void:
 
 
 func _disc(at: Vector2) -> void:
+	_last = at
+	_unread = true
 	var per_meter := Vector2(_image.get_size()) / _map.map_rect.size
 	var middle := (at - _map.map_rect.position) * per_meter
 	var reach := (per_meter * radius).max(Vector2.ONE * LEAST_REACH)
@@ -190,4 +189,5 @@ func _disc(at: Vector2) -> void:
 func _read() -> void:
 	var begun := Time.get_ticks_msec()
 	_map.map_image = _image
+	_unread = false
 	_next_reading = Time.get_ticks_msec() + maxi(PAUSE_MSEC, 3 * (Time.get_ticks_msec() - begun))

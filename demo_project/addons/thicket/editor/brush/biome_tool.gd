@@ -40,11 +40,7 @@ func look() -> void:
 	if map == null and is_on():
 		set_on(false)
 	_list(map)
-	overlay.watch(map if is_on() and ground() != null else null)
-	if is_on() and ground() != null:
-		_show_where_seen(func(around: Vector3, away: float) -> void: overlay.show(scatter, around, away))
-	else:
-		overlay.hide()
+	_show_painted(overlay, map)
 
 
 func finish() -> void:

@@ -4,9 +4,7 @@ extends RefCounted
 
 const MaskStroke := preload("res://addons/thicket/editor/brush/mask_stroke.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
-
-## The distance between dabs, as a part of the radius.
-const SPACING := 0.25
+const StrokePlaces := preload("res://addons/thicket/editor/brush/stroke_places.gd")
 
 var mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
 ## In meters, above 0.
@@ -54,7 +52,6 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 	_stroke_mode = stroke_mode
 	var verb: String = ["Paint", "Erase", "Smooth"][stroke_mode]
 	_title = "%s Density of %s" % [verb, layers[0].resource_name if layers.size() == 1 else "%d Layers" % layers.size()]
-	_last = at
 	_dab(at)
 	return ""
 
@@ -63,13 +60,8 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 func move(at: Vector2) -> void:
 	if not is_painting():
 		return
-	var step := maxf(radius * SPACING, 0.01)
-	var way := at - _last
-	var dabs := floori(way.length() / step)
-	var direction := way.normalized()
-	for dab in dabs:
-		_last += direction * step
-		_dab(_last)
+	for place in StrokePlaces.between(_last, at, radius):
+		_dab(place)
 
 
 ## Ends the stroke and adds an undo step, unless nothing has changed.
@@ -123,5 +115,6 @@ func _give_up(scene_path: String) -> void:
 
 
 func _dab(at: Vector2) -> void:
+	_last = at
 	for stroke in _strokes:
 		stroke.dab(at, radius, strength, hardness, _stroke_mode)

@@ -5,6 +5,7 @@ extends "res://addons/thicket/editor/scatter_tool.gd"
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
+const PaintedOverlay := preload("res://addons/thicket/editor/brush/painted_overlay.gd")
 
 const RADIUS_STEP := 1.15
 const NO_GROUND_BELOW := "There is no ground below the brush: paint where the ground is."
@@ -50,7 +51,13 @@ func draw_over(overlay: Control) -> void:
 	if not _cursor.on_ground.is_finite() or ground() == null:
 		return
 	_cursor.draw_ring(overlay, ground(), _radius.value, _color(), 2.0)
+	_draw_inside(overlay)
 	_cursor.draw_dot(overlay, _color())
+
+
+## Draws more inside of the ring.
+func _draw_inside(_overlay: Control) -> void:
+	pass
 
 
 ## The color of the ring.
@@ -95,11 +102,17 @@ func _add_radius(meters: float) -> void:
 	_radius.value_changed.connect(redraw_requested.emit.unbind(1))
 
 
-## Calls [code]show(around, away)[/code] of an overlay with the position on the ground that the view looks at, and its distance.
-func _show_where_seen(show: Callable) -> void:
+## Shows what the brush paints on the ground that the view looks at, while the brush is on; nothing if [param painted] is null.
+func _show_painted(overlay: PaintedOverlay, painted: Resource) -> void:
+	if not is_on() or ground() == null:
+		painted = null
+	overlay.watch(painted)
+	if painted == null:
+		overlay.hide()
+		return
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	var away := GroundRay.distance(ground(), camera.global_position, -camera.global_basis.z)
-	show.call(camera.global_position - camera.global_basis.z * away, away)
+	overlay.show(scatter, camera.global_position - camera.global_basis.z * away, away)
 
 
 func _slider(label: String, tip: String, from: float, to: float, step: float, value: float,

@@ -64,20 +64,9 @@ func set_brush(radius: float, strength: float, hardness: float) -> void:
 	_hardness.value = hardness * 100.0
 
 
-func draw_over(overlay: Control) -> void:
-	super(overlay)
-	if _cursor.is_over(overlay) and _cursor.on_ground.is_finite() and ground() != null and brush.hardness > 0.0:
-		_cursor.draw_ring(overlay, ground(), brush.radius * brush.hardness, Color(_color(), 0.45), 1.0)
-
-
 ## Shows the mask of the chosen layer while the brush is on.
 func look() -> void:
-	var mask := layer.mask if is_on() and layer != null and ground() != null else null
-	mask_overlay.watch(mask)
-	if mask == null:
-		mask_overlay.hide()
-		return
-	_show_where_seen(func(around: Vector3, away: float) -> void: mask_overlay.show(scatter, around, away))
+	_show_painted(mask_overlay, layer.mask if layer != null else null)
 
 
 func finish() -> void:
@@ -86,6 +75,11 @@ func finish() -> void:
 
 func _color() -> Color:
 	return COLORS[brush.mode]
+
+
+func _draw_inside(overlay: Control) -> void:
+	if brush.hardness > 0.0:
+		_cursor.draw_ring(overlay, ground(), brush.radius * brush.hardness, Color(_color(), 0.45), 1.0)
 
 
 func _is_painting() -> bool:

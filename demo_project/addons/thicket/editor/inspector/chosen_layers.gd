@@ -15,6 +15,8 @@ var _undo_redo: EditorUndoRedoManager
 func _init(chosen: Array[ScatterLayer] = [], undo_redo: EditorUndoRedoManager = null) -> void:
 	layers = chosen.duplicate()
 	_undo_redo = undo_redo
+	if not layers.is_empty():
+		layers[0].property_list_changed.connect(_on_list_changed)
 
 
 ## The inspector's title.
@@ -55,7 +57,6 @@ func _set(property: StringName, value: Variant) -> bool:
 		_undo_redo.add_do_property(layer, property, value)
 		_undo_redo.add_undo_property(layer, property, layer.get(property))
 	_undo_redo.commit_action()
-	notify_property_list_changed() # A value may hide other properties.
 	return true
 
 
@@ -65,6 +66,11 @@ func _property_can_revert(property: StringName) -> bool:
 
 func _property_get_revert(property: StringName) -> Variant:
 	return layers[0].property_get_revert(property)
+
+
+## A value may show or hide other properties.
+func _on_list_changed() -> void:
+	notify_property_list_changed()
 
 
 func _has(property: StringName) -> bool:

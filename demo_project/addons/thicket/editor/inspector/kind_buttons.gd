@@ -1,6 +1,6 @@
 @tool
 extends HFlowContainer
-## Buttons at the top of a layer's inspector. Each fits the layer to what its meshes are, as one undo step.
+## Buttons at the top of the inspector of one or more layers. Each fits the layers to what their meshes are, as one undo step.
 
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 
@@ -37,14 +37,13 @@ func _init(layers: Array[ScatterLayer] = []) -> void:
 
 
 func _fit(kind: String) -> void:
-	fit(_layers, KINDS[kind], EditorInterface.get_editor_undo_redo())
-
-
-## Fits layers to their meshes as one undo step.
-static func fit(layers: Array[ScatterLayer], kind: ScatterLayer.ModelKind, undo_redo: EditorUndoRedoManager) -> void:
-	undo_redo.create_action("Fit to Meshes", UndoRedo.MERGE_DISABLE, layers[0])
-	for layer in layers:
-		var fitted := NewLayers.of_meshes(layer.meshes, kind)
+	var undo_redo := EditorInterface.get_editor_undo_redo()
+	var with_meshes := _layers.filter(func(layer: ScatterLayer) -> bool: return not layer.meshes.is_empty())
+	if with_meshes.is_empty():
+		return
+	undo_redo.create_action("Fit to Meshes", UndoRedo.MERGE_DISABLE, with_meshes[0])
+	for layer: ScatterLayer in with_meshes:
+		var fitted := NewLayers.of_meshes(layer.meshes, KINDS[kind])
 		if fitted != null:
 			NewLayers.add_fit(layer, fitted, undo_redo)
 	undo_redo.commit_action()
