@@ -7,7 +7,7 @@
 
 namespace thicket {
 
-/// The length of the longest axis of a basis, that is, the largest factor by which it scales.
+/// Returns the length of the longest axis of a basis: its largest scale factor.
 template <class Number>
 Number largest_scale(const glm::mat<3, 3, Number> &basis) {
 	return std::max({glm::length(basis[0]), glm::length(basis[1]), glm::length(basis[2])});

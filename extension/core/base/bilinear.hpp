@@ -2,8 +2,9 @@
 
 namespace thicket {
 
-/// Interpolates between the values at four corners: near left, near right, far left, far right. `x` runs from left to right and `y` from
-/// near to far, both from 0 to below 1. At a corner, and where all four values are equal, the result is exact.
+/// Interpolates bilinearly between the values at four corners. `x` goes from left to right and `y`
+/// from near to far; both are in [0, 1). The result is exact at x = y = 0, and if all four values
+/// are equal.
 constexpr double bilinear(double near_left, double near_right, double far_left, double far_right, double x, double y) {
 	const double near = near_left + (near_right - near_left) * x;
 	const double far = far_left + (far_right - far_left) * x;

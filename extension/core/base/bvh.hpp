@@ -8,21 +8,22 @@
 
 namespace thicket {
 
-/// The shape of a bounding volume hierarchy over a sorted array: a leaf has `leaf_size` neighboring items, and each
-/// node above has two neighboring nodes of the level below. The tree only stores counts. Its owner keeps the bounds of
-/// the nodes in a separate array, at `index_of(node)`.
+/// The layout of a bounding volume hierarchy over a sorted array. A leaf has up to `leaf_size`
+/// consecutive items, and every other node has up to two consecutive nodes of the level below. The
+/// tree stores only counts. Its owner stores the bounds of the nodes in a separate array, indexed
+/// by `index_of(node)`.
 class Bvh {
 public:
 	struct Node {
-		std::uint32_t level; ///< 0 for leaves.
-		std::uint32_t index; ///< Within its level.
+		std::uint32_t level; ///< 0 for leaves; parents have higher levels.
+		std::uint32_t index; ///< Index of the node within its level.
 	};
 
 	static constexpr std::size_t leaf_size = 4;
 
 	Bvh() = default;
 
-	/// A tree over `count` items, at most 2^32.
+	/// Creates a tree over `count` items, at most 2^32.
 	explicit Bvh(std::size_t count) : count_(count) {
 		std::size_t nodes = (count + leaf_size - 1) / leaf_size;
 		while (nodes > 0) {
@@ -32,14 +33,14 @@ public:
 	}
 
 	bool empty() const { return count_ == 0; }
-	std::size_t nodes() const { return level_begin_.back(); } ///< On all levels.
+	std::size_t nodes() const { return level_begin_.back(); } ///< Total number of nodes, over all levels.
 	std::size_t levels() const { return level_begin_.size() - 1; }
 	std::size_t nodes(std::size_t level) const { return level_begin_[level + 1] - level_begin_[level]; }
 
-	/// The node that holds all items. There must be at least one item.
+	/// Returns the node that contains all items. Requires at least one item.
 	Node root() const { return {static_cast<std::uint32_t>(levels() - 1), 0}; }
 
-	/// Calls `visit` with every node. Both halves of a node are visited before the node itself.
+	/// Calls `visit` for every node, children before their parent.
 	template <typename Visit>
 	void each(Visit visit) const {
 		for (std::uint32_t level = 0; level < levels(); ++level) {
@@ -53,18 +54,19 @@ public:
 	std::size_t begin(Node node) const { return static_cast<std::size_t>(node.index) * (leaf_size << node.level); }
 	std::size_t end(Node node) const { return std::min(begin(node) + (leaf_size << node.level), count_); }
 
-	/// The two halves of a node above the leaves. The last node of a level may lack the second half.
+	/// Return the two children of a node above the leaves. The last node of a level may lack the
+	/// second child.
 	Node first(Node node) const { return {node.level - 1, node.index * 2}; }
 	Node second(Node node) const { return {node.level - 1, node.index * 2 + 1}; }
 	bool has_second(Node node) const { return node.index * 2 + 1 < nodes(node.level - 1); }
 
 private:
 	std::size_t count_ = 0;
-	std::vector<std::uint32_t> level_begin_{0}; ///< One more than levels.
+	std::vector<std::uint32_t> level_begin_{0}; ///< Index of the first node of each level, plus the end.
 };
 
-/// The nodes that a walk through a Bvh has yet to visit. The walk enters one half of a node and leaves the other half
-/// for later.
+/// The nodes that a traversal of a Bvh still has to visit. The traversal descends into one child of
+/// a node and pushes the other.
 template <typename T>
 class BvhStack {
 public:
@@ -73,7 +75,7 @@ public:
 	bool empty() const { return size_ == 0; }
 
 private:
-	std::array<T, 34> items_; ///< One for each level of a tree over 2^32 items, and one more.
+	std::array<T, 34> items_; ///< Enough for all levels of a tree over 2^32 items, plus one.
 	std::size_t size_ = 0;
 };
 

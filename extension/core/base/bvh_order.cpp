@@ -10,7 +10,8 @@ namespace thicket {
 
 namespace {
 
-/// `half_runs` is the number of leaves in the first half.
+/// Orders the items of a subtree recursively. `half_runs` is the number of leaves in its first
+/// half.
 void arrange(std::span<BvhKey> keys, std::size_t half_runs, const std::atomic<bool> *cancel) {
 	if (half_runs == 0 || is_cancelled(cancel)) {
 		return;

@@ -9,9 +9,10 @@
 
 namespace thicket {
 
-// Stored data is a sequence of bytes. All numbers in it are little-endian.
+// Stored data is a sequence of bytes. All numbers are little-endian.
 
-/// The FNV-1a hash of some bytes. Byte strings of equal length that differ in a single byte never have the same checksum.
+/// Returns the 64-bit FNV-1a hash of `bytes`. Byte strings of equal length that differ in only one
+/// byte always have different checksums.
 inline std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
 	WordHash hash;
 	for (const std::uint8_t byte : bytes) {
@@ -20,7 +21,7 @@ inline std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
 	return hash.value();
 }
 
-/// Appends an unsigned number.
+/// Appends an unsigned number in little-endian order.
 template <typename Number>
 void append(std::vector<std::uint8_t> &r_bytes, Number number) {
 	for (std::size_t byte = 0; byte < sizeof number; ++byte) {
@@ -28,7 +29,8 @@ void append(std::vector<std::uint8_t> &r_bytes, Number number) {
 	}
 }
 
-/// Reads numbers from the front of some bytes. A read past the end returns zeros and sets `good` to false.
+/// Reads little-endian numbers from the front of a byte string. A read past the end returns 0.
+/// After such a read, `good` returns false, and all further reads return 0.
 class ByteReader {
 public:
 	explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -43,7 +45,7 @@ public:
 		return number;
 	}
 
-	/// Empty if fewer than `count` bytes are left.
+	/// Returns an empty span if fewer than `count` bytes remain.
 	std::span<const std::uint8_t> take_bytes(std::size_t count) {
 		good_ = good_ && count <= rest_.size();
 		if (!good_) {
@@ -57,7 +59,7 @@ public:
 	bool good() const { return good_; }
 	bool at_end() const { return rest_.empty(); }
 
-	/// The bytes that have not been read yet.
+	/// Returns the bytes that were not read yet.
 	std::span<const std::uint8_t> rest() const { return rest_; }
 
 private:

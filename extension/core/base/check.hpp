@@ -6,7 +6,8 @@
 
 namespace thicket {
 
-/// Refuses a value that is not finite or outside `allowed`. `property` and `remedy` are string literals.
+/// Returns an error if a value is not finite or outside `allowed`. `property` and `remedy` must be
+/// string literals.
 inline Status check_range(const char *property, double value, const AllowedRange &allowed, const char *remedy = "") {
 	Status status = Status::out_of_range(property, value, allowed, remedy);
 	if (!std::isfinite(value)) {
@@ -20,7 +21,7 @@ inline Status check_range(const char *property, double value, double min, double
 	return check_range(property, value, between(min, max));
 }
 
-/// Refuses a value that is not finite or not above 0.
+/// Returns an error if a value is not finite or not above 0.
 inline Status check_positive(const char *property, double value) {
 	if (!std::isfinite(value)) {
 		return {ErrorCode::not_finite, property, value};
@@ -31,11 +32,12 @@ inline Status check_positive(const char *property, double value) {
 	return {};
 }
 
-/// Remedies that several modules share.
+/// Remedies that several modules share, for Status::remedy.
 inline constexpr const char *negative_size = "Use a size that is not negative";
 inline constexpr const char *newer_version = "A different version of Thicket wrote it: update this one";
 
-/// Refuses a range whose end lies before its start. The status names the end of the range.
+/// Returns an error if the end of a range is before its start. The status names the end,
+/// `max_property`.
 inline Status check_order(const char *max_property, double min, double max) {
 	if (max < min) {
 		return {ErrorCode::inverted, max_property, max, {}, at_least(min, "where its range begins"),
@@ -44,7 +46,7 @@ inline Status check_order(const char *max_property, double min, double max) {
 	return {};
 }
 
-/// The first failure of several checks; ok if there is none.
+/// Returns the first status that is an error, or an ok status if there is none.
 template <typename... Statuses>
 Status first_failure(const Statuses &...statuses) {
 	Status result;

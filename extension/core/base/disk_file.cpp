@@ -23,12 +23,12 @@ namespace thicket {
 
 namespace {
 
-/// A path as the system expects it, even if it is longer than 260 characters.
+/// Converts a path to the form that Windows expects, even if it is longer than 260 characters.
 std::wstring native_path(const std::string &path) {
 	const int size = MultiByteToWideChar(CP_UTF8, 0, path.c_str(), -1, nullptr, 0);
 	std::wstring result(static_cast<std::size_t>(std::max(size, 1)), L'\0');
 	MultiByteToWideChar(CP_UTF8, 0, path.c_str(), -1, result.data(), size);
-	result.pop_back(); // The terminating zero.
+	result.pop_back(); // Removes the terminating zero.
 	std::replace(result.begin(), result.end(), L'/', L'\\');
 	const bool has_drive = result.size() > 2 && result[1] == L':';
 	return has_drive ? L"\\\\?\\" + result : result;
@@ -88,10 +88,11 @@ bool sync_file(const std::string &path, const std::string &replaced) {
 	}
 	struct stat before = {};
 	if (stat(replaced.c_str(), &before) == 0) {
-		static_cast<void>(fchmod(file, before.st_mode & 07777U)); // Some file systems have no permissions.
+		// Failure is ignored, because some file systems have no permissions.
+		static_cast<void>(fchmod(file, before.st_mode & 07777U));
 	}
 #ifdef F_FULLFSYNC
-	// On macOS, fsync leaves the data in the disk's own cache.
+	// On macOS, fsync leaves the data in the disk's cache.
 	const bool synced = fcntl(file, F_FULLFSYNC) == 0 || fsync(file) == 0;
 #else
 	const bool synced = fsync(file) == 0;
@@ -106,7 +107,7 @@ bool move_over(const std::string &from, const std::string &to) {
 	const std::string folder = to.substr(0, to.rfind('/') + 1);
 	const int opened = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
 	if (opened >= 0) {
-		// Some systems refuse this for folders; the file is in place all the same.
+		// Some systems refuse to sync folders. The file has been moved even then.
 		static_cast<void>(fsync(opened));
 		close(opened);
 	}

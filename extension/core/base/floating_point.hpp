@@ -3,9 +3,10 @@
 #include <cfloat>
 #include <limits>
 
-/// The core computes the same bits everywhere because it uses only IEEE 754 additions, multiplications, divisions and square roots, each
-/// rounded once. Include this where such a result decides something: it stops a build whose results would differ. Contraction
-/// (-ffp-contract=off) cannot be detected from here; the golden tests detect it.
+/// The core computes the same bits on every machine because it uses only IEEE 754 additions,
+/// multiplications, divisions and square roots, each rounded once. Include this file wherever
+/// decisions depend on such results. It stops the build on compiler settings that would change
+/// results. It cannot detect contraction (a missing -ffp-contract=off), but the golden tests do.
 
 #ifdef __FAST_MATH__
 #error "Thicket's core must not be compiled with -ffast-math: its results would depend on the compiler"

@@ -7,13 +7,14 @@
 
 namespace thicket {
 
-/// A world position, in meters, and the height of the ground at that position when it was probed.
+/// A world position in meters, with the height of the ground when it was last queried. Tiles store
+/// probes to find out later whether the ground has changed.
 struct GroundProbe {
 	glm::dvec2 position{0.0};
-	float height = std::numeric_limits<float>::quiet_NaN(); ///< Meters; NAN if there is no ground.
+	float height = std::numeric_limits<float>::quiet_NaN(); ///< Meters, or NAN if there is no ground.
 };
 
-/// The most probes that are kept for a tile.
+/// Maximum number of probes stored per tile.
 inline constexpr std::size_t max_ground_probes = 64;
 
 } // namespace thicket

@@ -9,12 +9,13 @@
 
 namespace thicket {
 
-/// The border of the core: every public function that allocates memory does its work inside this call. Runs `work`,
-/// which returns a Status or nothing. If memory runs out, returns ErrorCode::out_of_memory, with the name and the size
-/// of the request. A request that exceeds the maximum size of a container counts as out of memory as well.
+/// The exception boundary of the core: every public function that allocates memory does its work
+/// inside this call. `guarded` runs `work`, which returns a Status or nothing. If memory runs out,
+/// or a request exceeds the maximum size of a container, it returns ErrorCode::out_of_memory with
+/// `asked_for` as the property (a string literal) and with `value`.
 ///
-/// `work` allocates all the memory it needs before it changes anything that outlives the call, so a failure leaves
-/// everything unchanged. A function that promises more than this documents its promise.
+/// `work` must allocate all its memory before it changes anything that outlives the call, so that a
+/// failure leaves everything unchanged. Functions with stronger guarantees document them.
 template <typename Work>
 Status guarded(const char *asked_for, double value, Work &&work) {
 	try {
@@ -29,7 +30,8 @@ Status guarded(const char *asked_for, double value, Work &&work) {
 	return {ErrorCode::out_of_memory, asked_for, value};
 }
 
-/// Calls `guarded` with work that collects an answer in `r_answer`. After a failure of any kind, `r_answer` is empty.
+/// Runs `work` like `guarded`, for work that collects its result in `r_answer`. After any failure,
+/// `r_answer` is empty.
 template <typename Answer, typename Work>
 Status guarded_answer(const char *asked_for, double value, Answer &r_answer, Work &&work) {
 	const Status status = guarded(asked_for, value, std::forward<Work>(work));
@@ -39,8 +41,9 @@ Status guarded_answer(const char *asked_for, double value, Answer &r_answer, Wor
 	return status;
 }
 
-/// The reverse of `guarded`, for code within the core that calls a guarded function and has no status to return. Throws
-/// if that call ran out of memory, and the guard of the calling function catches the exception.
+/// The inverse of `guarded`, for code in the core that calls a guarded function but cannot return a
+/// status. Throws std::bad_alloc if the call ran out of memory. The caller's own guard catches the
+/// exception.
 inline void throw_if_out_of_memory(const Status &status) {
 	if (status.code == ErrorCode::out_of_memory) {
 		throw std::bad_alloc();

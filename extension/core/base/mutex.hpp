@@ -5,7 +5,8 @@
 namespace thicket {
 
 #if defined(__wasi__) && !defined(_REENTRANT)
-/// WebAssembly outside of browsers has one thread, and its C++ library has no mutex.
+/// A mutex that does nothing. WebAssembly outside of browsers has a single thread, and its C++
+/// library has no mutex.
 class Mutex {
 public:
 	void lock() {}

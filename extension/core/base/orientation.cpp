@@ -10,10 +10,10 @@ namespace thicket {
 
 namespace {
 
-/// A number as the sum of doubles that do not overlap, the smallest first.
+/// An exact number, stored as a sum of nonoverlapping doubles, smallest first.
 class Expansion {
 public:
-	/// Adds `value` without loss (Shewchuk's Grow-Expansion).
+	/// Adds `value` exactly (Shewchuk's Grow-Expansion).
 	void add(double value) {
 		for (std::size_t i = 0; i < size_; ++i) {
 			const double sum = parts_[i] + value;
@@ -24,7 +24,7 @@ public:
 		parts_[size_++] = value;
 	}
 
-	/// Adds a * b without loss (Dekker's product: halves of 26 bits multiply exactly).
+	/// Adds a * b exactly (Dekker's product: halves of 26 bits multiply exactly).
 	void add_product(double a, double b) {
 		const double product = a * b;
 		const auto [a_high, a_low] = halves(a);
@@ -33,8 +33,8 @@ public:
 		add(product);
 	}
 
-	/// The rounded sum. It has the sign of the exact sum, because the last part is larger than the sum of all parts
-	/// before it.
+	/// Returns the rounded sum. It has the sign of the exact sum, because the last part is larger
+	/// than the sum of all parts before it.
 	double value() const {
 		double sum = 0.0;
 		for (std::size_t i = 0; i < size_; ++i) {
@@ -74,13 +74,13 @@ double exact_orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
 } // namespace
 
 double orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
-	constexpr double rounding = 3.3306690738754716e-16; // (3 + 16 e) e with e = 2^-53.
+	constexpr double rounding = 3.3306690738754716e-16; // The relative error bound (3 + 16 e) e, e = 2^-53.
 	constexpr double doubt = rounding * (1 << 26);
 	const double left = (a.x - c.x) * (b.y - c.y);
 	const double right = (a.y - c.y) * (b.x - c.x);
 	const double quick = left - right;
 	if (std::abs(quick) > doubt * (std::abs(left) + std::abs(right))) {
-		// Rounding cannot have changed the sign of a number so far from 0.
+		// If the value is this far from 0, rounding cannot have changed its sign.
 		return quick;
 	}
 	return exact_orientation(a, b, c);

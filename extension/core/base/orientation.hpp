@@ -4,13 +4,15 @@
 
 namespace thicket {
 
-/// Twice the signed area of the triangle a, b, c: above 0 if going around it turns x towards y. The sign is exact, and 0 means that the
-/// points lie on one line. The value is accurate to one part in 2^26, however narrow the triangle. Coordinates must be at most 1e100, and
-/// either 0 or at least 1e-100 away from 0.
+/// Returns twice the signed area of the triangle a, b, c. It is positive if the triangle turns from
+/// x towards y. The sign is exact, and 0 means that the points are collinear. The relative error of
+/// the value is at most 2^-26, even for very narrow triangles. The magnitude of each coordinate
+/// must be 0 or between 1e-100 and 1e100.
 ///
-/// Uses a quick determinant if the bound on its rounding error settles the sign, else the exact one: J. R. Shewchuk, "Adaptive Precision
-/// Floating-Point Arithmetic and Fast Robust Geometric Predicates", Discrete & Computational Geometry 18, 1997, section 4.1 and (for sums
-/// and products without loss) section 2.
+/// The function evaluates the determinant in doubles if the bound on its rounding error permits,
+/// and otherwise exactly. Source: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and
+/// Fast Robust Geometric Predicates", Discrete & Computational Geometry 18, 1997, section 4.1, and
+/// section 2 for exact sums and products.
 double orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c);
 
 } // namespace thicket

@@ -11,11 +11,13 @@ inline constexpr std::uint32_t philox_mul_1 = 0xCD9E8D57;
 inline constexpr std::uint32_t philox_weyl_0 = 0x9E3779B9;
 inline constexpr std::uint32_t philox_weyl_1 = 0xBB67AE85;
 
-/// Seven rounds are the fewest that pass all of BigCrush (table 2 of the source).
+/// Seven is the smallest number of rounds with which the generator passes all tests of BigCrush
+/// (table 2 of the paper cited below).
 inline constexpr int philox_rounds = 7;
 
-/// Counter-based random bits: Philox4x32-7 of Salmon, Moraes, Dror and Shaw, "Parallel random numbers: as easy as 1, 2, 3" (2011), section
-/// 4. Every output bit depends on every bit of counter and key. The function keeps no state.
+/// Returns counter-based random bits: Philox4x32-7 of Salmon, Moraes, Dror and Shaw, "Parallel
+/// random numbers: as easy as 1, 2, 3" (2011, section 4). Every output bit depends on all bits of
+/// the counter and the key. The function is stateless.
 constexpr std::array<std::uint32_t, 4> philox4x32(
 		std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key) {
 	for (int round = 0; round < philox_rounds; ++round) {

@@ -4,7 +4,7 @@
 
 namespace thicket {
 
-/// A half-open rectangle of whole pixels: columns are x, rows are y.
+/// A half-open rectangle of whole pixels. x is the column and y is the row.
 struct PixelRect {
 	glm::ivec2 min{0};
 	glm::ivec2 max{0};

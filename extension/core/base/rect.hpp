@@ -7,8 +7,9 @@
 
 namespace thicket {
 
-/// A half-open axis-aligned rectangle of the world, in meters. A point p lies in it exactly when min <= p < max on both axes, so rectangles
-/// that share an edge never share a point. World x is `x`; the engine's world z is `y` here.
+/// A half-open axis-aligned rectangle of the world, in meters. It contains a point p if min <= p <
+/// max on both axes, so rectangles that share an edge never share a point. `x` is the engine's
+/// world x, and `y` is the engine's world z.
 struct Rect {
 	glm::dvec2 min{0.0};
 	glm::dvec2 max{0.0};
@@ -17,7 +18,7 @@ struct Rect {
 		return min.x <= point.x && point.x < max.x && min.y <= point.y && point.y < max.y;
 	}
 
-	/// True for a rectangle without an area, an inverted rectangle, and NAN.
+	/// Returns true if the rectangle has no area, is inverted, or has a NAN bound.
 	constexpr bool empty() const { return !(min.x < max.x && min.y < max.y); }
 
 	constexpr glm::dvec2 size() const { return max - min; }
@@ -28,10 +29,11 @@ struct Rect {
 	}
 };
 
-/// The points that lie in both rectangles; empty if there are none.
+/// Returns the common part of two rectangles, which is empty if they do not overlap.
 inline Rect intersection(const Rect &a, const Rect &b) { return {glm::max(a.min, b.min), glm::min(a.max, b.max)}; }
 
-/// True if two rectangles overlap or touch, edges included. A point is a rectangle without an area.
+/// Returns true if two rectangles overlap or touch, including their edges. A point is a rectangle
+/// without an area.
 constexpr bool meet(const Rect &a, const Rect &b) {
 	return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y;
 }

@@ -5,8 +5,9 @@
 
 namespace thicket {
 
-/// Allocates the memory for `more` entries of a list, so that adding them allocates nothing. Capacity grows by doubling, so that adding
-/// single entries does not move the list each time.
+/// Reserves memory for `more` additional entries of a list, so that adding them does not allocate.
+/// If the capacity grows, it at least doubles, so that repeated small requests do not reallocate
+/// each time.
 template <typename List>
 void reserve_more(List &r_list, std::size_t more) {
 	if (r_list.capacity() - r_list.size() < more) {

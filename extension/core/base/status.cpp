@@ -8,7 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// Whole numbers in full, all others in nine digits.
+/// Formats whole numbers with all digits, and other numbers with nine significant digits.
 std::string as_text(double number) {
 	constexpr double largest_whole = 1e15;
 	const bool is_whole = std::abs(number) < largest_whole && number == std::floor(number);
@@ -31,7 +31,8 @@ std::string text_of(const AllowedRange &allowed) {
 	return *allowed.note == '\0' ? text : text + " (" + allowed.note + ")";
 }
 
-/// The requirement that a property failed, without its value. `allowed` is empty if no range is known.
+/// Returns the violated requirement, without the value. `allowed` is the text for the allowed
+/// range, or empty if no range is known.
 std::string demand(ErrorCode code, const std::string &allowed) {
 	const bool known = !allowed.empty();
 	switch (code) {
@@ -55,7 +56,7 @@ std::string demand(ErrorCode code, const std::string &allowed) {
 	return "is invalid";
 }
 
-/// The remedy for a status that has none of its own.
+/// Returns the default remedy, for a status without a specific one.
 const char *usual_remedy(ErrorCode code) {
 	switch (code) {
 		case ErrorCode::too_many_points: return "Make the area smaller or the radius larger";

@@ -11,7 +11,7 @@ namespace thicket {
 
 namespace {
 
-/// The Taylor series c0 - c1 x^2 + c2 x^4 - ... by Horner's rule.
+/// Evaluates the series c0 - c1 x^2 + c2 x^4 - ... by Horner's rule. `square` is x^2.
 template <std::size_t Terms>
 double alternating_series(double square, const std::array<double, Terms> &coefficients) {
 	double sum = coefficients[Terms - 1];
@@ -21,7 +21,8 @@ double alternating_series(double square, const std::array<double, Terms> &coeffi
 	return sum;
 }
 
-// Sine and cosine for |x| <= pi / 4. The first terms left out, x^13 / 13! and x^14 / 14!, are below 7e-12 and 4e-13 there.
+// Return the sine and cosine for |x| <= pi / 4. The first omitted terms, x^13 / 13! and x^14 / 14!,
+// are below 7e-12 and 4e-13.
 
 double sine_small(double x) {
 	constexpr std::array coefficients{1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362880.0, 1.0 / 39916800.0};
@@ -36,7 +37,8 @@ double cosine_small(double x) {
 	return 1.0 - square * alternating_series(square, coefficients);
 }
 
-/// The arc tangent in radians for |x| <= tan(pi / 8). The first term left out, x^21 / 21, is below 5e-10 there.
+/// Returns the arctangent, in radians, for |x| <= tan(pi / 8). The first omitted term, x^21 / 21,
+/// is below 5e-10.
 double arc_tangent_small(double x) {
 	constexpr std::array coefficients{
 			1.0 / 3.0, 1.0 / 5.0, 1.0 / 7.0, 1.0 / 9.0, 1.0 / 11.0, 1.0 / 13.0, 1.0 / 15.0, 1.0 / 17.0, 1.0 / 19.0};
@@ -49,13 +51,15 @@ constexpr std::array<Rotation, 4> quarter_turns{{{1.0, 0.0}, {0.0, 1.0}, {-1.0, 
 } // namespace
 
 Rotation rotation_by(double turns) {
-	// The nearest quarter turn. The cast rounds towards 0, so 8 is added first to keep its argument positive.
+	// Finds the nearest quarter turn. The cast truncates, so adding 8 first keeps its argument
+	// positive.
 	const double quarters = turns * 4.0;
 	const int nearest = static_cast<int>(quarters + 8.5) - 8;
 	const double rest = (quarters - nearest) * (std::numbers::pi / 2.0);
 	const Rotation small{cosine_small(rest), sine_small(rest)};
 	const Rotation quarter = quarter_turns[static_cast<std::size_t>(nearest & 3)];
-	// Exact, because every factor of the quarter is 0 or 1. A branch here would be mispredicted three times in four.
+	// These products are exact, because the factors of a quarter turn are 0, 1 or -1. A branch
+	// would be mispredicted three times out of four.
 	return {small.cosine * quarter.cosine - small.sine * quarter.sine,
 			small.sine * quarter.cosine + small.cosine * quarter.sine};
 }
@@ -65,10 +69,12 @@ double slope_degrees(glm::vec3 normal) {
 	constexpr double reach = std::numbers::sqrt2 - 1.0; // tan(pi / 8)
 	const double x = normal.x;
 	const double z = normal.z;
-	// From both legs of the triangle, because the height alone determines a small angle poorly.
+	// The slope is computed from both the horizontal and the vertical component, because the
+	// vertical one alone is inaccurate for small angles.
 	const double across = std::sqrt(x * x + z * z);
 	const double up = std::abs(static_cast<double>(normal.y));
-	// atan(across / up) is 0, 45 or 90 degrees, whichever is nearest, plus an angle within the range of the series.
+	// atan(across / up) is split into the nearest of 0, 45 and 90 degrees, and an angle within the
+	// range of the series.
 	double base = 45.0;
 	double tangent = (across - up) / (across + up);
 	if (across <= reach * up) {

@@ -7,8 +7,9 @@
 
 namespace thicket {
 
-/// An allocator for elements that are written before they are read. A vector does not initialize the elements that it
-/// adds without a value. So the threads that fill these elements are the first to touch their pages.
+/// An allocator for vectors whose elements are written before they are read. The vector does not
+/// initialize elements that are added without a value. The threads that later write these elements
+/// are therefore the first to touch their memory pages.
 template <class Value>
 struct UnfilledAllocator : std::allocator<Value> {
 	UnfilledAllocator() = default;

@@ -8,23 +8,26 @@
 
 namespace thicket {
 
-/// The distances in meters of a box's nearest and farthest point from the viewer nearest to the box, as sight_distance
-/// measures.
+/// The sight distances, in meters, of the nearest and the farthest point of a box from its nearest
+/// viewer; see sight_distance().
 struct DistanceRange {
 	double near = 0.0;
 	double far = 0.0;
-	double sight = 0.0; ///< Like `far`, for the end of sight: minus the meters that a viewer sees farther than others.
+	/// `far` minus the number of meters by which the viewer sees farther than usual. It is compared
+	/// with Sight::end.
+	double sight = 0.0;
 
 	DistanceRange() = default;
 	DistanceRange(double its_near, double its_far) : DistanceRange(its_near, its_far, its_far) {}
 	DistanceRange(double its_near, double its_far, double its_sight) : near(its_near), far(its_far), sight(its_sight) {}
 };
 
-/// The space that a camera sees, bounded by six planes. World meters.
+/// The space visible to a camera, bounded by six planes, in world meters.
 class ViewVolume {
 public:
-	/// Takes the corners of the near side, in order around it, then the corners of the far side, in the same order. For
-	/// perspective and orthogonal cameras.
+	/// Creates the volume between eight corners: the corners of the near plane, in order around it,
+	/// followed by the corners of the far plane in the same order. Perspective and orthogonal
+	/// cameras are supported.
 	explicit ViewVolume(const std::array<glm::dvec3, 8> &corners) {
 		glm::dvec3 middle(0.0);
 		for (const glm::dvec3 &corner : corners) {
@@ -34,7 +37,8 @@ public:
 				{{0, 1, 2}, {4, 5, 6}, {0, 1, 5}, {1, 2, 6}, {2, 3, 7}, {3, 0, 4}}};
 		for (std::size_t side = 0; side < sides.size(); ++side) {
 			const auto &[a, b, c] = sides[side];
-			// The far corners span long edges, which make the most exact normal.
+			// All planes except the near one use a far corner, because long edges produce a more
+			// accurate normal.
 			Plane &plane = planes_[side];
 			plane.normal = glm::cross(corners[b] - corners[a], corners[c] - corners[a]);
 			plane.offset = glm::dot(plane.normal, corners[c]);
@@ -45,8 +49,8 @@ public:
 		}
 	}
 
-	/// False if a box lies entirely outside of one of the planes, which is how renderers cull. A box near an edge may still count as
-	/// visible.
+	/// Returns false if a box lies entirely outside one of the planes. Renderers cull in the same
+	/// way. A box near an edge of the volume may count as visible although it is not.
 	bool touches(glm::dvec3 min, glm::dvec3 max) const {
 		for (const Plane &plane : planes_) {
 			const glm::dvec3 inmost{plane.normal.x > 0.0 ? max.x : min.x, plane.normal.y > 0.0 ? max.y : min.y,
@@ -59,7 +63,7 @@ public:
 	}
 
 private:
-	/// The visible side is the one to which the normal points.
+	/// The normal points to the visible side.
 	struct Plane {
 		glm::dvec3 normal{0.0};
 		double offset = 0.0;

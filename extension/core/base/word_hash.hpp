@@ -6,9 +6,10 @@
 
 namespace thicket {
 
-/// FNV-1a (Fowler, Noll and Vo) of 64 bits over 32-bit words instead of bytes: hash = (hash xor word) * 0x100000001b3.
-/// With one byte per word, the result is FNV-1a itself. Each step is a bijection of the hash, so inputs that differ in
-/// one word never have the same hash. Simple enough for a script to repeat.
+/// A 64-bit FNV-1a hash (Fowler, Noll and Vo) over 32-bit words instead of bytes: hash = (hash xor
+/// word) * 0x100000001b3. With one byte per word, the result is the standard FNV-1a. Each step is a
+/// bijection of the hash, so inputs of equal length that differ in only one word always have
+/// different hashes. The hash is simple enough to reimplement in a script.
 class WordHash {
 public:
 	constexpr void add(std::uint32_t word) { hash_ = (hash_ ^ word) * 0x100000001b3; }

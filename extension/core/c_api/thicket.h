@@ -1,26 +1,29 @@
 #pragma once
 
-/* Thicket's points for every language: a plain C header (C11, or C++11 and later) over the core. README.md next to it shows how to build
- * and link it.
+/* The C interface to Thicket's point sampler, for C11, C++11 and later, and for other languages that
+ * can call C. README.md in this folder shows how to build and link it.
  *
  * Guarantees
  *
- * - Equal requests produce bit-identical points on every machine, compiler, processor and thread, and in every release.
- *   thicket_digest returns one number that shows whether two machines agree.
- * - Lengths and positions are meters in double precision. Seeds are any 64 bits.
- * - A sampler belongs to the caller that created it and serves one call at a time. A second call, from a different thread or from within a
- *   progress function, is refused as THICKET_BUSY. Only thicket_cancel may be called at any time, from any thread. Samplers are independent
- *   of each other: use one for each thread.
- * - A sampler keeps the points of its last call until the next one. Points are copied into buffers of the caller. No function keeps a
- *   pointer that it was given, and the caller frees nothing that it returns, except for the sampler itself.
- * - No function throws, ends the program, or prints. Every function that can fail returns a thicket_code, and thicket_message names the
- *   argument and its value. A sampler can still be used after a failed call. If that call was to generate points, the sampler holds none.
- * - NULL for a required argument is refused as THICKET_MISSING. */
+ * - Equal requests produce bit-identical points on every machine, compiler, processor and thread, and
+ *   in every release. With thicket_digest, two machines can verify that they agree.
+ * - Lengths and positions are in meters, in double precision. A seed may be any 64-bit number.
+ * - A sampler belongs to the caller that created it and serves one call at a time. A second call, from
+ *   a different thread or from a progress function, fails with THICKET_BUSY. Only thicket_cancel may
+ *   be called at any time and from any thread. Samplers are independent of each other: use one per
+ *   thread.
+ * - A sampler keeps the points of its last call until the next call that generates points. Points are
+ *   copied to the caller's buffers. No function keeps a pointer that it receives. The caller frees
+ *   only the sampler itself.
+ * - No function throws, ends the program, or prints. Every function that can fail returns a
+ *   thicket_code, and thicket_message names the argument and its value. A sampler remains usable
+ *   after a failed call. After a failed call that generates points, it has no points.
+ * - If a required argument is NULL, the call fails with THICKET_MISSING. */
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* The version of this header: major * 1000 + minor. A different major version requires a program to be
+/* The version of this header: major * 1000 + minor. A new major version requires that programs are
  * recompiled, and perhaps changed. */
 #define THICKET_C_VERSION 1000
 
@@ -37,122 +40,135 @@ extern "C" {
 #define THICKET_NOEXCEPT
 #endif
 
-/* The result of a call. The numbers never change; later versions may add some. */
+/* The result of a call. The numbers never change; later versions may add more. */
 typedef enum thicket_code {
 	THICKET_OK = 0,
-	THICKET_NOT_FINITE = 1,      /* NAN or infinite where a finite number is needed. */
-	THICKET_NOT_POSITIVE = 2,    /* Zero or negative where a positive number is needed. */
-	THICKET_OUT_OF_RANGE = 3,    /* Finite, but outside the range in the argument's comment. */
-	THICKET_INVERTED = 4,        /* A rectangle whose end lies before its start. */
+	THICKET_NOT_FINITE = 1,      /* NAN or infinite where a finite number is required. */
+	THICKET_NOT_POSITIVE = 2,    /* Zero or negative where a positive number is required. */
+	THICKET_OUT_OF_RANGE = 3,    /* Finite, but outside the documented range. */
+	THICKET_INVERTED = 4,        /* The end of a rectangle lies before its start. */
 	THICKET_TOO_MANY_POINTS = 5, /* More points than one call may generate. */
-	THICKET_MISSING = 6,         /* NULL, or points that the sampler does not hold. */
+	THICKET_MISSING = 6,         /* An argument is NULL, or the sampler has no such points. */
 	THICKET_OUT_OF_MEMORY = 7,   /* The machine does not have enough memory for the request. */
-	THICKET_MARGIN_TOO_WIDE = 8, /* No margin within the limit decides a point; the message names it. Never seen. */
-	THICKET_CANCELLED = 9,       /* Cancelled by thicket_cancel or the progress function. */
+	THICKET_MARGIN_TOO_WIDE = 8, /* Even the widest margin does not decide a point; see the message. Never observed. */
+	THICKET_CANCELLED = 9,       /* thicket_cancel or the progress function ended the call. */
 	THICKET_BUSY = 10,           /* A call of this sampler is in progress. */
 	THICKET_FAILED = 11          /* Any other error; see the message. */
 } thicket_code;
 
-/* Names one infinite set of points: no two are closer than the radius, and no further point fits between them. */
+/* Identifies one infinite point set. No two points of the set are closer than the radius, and no further point fits. */
 typedef struct thicket_set {
-	uint64_t seed;   /* A different seed names an unrelated set. */
+	uint64_t seed;   /* A different seed produces an unrelated set. */
 	double radius;   /* Meters, 0.001 to 1e6. */
-	uint32_t levels; /* Levels of the progressive order, 1 to 8. 1 is plain dart throwing, and the fastest. */
-	uint16_t layer;  /* Part of the ids; a different layer is a different set. */
+	uint32_t levels; /* Levels of the progressive order, 1 to 8. 1 is plain dart throwing and the fastest. */
+	uint16_t layer;  /* Stored in the ids. A different layer produces an unrelated set. */
 } thicket_set;
 
-/* A half-open rectangle in meters, min <= p < max: rectangles that share an edge never share a point. It must lie within 2^23 *
- * radius / sqrt(2) meters of the origin on both axes. An empty rectangle has no points, and is no error. */
+/* A half-open rectangle in meters. It contains p if min <= p < max on both axes, so rectangles that share
+ * an edge never share a point. It must lie within 2^23 * radius / sqrt(2) meters of the origin on both
+ * axes. An empty rectangle produces no points and no error. */
 typedef struct thicket_rect {
 	double min_x, min_y, max_x, max_y;
 } thicket_rect;
 
 /* A point of a set. */
 typedef struct thicket_point {
-	double x, y;    /* World meters, as exact far out as at the origin. */
-	uint64_t id;    /* The same for this point in every rectangle: 16 bits of layer, 24 of cell x, 24 of cell y. */
-	uint32_t rank;  /* rank / 2^32 is the share of the set that comes before in the progressive order. */
-	uint32_t level; /* 0 for the finest; the points of level l and above form a set of radius r * 2^l. */
+	double x, y;    /* World meters, as exact far from the origin as near it. */
+	uint64_t id;    /* The same in every rectangle: 16 bits for the layer, 24 for cell x, 24 for cell y. */
+	uint32_t rank;  /* rank / 2^32 is the share of the set that comes first in the progressive order. */
+	uint32_t level; /* 0 is the finest. The points of level l and above form a set of radius r * 2^l. */
 } thicket_point;
 
-/* How a whole domain is filled (White, Cline and Egbert, "Poisson Disk Point Sets by Hierarchical Dart Throwing", 2007). All methods
- * except the naive one leave no room for a further point, down to the precision used. */
+/* The method for filling a whole domain (White, Cline and Egbert, "Poisson Disk Point Sets by
+ * Hierarchical Dart Throwing", 2007). With all methods except the naive one, no further point fits, to
+ * within the floating-point precision. */
 typedef enum thicket_method {
-	THICKET_NAIVE = 1,        /* Throws darts at the whole domain. For comparison: slow, and leaves small gaps. */
-	THICKET_HIERARCHICAL = 2, /* Throws darts at squares that are not known to be covered. */
-	THICKET_ACCUMULATOR = 3,  /* The same distribution; more memory, fewer searches. */
-	THICKET_WAVEFRONT = 4     /* Spreads from one position; takes the least memory. */
+	THICKET_NAIVE = 1,        /* Throws darts anywhere in the domain. For comparison: slow, and leaves small gaps. */
+	THICKET_HIERARCHICAL = 2, /* Throws darts only at squares that are not known to be covered. */
+	THICKET_ACCUMULATOR = 3,  /* Like THICKET_HIERARCHICAL, with more memory and cheaper lookups. */
+	THICKET_WAVEFRONT = 4     /* Spreads from one corner. Needs the least memory. */
 } thicket_method;
 
-/* The rectangle from (0, 0) up to, not including, (size_x, size_y), to be filled with a set of its own. A field that is 0
- * has its default value, except for size, radius and method. All fields except cell_size determine the points. */
+/* A domain to be filled with points: the rectangle from (0, 0), inclusive, to (size_x, size_y), exclusive.
+ * For all fields except size, radius and method, 0 selects the default. All fields except cell_size affect
+ * the points. */
 typedef struct thicket_domain {
-	double size_x;     /* Meters, positive; at least 4 radii where toroidal, up to 131072 radii in single precision. */
-	double size_y;     /* The same. */
+	double size_x;     /* Meters, positive. Toroidal: at least 4 radii. Single precision: at most 131072 radii. */
+	double size_y;     /* Same range as size_x. */
 	double radius;     /* Meters, 0.001 to 1e6. */
-	double cell_size;  /* Width of an accelerator cell in radii, up to 1000; 0 for the default. Changes no point. */
-	double darts_each; /* THICKET_NAIVE: darts for each base square, 1 to 1e6; 0 for 100. */
-	uint64_t seed;     /* Any. */
+	double cell_size;  /* Width of an acceleration grid cell in radii, up to 1000; 0 for the default. */
+	double darts_each; /* Only for THICKET_NAIVE: darts per base square, 1 to 1e6; 0 for 100. */
+	uint64_t seed;     /* Any number. */
 	int32_t method;    /* A thicket_method. */
-	int32_t toroidal;  /* 1: opposite edges meet, and the set repeats without a seam; else 0. */
-	int32_t single_precision; /* 1: coordinates and distances of single precision, half the memory, a different set; else 0. */
+	int32_t toroidal;  /* 1 to join opposite edges, so that the set repeats seamlessly; otherwise 0. */
+	/* 1 for float coordinates and distances, which need half the memory and produce a different set;
+	 * otherwise 0. */
+	int32_t single_precision;
 } thicket_domain;
 
-/* Watches a call. `progress` may be NULL. It is called on the thread of the call, every few milliseconds, with the finished fraction
- * (0 to 1, never falling) and the number of points generated until then. If it returns anything but 0, the call ends as THICKET_CANCELLED.
- * It must not throw. */
+/* Monitors a call. The function `progress` is called on the calling thread, every few milliseconds. It may
+ * be NULL. `fraction` is the finished share of the work (0 to 1, never decreasing), and `points` the number of points
+ * generated so far. If `progress` returns a value other than 0, the call ends with THICKET_CANCELLED.
+ * `progress` must not throw. */
 typedef struct thicket_watch {
 	int (*progress)(void *user, double fraction, uint64_t points);
 	void *user; /* Passed to `progress` unchanged. */
 } thicket_watch;
 
-/* Generates points, and holds those of its last call. */
+/* A sampler generates points, and keeps the points of its last call. */
 typedef struct thicket_sampler thicket_sampler;
 
-/* THICKET_C_VERSION of the library. Its major version, version / 1000, must be that of the header. May be called from any thread. */
+/* Returns THICKET_C_VERSION of the library. Its major version, version / 1000, must equal that of the
+ * header. May be called from any thread. */
 THICKET_API uint32_t thicket_c_version(void) THICKET_NOEXCEPT;
 
-/* A new sampler; NULL if there is no memory for it. May be called from any thread. */
+/* Returns a new sampler, or NULL if memory runs out. May be called from any thread. */
 THICKET_API thicket_sampler *thicket_sampler_new(void) THICKET_NOEXCEPT;
 
-/* Frees a sampler and all its memory. NULL is allowed. No call of the sampler may be in progress. */
+/* Frees a sampler and its memory. `sampler` may be NULL. No call of the sampler may be in progress. */
 THICKET_API void thicket_sampler_free(thicket_sampler *sampler) THICKET_NOEXCEPT;
 
-/* One sentence about the last call if it failed, such as "radius must be positive, got -1"; "" if it succeeded. Never NULL. Valid until
- * the next call with this sampler. While a call is in progress, or for NULL, it returns a sentence that states just that. */
+/* Returns a sentence that describes why the last call failed, such as "radius must be positive, got -1",
+ * or "" if it succeeded. Never returns NULL. The text is valid until the next call with this sampler. If a
+ * call is in progress or `sampler` is NULL, the sentence says so. */
 THICKET_API const char *thicket_message(const thicket_sampler *sampler) THICKET_NOEXCEPT;
 
-/* Generates the points of a set in a rectangle, in an order that depends only on the arguments. At most 1e8 points. `watch` and
- * `r_count` (the number of points) may be NULL. O(points). A sampler that was used before allocates memory only for more points. */
+/* Generates the points of a set in a rectangle, in an order that depends only on the arguments. Returns the
+ * number of points, at most 1e8, in `r_count`. `watch` and `r_count` may be NULL. Takes O(points) time. A
+ * reused sampler allocates memory only when it needs more than before. */
 THICKET_API thicket_code thicket_sample(thicket_sampler *sampler, const thicket_set *set, const thicket_rect *rect,
 		const thicket_watch *watch, uint64_t *r_count) THICKET_NOEXCEPT;
 
-/* Fills a whole domain, with the points in the order of their acceptance. At most 1e9 points. Otherwise as above, but
- * these points have no ids, ranks and levels. Expected O(points). */
+/* Fills a whole domain with at most 1e9 points, in the order of their acceptance. The points have no ids,
+ * ranks or levels. Takes expected O(points) time. The arguments are otherwise those of thicket_sample. */
 THICKET_API thicket_code thicket_sample_domain(thicket_sampler *sampler, const thicket_domain *domain,
 		const thicket_watch *watch, uint64_t *r_count) THICKET_NOEXCEPT;
 
-/* The number of points that the sampler holds. 0 for NULL, and while a call is in progress. */
+/* Returns the number of points in the sampler, or 0 for NULL and while a call is in progress. */
 THICKET_API uint64_t thicket_count(const thicket_sampler *sampler) THICKET_NOEXCEPT;
 
-/* Copies `count` points, starting at index `first`, into `r_points`, which must have room for them. Returns THICKET_OUT_OF_RANGE if that is
- * beyond the last point, and THICKET_MISSING for points of thicket_sample_domain. In both cases it writes nothing. `r_points` may be NULL
- * if `count` is 0. */
+/* Copies `count` points, starting at index `first`, to `r_points`, which must be large enough. Returns
+ * THICKET_OUT_OF_RANGE if the range extends beyond the last point, and THICKET_MISSING for points of
+ * thicket_sample_domain. In both cases it writes nothing. `r_points` may be NULL if `count` is 0. */
 THICKET_API thicket_code thicket_read_points(
 		thicket_sampler *sampler, uint64_t first, uint64_t count, thicket_point *r_points) THICKET_NOEXCEPT;
 
-/* As above, for the positions alone: x, y, x, y, ..., 2 * count numbers. Works for points of both functions. */
+/* Copies only the positions of `count` points: 2 * count numbers, x, y, x, y, ... The points may also be those
+ * of thicket_sample_domain. The rest is as in thicket_read_points. */
 THICKET_API thicket_code thicket_read_positions(
 		thicket_sampler *sampler, uint64_t first, uint64_t count, double *r_xy) THICKET_NOEXCEPT;
 
-/* The digest of the points that the sampler holds: equal digests mean equal points. It ignores their order after thicket_sample, and
- * depends on it after thicket_sample_domain. `r_ranks` (may be NULL) receives the digest of the ranks, which a newer version may change; 0
- * after thicket_sample_domain. */
+/* Computes digests of the points in the sampler, so that two machines can verify that they have equal
+ * points. `r_places` receives the digest of the ids, positions and levels. It is independent of the order
+ * of the points after thicket_sample, but depends on the order after thicket_sample_domain. `r_ranks`
+ * receives the digest of the ranks, which newer versions may change, or 0 after thicket_sample_domain.
+ * `r_ranks` may be NULL. */
 THICKET_API thicket_code thicket_digest(
 		thicket_sampler *sampler, uint64_t *r_places, uint64_t *r_ranks) THICKET_NOEXCEPT;
 
-/* Ends the call of this sampler that is in progress, within 50 milliseconds plus the time that the system takes to free its memory. Does
- * not affect calls that have not begun. May be called from any thread. */
+/* Cancels the call of this sampler that is in progress. The call ends within 50 milliseconds, plus the time
+ * that the system takes to free its memory. Calls that have not started yet are not affected. May be called
+ * from any thread. `sampler` may be NULL. */
 THICKET_API void thicket_cancel(thicket_sampler *sampler) THICKET_NOEXCEPT;
 
 #ifdef __cplusplus

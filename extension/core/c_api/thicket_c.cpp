@@ -26,16 +26,16 @@ using thicket::at_most;
 
 struct thicket_sampler {
 	thicket::TileSampler tiles;
-	/// The points of the last call: of a set, or positions of a whole domain.
+	/// The points of the last call: points of a set, or positions of a whole domain.
 	std::variant<std::vector<SamplePoint>, std::vector<glm::dvec2>, std::vector<glm::vec2>> held;
 	std::array<char, 512> message{};
 	std::atomic<bool> busy = false;
-	std::atomic<bool> cancelled = false; ///< Set for the call in progress.
+	std::atomic<bool> cancelled = false; ///< Set by thicket_cancel; ends the call in progress.
 };
 
 namespace {
 
-// Points are copied without conversion, so both structs have the same layout.
+// Points are copied without conversion, so both structs must have the same layout.
 static_assert(sizeof(thicket_point) == sizeof(SamplePoint));
 static_assert(offsetof(thicket_point, x) == offsetof(SamplePoint, position));
 static_assert(offsetof(thicket_point, id) == offsetof(SamplePoint, id));
@@ -64,8 +64,9 @@ void tell(thicket_sampler &r_sampler, const char *text) {
 	r_sampler.message[length] = '\0';
 }
 
-/// Runs a call of a sampler. Refuses the call while a different one is in progress. `work(sampler)` returns a Status.
-/// `request` is the request of a domain.
+/// Runs a call of a sampler. Returns THICKET_BUSY while another call is in progress.
+/// `work(sampler)` returns a Status. For domains, `request` improves the error message; otherwise
+/// it is null.
 template <typename Work>
 thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::DomainRequest *request = nullptr) {
 	if (sampler == nullptr) {
@@ -87,11 +88,11 @@ thicket_code call(thicket_sampler *sampler, const Work &work, const thicket::Dom
 	return code_of(status.code);
 }
 
-/// The sampler's points, as a list of `Point`. A list of a different type is freed.
+/// Returns the sampler's points as a list of `Point`. Replaces a list of a different type.
 template <typename Point>
 std::vector<Point> &held_as(thicket_sampler &r_sampler) {
 	if (auto *known = std::get_if<std::vector<Point>>(&r_sampler.held)) {
-		// A list of the same type keeps its memory; the caller clears it.
+		// The list is kept to reuse its memory; the caller clears it.
 		return *known;
 	}
 	return r_sampler.held.emplace<std::vector<Point>>();
@@ -101,7 +102,7 @@ std::uint64_t count_of(const thicket_sampler &sampler) {
 	return std::visit([](const auto &points) { return std::uint64_t{points.size()}; }, sampler.held);
 }
 
-/// Runs `sample(progress, points)`. After a failure of any kind there are no points.
+/// Runs `sample(progress, points)`. After any failure, the sampler has no points.
 template <typename Point, typename Sample>
 Status make(thicket_sampler &r_sampler, const thicket_watch *watch, std::uint64_t *r_count, const Sample &sample) {
 	const thicket_watch watcher = watch != nullptr ? *watch : thicket_watch{};
@@ -156,7 +157,8 @@ thicket::DomainRequest request_of(const thicket_domain &domain) {
 	return request;
 }
 
-/// Checks that the sampler holds `count` points from `first` on, and that there is a buffer for them.
+/// Checks that the sampler has the points [first, first + count), and that `buffer` is not null if
+/// it is needed.
 Status check_part(const thicket_sampler &sampler, std::uint64_t first, std::uint64_t count, const void *buffer) {
 	const std::uint64_t held = count_of(sampler);
 	if (first > held) {

@@ -13,7 +13,8 @@ std::size_t place_of(int x, int y, int side) {
 	return static_cast<std::size_t>(y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(x);
 }
 
-/// The mean of the covered pixels. If their normals cancel out, it uses one of them.
+/// The mean of the covered pixels, weighted by coverage. If their normals cancel out, the result
+/// has the normal of one of them.
 class Mean {
 public:
 	void add(const glm::vec3 &color, const glm::vec3 &normal, float depth, float coverage) {
@@ -24,7 +25,7 @@ public:
 		any_normal_ = coverage > 0.0F ? normal : any_normal_;
 	}
 
-	/// `most` is the coverage of a fully covered pixel.
+	/// Returns the mean. `most` is the total coverage if all pixels are fully covered.
 	FramePixel of(float most) const {
 		if (sum_.coverage <= 0.0F) {
 			return {};
@@ -94,7 +95,7 @@ void FrameLevels::shrink(int level) {
 	}
 }
 
-/// Fills holes from the next coarser level, which has no holes any more.
+/// Fills holes from the next coarser level, whose holes must be filled already.
 void FrameLevels::fill_holes(int level) {
 	const int at = side(level);
 	const std::vector<FramePixel> &coarser = levels_[static_cast<std::size_t>(level + 1)];

@@ -10,15 +10,16 @@ namespace thicket {
 
 namespace {
 
-constexpr std::int64_t unit = 256; // Steps per sample.
+constexpr std::int64_t unit = 256; // Number of corner units per sample.
 
-/// Twice the area of a triangle in the frame, where y points down: positive if its corners go clockwise.
+/// Returns twice the signed area of a triangle in the frame, where y points down. It is positive if
+/// the corners are in clockwise order.
 template <class Corner>
 std::int64_t double_area_of(const Corner &a, const Corner &b, const Corner &c) {
 	return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// The first sample whose center is not before a coordinate.
+/// Returns the first sample whose center is at or after a coordinate.
 int first_sample(std::int64_t coordinate) { return static_cast<int>((coordinate + unit / 2 - 1) >> 8); }
 
 template <class Value>
@@ -53,7 +54,8 @@ void FrameRaster::project(std::span<const glm::vec3> positions, const FrameView 
 	corners_.reserve(positions.size());
 	const float half = 0.5F * static_cast<float>(side_);
 	const auto step_of = [&](float radii) {
-		// Positive, because the cast rounds towards 0. Vertices that no triangle uses may lie far outside.
+		// The value is clamped, because unused vertices may lie far outside, and not negative,
+		// because the cast truncates.
 		return static_cast<std::int64_t>(std::clamp((radii + 1.0F) * half, 0.0F, 2.0F * half) * 256.0F + 0.5F);
 	};
 	for (const glm::vec3 &position : positions) {
@@ -63,7 +65,7 @@ void FrameRaster::project(std::span<const glm::vec3> positions, const FrameView 
 	}
 }
 
-/// False for a triangle that has no area, or shows the culled side.
+/// Prepares a triangle. Returns false if it has no area, or if it shows the culled side.
 bool FrameRaster::set_up(const ImpostorSurface &surface, std::size_t first_index, Triangle &r_triangle) const {
 	std::array<std::size_t, 3> &vertices = r_triangle.vertices;
 	std::copy_n(surface.indices.begin() + static_cast<std::ptrdiff_t>(first_index), 3, vertices.begin());
@@ -78,7 +80,8 @@ bool FrameRaster::set_up(const ImpostorSurface &surface, std::size_t first_index
 	}
 	if (surface.normals.empty()) {
 		const glm::vec3 &a = surface.positions[vertices[0]];
-		// Towards the viewer, because the corners now go clockwise; `shade` flips the normal of the back.
+		// The normal points to the viewer, because the corners are now clockwise. `shade` flips the
+		// normals of back sides.
 		const glm::vec3 toward =
 				unit_vector(glm::cross(surface.positions[vertices[2]] - a, surface.positions[vertices[1]] - a));
 		r_triangle.flat_normal = r_triangle.shows_back ? -toward : toward;
@@ -112,7 +115,7 @@ void FrameRaster::fill(const ImpostorSurface &surface, std::span<const glm::vec4
 		FrameSample *sample = samples_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
 				static_cast<std::size_t>(first_x);
 		for (int x = first_x; x < end_x; ++x, ++sample) {
-			if ((a | b | c) >= 0) { // No sign bit is set.
+			if ((a | b | c) >= 0) { // True if all three numbers are at least 0.
 				const glm::vec3 weights =
 						glm::vec3(static_cast<float>(a), static_cast<float>(b), static_cast<float>(c)) * scale;
 				const float depth =
@@ -128,7 +131,7 @@ void FrameRaster::fill(const ImpostorSurface &surface, std::span<const glm::vec4
 	}
 }
 
-/// Writes a sample, unless the surface is transparent there.
+/// Writes a sample, unless the surface is transparent at that point.
 void FrameRaster::shade(const ImpostorSurface &surface, std::span<const glm::vec4> tints, const Triangle &triangle,
 		glm::vec3 weights, float depth, FrameSample &r_sample) const {
 	const ImpostorMaterial &material = surface.material;
@@ -143,7 +146,7 @@ void FrameRaster::shade(const ImpostorSurface &surface, std::span<const glm::vec
 	const glm::vec3 normal = surface.normals.empty()
 			? triangle.flat_normal
 			: unit_vector(mixed(std::span(surface.normals), triangle.vertices, weights));
-	// Rounding must not make a sample look empty.
+	// The depth is clamped, because rounding could otherwise make the sample count as empty.
 	r_sample = {std::max(depth, -1.0F), glm::vec3(color), triangle.shows_back ? -normal : normal};
 }
 

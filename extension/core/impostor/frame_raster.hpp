@@ -14,41 +14,45 @@
 
 namespace thicket {
 
-/// The content of one sample of a frame.
+/// A sample: one point of a frame at which the surface is evaluated.
 struct FrameSample {
-	float depth = -2.0F; ///< Towards the viewer, in radii, -1 to 1; below -1 where it is empty.
+	float depth = -2.0F; ///< Distance towards the viewer in radii, -1 to 1; below -1 if the sample is empty.
 	glm::vec3 color{0.0F};
 	glm::vec3 normal{0.0F};
 
 	bool is_covered() const { return depth >= -1.0F; }
 };
 
-/// The square that a frame covers.
+/// The square region that a frame shows.
 struct FrameView {
 	PictureAxes axes;
 	glm::vec3 center{0.0F};
-	float radius = 1.0F; ///< Meters; above 0, and large enough to enclose everything.
-	int samples = 1;     ///< Per side of a pixel: texture resolution follows pixels, as in the engine.
+	float radius = 1.0F; ///< Half of the side in meters; above 0, and large enough to enclose all triangles.
+	/// Samples along each side of a pixel. Mipmap levels are chosen per pixel, as in the engine.
+	int samples = 1;
 };
 
-/// Draws triangles into a square of samples with a depth buffer. Corners are rounded to 1/256 of a sample, and integers decide whether a
-/// sample lies in a triangle, so neighboring triangles leave no gap.
+/// Rasterizes triangles to a square grid of samples, with a depth buffer. Corners are rounded to
+/// 1/256 of a sample, and coverage is computed with integers, so neighboring triangles leave no
+/// gaps.
 class FrameRaster {
 public:
-	/// `side` is in samples, 1 to 4096. Throws std::bad_alloc if memory runs out.
+	/// Allocates the samples. `side` is in samples, 1 to 4096. Throws std::bad_alloc.
 	explicit FrameRaster(int side);
 
 	void clear();
 
-	/// Draws a surface that has passed its check. The texture is multiplied by `tints`, one for each vertex, in linear light.
+	/// Draws a surface, which must have passed ImpostorSurface::check(). The texture is multiplied
+	/// by `tints`, one linear color per vertex. Throws std::bad_alloc.
 	void draw(const ImpostorSurface &surface, std::span<const glm::vec4> tints, const FrameView &view);
 
 	int side() const { return side_; }
-	/// Row by row from the top.
+	/// Returns the samples, row by row from the top.
 	std::span<const FrameSample> samples() const { return samples_; }
 
 private:
-	/// A vertex in the frame, in 1/256 of a sample from the left and from the top.
+	/// A vertex in the frame, in units of 1/256 of a sample. The origin is the frame's left top
+	/// corner.
 	struct Corner {
 		std::int64_t x = 0;
 		std::int64_t y = 0;
@@ -56,10 +60,10 @@ private:
 	};
 
 	struct Triangle {
-		std::array<std::size_t, 3> vertices{}; ///< Clockwise in the frame.
-		std::int64_t double_area = 0;          ///< Above 0.
+		std::array<std::size_t, 3> vertices{}; ///< Indices of the vertices, clockwise in the frame.
+		std::int64_t double_area = 0;          ///< Twice the area in squared corner units; above 0.
 		bool shows_back = false;
-		glm::vec3 flat_normal{0.0F}; ///< For surfaces without normals.
+		glm::vec3 flat_normal{0.0F}; ///< Used for surfaces without normals.
 		int texture_level = 0;
 	};
 
@@ -71,8 +75,8 @@ private:
 
 	int side_;
 	std::vector<FrameSample> samples_;
-	std::vector<Corner> corners_; ///< Corners of the surface that is being drawn.
-	double pixel_area_ = 0.0;     ///< Twice the area of a pixel of the current frame, in units of the corners.
+	std::vector<Corner> corners_; ///< Vertices of the surface that is being drawn.
+	double pixel_area_ = 0.0;     ///< Twice the area of a pixel of the current frame, in squared corner units.
 };
 
 } // namespace thicket

@@ -29,7 +29,7 @@ Status check_surfaces(std::span<const ImpostorSurface> surfaces) {
 	return indices == 0 ? Status{ErrorCode::missing, "surfaces"} : Status();
 }
 
-/// Measures the box and the bounding sphere of all corners of triangles.
+/// Computes the bounding box and the bounding sphere of the corners of all triangles.
 void measure(std::span<const ImpostorSurface> surfaces, Impostor &r_impostor) {
 	bool first = true;
 	const auto each_corner = [&](auto &&visit) {
@@ -53,7 +53,7 @@ void measure(std::span<const ImpostorSurface> surfaces, Impostor &r_impostor) {
 	r_impostor.radius = std::sqrt(square);
 }
 
-/// The factors for the texture of a surface, at each of its vertices.
+/// Returns the colors by which the texture of a surface is multiplied, one per vertex.
 std::vector<glm::vec4> tints_of(const ImpostorSurface &surface) {
 	const ImpostorMaterial &material = surface.material;
 	std::vector<glm::vec4> tints(surface.positions.size(), material.albedo);

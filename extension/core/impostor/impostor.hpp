@@ -13,11 +13,11 @@
 
 namespace thicket {
 
-/// The number and the size of the frames that are taken of a model.
+/// The number and the size of an impostor's frames.
 struct ImpostorSettings {
-	int frames = 16;      ///< Frames on a side of the atlas, min_impostor_frames to max_impostor_frames.
-	int frame_size = 128; ///< Pixels on a side of a frame: a power of two, min_frame_size to max_frame_size.
-	int samples = 2;      ///< Samples on a side of a pixel, 1 to max_impostor_samples.
+	int frames = 16;      ///< Frames on each side of the atlas, min_impostor_frames to max_impostor_frames.
+	int frame_size = 128; ///< Pixels on each side of a frame: a power of two, min_frame_size to max_frame_size.
+	int samples = 2;      ///< Samples on each side of a pixel, 1 to max_impostor_samples.
 	OctahedralSpan span = OctahedralSpan::hemisphere;
 };
 
@@ -26,36 +26,40 @@ inline constexpr int max_impostor_frames = 32;
 inline constexpr int min_frame_size = 16;
 inline constexpr int max_frame_size = 512;
 inline constexpr int max_impostor_samples = 8;
-inline constexpr int max_atlas_side = 8192; ///< Pixels.
+inline constexpr int max_atlas_side = 8192; ///< Maximum width and height of the atlas in pixels.
 
-/// Refuses settings outside their ranges, and frames that would make an atlas larger than max_atlas_side.
+/// Returns an error if a setting is out of range, or if the atlas would be larger than
+/// max_atlas_side.
 Status validate(const ImpostorSettings &settings);
 
-/// Frames of a model from all around in parallel projection, in a square atlas of frames x frames. The frame in column c and row r (from
-/// the top) is taken from octahedral_direction(2 * (c, r) / (frames - 1) - 1), with picture_axes. It shows the square that encloses the
-/// model's bounding sphere, with `up` pointing up.
+/// Views of a model from all around, in orthogonal projection, in a square atlas of frames x
+/// frames. The frame in column c and row r (from the top) shows the model from
+/// octahedral_direction(2 * (c, r) / (frames - 1) - 1). A frame's axes come from picture_axes(). A
+/// frame covers the square that encloses the model's bounding sphere.
 ///
 /// The idea is from Ryan Brucks, *Octahedral Impostors*, 2018.
 struct Impostor {
 	ImpostorSettings settings;
-	glm::vec3 min{0.0F}; ///< The box of all triangles, meters.
+	glm::vec3 min{0.0F}; ///< The bounding box of all triangles, in meters.
 	glm::vec3 max{0.0F};
 	glm::vec3 center{0.0F}; ///< The center of the sphere that the frames show, which is the center of the box.
-	float radius = 0.0F;    ///< Meters; half of a frame's side.
+	float radius = 0.0F;    ///< The radius of that sphere in meters: half of a frame's side.
 
-	/// Both atlases, four bytes per pixel, row by row from the top: the finest level and then all its mip maps, each
-	/// with half the side, rounded down, to a single pixel. In levels where each frame has its own pixels, these are
-	/// not mixed with the pixels of neighboring frames. Each level has the same share of pixels whose alpha is at least
-	/// a half. Empty pixels have the color, normal and depth of nearby ones.
-	std::vector<std::uint8_t> albedo; ///< sRGB, and the share of the pixel that is covered.
-	/// x, y, z of the normal from -1 to 1; depth towards the viewer from -radius to radius.
+	/// Both atlases have four bytes per pixel, row by row from the top. The finest level comes
+	/// first, followed by all its mipmaps down to a single pixel, each with half the side, rounded
+	/// down. In levels where each frame has its own pixels, neighboring frames are not blended. In
+	/// all levels, about the same share of pixels has an alpha of at least one half. Empty pixels
+	/// have the color, normal and depth of nearby pixels.
+	std::vector<std::uint8_t> albedo; ///< sRGB color, and the covered share of the pixel as alpha.
+	/// The normal's x, y and z from -1 to 1, and the depth towards the viewer from -radius to
+	/// radius.
 	std::vector<std::uint8_t> normal;
 };
 
-/// Renders the frames. Refuses surfaces without a triangle, and numbers that ImpostorSurface::check refuses. If the
-/// call is refused, cancelled or out of memory, `r_impostor` is unchanged. Calls `progress` after each frame; its
-/// `points` is the number of frames. Ends within one frame (up to about 0.1 s at usual sizes) after the cancel flag is
-/// raised.
+/// Renders the frames. Returns an error if the settings are invalid, no surface has a triangle, or
+/// a surface fails ImpostorSurface::check(). `r_impostor` is unchanged if the call fails or is
+/// cancelled. Calls `progress` after each frame, with the number of frames as `points`. After the
+/// cancel flag is set, the call ends within one frame, up to about 0.1 s at usual sizes.
 Status bake_impostor(std::span<const ImpostorSurface> surfaces, const ImpostorSettings &settings,
 		const Progress &progress, Impostor &r_impostor);
 

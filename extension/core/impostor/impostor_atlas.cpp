@@ -8,7 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// The smallest alpha that counts as covered.
+/// The minimum alpha of a covered pixel.
 constexpr std::size_t half = 128;
 
 using Histogram = std::array<std::size_t, 256>;
@@ -21,7 +21,7 @@ Histogram alphas_of(std::span<const std::uint8_t> rgba) {
 	return counts;
 }
 
-/// The alpha that about a share of all pixels reaches: of the two nearest candidates, the closer one.
+/// Returns the alpha threshold that a given share of all pixels reaches, as nearly as possible.
 std::size_t threshold_for(const Histogram &counts, std::size_t pixels, double share) {
 	const double wanted = share * static_cast<double>(pixels);
 	double reached = 0.0;

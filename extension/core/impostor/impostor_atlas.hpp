@@ -11,17 +11,17 @@
 
 namespace thicket {
 
-/// Both atlases of an impostor while they are assembled, with all mip maps.
+/// Assembles both atlases of an impostor, with all mipmaps.
 class ImpostorAtlas {
 public:
-	/// The settings must be valid. Throws std::bad_alloc if memory runs out.
+	/// Allocates both atlases. The settings must be valid. Throws std::bad_alloc.
 	explicit ImpostorAtlas(const ImpostorSettings &settings);
 
-	/// Writes a frame into a column and a row.
+	/// Writes a frame at a column and a row.
 	void put(int column, int row, const FrameLevels &frame);
 
-	/// Call this once all frames are written. Generates the levels in which frames are smaller than a pixel, and gives
-	/// all levels the coverage of the finest level.
+	/// Generates the levels in which frames are smaller than a pixel, and adjusts the coverage of
+	/// all levels to that of the finest one. Call this function after all frames are written.
 	void finish();
 
 	std::vector<std::uint8_t> &albedo() { return albedo_; }
@@ -30,13 +30,13 @@ public:
 private:
 	struct Level {
 		int side = 1;
-		std::size_t first = 0; ///< Byte.
+		std::size_t first = 0; ///< Byte offset of the level in the atlas.
 	};
 
 	std::span<std::uint8_t> albedo_of(const Level &level);
 	static void shrink(std::vector<std::uint8_t> &r_bytes, const Level &from, const Level &to);
 
-	int whole_levels_ = 0; ///< The levels in which a frame has at least one pixel.
+	int whole_levels_ = 0; ///< Number of levels in which a frame has at least one pixel.
 	std::vector<Level> levels_;
 	std::vector<std::uint8_t> albedo_;
 	std::vector<std::uint8_t> normal_;

@@ -14,7 +14,7 @@ namespace thicket {
 
 namespace {
 
-constexpr double farthest_vertex = 1e6; // Meters.
+constexpr double farthest_vertex = 1e6; // Maximum absolute coordinate of a vertex in meters.
 
 template <class Vector>
 Status check_vectors(const char *property, std::span<const Vector> vectors, std::size_t count, double largest) {
@@ -37,7 +37,8 @@ void ImpostorSurface::transform(const glm::mat3 &basis, glm::vec3 offset) {
 	for (glm::vec3 &position : positions) {
 		position = basis * position + offset;
 	}
-	// The cofactors: the inverse transposed, except for a factor with the sign of the determinant. They exist for flat bases too.
+	// The cofactor matrix: the inverse transpose times the determinant. Unlike the inverse, it also
+	// exists for flat bases.
 	const glm::mat3 cofactors(
 			glm::cross(basis[1], basis[2]), glm::cross(basis[2], basis[0]), glm::cross(basis[0], basis[1]));
 	const bool mirrors = glm::dot(basis[0], cofactors[0]) < 0.0F;

@@ -14,43 +14,46 @@
 
 namespace thicket {
 
-/// The side of a triangle that is not drawn. On the front, corners go clockwise, as in the engine.
+/// The side of a triangle that is not drawn. Front faces have clockwise winding, as in the engine.
 enum class CulledSide : std::uint8_t {
 	back,
 	front,
-	none, ///< Both are drawn; the back with reversed normals.
+	none, ///< Both sides are drawn, the back with reversed normals.
 };
 
-/// How a surface uses its vertex colors.
+/// The use of a surface's vertex colors.
 enum class VertexColors : std::uint8_t {
 	unused,
 	linear, ///< The albedo is multiplied by the vertex colors.
-	srgb,   ///< As `linear`, after conversion to linear light.
+	srgb,   ///< Like `linear`, after conversion from sRGB.
 };
 
 struct ImpostorMaterial {
-	glm::vec4 albedo{1.0F};                        ///< In linear light, with alpha; 0 or more.
-	std::shared_ptr<const SurfaceTexture> texture; ///< Null for a plain color.
-	float alpha_threshold = 0.0F;                  ///< 0 to 1: pixels with an alpha below are empty. 0 ignores alpha.
+	glm::vec4 albedo{1.0F};                        ///< Linear color with alpha; each at least 0.
+	std::shared_ptr<const SurfaceTexture> texture; ///< Null if there is no texture.
+	/// Samples with a lower alpha are empty. 0 to 1; 0 ignores alpha.
+	float alpha_threshold = 0.0F;
 	CulledSide culled = CulledSide::back;
 	VertexColors vertex_colors = VertexColors::unused;
 };
 
-/// A part of a model with one material: triangles of three indices each. Normals, texture coordinates and colors are empty, or have one
-/// entry for each position. Without normals, triangles are shaded flat.
+/// A part of a model with a single material. Each triangle has three entries in `indices`. Normals,
+/// UVs and colors are either empty or have one entry per position. Without normals, triangles have
+/// flat normals.
 struct ImpostorSurface {
-	std::vector<glm::vec3> positions; ///< Meters.
-	std::vector<glm::vec3> normals;   ///< Unit vectors.
+	std::vector<glm::vec3> positions; ///< Positions of the vertices in meters.
+	std::vector<glm::vec3> normals;   ///< Normals of the vertices: unit vectors.
 	std::vector<glm::vec2> uvs;
 	std::vector<glm::vec4> colors;
 	std::vector<std::uint32_t> indices;
 	ImpostorMaterial material;
 
-	/// Transforms positions and normals by a basis and an offset. If the basis mirrors, also reverses the corners of
-	/// the triangles, so that their fronts stay fronts.
+	/// Transforms positions and normals by a basis and an offset. If the basis mirrors, also
+	/// reverses the winding of the triangles, so that front faces remain front faces.
 	void transform(const glm::mat3 &basis, glm::vec3 offset);
 
-	/// Refuses numbers that are not finite, lists of different sizes, indices without a vertex, and values outside their ranges.
+	/// Returns an error if a number is not finite or out of range, if the lists have different
+	/// sizes, or if an index refers to no vertex.
 	Status check() const;
 };
 

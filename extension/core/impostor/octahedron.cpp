@@ -8,7 +8,8 @@ namespace thicket {
 
 namespace {
 
-/// The squared length of the direction's horizontal part. Below it, the direction of `up` is undetermined.
+/// If the squared length of a direction's horizontal part is below this, the direction counts as
+/// vertical.
 constexpr float least_horizontal = 1e-6F;
 
 float signed_one(float value) { return value < 0.0F ? -1.0F : 1.0F; }

@@ -5,26 +5,27 @@
 
 namespace thicket {
 
-/// The directions that the square of an octahedral map represents.
+/// The directions that an octahedral map represents.
 enum class OctahedralSpan : bool {
-	hemisphere, ///< Directions that do not point down.
+	hemisphere, ///< The upper hemisphere.
 	sphere,     ///< All directions.
 };
 
-/// The unit direction for a position in the square [-1, 1] x [-1, 1]. Up is y, in the middle of the square. For a
-/// position outside the square, returns an arbitrary direction. Octahedral and hemi-octahedral map of Cigolle et al.,
-/// *A Survey of Efficient Representations for Independent Unit Vectors*, 2014, section 3, with y up.
+/// Returns the unit direction for a position in the square [-1, 1] x [-1, 1]. The center of the
+/// square is up (y). For a position outside the square, the result is an arbitrary direction. The
+/// function uses the octahedral and hemi-octahedral maps of Cigolle et al., *A Survey of Efficient
+/// Representations for Independent Unit Vectors*, 2014, section 3, with y up.
 glm::vec3 octahedral_direction(glm::vec2 place, OctahedralSpan span);
 
-/// The axes of a frame: unit vectors, at right angles to each other.
+/// The axes of a frame: orthogonal unit vectors.
 struct PictureAxes {
 	glm::vec3 right;
 	glm::vec3 up;
-	glm::vec3 toward; ///< To the viewer.
+	glm::vec3 toward; ///< Points to the viewer.
 };
 
-/// The axes for a unit direction towards the viewer. `up` leans towards y. If the viewer is exactly above or below,
-/// `right` is the x axis.
+/// Returns the axes for a unit direction towards the viewer. `up` is as close to y as possible. If
+/// the viewer is exactly above or below, `right` is the x axis.
 PictureAxes picture_axes(glm::vec3 toward);
 
 } // namespace thicket

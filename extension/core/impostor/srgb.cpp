@@ -7,7 +7,8 @@ namespace thicket {
 
 namespace {
 
-/// The fifth root of a number in (0, 1], by Newton's method: from 1 it descends to the root without ever passing it.
+/// Returns the fifth root of a number in (0, 1], by Newton's method, which descends from 1 to the
+/// root without overshooting.
 double fifth_root(double number) {
 	double root = 1.0;
 	for (int step = 0; step < 64; ++step) {
@@ -22,7 +23,7 @@ double linear_of(double stored) {
 		return stored / 12.92;
 	}
 	const double base = (stored + 0.055) / 1.055;
-	return base * base * fifth_root(base * base); // base to the power of 2.4
+	return base * base * fifth_root(base * base); // Returns base to the power of 2.4.
 }
 
 } // namespace

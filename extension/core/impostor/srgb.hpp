@@ -5,20 +5,20 @@
 
 namespace thicket {
 
-/// The curve of sRGB (IEC 61966-2-1) for bytes. Has the same bits on every machine, because it does not use the C
-/// library's power functions, which round differently.
+/// The sRGB transfer curve (IEC 61966-2-1) for bytes. Returns the same bits on every machine,
+/// because it avoids the C library's power functions, whose rounding differs between machines.
 class SrgbCurve {
 public:
-	/// The shared instance, created at the first call.
+	/// Returns the shared instance, which the first call creates. May be called on any thread.
 	static const SrgbCurve &get();
 
-	/// The linear value of a stored byte, 0 to 1; within 1e-6 of the exact value.
+	/// Converts a stored byte to a linear value, 0 to 1, within 1e-6 of the true value.
 	float linear(std::uint8_t stored) const { return linear_[stored]; }
 
-	/// The linear value of any stored value: 0 below 0, 1 above 1, and 0 for NAN.
+	/// Converts a stored value to a linear value. Values are clamped to 0 to 1, and NAN returns 0.
 	float linear(float stored) const;
 
-	/// The byte whose linear value is nearest; 0 for NAN.
+	/// Returns the byte whose linear value is nearest, or 0 for NAN.
 	std::uint8_t stored(float linear) const;
 
 private:
@@ -27,7 +27,7 @@ private:
 	std::array<float, 256> linear_{};
 };
 
-/// The byte for a value in [0, 1], rounded. Values outside are clamped, and NAN returns 0.
+/// Converts a value in [0, 1] to the nearest byte. Values outside are clamped, and NAN returns 0.
 std::uint8_t unit_byte(float value);
 
 } // namespace thicket

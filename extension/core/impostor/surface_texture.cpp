@@ -12,8 +12,8 @@ namespace thicket {
 
 namespace {
 
-/// A coordinate in pixels, in [0, count). Returns 0 for coordinates that are not finite, or too large for a float to
-/// distinguish pixels.
+/// Wraps a texture coordinate and converts it to pixels, in [0, count). The result is 0 for
+/// coordinates that are not finite, or so large that a float cannot distinguish pixels.
 float wrapped(float coordinate, int count) {
 	constexpr float farthest = 1e6F;
 	if (!(coordinate > -farthest && coordinate < farthest)) {
@@ -56,7 +56,7 @@ Status SurfaceTexture::set(int width, int height, std::span<const std::uint8_t> 
 					const std::array<std::size_t, 4> pixels{from.place(2 * x, 2 * y), from.place(right, 2 * y),
 							from.place(2 * x, below), from.place(right, below)};
 					for (std::size_t channel = 0; channel < 4; ++channel) {
-						int sum = 2; // For rounding.
+						int sum = 2; // Starting at 2 rounds the quotient to the nearest integer.
 						for (const std::size_t pixel : pixels) {
 							sum += made.pixels_[pixel + channel];
 						}
@@ -87,7 +87,8 @@ glm::vec4 SurfaceTexture::pixel(const Level &level, int x, int y) const {
 
 glm::vec4 SurfaceTexture::sample(glm::vec2 uv, int level) const {
 	const Level &of = levels_[static_cast<std::size_t>(level)];
-	const float x = wrapped(uv.x, of.width) + static_cast<float>(of.width) - 0.5F; // Above 0, for the casts.
+	// The coordinates are positive, because the casts truncate.
+	const float x = wrapped(uv.x, of.width) + static_cast<float>(of.width) - 0.5F;
 	const float y = wrapped(uv.y, of.height) + static_cast<float>(of.height) - 0.5F;
 	const auto column = static_cast<int>(x);
 	const auto row = static_cast<int>(y);

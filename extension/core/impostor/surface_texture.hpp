@@ -12,21 +12,23 @@
 
 namespace thicket {
 
-inline constexpr int max_texture_side = 1 << 14; ///< Pixels.
+inline constexpr int max_texture_side = 1 << 14; ///< Maximum width and height in pixels.
 
-/// The albedo texture of a surface: sRGB colors with alpha, tiled over the plane. Its mip maps are averages of the bytes, as in the engine.
-/// Immutable after `set`.
+/// The albedo texture of a surface: sRGB colors with alpha, repeated in both directions. Its
+/// mipmaps average the stored bytes, as in the engine. A texture does not change after `set`.
 class SurfaceTexture {
 public:
-	/// `rgba` is row by row, x fastest, four bytes per pixel. Each side must be 1 to max_texture_side. Refuses anything
-	/// else and changes nothing.
+	/// Copies the pixels of `rgba`, row by row, with four bytes per pixel, and computes the
+	/// mipmaps. Each side must be 1 to max_texture_side. A failed call changes nothing.
 	Status set(int width, int height, std::span<const std::uint8_t> rgba);
 
-	/// The level whose pixels are at most as large as `area`, which is in pixels of the finest level.
+	/// Returns the coarsest mipmap level whose pixels are at most as large as `area`, in pixels of
+	/// the finest level.
 	int level_for(double area) const;
 
-	/// The color in linear light, and alpha, at texture coordinates (0 to 1 over the image, v down), interpolated between the centers of
-	/// the level's pixels. Coordinates that are not finite count as 0.
+	/// Returns the linear color and alpha at texture coordinates, which are 0 to 1 over the image
+	/// with v down. The function interpolates between the pixel centers of the level. Coordinates
+	/// that are not finite count as 0.
 	glm::vec4 sample(glm::vec2 uv, int level) const;
 
 	glm::ivec2 size() const { return {levels_.front().width, levels_.front().height}; }
@@ -35,9 +37,9 @@ private:
 	struct Level {
 		int width = 1;
 		int height = 1;
-		std::size_t first = 0; ///< Byte.
+		std::size_t first = 0; ///< Byte offset of the level.
 
-		std::size_t place(int x, int y) const; ///< The index of a pixel's first byte.
+		std::size_t place(int x, int y) const; ///< Returns the byte offset of a pixel.
 	};
 
 	glm::vec4 pixel(const Level &level, int x, int y) const;

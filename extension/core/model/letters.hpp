@@ -5,14 +5,16 @@
 
 namespace thicket {
 
-// Letters in the names of models: ASCII only, whatever the locale.
+// The functions below classify the characters of model names: ASCII only, independent of the
+// locale.
 
 constexpr bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
 constexpr bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
 constexpr bool is_letter(char c) { return is_upper(c) || is_lower(c); }
 constexpr char lower(char c) { return is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// True where a word begins: after a character that is not a letter, or at a capital after a lower-case letter ("TrunkLOD1").
+/// Returns true if a word begins at index `at`: after a character that is not a letter, or at a
+/// capital after a lowercase letter ("TrunkLOD1").
 constexpr bool begins_word(std::string_view name, std::size_t at) {
 	const char before = at > 0 ? name[at - 1] : '_';
 	return !is_letter(before) || (is_lower(before) && is_upper(name[at]));

@@ -6,27 +6,34 @@ namespace thicket {
 
 /// The properties of an LOD that determine whether it casts a shadow.
 struct LodCaster {
-	glm::dvec3 size{0.0};          ///< Meters, of the box around the model at the layer's largest scale.
-	double per_square_meter = 0.0; ///< Instances of the layer per square meter at its highest density.
-	double distance = 0.0;         ///< Meters from which the LOD is drawn.
+	glm::dvec3 size{0.0};          ///< Size in meters of the model's bounding box at the layer's largest scale.
+	double per_square_meter = 0.0; ///< Number of instances per square meter at the layer's highest density.
+	double distance = 0.0;         ///< Distance in meters from which the LOD is drawn.
 };
 
-inline constexpr double dense_layer = 1.0;    ///< Instances per square meter from which a layer is dense,
-inline constexpr double small_plant = 2.0;    ///< and meters of the longest side below which its models are small.
-inline constexpr double near_in_sizes = 10.0; ///< Multiples of the longest side up to which such a layer has shadows.
-inline constexpr double shadow_sight = 512.0; ///< Multiples of a shadow's width up to which a shadow map shows it.
+/// Number of instances per square meter from which a layer counts as dense.
+inline constexpr double dense_layer = 1.0;
+inline constexpr double small_plant = 2.0; ///< Longest side in meters below which a model counts as small.
+/// Distance up to which small models in dense layers cast shadows, in multiples of their longest
+/// side.
+inline constexpr double near_in_sizes = 10.0;
+/// Distance up to which a shadow map resolves a shadow, in multiples of the shadow's width.
+inline constexpr double shadow_sight = 512.0;
 
-/// Whether an LOD should cast a shadow by default.
+/// Returns true if an LOD should cast a shadow by default.
 ///
-/// Small plants that grow densely, like grass, soon hide each other's shadows. So an LOD of such a layer casts no
-/// shadow if it begins at `near_in_sizes` times the longest side or farther. In other layers each LOD casts the shadow
-/// of its own mesh, and a coarser mesh costs less. No LOD casts a shadow if it begins where the shadow is thinner than
-/// a pixel of its map. As the width of a box's shadow, the middle one of its sides counts, whatever the direction of
-/// the sun. The width of a pixel is the distance divided by `shadow_sight`: the map of a directional light has 4096
-/// pixels, of which the farthest of four splits gets 2048, and that split must cover about four times the distance
-/// across.
+/// Small, dense plants such as grass hide each other's shadows at a distance. An LOD of such a
+/// layer therefore casts no shadow if it begins at `near_in_sizes` times the longest side or
+/// farther. In other layers, each LOD casts the shadow of its own mesh, which costs less for
+/// coarser meshes.
 ///
-/// A NAN or a negative size keeps the LOD's shadow.
+/// No LOD casts a shadow if, where it begins, the shadow is narrower than a pixel of the shadow
+/// map. The shadow is assumed to be as wide as the second longest side of the box, for any
+/// direction of the sun. The width of a pixel is the distance divided by `shadow_sight`. The map of
+/// a directional light has 4096 pixels on each side, and the farthest of its four splits gets 2048
+/// of them. That split must cover about four times the distance.
+///
+/// The result is also true if a size is NAN or negative.
 bool casts_shadow(const LodCaster &lod);
 
 } // namespace thicket

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double tan_25_degrees = 0.46630765815499858;
 
-/// In the singular. Packs of low-poly plants are so closed and so small that size alone takes bushes and trees for rocks.
+/// English words in the singular. Names are checked before sizes, because low-poly bushes and trees
+/// are often so small and solid that their size suggests a rock.
 constexpr std::array<std::pair<std::string_view, ModelKind>, 66> words{{
 		{"acacia", ModelKind::tree},
 		{"alder", ModelKind::tree},
@@ -83,9 +84,10 @@ constexpr std::array<std::pair<std::string_view, ModelKind>, 66> words{{
 		{"stump", ModelKind::rock},
 }};
 
-/// The kind that a word without capitals says.
+/// Returns the kind that a lowercase word denotes.
 std::optional<ModelKind> kind_of_word(std::string_view word) {
-	// "trees" and "bushes", but also "moss", "cactus" and "grass".
+	// The loop removes the plural ending of "trees" and "bushes", but keeps the "s" of "moss",
+	// "cactus" and "grass".
 	for (const std::string_view plural : {"", "s", "es"}) {
 		if (word.ends_with(plural)) {
 			const std::string_view singular = word.substr(0, word.size() - plural.size());
@@ -132,7 +134,8 @@ ModelKind kind_of(const ModelSize &size) {
 
 ModelFit fit_of(ModelKind kind, const ModelSize &size) {
 	ModelFit fit;
-	const double below_slope = 0.5 * size.base * tan_25_degrees; // The lowest edge of an upright base.
+	// The height of the lower edge of an upright base above a slope of 25 degrees.
+	const double below_slope = 0.5 * size.base * tan_25_degrees;
 	double sink = 0.0;
 	switch (kind) {
 		case ModelKind::tree:

@@ -22,7 +22,8 @@ bool has_mark_at(std::string_view name, std::size_t at) {
 					[](char a, char b) { return a == lower(b); });
 }
 
-/// The name without [from, to), and without a separator that remains at the seam.
+/// Returns the name without the characters in [from, to) and the separators before them. If the
+/// name starts with these characters, the separators after them are removed instead.
 std::string without(std::string_view name, std::size_t from, std::size_t to) {
 	while (from > 0 && is_separator(name[from - 1])) {
 		--from;
@@ -35,7 +36,7 @@ std::string without(std::string_view name, std::size_t from, std::size_t to) {
 	return std::string(name.substr(0, from)) + std::string(name.substr(to));
 }
 
-/// The number of each part; none for parts that are drawn in all LODs.
+/// Returns the LOD number of each part. Parts that are drawn in all LODs have none.
 std::vector<std::optional<int>> numbers_of(std::span<const PartRange> parts) {
 	std::set<std::string_view> numbered;
 	for (const PartRange &part : parts) {
@@ -130,8 +131,8 @@ std::vector<ModelLod> model_lods(std::span<const PartRange> parts) {
 }
 
 double usual_lod_distance(double size, std::size_t lod) {
-	// In sizes of the model. At this distance, a model is about half as high as the screen at the engine's default
-	// field of view.
+	// Distance of the first coarser LOD, as a multiple of the model's size. At this distance, a
+	// model is about half as high as the screen with Godot's default field of view.
 	constexpr double first = 2.5;
 	constexpr double step = 2.0;
 	double distance = first * size;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-constexpr double least_footprint = 0.6; // Of the whole width.
+constexpr double least_footprint = 0.6; // Fraction of the total width.
 
 } // namespace
 
@@ -51,7 +51,8 @@ void ModelMeasure::add(const std::array<glm::dvec3, 3> &triangle) {
 		if (to.y < from.y) {
 			std::swap(from, to);
 		}
-		// The ends of the edge's part in each slice. The triangle's part lies between those of its edges.
+		// The loop adds both ends of the edge's part in each slice. They bound the triangle's part
+		// of the slice.
 		const std::size_t last = slice_of(to.y);
 		for (std::size_t slice = slice_of(from.y); slice <= last; ++slice) {
 			const double bottom = low_.y + tall * static_cast<double>(slice) / static_cast<double>(slices);

@@ -7,24 +7,27 @@
 
 namespace thicket {
 
-/// The size of a model that stands on y = 0. Meters.
+/// The size of a model in meters. The ground is at y = 0.
 struct ModelSize {
-	double width = 0.0; ///< Of the whole, the average of x and z.
-	double footprint =
-			0.0; ///< The width that neighbors should leave free. Three of four slices are at most as wide. At least 0.6 of `width`.
+	double width = 0.0; ///< Width of the bounding box, the average of x and z.
+	/// The width that neighbors should leave free: three quarters of the model's horizontal slices
+	/// are at most this wide. At least 0.6 of `width`.
+	double footprint = 0.0;
 	double base = 0.0;   ///< Width of the lowest tenth above the ground: the trunk of a tree.
-	double height = 0.0; ///< Above y = 0.
-	double depth = 0.0;  ///< Below y = 0.
-	double fill = 0.0;   ///< Enclosed volume as a part of the bounding box, 0 to 1. Leaves on cards enclose nothing.
+	double height = 0.0; ///< Extent above y = 0.
+	double depth = 0.0;  ///< Extent below y = 0.
+	/// Enclosed volume as a fraction of the bounding box, 0 to 1. Leaf cards enclose no volume.
+	double fill = 0.0;
 };
 
-/// Measures triangles.
+/// Measures the size of a model from its triangles.
 class ModelMeasure {
 public:
-	/// `low` and `high` are the bounds of all triangles.
+	/// Prepares an empty measurement. `low` and `high` are the bounds of all triangles that will be
+	/// added.
 	ModelMeasure(const glm::dvec3 &low, const glm::dvec3 &high);
 
-	/// O(slices that the triangle enters).
+	/// Adds a triangle. Takes time proportional to the number of slices that the triangle touches.
 	void add(const std::array<glm::dvec3, 3> &triangle);
 
 	ModelSize size() const;

@@ -13,7 +13,8 @@ namespace thicket {
 
 namespace {
 
-/// The maximum number of entries. Most of them only record that a block was requested, which takes a few dozen bytes each.
+/// Maximum number of entries. Most entries only record a request for a block and take a few dozen
+/// bytes each.
 constexpr std::size_t most_entries = 1024;
 
 static_assert(BlockCache::widest_window(max_levels) <= SettledBlock::width, "a window touches four blocks at most");
@@ -68,7 +69,8 @@ std::size_t BlockCache::bytes() const {
 	return bytes_;
 }
 
-/// Whether a block that shares an edge with this one exists or is being computed. Called with the lock held.
+/// Returns true if a block that shares an edge with this one is present or being computed. The
+/// caller must hold the lock.
 bool BlockCache::is_made_beside(const Key &key) const {
 	for (const glm::ivec2 step : {glm::ivec2(-1, 0), glm::ivec2(1, 0), glm::ivec2(0, -1), glm::ivec2(0, 1)}) {
 		const auto beside = entries_.find({key.set, key.block + step});
@@ -79,7 +81,7 @@ bool BlockCache::is_made_beside(const Key &key) const {
 	return false;
 }
 
-/// Called with the lock held.
+/// Evicts the least recently used entries until the limits are met. The caller must hold the lock.
 void BlockCache::trim() {
 	while (bytes_ > limit_ || entries_.size() > most_entries) {
 		auto oldest = entries_.end();
@@ -128,13 +130,13 @@ SettledWindow::SettledWindow(BlockCache &cache, const PointSet &set, const CellR
 
 SettledWindow::~SettledWindow() {
 	if (std::ranges::none_of(slots_, &Slot::claimed)) {
-		// A window that releases nothing needs no lock.
+		// If there is nothing to release, the lock is not needed.
 		return;
 	}
 	const std::lock_guard lock(cache_.mutex_);
 	for (const Slot &slot : slots_) {
 		if (slot.claimed) {
-			cache_.entries_.at(slot.key).in_work = false; // The entry exists, because entries in work are not removed.
+			cache_.entries_.at(slot.key).in_work = false; // The entry exists, because trim() keeps entries in work.
 		}
 	}
 }

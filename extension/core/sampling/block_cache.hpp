@@ -14,22 +14,26 @@
 
 namespace thicket {
 
-/// All points of a block of cells, by rows.
+/// All points of a block of decided cells, in row order. A cell is decided once the sampler knows
+/// whether it has a point, and where. The object does not change after its construction.
 class SettledBlock {
 public:
-	/// Cells along each side. The grid of a block of this width, including its margin, fits in the second-level cache.
+	/// Maximum width and height in cells. The grid of a block of this size, including its margin,
+	/// fits in the L2 cache.
 	static constexpr std::int32_t width = 96;
 
 	struct Point {
-		LevelGrid::PointOffset offset; ///< Relative to its cell.
+		LevelGrid::PointOffset offset; ///< Offset of the point from the center of its cell.
 		std::uint32_t rank;
 	};
 
-	/// Takes the points from a grid in which `cells`, at most `width` wide and high, are decided. Throws std::bad_alloc.
+	/// Copies the points of `cells` from a grid in which they are decided. `cells` must be at most
+	/// `width` wide and high. Throws std::bad_alloc.
 	SettledBlock(const LevelGrid &grid, const CellRect &cells);
 
 	const CellRect &cells() const { return cells_; }
-	/// Calls `visit(cell, point)` for the points of the cells from `first` to `end` in the row `y`, in order.
+	/// Calls `visit(cell, point)` for each point of the columns [first, end) of row `y`, in
+	/// ascending order.
 	template <class Visit>
 	void for_each_in_row(std::int32_t y, std::int32_t first, std::int32_t end, const Visit &visit) const {
 		const Row &row = rows_[static_cast<std::size_t>(y - cells_.min.y)];
@@ -52,11 +56,11 @@ private:
 	static_assert(width % 32 == 0);
 
 	struct Row {
-		std::array<std::uint32_t, words> points{}; ///< A bit for each cell, set if it has a point.
+		std::array<std::uint32_t, words> points{}; ///< One bit for each cell, set if the cell has a point.
 		std::uint32_t begin = 0;                   ///< Index of the row's first point.
 	};
 
-	/// A mask of the bits before a column of a word. The column may lie outside the word.
+	/// Returns a mask of the bits below `column`, which may lie outside the word.
 	static constexpr std::uint32_t columns_before(std::int32_t column) {
 		return column <= 0 ? 0 : column >= 32 ? ~0u : (1u << column) - 1;
 	}
@@ -66,24 +70,26 @@ private:
 	std::vector<Point> points_;
 };
 
-/// Keeps recently sampled blocks of point sets. So tiles that are small compared with a block share one margin, and
-/// layers that other layers read are decided only once. The cache saves work and changes no point. Safe for any number
-/// of threads.
+/// Caches recently sampled blocks of point sets. Tiles that are small compared with a block then
+/// share one margin, and the sampler decides layers that other layers read only once. The cache
+/// saves work and never changes a point. Threads may share a cache.
 ///
-/// A block is computed for the second window that touches it, or for the first one if an adjacent block is present, because the requested
-/// area usually grows. A single isolated window costs the same as without a cache.
+/// The sampler computes a block for the second window that touches it. If an adjacent block is
+/// present or being computed, the sampler computes the block for the first window, because the
+/// requested area usually grows. A single isolated window costs the same as without a cache.
 class BlockCache {
 public:
 	static constexpr std::size_t default_bytes = std::size_t{4} << 20;
-	/// Cells along the longer side of the largest window that uses the cache: tiles of 16 r, or of 22 r where a set has coarser levels,
-	/// whose margin is wider. Larger windows have little margin to share, and a block at the edge of the requested area costs more than
-	/// it saves.
+	/// Returns the maximum width and height, in cells, of a window that uses the cache. The limit
+	/// corresponds to a tile of 16 radii, or of 22 radii for sets with coarser levels, which need a
+	/// wider margin. Larger windows have little margin to share, and blocks at the edge of the
+	/// requested area would cost more than they save.
 	static constexpr std::int32_t widest_window(std::uint32_t levels) { return levels > 1 ? 32 : 24; }
 
-	/// Keeps at most `bytes` of blocks, the most recently used ones.
+	/// Creates a cache of at most `bytes` bytes, which evicts the least recently used blocks first.
 	explicit BlockCache(std::size_t bytes = default_bytes) : limit_(bytes) {}
 
-	/// Bytes of the blocks that the cache holds.
+	/// Returns the memory of all cached blocks.
 	std::size_t bytes() const;
 
 private:
@@ -96,8 +102,8 @@ private:
 	};
 	struct Entry {
 		std::shared_ptr<const SettledBlock> block;
-		bool in_work = false;   ///< A caller is computing the block.
-		std::uint64_t used = 0; ///< Clock value of the latest request.
+		bool in_work = false;   ///< True while a caller is computing the block.
+		std::uint64_t used = 0; ///< Value of `clock_` at the latest request.
 	};
 
 	bool is_made_beside(const Key &key) const;
@@ -105,31 +111,39 @@ private:
 
 	const std::size_t limit_;
 	mutable Mutex mutex_;
-	std::map<Key, Entry> entries_; ///< Includes entries without a block: blocks requested once.
+	/// Cached blocks, and entries without a block for blocks that were requested only once.
+	std::map<Key, Entry> entries_;
 	std::size_t bytes_ = 0;
 	std::uint64_t clock_ = 0;
 };
 
-/// The blocks of a cache around a window of cells, held for the lifetime of the object.
+/// The cached blocks that overlap a window of cells. They stay in memory for the lifetime of this
+/// object.
 class SettledWindow {
 public:
-	/// Requests the blocks of a window that is not empty and not wider than SettledBlock::width. Throws std::bad_alloc.
+	/// Requests the blocks of `window`, which must not be empty, and at most SettledBlock::width
+	/// wide and high. Throws std::bad_alloc.
 	SettledWindow(BlockCache &cache, const PointSet &set, const CellRect &window);
-	/// Releases the claimed blocks that were not computed, so that others can compute them.
+	/// Releases blocks that this object claimed but did not compute, so that other windows can
+	/// compute them.
 	~SettledWindow();
 	SettledWindow(const SettledWindow &) = delete;
 	SettledWindow &operator=(const SettledWindow &) = delete;
 
-	/// Whether the caller should take the window from blocks. False if this window was the first to touch one of them and the adjacent
-	/// blocks, or if another caller is computing one.
+	/// Returns true if the caller should take the points from blocks. The result is false if a
+	/// different caller is computing one of the blocks. It is also false if this window is the
+	/// first to touch a block, and no block next to it is present or being computed.
 	bool served() const { return served_; }
 
-	/// Returns the next block that the caller must compute for `settle`, clear of the set's last cell. False if all blocks are present.
+	/// Returns in `r_cells` the next block that the caller must compute and pass to `settle`,
+	/// clipped to the cells of the set. Returns false if all blocks are present.
 	bool next_missing(CellRect &r_cells);
-	/// Stores the block that next_missing() returned last, from a grid in which it is decided. Throws std::bad_alloc.
+	/// Stores the block that next_missing() returned last. `grid` must contain it with all cells
+	/// decided. Throws std::bad_alloc.
 	void settle(const LevelGrid &grid);
 
-	/// Calls `visit(cell, point)` for the points of the window, row by row. All blocks must be present.
+	/// Calls `visit(cell, point)` for each point of the window, row by row. All blocks must be
+	/// present.
 	template <class Visit>
 	void for_each(const Visit &visit) const {
 		for (std::int32_t y = window_.min.y; y < window_.max.y; ++y) {
@@ -147,14 +161,14 @@ private:
 	struct Slot {
 		BlockCache::Key key;
 		std::shared_ptr<const SettledBlock> block;
-		bool claimed = false; ///< This object must compute it.
+		bool claimed = false; ///< True if the caller must compute the block.
 	};
 
 	BlockCache &cache_;
 	CellRect window_;
-	std::array<Slot, 4> slots_; ///< By rows, so that the blocks of one row are in order.
+	std::array<Slot, 4> slots_; ///< The blocks in row order, so that a row's points are visited in order.
 	std::size_t count_ = 0;
-	std::size_t missing_ = 0; ///< The slot that `settle` fills.
+	std::size_t missing_ = 0; ///< Index of the slot that `settle` fills.
 	bool served_ = false;
 };
 

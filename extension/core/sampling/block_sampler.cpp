@@ -25,7 +25,8 @@ ResolveResult BlockSampler::resolve(const CellRect &block, const std::atomic<boo
 		const std::span<LevelGrid> levels(grids_.data(), levels_);
 		CellRect needed = block;
 		for (LevelGrid &grid : levels) {
-			// The coarser levels also serve the chains in the finest level's margin.
+			// Chains of darts in the finest level's margin also need the coarser levels, so the
+			// margin of the coarser levels is wider.
 			grid.reset(needed.grown(grid.level == 0 ? margin_ : margin_ + margin_ / 8));
 			needed = coarse_cells_around(needed);
 		}

@@ -8,31 +8,35 @@
 
 namespace thicket {
 
-/// Resolves blocks of cells of one point set, and widens the margin when a chain needs more.
+/// Decides the cells of blocks of one point set. When a chain of dependent darts leaves the margin
+/// around a block, it retries with a wider margin.
 class BlockSampler {
 public:
 	explicit BlockSampler(const SampleMargins &margins = {}) : margins_(margins) {}
 
-	/// `rank` computes the rank that is stored with each point; see RankFunction.
+	/// Selects the point set. `rank` computes the rank that is stored with each point.
 	void prepare(const PointSet &set, RankFunction rank);
 
-	/// Decides every cell of `block`. If the result is not ResolveResult::done, the contents of the grids are invalid.
+	/// Decides all cells of `block`. If the result is not ResolveResult::done, the contents of the
+	/// grids are invalid. `cancel` may be null.
 	ResolveResult resolve(const CellRect &block, const std::atomic<bool> *cancel);
 
-	/// The finest level. Valid for the cells of the last block.
+	/// Returns the grid of the finest level. Only the cells of the last block are valid.
 	const LevelGrid &finest() const { return grids_.front(); }
 	std::span<const LevelGrid> levels() const { return {grids_.data(), levels_}; }
 	std::uint32_t retries() const { return retries_; }
 
-	/// After ResolveResult::margin_too_small: the margin of the finest level in cells, and the center of the undecided cell in cells of
-	/// the finest level.
+	/// Valid after ResolveResult::margin_too_small: the margin of the finest level in cells, and
+	/// the center of the undecided cell in units of finest cells.
 	std::int32_t margin() const { return margin_; }
 	glm::dvec2 undecided_cell() const;
 
 private:
 	SampleMargins margins_;
 	std::int32_t margin_ = 0;
-	std::vector<LevelGrid> grids_; ///< As many as the most levels of any set until now, to keep the memory.
+	/// One grid per level. The list may have more grids than the current set has levels, to reuse
+	/// memory.
+	std::vector<LevelGrid> grids_;
 	std::size_t levels_ = 0;
 	std::uint32_t retries_ = 0;
 };

@@ -9,12 +9,12 @@
 
 namespace thicket {
 
-/// For each subset of a square's four children (one bit each): the values of the children in it, without gaps. Each
-/// value distinguishes a child from its siblings.
+/// Maps each subset of a square's four children (one bit each) to the constants of these children,
+/// packed without gaps. The constants distinguish a child from its siblings.
 struct ChildTable {
 	struct Line {
-		alignas(32) std::uint64_t gamma[4]{};  ///< Added to the parent before it is hashed.
-		alignas(16) std::uint32_t corner[4]{}; ///< All coordinate bits on the axes where the child is the upper one.
+		alignas(32) std::uint64_t gamma[4]{};  ///< Added to the parent's key before hashing.
+		alignas(16) std::uint32_t corner[4]{}; ///< All bits set on each axis on which the child is the upper one.
 		std::uint32_t count = 0;
 	};
 	std::array<Line, 16> lines{};

@@ -1,4 +1,5 @@
-// Computes the children of squares that are split, many squares at a time. Compiled once for each instruction set, by resolver.cpp.
+// Computes the children of split squares, many squares at a time. resolver.cpp compiles this file
+// once for each instruction set.
 #if defined(THICKET_CHILDREN_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_CHILDREN_INL
 #undef THICKET_CHILDREN_INL
@@ -21,7 +22,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// One lane per square.
 using SplitLanes = hn::CappedTag<std::uint64_t, 8>;
 
-/// The children that have a sub-square not known to be covered, one bit each, for the squares of `places`.
+/// Returns, for each square of `places`, the children that have a sub-square not known to be
+/// covered, one bit each.
 template <class V>
 HWY_INLINE V open_children(V places, V open) {
 	const SplitLanes d;
@@ -34,7 +36,8 @@ HWY_INLINE V open_children(V places, V open) {
 	const V side = hn::Shr(set(7), level);
 	const V inside = hn::Or(side, hn::ShiftLeft<3>(side));
 	const V parts = hn::Shr(open, hn::AndNot(inside, hn::Or(x, y)));
-	// The sub-squares of a child whose corner is bit 0, and the offset of the next child.
+	// `child` contains the sub-squares of the child at the lower corner, and `step` is the offset
+	// to the next child.
 	const auto whole = hn::Eq(level, hn::Zero(d));
 	const auto half = hn::Eq(level, set(1));
 	const V child = hn::IfThenElse(whole, set(0x0f0f0f0f), hn::IfThenElse(half, set(0x0303), set(1)));
@@ -71,7 +74,7 @@ HWY_INLINE void list_children(Splits &splits) {
 	splits.first[splits.count] = count;
 }
 
-/// `split_mix` after the step of its stream.
+/// Performs the part of `split_mix` that follows the increment.
 template <class V>
 HWY_INLINE V mixed(V bits) {
 	const SplitLanes d;
@@ -80,7 +83,7 @@ HWY_INLINE V mixed(V bits) {
 	return hn::Xor(bits, hn::ShiftRight<31>(bits));
 }
 
-/// Vector form of `child_dart` for the open children of the squares.
+/// Performs `child_dart` with vectors for the open children of the squares.
 HWY_INLINE void throw_child_darts(Splits &splits) {
 	const SplitLanes d64;
 	const hn::RepartitionToNarrow<decltype(d64)> d;
@@ -94,7 +97,8 @@ HWY_INLINE void throw_child_darts(Splits &splits) {
 		const auto parent_time = hn::Load(d, splits.time + i);
 		const auto place = hn::Load(d, splits.place + i);
 		const auto level = hn::Add(hn::ShiftRight<2 * lattice_bits>(place), hn::Set(d, 1));
-		// Powers of two built from a float's exponent, because many processors can shift all lanes only by the same amount.
+		// The powers of two are built from float exponents, because many processors can shift all
+		// lanes only by the same amount.
 		const auto scale = hn::BitCast(df, hn::ShiftLeft<23>(hn::Add(hn::Add(level, level), hn::Set(d, 127))));
 		const auto width = hn::BitCast(d,
 				hn::ConvertTo(di, hn::BitCast(df, hn::ShiftLeft<23>(hn::Sub(hn::Set(d, 127 + lattice_bits), level)))));

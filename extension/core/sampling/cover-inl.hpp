@@ -1,4 +1,5 @@
-// Computes the area that the disk of a point covers. Compiled once for each instruction set, by resolver.cpp.
+// Computes the area that the disk of a point covers. resolver.cpp compiles this file once for each
+// instruction set.
 #if defined(THICKET_COVER_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_COVER_INL
 #undef THICKET_COVER_INL
@@ -21,12 +22,14 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Distances are clamped to this value: its square still fits 31 bits and exceeds radius^2.
+/// Distances are clamped to this value. Its square fits in 31 bits and exceeds radius^2.
 constexpr std::int32_t far = 23171;
 
-/// The parts, of 2^part_bits by 2^part_bits units, that the disk of a point at (px, py) covers, one value per row from `first_row` on and
-/// one bit per column, up to 32 columns. A part counts as covered only if all its lattice points lie within the radius. This is the test
-/// of the paper's section 3.2, by the farthest corner, for a row of squares at once.
+/// Returns the parts that the disk of a point at (px, py) covers. A part is 2^part_bits units wide
+/// and high. Each lane contains a row, starting at `first_row`, with one bit per column, up to 32
+/// columns. A part counts as covered only if all its lattice points lie within the radius. This is
+/// the farthest-corner test of section 3.2 of the paper (White, Cline and Egbert, 2007), for a row
+/// of squares at once.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V covered_parts(
 		D di, std::int32_t first_row, std::int32_t px, std::int32_t py, int part_bits, std::int32_t columns) {
@@ -38,7 +41,8 @@ HWY_INLINE V covered_parts(
 	const V far_edge = hn::Add(near_edge, hn::Set(di, last));
 	const V distance = hn::Min(hn::Max(hn::Abs(near_edge), hn::Abs(far_edge)), hn::Set(di, far));
 	const V rest = hn::Sub(hn::Set(di, static_cast<std::int32_t>(radius_squared) - 1), hn::Mul(distance, distance));
-	// The root's rounding error is below 0.01, so the result is never too wide.
+	// Subtracting 0.01, which exceeds the rounding error of the root, ensures that the result is
+	// never too wide.
 	const V half = hn::ConvertTo(di, hn::Sub(hn::Sqrt(hn::ConvertTo(df, hn::Max(rest, zero))), hn::Set(df, 0.01f)));
 	const V from = hn::Max(hn::ShiftRightSame(hn::Sub(hn::Set(di, px + last), half), part_bits), zero);
 	const V to = hn::Min(hn::ShiftRightSame(hn::Add(hn::Set(di, px + 1), half), part_bits), hn::Set(di, columns));
@@ -49,7 +53,7 @@ HWY_INLINE V covered_parts(
 	return hn::IfThenElseZero(some, hn::BitCast(di, hn::And(above, below)));
 }
 
-/// One row of `covered_parts`, for processors without vectors.
+/// Performs `covered_parts` for one row, without vectors.
 inline std::uint32_t covered_row(
 		std::int32_t row, std::int32_t px, std::int32_t py, int part_bits, std::int32_t columns) {
 	const hn::CappedTag<float, 1> df;
@@ -70,7 +74,8 @@ inline std::uint32_t covered_row(
 	return from < to ? ~0u << from & ~0u >> (32 - to) : 0;
 }
 
-/// The sub-squares that a point's disk covers in the 16 cells of its neighborhood.
+/// For each of the 16 cells of a point's neighborhood, the sub-squares that the point's disk
+/// covers, one bit each.
 struct Cover {
 	alignas(64) std::uint64_t cells[16];
 };
@@ -78,7 +83,7 @@ struct Cover {
 using CoverBytes = hn::CappedTag<std::uint8_t, 64>;
 using CoverCells = hn::RepartitionToWide<hn::RepartitionToWide<hn::RepartitionToWide<CoverBytes>>>;
 
-/// Transposes columns of cells, each starting at the lowest row, into rows of four.
+/// Transposes columns of cells, lowest row first, into rows of four cells.
 template <class V>
 HWY_INLINE void store_by_rows(const V *columns, Cover &r_cover) {
 	const CoverCells d;
@@ -110,8 +115,9 @@ HWY_INLINE void store_by_rows(const V *columns, Cover &r_cover) {
 	}
 }
 
-/// Handles all rows of sub-squares at once, one byte each. Finds where the covered ones begin and end, then the bits between for each
-/// column of cells.
+/// Computes the covered sub-squares around a point. Many rows of sub-squares are processed at once,
+/// one byte each. The function finds where the covered part of each row begins and ends, and then
+/// the bits in between for each column of cells.
 HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 	const CoverRows rows(around.x, around.y);
 	if constexpr (is_plain || HWY_TARGET == HWY_SSE2) {
@@ -123,7 +129,7 @@ HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 		const hn::RebindToSigned<CoverBytes> di;
 		const hn::RebindToSigned<decltype(du)> dh;
 		constexpr std::size_t lanes = hn::MaxLanes(du);
-		constexpr std::size_t at_once = hn::MaxLanes(d) / lanes; // Columns of cells in one vector.
+		constexpr std::size_t at_once = hn::MaxLanes(d) / lanes; // Number of columns of cells per vector.
 		alignas(16) static constexpr std::uint8_t last_bits[16] = {
 				0x00, 0x80, 0xc0, 0xe0, 0xf0, 0xf8, 0xfc, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff};
 		alignas(64) static constexpr auto column_of = [] {
@@ -150,7 +156,8 @@ HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 			const auto part = hn::LoadU(du, rows.part + row);
 			const auto is_less = hn::RebindMask(dh, hn::Eq(hn::Max(part, beyond), beyond));
 			const auto is_not_more = hn::RebindMask(dh, hn::Eq(hn::Min(part, short_of), part));
-			// How many bits, counted from a column's last one, lie at or above the begin and the end of the covered ones.
+			// The number of bits, counted from a column's last bit, at or above the start and the
+			// end of the covered range.
 			auto from = wide(hn::Add(hn::Add(whole, hn::Set(dh, static_cast<std::int8_t>(8 - rows.column))),
 					hn::VecFromMask(dh, is_less)));
 			auto to = wide(hn::Sub(hn::Sub(hn::Set(dh, static_cast<std::int8_t>(7 - rows.column)), whole),
@@ -169,16 +176,18 @@ HWY_INLINE void cover_of(const Neighborhood &around, Cover &r_cover) {
 	}
 }
 
-/// Finds covered children of many squares of quadtree levels above 3. Each square is cut into parts, 8 x 8 where the lattice allows. A
-/// part is covered when it lies in one disk. This ends slivers between disks that would otherwise be split many times.
+/// Finds the covered children of many squares at quadtree level 3 or deeper. Each square is divided
+/// into parts, 8 x 8 where the lattice allows. A part is covered if it lies within a single disk.
+/// Without this test, slivers between overlapping disks would be split many times.
 template <std::uint32_t room>
 class DeepCover {
 public:
-	/// `child_level` is the level of the children of the square with corner `origin`.
+	/// Adds a square. `origin` is its lower corner, and `child_level` is the level of its children.
 	HWY_INLINE void add(const LevelGrid &grid, std::uint32_t cell, std::uint32_t child_level, CellPosition origin) {
 		const std::uint32_t half = cell_size >> child_level;
 		const Neighborhood around(grid, cell, origin + half * (1 + cell_size));
-		// A disk that reaches the square comes within half the square's diagonal of its center.
+		// A disk can reach the square only if the distance between their centers is less than the
+		// radius plus half the square's diagonal.
 		const std::uint32_t reach = far + half + half / 2;
 		squares_[count_] = {around.first, static_cast<std::int32_t>(half) - around.x,
 				static_cast<std::int32_t>(half) - around.y,
@@ -186,7 +195,8 @@ public:
 		++count_;
 	}
 
-	/// Calls `found` for each square, with its index and one bit for each child that is known to be covered.
+	/// Calls `found(index, covered)` for each square. `covered` has one bit for each child that is
+	/// known to be covered.
 	template <class Found>
 	HWY_INLINE void finish(const LevelGrid &grid, const Found &found) {
 		const hn::CappedTag<std::int32_t, 8> di;
@@ -203,7 +213,7 @@ public:
 				const auto bit = static_cast<std::uint32_t>(std::countr_zero(near));
 				const CellPosition point =
 						LevelGrid::position_of(grid.point[square.first + (bit >> 2) * grid.stride + (bit & 3)]);
-				// The point, relative to the square's corner.
+				// The point's position relative to the square's corner.
 				const std::int32_t px = static_cast<std::int32_t>((bit & 3) * cell_size + position_x(point)) + square.x;
 				const std::int32_t py =
 						static_cast<std::int32_t>((bit >> 2) * cell_size + position_y(point)) + square.y;

@@ -7,16 +7,18 @@
 
 namespace thicket {
 
-/// Half the width of a point's disk in each row of sub-squares, as far as all lattice points of the row's part lie within the radius: the
-/// test of the paper's section 3.2, by the farthest corner. Stored as whole sub-squares and 256ths, both rounded down. Lines are indexed
-/// by the point's height in its own row, rounded so that no row is too wide.
+/// Half the width of a point's disk in each row of sub-squares. The width counts only where all
+/// lattice points of the row lie within the radius, which is the farthest-corner test of section
+/// 3.2 of the paper (White, Cline and Egbert, 2007). It is stored as whole sub-squares and 256ths,
+/// both rounded down. The rows of the table are indexed by the height of the point within its own
+/// row of sub-squares, rounded so that no width is too large.
 struct CoverTable {
 	static constexpr std::int32_t heights = 128;
 	static constexpr std::int32_t height_bits = sub_bits - 7;
-	static constexpr std::int32_t own_row =
-			19; ///< The largest distance of a point from the lowest row of its neighborhood, in rows.
+	/// The maximum distance of a point from the lowest row of its neighborhood, in rows.
+	static constexpr std::int32_t own_row = 19;
 	static constexpr std::int32_t rows = 40;
-	static constexpr std::int8_t none = -100; ///< The disk covers no sub-square of the row.
+	static constexpr std::int8_t none = -100; ///< Marks a row in which the disk covers no sub-square.
 
 	struct Line {
 		std::array<std::int8_t, rows> whole{};
@@ -42,7 +44,7 @@ constexpr CoverTable make_cover_table() {
 		CoverTable::Line &line = table.lines[static_cast<std::size_t>(height)];
 		line.whole.fill(CoverTable::none);
 		for (std::int32_t row = -12; row <= 12; ++row) {
-			// The farthest edge of the row, relative to the point.
+			// The distance from the point to the farther edge of the row.
 			const std::int32_t above = (row + 1) * size - 1 - lowest;
 			const std::int32_t below = highest - row * size;
 			const std::int32_t distance = above > below ? above : below;
@@ -62,10 +64,10 @@ alignas(64) inline constexpr CoverTable cover_table = make_cover_table();
 
 /// The rows of sub-squares around a point, relative to the lowest cell of its neighborhood.
 struct CoverRows {
-	const std::int8_t *whole; ///< 32 rows, from the lowest one.
+	const std::int8_t *whole; ///< Whole sub-squares of half the width, for 32 rows, lowest first.
 	const std::uint8_t *part;
 	std::int32_t column; ///< The column that contains the point.
-	std::int32_t beyond; ///< How far the point lies beyond the column's edge, in 256ths, rounded down.
+	std::int32_t beyond; ///< Offset of the point from the column's edge, in 256ths, rounded down.
 
 	CoverRows(std::int32_t x, std::int32_t y) : column(x >> sub_bits), beyond(x >> (sub_bits - 8) & 0xff) {
 		constexpr std::int32_t size = 1 << sub_bits;
@@ -75,7 +77,7 @@ struct CoverRows {
 		part = line.part.data() + first;
 	}
 
-	/// The covered columns of a row, one bit each.
+	/// Returns the covered columns of a row, one bit each.
 	std::uint32_t bits(std::int32_t row) const {
 		const std::int32_t from = column - whole[row] + (beyond >= part[row] ? 1 : 0);
 		const std::int32_t to = column + whole[row] + (beyond + part[row] >= 256 ? 1 : 0);

@@ -1,4 +1,5 @@
-// Vector forms of dart.hpp with bit-identical results. Compiled once for each instruction set, by resolver.cpp.
+// Vector forms of the functions of dart.hpp, with bit-identical results. resolver.cpp compiles this
+// file once for each instruction set.
 #if defined(THICKET_DARTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_DARTS_INL
 #undef THICKET_DARTS_INL
@@ -21,12 +22,13 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Vectors are only emulated, so work that needs only a few of their lanes is done lane by lane.
+/// True if Highway only emulates vectors. Steps that need only a few lanes are then processed lane
+/// by lane.
 constexpr bool is_plain = HWY_TARGET == HWY_EMU128 || HWY_TARGET == HWY_SCALAR;
 
 template <class D, class M>
 HWY_INLINE std::uint32_t bits_of(D d, M mask) {
-	// Read back with the width of the write, because a wider load would wait for the store.
+	// Loads with the same width as the store, because a wider load would wait for the store.
 	using Bits = std::conditional_t<(hn::MaxLanes(D()) > 8), std::uint16_t, std::uint8_t>;
 	std::uint8_t bytes[8];
 	hn::StoreMaskBits(d, mask, bytes);
@@ -35,7 +37,7 @@ HWY_INLINE std::uint32_t bits_of(D d, M mask) {
 	return bits;
 }
 
-/// The mask given by the lowest bits of `bits`.
+/// Converts the lowest bits of `bits` to a mask.
 template <class D>
 HWY_INLINE hn::Mask<D> mask_of(D d, std::uint32_t bits) {
 	std::uint8_t bytes[8];
@@ -43,7 +45,7 @@ HWY_INLINE hn::Mask<D> mask_of(D d, std::uint32_t bits) {
 	return hn::LoadMaskBits(d, bytes);
 }
 
-/// High and low halves of the products of 32-bit lanes.
+/// Compute the high and low halves of the 64-bit products of 32-bit lanes.
 template <class V>
 struct Product {
 	V high;
@@ -60,7 +62,7 @@ HWY_INLINE Product<V> multiply(D d, V a, std::uint32_t b) {
 			hn::OddEven(hn::BitCast(d, hn::ShiftLeft<32>(odd)), hn::BitCast(d, even))};
 }
 
-/// The first two words of philox4x32.
+/// Returns the first two words of philox4x32.
 template <class V>
 struct RandomBits {
 	V first;
@@ -82,7 +84,8 @@ HWY_INLINE RandomBits<V> random_bits(D d, V c0, V c1, V c2, V c3, std::array<std
 	return {c0, c1};
 }
 
-/// `exponential` of dart.hpp, operation for operation. Multiplies and adds are never fused.
+/// Performs `exponential` of dart.hpp with vectors, operation for operation. Multiplications and
+/// additions are never fused.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE auto exponentials(D d, V random) {
 	const hn::RebindToSigned<D> di;
@@ -103,7 +106,8 @@ HWY_INLINE auto exponentials(D d, V random) {
 	return hn::Sub(hn::Mul(hn::ConvertTo(df, exponent), hn::Set(df, 0.693147180559945f)), ln_mantissa);
 }
 
-/// The repeating sequence 0, 1, 2, 3, 4: the column's part of the tags, for a vector that starts at any of five columns.
+/// The column part of the tags: the repeating sequence 0, 1, 2, 3, 4. A vector may start at any of
+/// the first five entries.
 constexpr auto column_tags = [] {
 	std::array<std::uint32_t, 4 + hn::MaxLanes(hn::ScalableTag<std::uint32_t>())> tags{};
 	for (std::uint32_t column = 0; column < tags.size(); ++column) {
@@ -112,7 +116,8 @@ constexpr auto column_tags = [] {
 	return tags;
 }();
 
-/// Throws the first darts of a row's cells from `begin` to `end`, except where a cell already has one.
+/// Throws the first darts of the cells [begin, end) of row `y`, except for cells that already have
+/// one.
 HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t begin, std::int32_t end) {
 	const hn::ScalableTag<std::uint32_t> d;
 	constexpr auto lanes = static_cast<std::int32_t>(hn::MaxLanes(d));
@@ -147,7 +152,8 @@ HWY_INLINE void throw_first_darts(LevelGrid &grid, std::int32_t y, std::int32_t 
 	}
 }
 
-/// Empties a grid and throws the first darts of its cells that lie in `wanted`. The border's time stays unknown.
+/// Clears a grid and throws the first darts of its cells that lie in `wanted`. The times of border
+/// cells stay unknown.
 HWY_INLINE void start_grid(LevelGrid &grid, const CellRect &wanted) {
 	const CellRect thrown{glm::max(wanted.min, grid.cells.min), glm::min(wanted.max, grid.cells.max)};
 	const glm::ivec2 size = grid.cells.size() + 2 * LevelGrid::border;
@@ -167,7 +173,7 @@ HWY_INLINE void start_grid(LevelGrid &grid, const CellRect &wanted) {
 	grid.thrown = thrown;
 }
 
-/// Throws the first darts of all cells that have none yet.
+/// Throws the first darts of all cells that do not have one yet.
 HWY_NOINLINE void throw_all(LevelGrid &grid) {
 	for (std::int32_t y = grid.cells.min.y; y < grid.cells.max.y; ++y) {
 		if (grid.thrown.min.y <= y && y < grid.thrown.max.y) {

@@ -6,7 +6,8 @@
 
 namespace thicket {
 
-/// For each set of eight places (one bit each): its first four places. If the set has fewer, its last one repeats.
+/// For each subset of eight places (one bit each), the first four places in the subset. If the
+/// subset has fewer, the last place repeats.
 inline constexpr auto empty_places = [] {
 	std::array<std::array<std::uint8_t, 4>, 256> table{};
 	for (std::uint32_t empty = 1; empty < 256; ++empty) {
@@ -19,7 +20,7 @@ inline constexpr auto empty_places = [] {
 	return table;
 }();
 
-/// For each set of eight places: how many places of the set precede each place.
+/// For each subset of eight places, the number of its places that precede each place.
 alignas(64) inline constexpr auto places_before = [] {
 	std::array<std::array<std::uint8_t, 8>, 256> table{};
 	for (std::uint32_t set = 0; set < 256; ++set) {

@@ -4,7 +4,7 @@ namespace thicket {
 
 namespace {
 
-/// Vector loads of a row may read this many cells past its end.
+/// Vector loads may read this many cells past the end of a row.
 constexpr std::uint32_t overread = 16;
 
 template <typename T>
@@ -19,7 +19,8 @@ void LevelGrid::reset(const CellRect &p_cells) {
 	const glm::ivec2 size = cells.size() + 2 * border;
 	stride = static_cast<std::uint32_t>(size.x);
 	const std::size_t count = std::size_t{stride} * static_cast<std::size_t>(size.y) + overread;
-	// Checks the last array, because after a failed allocation the first arrays may be larger than the others.
+	// Checks the array that is resized last, because a failed allocation may leave the earlier ones
+	// larger.
 	if (open.size() < count) {
 		time.resize(count);
 		dart.resize(count);

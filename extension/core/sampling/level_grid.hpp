@@ -11,7 +11,7 @@
 
 namespace thicket {
 
-/// A rectangle of cells, half-open.
+/// A half-open rectangle of cells: [min, max).
 struct CellRect {
 	glm::ivec2 min{0};
 	glm::ivec2 max{0};
@@ -24,7 +24,8 @@ struct CellRect {
 	friend constexpr bool operator==(const CellRect &, const CellRect &) = default;
 };
 
-/// The cells of the next coarser level that contain all points that can lie within that level's radius of the given cells.
+/// Returns the cells of the next coarser level whose points can be within that level's radius of the
+/// given cells.
 constexpr CellRect coarse_cells_around(const CellRect &cells) {
 	return {(cells.min >> 1) - 1, ((cells.max - 1) >> 1) + 2};
 }
@@ -32,12 +33,14 @@ constexpr CellRect coarse_cells_around(const CellRect &cells) {
 /// Maps an accepted dart to its rank in the progressive order.
 using RankFunction = std::uint32_t (*)(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
-/// The state of the race over a rectangle of cells of one level of the progressive order. Cells are stored by rows, with a border of
-/// `border` cells whose time is unknown. A chain that needs a border cell must start again in a larger grid.
+/// The state of the process in a rectangle of cells at one level of the progressive order. Cells
+/// are stored in row order, surrounded by `border` cells whose time is unknown. If a chain of
+/// dependent darts needs a border cell, the block must be resolved again in a larger grid.
 struct LevelGrid {
-	static constexpr std::int32_t border = 2; ///< How many cells a disk can reach beyond its own cell.
+	static constexpr std::int32_t border = 2; ///< The number of cells by which a disk can extend beyond its own cell.
 
-	/// A point's offset from the center of its cell: x in the low 16 bits, y in the high ones, both signed.
+	/// A point's offset from the center of its cell: x in the low 16 bits, y in the high 16 bits,
+	/// both signed.
 	using PointOffset = std::int32_t;
 	static constexpr PointOffset no_point = 0x7fff7fff;
 
@@ -52,14 +55,15 @@ struct LevelGrid {
 		return ((bits + half) & cell_mask) | (((bits >> 16) + half) & cell_mask) << lattice_bits;
 	}
 
-	/// The reason why a cell is visited again.
+	/// The reason why the resolver visits a cell again.
 	enum Listing : std::uint8_t {
 		unlisted,
-		requested, ///< The cell is in `wanted`, for a cell that it blocks.
+		requested, ///< The cell is in `wanted`, because its dart blocks a dart of a different cell.
 		in_region, ///< The cell belongs to the region that is being decided.
 	};
 
-	/// A cell whose darts must be decided up to a time, and a cell whose earlier dart blocked it, or `sentinel`.
+	/// A cell whose darts must be decided up to a time. `blocker` is the cell whose earlier dart
+	/// blocked it, or `sentinel`.
 	struct Wanted {
 		std::uint32_t cell;
 		TimeKey until;
@@ -72,37 +76,42 @@ struct LevelGrid {
 	std::uint32_t level = 0;
 	std::uint32_t levels = 1;
 	RankFunction rank = nullptr;
-	LevelGrid *coarser = nullptr; ///< The level whose points are placed here from the start. Null for the coarsest.
+	/// The grid of the next coarser level, whose points are also points of this level. Null for the
+	/// coarsest level.
+	LevelGrid *coarser = nullptr;
 
-	CellRect cells;           ///< Without the border.
+	CellRect cells;           ///< The cells without the border.
 	std::uint32_t stride = 0; ///< Offset from one row to the next, in cells.
-	CellRect thrown;          ///< Cells whose first darts are thrown. All other cells have time_unthrown.
+	CellRect thrown;          ///< Cells whose first dart has been thrown. All other cells have time_unthrown.
 
-	std::vector<TimeKey> time;          ///< Time of the cell's next dart; time_never once the cell is decided.
-	std::vector<std::uint32_t> dart;    ///< The next dart; the rank once the cell has a point.
+	std::vector<TimeKey> time;          ///< Time of the cell's next dart, or time_never if the cell is decided.
+	std::vector<std::uint32_t> dart;    ///< The next dart, or the rank if the cell has a point.
 	std::vector<PointOffset> point;     ///< The accepted position, or no_point.
-	std::vector<std::uint32_t> waiting; ///< The cell's slot in `waiting_squares`; 0 if it has none.
-	std::vector<std::uint64_t> open;    ///< 8 x 8 sub-squares by rows, one bit each: not known to be covered.
-	/// Whether all points of coarser levels near the cell are placed. Unused without a coarser level.
+	std::vector<std::uint32_t> waiting; ///< The cell's slot in `waiting_squares`, or 0 if it has none.
+	std::vector<std::uint64_t> open;    ///< 8 x 8 sub-squares in row order. A set bit means not known to be covered.
+	/// True if all points of coarser levels near the cell have been copied. Unused if there is no
+	/// coarser level.
 	std::vector<std::uint8_t> ready;
 
 	WaitingSquares waiting_squares;
-	std::uint32_t sentinel = 0; ///< An entry beyond all cells that throws no darts.
+	std::uint32_t sentinel = 0; ///< Index of an extra entry, beyond all cells, that throws no darts.
 
 	std::vector<Listing> listed;
-	std::vector<std::uint32_t> requester; ///< For a requested cell: the cell that it blocks.
-	std::vector<Wanted> wanted;           ///< Cells to check in the next round.
-	std::vector<Wanted> round;            ///< Cells to check in this round.
-	std::vector<std::uint32_t> due;       ///< Cells to check in a pass.
+	/// 8 x 8 sub-squares in row order. A set bit means that the sub-square is not known to be
+	/// covered.
+	std::vector<std::uint32_t> requester;
+	std::vector<Wanted> wanted;     ///< Cells to check in the next round.
+	std::vector<Wanted> round;      ///< Cells to check in this round.
+	std::vector<std::uint32_t> due; ///< Cells of a row to check in a pass.
 	Splits splits;
-	std::uint32_t undecided = nowhere; ///< The cell that depends on a dart outside the grid.
+	std::uint32_t undecided = nowhere; ///< The cell that depends on a dart outside the grid, or `nowhere`.
 	static constexpr std::uint32_t nowhere = 0;
 
 	std::uint64_t accepted = 0;
 	std::uint64_t darts = 0;
 	std::uint64_t squares = 0;
 
-	/// Prepares the grid for `p_cells`, reusing memory. The resolver sets the contents of the arrays.
+	/// Resizes the grid for `p_cells` and reuses its memory. The resolver initializes most arrays.
 	void reset(const CellRect &p_cells);
 
 	std::uint32_t index_of(glm::ivec2 cell) const {

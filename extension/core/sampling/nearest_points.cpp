@@ -15,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-/// Points in square buckets with sides of one radius.
+/// Points sorted into square buckets that are one radius wide.
 class Buckets {
 public:
 	Buckets(const std::vector<SamplePoint> &points, const Rect &area, double side) :
@@ -32,7 +32,7 @@ public:
 		}
 	}
 
-	/// The point nearest to a position. A point must lie within a radius of it.
+	/// Returns the point nearest to `place`. There must be a point within a radius of it.
 	const SamplePoint &nearest(glm::dvec2 place) const {
 		double squared = std::numeric_limits<double>::infinity();
 		std::size_t best = 0;
@@ -70,8 +70,8 @@ private:
 	double side_;
 	std::ptrdiff_t across_ = 1;
 	std::ptrdiff_t down_ = 1;
-	std::vector<std::size_t> first_; ///< The first point of each bucket.
-	std::vector<std::size_t> next_;  ///< The next point after each point.
+	std::vector<std::size_t> first_; ///< Index of the first point of each bucket.
+	std::vector<std::size_t> next_;  ///< Index of the next point in the same bucket.
 };
 
 Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
@@ -80,7 +80,7 @@ Status find(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec
 	if (!area.finite()) {
 		return {ErrorCode::not_finite, "places", std::isfinite(area.min.x) ? area.min.y : area.min.x};
 	}
-	const glm::dvec2 reach(1.001 * set.radius); // 0.1 % more, for rounding.
+	const glm::dvec2 reach(1.001 * set.radius); // Adds 0.1 % to allow for rounding.
 	area = {area.min - reach, area.max + reach};
 	std::vector<SamplePoint> points;
 	if (const Status status = sampler.sample(set, area, points); !status.ok()) {

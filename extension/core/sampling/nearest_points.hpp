@@ -12,14 +12,17 @@
 
 namespace thicket {
 
-/// The smallest rectangle that contains all positions, including its far edges. Not finite if a position is not. Requires at least one
+/// Returns the smallest rectangle that contains all positions; positions may lie on its far edges.
+/// If a position is not finite, the rectangle is not finite either. There must be at least one
 /// position.
 Rect enclosing_rect(std::span<const glm::dvec2> places);
 
-/// Finds the nearest point of a set for each of some positions (world meters). Each is closer than the radius, because otherwise a
-/// further point would fit. Of two points at the same distance, the one with the smaller id is chosen. Replaces `r_points`, which is
-/// empty after an error. The positions should lie close together, because all points around them are sampled. Fails like
-/// TileSampler::sample, and refuses positions that are not finite.
+/// Finds the point of `set` that is nearest to each position (world meters). It is always closer
+/// than the radius, because otherwise another point would fit. If two points are equally near, the
+/// one with the smaller id is found. Replaces the contents of `r_points`, which is empty after an
+/// error. The positions should lie close together, because the call samples the whole rectangle
+/// around them. Errors are those of TileSampler::sample(), and ErrorCode::not_finite if a position
+/// is not finite.
 Status nearest_points(TileSampler &sampler, const PointSet &set, std::span<const glm::dvec2> places,
 		std::vector<SamplePoint> &r_points);
 

@@ -1,4 +1,5 @@
-// Reads all cells that a disk can reach together. Compiled once for each instruction set, by resolver.cpp.
+// Reads, in a single step, all cells that a disk can reach. resolver.cpp compiles this file once
+// for each instruction set.
 #if defined(THICKET_NEIGHBORHOOD_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_NEIGHBORHOOD_INL
 #undef THICKET_NEIGHBORHOOD_INL
@@ -22,12 +23,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::int32_t side = static_cast<std::int32_t>(cell_size);
 
-/// A disk's radius is less than one and a half cells. The disk therefore reaches, on each axis, two cells beyond its
-/// own on the near side and one on the far side: 4 x 4 cells, which fill one vector of 16 lanes or a few smaller ones,
-/// row by row.
+/// The 4 x 4 cells that a disk can reach. The radius is less than one and a half cells. On each
+/// axis, the disk therefore reaches up to two cells beyond its own on the nearer side, and one cell
+/// on the farther side. In row order, these cells fill one vector of 16 lanes or a few narrower
+/// ones.
 struct Neighborhood {
-	std::uint32_t first; ///< Index of the lowest cell.
-	std::int32_t x;      ///< The disk's center, relative to the lowest cell's corner: 1.5 to 2.5 cells.
+	std::uint32_t first; ///< Index of the cell at the lower corner.
+	std::int32_t x;      ///< The disk's center, relative to the lower corner: 1.5 to 2.5 cells, in lattice units.
 	std::int32_t y;
 
 	Neighborhood(const LevelGrid &grid, std::uint32_t cell, CellPosition center) {
@@ -40,14 +42,16 @@ struct Neighborhood {
 };
 
 using BlockLanes = hn::CappedTag<std::int32_t, 16>;
-using HalfLanes = hn::Repartition<std::int16_t, BlockLanes>; ///< x in the even lanes, y in the odd ones.
+/// Lanes for both coordinates: x in the even lanes, y in the odd ones.
+using HalfLanes = hn::Repartition<std::int16_t, BlockLanes>;
 using BlockWords = hn::Vec<BlockLanes>;
 using BlockHalves = hn::Vec<HalfLanes>;
 using BlockMask = hn::Mask<BlockLanes>;
 constexpr std::size_t block_lanes = hn::MaxLanes(BlockLanes());
 constexpr std::int32_t radius2 = static_cast<std::int32_t>(radius_squared);
 
-/// Centers of the 16 cells, relative to the lowest cell's corner: x in the low half, y in the high one.
+/// Centers of the 16 cells, relative to the lower corner of the neighborhood: x in the low half, y
+/// in the high half.
 alignas(64) constexpr auto block_centers = [] {
 	std::array<std::uint32_t, 16> centers{};
 	for (std::uint32_t cell = 0; cell < 16; ++cell) {
@@ -68,8 +72,9 @@ HWY_INLINE hn::Vec<D> load_rows(D d, const T *from, std::size_t stride) {
 	}
 }
 
-/// The cells' centers from `lane` on, relative to the disk's center. Offsets fit 16 bits except for one lane in thousands, which wraps to
-/// the other side at the same distance.
+/// Returns the centers of the cells from `lane` onward, relative to the disk's center. Nearly all
+/// offsets fit in 16 bits. An offset that does not fit wraps around to the opposite side, at the
+/// same distance.
 HWY_INLINE BlockHalves centers_from(const Neighborhood &around, std::size_t lane) {
 	const BlockLanes d;
 	const HalfLanes d16;
@@ -82,8 +87,9 @@ HWY_INLINE BlockWords squared_length(BlockHalves offset) {
 	return hn::WidenMulPairwiseAdd(BlockLanes(), offset, offset);
 }
 
-/// The cells, other than its own, that the disk of a dart reaches. Used where a vector has a lane for each of them, because computing
-/// them is then faster than `reached_cells`.
+/// Returns the cells, other than the dart's own, that the dart's disk reaches. Only targets with
+/// vectors of 16 lanes use this function, because there it is faster than the table behind
+/// `reached_cells`.
 HWY_INLINE BlockMask all_reached_cells(BlockHalves centers) {
 	const BlockLanes d;
 	const HalfLanes d16;
@@ -95,14 +101,15 @@ HWY_INLINE BlockMask all_reached_cells(BlockHalves centers) {
 	return hn::And(hn::Lt(distance2, hn::Set(d, radius2)), hn::Gt(distance2, hn::Zero(d)));
 }
 
-/// Squared distances of the points of the cells, as far as they fit. The value is meaningless where a cell has no point.
+/// Returns the squared distances from the disk's center to the points of the cells, saturated to
+/// the lane width. The value is meaningless for a cell without a point.
 HWY_INLINE BlockWords distances_to(BlockWords points, BlockHalves centers) {
 	const HalfLanes d16;
 	const auto offset = hn::SaturatedAdd(hn::BitCast(d16, points), centers);
 	return squared_length(hn::Max(offset, hn::Set(d16, -32767)));
 }
 
-/// Checks the cells and points around a dart of `cell`.
+/// Checks the cells and points that the disk of a dart of `cell` can reach.
 HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position, TimeKey time) {
 	const BlockLanes d;
 	const Neighborhood around(grid, cell, position);
@@ -129,7 +136,8 @@ HWY_INLINE Verdict look_around(const LevelGrid &grid, std::uint32_t cell, CellPo
 	return {conflict, blocked};
 }
 
-/// The earliest next dart of the cells that the disk of a dart of `cell` reaches.
+/// Returns the earliest time of the next darts of the cells that the disk of a dart of `cell`
+/// reaches.
 HWY_INLINE TimeKey earliest_around(const LevelGrid &grid, std::uint32_t cell, CellPosition position) {
 	const BlockLanes d;
 	const Neighborhood around(grid, cell, position);
@@ -150,7 +158,8 @@ HWY_INLINE TimeKey earliest_around(const LevelGrid &grid, std::uint32_t cell, Ce
 	return static_cast<TimeKey>(hn::GetLane(hn::MinOfLanes(d, earliest)));
 }
 
-/// The points of the neighborhood whose squared distance to its center is below `limit`, one bit per cell.
+/// Returns the points whose squared distance to the disk's center is below `limit`, one bit per
+/// cell.
 HWY_INLINE std::uint32_t points_near(const LevelGrid &grid, const Neighborhood &around, std::int32_t limit) {
 	const BlockLanes d;
 	std::uint32_t near = 0;

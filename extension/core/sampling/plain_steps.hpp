@@ -10,20 +10,22 @@
 #include <cstdint>
 #include <cstdlib>
 
-// Steps of the resolver for processors without vectors, where visiting only the existing entries is faster than visiting all lanes. The
-// results are bit-identical to the vector forms of the same names.
+// Scalar steps of the resolver for processors without vectors. There, visiting only the entries
+// that exist is faster than visiting all lanes. The results are bit-identical to those of the
+// vector functions with the same names.
 
 namespace thicket {
 
-/// The result of checking around a dart.
+/// The result of checking the neighborhood of a dart.
 struct Verdict {
-	bool conflict; ///< An accepted point lies within the radius.
-	bool blocked;  ///< One of the other cells that the dart's disk reaches has an earlier dart.
+	bool conflict; ///< An accepted point lies within the radius of the dart.
+	bool blocked;  ///< A different cell that the dart's disk reaches has an earlier dart.
 };
 
 namespace plain {
 
-/// Distances are clamped to this value: the sum of two squares still fits 31 bits, and one square exceeds radius^2.
+/// Distances are clamped to this value. The sum of two squares of it still fits in 31 bits, and one
+/// square exceeds radius^2.
 constexpr std::int32_t farthest = 23171;
 
 constexpr std::int32_t square(std::int32_t distance) {
@@ -31,7 +33,8 @@ constexpr std::int32_t square(std::int32_t distance) {
 	return capped * capped;
 }
 
-/// Checks around a dart at (x, y), relative to the corner of the lowest of the 4 x 4 cells that its disk can reach.
+/// Checks the neighborhood of a dart at (x, y), relative to the lower corner of the 4 x 4 cells
+/// that its disk can reach.
 inline Verdict look_around(
 		const LevelGrid &grid, std::uint32_t lowest, CellPosition dart, std::int32_t x, std::int32_t y, TimeKey time) {
 	constexpr auto side = static_cast<std::int32_t>(cell_size);
@@ -57,7 +60,8 @@ inline Verdict look_around(
 	return {false, (earlier & reached) != 0};
 }
 
-/// Transposes eight rows of four bytes into four cells of eight bytes, two rows in a word.
+/// Transposes eight rows of four bytes into four cells of eight bytes. Each 64-bit word contains
+/// two rows.
 inline void rows_to_cells(const std::uint32_t *rows, std::uint64_t *r_cells) {
 	constexpr std::uint64_t bytes = 0x00ff00ff00ff00ff;
 	constexpr std::uint64_t pairs = 0x0000ffff0000ffff;
@@ -75,7 +79,7 @@ inline void rows_to_cells(const std::uint32_t *rows, std::uint64_t *r_cells) {
 	r_cells[3] = (odd[0] >> 16 & pairs) | (odd[1] & ~pairs);
 }
 
-/// The sub-squares that a point covers in the 4 x 4 cells around it.
+/// Computes the sub-squares that a point's disk covers in the 4 x 4 cells around it.
 inline void cover_of(const CoverRows &around, std::uint64_t *r_cells) {
 	std::uint32_t rows[32];
 	for (std::int32_t row = 0; row < 32; ++row) {
@@ -86,7 +90,7 @@ inline void cover_of(const CoverRows &around, std::uint64_t *r_cells) {
 	}
 }
 
-/// Removes the area that a new point covers from the open sub-squares of the 4 x 4 cells around it.
+/// Closes the sub-squares that a new point covers in the 4 x 4 cells around it.
 inline void stamp(LevelGrid &grid, std::uint32_t lowest, const std::uint64_t *cover) {
 	for (std::uint32_t i = 0; i < 16; ++i) {
 		const std::uint32_t cell = lowest + i / 4 * grid.stride + i % 4;
@@ -97,7 +101,8 @@ inline void stamp(LevelGrid &grid, std::uint32_t lowest, const std::uint64_t *co
 	}
 }
 
-/// The children of the square at `place` that have a sub-square not known to be covered, one bit each.
+/// Returns the children of the square at `place` that have a sub-square not known to be covered,
+/// one bit each.
 inline std::uint64_t open_children(std::uint32_t place, std::uint64_t open) {
 	const std::uint32_t level = dart_level(place);
 	if (level >= static_cast<std::uint32_t>(lattice_bits)) {
@@ -114,7 +119,7 @@ inline std::uint64_t open_children(std::uint32_t place, std::uint64_t open) {
 	return bit(0, 1) | bit(step, 2) | bit(8 * step, 4) | bit(9 * step, 8);
 }
 
-/// Sorts rejected cells by the result for their squares; see splits-inl.hpp.
+/// Sorts rejected cells by the open children of their squares; see splits-inl.hpp.
 inline void sort_by_children(
 		const LevelGrid &grid, const Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
 	constexpr std::uint32_t first_deep = 3;

@@ -10,8 +10,9 @@ constexpr std::uint32_t stage_table[rank_stages][rank_knots] = {
 #include "core/sampling/rank_tables.inc"
 };
 
-/// Points per radius^2 of a set, by number of levels: 4 / pi times the jamming coverage 0.547070 for one level, otherwise as measured
-/// along with rank_tables.inc.
+/// Points per squared radius, indexed by the number of levels minus one. For one level, this is 4 /
+/// pi times the jamming coverage 0.547070. The other values were measured together with
+/// rank_tables.inc.
 constexpr std::array<double, max_levels> densities = {
 		0.696551,
 		0.710752,
@@ -25,7 +26,7 @@ constexpr std::array<double, max_levels> densities = {
 
 constexpr std::uint64_t full = std::uint64_t{1} << 32;
 
-/// ends[levels - 1][level]: the rank at which a level ends.
+/// Computes ends[levels - 1][level], the rank at which a level ends.
 constexpr auto make_level_ends() {
 	std::array<std::array<std::uint64_t, max_levels + 1>, max_levels> ends{};
 	for (std::uint32_t levels = 1; levels <= max_levels; ++levels) {
@@ -42,7 +43,8 @@ constexpr auto make_level_ends() {
 
 constexpr auto level_ends = make_level_ends();
 
-/// Share of a stage, in 2^-32, whose time lies before `time`. Linear between the knots, and also below the first one.
+/// Returns the share of a stage's points, in units of 2^-32, whose time is before `time`. The share
+/// is interpolated linearly between knots, and from 0 to the first knot.
 std::uint32_t share_before(std::uint32_t stage, TimeKey time) {
 	const auto &table = stage_table[stage < rank_stages ? stage : rank_stages - 1];
 	const std::uint32_t knot = rank_knot(time);

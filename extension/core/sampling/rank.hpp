@@ -6,23 +6,25 @@
 
 namespace thicket {
 
-/// The position of an accepted dart in the progressive order, as a fraction of 2^32: the share of the whole set whose
-/// (level, time) comes before. Levels go from coarse (levels - 1) to fine (0). The rank is read from tables that are
-/// valid for every seed and radius, because the process has no scale. Never decreases along that order.
+/// Returns the rank of an accepted dart in the progressive order. The rank is the share of the
+/// whole set that comes before (level, time), as a fraction of 2^32. Levels go from coarse (levels
+/// - 1) to fine (level 0). Ranks never decrease along this order. They come from tables that are
+/// valid for every seed and radius, because the process is scale-invariant.
 std::uint32_t rank_of(std::uint32_t levels, std::uint32_t level, TimeKey time);
 
-/// The level at which a point of this rank was placed.
+/// Returns the level at which a point of this rank was placed.
 std::uint32_t level_of_rank(std::uint32_t levels, std::uint32_t rank);
 
-/// The tables have a stage for each of the coarsest levels. Finer levels use the last stage.
+/// The number of tables: one for each of the coarsest levels. Finer levels share the last table.
 inline constexpr std::uint32_t rank_stages = 4;
 
-/// There are 32 knots per octave of time, from 2^-16 to 2^33. No clock of a lattice square runs longer.
+/// The tables have 32 knots per octave of time, from 2^-16 to 2^33. No clock of a lattice square
+/// runs longer than that.
 inline constexpr std::uint32_t rank_knot_shift = 18;
 inline constexpr TimeKey first_rank_knot = (127u - 16u) << 23;
 inline constexpr std::uint32_t rank_knots = (33u + 16u) << (23 - rank_knot_shift);
 
-/// The first knot after `time`, or rank_knots if there is none.
+/// Returns the index of the first knot after `time`, or rank_knots if there is none.
 constexpr std::uint32_t rank_knot(TimeKey time) {
 	if (time < first_rank_knot) {
 		return 0;

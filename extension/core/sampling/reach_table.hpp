@@ -8,8 +8,9 @@
 
 namespace thicket {
 
-/// The cells of a 4 x 4 neighborhood, other than a dart's own, that the disk of a dart may reach: one bit each, by rows, for 32 x 32
-/// parts of the dart's cell. A superfluous cell only makes a dart wait longer than necessary; it changes no result.
+/// For each of 32 x 32 parts of a cell, the cells that the disk of a dart in that part may reach.
+/// The cells are bits of the 4 x 4 neighborhood, in row order, without the dart's own cell. An
+/// extra cell only makes a dart wait longer than necessary and never changes a result.
 struct ReachTable {
 	static constexpr std::uint32_t part_bits = lattice_bits - 5;
 	std::array<std::uint16_t, 32 * 32> cells{};
@@ -22,8 +23,9 @@ struct ReachTable {
 constexpr ReachTable make_reach_table() {
 	constexpr auto side = static_cast<std::int32_t>(cell_size);
 	constexpr std::int32_t part = 1 << ReachTable::part_bits;
-	// The gap on one axis between the part and a cell of the neighborhood. The neighborhood begins two cells below the dart's own if the
-	// dart is in the lower half of its cell, else one.
+	// Returns the gap on one axis between the part and a cell of the neighborhood. The neighborhood
+	// starts two cells below the dart's cell if the dart is in the lower half of its cell,
+	// otherwise one cell below.
 	const auto gap = [](std::int32_t first, std::int32_t cell) {
 		const std::int32_t corner = (cell - (first < side / 2 ? 2 : 1)) * side;
 		const std::int32_t before = first - (corner + side - 1);

@@ -1,4 +1,4 @@
-// Compiled once for each instruction set, by resolver.cpp.
+// Resolves whole blocks of cells. resolver.cpp compiles this file once for each instruction set.
 #if defined(THICKET_RESOLVER_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_RESOLVER_INL
 #undef THICKET_RESOLVER_INL
@@ -21,29 +21,32 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Cells around a region for which the coarser level is decided along with the region itself. Most chains that leave
-/// the region then find the required points of that level. Otherwise they would have to follow the coarser level's
-/// chains in each of their rounds.
+/// Width, in cells, of the area around a region for which the coarser level is decided along with
+/// the region. Most chains of darts that leave the region then find the coarser points that they
+/// need. Otherwise, they would have to follow the coarser level's chains in each round.
 constexpr std::int32_t most_ahead = 4;
 
-/// Cells around a region whose first darts are thrown from the start. Chains rarely go farther. If a chain does, the
-/// first darts of all cells of the grid are thrown.
+/// Width, in cells, of the area around a region in which the first darts are thrown at the start.
+/// Chains rarely go farther. If one does, the resolver throws the first darts of all cells of the
+/// grid.
 constexpr std::int32_t thrown_around = 12;
 
 struct Pass {
-	float end;           ///< The time up to which it decides.
-	std::int32_t around; ///< Cells around the region that are decided along with it; at most `most_ahead`.
+	float end;           ///< The pass decides darts up to this time.
+	std::int32_t around; ///< Number of cells on each side of the region that are also decided, at most `most_ahead`.
 };
 
-/// The passes of `resolve_region`. Their ends double while much is left to cover, and then grow faster, because each
-/// pass visits all cells. Nearly every early dart around a region is needed by some chain. Deciding all of them in a
-/// row costs less than following one chain after the other.
+/// The passes of `resolve_region`. The end times double while much area is uncovered, and then grow
+/// faster, because each pass visits all cells. Some chain needs nearly every early dart around a
+/// region. Deciding all of them row by row therefore costs less than following the chains one after
+/// another.
 constexpr Pass passes[] = {{0.125f, 4}, {0.25f, 4}, {0.5f, 3}, {1.0f, 2}, {2.0f, 1}, {4.0f, 1}, {8.0f, 0}, {32.0f, 0},
 		{std::numeric_limits<float>::infinity(), 0}};
 static_assert(std::ranges::all_of(
 		passes, [](const Pass &pass) { return pass.around <= std::min(most_ahead, thrown_around); }));
 
-/// The cells of a row whose next dart is not later than `until`.
+/// Returns the cells of a row whose next dart is not later than `until`. The list is valid until
+/// the next call.
 HWY_INLINE std::span<const std::uint32_t> find_due(
 		LevelGrid &grid, std::uint32_t first, std::uint32_t count, TimeKey until) {
 	const hn::ScalableTag<std::int32_t> d;
@@ -69,8 +72,8 @@ HWY_INLINE std::span<const std::uint32_t> find_due(
 	return {grid.due.data(), found};
 }
 
-/// Clears the marks of the previous pass, and marks the cells that this pass always visits. No cell outside these is
-/// listed.
+/// Clears the marks of the previous pass, and marks the cells that this pass always visits. All
+/// other cells must be unlisted.
 HWY_INLINE void list_region(LevelGrid &grid, const CellRect &before, const CellRect &region) {
 	const auto mark = [&](const CellRect &cells, LevelGrid::Listing listing) {
 		for (std::int32_t y = cells.min.y; y < cells.max.y; ++y) {
@@ -81,7 +84,8 @@ HWY_INLINE void list_region(LevelGrid &grid, const CellRect &before, const CellR
 	mark(region, LevelGrid::in_region);
 }
 
-/// Decides the darts up to `until` of all cells of a region. Returns false if the grid is too small.
+/// Decides the darts up to the time `until` in all cells of a region. Returns false if the grid is
+/// too small.
 inline bool resolve_pass(LevelGrid *levels, std::uint32_t level, const CellRect &region, TimeKey until,
 		const std::atomic<bool> *cancel) {
 	LevelGrid &grid = levels[level];
@@ -108,15 +112,16 @@ inline bool resolve_pass(LevelGrid *levels, std::uint32_t level, const CellRect 
 	return resolve_wanted(levels, level);
 }
 
-/// Decides all cells of a region of one level, starting with the early darts of all cells. The resulting points cover most of the
-/// remaining area, which then needs no check. The order changes no result.
+/// Decides all cells of a region at one level, starting with the early darts of all cells. Their
+/// points cover most of the remaining area, which then needs no checks. The order never affects the
+/// result.
 inline ResolveResult resolve_region(LevelGrid *levels, std::uint32_t level, const CellRect &region, std::int32_t ahead,
 		const std::atomic<bool> *cancel) {
 	LevelGrid &grid = levels[level];
 	grid.listed.assign(grid.open.size(), LevelGrid::unlisted);
 	grid.wanted.clear();
 	if (grid.coarser != nullptr) {
-		// Does the work for all cells together that make_ready would do for each requested cell.
+		// Performs for all cells at once what make_ready() would do for each requested cell.
 		make_region_ready(*grid.coarser, grid, region.grown(ahead));
 	}
 	CellRect listed;
@@ -141,7 +146,7 @@ inline ResolveResult resolve_block(
 		std::span<LevelGrid> levels, const CellRect &block, const std::atomic<bool> *cancel) {
 	const std::int32_t margin = block.min.x - levels.front().cells.min.x;
 	const std::int32_t ahead =
-			std::min(most_ahead, margin / 2); // Half of each level's margin holds the cells ahead on all finer ones.
+			std::min(most_ahead, margin / 2); // Half of each margin suffices for the extra cells of all finer levels.
 	for (std::size_t level = levels.size(); level-- > 0;) {
 		CellRect region = block;
 		for (std::size_t finer = 0; finer < level; ++finer) {

@@ -1,4 +1,5 @@
-// Decides cells in rounds, many at a time. Compiled once for each instruction set, by resolver.cpp.
+// Decides cells in rounds, many at a time. resolver.cpp compiles this file once for each
+// instruction set.
 #if defined(THICKET_ROUNDS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_ROUNDS_INL
 #undef THICKET_ROUNDS_INL
@@ -19,9 +20,9 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The neighbor that carries the tag of `key`, as an index.
+/// Returns the index of the neighbor whose tag is in `key`. `own` has the tag of `cell`.
 HWY_INLINE std::uint32_t tagged_neighbor(const LevelGrid &grid, std::uint32_t cell, TimeKey own, TimeKey key) {
-	static constexpr std::int8_t offset[9] = {1, 2, -2, -1, 0, 1, 2, -2, -1}; // Indexed by (difference mod 5), from -4.
+	static constexpr std::int8_t offset[9] = {1, 2, -2, -1, 0, 1, 2, -2, -1}; // Indexed by the tag difference + 4.
 	static constexpr std::uint8_t tag_x[32] = {
 			0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 4};
 	static constexpr std::uint8_t tag_y[32] = {
@@ -33,7 +34,8 @@ HWY_INLINE std::uint32_t tagged_neighbor(const LevelGrid &grid, std::uint32_t ce
 	return cell + static_cast<std::uint32_t>(dy * static_cast<std::int32_t>(grid.stride) + dx);
 }
 
-/// Marks the area that a new point's disk covers, and closes the cells that are left without an open sub-square.
+/// Marks the area that a new point's disk covers. Closes the cells that have no open sub-square
+/// left.
 HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position) {
 	const Neighborhood around(grid, cell, position);
 	Cover cover;
@@ -50,7 +52,7 @@ HWY_INLINE void stamp(LevelGrid &grid, std::uint32_t cell, CellPosition position
 			std::uint64_t *open = grid.open.data() + index;
 			const auto after = hn::AndNot(hn::Load(d, cover.cells + 4 * row + lane), hn::LoadU(d, open));
 			hn::StoreU(after, d, open);
-			// The border is closed from the start. Its time must stay unknown.
+			// Border cells have no open sub-squares, but their time must stay unknown.
 			const auto time = hn::LoadU(d32, grid.time.data() + index);
 			const auto closed =
 					hn::And(hn::DemoteMaskTo(d32, d, hn::Eq(after, hn::Zero(d))), hn::Ne(time, hn::Zero(d32)));
@@ -65,7 +67,8 @@ HWY_INLINE void place_point(LevelGrid &grid, std::uint32_t cell, CellPosition po
 	stamp(grid, cell, position);
 }
 
-/// Decides the wanted cells of a level. Returns false if a dart outside its grid could interfere.
+/// Decides the wanted cells of a level. Returns false if the result could depend on a dart outside
+/// the level's grid.
 bool resolve_wanted(LevelGrid *levels, std::uint32_t level);
 
 HWY_INLINE void want(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
@@ -82,7 +85,7 @@ HWY_INLINE void hand_down(const LevelGrid &coarse, glm::ivec2 cell, LevelGrid &g
 		return;
 	}
 	const CellPosition position = LevelGrid::position_of(coarse.point[source]);
-	// A coarse unit is two fine ones.
+	// One coarse unit equals two fine units.
 	const std::uint32_t x = 2 * position_x(position);
 	const std::uint32_t y = 2 * position_y(position);
 	const glm::ivec2 target = 2 * cell + glm::ivec2(x >> lattice_bits, y >> lattice_bits);
@@ -95,8 +98,8 @@ HWY_INLINE void hand_down(const LevelGrid &coarse, glm::ivec2 cell, LevelGrid &g
 	}
 }
 
-/// Copies all points of the coarser levels that can reach the cells of `region` into the grid. The coarser level must be decided around
-/// them.
+/// Copies all coarser points that can reach the cells of `region` into the grid. The coarser level
+/// must be decided around these cells.
 inline void make_region_ready(const LevelGrid &coarse, LevelGrid &grid, const CellRect &region) {
 	const CellRect parents = coarse_cells_around(region);
 	for (std::int32_t y = parents.min.y; y < parents.max.y; ++y) {
@@ -109,8 +112,9 @@ inline void make_region_ready(const LevelGrid &coarse, LevelGrid &grid, const Ce
 	}
 }
 
-/// Copies the points of the coarser levels that can reach the cells of `items`, and their siblings in the coarse cells, into the grid.
-/// Decides all required cells of the coarser level together. Returns false if a dart outside its grid could interfere.
+/// Copies the coarser points that can reach the cells of `items`, or their siblings in the same
+/// coarse cells, into the grid. Decides all required coarse cells together. Returns false if the
+/// result could depend on a dart outside the coarse grid.
 inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &items) {
 	LevelGrid &grid = levels[level];
 	LevelGrid &coarse = levels[level + 1];
@@ -120,7 +124,7 @@ inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &item
 	for (std::uint32_t i = 0; i < items.count; ++i) {
 		const std::uint32_t cell = cell_of(items.items[i]);
 		if (grid.ready[cell] != 0) {
-			// The points that can reach the cell are already placed.
+			// The points that can reach the cell are already copied.
 			continue;
 		}
 		const glm::ivec2 parent = grid.cell_of(cell) >> 1;
@@ -160,13 +164,13 @@ inline bool make_ready(LevelGrid *levels, std::uint32_t level, const Group &item
 	return true;
 }
 
-/// Removes a cell from the list unless it belongs to the region.
+/// Clears the mark of a requested cell. Cells of the region stay marked.
 HWY_INLINE void unlist(LevelGrid &grid, std::uint32_t cell) {
 	LevelGrid::Listing &listed = grid.listed[cell];
 	listed = listed == LevelGrid::requested ? LevelGrid::unlisted : listed;
 }
 
-/// Requests a cell outside the region that blocks another cell.
+/// Adds a cell that blocks `requester` to the wanted cells, unless it is listed already.
 HWY_INLINE void request(LevelGrid &grid, std::uint32_t cell, std::uint32_t requester, TimeKey until) {
 	if (grid.listed[cell] == LevelGrid::unlisted) {
 		grid.listed[cell] = LevelGrid::requested;
@@ -175,7 +179,8 @@ HWY_INLINE void request(LevelGrid &grid, std::uint32_t cell, std::uint32_t reque
 	}
 }
 
-/// Leaves a blocked cell for the next round, and requests the cell that blocks it.
+/// Defers a blocked cell to the next round, and requests the cell that blocks it. Returns false if
+/// the blocking dart may lie outside the grid.
 HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	const TimeKey time = grid.time[cell];
 	TimeKey earliest = earliest_around(grid, cell, dart_position(grid.dart[cell]));
@@ -193,9 +198,11 @@ HWY_INLINE bool wait(LevelGrid &grid, std::uint32_t cell, TimeKey until) {
 	return true;
 }
 
-/// Decides one dart of each of the cells of `work`. The decisions are independent: a dart is accepted only if all other cells that its
-/// disk reaches have later darts, and it is rejected only by an accepted point. Blocked cells go to grid.wanted, along with the cells
-/// that block them. Cells whose next dart is due stay in `work`. Returns false if a dart outside the grid could interfere.
+/// Decides one dart of each cell of `work`. The decisions are independent. A dart is accepted only
+/// if all other cells that its disk reaches have later darts. It is rejected only because of an
+/// accepted point. Blocked cells, and the cells that block them, are added to grid.wanted. Cells
+/// whose next dart is due stay in `work`. Returns false if the result could depend on a dart
+/// outside the grid.
 template <bool from_list>
 HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	LevelGrid &grid = levels[level];
@@ -219,7 +226,7 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	grid.accepted += accepted.count;
 	for (std::uint32_t i = 0; i < blocked.count; ++i) {
 		const std::uint32_t cell = cell_of(blocked.items[i]);
-		if (grid.time[cell] == time_never) { // A new point covers it.
+		if (grid.time[cell] == time_never) { // A new point covers the cell.
 			unlist(grid, cell);
 		} else if (!wait(grid, cell, until_of(blocked.items[i]))) {
 			return false;
@@ -241,9 +248,11 @@ HWY_NOINLINE bool decide(LevelGrid *levels, std::uint32_t level, Work &work) {
 	return true;
 }
 
-/// Sorts the cells of grid.round from `next` on, as many as fit into `r_work`. Drops cells that are decided, and cells whose requester
-/// was decided in a different way, so that the chain need not be followed. Cells that are still blocked wait for the next round. The
-/// outcome is unpredictable, so the loop has no branch on it.
+/// Sorts the cells of grid.round, starting at `next`, as many as fit into `r_work`. Returns the
+/// index after the last sorted cell. Decided cells are dropped. Cells whose requester has been
+/// decided in the meantime are dropped, too, because its chain is no longer needed. Cells that are
+/// still blocked wait for the next round. The outcomes are unpredictable, so the loop does not
+/// branch on them.
 HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_work) {
 	LevelGrid::Wanted blocked[Group::most];
 	std::size_t count = 0;
@@ -254,7 +263,7 @@ HWY_INLINE std::size_t sort_wanted(LevelGrid &grid, std::size_t next, Work &r_wo
 		const TimeKey time = grid.time[wanted.cell];
 		const LevelGrid::Listing listed = grid.listed[wanted.cell];
 		const std::uint32_t requester = grid.requester[wanted.cell];
-		// Converts conditions to numbers, because compilers warn about a single | or & between conditions.
+		// Converts conditions to integers, because compilers warn about | and & between booleans.
 		const auto is = [](bool condition) {
 			return static_cast<std::uint32_t>(condition);
 		};
@@ -295,7 +304,8 @@ inline bool resolve_wanted(LevelGrid *levels, std::uint32_t level) {
 			}
 		} while (next < grid.round.size());
 	}
-	// The two lists take turns. With equal capacity in both, neither grows unless it exceeds its largest size until now.
+	// The two lists are swapped every round. With equal capacities, they reallocate only when a
+	// round is larger than all earlier ones.
 	grid.round.clear();
 	grid.round.reserve(grid.wanted.capacity());
 	grid.wanted.reserve(grid.round.capacity());

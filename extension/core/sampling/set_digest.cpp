@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t empty_digest = 0xcbf29ce484222325;
 
-/// FNV-1a over the bytes of a word.
+/// Adds the bytes of a word, low byte first, to an FNV-1a hash.
 void add(std::uint64_t &r_hash, std::uint64_t word) {
 	for (int byte = 0; byte < 8; ++byte) {
 		r_hash = (r_hash ^ (word >> (8 * byte) & 0xff)) * 0x100000001b3;

@@ -9,18 +9,22 @@
 
 namespace thicket {
 
-/// Shows whether two machines generated the same points: equal points have equal digests, FNV-1a over all their bits.
+/// Digests for checking that two machines generated the same points: FNV-1a over all bits of the
+/// points. Equal points have equal digests.
 struct SetDigest {
 	std::uint64_t places = 0; ///< Digest of the ids, positions and levels.
-	std::uint64_t ranks = 0;  ///< Digest of the ranks. Separate, because better rank tables may change them.
+	/// Digest of the ranks. It is separate, because better rank tables may change the ranks.
+	std::uint64_t ranks = 0;
 
 	friend bool operator==(const SetDigest &, const SetDigest &) = default;
 };
 
-/// Digest of the points of one set, independent of their order. Throws std::bad_alloc. O(points log points).
+/// Returns the digest of the points of one set, independent of their order, in O(points log points)
+/// time. Throws std::bad_alloc.
 SetDigest digest(std::span<const SamplePoint> points);
 
-/// Digest of the points of a whole domain, in their given order, as double-precision numbers.
+/// Returns the digest of the points of a whole domain, in the given order. Coordinates are
+/// converted to double first.
 std::uint64_t digest(std::span<const glm::vec2> points);
 std::uint64_t digest(std::span<const glm::dvec2> points);
 

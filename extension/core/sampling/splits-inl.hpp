@@ -1,4 +1,5 @@
-// Splits the squares of rejected darts. Compiled once for each instruction set, by resolver.cpp.
+// Splits the squares of rejected darts. resolver.cpp compiles this file once for each instruction
+// set.
 #if defined(THICKET_SPLITS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_SPLITS_INL
 #undef THICKET_SPLITS_INL
@@ -20,7 +21,7 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Loads a vector value by value. This is faster than a gather, which is only emulated for narrow vectors.
+/// Loads a vector value by value. This is faster than a gather, which narrow vectors only emulate.
 template <class Value>
 HWY_INLINE hn::Vec<SplitLanes> load_each(SplitLanes d, const Value &value) {
 	if constexpr (hn::MaxLanes(d) == 2) {
@@ -33,8 +34,9 @@ HWY_INLINE hn::Vec<SplitLanes> load_each(SplitLanes d, const Value &value) {
 	return hn::Load(d, values);
 }
 
-/// Sorts rejected cells by the result for their squares. Squares with open children go to `r_splits`, or to `r_deep` if they need a
-/// further check. Cells whose square has no open child go to `r_spent`. Cells that a new point closed are dropped.
+/// Sorts rejected cells by the open children of their squares. Squares with open children go to
+/// `r_splits`, or to `r_deep` if they need another check. Cells whose square has no open child go
+/// to `r_spent`. Cells that a new point closed are dropped.
 HWY_INLINE void sort_by_children(
 		const Columns &columns, std::uint32_t sentinel, Group &cells, Splits &r_splits, Group &r_deep, Group &r_spent) {
 	const SplitLanes d;
@@ -65,7 +67,8 @@ HWY_INLINE void sort_by_children(
 	r_splits.count = splits;
 }
 
-/// Finds the children not known to be covered, for the squares of the cells' rejected darts. Cells whose square has none go to `r_spent`.
+/// Finds the children that are not known to be covered, for the squares of rejected darts. Cells
+/// whose square has no such child go to `r_spent`.
 HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_splits, Group &r_spent) {
 	const Columns columns(grid);
 	DeepCover<Group::room> deep_cover;
@@ -95,8 +98,8 @@ HWY_INLINE void find_open_children(LevelGrid &grid, Group &cells, Splits &r_spli
 	r_splits.count = splits;
 }
 
-/// Splits the squares of the cells' rejected darts. Each cell gets its next dart, if there is one. `r_work` receives the cells whose next
-/// dart is due as well.
+/// Splits the squares of the cells' rejected darts and sets the next dart of each cell, if there is
+/// one. Replaces `r_work` with the cells whose next dart is due, too.
 HWY_INLINE void split_squares(LevelGrid &grid, Group &cells, Work &r_work) {
 	Splits &splits = grid.splits;
 	Group spent;

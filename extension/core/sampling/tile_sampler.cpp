@@ -20,11 +20,11 @@ namespace thicket {
 
 namespace {
 
-/// The widest block that is resolved as a whole, in cells: large enough that its margin is a small part, and small enough that its grid
-/// stays in the second-level cache.
+/// Maximum width, in cells, of a block that is resolved as a whole. It is large enough that the
+/// margin is a small part of the work, and small enough that the grid fits in the L2 cache.
 constexpr std::int32_t widest_block = 128;
 
-/// The first lattice coordinate whose world position is at or above `world`.
+/// Returns the smallest lattice coordinate whose world position is at or above `world`.
 std::int64_t lattice_at_or_above(double world, double unit) {
 	auto lattice = static_cast<std::int64_t>(std::floor(world / unit));
 	while (static_cast<double>(lattice) * unit < world) {
@@ -36,7 +36,7 @@ std::int64_t lattice_at_or_above(double world, double unit) {
 	return lattice;
 }
 
-/// The cells that have a lattice point in the rectangle.
+/// Returns the cells that have a lattice point in the rectangle.
 CellRect cells_of(const Rect &rect, double unit) {
 	const auto first_cell = [unit](double world) {
 		return static_cast<std::int32_t>(lattice_at_or_above(world, unit) >> lattice_bits);
@@ -50,8 +50,8 @@ CellRect cells_of(const Rect &rect, double unit) {
 	return cells;
 }
 
-/// Appends the point of a cell if it lies in the rectangle. Constructs the point in place: the processor would stall on
-/// a copy of a value that was just written in parts.
+/// Appends the point of a cell if it lies in the rectangle. The point is constructed in place,
+/// because copying a value that was just written in parts would stall the processor.
 void add_point(const PointSet &set, const Rect &rect, double unit, glm::ivec2 cell, LevelGrid::PointOffset offset,
 		std::uint32_t rank, std::vector<SamplePoint> &r_points) {
 	const CellPosition position = LevelGrid::position_of(offset);
@@ -71,7 +71,7 @@ double expected_points(const PointSet &set, const Rect &rect) {
 	return rect.size().x * rect.size().y * point_density(set);
 }
 
-/// A number of points that a rectangle almost never exceeds.
+/// Returns an upper estimate of the number of points, which a rectangle almost never exceeds.
 double enough_points(const PointSet &set, const Rect &rect) {
 	const double expected = expected_points(set, rect);
 	return expected + 4.0 * std::sqrt(expected) + 16.0;
@@ -100,7 +100,7 @@ Status validate_rect(const PointSet &set, const Rect &rect) {
 	return {};
 }
 
-/// The blocks that divide a rectangle of cells, by rows.
+/// The blocks into which a rectangle of cells is divided, in row order.
 class BlockRange {
 public:
 	explicit BlockRange(const CellRect &cells) :
@@ -122,7 +122,7 @@ private:
 	glm::i64vec2 blocks_;
 };
 
-/// The data that workers share while they take one block after the other.
+/// The state that workers share while each takes one block after another.
 struct Shared {
 	std::int64_t end = 0;
 	std::atomic<std::int64_t> next = 0;
@@ -130,9 +130,10 @@ struct Shared {
 	std::atomic<std::uint64_t> points = 0;
 };
 
-/// How a worker ended.
+/// The outcome of a worker.
 struct Ended {
-	std::int64_t block = std::numeric_limits<std::int64_t>::max(); ///< The block that could not be sampled.
+	/// Number of the block that failed, or the maximum value.
+	std::int64_t block = std::numeric_limits<std::int64_t>::max();
 	Status status;
 };
 
@@ -143,10 +144,10 @@ struct TileSampler::Workspace {
 			margins(margins), cache(std::move(cache)), blocks(margins) {}
 
 	SampleMargins margins;
-	std::shared_ptr<BlockCache> cache; ///< Null if there is none.
+	std::shared_ptr<BlockCache> cache; ///< The shared cache; may be null.
 	BlockSampler blocks;
 	SampleStats stats;
-	std::vector<std::unique_ptr<Workspace>> others; ///< For lent threads; kept for their memory.
+	std::vector<std::unique_ptr<Workspace>> others; ///< One workspace per lent thread, kept to reuse memory.
 
 	Status sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points, const Progress &progress,
 			LentThreads *threads);
@@ -211,8 +212,8 @@ Status TileSampler::Workspace::sample_block(const PointSet &set, const Rect &rec
 	return {};
 }
 
-/// Takes the points from blocks of the cache, or computes blocks for it. Returns false, without points, if the window must be sampled
-/// directly.
+/// Takes the points from cached blocks, and computes the missing blocks for the cache. Returns
+/// false, without points, if the window must be sampled directly.
 bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect, const CellRect &cells,
 		const std::atomic<bool> *cancel, std::vector<SamplePoint> &r_points) {
 	const glm::ivec2 size = cells.size();
@@ -226,12 +227,12 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 	}
 	for (CellRect missing; window.next_missing(missing);) {
 		if (blocks.resolve(missing, cancel) != ResolveResult::done) {
-			return false; // The direct sampling reports the error, or may not encounter it.
+			return false; // If the error also occurs in direct sampling, direct sampling reports it.
 		}
 		count();
 		window.settle(blocks.finest());
 	}
-	// The same points as from the window's own cells, which would need their own margin.
+	// Sampling directly would return the same points.
 	const double unit = lattice_unit(set);
 	window.for_each([&](glm::ivec2 cell, const SettledBlock::Point &each) {
 		add_point(set, rect, unit, cell, each.offset, each.rank, r_points);
@@ -239,8 +240,8 @@ bool TileSampler::Workspace::take_settled(const PointSet &set, const Rect &rect,
 	return true;
 }
 
-/// Samples some blocks per worker, appends their points in order, and repeats this. So only few points are stored twice
-/// at a time.
+/// Samples a few blocks per worker, appends their points in order, and repeats. Working in such
+/// batches keeps the number of points that are stored twice small.
 Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &rect, const BlockRange &range,
 		LentThreads &threads, std::vector<SamplePoint> &r_points, const Progress &progress) {
 	constexpr std::size_t blocks_each = 16;
@@ -287,7 +288,7 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 				shared.next = shared.end;
 			}
 		});
-		// Blocks are started in order, so a single worker would have encountered this failure.
+		// Blocks are started in order, so a single worker would have failed at this block, too.
 		const auto failed = std::ranges::min_element(ended, {}, &Ended::block);
 		if (!failed->status.ok()) {
 			throw_if_out_of_memory(failed->status);
@@ -305,10 +306,11 @@ Status TileSampler::Workspace::sample_together(const PointSet &set, const Rect &
 	return {};
 }
 
-/// Requires valid arguments. Throws std::bad_alloc.
+/// Samples a rectangle. The arguments must be valid. Throws std::bad_alloc.
 Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std::vector<SamplePoint> &r_points,
 		const Progress &progress, LentThreads *threads) {
-	// One allocation for all points, because growing in the middle of a large call would delay a cancel.
+	// Allocates once for all points, because growing the vector during a large call would delay a
+	// cancellation.
 	r_points.reserve(static_cast<std::size_t>(enough_points(set, rect)));
 	r_points.clear();
 	stats = {};
@@ -324,7 +326,7 @@ Status TileSampler::Workspace::sample(const PointSet &set, const Rect &rect, std
 			progress.report(1.0, r_points.size());
 		}
 	} else if (range.count() > 1 && threads != nullptr && threads->count() > 0) {
-		// Samples the blocks on all lent threads, for the same points in the same order.
+		// The lent threads produce the same points in the same order.
 		status = sample_together(set, rect, range, *threads, r_points, progress);
 	} else {
 		for (std::int64_t block = 0; status.ok() && block < range.count(); ++block) {

@@ -1,4 +1,5 @@
-// Finds the next darts of cells whose dart was rejected. Compiled once for each instruction set, by resolver.cpp.
+// Finds the next dart of each cell whose dart was rejected. resolver.cpp compiles this file once
+// for each instruction set.
 #if defined(THICKET_WAITING_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_WAITING_INL
 #undef THICKET_WAITING_INL
@@ -21,19 +22,20 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Signed, because most processors can only compare vectors of signed numbers.
+/// The lanes are signed, because most processors can compare only signed integers in vectors.
 using SlotLanes = hn::CappedTag<std::int32_t, WaitingSquares::slot_size>;
 using SlotWords = hn::RebindToUnsigned<SlotLanes>;
 constexpr std::size_t slot_lanes = hn::MaxLanes(SlotLanes());
 constexpr std::size_t slot_vectors = WaitingSquares::slot_size / slot_lanes;
 
-/// Squares are handled one by one on targets where vectors, or their byte shuffles, are only emulated.
+/// True for targets that only emulate vectors or byte shuffles. These process squares one by one.
 constexpr bool is_waiting_plain = is_plain || HWY_TARGET == HWY_SSE2;
 
-/// Whether the target can compress the lanes of a vector in one step.
+/// True if the target has an instruction that compresses the lanes of a vector.
 constexpr bool has_native_compress = hn::MaxLanes(hn::ScalableTag<std::uint32_t>()) == 16;
 
-/// The times of darts for which `is_still_open` holds. All others become time_never.
+/// Returns the times of the darts for which `is_still_open` is true, and time_never for all other
+/// darts.
 HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotLanes> time, hn::Vec<SlotWords> place, std::uint64_t open) {
 	const SlotLanes d;
 	const SlotWords du;
@@ -41,7 +43,8 @@ HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotLanes> time, hn::Vec<SlotWo
 	const hn::Repartition<std::uint64_t, SlotLanes> words;
 	alignas(16) static constexpr std::uint8_t bit_of[16] = {1, 2, 4, 8, 16, 32, 64, 128};
 	const auto seven = hn::Set(du, 7);
-	// The byte of the row and the bit of the column, both in a lane's lowest byte. The lane's other bytes have no bit.
+	// Puts the row's byte and the column's bit into the lowest byte of each lane. The other bytes
+	// have no bit set.
 	const auto y = hn::And(hn::ShiftRight<sub_bits + lattice_bits>(place), seven);
 	const auto x = hn::Or(hn::And(hn::ShiftRight<sub_bits>(place), seven), hn::Set(du, 0x80808000u));
 	const auto row = hn::TableLookupBytes(hn::BitCast(bytes, hn::Set(words, open)), hn::BitCast(bytes, y));
@@ -52,7 +55,7 @@ HWY_INLINE hn::Vec<SlotLanes> still_open(hn::Vec<SlotLanes> time, hn::Vec<SlotWo
 	return hn::IfThenElse(hn::And(is_small, is_covered), hn::Set(d, static_cast<std::int32_t>(time_never)), time);
 }
 
-/// The times of children, and time_never in the lanes after them.
+/// Returns the times of the children, followed by time_never in the remaining lanes.
 template <class D>
 HWY_INLINE hn::Vec<D> times_of(D d, Children children) {
 	const auto times = hn::BitCast(d, hn::LoadU(hn::RebindToUnsigned<D>(), children.time));
@@ -63,13 +66,16 @@ HWY_INLINE hn::Vec<D> times_of(D d, Children children) {
 	return hn::IfThenElse(hn::FirstN(d, children.count), times, never);
 }
 
-/// Whether more than one dart has the earliest time. Their positions then decide.
+/// Returns 1 if more than one dart has the earliest time, so that their positions decide which is
+/// next.
 HWY_INLINE std::uint32_t is_tie(std::uint32_t earliest_ones, TimeKey time) {
-	const std::uint32_t ones = time != time_never ? earliest_ones : 0; // Without an unpredictable branch.
+	// This expression avoids an unpredictable branch.
+	const std::uint32_t ones = time != time_never ? earliest_ones : 0;
 	return (ones & (ones - 1)) != 0 ? 1 : 0;
 }
 
-/// `advance` for a cell that has no waiting squares yet, with at least one child. Returns false if the slow path must do it.
+/// Performs `advance` for a cell that has no waiting squares yet. There must be at least one child.
+/// Returns false, without changes, if the slow path is needed.
 HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
 	const hn::CappedTag<std::int32_t, 4> d;
 	const hn::RebindToUnsigned<decltype(d)> du;
@@ -82,7 +88,7 @@ HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_
 	if (HWY_UNLIKELY(is_tie(next, time) != 0)) {
 		return false;
 	}
-	// The order is known without comparing the darts one by one.
+	// There is no tie, so the times alone determine the next dart.
 	const std::uint32_t slot = grid.waiting_squares.take_if(true);
 	columns.time[cell] = time;
 	columns.dart[cell] = children.place[std::countr_zero(next)];
@@ -94,24 +100,25 @@ HWY_INLINE bool start_slot(LevelGrid &grid, const Columns &columns, std::uint32_
 	return true;
 }
 
-/// Writes darts into a slot's empty places. The slot must have enough of them.
+/// Writes children into the empty places of a slot. `empty` has one bit per empty place; there must
+/// be enough of them.
 HWY_INLINE void fill_slot(
 		WaitingSquares::Slot &slot, std::uint32_t empty, hn::Vec<SlotLanes> times, Children children) {
 	alignas(64) TimeKey time[slot_lanes];
 	hn::Store(hn::BitCast(SlotWords(), times), SlotWords(), time);
-	for (std::uint32_t child = 4; child-- > 0;) { // An earlier child overwrites a later one in the same place.
+	for (std::uint32_t child = 4; child-- > 0;) { // Earlier children overwrite later ones in the same place.
 		const std::uint32_t place = empty_places[empty][child];
 		slot.time[place] = time[child];
 		slot.place[place] = children.place[child];
 	}
 }
 
-/// Moves the lanes of `from`, in order, into the empty lanes of `to`.
+/// Returns `to` with the lanes of `from` moved, in order, into its empty lanes.
 template <class V>
 HWY_INLINE V filled(V to, hn::Mask<SlotLanes> is_empty, [[maybe_unused]] std::uint32_t empty, V from) {
 	const hn::DFromV<V> d;
 	const auto lanes = hn::RebindMask(d, is_empty);
-#if HWY_TARGET == HWY_AVX2 // Highway would copy its own table at each use.
+#if HWY_TARGET == HWY_AVX2 // Highway would copy its table at each use.
 	const auto order =
 			hn::PromoteTo(SlotWords(), hn::LoadU(hn::CappedTag<std::uint8_t, 8>(), places_before[empty].data()));
 	return hn::IfThenElse(lanes, hn::TableLookupLanes(from, hn::IndicesFromVec(d, order)), to);
@@ -120,15 +127,16 @@ HWY_INLINE V filled(V to, hn::Mask<SlotLanes> is_empty, [[maybe_unused]] std::ui
 #endif
 }
 
-/// One or two slots of a cell.
+/// The slots of a cell that has one or two.
 template <std::size_t slot_count>
 struct CellSlots {
 	WaitingSquares::Slot *slots[slot_count];
-	hn::Vec<SlotLanes> times[slot_count][slot_vectors]; ///< time_never if the square is covered.
+	/// The times of the squares' darts; time_never where the square is covered.
+	hn::Vec<SlotLanes> times[slot_count][slot_vectors];
 	hn::Mask<SlotLanes> is_empty[slot_count][slot_vectors];
-	std::uint32_t empty[slot_count] = {}; ///< The empty places as bits.
+	std::uint32_t empty[slot_count] = {}; ///< One bit for each empty place.
 	std::uint32_t room = 0;               ///< Number of empty places.
-	std::uint32_t next = 0; ///< A bit for each place that holds the earliest dart; the bits of children follow.
+	std::uint32_t next = 0; ///< One bit for each place with the earliest dart, followed by the bits of the children.
 
 	HWY_INLINE CellSlots(const Columns &columns, std::uint32_t cell) {
 		const std::uint32_t first = columns.waiting[cell] & WaitingSquares::slot_mask;
@@ -147,7 +155,7 @@ struct CellSlots {
 		}
 	}
 
-	/// The earliest time of these darts and of the children, in all lanes.
+	/// Returns the earliest time of the slots' darts and of the children, in all lanes.
 	HWY_INLINE hn::Vec<SlotLanes> earliest(hn::Vec<SlotLanes> fresh) const {
 		const SlotLanes d;
 		for (const auto &slot : times) {
@@ -158,7 +166,7 @@ struct CellSlots {
 		return hn::MinOfLanes(d, fresh);
 	}
 
-	/// Removes the earliest dart.
+	/// Marks the place of the earliest dart as empty.
 	HWY_INLINE void take(hn::Vec<SlotLanes> earliest) {
 		const SlotLanes d;
 		const auto never = hn::Set(d, static_cast<std::int32_t>(time_never));
@@ -173,7 +181,7 @@ struct CellSlots {
 		}
 	}
 
-	/// The place of the removed dart.
+	/// Returns the level and position (dart_place) of the earliest dart.
 	template <bool with_children>
 	HWY_INLINE std::uint32_t next_place(
 			hn::Vec<SlotLanes> earliest, hn::Vec<SlotLanes> fresh, const Children &children) const {
@@ -192,7 +200,7 @@ struct CellSlots {
 			}
 			return hn::GetLane(places);
 		}
-		// A branch on the slot that holds it would be unpredictable.
+		// There is no branch on the slot that contains the dart, because it would be unpredictable.
 		const auto at = static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero32(next));
 		const auto place_if = [at](const std::uint32_t *places, std::uint32_t begin) {
 			const std::uint32_t mask = 0u - static_cast<std::uint32_t>(at / WaitingSquares::slot_size == begin);
@@ -205,7 +213,7 @@ struct CellSlots {
 		return place;
 	}
 
-	/// Stores a slot and writes children into its empty places.
+	/// Writes a slot back to memory, with children in its empty places.
 	template <bool with_children>
 	HWY_INLINE void store(std::size_t slot, hn::Vec<SlotLanes> fresh, const Children &children) {
 		const SlotLanes d;
@@ -230,7 +238,8 @@ struct CellSlots {
 	}
 };
 
-/// `advance` for a cell with `slot_count` slots, or with no slots and no children. Returns false if the slow path must do it.
+/// Performs `advance` for a cell with `slot_count` slots, or with neither slots nor children.
+/// Returns false, without changes, if the slow path is needed.
 template <bool with_children, std::size_t slot_count>
 HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Children children) {
 	const SlotLanes d;
@@ -250,7 +259,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 	if (HWY_UNLIKELY((is_full | is_tie(slots.next, time)) != 0)) {
 		return false;
 	}
-	// The order of the darts is known and the slot has room, so the darts need not be compared one by one.
+	// There is no tie, and the slots have room for all darts.
 	columns.time[cell] = time;
 	columns.dart[cell] = slots.template next_place<with_children>(earliest, fresh, children);
 	for (std::size_t slot = 0; slot < slot_count; ++slot) {
@@ -258,7 +267,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 			fresh = hn::IfThenElse(hn::Eq(fresh, earliest), never, fresh);
 		}
 		slots.template store<with_children>(slot, fresh, children);
-		if (with_children && slot + 1 < slot_count) { // The rest goes to the second slot.
+		if (with_children && slot + 1 < slot_count) { // The second slot takes the remaining children.
 			children = children.after(static_cast<std::uint32_t>(std::popcount(slots.empty[0])));
 			fresh = times_of(d, children);
 		}
@@ -266,7 +275,7 @@ HWY_INLINE bool advance_slots(const Columns &columns, std::uint32_t cell, Childr
 	return true;
 }
 
-/// Adds a second slot to a cell that has one, then advances the cell.
+/// Advances a cell whose only slot is full, after adding a second slot.
 HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
 	if constexpr (!is_waiting_plain) {
 		const std::uint32_t first = columns.waiting[cell];
@@ -277,7 +286,6 @@ HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std
 			columns.followers[second] = 0;
 			columns.waiting[cell] = first | WaitingSquares::has_second;
 			if (advance_slots<true, 2>(columns, cell, children)) {
-				// The darts need not be gathered.
 				return;
 			}
 		}
@@ -285,7 +293,8 @@ HWY_NOINLINE void advance_to_second(LevelGrid &grid, const Columns &columns, std
 	advance_slowly(grid, cell, children);
 }
 
-/// Sets the cell's next dart: the earliest of its waiting squares and of the new ones. The others wait.
+/// Sets the cell's next dart to the earliest dart of its waiting squares and of the new children.
+/// All other darts wait. The cell is added to `r_work` if its next dart is due.
 template <bool with_children>
 HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, Children children, Work &r_work) {
 	const std::uint32_t cell = cell_of(item);
@@ -307,7 +316,7 @@ HWY_INLINE void advance(LevelGrid &grid, const Columns &columns, Item item, Chil
 	r_work.add_if(item, columns.open[cell], columns.dart[cell], columns.time[cell] <= until_of(item));
 }
 
-/// `advance` for a cell that has no waiting squares yet, with at least one child.
+/// Performs `advance` for a cell that has no waiting squares yet. There must be at least one child.
 HWY_INLINE void advance_first(LevelGrid &grid, const Columns &columns, Item item, Children children, Work &r_work) {
 	const std::uint32_t cell = cell_of(item);
 	if constexpr (is_waiting_plain) {

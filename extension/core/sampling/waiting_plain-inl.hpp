@@ -1,5 +1,5 @@
-// Finds the next darts of cells whose dart was rejected, one dart after the other. Compiled once for each instruction set, by
-// resolver.cpp.
+// Scalar forms of the functions of waiting-inl.hpp, which process the darts of a cell one by one.
+// resolver.cpp compiles this file once for each instruction set.
 #if defined(THICKET_WAITING_PLAIN_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_WAITING_PLAIN_INL
 #undef THICKET_WAITING_PLAIN_INL
@@ -19,8 +19,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// The columns of a grid as plain pointers. Vector stores may alias the pointers inside std::vector, which would then be reloaded after
-/// each store.
+/// The arrays of a grid as plain pointers. Vector stores may alias the pointers inside std::vector,
+/// so the compiler would reload these after each store.
 struct Columns {
 	TimeKey *time;
 	std::uint32_t *dart;
@@ -34,15 +34,16 @@ struct Columns {
 			slots(grid.waiting_squares.slots()), followers(grid.waiting_squares.followers()) {}
 };
 
-/// From this level on, squares are at most one sub-square large.
+/// From this level on, squares are no larger than a sub-square.
 constexpr std::uint32_t first_small = 3;
 
-/// Whether the dart's square has a sub-square that is not known to be covered. Always true for squares larger than a sub-square.
+/// Returns false if the dart's square is known to be covered. For squares larger than a sub-square,
+/// the result is always true.
 HWY_INLINE bool is_still_open(std::uint32_t place, std::uint64_t open) {
 	return dart_level(place) < first_small || (open >> sub_square_of(dart_position(place)) & 1) != 0;
 }
 
-/// `advance` for any cell.
+/// Performs `advance` for cells with any number of slots.
 HWY_NOINLINE void advance_slowly(LevelGrid &grid, std::uint32_t cell, Children children) {
 	WaitingSquares &squares = grid.waiting_squares;
 	std::vector<DartKey> &darts = squares.gathered();
@@ -93,8 +94,8 @@ HWY_NOINLINE void advance_slowly(LevelGrid &grid, std::uint32_t cell, Children c
 	}
 }
 
-/// `advance` for a cell with one slot or none, one dart after the other. The darts of a slot precede any time_never in it. Returns false
-/// if one slot cannot hold them.
+/// Performs `advance` for a cell with at most one slot. Within a slot, the darts precede all
+/// time_never entries. Returns false, without changes, if the darts do not fit in one slot.
 inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32_t cell, Children children) {
 	const std::uint32_t before = columns.waiting[cell];
 	const std::uint64_t open = columns.open[cell];
@@ -118,7 +119,6 @@ inline bool advance_plainly(LevelGrid &grid, const Columns &columns, std::uint32
 	if (count > WaitingSquares::slot_size + 1) {
 		return false;
 	}
-	// Builds no list of darts if one slot can hold them.
 	const DartKey next = count > 0 ? darts[first] : make_dart(time_never, 0);
 	columns.time[cell] = dart_time(next);
 	columns.dart[cell] = dart_place(next);

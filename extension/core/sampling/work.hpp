@@ -6,25 +6,26 @@
 #include <cstddef>
 #include <cstdint>
 
-// Cells and squares that are processed together. Many independent ones at a time keep a processor busy; processing them one by one would
-// wait for each branch and each load.
+// Batches of cells and squares that are processed together. Many independent items at a time keep a
+// processor busy. With one item at a time, the processor would wait for each branch and each load.
 
 namespace thicket {
 
-/// The position bits within one of a cell's 8 x 8 sub-squares.
+/// The number of position bits, per axis, within one of a cell's 8 x 8 sub-squares.
 inline constexpr std::int32_t sub_bits = lattice_bits - 3;
 
 constexpr std::uint32_t sub_square_of(CellPosition position) {
 	return (position_y(position) >> sub_bits) * 8 + (position_x(position) >> sub_bits);
 }
 
-/// A cell whose darts must be decided up to a time: the cell's index in the low half, the time in the high half.
+/// A cell whose darts must be decided up to a time. The cell's index is in the low half, and the
+/// time is in the high half.
 using Item = std::uint64_t;
 constexpr Item make_item(std::uint32_t cell, TimeKey until) { return Item{until} << 32 | cell; }
 constexpr std::uint32_t cell_of(Item item) { return static_cast<std::uint32_t>(item); }
 constexpr TimeKey until_of(Item item) { return static_cast<TimeKey>(item >> 32); }
 
-/// Cells that are processed alike.
+/// Cells that undergo the same processing step.
 struct Group {
 	static constexpr std::uint32_t most = 80;
 	static constexpr std::uint32_t room = most + 16; ///< Vectors read and write past the last item.
@@ -41,7 +42,7 @@ struct Group {
 		return *this;
 	}
 
-	/// Without an unpredictable branch.
+	/// Adds an item if `condition` is true, without an unpredictable branch.
 	void add_if(Item item, bool condition) {
 		items[count] = item;
 		count += static_cast<std::uint32_t>(condition);
@@ -50,12 +51,13 @@ struct Group {
 
 /// Cells whose next dart is due.
 struct Work {
-	Group covered; ///< A disk covers the dart's position.
+	Group covered; ///< Cells whose dart falls in a sub-square that is known to be covered.
 	Group open;
 
 	std::uint32_t count() const { return covered.count + open.count; }
 
-	/// Adds a cell, given its uncovered sub-squares and its next dart.
+	/// Adds a cell if its dart is due. `open_parts` has the cell's uncovered sub-squares, and
+	/// `place` is its next dart.
 	void add_if(Item item, std::uint64_t open_parts, std::uint32_t place, bool due) {
 		const bool is_open = (open_parts >> sub_square_of(dart_position(place)) & 1) != 0;
 		covered.add_if(item, due & !is_open);
@@ -63,7 +65,7 @@ struct Work {
 	}
 };
 
-/// Squares that are about to be split, one column per value.
+/// Squares that are about to be split, stored as columns.
 struct Splits {
 	static constexpr std::uint32_t room = Group::room;
 	static constexpr std::uint32_t room_of_children = 4 * room;
@@ -71,19 +73,21 @@ struct Splits {
 	std::uint32_t count = 0;
 	alignas(64) Item items[room];
 	alignas(64) DartKey parent[room];
-	alignas(64) std::uint64_t open[room]; ///< A bit for each child that is not known to be covered.
+	alignas(64) std::uint64_t open[room]; ///< One bit for each child that is not known to be covered.
 
-	/// The index at which the open children of each square begin in the columns below. The last entry is the end of the last square's.
+	/// The index, in the columns below, of each square's first open child. One more entry marks the
+	/// end.
 	std::uint32_t first[room + 1];
 	alignas(64) std::uint64_t hashed[room_of_children]{};
-	alignas(64)
-			std::uint32_t corner[room_of_children]{}; ///< Position bits that distinguish the child from its siblings.
-	/// Time and place of the child's dart, or of the parent's dart until the child's is thrown.
+	/// Position bits that distinguish the child from its siblings.
+	alignas(64) std::uint32_t corner[room_of_children]{};
+	/// Time and place of the child's dart. Until that dart is thrown, the entries are the time and
+	/// place of the parent's dart.
 	alignas(64) TimeKey time[room_of_children]{};
 	alignas(64) std::uint32_t place[room_of_children]{};
 };
 
-/// Darts of one cell that were just thrown, in no order.
+/// The new darts of one cell, unsorted.
 struct Children {
 	const TimeKey *time;
 	const std::uint32_t *place;
@@ -94,7 +98,7 @@ struct Children {
 		return {splits.time + first, splits.place + first, splits.first[split + 1] - first};
 	}
 
-	/// Skips the first ones.
+	/// Returns the children without the first `first` ones.
 	Children after(std::uint32_t first) const {
 		const std::uint32_t skipped = std::min(first, count);
 		return {time + skipped, place + skipped, count - skipped};

@@ -8,15 +8,15 @@
 
 namespace thicket {
 
-/// The lines that wait in each cell of a race: short lists that share one pool. The first line of a list is its earliest, the others are in no
-/// order.
+/// The waiting lines of each cell in a race: short linked lists in one common pool. The first line
+/// of a list is the earliest; the remaining ones are unordered.
 class SurfaceLines {
 public:
-	/// A list is the number of its first line.
+	/// The index of a list's first entry, or `empty`.
 	using List = std::uint32_t;
 	static constexpr List empty = ~List{0};
 
-	/// Forgets all lists, and keeps the memory.
+	/// Removes all lists and keeps the memory.
 	void clear();
 
 	const SurfaceLine &first(List list) const { return entries_[list].line; }

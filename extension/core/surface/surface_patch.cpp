@@ -15,7 +15,8 @@ namespace thicket::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Decides only which work can be skipped, so its roundings change no result.
+// Returns the columns that a ball leaves open. The result determines only which work can be
+// skipped, so its rounding does not affect the points.
 std::uint32_t open_columns(const SurfacePatch::Plane &plane, float u, float v, float along) {
 	constexpr std::size_t count = 16;
 	const hn::CappedTag<float, count> d;
@@ -25,7 +26,7 @@ std::uint32_t open_columns(const SurfacePatch::Plane &plane, float u, float v, f
 			0.625f, 0.625f, 0.625f, 0.625f, 0.875f, 0.875f, 0.875f, 0.875f};
 	const auto half = hn::Set(d, 0.125f);
 	const auto reach = hn::Set(d, plane.reach);
-	// The radius is the square root of 3. Less, for rounding.
+	// The squared radius is 3 in squared cell widths, reduced to allow for rounding.
 	const auto limit = hn::Set(d, 3.0f - 2e-5f);
 	std::uint32_t open = 0;
 	for (std::size_t first = 0; first < count; first += hn::Lanes(d)) {
@@ -59,13 +60,15 @@ namespace {
 
 constexpr double cell_width = surface_cell_size;
 
-/// Steeper planes leave the cell within an eighth of its width.
+/// Largest slope for which a plane is used. A steeper one crosses the cell within an eighth of its
+/// width.
 constexpr double steepest = 8.0;
 
-/// More than all rounding of heights, and less than a surface that only touches a cell's edge is away from the lines.
+/// This is more than the rounding error of all heights, but less than the distance from any line to
+/// a surface that only touches the cell's edge.
 constexpr float rounding = 4e-6f;
 
-/// Half the width of the part of a column that lines run through.
+/// Half the width of the part of a column through which lines pass, in cell widths.
 constexpr auto half = static_cast<float>(half_of_lines(cell_width / 4.0) / cell_width);
 
 } // namespace
@@ -74,7 +77,7 @@ void SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low) {
 	const auto [side_u, side_v] = axes_across(axis_);
 	const double along = at(triangle.normal, axis_);
 	if (along == 0.0) {
-		return; // No line meets it.
+		return; // No line along the axis hits the triangle.
 	}
 	const double u = -at(triangle.normal, side_u) / along;
 	const double v = -at(triangle.normal, side_v) / along;
@@ -93,7 +96,7 @@ void SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low) {
 		plane_ = {height, slope_u, slope_v, (std::abs(slope_u) + std::abs(slope_v)) * half + rounding};
 		return;
 	}
-	// The largest distance of the two planes over the face is that at one of its corners.
+	// The distance between two planes over the face is largest at one of its corners.
 	const float at_0 = height - plane_.height;
 	const float more_u = slope_u - plane_.slope_u;
 	const float more_v = slope_v - plane_.slope_v;
@@ -104,7 +107,7 @@ void SurfacePatch::add(const SurfaceTriangle &triangle, const glm::dvec3 &low) {
 }
 
 std::uint32_t SurfacePatch::entered() const {
-	// A ball that is too far away to cover anything.
+	// The ball is so far away that it covers nothing.
 	return open_beside(glm::vec3(1e3f));
 }
 

@@ -8,31 +8,37 @@
 
 namespace thicket {
 
-/// A cell's surface as a height over one of the cell's faces, roughly: a plane, and how far the surface can be from it. Tells which of 4 x 4
-/// columns need no more darts. Everything is rounded so that no column counts as covered before it is. In cell widths, from the cell's
-/// lower corner.
+/// Approximates a cell's surface as a height field over one of the cell's faces: a plane, and an
+/// upper bound for the surface's distance from the plane. The patch determines which of 4 x 4
+/// columns may still need darts. A column that it reports as covered is always covered, but not the
+/// other way round. Lengths are in cell widths, relative to the cell's lower corner.
 class SurfacePatch {
 public:
-	static constexpr int shift =
-			surface_bits - 2; ///< Columns are 2^shift units wide. Their bits are numbered by u, then v.
+	/// Base-2 logarithm of a column's width in units. In results, columns have one bit each,
+	/// numbered by u, then v.
+	static constexpr int shift = surface_bits - 2;
 
 	explicit SurfacePatch(int axis) : axis_(axis) {}
 
-	/// Makes room for a triangle, in units. `low` is the cell's lower corner.
+	/// Extends the approximation to include a triangle. The triangle and `low`, the cell's lower
+	/// corner, are in units.
 	void add(const SurfaceTriangle &triangle, const glm::dvec3 &low);
 
-	/// The columns that the surface may enter.
+	/// Returns the columns that the surface may enter, one bit each.
 	std::uint32_t entered() const;
 
-	/// The columns that the surface may enter and that the ball of one radius around a point does not cover.
+	/// Returns the columns that the surface may enter and that the ball around `point` does not
+	/// cover, one bit each.
 	std::uint32_t open_beside(const glm::vec3 &point) const;
 
-	/// The plane, as the vectors of open_beside need it.
+	/// The approximating plane.
 	struct Plane {
-		float height = 0.0f; ///< At u = v = 0.
+		float height = 0.0f; ///< Height at u = v = 0.
 		float slope_u = 0.0f;
 		float slope_v = 0.0f;
-		float reach = -1e3f; ///< How far the surface can be from the plane's height in the middle of a column.
+		/// Largest distance, in a column, of the surface from the plane's height at the column's
+		/// center.
+		float reach = -1e3f;
 	};
 
 private:

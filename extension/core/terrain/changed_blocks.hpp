@@ -12,11 +12,13 @@
 
 namespace thicket {
 
-inline constexpr int changed_block_side = 128; ///< Side of the blocks that are compared, in elements.
+inline constexpr int changed_block_side = 128; ///< Side of the compared blocks, in elements.
 
-/// Adds the differences between two grids of the same size: for each block, the smallest rectangle around its differences. The first
-/// block begins at 0, 0. The last block of a row or column may be one element larger. `bytes_a(column, row)` returns the first byte of a
-/// block's row of elements of `element_bytes` each. Bytes are compared, so a NAN equals itself. Throws std::bad_alloc.
+/// Compares two grids of the same size block by block. For each block with differences, appends the
+/// smallest rectangle around them to `r_rects`. The first block starts at (0, 0). The last block of
+/// a row or column may be one element larger. `bytes_a(column, row)` and `bytes_b` return the bytes
+/// of an element and of those that follow it in the same row of a block, `element_bytes` each.
+/// Compares bytes, so a NAN equals itself. Throws std::bad_alloc.
 template <class BytesA, class BytesB>
 void add_changed_blocks(glm::ivec2 size, std::size_t element_bytes, const BytesA &bytes_a, const BytesB &bytes_b,
 		std::vector<PixelRect> &r_rects) {

@@ -9,7 +9,7 @@ class FlatTerrain final : public Terrain {
 public:
 	FlatTerrain() = default;
 
-	/// `height` is in world meters. NAN makes a world without ground.
+	/// Creates a terrain. `height` is in world meters. NAN means that there is no ground anywhere.
 	explicit FlatTerrain(float height) : height_(height) {}
 
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override;

@@ -1,7 +1,8 @@
-// smooth_patch for as many patches as a vector has doubles. Included once for each instruction set.
+// The vector form of smooth_patch, for as many patches as a vector has doubles. This file is
+// compiled once for each instruction set.
 //
-// Uses the same operations in the same order, none of them fused, so the results are bit-identical. Keep it in sync with smooth_patch and
-// Heightfield.
+// The code uses the same operations in the same order, without fusing them, so the results are
+// bit-identical. Keep it in sync with smooth_patch and Heightfield.
 
 #include "core/terrain/inner_patches.hpp"
 
@@ -14,13 +15,14 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most as wide as a batch.
+// The lanes of one vector, which is no wider than a batch.
 using PatchDoubles = hn::CappedTag<double, InnerPatches::most>;
 using PatchWords = hn::RebindToUnsigned<PatchDoubles>;
 using PatchFloats = hn::Rebind<float, PatchDoubles>;
 using PatchD = hn::VFromD<PatchDoubles>;
 
-/// One of the four posts in each word, as a number. Exact, because a double has enough bits for 2^52 plus the post.
+/// Extracts one of the four posts in each word as a double. The conversion is exact, because a
+/// double can represent 2^52 plus the post.
 template <int column>
 HWY_INLINE PatchD post(hn::VFromD<PatchWords> row) {
 	constexpr int shift = 16 * (std::endian::native == std::endian::little ? column : 3 - column);
@@ -33,7 +35,7 @@ HWY_INLINE PatchD half_of(PatchD behind, PatchD before) {
 	return hn::Mul(hn::Sub(behind, before), hn::Set(PatchDoubles(), 0.5));
 }
 
-/// See bilinear.hpp.
+/// Performs bilinear() on vectors.
 HWY_INLINE PatchD between(PatchD near_left, PatchD near_right, PatchD far_left, PatchD far_right, PatchD x, PatchD y) {
 	const PatchD near = hn::Add(near_left, hn::Mul(hn::Sub(near_right, near_left), x));
 	const PatchD far = hn::Add(far_left, hn::Mul(hn::Sub(far_right, far_left), x));
@@ -46,7 +48,8 @@ HWY_INLINE void store_floats(PatchD value, float *r_to) {
 
 } // namespace
 
-/// Computes whole vectors, which may include some patches after the last one. Those contain numbers from earlier calls.
+/// Computes whole vectors of patches. The last vector may include entries after the last patch,
+/// which contain values from earlier calls.
 void compute_patches(const InnerPatches::Heights &of, InnerPatches &r_patches) {
 	const PatchDoubles doubles;
 	const PatchD one = hn::Set(doubles, 1.0);

@@ -9,21 +9,23 @@
 
 namespace thicket {
 
-/// Computes patches of a grid of 16-bit posts away from its border, many at a time with vectors: smooth_patch and the normal. Uses the
-/// same operations in the same order, so the results are bit-identical.
+/// Computes heights and normals in patches that are not at the border of a grid of 16-bit posts,
+/// many at a time with vectors. The code uses the same operations as smooth_patch in the same
+/// order, so the results are bit-identical.
 struct InnerPatches {
 	static constexpr std::size_t most = 32;
-	static constexpr std::size_t rows = 4; ///< The row before the patch, its two rows, and the row behind it.
+	static constexpr std::size_t rows = 4; ///< The row before the patch, its two rows, and the row after it.
 
-	/// The heights of a grid: height = base + post * scale.
+	/// The conversion of stored 16-bit samples to heights in meters: height = base + post * scale.
 	struct Heights {
 		double base = 0.0;
 		double scale = 1.0;
 		glm::dvec2 posts_per_meter{1.0};
 	};
 
-	/// Adds the patch whose first post is at `first`, in rows of `stride`. The position lies at the fraction `part` of the way to its far
-	/// corner.
+	/// Adds a position in the patch whose first post is at `first`. Rows are `stride` posts apart.
+	/// `part` is the fraction of the way to the patch's far corner on each axis. `number` is for
+	/// the caller's use.
 	void add(const std::uint16_t *first, std::ptrdiff_t stride, glm::dvec2 part, std::size_t number) {
 		const std::uint16_t *row = first - stride - 1;
 		for (std::size_t i = 0; i < rows; ++i, row += stride) {
@@ -36,16 +38,16 @@ struct InnerPatches {
 
 	bool full() const { return count == most; }
 
-	/// Computes the ground of all patches.
+	/// Computes the ground at all added positions.
 	void compute(const Heights &of);
 
 	std::size_t count = 0;
-	std::array<std::size_t, most> numbers{};                               ///< The caller's own number of each patch.
+	std::array<std::size_t, most> numbers{};                               ///< The `number` of each patch.
 	alignas(64) std::array<std::array<std::uint64_t, most>, rows> posts{}; ///< Four adjacent posts in each word.
 	alignas(64) std::array<double, most> x{};
 	alignas(64) std::array<double, most> y{};
 
-	// Valid after `compute`.
+	// The results, valid after `compute`.
 	alignas(64) std::array<float, most> height{};
 	alignas(64) std::array<float, most> normal_x{};
 	alignas(64) std::array<float, most> normal_y{};

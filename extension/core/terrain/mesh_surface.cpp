@@ -36,7 +36,7 @@ glm::vec3 position_at(const MeshSurface &surface, std::size_t vertex) {
 	return glm::vec3(part(0), part(1), part(2)) * surface.box_size + surface.box_corner;
 }
 
-/// Calls `add` with the vertex of each corner, until it returns false.
+/// Calls `add` with the vertex of each triangle corner, until `add` returns false.
 template <typename VertexOf, typename Add>
 void each_corner(MeshSurface::Shape shape, std::size_t count, const VertexOf &vertex_of, const Add &add) {
 	if (shape == MeshSurface::Shape::triangles) {

@@ -11,34 +11,39 @@
 
 namespace thicket {
 
-/// A surface of a mesh, in the bytes in which Godot's renderer stores it: positions first, then everything else.
+/// A surface of a mesh, in the byte format of Godot's renderer: first the positions, then all other
+/// attributes.
 struct MeshSurface {
-	/// How vertices form triangles. Points and lines form none.
+	/// The way in which vertices form triangles. Points and lines have the shape `none`.
 	enum class Shape : std::uint8_t { none, triangles, strip };
 
-	/// How a position is stored. All formats are little-endian, like Godot's platforms.
+	/// The storage format of positions. All formats are little-endian, like all platforms that
+	/// Godot supports.
 	enum class Positions : std::uint8_t {
 		floats,    ///< Three 32-bit floats.
 		flat,      ///< Two 32-bit floats; z is 0.
-		quantized, ///< Four 16-bit numbers: x, y and z as fractions of the box, and one unrelated to the position.
+		quantized, ///< Four 16-bit numbers: x, y and z as fractions of the box, and an unrelated number.
 	};
 
 	Shape shape = Shape::none;
 	Positions positions = Positions::floats;
 	std::size_t vertex_count = 0;
-	std::size_t index_count = 0;              ///< 0: vertices are used in their order.
-	std::span<const std::uint8_t> vertices{}; ///< May be longer than the positions.
-	std::span<const std::uint8_t> indices{};  ///< Two bytes each if that suffices, otherwise four.
-	glm::vec3 box_corner{0.0F};               ///< The lowest corner of the box of quantized positions.
+	std::size_t index_count = 0;              ///< 0 if vertices are used in their order.
+	std::span<const std::uint8_t> vertices{}; ///< May be longer than the positions require.
+	std::span<const std::uint8_t> indices{};  ///< Indices of two or four bytes each.
+	glm::vec3 box_corner{0.0F};               ///< The minimum corner of the box of quantized positions.
 	glm::vec3 box_size{0.0F};
 
-	/// The number of corners of all triangles. 0 for surfaces that Godot's TriangleMesh also omits: those without triangles, those whose
-	/// corners do not form whole triangles, and strips of fewer than three.
+	/// Returns three times the number of triangles. Returns 0 for surfaces that Godot's
+	/// TriangleMesh skips: points and lines, strips of fewer than three vertices, and triangle
+	/// lists whose vertex count is not a multiple of three. If a surface is indexed, its index
+	/// count is used instead of its vertex count.
 	std::size_t corner_count() const;
 };
 
-/// Appends three corners per triangle, in the surface's order: the faces of Godot's TriangleMesh without its rounding to 0.1 mm. Refuses
-/// too few bytes, and indices of vertices that do not exist. `r_corners` is then unspecified.
+/// Appends three corners per triangle, in the surface's order. These are the faces of Godot's
+/// TriangleMesh, without its rounding to 0.1 mm. Returns an error if there are too few bytes, or if
+/// an index refers to no vertex; the contents of `r_corners` are then unspecified.
 Status append_faces(const MeshSurface &surface, std::vector<glm::vec3> &r_corners);
 
 } // namespace thicket

@@ -97,7 +97,8 @@ bool PixelGrid::same_block(const PixelGrid &other, glm::ivec2 block) const {
 	return mine == of(other) && (mine != nullptr || base_.bytes.data() == other.base_.bytes.data());
 }
 
-/// Compares rows as bytes. Compares single pixels only in rows that differ, and only outside the current rectangle.
+/// Extends `r_rect` by the differing pixels of a block. Single pixels are compared only in rows
+/// that differ.
 void PixelGrid::widen_by_block(const PixelGrid &other, glm::ivec2 block, PixelRect &r_rect) const {
 	const PixelRect rect = rect_of(block);
 	const auto differs = [&](int column, int row, int columns) {
@@ -132,11 +133,11 @@ PixelRect PixelGrid::difference(const PixelGrid &other) const {
 			const bool known = inside.min.x >= rect.min.x && inside.min.y >= rect.min.y && inside.max.x <= rect.max.x &&
 					inside.max.y <= rect.max.y;
 			if (known) {
-				// The rectangle cannot grow here.
+				// The block lies inside the rectangle, so it cannot extend it.
 				continue;
 			}
 			if (same_block(other, block)) {
-				// The same memory has the same pixels.
+				// Both grids share this memory, so its pixels are equal.
 				continue;
 			}
 			widen_by_block(other, block, rect);

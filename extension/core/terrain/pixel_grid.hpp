@@ -13,37 +13,39 @@
 
 namespace thicket {
 
-/// Bytes that a different object owns. They neither move nor change while `owner` is held.
+/// Bytes that a different object owns. They neither move nor change while `owner` exists.
 struct SharedBytes {
 	std::shared_ptr<const void> owner;
 	std::span<const std::uint8_t> bytes;
 };
 
-/// The pixels of an image that a different object owns, without a copy. Only pixels that are patched later are copied,
-/// in blocks. A value type: copies share common memory, and a patch of one copy does not affect the others. Safe on any
-/// thread.
+/// Refers to the pixels of an image that a different object owns, without copying them. Patching
+/// copies only the affected blocks. Copies of a grid share memory, and patching one copy does not
+/// affect the other copies. Copies can be used on different threads.
 class PixelGrid {
 public:
-	static constexpr int max_side = 1 << 15; ///< Pixels along x and along y.
+	static constexpr int max_side = 1 << 15; ///< Maximum number of pixels along x and y.
 	static constexpr int max_pixel_bytes = 16;
-	static constexpr int block_side = 128; ///< In pixels: the block that is copied to patch a single one.
+	static constexpr int block_side = 128; ///< Side, in pixels, of the blocks that patching copies.
 
-	/// Takes `size.x` * `size.y` pixels of `pixel_bytes` bytes each, row by row, x fastest. A side has 1 to max_side pixels, a pixel 1 to
-	/// max_pixel_bytes bytes. `bytes` may be longer, as for images with mipmaps. Refused input changes nothing.
+	/// Sets size.x * size.y pixels of `pixel_bytes` bytes each, row by row. A side must have 1 to
+	/// max_side pixels, and a pixel 1 to max_pixel_bytes bytes. `bytes` may be longer, as for
+	/// images with mipmaps. A failed call changes nothing.
 	Status set(glm::ivec2 size, int pixel_bytes, SharedBytes bytes);
 
-	/// Replaces the pixels of a rectangle with those of `image`, which has the bytes of all pixels of the grid, as in
-	/// `set`. These bytes are no longer needed afterwards. Refuses a rectangle that is empty or not inside the grid,
-	/// and too few bytes. A failure changes nothing. Copies the blocks that the rectangle touches.
+	/// Replaces the pixels of a rectangle with those of `image`, which has the size and format of
+	/// the whole grid. The pixels are copied, together with the rest of the blocks that the
+	/// rectangle touches. Returns an error, and changes nothing, if the rectangle is empty or not
+	/// inside the grid, or if there are too few bytes.
 	Status patch(const PixelRect &rect, std::span<const std::uint8_t> image);
 
-	/// True if no pixels were set.
+	/// Returns true if no pixels were set.
 	bool empty() const { return base_.bytes.empty(); }
 
 	glm::ivec2 size() const { return size_; }
 	int pixel_bytes() const { return static_cast<int>(pixel_bytes_); }
 
-	/// The bytes of a pixel in the grid.
+	/// Returns the bytes of a pixel.
 	const std::uint8_t *pixel(int column, int row) const {
 		if (blocks_.empty()) {
 			return base_.bytes.data() + offset(column, row, size_.x);
@@ -51,15 +53,16 @@ public:
 		return patched_pixel(column, row);
 	}
 
-	/// True if both were set to the same bytes in memory and have no patches that only one of them has.
+	/// Returns true if both grids refer to the same bytes in memory and have the same patches.
 	bool same_memory(const PixelGrid &other) const;
 
-	/// The smallest rectangle outside which both have the same pixels: empty if all are equal, everything if their sizes differ. Skips
-	/// shared memory.
+	/// Returns the smallest rectangle that contains all pixels that differ. The rectangle is empty
+	/// if all pixels are equal, and it is the whole grid if the sizes differ. Shared memory is not
+	/// compared.
 	PixelRect difference(const PixelGrid &other) const;
 
 private:
-	using Block = std::vector<std::uint8_t>; ///< block_side * block_side pixels.
+	using Block = std::vector<std::uint8_t>; ///< The bytes of block_side * block_side pixels.
 
 	std::size_t offset(int column, int row, int columns) const {
 		return (static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)) *
@@ -76,7 +79,8 @@ private:
 	glm::ivec2 size_{0};
 	std::size_t pixel_bytes_ = 0;
 	SharedBytes base_;
-	std::vector<std::shared_ptr<const Block>> blocks_; ///< Null for blocks of the base. Empty if nothing is patched.
+	/// Blocks that were patched; null for unpatched ones. Empty if there are no patches.
+	std::vector<std::shared_ptr<const Block>> blocks_;
 };
 
 } // namespace thicket

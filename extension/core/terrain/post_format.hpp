@@ -7,18 +7,18 @@
 
 namespace thicket {
 
-/// How a post of a height map is stored, in the byte order of the machine.
+/// The storage format of height map posts. Floats have the byte order of the machine.
 enum class PostFormat : std::uint8_t {
-	float32, ///< Meters.
-	float16, ///< Meters, IEEE 754 binary16.
-	rgb8,    ///< HTerrain's format: (r + 256 g + 65536 b) / 1024 - 8192 meters (its hterrain_data.gd).
+	float32, ///< Heights in meters as 32-bit floats.
+	float16, ///< Heights in meters as 16-bit floats (IEEE 754 binary16).
+	rgb8,    ///< HTerrain's format: (r + 256 g + 65536 b) / 1024 - 8192 meters (hterrain_data.gd).
 };
 
 constexpr int bytes_of(PostFormat format) {
 	return format == PostFormat::float32 ? 4 : format == PostFormat::float16 ? 2 : 3;
 }
 
-/// Converts IEEE 754 binary16 exactly.
+/// Converts IEEE 754 binary16 to float exactly.
 constexpr float half_to_float(std::uint16_t half) {
 	const bool negative = (half & 0x8000u) != 0;
 	const unsigned exponent = half >> 10u & 0x1fu;
@@ -34,7 +34,7 @@ constexpr float half_to_float(std::uint16_t half) {
 	return negative ? -value : value;
 }
 
-/// The height of a post, read from its bytes_of(format) bytes.
+/// Reads the height of a post, in meters, from its bytes_of(format) bytes.
 inline double post_height(const std::uint8_t *bytes, PostFormat format) {
 	switch (format) {
 		case PostFormat::float32: {

@@ -16,33 +16,34 @@
 
 namespace thicket {
 
-/// Posts on a grid, row by row, x fastest. A value type: copies share their memory, and a change of one copy does not affect the others.
-/// A change copies the blocks that it touches, so its cost does not grow with the grid. Safe on any thread.
+/// A grid of posts, in row order. Copies share memory, and changing one copy does not affect the
+/// other copies. A change copies only the blocks that it touches, so its cost does not depend on
+/// the size of the grid. Copies can be used on different threads.
 template <typename Post>
 class PostGrid {
 public:
-	static constexpr int block_side = changed_block_side; ///< Patches between posts, along each side.
+	static constexpr int block_side = changed_block_side; ///< Side of a block, in patches between posts.
 
 	PostGrid() = default;
 
-	/// `posts` holds count.x * count.y posts, at least 2 along each side.
+	/// Creates a grid. `posts` must have count.x * count.y posts, with at least 2 along each side.
 	PostGrid(glm::ivec2 count, std::shared_ptr<const std::vector<Post>> posts) :
 			count_(count), base_(std::move(posts)) {}
 
 	bool empty() const { return base_ == nullptr; }
 	glm::ivec2 count() const { return count_; }
 
-	/// The posts around a patch between four posts: on both axes, from the one before its two posts to the one behind them, as far as
-	/// they exist.
+	/// Access to the posts around a patch. On both axes, these are its two posts, the post before
+	/// them and the post after them, if they exist.
 	struct Window {
-		const Post *first; ///< The first of the four.
+		const Post *first; ///< The first of the patch's four posts.
 		std::ptrdiff_t stride;
 	};
 
-	/// The window around the patch whose first post is `patch`, from 0 to count() - 2.
+	/// Returns the window around the patch whose first post is `patch`, from 0 to count() - 2. The
+	/// window is valid until the grid changes.
 	Window window(glm::ivec2 patch) const {
 		if (blocks_.empty()) {
-			// The grid has no changes since its creation.
 			return base_window(patch);
 		}
 		const std::shared_ptr<const Block> &block = blocks_[index_of(patch / block_side)];
@@ -55,10 +56,9 @@ public:
 		return near.first[(post.y - patch.y) * near.stride + (post.x - patch.x)];
 	}
 
-	/// All posts, row by row. Throws std::bad_alloc.
+	/// Returns all posts, row by row. Throws std::bad_alloc.
 	std::vector<Post> flattened() const {
 		if (blocks_.empty()) {
-			// The grid has no changes since its creation.
 			return *base_;
 		}
 		std::vector<Post> posts;
@@ -71,12 +71,13 @@ public:
 		return posts;
 	}
 
-	/// Replaces the posts of a rectangle inside the grid. `posts` has them row by row. Throws std::bad_alloc and changes nothing.
+	/// Replaces the posts of a rectangle inside the grid; `posts` lists them row by row. Throws
+	/// std::bad_alloc, with the grid unchanged.
 	void patch(const PixelRect &rect, std::span<const Post> posts) {
 		auto blocks = blocks_;
 		const glm::ivec2 count = block_count();
 		blocks.resize(static_cast<std::size_t>(count.x) * static_cast<std::size_t>(count.y));
-		// A block also stores the posts around its patches.
+		// Blocks also store the posts around their patches, so they overlap.
 		const glm::ivec2 first = glm::max((rect.min - 2) / block_side, glm::ivec2(0));
 		const glm::ivec2 last = glm::min(rect.max / block_side, count - 1);
 		for (glm::ivec2 block = first; block.y <= last.y; ++block.y) {
@@ -87,7 +88,8 @@ public:
 		blocks_ = std::move(blocks);
 	}
 
-	/// Adds the rectangles where a grid of the same size has different posts; see add_changed_blocks.
+	/// Appends the rectangles in which a grid of the same size has different posts; see
+	/// add_changed_blocks().
 	void add_changes(const PostGrid &other, std::vector<PixelRect> &r_rects) const {
 		const auto bytes_of = [](const PostGrid &grid) {
 			return [&grid](int column, int row) {
@@ -102,7 +104,9 @@ public:
 	}
 
 private:
-	static constexpr int block_posts = block_side + 3; ///< Posts of its patches, plus one before and one behind.
+	/// Number of posts along a side of a block: those of its patches, plus one before and one
+	/// after.
+	static constexpr int block_posts = block_side + 3;
 	static constexpr std::ptrdiff_t block_stride = block_posts;
 	using Block = std::vector<Post>;
 
@@ -122,7 +126,7 @@ private:
 		return {base_->data() + patch.y * stride + patch.x, stride};
 	}
 
-	/// The block's current posts, with those of a rectangle replaced as far as they lie in it.
+	/// Returns a copy of a block, in which the posts inside `rect` are replaced.
 	std::shared_ptr<const Block> patched(glm::ivec2 block, const PixelRect &rect, std::span<const Post> posts) const {
 		const glm::ivec2 corner = block * block_side - 1;
 		const glm::ivec2 from = glm::max(corner, glm::ivec2(0));
@@ -148,7 +152,8 @@ private:
 
 	glm::ivec2 count_{0};
 	std::shared_ptr<const std::vector<Post>> base_;
-	std::vector<std::shared_ptr<const Block>> blocks_; ///< Null for blocks of the base. Empty if nothing was changed.
+	/// Blocks that were changed; null for unchanged ones. Empty if there are no changes.
+	std::vector<std::shared_ptr<const Block>> blocks_;
 };
 
 } // namespace thicket

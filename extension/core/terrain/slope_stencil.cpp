@@ -12,17 +12,19 @@ namespace thicket {
 
 namespace {
 
-/// Half the distance in meters over which a slope is measured.
+/// Half of the distance over which a slope is measured, in meters.
 constexpr double usual_step = 0.5;
 
 double as_float(double value) { return static_cast<double>(static_cast<float>(value)); }
 
-/// Far out, uses four floats to each side. The distance is then off by at most an eighth of a step.
+/// Returns the distance in meters from the center to its neighbors along an axis. Far from the
+/// origin, the distance is at least four float steps, so that rounding changes it by at most an
+/// eighth.
 double step_at(double coordinate) {
 	return std::max(usual_step, 4.0 * std::abs(coordinate) * std::numeric_limits<float>::epsilon());
 }
 
-/// The slope through three heights in a row.
+/// Returns the slope at the middle of three heights in a line.
 double rise(double before, double here, double behind, double run_before, double run_behind) {
 	if (std::isfinite(before) && std::isfinite(behind)) {
 		return (behind - before) / (run_before + run_behind);

@@ -11,21 +11,23 @@
 
 namespace thicket {
 
-/// The height at a position on a grid of posts and its gradient, in the posts' unit, per post along x and along y.
+/// The height at a position on a grid of posts, and the gradient per post along x and y. Both are
+/// in the unit of the posts.
 struct SmoothPatch {
 	double height;
 	glm::dvec2 gradient;
 };
 
-/// The indices of four posts in a line around a patch: the post before the patch, its two posts, and the post behind
-/// it, clamped to the grid. Also contains the factors that turn the differences between neighboring posts into
-/// gradients per post.
+/// The indices of four posts in a line around a patch, clamped to the grid: the post before the
+/// patch, its two posts, and the post after it. A line also contains the factors that convert
+/// differences between the neighbors of a post to gradients per post.
 struct PostLine {
 	std::array<int, 4> index;
 	double first_weight;
 	double second_weight;
 
-	/// The line around the patch between the posts `patch` and `patch` + 1, of `posts` in all.
+	/// Returns the line around the patch between the posts `patch` and `patch` + 1, in a line of
+	/// `posts` posts.
 	static constexpr PostLine about(int patch, int posts) {
 		const int before = std::max(patch - 1, 0);
 		const int behind = std::min(patch + 2, posts - 1);
@@ -33,7 +35,8 @@ struct PostLine {
 	}
 };
 
-/// The gradient per post at `post`, from its neighbors. If posts may be NAN for holes, a missing neighbor is skipped, as on the border.
+/// Returns the gradient per post at `post`, from its two neighbors. If posts may be missing (NAN),
+/// the difference next to a missing one is one-sided, as at the border.
 template <bool may_be_missing>
 double post_gradient(double behind, double before, double post, double weight) {
 	if constexpr (may_be_missing) {
@@ -47,13 +50,14 @@ double post_gradient(double behind, double before, double post, double weight) {
 	return (behind - before) * weight;
 }
 
-/// The surface between four posts: bilinear heights, and the gradients of the four posts by central differences (one-sided on the border
-/// of the grid), weighted bilinearly. `post(column, row)` returns a double for indices of the two lines. `part` is the fraction of the
-/// way from the first of the four posts to the others, 0 to 1. If posts may be NAN, the height is NAN if one of the four is, and the
-/// gradient is then meaningless.
+/// Computes the surface between four posts. The heights are interpolated bilinearly, and so are the
+/// gradients at the four posts. The gradients are central differences (one-sided at the border of
+/// the grid). `post(column, row)` returns a double for indices of the two lines. `part` is the
+/// fraction of the way from the first post to the opposite one on each axis, 0 to 1. If posts may
+/// be missing and one of the four is NAN, the height is NAN and the gradient is meaningless.
 template <bool may_be_missing, class Post>
 SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dvec2 part, const Post &post) {
-	// Indexes the 4 x 4 posts around the patch. The corners are never read.
+	// Returns one of the 4 x 4 posts around the patch. The corners are never read.
 	const auto near = [&](std::size_t i, std::size_t j) -> double {
 		return post(across.index[i], along.index[j]);
 	};
@@ -64,7 +68,7 @@ SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dve
 	const double height = between(heights);
 	if constexpr (may_be_missing) {
 		if (std::isnan(height)) {
-			// The gradient of a hole is never used.
+			// The gradient in a hole is never used.
 			return {height, {0.0, 0.0}};
 		}
 	}
@@ -84,14 +88,15 @@ SmoothPatch smooth_patch(const PostLine &across, const PostLine &along, glm::dve
 	return {height, {between(rise_x), between(rise_y)}};
 }
 
-/// Computes the patch of a grid whose first post is at `patch`.
+/// Computes the surface in the patch whose first post is `patch`, in a grid of `posts` posts.
 template <bool may_be_missing, class Post>
 SmoothPatch smooth_patch(glm::ivec2 posts, glm::ivec2 patch, glm::dvec2 part, const Post &post) {
 	return smooth_patch<may_be_missing>(
 			PostLine::about(patch.x, posts.x), PostLine::about(patch.y, posts.y), part, post);
 }
 
-/// Whether a patch is away from the border of a grid, so that `inner_line`, relative to its first post, is valid on both axes.
+/// Returns true if a patch does not touch the border of a grid. `inner_line`, relative to the
+/// patch's first post, is then valid on both axes.
 constexpr bool is_inner_patch(glm::ivec2 posts, glm::ivec2 patch) {
 	return patch.x >= 1 && patch.y >= 1 && patch.x + 2 < posts.x && patch.y + 2 < posts.y;
 }

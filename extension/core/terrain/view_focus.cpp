@@ -13,9 +13,10 @@ namespace {
 constexpr std::size_t coarse_steps = 128;
 constexpr std::size_t fine_steps = 16;
 constexpr int refinements = 2;
-constexpr double least_slope = 0.17; ///< The sine of 10 degrees.
+constexpr double least_slope = 0.17; ///< About the sine of 10 degrees.
 
-/// The part of a ray between two distances in which it enters the ground: the first such part of `steps` equal ones.
+/// Divides the range `within` of a ray into `steps` equal parts, and returns the first part in
+/// which the ray enters the ground.
 template <std::size_t steps>
 std::optional<std::pair<double, double>> entry(
 		const Terrain &terrain, glm::dvec3 from, glm::dvec3 direction, std::pair<double, double> within) {
@@ -37,7 +38,7 @@ std::optional<std::pair<double, double>> entry(
 		if (was_above && above <= 0.0) {
 			return std::pair(at(step - 1), at(step));
 		}
-		was_above = above > 0.0; // False where there is no ground.
+		was_above = above > 0.0; // The result is false if there is no ground.
 	}
 	return std::nullopt;
 }

@@ -13,14 +13,14 @@ namespace thicket {
 
 namespace {
 
-/// Two neighbors on an axis, and the fraction of the way from the first to the second.
+/// Two neighboring pixels on an axis, and the fraction of the way from the first to the second.
 struct Between {
 	int first;
 	int second;
 	double part;
 };
 
-/// `position` lies within 0 to 1.
+/// Returns the pixels around `position`, which must be in 0 to 1.
 Between between(double position, int pixels) {
 	const double along = position * (pixels - 1);
 	const int first = static_cast<int>(along);
@@ -49,7 +49,7 @@ Status WeightMap::set(glm::ivec2 size, int channels, std::span<const std::uint8_
 
 void WeightMap::add_changes(const WeightMap &other, std::vector<Rect> &r_rects) const {
 	if (weights_ == other.weights_) {
-		// The same memory has the same weights.
+		// Both maps share this memory, so their weights are equal.
 		return;
 	}
 	if (empty() || other.empty() || size_ != other.size_ || channels_ != other.channels_) {
@@ -65,7 +65,7 @@ void WeightMap::add_changes(const WeightMap &other, std::vector<Rect> &r_rects) 
 	add_changed_blocks(size_, static_cast<std::size_t>(channels_), bytes_of(*this), bytes_of(other), changed);
 	const glm::dvec2 steps = glm::max(glm::dvec2(size_ - 1), glm::dvec2(1.0));
 	for (const PixelRect &rect : changed) {
-		// Weights are interpolated up to the neighbors of a pixel.
+		// Interpolation extends the effect of a pixel to its neighbors.
 		r_rects.push_back({glm::max(glm::dvec2(rect.min - 1) / steps, glm::dvec2(0.0)),
 				glm::min(glm::dvec2(rect.max) / steps, glm::dvec2(1.0))});
 	}
@@ -83,7 +83,7 @@ unsigned WeightMap::channels_of(std::span<const std::int32_t> textures) const {
 
 float WeightMap::weight(glm::dvec2 position, unsigned channels) const {
 	const auto unit = [](double value) {
-		return value > 0.0 ? std::min(value, 1.0) : 0.0; // NAN is 0.
+		return value > 0.0 ? std::min(value, 1.0) : 0.0; // The condition is false for NAN, which becomes 0.
 	};
 	const Between x = between(unit(position.x), size_.x);
 	const Between y = between(unit(position.y), size_.y);

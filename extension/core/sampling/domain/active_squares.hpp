@@ -12,9 +12,10 @@
 
 namespace thicket {
 
-/// The active squares: one list for each level, and a choice among all squares by area (section 3.3 of the paper). A list is a row of
-/// equal chunks, which it takes from a common store and returns to it. The memory held is therefore the peak of all lists together, not
-/// the sum of their peaks.
+/// The active squares, in which darts can still fall, in one list per level. A square is chosen at
+/// random by area (section 3.3 of the paper; see DomainMethod). All lists allocate equal chunks
+/// from a common pool and return them to it. Memory use is therefore the peak of all lists
+/// together, not the sum of their peaks.
 template <typename Real>
 class ActiveSquares {
 public:
@@ -31,7 +32,8 @@ public:
 		std::uint32_t index;
 	};
 
-	/// `expected` is the total number of squares. It sets the chunk size: large enough for few chunks, small enough not to waste memory.
+	/// Creates empty lists. `expected` is the expected total number of squares. It determines the
+	/// chunk size, which is a compromise between few chunks and little unused memory.
 	explicit ActiveSquares(std::uint64_t expected) {
 		const auto wanted = std::bit_ceil(expected / 512 + 1);
 		chunk_shift_ =
@@ -42,7 +44,7 @@ public:
 	std::uint64_t made() const { return made_; }
 	std::uint64_t list_checks() const { return list_checks_; }
 	std::uint32_t levels_used() const { return levels_used_; }
-	/// Peak memory.
+	/// Returns the peak memory in bytes.
 	std::size_t bytes() const { return most_chunks_ * chunk_bytes(); }
 
 	void push(std::uint32_t level, Square<Real> square) {
@@ -59,7 +61,8 @@ public:
 		++made_;
 	}
 
-	/// Removes a square from its list. The last square of the list moves to its index.
+	/// Removes a square from its list and returns it. The last square of the list moves to its
+	/// index.
 	Square<Real> take(Choice choice) {
 		List &list = lists_[choice.level];
 		Square<Real> &taken = at(list, choice.index);
@@ -74,7 +77,7 @@ public:
 		total_ -= unit_area(choice.level);
 		--held_;
 		while (first_ + 1 < levels_used_ && lists_[first_].count == 0) {
-			// Choices can skip the empty lists before it.
+			// Choices start at the first nonempty list.
 			++first_;
 		}
 		if (total_ < stale_below_ || --fresh_for_ == 0) {
@@ -83,7 +86,7 @@ public:
 		return square;
 	}
 
-	/// The square that these random bits choose, with probability proportional to area.
+	/// Chooses a square by random bits, with a probability proportional to its area.
 	Choice choose(const Draw &draw) {
 		std::uint32_t checks = 0;
 		const Choice choice = look_up(draw, checks);
@@ -91,14 +94,15 @@ public:
 		return choice;
 	}
 
-	/// Returns the result that `choose` would have now. A later `choose` usually returns the same, because the bits map to the same index
-	/// of a list until that index is taken or lies beyond the list's end.
+	/// Predicts the result of a later `choose` with the same bits. The prediction is usually right,
+	/// because the bits map to the same list index until that square is taken or the list becomes
+	/// too short.
 	Choice foresee(const Draw &draw) const {
 		std::uint32_t checks = 0;
 		return look_up(draw, checks);
 	}
 
-	/// The square at an index that was foreseen earlier, or null if the list has become too short.
+	/// Returns the square at a predicted index, or null if the list has become too short.
 	const Square<Real> *peek(Choice choice) const {
 		const List &list = lists_[choice.level];
 		return choice.index < list.count ? &at(list, choice.index) : nullptr;
@@ -111,20 +115,20 @@ private:
 	};
 
 	static constexpr std::uint32_t fresh_choices = 4096;
-	static constexpr std::uint64_t soon_last = 64; ///< A list's end is prefetched this many squares ahead.
+	static constexpr std::uint64_t soon_last = 64; ///< The end of a list is prefetched this many squares ahead.
 
 	std::array<List, most_levels> lists_;
-	std::array<double, most_levels> areas_{}; ///< Total area of each list's squares, in base squares.
+	std::array<double, most_levels> areas_{}; ///< Total area of the squares in each list, in base squares.
 	std::vector<ZeroedArray<Square<Real>>> slabs_;
-	std::vector<Square<Real> *> spare_; ///< Chunks in no list.
+	std::vector<Square<Real> *> spare_; ///< Chunks that no list uses.
 	std::size_t chunks_made_ = 0;
-	std::size_t most_chunks_ = 0; ///< Chunks in lists, at the peak.
+	std::size_t most_chunks_ = 0; ///< Peak number of chunks in use.
 	std::uint32_t chunk_shift_;
 	std::uint32_t levels_used_ = 0;
-	std::uint32_t first_ = most_levels - 1; ///< All lists before this one are empty.
+	std::uint32_t first_ = most_levels - 1; ///< The first list that may be nonempty.
 	std::uint32_t fresh_for_ = fresh_choices;
 	double total_ = 0.0;
-	double stale_below_ = 0.0; ///< Below this total, accumulated rounding errors in `total_` may matter.
+	double stale_below_ = 0.0; ///< Below this total, rounding errors accumulated in `total_` may matter.
 	std::uint64_t held_ = 0;
 	std::uint64_t made_ = 0;
 	std::uint64_t list_checks_ = 0;
@@ -160,8 +164,8 @@ private:
 		most_chunks_ = std::max(most_chunks_, chunks_made_ - spare_.size());
 	}
 
-	/// Allocates many chunks at once, half as many as there are, because only a large block of memory gets large pages. The unused part
-	/// of a block costs nothing.
+	/// Allocates many chunks at once, half as many as exist already, because only a large block of
+	/// memory gets large pages. The untouched part of a block costs nothing.
 	void add_slab() {
 		constexpr std::size_t largest = std::size_t{1} << 26;
 		const std::size_t chunks = std::clamp<std::size_t>(chunks_made_ / 2, 1, largest / chunk_bytes());
@@ -172,8 +176,8 @@ private:
 		chunks_made_ += chunks;
 	}
 
-	/// Equation 3 of the paper: a linear search over the lists, then an index in the list. The index is drawn from the next power of two,
-	/// repeatedly until it lies in the list.
+	/// Implements equation 3 of the paper: finds a list by linear search, then draws an index in
+	/// it. Indices are drawn below the next power of two until one lies in the list.
 	Choice look_up(const Draw &draw, std::uint32_t &r_checks) const {
 		double rest = static_cast<double>(draw.level >> 11) * 0x1p-53 * total_;
 		std::uint32_t level = first_;
@@ -181,7 +185,8 @@ private:
 		for (; level < levels_used_; ++level) {
 			++r_checks;
 			if (lists_[level].count > 0) {
-				found = level; // Keeps the last nonempty list, in case rounding leads past the end.
+				// Remembers the last nonempty list, in case rounding moves the search past the end.
+				found = level;
 			}
 			if (rest < areas_[level]) {
 				break;

@@ -12,10 +12,12 @@
 
 namespace thicket {
 
-/// Points in base squares that are farther apart than this number of squares are never within a radius of each other.
+/// Maximum distance, in base squares along each axis, between the base squares of two points that
+/// may be within a radius of each other.
 inline constexpr std::uint32_t squares_reached = 2;
 
-/// Calls action(x, y, base square) for the point itself and, on a torus, for its nearby images across the seams.
+/// Calls action(x, y, base square) for the point itself and, on a torus, for its images across
+/// nearby seams.
 template <typename Real, class Action>
 void for_each_image(const Frame<Real> &frame, Real x, Real y, glm::uvec2 square, Action &&action) {
 	constexpr int reach = squares_reached;
@@ -37,14 +39,16 @@ void for_each_image(const Frame<Real> &frame, Real x, Real y, glm::uvec2 square,
 	}
 }
 
-/// The cells of width x width base squares that lie in the domain and within a radius of an image, plus a rounding margin.
+/// The cells of the domain that lie within a radius, plus a rounding margin, of an image. A cell is
+/// width x width base squares.
 struct NearCells {
 	static constexpr std::size_t most_across = 2 * squares_reached + 1;
 
 	std::array<glm::uvec2, most_across * most_across> cell;
 	std::size_t count = 0;
 
-	/// `square` is the base square of the image, inside the domain or outside.
+	/// Finds the cells around an image. (x, y) is the biased position of the image (see Frame), and
+	/// `square` its base square. Both may lie outside the domain.
 	template <typename Real>
 	NearCells(const Frame<Real> &frame, std::uint32_t width, Real x, Real y, glm::ivec2 square) {
 		const Across columns(frame, width, 0, static_cast<double>(x) - frame.bias, square.x);
@@ -59,7 +63,8 @@ struct NearCells {
 	}
 
 private:
-	/// The columns (or rows) of cells that a disk can reach, and their squared distances from its center on that axis.
+	/// The columns (or rows) of cells that a disk can reach, with their squared distances from the
+	/// disk's center along that axis.
 	struct Across {
 		std::size_t first;
 		std::size_t count;

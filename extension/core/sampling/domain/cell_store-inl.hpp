@@ -1,4 +1,5 @@
-// Point storage of the acceleration grid. Compiled once for each instruction set, by thrower.cpp.
+// Stores the points of the acceleration grid. thrower.cpp compiles this file once for each
+// instruction set.
 #if defined(THICKET_CELL_STORE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_CELL_STORE_INL
 #undef THICKET_CELL_STORE_INL
@@ -21,22 +22,23 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Points by cells. Each cell has room for a number of points that is likely to suffice; further points go to an
-/// overflow (section 4.3 of the paper). Large cells keep their points sorted by y, so that a lookup reads only a part
-/// of them. Points fill a cell evenly, so the lookup first guesses where this part begins and then searches from there.
+/// Stores points by cell. Each cell has a fixed capacity, chosen so that it nearly always suffices;
+/// further points go to an overflow map (section 4.3 of the paper, see DomainMethod). Large cells
+/// keep their points sorted by y, so that a lookup reads only some of them. Points fill a cell
+/// evenly, so the lookup starts its search at an estimated index.
 template <typename Real>
 class CellStore {
 public:
 	static constexpr std::size_t block = Near<Real>::block;
 
-	/// A part of a cell: entries [begin, end). `begin` is a multiple of `block`.
+	/// A range of entries of a cell: [begin, end). `begin` is a multiple of `block`.
 	struct Part {
 		std::size_t begin;
 		std::size_t end;
 	};
 
-	/// Room for about `likely` points per cell, rounded up to a multiple of `least`, which is `block` or half a block. Throws
-	/// std::bad_alloc.
+	/// Allocates space for more than `likely` points per cell, rounded up to a multiple of `least`,
+	/// which is `block` or half a block. Sorted cells use whole blocks. Throws std::bad_alloc.
 	CellStore(std::size_t cells, double likely, std::size_t least) :
 			sorted_(likely > sorted_above), capacity_(rounded_up(likely, sorted_ ? block : least)),
 			coordinates_(cells * 2 * capacity_), counts_(sorted_ ? cells : 0) {}
@@ -45,14 +47,16 @@ public:
 	std::size_t capacity() const { return capacity_; }
 	bool sorted() const { return sorted_; }
 
-	/// The x coordinates of a cell, 0 where there is no point. The y coordinates follow `capacity` entries later.
+	/// Returns the x coordinates of a cell, which are 0 for unused entries. The y coordinates start
+	/// `capacity` entries later.
 	const Real *coordinates(std::size_t cell) const { return coordinates_.data() + cell * 2 * capacity_; }
 
 	bool overflows(std::size_t cell) const {
 		return coordinates(cell)[capacity_ - 1] != Real{0} && overflow_.contains(cell);
 	}
 
-	/// Adds a point. `height` is its relative y between the lowest and the highest of the cell, 0 to 1.
+	/// Adds a point. `height` is its y, relative to the range of y that the cell stores, from 0 to
+	/// 1.
 	void add(std::size_t cell, Real x, Real y, double height) {
 		Real *const xs = coordinates_.data() + cell * 2 * capacity_;
 		const std::size_t count = sorted_ ? counts_[cell] : vacant(xs);
@@ -73,7 +77,8 @@ public:
 		xs[index + capacity_] = y;
 	}
 
-	/// A part of a sorted cell that holds all its points with y in [low, high), and a few others. The heights are as in `add`.
+	/// Returns a range of a sorted cell that includes all its points with y in [low, high), and
+	/// perhaps further points, but no overflowing points. The heights are as in `add`.
 	Part part(std::size_t cell, Real low, Real high, double low_height, double high_height) const {
 		const Real *ys = coordinates(cell) + capacity_;
 		const std::size_t count = counts_[cell];
@@ -89,7 +94,8 @@ public:
 		return {begin, end};
 	}
 
-	/// Prefetches adjacent cells into the cache. Inlined, because a compiler may discard calls to a function that only prefetches.
+	/// Prefetches the cells from `first` to `last`. The function is inlined, because a compiler may
+	/// discard calls to a function that only prefetches.
 	HWY_INLINE void fetch(std::size_t first, std::size_t last) const {
 		fetch_line_by_line(coordinates(first), coordinates(last + 1));
 	}
@@ -122,20 +128,22 @@ public:
 	}
 
 private:
-	static constexpr double sorted_above = 28.0; ///< For smaller cells, reading all points is faster.
+	/// Points per cell from which cells are sorted. In smaller cells, reading all points is faster.
+	static constexpr double sorted_above = 28.0;
 
 	bool sorted_;
 	std::size_t capacity_;
 	ZeroedArray<Real> coordinates_;
-	ZeroedArray<std::uint32_t> counts_;                                        ///< Point counts of sorted cells.
-	std::unordered_map<std::size_t, std::vector<glm::vec<2, Real>>> overflow_; ///< Only looked up, never iterated.
+	ZeroedArray<std::uint32_t> counts_; ///< Point counts of sorted cells.
+	/// The map is never iterated, so its order does not matter.
+	std::unordered_map<std::size_t, std::vector<glm::vec<2, Real>>> overflow_;
 	std::size_t overflow_bytes_ = 0;
 
 	static std::size_t rounded_up(double likely, std::size_t step) {
 		return (static_cast<std::size_t>(likely) + step) / step * step;
 	}
 
-	/// The first entry of an unsorted cell that holds no point.
+	/// Returns the first unused entry of an unsorted cell.
 	std::size_t vacant(const Real *xs) const {
 		const Wide<Real> d;
 		for (std::size_t i = 0; i < capacity_; i += hn::Lanes(d)) {
@@ -146,12 +154,13 @@ private:
 		return capacity_;
 	}
 
-	/// The index of a height in an evenly filled cell.
+	/// Returns the index that corresponds to a height if the cell is evenly filled.
 	static std::size_t guess(double height, std::size_t count) {
 		return static_cast<std::size_t>(height * static_cast<double>(count));
 	}
 
-	/// The first of the sorted numbers that is not below `y`, searched from a guess in both directions.
+	/// Returns the index of the first sorted number that is not below `y`. The search goes in both
+	/// directions from an estimate.
 	static std::size_t first_not_below(const Real *ys, std::size_t count, Real y, double height) {
 		std::size_t low = guess(height, count);
 		std::size_t high = low;

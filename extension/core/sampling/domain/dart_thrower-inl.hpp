@@ -1,4 +1,5 @@
-// Hierarchical dart throwing. Compiled once for each instruction set, by thrower.cpp.
+// Fills a domain by hierarchical dart throwing. thrower.cpp compiles this file once for each
+// instruction set.
 #if defined(THICKET_DART_THROWER_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_DART_THROWER_INL
 #undef THICKET_DART_THROWER_INL
@@ -26,13 +27,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Hierarchical dart throwing (figure 2 of the paper) over one domain. All base squares are active from the start; for the wavefront,
-/// groups of them become active as darts are accepted.
+/// Hierarchical dart throwing (figure 2 of the paper, see DomainMethod) over one domain. All base
+/// squares are active from the start. With the wavefront method, groups of base squares become
+/// active around accepted darts.
 ///
-/// Squares are chosen at random all over the domain, so in a large domain each choice would wait for memory. The thrower therefore draws
-/// the random bits of later choices in advance and prefetches the data they are likely to need: first the entry in the list, then the
-/// cells around the square. This changes no outcome, because each choice is repeated when its turn comes. A prefetch has to find the
-/// address of its page before anything later can retire, so many are started together and wait in parallel.
+/// Squares are chosen at random across the domain, so in a large domain each choice would wait for
+/// memory. The thrower therefore draws the random bits of later choices in advance. It prefetches
+/// the data that they will probably need: first the list entry, then the cells around the square.
+/// Each choice is made again when its turn comes, so prefetching never affects the result. A
+/// prefetch must resolve the address of its page before later instructions can retire. Many
+/// prefetches are therefore started together, so that their address lookups overlap.
 ///
 /// `Cells` is the acceleration grid: PointCells or LineCells.
 template <typename Real, class Cells>
@@ -40,7 +44,7 @@ class DartThrower final : public Thrower<Real> {
 public:
 	using Points = std::vector<glm::vec<2, Real>>;
 
-	/// `cell_width` is in base squares. Throws std::bad_alloc.
+	/// Prepares a run. `cell_width` is in base squares. Throws std::bad_alloc.
 	DartThrower(const DomainRequest &request, std::uint32_t cell_width) :
 			frame_(Frame<Real>::of(request)), wavefront_(request.method == DomainMethod::wavefront),
 			key_(split_mix(request.seed + split_mix_gamma)), active_(frame_.base_squares()),
@@ -52,13 +56,15 @@ public:
 		}
 	}
 
-	/// Throws darts until no square is active or the call is cancelled. Appends accepted darts to `r_points` if it is not null.
+	/// Throws darts until no square is active, or the call is cancelled. The accepted darts are
+	/// appended to `r_points`, unless it is null.
 	Status run(Points *r_points, const Progress &progress, double expected_points) override {
 		if (!begin(progress, expected_points)) {
 			return {ErrorCode::cancelled};
 		}
-		// The first choices touch fresh memory everywhere, whose pages the system must create. They are a thousand times slower than
-		// later ones.
+		// The first choices touch fresh memory throughout the domain, whose pages the system must
+		// create. They are a thousand times slower than later ones, so cancellation is checked more
+		// often at first.
 		std::uint64_t between_looks = 8;
 		std::uint64_t until_look = 1;
 		while (!active_.empty()) {
@@ -87,7 +93,8 @@ public:
 	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
-	/// Choices that are prefetched together: their list entries two batches ahead, their cells one batch ahead.
+	/// The number of choices that are prefetched together. List entries are prefetched two batches
+	/// ahead, and cells one batch ahead.
 	static constexpr std::uint64_t batch = 8;
 	static constexpr std::size_t ring = 4 * batch;
 	static constexpr std::uint64_t choices_between_looks = 4096;
@@ -104,13 +111,15 @@ private:
 	Cells cells_;
 	std::optional<GroupMap> groups_;
 	DomainStats counts_;
-	std::array<Real, ActiveSquares<Real>::most_levels> half_x_{}; ///< Half the width of a square of each level.
+	/// Half the width of a square at each level, in meters.
+	std::array<Real, ActiveSquares<Real>::most_levels> half_x_{};
 	std::array<Real, ActiveSquares<Real>::most_levels> half_y_{};
-	std::array<double, ActiveSquares<Real>::most_levels> step_{}; ///< Units per 2^-32 of the width.
+	/// For each level, 2^-32 of a square's width in SquareUnits.
+	std::array<double, ActiveSquares<Real>::most_levels> step_{};
 	std::array<Draw, ring> draws_{};
 	std::array<Choice, ring> foreseen_{};
 
-	/// Random bits, three words per choice.
+	/// Returns random bits. Each choice has three words.
 	HWY_INLINE std::uint64_t bits(std::uint64_t choice, std::uint64_t word) const {
 		return split_mix(key_ + (3 * choice + word) * split_mix_gamma);
 	}
@@ -154,7 +163,8 @@ private:
 				static_cast<std::uint32_t>(square.y >> frame_.finest)};
 	}
 
-	/// Called before the first choice of a batch.
+	/// Prefetches data for the next batches. This function is called before the first choice of
+	/// each batch.
 	void foresee() {
 		const std::uint64_t next = counts_.selections + batch;
 		const std::uint64_t later = next + batch;
@@ -183,7 +193,7 @@ private:
 		const glm::uvec2 base = base_of(square);
 		const auto near = cells_.near(base, centered);
 		if (any_covers(near, centered, frame_.limit)) {
-			// A dart would fail, and no uncovered quarter would remain.
+			// A dart would be rejected, and all quarters of the square are covered.
 			return;
 		}
 		++counts_.darts;
@@ -203,7 +213,7 @@ private:
 				half_x_[level], half_y_[level]};
 	}
 
-	/// A position in the square with uniform probability.
+	/// Returns a uniformly distributed position in the square.
 	glm::vec<2, Real> dart_in(const Square<Real> &square, std::uint32_t level, std::uint64_t random) const {
 		const double width = step_[level];
 		const double x = static_cast<double>(square.x) + static_cast<double>(random >> 32) * width;

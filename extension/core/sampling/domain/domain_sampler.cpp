@@ -13,7 +13,8 @@ namespace thicket {
 
 namespace {
 
-/// Width of the accelerator cells of each method in base squares, chosen by measurement: the fastest for 10^5 to 10^7 points.
+/// Returns the width of acceleration grid cells in base squares. The defaults measured fastest for
+/// 10^5 to 10^7 points.
 template <typename Real>
 std::uint32_t cell_width(const DomainRequest &request) {
 	constexpr std::uint32_t accumulator = std::is_same_v<Real, float> ? 5 : 3;
@@ -28,7 +29,7 @@ std::uint32_t cell_width(const DomainRequest &request) {
 
 template <typename Real>
 struct DomainSampler<Real>::State {
-	std::unique_ptr<Thrower<Real>> thrower; ///< After a successful `fill`.
+	std::unique_ptr<Thrower<Real>> thrower; ///< Null before a successful `fill`.
 	DomainStats stats;
 
 	Status run(const DomainRequest &request, std::vector<glm::vec<2, Real>> *r_points, const Progress &progress) {

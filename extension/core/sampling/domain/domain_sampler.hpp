@@ -13,33 +13,38 @@
 
 namespace thicket {
 
-/// Statistics of the last call.
+/// Statistics of the last successful DomainSampler call.
 struct DomainStats {
 	std::uint64_t points = 0;
-	std::uint64_t darts = 0;       ///< Darts thrown, including accepted ones.
-	std::uint64_t squares = 0;     ///< Active squares created, including base squares (figure 6 of the paper).
-	std::uint64_t selections = 0;  ///< Choices of an active square.
-	std::uint64_t list_checks = 0; ///< Lists checked in all choices together (figure 6 of the paper).
-	std::uint64_t discarded = 0;   ///< Squares discarded because the precision ends there.
-	std::uint32_t levels = 0;      ///< Levels of squares that were in use.
-	double cell_size = 0.0;        ///< Width of an accelerator cell in radii; 0 where there are none.
-	std::size_t grid_bytes = 0;    ///< Accelerator cells, including overflow: the copy of the points (section 4.2).
-	std::size_t square_bytes = 0;  ///< Active squares and the map of groups, at their peak (section 4.2).
+	std::uint64_t darts = 0; ///< Number of darts thrown, including accepted ones.
+	/// Number of active squares created, including base squares (figure 6 of the paper, see
+	/// DomainMethod).
+	std::uint64_t squares = 0;
+	std::uint64_t selections = 0;  ///< Number of choices of an active square.
+	std::uint64_t list_checks = 0; ///< Number of lists checked in all choices together (figure 6 of the paper).
+	/// Number of squares discarded because they were too small to split at this precision.
+	std::uint64_t discarded = 0;
+	std::uint32_t levels = 0;     ///< Number of square levels used.
+	double cell_size = 0.0;       ///< Width of an acceleration grid cell in radii.
+	std::size_t grid_bytes = 0;   ///< Memory of the acceleration grid, including overflow (section 4.2).
+	std::size_t square_bytes = 0; ///< Peak memory of the active squares, and the map of groups (section 4.2).
 
 	std::size_t workspace_bytes() const { return grid_bytes + square_bytes; }
 };
 
-/// Fills a whole domain with one maximal Poisson-disk point set; see DomainMethod. `Real` is float or double: the type of the coordinates
-/// and of all distances.
+/// Fills a whole domain with one maximal Poisson-disk point set; see DomainMethod. `Real`, the type
+/// of coordinates and distances, is float or double.
 ///
-/// Promises, for each method:
+/// Guarantees for each method:
 ///  (1) no two points are closer than the radius, exactly, in the returned coordinates;
-///  (2) no room is left for a further point, down to the precision of `Real` (not for `naive`);
+///  (2) no further point fits, to within the precision of `Real` (except for `naive`);
 ///  (3) every point lies in the half-open domain;
-///  (4) equal requests return equal points, bit for bit, on every machine, whatever the `cell_size`;
-///  (5) all but `wavefront` are distributed like naive dart throwing, `wavefront` nearly so (section 4.4).
+///  (4) equal requests return bit-identical points on every machine, for any `cell_size`;
+///  (5) the points are distributed like those of naive dart throwing, but for `wavefront` only
+///      nearly so (section 4.4).
 ///
-/// The object keeps its memory only as long as the points can be visited. Not thread safe; use one per thread.
+/// The object keeps its memory only while the points can be visited. Each thread needs its own
+/// object.
 template <typename Real>
 class DomainSampler {
 public:
@@ -48,17 +53,19 @@ public:
 	DomainSampler(DomainSampler &&) noexcept;
 	DomainSampler &operator=(DomainSampler &&) noexcept;
 
-	/// Replaces the contents of `r_points` with the points, in the order of their acceptance. `r_points` is unchanged if the request is
-	/// refused or cancelled, or if memory does not suffice (ErrorCode::out_of_memory). Expected O(points).
+	/// Replaces the contents of `r_points` with the points, in the order of their acceptance.
+	/// `r_points` is unchanged if the request is invalid or cancelled, or if memory runs out
+	/// (ErrorCode::out_of_memory). Takes expected O(points) time.
 	Status sample(
 			const DomainRequest &request, std::vector<glm::vec<2, Real>> &r_points, const Progress &progress = {});
 
-	/// Like `sample`, but does not return the points: they stay in the accelerator cells, for `visit`. The call uses no memory beyond the
-	/// workspace.
+	/// Fills a domain like `sample`, but keeps the points in the acceleration grid, for `visit`,
+	/// instead of returning them. No memory beyond the workspace is needed.
 	Status fill(const DomainRequest &request, const Progress &progress = {});
 
-	/// Passes the points of the last call to `visitor`, cell by cell, with equal numbers of x and y, if that call was a successful
-	/// `fill`. Refused calls do not count.
+	/// Passes the points of the last `fill` to `visitor`, cell by cell. Both spans always have the
+	/// same size. After a failed `fill` or a call of `sample`, there are no points to pass. Calls
+	/// that validation refused have no effect.
 	void visit(const std::function<void(std::span<const Real> x, std::span<const Real> y)> &visitor) const;
 
 	const DomainStats &stats() const;

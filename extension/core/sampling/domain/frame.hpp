@@ -15,34 +15,38 @@
 
 namespace thicket {
 
-/// A coordinate of a square's lower corner, in units of the finest level's squares.
+/// The type of a coordinate of a square's lower corner, in squares of the finest level.
 template <typename Real>
 using SquareUnit = std::conditional_t<std::is_same_v<Real, float>, std::uint32_t, std::uint64_t>;
 
-/// An active square, given by its lower corner (section 3.3 of the paper). Its level is the level of its list.
+/// An active square, stored as its lower corner (section 3.3 of the paper, see DomainMethod). The
+/// list that contains the square determines its level.
 template <typename Real>
 struct Square {
 	SquareUnit<Real> x;
 	SquareUnit<Real> y;
 };
 
-/// The dimensions of a domain: base squares by equation 1 of the paper, and the lattice of the coordinates.
+/// The dimensions of a domain: its base squares (equation 1 of the paper, see DomainMethod) and its
+/// coordinate lattice.
 ///
-/// All coordinates are whole multiples of `quantum`, less than 2^bits of them, and are stored with `bias` added. Differences are then
-/// exact, also across the seam of a torus, and 0 is a coordinate that no point has.
+/// All coordinates are multiples of `quantum`, below 2^bits * quantum, and are stored with `bias`
+/// added. Differences are therefore exact, even across the seams of a torus, and no point has the
+/// coordinate 0.
 template <typename Real>
 struct Frame {
 	static constexpr int bits = std::numeric_limits<Real>::digits - 1;
 
-	glm::dvec2 period;  ///< Meters; `size` rounded down to a multiple of `quantum`.
-	double quantum;     ///< A power of two.
-	double bias;        ///< quantum * 2^bits. Greater than any coordinate and than 8 radii.
-	glm::uvec2 squares; ///< Base squares on each axis.
-	glm::dvec2 base;    ///< Width of a base square; at most radius / sqrt(2).
-	int finest;         ///< The last level of squares that the precision allows.
+	glm::dvec2 period;  ///< The domain's size in meters: `size` rounded down to a multiple of `quantum`.
+	double quantum;     ///< Meters; a power of two.
+	double bias;        ///< Meters: quantum * 2^bits. Greater than any coordinate, and greater than 8 radii.
+	glm::uvec2 squares; ///< Number of base squares on each axis.
+	glm::dvec2 base;    ///< Width of a base square in meters, at most radius / sqrt(2).
+	int finest;         ///< The finest level of squares that the precision allows.
 	glm::dvec2 unit;    ///< Meters per SquareUnit.
 	glm::dvec2 reach;   ///< Radius in base squares.
-	Real limit;         ///< A computed squared distance of at least this means a true distance of at least the radius.
+	/// If a computed squared distance is at least this, the true distance is at least the radius.
+	Real limit;
 	bool toroidal;
 
 	static Frame of(const DomainRequest &request) {
@@ -63,16 +67,16 @@ struct Frame {
 		const int by_precision = std::ilogb(std::max(frame.base.x, frame.base.y) / frame.quantum);
 		frame.finest = std::clamp(by_precision, 0, std::min(32, 8 * static_cast<int>(sizeof(Unit)) - index_bits));
 		frame.unit = {std::ldexp(frame.base.x, -frame.finest), std::ldexp(frame.base.y, -frame.finest)};
-		// Both squares and the sum are rounded once each. This slack ensures that the true squared distance is not below the radius
-		// squared.
+		// The two squares and their sum are each rounded once. The slack ensures that the true
+		// squared distance is not below the squared radius.
 		const double slack = 8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon());
 		frame.limit = static_cast<Real>(request.radius * request.radius * (1.0 + slack));
 		return frame;
 	}
 
-	/// The biased coordinate nearest to a position in the domain.
+	/// Returns the biased coordinate nearest to a position in the domain.
 	Real coordinate(double meters, int axis) const {
-		const double to_quanta = 1.5 * 0x1p52 * quantum; // Its last bit is worth a quantum.
+		const double to_quanta = 1.5 * 0x1p52 * quantum; // The last bit of this number is one quantum.
 		const double rounded = (meters + to_quanta) - to_quanta;
 		return static_cast<Real>(std::min(rounded, period[axis] - quantum) + bias);
 	}

@@ -10,7 +10,8 @@
 
 namespace thicket {
 
-/// Stores which groups of 3 x 3 base squares are active: the wavefront, one bit per group (section 4.3 of the paper).
+/// Records which groups of 3 x 3 base squares are active for the wavefront, one bit per group
+/// (section 4.3 of the paper, see DomainMethod).
 class GroupMap {
 public:
 	static constexpr std::uint32_t width = 3;
@@ -21,7 +22,8 @@ public:
 
 	std::size_t bytes() const { return active_.bytes(); }
 
-	/// Activates a group: calls push(square) for each of its base squares, unless the group is active already.
+	/// Activates a group, unless it is active already. Calls push(square) for each of its base
+	/// squares.
 	template <class Push>
 	void activate(glm::uvec2 group, Push &&push) {
 		const std::size_t index = std::size_t{group.y} * groups_.x + group.x;
@@ -40,8 +42,8 @@ public:
 		}
 	}
 
-	/// Activates the group of a base square and the eight groups around it, as far as they lie in the domain. A group is wider than two
-	/// radii, so this activates all area that an accepted dart leaves open around its disk.
+	/// Activates the group of a base square and the groups of the domain around it. A group is
+	/// wider than two radii, so this activates the whole open area around an accepted dart's disk.
 	template <class Push>
 	void activate_around(glm::uvec2 square, Push &&push) {
 		const glm::ivec2 middle(square / width);

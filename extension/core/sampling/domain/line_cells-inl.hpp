@@ -1,4 +1,5 @@
-// The accumulator's grid in double precision. Compiled once for each instruction set, by thrower.cpp.
+// The accumulator's grid in double precision. thrower.cpp compiles this file once for each
+// instruction set.
 #if defined(THICKET_LINE_CELLS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_LINE_CELLS_INL
 #undef THICKET_LINE_CELLS_INL
@@ -23,18 +24,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// An accumulator (section 3.1 of the paper) whose lookups read one cache line. Every cell within a radius of a point stores the point,
-/// rounded to 16 bits. The exact points are stored once, each in its own cell of a second grid. A lookup queries that grid only if
-/// rounding leaves a doubt, about once in 250 lookups.
+/// An accumulator (section 3.1 of the paper, see DomainMethod) whose lookups read one cache line.
+/// Every cell within a radius of a point stores the point, with coordinates rounded to 16 bits. A
+/// second grid stores each exact point once, in its own cell. A lookup reads that grid only if
+/// rounding makes the result uncertain, about once in 250 lookups.
 ///
-/// In a large domain, most of the waiting time is spent on finding memory pages. Neighboring cells therefore share a page, and accepted
-/// points are stored in batches, so that their pages are found in parallel.
+/// In a large domain, most stalls come from address translation (TLB misses). Neighboring cells
+/// therefore share a page, and accepted points are stored in batches, so that their address lookups
+/// overlap.
 class LineCells {
 public:
-	/// A cache line has no room for the points of wider cells.
+	/// Maximum cell width in base squares. The points of wider cells do not fit in a cache line.
 	static constexpr std::uint32_t widest = 3;
 
-	/// Cells of width x width base squares. Throws std::bad_alloc.
+	/// Creates cells of width x width base squares. Throws std::bad_alloc.
 	LineCells(const Frame<double> &frame, std::uint32_t width) :
 			frame_(frame), width_(width), cells_((frame.squares + width - 1u) / width), block_(block_shift(cells_)),
 			blocks_across_(((cells_.x - 1) >> block_.x) + 1),
@@ -46,7 +49,7 @@ public:
 
 	std::size_t bytes() const { return lines_.bytes() + points_.bytes(); }
 
-	/// Adds a point at a biased position. Its dart was thrown in the base square `square`.
+	/// Adds a point at a biased position. `square` is the base square in which its dart was thrown.
 	void add(double x, double y, glm::uvec2 square) {
 		if (added_count_ == added_.size()) {
 			store_added();
@@ -63,7 +66,8 @@ public:
 	/// Prefetches the data that `near` will read.
 	HWY_INLINE void prefetch(glm::uvec2 square) const { __builtin_prefetch(&lines_[index_of(square / width_)]); }
 
-	/// The points that can lie within a radius of a part of a base square. Valid until the next call.
+	/// Returns the points that may lie within a radius of a part of a base square. The result is
+	/// valid until the next call of a non-const method.
 	RoundedNear<LineCells> near(glm::uvec2 square, const CenteredSquare<double> &part) {
 		const glm::uvec2 cell = square / width_;
 		const std::size_t index = index_of(cell);
@@ -73,13 +77,14 @@ public:
 		return {&lines_[index], scale_, corner_of(cell), this, square, part};
 	}
 
-	/// Like `near`, but not rounded.
+	/// Returns the same points as `near`, with exact coordinates.
 	Near<double> exactly_near(glm::uvec2 square, const CenteredSquare<double> &part) {
 		store_added();
 		return points_.near(square, part);
 	}
 
-	/// Calls visitor(x, y) with spans of plain coordinates. Visits each point of the domain once.
+	/// Calls visitor(x, y) with spans of unbiased coordinates. Each point of the domain is visited
+	/// once.
 	template <class Visitor>
 	void visit(Visitor &&visitor) const {
 		points_.visit(visitor);
@@ -110,20 +115,24 @@ private:
 	Frame<double> frame_;
 	std::uint32_t width_;
 	glm::uvec2 cells_;
-	glm::uvec2 block_; ///< Size of a block in cells on each axis, as powers of two.
+	glm::uvec2 block_; ///< Base-2 logarithm of a block's size in cells, on each axis.
 	std::size_t blocks_across_;
 	double radius_ = frame_.reach.x * frame_.base.x;
-	double rim_ = radius_ * (1.0 + 0x1p-12); ///< How far a line reaches beyond its cell, plus a few steps.
+	/// The distance that a line's points may lie outside its cell, plus a few rounding steps. A
+	/// line is the cache line of a cell.
+	double rim_ = radius_ * (1.0 + 0x1p-12);
 	RoundedScale scale_;
 	ZeroedArray<RoundedPoints> lines_;
 	PointCells<double, false> points_;
-	std::array<Added, at_once> added_; ///< Not yet in `points_`.
+	std::array<Added, at_once> added_; ///< Points that are not in `points_` yet.
 	std::size_t added_count_ = 0;
-	std::array<Rounded, at_once> rounded_;            ///< Not yet in `lines_`.
-	std::array<std::uint32_t, at_once> rounded_into_; ///< The low bits of the lines' indices, for quick comparison.
+	std::array<Rounded, at_once> rounded_; ///< Points that are not in `lines_` yet.
+	/// The low bits of the indices of the lines, for fast comparison.
+	std::array<std::uint32_t, at_once> rounded_into_;
 	std::size_t rounded_count_ = 0;
 
-	/// Blocks of 8 x 8 lines fill a page of the usual size. In a narrow domain, blocks are narrower.
+	/// Returns the base-2 logarithm of the block size. A block of 8 x 8 lines fills a page of 4
+	/// KiB. Narrow domains use smaller blocks.
 	static glm::uvec2 block_shift(glm::uvec2 cells) {
 		const auto shift = [](std::uint32_t across) {
 			return across > 4 ? 3u : across > 2 ? 2u : across - 1;
@@ -137,7 +146,7 @@ private:
 		return (block << (block_.x + block_.y)) + (within.y << block_.x) + within.x;
 	}
 
-	/// The origin of a cell's steps.
+	/// Returns the biased position from which a cell's steps are counted.
 	glm::dvec2 corner_of(glm::uvec2 cell) const {
 		return glm::dvec2(cell * width_) * frame_.base + (frame_.bias - rim_);
 	}
@@ -153,7 +162,8 @@ private:
 				&lines_[index], static_cast<std::uint16_t>(steps.x), static_cast<std::uint16_t>(steps.y)};
 	}
 
-	/// Whether `rounded_` has points for a line. False positives are possible: the points are then stored early, which does no harm.
+	/// Returns true if `rounded_` may contain points for a line. A wrong result only stores the
+	/// points early, which is harmless.
 	bool may_be_rounded_into(std::size_t index) const {
 		const hn::CappedTag<std::uint32_t, at_once> d;
 		const auto wanted = hn::Set(d, static_cast<std::uint32_t>(index));
@@ -165,7 +175,7 @@ private:
 		return false;
 	}
 
-	/// Empties `rounded_`. A line that is already full is unchanged.
+	/// Moves the points of `rounded_` to their lines. Points whose line is full are dropped.
 	void store_rounded() {
 		for (std::size_t i = 0; i < rounded_count_; ++i) {
 			__builtin_prefetch(rounded_[i].line, 1);
@@ -182,7 +192,7 @@ private:
 		rounded_into_.fill(none);
 	}
 
-	/// Empties `added_`.
+	/// Moves the points of `added_` to `points_`.
 	void store_added() {
 		for (std::size_t i = 0; i < added_count_; ++i) {
 			points_.prefetch_add(added_[i].square);

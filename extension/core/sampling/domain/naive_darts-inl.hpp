@@ -1,4 +1,5 @@
-// Naive dart throwing. Compiled once for each instruction set, by thrower.cpp.
+// Fills a domain by naive dart throwing. thrower.cpp compiles this file once for each instruction
+// set.
 #if defined(THICKET_NAIVE_DARTS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_NAIVE_DARTS_INL
 #undef THICKET_NAIVE_DARTS_INL
@@ -22,18 +23,19 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Naive dart throwing (section 1 of the paper): darts fall anywhere in the domain, one by one, and are accepted where the minimum
-/// distance allows. The method cannot detect that the set is complete, so it stops after a fixed number of darts.
+/// Naive dart throwing (section 1 of the paper, see DomainMethod). Darts are thrown anywhere in the
+/// domain, one by one, and accepted if they keep the minimum distance. The method cannot detect
+/// that the set is maximal, so it stops after a fixed number of darts.
 template <typename Real>
 class NaiveDarts final : public Thrower<Real> {
 public:
-	/// Throws std::bad_alloc.
+	/// Prepares a run. Throws std::bad_alloc.
 	NaiveDarts(const DomainRequest &request, std::uint32_t cell_width) :
 			frame_(Frame<Real>::of(request)), key_(split_mix(request.seed + split_mix_gamma)),
 			throws_(static_cast<std::uint64_t>(request.darts_each * static_cast<double>(frame_.base_squares()))),
 			cells_(frame_, cell_width) {}
 
-	/// Appends accepted darts to `r_points` if it is not null.
+	/// Throws the darts. The accepted ones are appended to `r_points`, unless it is null.
 	Status run(std::vector<glm::vec<2, Real>> *r_points, const Progress &progress, double) override {
 		for (; counts_.darts < throws_; ++counts_.darts) {
 			if (counts_.darts % throws_between_looks == 0 && !look(progress)) {
@@ -53,7 +55,9 @@ public:
 	void visit(const PointVisitor<Real> &visitor) const override { cells_.visit(visitor); }
 
 private:
-	static constexpr std::uint64_t throws_between_looks = 64; // The first ones touch fresh memory, which is slow.
+	// Number of throws between two checks of the cancel flag. It is small, because the first throws
+	// touch fresh memory and are slow.
+	static constexpr std::uint64_t throws_between_looks = 64;
 
 	Frame<Real> frame_;
 	std::uint64_t key_;

@@ -1,4 +1,5 @@
-// Tests of a dart and its square against the points around. Compiled once for each instruction set, by thrower.cpp.
+// Tests a dart and its square against the points around it. thrower.cpp compiles this file once for
+// each instruction set.
 #if defined(THICKET_NEAR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_NEAR_INL
 #undef THICKET_NEAR_INL
@@ -16,8 +17,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// Points that may lie within a radius of some square: biased coordinates, x and y in separate arrays. Unused lanes are 0, which is
-/// farther than a radius from every position.
+/// Points that may lie within a radius of a square, as biased coordinates, with x and y in separate
+/// arrays. Unused lanes are 0, which is farther than a radius from every position in the domain.
 template <typename Real>
 struct Near {
 	static constexpr std::size_t block = 8; ///< `lanes` is a multiple of this.
@@ -32,14 +33,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <typename Real>
 using Wide = hn::CappedTag<Real, Near<Real>::block>;
 
-/// |points - center| + half.
+/// Returns |points - center| + half, the distance to the farther edge of a square on one axis.
 template <typename Real, class Vector>
 HWY_INLINE Vector far_distance(const Real *points, Vector center, Vector half) {
 	const Wide<Real> d;
 	return hn::Add(hn::Abs(hn::Sub(hn::LoadU(d, points), center)), half);
 }
 
-/// Whether a point lies within the limit of (x, y): the minimum distance check.
+/// Returns true if a point is too close to (x, y). `limit` is compared with squared distances.
 template <typename Real>
 HWY_INLINE bool any_within(const Near<Real> &near, Real x, Real y, Real limit) {
 	const Wide<Real> d;
@@ -54,7 +55,7 @@ HWY_INLINE bool any_within(const Near<Real> &near, Real x, Real y, Real limit) {
 	return false;
 }
 
-/// A square given by its center and half its width on each axis.
+/// A square, stored as its center and half its width on each axis.
 template <typename Real>
 struct CenteredSquare {
 	Real x;
@@ -63,7 +64,8 @@ struct CenteredSquare {
 	Real half_y;
 };
 
-/// Whether the disk of one point covers the square, tested by its farthest corner (equation 2 of the paper).
+/// Returns true if the disk of a single point covers the square, which is tested by the square's
+/// farthest corner (equation 2 of the paper, see DomainMethod).
 template <typename Real>
 HWY_INLINE bool any_covers(const Near<Real> &near, const CenteredSquare<Real> &square, Real limit) {
 	const Wide<Real> d;
@@ -78,7 +80,9 @@ HWY_INLINE bool any_covers(const Near<Real> &near, const CenteredSquare<Real> &s
 	return false;
 }
 
-/// One bit for each quarter of a square (x first) that the disk of one point covers. `quarter` is the quarter at the lower corner.
+/// Returns one bit for each quarter of a square (x first) that the disk of a single point covers.
+/// `quarter` is the quarter at the lower corner, and (far_x, far_y) is the center of the opposite
+/// quarter.
 template <typename Real>
 HWY_INLINE std::uint32_t covered_quarters(
 		const Near<Real> &near, const CenteredSquare<Real> &quarter, Real far_x, Real far_y, Real limit) {

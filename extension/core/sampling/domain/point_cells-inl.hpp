@@ -1,4 +1,4 @@
-// The acceleration grid. Compiled once for each instruction set, by thrower.cpp.
+// The acceleration grid. thrower.cpp compiles this file once for each instruction set.
 #if defined(THICKET_POINT_CELLS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_POINT_CELLS_INL
 #undef THICKET_POINT_CELLS_INL
@@ -26,13 +26,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// The acceleration grid (sections 3.1 and 4.3 of the paper): cells of whole base squares. Each has room for the likely number of points;
-/// excess points go to an overflow. With `accumulate`, every cell within a radius of a point stores it, and a lookup reads one cell.
-/// Without, only the point's own cell stores it, and a lookup reads the cells around.
+/// The acceleration grid (sections 3.1 and 4.3 of the paper, see DomainMethod). Its cells consist
+/// of whole base squares and are stored in a CellStore. If `accumulate` is true, every cell within
+/// a radius of a point stores the point, and a lookup reads one cell. Otherwise, only the point's
+/// own cell stores it, and a lookup reads several cells.
 template <typename Real, bool accumulate>
 class PointCells {
 public:
-	/// Cells of width x width base squares. Throws std::bad_alloc.
+	/// Creates cells of width x width base squares. Throws std::bad_alloc.
 	PointCells(const Frame<Real> &frame, std::uint32_t width) :
 			frame_(frame), width_(width), pad_(accumulate ? 0 : (reach + width - 1) / width * width),
 			cells_((frame.squares + 2 * pad_ + width - 1u) / width),
@@ -40,7 +41,7 @@ public:
 
 	std::size_t bytes() const { return store_.bytes(); }
 
-	/// Adds a point at a biased position. Its dart was thrown in the base square `square`.
+	/// Adds a point at a biased position. `square` is the base square in which its dart was thrown.
 	void add(Real x, Real y, glm::uvec2 square) {
 		if constexpr (accumulate) {
 			for_each_image(frame_, x, y, square,
@@ -79,7 +80,8 @@ public:
 		store_.fetch(index_of(cell), index_of(cell));
 	}
 
-	/// The points that can lie within a radius of a part of a base square. Valid until the next call.
+	/// Returns the points that may lie within a radius of a part of a base square. The result is
+	/// valid until the next call of a non-const method.
 	Near<Real> near(glm::uvec2 square, const CenteredSquare<Real> &part) {
 		const CenteredSquare<Real> box{part.x, part.y, static_cast<Real>(radius_ + margin_) + part.half_x,
 				static_cast<Real>(radius_ + margin_) + part.half_y};
@@ -90,7 +92,8 @@ public:
 		}
 	}
 
-	/// Calls visitor(x, y) with spans of plain coordinates, one cell at a time. Visits each point of the domain once.
+	/// Calls visitor(x, y) with spans of unbiased coordinates, one cell at a time. Each point of
+	/// the domain is visited once.
 	template <class Visitor>
 	void visit(Visitor &&visitor) const {
 		std::vector<Real> xs;
@@ -118,12 +121,12 @@ private:
 
 	Frame<Real> frame_;
 	std::uint32_t width_;
-	std::uint32_t pad_; ///< Base squares around the domain, for the images on a torus.
+	std::uint32_t pad_; ///< Number of base squares added on each side of the domain, for images on a torus.
 	glm::uvec2 cells_;
 	double radius_ = frame_.reach.x * frame_.base.x;
-	double margin_ = 4.0 * frame_.quantum; ///< More than rounding can move a point or a square.
-	double skirt_ =
-			accumulate ? frame_.reach.y : 0.0; ///< Rows of base squares beyond its own from which a cell stores points.
+	double margin_ = 4.0 * frame_.quantum; ///< Larger than any rounding error of a point or a square.
+	/// Number of rows of base squares beyond its own from which a cell stores points.
+	double skirt_ = accumulate ? frame_.reach.y : 0.0;
 	double rows_per_meter_ = 1.0 / frame_.base.y;
 	double heights_per_row_ = 1.0 / (width_ + 2.0 * skirt_);
 	CellStore<Real> store_;
@@ -135,9 +138,10 @@ private:
 		glm::uvec2 last;
 	};
 
-	/// A little more than the mean of a jammed set, in which counts vary little. At most one point per base square.
+	/// Returns a likely number of points per cell: slightly above the mean of a jammed set, in
+	/// which counts vary little. A base square contains at most one point.
 	static double likely_points(const Frame<Real> &frame, std::uint32_t width) {
-		constexpr double density = 0.6965; // Points per square radius: 0.547070 * 4 / pi.
+		constexpr double density = 0.6965; // Number of points per squared radius: 0.547070 * 4 / pi.
 		const glm::dvec2 sides = static_cast<double>(width) / frame.reach;
 		const double area =
 				accumulate ? sides.x * sides.y + 2.0 * (sides.x + sides.y) + std::numbers::pi : sides.x * sides.y;
@@ -148,7 +152,7 @@ private:
 
 	std::size_t index_of(glm::uvec2 cell) const { return std::size_t{cell.y} * cells_.x + cell.x; }
 
-	/// The cells that `near` reads.
+	/// Returns the cells that `near` reads.
 	CellRange cells_around(glm::uvec2 square) const {
 		if constexpr (accumulate) {
 			return {square / width_, square / width_};
@@ -157,17 +161,18 @@ private:
 		}
 	}
 
-	/// The biased coordinate of a row of base squares.
+	/// Returns the biased coordinate of the lower edge of a row of base squares.
 	Real bottom_of(std::uint32_t row) const { return static_cast<Real>(row * frame_.base.y + frame_.bias); }
 
-	/// The relative position of y between the lowest and the highest point that a row of sorted cells may hold, 0 to 1.
+	/// Returns y relative to the range of y that a row of cells may store, clamped to 0 to 1.
 	double height_in(std::uint32_t cell_row, Real y) const {
 		const double rows = (static_cast<double>(y) - frame_.bias) * rows_per_meter_ + skirt_;
 		const double first = static_cast<double>(cell_row) * width_ - pad_;
 		return std::clamp((rows - first) * heights_per_row_, 0.0, 1.0);
 	}
 
-	/// Stores an image in every cell of the domain within a radius of it. Prefetches all of these cells before it reads the first.
+	/// Stores an image in every cell of the domain within a radius of the image. All of these cells
+	/// are prefetched before the first one is written.
 	void spread(Real x, Real y, glm::ivec2 square) {
 		const NearCells cells(frame_, width_, x, y, square);
 		for (std::size_t i = 0; i < cells.count; ++i) {
@@ -195,7 +200,7 @@ private:
 		if (!store_.sorted()) {
 			return {0, store_.capacity()};
 		}
-		// In sorted cells, read only the rows that the box reaches.
+		// Only the points at the height of the box are read.
 		const Real low = box.y - box.half_y;
 		const Real high = box.y + box.half_y;
 		return store_.part(index_of(cell), low, high, height_in(cell.y, low), height_in(cell.y, high));
@@ -207,7 +212,7 @@ private:
 		const Real *xs = store_.coordinates(index) + begin;
 		const std::size_t lanes = (end - begin + block - 1) / block * block;
 		if (!store_.overflows(index)) {
-			// Read the points in place.
+			// The stored points are returned without a copy.
 			return {xs, xs + store_.capacity(), lanes};
 		}
 		make_room(lanes);
@@ -232,7 +237,7 @@ private:
 		return finished(count);
 	}
 
-	/// Appends the points of a cell that lie in a box, possibly along with others.
+	/// Appends the points of a cell that lie in a box, and possibly points outside the box.
 	template <class D>
 	HWY_INLINE void gather_cell(D d, glm::uvec2 cell, const CenteredSquare<Real> &box, std::size_t &r_count) {
 		const auto [begin, end] = part_in(cell, box);
@@ -243,8 +248,8 @@ private:
 			const auto y = hn::LoadU(d, xs + store_.capacity() + i);
 			const auto inside = hn::And(hn::Lt(hn::Abs(hn::Sub(x, hn::Set(d, box.x))), hn::Set(d, box.half_x)),
 					hn::Lt(hn::Abs(hn::Sub(y, hn::Set(d, box.y))), hn::Set(d, box.half_y)));
-			// Extracting single doubles from a vector costs more than it saves, so a vector with at least one of them inside is copied
-			// whole.
+			// Extracting single doubles from a vector costs more than it saves. If any of them is
+			// inside, the whole vector is copied.
 			constexpr bool pick = sizeof(Real) == sizeof(float);
 			if (pick || !hn::AllFalse(d, inside)) {
 				hn::StoreU(pick ? hn::Compress(x, inside) : x, d, gathered_x_.data() + r_count);
@@ -257,7 +262,8 @@ private:
 		}
 	}
 
-	/// Reserves room for `count` gathered points and for one whole vector that is written after them.
+	/// Ensures space for `count` gathered points, and for one more block that may be written after
+	/// them.
 	void make_room(std::size_t count) {
 		if (count + block > gathered_x_.size()) {
 			gathered_x_.resize(2 * (count + block));
@@ -272,7 +278,7 @@ private:
 		++r_count;
 	}
 
-	/// Terminates the gathered points with zeros.
+	/// Pads the gathered points with zeros to a whole block, and returns them.
 	Near<Real> finished(std::size_t count) {
 		make_room(count);
 		std::fill_n(gathered_x_.begin() + static_cast<std::ptrdiff_t>(count), block, Real{0});
@@ -280,7 +286,8 @@ private:
 		return {gathered_x_.data(), gathered_y_.data(), (count + block - 1) / block * block};
 	}
 
-	/// Whether `visit` reports the point from this cell. False for images and, with `accumulate`, for the copies in neighboring cells.
+	/// Returns true if `visit` reports the point from this cell. The result is false for images
+	/// and, if `accumulate` is true, for copies in neighboring cells.
 	bool is_home(Real x, Real y, glm::uvec2 cell) const {
 		const glm::dvec2 at(static_cast<double>(x) - frame_.bias, static_cast<double>(y) - frame_.bias);
 		if (at.x < 0.0 || at.y < 0.0 || at.x >= frame_.period.x || at.y >= frame_.period.y) {

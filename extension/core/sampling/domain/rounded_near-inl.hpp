@@ -1,4 +1,5 @@
-// The tests of near-inl.hpp for rounded points. Compiled once for each instruction set, by thrower.cpp.
+// The tests of near-inl.hpp for points with rounded coordinates. thrower.cpp compiles this file
+// once for each instruction set.
 #if defined(THICKET_ROUNDED_NEAR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef THICKET_ROUNDED_NEAR_INL
 #undef THICKET_ROUNDED_NEAR_INL
@@ -19,28 +20,30 @@
 HWY_BEFORE_NAMESPACE();
 namespace thicket::HWY_NAMESPACE {
 
-/// A cache line of points, rounded to whole steps from a corner; see RoundedScale. Lanes without a point are 0, which is farther than a
-/// radius from every position that is looked up.
+/// A cache line of points, rounded to whole steps from a corner; see RoundedScale. Unused lanes are
+/// 0, which is farther than a radius from every position that is looked up.
 struct alignas(64) RoundedPoints {
 	static constexpr std::size_t lanes = 16;
 
 	std::array<std::uint16_t, lanes> x;
 	std::array<std::uint16_t, lanes> y;
 
-	/// Lanes are filled from the first on. If the last one is in use, points may be missing.
+	/// Returns true if the line is full and may therefore lack points. Lanes are filled in order.
 	bool full() const { return x[lanes - 1] != 0; }
 };
 
-/// How points are rounded, and the certainty that remains. A squared distance between rounded points, in steps, decides about the true
-/// distance unless it lies between two bounds.
+/// The scale of rounded points, and the bounds of their error. A squared distance between rounded
+/// points, in squared steps, is conclusive unless it lies between the two bounds.
 struct RoundedScale {
 	double steps_per_meter;
 	float surely_below;  ///< Below this, the true squared distance is below the limit.
-	float perhaps_below; ///< From this on, it is not below the limit.
+	float perhaps_below; ///< At or above this, the true squared distance is not below the limit.
 
-	/// For points up to `width` meters from the corner on each axis, and distances around the square root of `limit`.
+	/// Sets the scale for points up to `width` meters from the corner on each axis. `limit` is the
+	/// squared distance to compare with.
 	RoundedScale(double width, double limit) : steps_per_meter(65535.0 / width) {
-		// Both coordinates are off by up to half a step, plus the rounding errors of floats up to 2^16.
+		// Each coordinate has an error of up to half a step, plus the rounding errors of floats up
+		// to 2^16.
 		constexpr double wrong = 0.75;
 		const double steps = std::sqrt(limit) * steps_per_meter;
 		surely_below = static_cast<float>((steps - wrong) * (steps - wrong));
@@ -48,7 +51,8 @@ struct RoundedScale {
 	}
 };
 
-/// Like Near, but with rounded points. `Cells` has the exact points: `exactly_near` returns those near a part of a base square.
+/// Tests of rounded points, with the same functions as Near. `cells` supplies the exact points near
+/// a part of a base square if a test is inconclusive.
 template <class Cells>
 struct RoundedNear {
 	const RoundedPoints *points;
@@ -72,7 +76,8 @@ HWY_INLINE hn::Vec<Steps> load_steps(const std::uint16_t *coordinates) {
 	return hn::ConvertTo(Steps(), hn::PromoteTo(whole, hn::LoadU(narrow, coordinates)));
 }
 
-/// True if squared(x, y), in squared steps, means less than the limit for any point. Calls exactly() if this is not certain.
+/// Returns true if squared(x, y), in squared steps, is below the limit for any point. If the
+/// rounded points are inconclusive, the result is that of exactly().
 template <class Cells, class Squared, class Exactly>
 HWY_INLINE bool any_below(const RoundedNear<Cells> &near, Squared &&squared, Exactly &&exactly) {
 	const Steps d;
@@ -81,7 +86,7 @@ HWY_INLINE bool any_below(const RoundedNear<Cells> &near, Squared &&squared, Exa
 		const auto distance = squared(load_steps(near.points->x.data() + i), load_steps(near.points->y.data() + i));
 		if (!hn::AllFalse(d, hn::Lt(distance, hn::Set(d, near.scale.perhaps_below)))) {
 			if (!hn::AllFalse(d, hn::Lt(distance, hn::Set(d, near.scale.surely_below)))) {
-				// No rounding can change this result.
+				// The result is certain despite rounding.
 				return true;
 			}
 			unsure = true;

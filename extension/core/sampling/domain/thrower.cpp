@@ -21,10 +21,10 @@ std::unique_ptr<Thrower<Real>> make(const DomainRequest &request, std::uint32_t 
 	switch (request.method) {
 		case DomainMethod::naive: return std::make_unique<NaiveDarts<Real>>(request, cell_width);
 		case DomainMethod::accumulator:
-			// In single precision, a cell takes only a few cache lines anyway.
+			// In single precision, a cell of PointCells spans only a few cache lines anyway.
 			if constexpr (std::is_same_v<Real, double>) {
 				if (cell_width <= LineCells::widest) {
-					// The same results, most of them from one cache line.
+					// LineCells returns the same points, but most lookups read only one cache line.
 					return std::make_unique<DartThrower<Real, LineCells>>(request, cell_width);
 				}
 			}

@@ -14,7 +14,7 @@ void prefer_large_pages([[maybe_unused]] void *block, [[maybe_unused]] std::size
 	const auto begin = (reinterpret_cast<std::uintptr_t>(block) + page - 1) & ~(page - 1);
 	const auto end = (reinterpret_cast<std::uintptr_t>(block) + bytes) & ~(page - 1);
 	if (begin < end) {
-		// Only advice: if the system refuses it, the array uses small pages.
+		// This is only a hint. If the system ignores it, the array uses small pages.
 		static_cast<void>(madvise(reinterpret_cast<void *>(begin), end - begin, MADV_HUGEPAGE));
 	}
 #endif

@@ -9,10 +9,12 @@
 
 namespace thicket {
 
-/// Requests large pages for a block where the system has such a call. A random lookup then costs one cache miss instead of two.
+/// Requests large memory pages for a block, on systems that support this. A random lookup then
+/// costs one cache miss instead of two.
 void prefer_large_pages(void *block, std::size_t bytes);
 
-/// A fixed array of zeros that starts at a cache line. A large array costs time and memory only for the parts that are touched.
+/// A fixed-size array of zeros, aligned to a cache line. Large arrays cost time and memory only for
+/// the parts that are touched.
 template <typename Item>
 class ZeroedArray {
 	static_assert(std::is_trivial_v<Item>);
@@ -20,7 +22,7 @@ class ZeroedArray {
 public:
 	ZeroedArray() = default;
 
-	/// Throws std::bad_alloc.
+	/// Allocates the array. Throws std::bad_alloc.
 	explicit ZeroedArray(std::size_t size) : size_(size), block_(std::calloc(1, size * sizeof(Item) + line)) {
 		if (block_ == nullptr) {
 			throw std::bad_alloc();
