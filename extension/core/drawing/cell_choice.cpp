@@ -12,11 +12,14 @@ namespace thicket {
 
 namespace {
 
-constexpr double cell_per_distance = 0.25; ///< The size of the smallest cell, as a share of the distance of a change.
-constexpr double hysteresis = 0.1;         ///< Tiles.
-constexpr double look_again = 0.125;       ///< Tiles.
+/// Smallest cell size, as a fraction of the distance of a change.
+constexpr double cell_per_distance = 0.25;
+/// Distance past the point of change at which a division changes, in tile sizes.
+constexpr double hysteresis = 0.1;
+constexpr double look_again = 0.125; ///< Minimum result of division_margin, in tile sizes.
 
-/// The first distance in a range at which the meshes or the thinning change. Meters; infinite if they do not change.
+/// Returns the first distance in a range at which the mesh or the thinning changes, in meters, or
+/// infinity if there is none.
 double first_change(const LodSettings &lod, double near, double far) {
 	double first = std::numeric_limits<double>::infinity();
 	for (const double begin : lod.lod_distances) {
@@ -30,7 +33,7 @@ double first_change(const LodSettings &lod, double near, double far) {
 	return first;
 }
 
-/// The division for a distance, regardless of the current one.
+/// Returns the division for a distance, without hysteresis.
 std::uint32_t division_for(const CellSettings &cells, const LodSettings &lod, double distance) {
 	const double size = cells.tile_size;
 	const double least = cell_per_distance * first_change(lod, distance, distance + std::numbers::sqrt2 * size);
@@ -58,7 +61,7 @@ double usual_cell_size(double reach, double density) {
 
 std::uint32_t division_at(const CellSettings &cells, const LodSettings &lod, double distance, std::uint32_t shown) {
 	if (cells.most_across < 2) {
-		// There is only one division.
+		// Tiles of this layer are never divided.
 		return 1;
 	}
 	const double slack = hysteresis * cells.tile_size;
@@ -75,8 +78,9 @@ double division_margin(const CellSettings &cells, const LodSettings &lod, double
 	if (cells.most_across < 2 || (lod.lod_distances.empty() && !thins)) {
 		return std::numeric_limits<double>::infinity();
 	}
-	// Tiles are drawn whole beyond either of two distances: where even the largest cell, half a tile, is too small, and
-	// where nothing changes.
+	// Tiles are drawn as a whole beyond the smaller of two distances. Beyond the first, even the
+	// largest cell, half a tile, is smaller than necessary. Beyond the second, neither the mesh nor
+	// the thinning changes.
 	const double too_small = 0.5 / cell_per_distance * cells.tile_size;
 	const double last_change =
 			std::max(lod.lod_distances.empty() ? 0.0 : lod.lod_distances.back(), thins ? lod.thin_end : 0.0);

@@ -7,13 +7,15 @@
 
 namespace thicket {
 
-/// Schedules when the cells of one mesh in a tile are drawn again as viewers move. A cell is due only after a viewer
-/// has moved as far as that cell allows. Times are meters of LodSchedule::traveled.
+/// Schedules when the cells of one mesh in a tile must be updated as viewers move. A cell is due
+/// once a viewer may have moved farther than the cell's margin. Times are values of
+/// LodSchedule::traveled, in meters.
 class CellVisits {
 public:
-	/// Calls `draw(cell)` for each of `cells` cells that is due, or for all of them. `draw` returns how far viewers may move until that
-	/// cell must be drawn again: meters, 0 or more. The result is how far they may move until the first cell is due; infinite without
-	/// cells. The number of cells may change only if all are visited.
+	/// Calls `draw(cell)` for each of `cells` cells that is due, or for every cell if `all` is
+	/// true. `draw` returns the cell's margin: the meters, 0 or more, that viewers may move before
+	/// the cell must be updated again. `visit` returns the meters until the first cell is due, or
+	/// infinity if there are no cells. `cells` may differ from the last call only if `all` is true.
 	template <class Draw>
 	double visit(std::size_t cells, double traveled, bool all, const Draw &draw) {
 		double margin = std::numeric_limits<double>::infinity();
@@ -28,14 +30,18 @@ public:
 	}
 
 private:
-	std::vector<double> due_; ///< Separate from the cells, because most visits read nothing else.
+	/// The time at which each cell is due. The times are stored separately from the cells, because
+	/// most visits read nothing else.
+	std::vector<double> due_;
 };
 
-/// How far viewers may move until a tile is visited again, in meters. `margin` is how far they may move until the first
-/// of its cells is due, and `division_margin` until the tile may need a different division. `cell_size` is in meters, 0
-/// for a tile that is drawn as a whole. A tile in cells waits for at least an eighth of that size, unless its division
-/// may change earlier, because one of many cells is always near a change. The result is never 0. Otherwise a tile would
-/// be visited endlessly while the viewers stay at the distance of a change.
+/// Returns the distance in meters that viewers may move until a tile must be visited again.
+/// `margin` is the distance until the first cell is due, and `division_margin` the distance until
+/// the division may change. `cell_size` is in meters, or 0 for a tile that is drawn as a whole. In
+/// a tile with many cells, some cell is always close to a change. A divided tile therefore waits
+/// for at least an eighth of the cell size, unless its division may change earlier. The result is
+/// above 0, so that a tile is not visited endlessly while a viewer is exactly at the distance of a
+/// change.
 inline double visit_margin(double margin, double cell_size, double division_margin) {
 	constexpr double least = 1e-3;
 	constexpr double least_of_cell = 1.0 / 8.0;

@@ -35,8 +35,9 @@ TileKey DivisionQueue::nearest_waiting(const Tiles &tiles) const {
 	return *nearest;
 }
 
-/// Begins the division of a waiting tile, or makes room for it. Returns false if the tile must stay as it is; it then
-/// stops waiting.
+/// Begins the division of a waiting tile, or first the merging of a farther tile to free
+/// multimeshes for it. Returns false, and removes the tile from the queue, if it must stay as it
+/// is.
 bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimeshes all) {
 	const std::uint32_t shown = tiles.shown(key);
 	const std::uint32_t across = tiles.wanted(key);
@@ -60,7 +61,7 @@ bool DivisionQueue::begin_with(const TileKey &key, const Tiles &tiles, Multimesh
 	return true;
 }
 
-/// The tiles in cells that are farther away than `distance`.
+/// Finds the divided tiles that are farther away than `distance`.
 DivisionQueue::FartherTiles DivisionQueue::farther_than(double distance, const Tiles &tiles) const {
 	FartherTiles result;
 	double farthest = distance;

@@ -11,15 +11,16 @@ namespace thicket {
 
 namespace {
 
-/// The cell of a position along one axis, in a tile whose lower edge is at `edge`.
+/// Returns the index along one axis of the cell that contains a position. `edge` is the tile's
+/// lower edge.
 std::uint32_t cell_along(double position, double edge, double cell_size, std::uint32_t across) {
 	double cell = std::floor((position - edge) / cell_size);
-	// The difference is rounded: a position just below a line may land on it.
+	// Rounding may move a position just below a cell's edge onto the edge. This line corrects it.
 	cell -= position < edge + cell * cell_size ? 1.0 : 0.0;
 	return static_cast<std::uint32_t>(std::clamp(cell, 0.0, static_cast<double>(across - 1)));
 }
 
-/// The number of the cell of each instance. Throws std::bad_alloc, like the functions below.
+/// Returns the cell number of each instance. All functions below may throw std::bad_alloc.
 std::vector<std::uint16_t> cell_numbers(
 		const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across) {
 	const glm::dvec2 edge = rect.min - glm::dvec2(origin.x, origin.z);
@@ -44,7 +45,8 @@ void measure(const CompactMesh &mesh, std::span<const std::uint32_t> order, Draw
 
 void add_cells(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std::uint32_t across, DrawCells &r_cells) {
 	const std::vector<std::uint16_t> numbers = cell_numbers(mesh, origin, rect, across);
-	// The end of each cell, one entry after its number.
+	// The cells are filled by a counting sort. First, ends[number + 1] counts the instances of a
+	// cell.
 	std::vector<std::uint32_t> ends(std::size_t{across} * across + 1);
 	for (const std::uint16_t number : numbers) {
 		++ends[std::size_t{number} + 1];
@@ -54,7 +56,7 @@ void add_cells(const CompactMesh &mesh, glm::dvec3 origin, const Rect &rect, std
 	}
 	r_cells.order.resize(mesh.size());
 	r_cells.ranks.resize(mesh.size());
-	// Each entry now holds the begin of its cell, and moves on to its end.
+	// Each entry is now the begin of its cell. The loop advances it to the cell's end.
 	for (std::size_t i = 0; i < mesh.size(); ++i) {
 		const std::uint32_t at = ends[numbers[i]]++;
 		r_cells.order[at] = static_cast<std::uint32_t>(i);

@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// The number of steps from thin_begin to thin_end that lie at or before a distance.
+/// Returns the number of thinning steps that are complete at a distance, 0 to thin_steps.
 double steps_done(const LodSettings &settings, double distance) {
 	if (distance >= settings.thin_end) {
 		return thin_steps;
@@ -67,8 +67,8 @@ double compensating_scale(const LodSettings &settings, double share) {
 }
 
 double limited_share(double share, std::uint64_t wanted, std::uint64_t most) {
-	constexpr double filled = 0.9;     // The target of a new share,
-	constexpr double too_little = 0.7; // and the limit below which a share is replaced.
+	constexpr double filled = 0.9;     // Fraction of the limit that is used after a change of the share.
+	constexpr double too_little = 0.7; // The share is raised below this fraction of the limit.
 	const auto all = static_cast<double>(wanted);
 	const auto limit = static_cast<double>(most);
 	const bool keep = share * all <= limit && (share >= 1.0 || share * all >= too_little * limit);

@@ -10,9 +10,10 @@
 
 namespace thicket {
 
-/// How a look fades: over which end of its range.
+/// The way in which a look (see `LodLooks`) fades at the near and far ends of its range of
+/// distances.
 struct LookFade {
-	bool comes = false; ///< The look fades in and replaces the previous look.
+	bool comes = false; ///< True if the look fades in at the near end and replaces the previous one.
 	LodEnd end = LodEnd::stays;
 
 	static constexpr std::size_t count = 6;
@@ -21,52 +22,56 @@ struct LookFade {
 	friend bool operator==(const LookFade &, const LookFade &) = default;
 };
 
-/// The looks that replace each other as the distance grows. Consecutive LODs that are drawn alike share one look. This
-/// class decides which looks are drawn for a span of LODs, and which of these looks fade.
+/// A look is a run of consecutive LODs that are drawn identically. Looks replace each other with
+/// distance. This class determines which looks are drawn for a span of LODs, and how each of them
+/// fades.
 class LodLooks {
 public:
 	LodLooks() = default;
 
-	/// `steps` has one entry for each LOD, including the nearest; the first is never `same`.
+	/// `steps` has one entry for each LOD, including the finest. In the first entry, `same` must be
+	/// false.
 	LodLooks(const LodSettings &settings, std::span<const LodStep> steps);
 
 	std::span<const LodStep> steps() const { return steps_; }
 	std::size_t count() const { return looks_.size(); }
 
-	/// The look of an LOD; of the last LOD for a number beyond it.
+	/// Returns the index of the look of an LOD. LODs beyond the last have the last look.
 	std::size_t look_of(std::size_t lod) const;
 
-	/// True if any look ever fades.
+	/// Returns true if any look can fade.
 	bool fades() const;
 
-	/// The ranges in which a look may be drawn, by LookFade::index; no_fade for an index that never occurs.
+	/// Returns the fade range of a look for each LookFade, in the order of LookFade::index.
+	/// Combinations that cannot occur have no_fade.
 	std::array<FadeRange, LookFade::count> ranges(std::size_t look) const;
 
-	/// The number of looks that are drawn for a span, minus one.
+	/// Returns the number of looks that are drawn for a span, minus one.
 	std::size_t beyond_first(const LodSpan &span) const { return look_of_[span.last] - look_of_[span.first]; }
 
-	/// A look as a visual draws it.
+	/// A look and its fade, as drawn by one visual.
 	struct Drawn {
 		std::size_t look = 0;
-		std::optional<LookFade> fade; ///< None if it does not fade.
+		std::optional<LookFade> fade; ///< Empty if the look does not fade.
 	};
 
-	/// One of the looks of a span, 0 to beyond_first(span); 0 is the look of its first LOD.
+	/// Returns one of the looks that are drawn for a span. `index` is 0 for the look of the span's
+	/// first LOD, up to beyond_first(span).
 	Drawn drawn(const LodSpan &span, std::size_t index) const;
 
-	/// The look of one LOD of a span when it is drawn alone, in place of the whole span.
+	/// Returns the look of an LOD that is drawn alone instead of the whole span.
 	Drawn drawn_alone(const LodSpan &span, std::size_t lod) const;
 
 private:
 	struct Look {
-		std::size_t first = 0; ///< The look's LODs.
+		std::size_t first = 0; ///< First and last LOD of the look.
 		std::size_t last = 0;
-		bool fades = false; ///< The look's materials can fade.
+		bool fades = false; ///< True if the look's materials can fade.
 	};
 
 	LodSettings settings_;
 	std::vector<LodStep> steps_;
-	std::vector<std::size_t> look_of_; ///< The look of each LOD.
+	std::vector<std::size_t> look_of_; ///< Index of the look of each LOD.
 	std::vector<Look> looks_;
 };
 

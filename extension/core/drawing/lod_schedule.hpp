@@ -15,39 +15,42 @@
 
 namespace thicket {
 
-/// Schedules which tiles to check again as viewers move: each tile only after a viewer has moved as far as that tile
-/// allows. Pure logic, like TileStreamer. Stores at most one visit per tile.
+/// Schedules visits to tiles. During a visit, the caller updates a tile's LODs. A visit is due once
+/// a viewer may have moved farther than the tile's margin. The schedule contains at most one visit
+/// per tile. The class only makes decisions, like TileStreamer.
 class LodSchedule {
 public:
-	/// Takes the viewers' positions for this frame. Returns true if their number has changed or one of them has jumped. Every tile must
-	/// then be checked, whatever was scheduled.
+	/// Updates the viewers' positions for this frame. Returns true if their number has changed or
+	/// one of them has jumped; every tile must then be visited.
 	bool move(std::span<const Viewer> viewers);
 
-	/// Schedules the next visit to a tile, after `margin` meters (0 or more). Replaces the tile's earlier visit. With
-	/// an infinite margin, schedules no visit. O(log tiles).
+	/// Schedules the next visit to a tile, after viewers have moved `margin` meters (0 or more).
+	/// The new visit replaces one that is already scheduled. An infinite margin schedules no visit.
+	/// Takes O(log tiles) time.
 	void add(const TileKey &key, double margin);
 
-	/// Removes the visit to a tile that is gone.
+	/// Removes the visit to a tile, if one is scheduled.
 	void remove(const TileKey &key);
 
 	/// Removes all visits.
 	void clear();
 
-	/// Removes the most overdue visit and returns its tile. Returns nothing if no visit is due.
+	/// Removes the visit that is most overdue and returns its tile. Returns nothing if no visit is
+	/// due.
 	std::optional<TileKey> next();
 
-	/// True if `next` would return nothing.
+	/// Returns true if `next` would return nothing.
 	bool settled() const { return visits_.empty() || visits_.begin()->at > traveled_; }
 
-	/// The number of scheduled visits.
+	/// Returns the number of scheduled visits.
 	std::size_t size() const { return visits_.size(); }
 
-	/// Meters, accumulated over all calls. Between two calls of `move`, no viewer has moved farther than this value has
-	/// grown.
+	/// Returns an upper bound for the accumulated movement of every viewer, in meters. Each `move`
+	/// adds the largest distance that any viewer has moved.
 	double traveled() const { return traveled_; }
 
-	/// The distances from a box to the viewer nearest to it: from the nearest and from the farthest point of the box.
-	/// Meters; infinite without viewers.
+	/// Returns the distances in meters from the nearest viewer to the nearest and the farthest
+	/// point of a box. They are infinite if there are no viewers.
 	DistanceRange distances_to(glm::dvec3 min, glm::dvec3 max, const Sight &sight) const;
 
 private:
@@ -64,9 +67,9 @@ private:
 	using Visits = std::set<Visit, VisitOrder>;
 
 	std::vector<Viewer> viewers_;
-	Visits visits_;                                         ///< The next one first.
-	std::map<TileKey, Visits::iterator, KeyOrder> by_tile_; ///< The visit of each tile that has one.
-	double traveled_ = 0.0; ///< Sum over frames of the farthest viewer movement. An upper bound for each viewer.
+	Visits visits_;                                         ///< All visits, the earliest first.
+	std::map<TileKey, Visits::iterator, KeyOrder> by_tile_; ///< Scheduled visit of each tile.
+	double traveled_ = 0.0;                                 ///< The meters that traveled() returns.
 };
 
 } // namespace thicket

@@ -8,8 +8,9 @@ namespace thicket {
 
 namespace {
 
-// Shares of the distance at which a mesh is needed: where it appears, and where it is removed. A coarser mesh is requested while instances
-// approach the distance at which it begins, and a finer one while they approach the distance at which it ends.
+// Fractions of the distance of a change at which the finer and the coarser mesh are added to the
+// span (comes) and removed from it (goes). Each mesh is added a little before it is needed and
+// removed a little after.
 constexpr double finer_comes = 1.02;
 constexpr double finer_goes = 1.05;
 constexpr double coarser_comes = 0.98;

@@ -13,7 +13,7 @@ bool RedrawQueue::Marks::meet(std::uint32_t layer, const Rect &rect) const {
 	}
 	const auto bound = bounds_.find(layer);
 	if (bound == bounds_.end() || !thicket::meet(rect, bound->second)) {
-		// A rectangle outside the bounds of all areas meets none of them.
+		// A rectangle outside the bounds of all areas touches none of them.
 		return false;
 	}
 	return std::ranges::any_of(

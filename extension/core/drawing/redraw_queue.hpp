@@ -11,21 +11,24 @@
 
 namespace thicket {
 
-/// Decides which visible tiles are redrawn after a game's changes: some before the next frame, others one after another when there is
-/// time. Pure logic, like TileStreamer.
+/// Decides which visible tiles are redrawn after a game's changes. Marked areas are redrawn before
+/// the next frame; tiles queued for later are redrawn one by one as time permits. The class only
+/// makes decisions, like TileStreamer.
 ///
-/// Promises:
-///  (1) Each mark counts for one `take`, and for all tiles that it meets, whether they are visible before or after it.
-///  (2) An upload that began before a change has an older `version` than one that began after it.
-///  (3) A tile that is queued for later is returned once, however often it was queued, and in TileKeyOrder.
+/// Guarantees:
+///  (1) Each mark applies to exactly one `take`, and to all tiles that it touches, whether they
+///      became visible before or after it.
+///  (2) An upload that began before a change has a lower `version` than one that began after it.
+///  (3) Tiles queued for later are returned in TileKeyOrder, each once, however often they were
+///      queued.
 class RedrawQueue {
 public:
-	/// The areas that were marked until a `take`.
+	/// The areas returned by `take`.
 	class Marks {
 	public:
 		bool empty() const { return areas_.empty() && !all_; }
 
-		/// True if a tile with this rectangle must be redrawn.
+		/// Returns true if a tile with this rectangle must be redrawn.
 		bool meet(std::uint32_t layer, const Rect &rect) const;
 
 	private:
@@ -35,32 +38,36 @@ public:
 			Rect rect;
 		};
 		std::vector<Area> areas_;
-		std::map<std::uint32_t, Rect> bounds_; ///< Around all areas of each layer.
+		std::map<std::uint32_t, Rect> bounds_; ///< Bounds of all areas, by layer.
 		bool all_ = false;
 	};
 
-	/// Reports that instances may have changed in an area of a layer (world meters, edges included), or everywhere.
+	/// Reports that instances may have changed in an area of a layer (world meters, edges
+	/// included), or everywhere.
 	void mark(std::uint32_t layer, const Rect &area) { marks_.areas_.push_back({layer, area}); }
 	void mark_all() { marks_.all_ = true; }
 
-	/// Allocates memory, so that the next `mark` throws nothing.
+	/// Allocates memory, so that the next `mark` does not throw.
 	void reserve_mark() { marks_.areas_.reserve(marks_.areas_.size() + 1); }
 
-	/// Returns all marks and forgets them. If memory runs out, throws and keeps them.
+	/// Returns and clears all marks. If memory runs out, throws std::bad_alloc and keeps them.
 	Marks take();
 
-	/// Reports that instances have changed. The caller then queues each visible tile that may be affected.
+	/// Reports that instances have changed. The caller then calls `add_later` for each visible tile
+	/// that may be affected.
 	void begin_later() { ++version_; }
 	void add_later(const TileKey &key) { later_.insert(key); }
 	bool has_later() const { return !later_.empty(); }
 
-	/// Removes the first tile that is queued for later and returns it. The tile may be hidden by now.
+	/// Removes and returns the first tile that is queued for later. This tile may no longer be
+	/// visible.
 	std::optional<TileKey> next_later();
 
-	/// Rises with every change: with `begin_later`, and with every `take` that returns marks.
+	/// Returns the number of the last change. It increases in `begin_later`, and in every `take`
+	/// that returns marks.
 	std::uint64_t version() const { return version_; }
 
-	/// Forgets all marks and tiles.
+	/// Removes all marks and tiles.
 	void clear();
 
 private:

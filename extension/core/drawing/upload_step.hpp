@@ -4,16 +4,17 @@
 
 namespace thicket {
 
-/// Limits what one step uploads, so that it takes a small part of a frame's time: some hundred microseconds.
+/// Limits the uploads of one step to a few hundred microseconds, a small part of a frame.
 class UploadStep {
 public:
-	/// A visual with this many instances was uploaded.
+	/// Reports that a visual with this many instances was uploaded.
 	void add(std::size_t instances) {
 		++visuals_;
 		instances_ += instances;
 	}
 
-	/// True if nothing more should be uploaded in this step. A new step is never full, so each step uploads something.
+	/// Returns true if no more visuals should be uploaded in this step. A new step is never full,
+	/// so each step makes progress.
 	bool is_full() const { return visuals_ >= most_visuals || instances_ >= most_instances; }
 
 private:

@@ -23,7 +23,7 @@ std::string fixed(double number, int digits) {
 }
 
 std::string percent(double share) {
-	// A tiny share is not displayed as 0 %, nor a share just below 1 as 100 %.
+	// A tiny fraction is not displayed as 0 %, and a fraction just below 1 not as 100 %.
 	const double shown = std::clamp(share * 100.0, share > 0.0 ? 0.1 : 0.0, share < 1.0 ? 99.9 : 100.0);
 	return fixed(shown, shown < 1.0 || shown > 99.0 ? 1 : 0) + " %";
 }
@@ -32,7 +32,7 @@ std::string name_at(const std::vector<std::string> &names, std::size_t index, co
 	return index < names.size() && !names[index].empty() ? names[index] : std::string(otherwise);
 }
 
-/// The required range in words, with enough digits to distinguish it from a value just beyond it.
+/// Returns the required range in words, with enough digits to distinguish its limits from `value`.
 std::string range_text(const RuleSentence &range, double value, const char *unit) {
 	const std::string low = number_text(range.min, value) + unit;
 	const std::string high = number_text(range.max, value) + unit;
@@ -42,7 +42,8 @@ std::string range_text(const RuleSentence &range, double value, const char *unit
 	return std::isinf(range.max) ? "at least " + low : low + " to " + high;
 }
 
-/// The note for a rule that keeps only a part of the points.
+/// Returns a sentence for a rule that keeps only some of the points, or an empty string for all
+/// other rules.
 std::string leaves(double density) { return density > 0.0 && density < 1.0 ? " Leaves " + percent(density) + "." : ""; }
 
 void describe_range(const char *what, const char *unit, const RuleFactor &factor, RuleSentence &r_sentence) {

@@ -18,14 +18,15 @@ namespace {
 constexpr double min_body_scale = 1e-4;
 constexpr double max_body_scale = 1e4;
 
-/// If a shear leaves less than this of an axis, the instance counts as flat.
+/// An instance counts as flat if a shear leaves less than this share of an axis.
 constexpr double flat = 1e-4;
 
-/// body_scale_step to the power of max_scale_step is just above max_body_scale.
+/// body_scale_step ^ max_scale_step is just above max_body_scale.
 constexpr int max_scale_step = 466;
 
-/// The powers of body_scale_step from -max_scale_step to max_scale_step. They are computed by multiplication, because the C library's
-/// powers and logarithms round differently from machine to machine, and two players would then collide with bodies of different sizes.
+/// The powers of body_scale_step with exponents from -max_scale_step to max_scale_step. They are
+/// computed by multiplication, because the rounding of std::pow and std::log differs between
+/// machines. Two players would otherwise collide with bodies of different sizes.
 constexpr auto scale_powers = [] {
 	std::array<double, 2 * max_scale_step + 1> powers{};
 	double power = 1.0;
@@ -39,9 +40,9 @@ constexpr auto scale_powers = [] {
 static_assert(scale_powers.back() > max_body_scale && scale_powers[2 * max_scale_step - 1] < max_body_scale);
 static_assert(scale_powers.front() < min_body_scale);
 
-/// The power of body_scale_step whose ratio to a scale is nearest to 1.
+/// Returns the exponent of the power of body_scale_step that is nearest to a scale, by ratio.
 int nearest_step(double scale) {
-	// Between two powers, their geometric mean is the border.
+	// The boundary between two powers is their geometric mean.
 	int low = 0;
 	int high = 2 * max_scale_step;
 	while (low < high) {
@@ -56,7 +57,7 @@ int nearest_step(double scale) {
 	return low - max_scale_step;
 }
 
-/// Point `i` of `count` on a Fibonacci spiral around the unit sphere.
+/// Returns point `i` of `count` on a Fibonacci spiral around the unit sphere.
 glm::dvec3 direction(std::size_t i, std::size_t count) {
 	const double y = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(count);
 	const double ring = std::sqrt(1.0 - y * y);

@@ -9,28 +9,31 @@
 
 namespace thicket {
 
-/// Bodies have no scale, so the scale goes into their shapes. Instances whose scales differ by less than this factor
-/// share a shape. So a shape is up to 1 % larger or smaller than its instance.
+/// Physics bodies have no scale, so their shapes are scaled instead, in steps of this factor.
+/// Instances whose scales round to the same step share a shape, which is up to 1 % larger or
+/// smaller than the instance.
 inline constexpr double body_scale_step = 1.02;
 
-/// The rotation and scale of an instance, as a body and its shape need them.
+/// The rotation of a body and the scale of its shape, for one instance.
 struct BodyFit {
-	glm::mat3 rotation{1.0f};  ///< Right-handed; the second column is the instance's own up axis.
-	glm::ivec3 scale_steps{0}; ///< Powers of body_scale_step along the rotated axes,
-	bool mirrored = false;     ///< the third of them reversed.
+	glm::mat3 rotation{1.0f};  ///< Right-handed. The second column is the instance's up axis.
+	glm::ivec3 scale_steps{0}; ///< Exponents of body_scale_step for each rotated axis.
+	bool mirrored = false;     ///< True if the third axis is reversed.
 
-	/// The scale along the axes that is used for the shape. The third is negative if the instance is mirrored.
+	/// Returns the scale of the shape along each axis. The third component is negative if the
+	/// instance is mirrored.
 	glm::vec3 scale() const;
 };
 
-/// Decomposes the basis of an instance into rotation and scale. A basis with a shear keeps its up axis. Returns false
-/// for a basis that is flat along an axis, and for scales outside of 1e-4 to 1e4, because nothing can collide with such
-/// an instance. The result is the same on every machine.
+/// Decomposes the basis of an instance into rotation and scale. A sheared basis keeps its up axis.
+/// Returns false if the basis is flat along an axis, or if a scale is not between 1e-4 and 1e4,
+/// because nothing can collide with such an instance. The result is the same on every machine.
 bool fit_body(const glm::mat3 &basis, BodyFit &r_fit);
 
-/// Replaces `points` by at most `most` of them (4 or more), in their order. Keeps the points that lie farthest in
-/// evenly spread directions, so that their convex hull is nearly the hull of all points. Does nothing if there are at
-/// most `most` points.
+/// Reduces `points` to at most `most` of them, without changing their order. `most` must be at
+/// least 4. The remaining points are the ones that lie farthest in evenly distributed directions,
+/// so their convex hull approximates that of all points. If there are at most `most` points,
+/// nothing changes.
 void keep_outermost(std::vector<glm::vec3> &points, std::size_t most);
 
 } // namespace thicket

@@ -12,10 +12,10 @@ namespace thicket {
 
 namespace {
 
-/// The smallest side of a cell, in meters. Smaller cells would be too many for too few instances.
+/// Minimum side of a cell, in meters. Smaller cells would be numerous and nearly empty.
 constexpr double least_side = 4.0;
 
-/// The distance from the origin, in meters, beyond which no instance is placed. NAN is not a valid position either.
+/// Returns false for a center at which no instance can be placed: NAN, or too far from the origin.
 bool possible(glm::dvec3 center) { return std::abs(center.x) < 1e12 && std::abs(center.z) < 1e12; }
 
 } // namespace
@@ -30,7 +30,8 @@ Rect NearQueue::Layer::rect(const Key &key) const {
 	return {corner, corner + side};
 }
 
-/// Changes the size of the cells. Held instances stay held. False if memory runs out: the cells are then unchanged.
+/// Changes the size of the cells. Held instances stay held. Returns false, with the cells
+/// unchanged, if memory runs out.
 bool NearQueue::Layer::divide(double new_side) {
 	Layer next;
 	next.side = new_side;
@@ -50,9 +51,10 @@ bool NearQueue::Layer::divide(double new_side) {
 	return status.ok();
 }
 
-/// Updates the centers of each cell. Removes cells that hold nothing and that no center has in reach.
+/// Updates the centers of each cell. Cells that hold nothing and are within reach of no center are
+/// removed.
 void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
-	stale = true; // In case memory runs out.
+	stale = true; // Stays true if memory runs out.
 	for (auto &[at, cell] : cells) {
 		cell.forget_centers();
 	}
@@ -64,7 +66,7 @@ void NearQueue::Layer::find_cells(std::span<const glm::dvec3> now) {
 		if (!possible(center)) {
 			continue;
 		}
-		if (distance == 0.0) { // All instances that are still held leave, the nearest first.
+		if (distance == 0.0) { // The layer is disabled: all held instances leave, nearest first.
 			for (auto &[at, cell] : cells) {
 				cell.add_center(center);
 			}
@@ -89,7 +91,7 @@ void NearQueue::set_distances(std::span<const double> distances) {
 	for (std::size_t i = 0; i < distances.size(); ++i) {
 		Layer &layer = layers_[i];
 		if (layer.distance == distances[i]) {
-			// With the same distance the cells are the same, and their results are still valid.
+			// If the distance is unchanged, the cells and their results stay valid.
 			continue;
 		}
 		++changes_;
@@ -153,7 +155,7 @@ void NearQueue::find_outdated(std::uint32_t index) {
 			busy_.emplace_back(away, cell.change_count());
 		}
 		if (!outdated && !cell.due()) {
-			// The last result is still valid.
+			// The result of the last check is still valid.
 			continue;
 		}
 		const bool late = cell.frames() > most_waiting;
@@ -171,7 +173,8 @@ void NearQueue::look(const Visit &visit) {
 
 namespace {
 
-/// The visit to the cell with the smallest `away` among the cells that have `any`; null if there is none.
+/// Returns the visit with the smallest `away`, among the visits to cells for which `any` returns
+/// true, or null if there is none.
 template <class Visit>
 const Visit *nearest_of(
 		const std::vector<Visit> &visits, bool (NearCell::*any)() const, double (NearCell::*away)() const) {

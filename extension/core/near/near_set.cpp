@@ -44,7 +44,7 @@ bool NearSet::Held::is_near(std::span<const glm::dvec3> centers, double reach_sq
 		return glm::dot(position - from, position - from) <= reach_squared;
 	};
 	if (center < centers.size() && reaches(centers[center])) {
-		// It is still near the same center as before, so no other center is checked.
+		// If the instance is still near the same center, the other centers need no check.
 		return true;
 	}
 	center = static_cast<std::size_t>(std::find_if(centers.begin(), centers.end(), reaches) - centers.begin());
@@ -90,7 +90,8 @@ void NearSet::sort_nearest(std::vector<Distant> &r_distant) {
 	});
 }
 
-/// `from` is sorted, so duplicates of an instance are next to each other.
+/// Copies the instances of `from` to `r_to`, without duplicates. `from` is sorted, so duplicates
+/// are adjacent.
 void NearSet::take(
 		std::span<const Distant> from, std::span<const PlacedInstance> standing, std::vector<PlacedInstance> &r_to) {
 	r_to.clear();

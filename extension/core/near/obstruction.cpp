@@ -12,7 +12,8 @@ namespace thicket {
 
 namespace {
 
-/// Steeper ground counts as having this slope, so it falls off by no more than four times the horizontal distance.
+/// Steeper slopes are treated as this one, in degrees, so that ground falls by less than four times
+/// the horizontal distance.
 constexpr double steepest = 75.0;
 
 constexpr int few_corners = 8;
@@ -20,27 +21,29 @@ constexpr int many_corners = 12;
 
 constexpr double degrees_in_turn = 360.0;
 
-/// From the center of a cell to its corner, in sides.
+/// Distance from the center of a cell to a corner, in cell sides.
 constexpr double half_diagonal = 0.7071067811865476;
 
 Rotation towards(double corner, int corners) { return rotation_by(corner / corners); }
 
-/// The radius of the corners of a polygon that encloses a circle.
+/// Returns the circumradius of a regular polygon that encloses a circle.
 double around(double radius, int corners) { return radius / towards(0.5, corners).cosine; }
 
-/// The number of corners of the polygon around a circle. A bake compares each corner with the cells around it, so there are eight if that
-/// makes the polygon wider by no more than half a cell.
+/// Returns the number of corners of the polygon around a circle. Corners cost time in a bake, which
+/// compares each of them with the cells around it. The result is eight if the polygon is then at
+/// most half a cell wider than the circle.
 int corners_around(double radius, const NavigationAgent &agent) {
 	return around(radius, few_corners) - radius <= 0.5 * agent.cell_size ? few_corners : many_corners;
 }
 
-/// Meters that ground rises over a horizontal distance.
+/// Returns how many meters the steepest walkable ground rises over a horizontal distance.
 double rise(double way, const NavigationAgent &agent) {
 	const Rotation slope = rotation_by(std::clamp(agent.max_slope, 0.0, steepest) / degrees_in_turn);
 	return way * slope.sine / slope.cosine;
 }
 
-/// The outline of a polygon around a circle that is swept from the middle along `lean`.
+/// Computes the outline of a polygon that encloses a circle and is swept from `middle` along
+/// `lean`.
 void outline(glm::dvec2 middle, double radius, int corners, glm::dvec2 lean, std::vector<glm::dvec2> &r_outline) {
 	const auto leads = [lean, corners](double side) {
 		const Rotation normal = towards(side, corners);

@@ -7,14 +7,15 @@
 
 namespace thicket {
 
-/// The positions at which a layer checks whether it is near its edge: two rings of eight around a point, at half of the edge distance and
-/// at the full distance. Offsets are in units of that distance.
+/// The number of probes around a point with which a layer detects its edge. They form two rings of
+/// eight, at half the edge feather and at the full edge feather. The offsets below are in units of
+/// the edge feather.
 inline constexpr std::size_t edge_probes = 16;
 
 constexpr std::array<glm::dvec2, edge_probes> edge_probe_offsets() {
-	constexpr double diagonal = 0.70710678118654752; // cos 45 degrees
-	constexpr double wide = 0.92387953251128674;     // cos 22.5 degrees
-	constexpr double narrow = 0.38268343236508977;   // sin 22.5 degrees
+	constexpr double diagonal = 0.70710678118654752; // Cosine of 45 degrees.
+	constexpr double wide = 0.92387953251128674;     // Cosine of 22.5 degrees.
+	constexpr double narrow = 0.38268343236508977;   // Sine of 22.5 degrees.
 	constexpr std::array<glm::dvec2, 8> outer{{{1.0, 0.0}, {diagonal, diagonal}, {0.0, 1.0}, {-diagonal, diagonal},
 			{-1.0, 0.0}, {-diagonal, -diagonal}, {0.0, -1.0}, {diagonal, -diagonal}}};
 	constexpr std::array<glm::dvec2, 8> inner{{{wide, narrow}, {narrow, wide}, {-narrow, wide}, {-wide, narrow},
@@ -27,8 +28,9 @@ constexpr std::array<glm::dvec2, edge_probes> edge_probe_offsets() {
 	return offsets;
 }
 
-/// The density of a point for which `allowed` of the probes are open: 1 if the layer is allowed all around. Returns 0
-/// if half of the surroundings or more are closed to the layer, as on a straight edge.
+/// Returns the density at a point if the layer is allowed at `allowed` of its probes. The density
+/// is 0 if the layer is allowed at half of them or fewer, as on a straight edge. From there, it
+/// rises linearly to 1 if the layer is allowed at all of them.
 constexpr double edge_density(std::size_t allowed) {
 	const double share = static_cast<double>(allowed) / static_cast<double>(edge_probes);
 	return share > 0.5 ? 2.0 * share - 1.0 : 0.0;

@@ -8,7 +8,7 @@ namespace thicket {
 
 namespace {
 
-/// The number of positions in one call of the terrain.
+/// Maximum number of positions per call of Terrain::query.
 constexpr std::size_t positions_per_call = 2048;
 
 } // namespace

@@ -12,15 +12,18 @@
 
 namespace thicket {
 
-/// A group of positions whose ground is queried together: `count` positions of a list, starting at `first`.
+/// A range in a list of positions, with the properties of the ground that are queried at these
+/// positions.
 struct GroundQuery {
 	std::size_t first = 0;
 	std::size_t count = 0;
 	GroundNeeds needs;
 };
 
-/// Queries a terrain for the ground of some positions, in batches of far less than a millisecond of work. `r_ground` has one entry for each
-/// position of the list. Returns ErrorCode::cancelled when `cancel` is raised. Exceptions of the terrain pass through.
+/// Queries the ground at those of `positions` that `queries` contain, in batches of up to 2,048
+/// positions. `r_ground` has one entry for each position; entries that no query contains stay
+/// unchanged. Returns the first error of the terrain. Once `cancel` is set, returns
+/// ErrorCode::cancelled before the next batch. Exceptions of the terrain are passed on.
 Status ask_ground(const Terrain &terrain, std::span<const glm::dvec2> positions, std::span<const GroundQuery> queries,
 		std::span<Ground> r_ground, const std::atomic<bool> *cancel = nullptr);
 

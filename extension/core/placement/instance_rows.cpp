@@ -16,8 +16,8 @@ namespace {
 constexpr double shear_limit = 1e-3;
 constexpr double same_scale = 1e-6;
 
-/// The quaternion of a matrix with orthogonal columns of length 1 that is not a mirror image, computed from the largest
-/// of its four numbers. Does not use GLM's function, because other versions of GLM may compute it in different steps.
+/// Converts a rotation matrix to a quaternion, starting from the largest of its four components.
+/// GLM's function is not used, because its rounding may differ between versions of GLM.
 glm::dvec4 quaternion_of(const glm::dmat3 &turn) {
 	const double trace = turn[0][0] + turn[1][1] + turn[2][2];
 	if (trace > 0.0) {
@@ -54,7 +54,7 @@ glm::dmat3 basis_of(std::span<const float, transform_floats> transform) {
 	return basis;
 }
 
-/// Writes the numbers of one column after the other.
+/// Writes numbers in little-endian order, one after the other.
 class ColumnWriter {
 public:
 	explicit ColumnWriter(std::span<std::uint8_t> bytes) : at_(bytes.begin()) {}
@@ -76,9 +76,10 @@ private:
 struct RowSource {
 	glm::dvec3 origin{0.0};
 	std::span<const MeshInstances *const> meshes;
-	std::span<const TurnAndScale> turned; ///< For all instances, mesh by mesh.
+	std::span<const TurnAndScale> turned; ///< One entry for each instance, mesh by mesh.
 
-	/// Calls `visit(const MeshInstances &, std::size_t instance, std::size_t mesh)` for all instances.
+	/// Calls `visit(instances, index, mesh)` for each instance. `index` is its index in
+	/// `instances`, and `mesh` the index of the mesh.
 	template <class Visit>
 	void for_each(const Visit &visit) const {
 		for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
@@ -139,14 +140,14 @@ constexpr std::array leading_columns{
 		WrittenColumn{{"rank", "<u4"}, write_ranks},
 };
 
-/// The columns that write_instance_data fills, in its order.
+/// The columns that write_instance_data writes, in its order.
 constexpr std::array color_columns{RowColumn{"color_r", "<f4"}, RowColumn{"color_g", "<f4"},
 		RowColumn{"color_b", "<f4"}, RowColumn{"color_a", "<f4"}};
 constexpr std::array custom_columns{RowColumn{"variation", "<f4"}, RowColumn{"wind_phase", "<f4"},
 		RowColumn{"custom_rank", "<f4"}, RowColumn{"custom_scale", "<f4"}};
 constexpr RowColumn model_column{"model", "<u2"};
 
-/// The last character of a column's type is the number of its bytes.
+/// The last character of a column's type is its size in bytes.
 constexpr std::size_t bytes_of(const RowColumn &column) { return static_cast<std::size_t>(column.type[2] - '0'); }
 
 std::size_t row_bytes(std::size_t further) {
@@ -177,8 +178,8 @@ TurnAndScale turn_and_scale(std::span<const float, transform_floats> transform) 
 	}
 	result.sheared = std::max({std::abs(glm::dot(basis[0], basis[1])), std::abs(glm::dot(basis[0], basis[2])),
 							 std::abs(glm::dot(basis[1], basis[2]))}) > shear_limit;
-	// Orthonormalizes the basis like the engine: x keeps its direction, and y stays in its plane with x. A basis that is still flat gets no
-	// rotation.
+	// The basis is made orthonormal as in Godot: x keeps its direction, and y stays in the plane of
+	// x and y. If x and y are parallel, the rotation remains the identity.
 	const glm::dvec3 y = basis[1] - basis[0] * glm::dot(basis[0], basis[1]);
 	const double length = glm::length(y);
 	if (length > same_scale) {

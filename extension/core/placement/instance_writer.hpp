@@ -21,16 +21,18 @@
 
 namespace thicket {
 
-/// The points of a tile, and which of them become instances. `standing` contains indices of points, and
-/// `thinning_ranks` has one entry for each of these indices. All other lists have one entry for each point.
+/// The points of a tile. `standing` contains the indices of the points that become instances, and
+/// `thinning_ranks` has one entry for each of these. All other lists have one entry for each point.
 struct StandingPoints {
-	std::span<const glm::dvec2> positions; ///< World meters.
+	std::span<const glm::dvec2> positions; ///< Positions of the points in world meters.
 	std::span<const Ground> ground;
 	std::span<const std::uint64_t> ids;
 	std::span<const std::uint32_t> standing;
 	std::span<const std::uint32_t> thinning_ranks;
-	std::span<const float> color_shares{};     ///< For points that become instances; empty if colors are random.
-	std::span<const float> variation_shares{}; ///< The same for the variation.
+	/// Shares for the colors. They are valid for points that become instances. Empty if colors are
+	/// random.
+	std::span<const float> color_shares{};
+	std::span<const float> variation_shares{}; ///< Shares for the variations, under the same conditions.
 
 	InstanceShares shares_of(std::uint32_t point) const {
 		return {color_shares.empty() ? unknown_share : color_shares[point],
@@ -38,7 +40,7 @@ struct StandingPoints {
 	}
 };
 
-/// The bounds of the positions of one mesh's instances, and their largest scale.
+/// The bounds of the positions of a mesh's instances, and their largest scale.
 struct InstanceBounds {
 	glm::vec3 min{std::numeric_limits<float>::max()};
 	glm::vec3 max{-std::numeric_limits<float>::max()};
@@ -51,27 +53,30 @@ struct InstanceBounds {
 	}
 };
 
-/// The last step of generating a tile: assigns every kept point a mesh, a transform and a look, in the order in which a
-/// layer is thinned. Reuses its memory.
+/// Performs the last step of generating a tile: writes the mesh, transform and appearance of each
+/// instance, in the order of thinning ranks. A writer reuses its memory.
 class InstanceWriter {
 public:
-	/// Replaces the origin and the meshes of `r_tile`. Settings must be valid. When `cancel` is raised, clears the
-	/// meshes and returns ErrorCode::cancelled. If it throws std::bad_alloc, the tile is unchanged. `threads`, if
-	/// given, share the work and do not change the result.
+	/// Replaces the origin and the meshes of `r_tile`. The settings must be valid. If `cancel` is
+	/// set, clears the meshes and returns ErrorCode::cancelled. If memory runs out, throws
+	/// std::bad_alloc and leaves the tile unchanged. If `threads` is not null, they share the work.
+	/// They do not affect the result.
 	Status write(const LayerSettings &layer, const StandingPoints &points, glm::dvec3 origin, TileInstances &r_tile,
 			const std::atomic<bool> *cancel, LentThreads *threads = nullptr);
 
 private:
-	/// The instances within a range of ranks, stored one after the other. Any free thread takes the next part.
+	/// The instances in a range of ranks. The parts are in order, and each thread takes the next
+	/// unprocessed one.
 	struct Part {
 		std::uint64_t first_rank = 0;
 		std::uint64_t end_rank = 0;
-		std::vector<std::uint64_t> order; ///< For each instance, its thinning rank and the index of its point; sorted.
+		std::vector<std::uint64_t> order; ///< The rank_key of each instance, sorted.
 		std::vector<std::uint64_t> scratch;
-		std::vector<std::uint8_t> mesh_of; ///< For each instance, in order.
+		std::vector<std::uint8_t> mesh_of; ///< Mesh of each instance, in the same order.
 		std::array<std::size_t, max_meshes> sizes{};
-		std::array<std::size_t, max_meshes> ends{}; ///< Where its instances continue in each mesh.
-		std::vector<InstanceBounds> bounds;         ///< The bounds of its instances, for each mesh.
+		/// For each mesh, the index of the part's next instance.
+		std::array<std::size_t, max_meshes> ends{};
+		std::vector<InstanceBounds> bounds; ///< Bounds of the part's instances, by mesh.
 	};
 
 	void divide(const StandingPoints &points, std::size_t parts);

@@ -29,18 +29,20 @@ void MeshChoice::set(std::span<const float> weights) {
 	double before = 0.0;
 	for (std::size_t mesh = 0; mesh < weights.size(); ++mesh) {
 		before += weights[mesh];
-		// Summed in the same order as `sum`, so the value is exactly 2^32 from the last weight above 0 on.
+		// The weights are added in the same order as in `sum`, so that the result is exactly 2^32
+		// from the last weight above 0 on.
 		ends_[mesh] = static_cast<std::uint64_t>(before / sum * words);
 	}
 }
 
 std::size_t MeshChoice::mesh_for(std::uint64_t seed, std::uint64_t id) const {
 	if (ends_.size() == 1) {
-		// There is only one mesh, whatever the random word.
+		// There is only one mesh, so no random number is needed.
 		return 0;
 	}
 	const std::uint32_t word = instance_random(seed, id, Draw::mesh)[0];
-	// The ends ascend, so this counts those at or below the word. It has no branch, which a random word would often mispredict.
+	// The ends are ascending, so the number of ends at or below the word is the index. Counting
+	// avoids a branch, which would often be mispredicted.
 	std::size_t mesh = 0;
 	for (const std::uint64_t end : ends_) {
 		mesh += word >= end ? 1 : 0;

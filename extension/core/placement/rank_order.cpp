@@ -9,16 +9,17 @@ namespace thicket {
 
 namespace {
 
-/// Three digits cover the upper 32 bits; 2,048 counters per digit stay in the first-level cache.
+/// Three digits of 11 bits cover the upper 32 bits. The 2,048 counters per digit fit in the L1
+/// cache.
 constexpr std::array<int, 3> shifts{32, 43, 54};
 constexpr std::size_t digit_values = 1 << 11;
 
-/// Below this, clearing the counters costs more than sorting.
+/// For fewer keys than this, clearing the counters costs more than sorting.
 constexpr std::size_t few = 128;
 
 std::size_t digit(std::uint64_t key, int shift) { return key >> shift & (digit_values - 1); }
 
-/// Sorts by rank alone; keys of equal rank may end in any order.
+/// Sorts by rank only. Keys of equal rank keep their order.
 void radix_sort(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &scratch) {
 	std::array<std::array<std::uint32_t, digit_values>, shifts.size()> counts{};
 	for (const std::uint64_t key : keys) {
@@ -44,10 +45,10 @@ void radix_sort(std::vector<std::uint64_t> &keys, std::vector<std::uint64_t> &sc
 void sort_by_rank(
 		std::vector<std::uint64_t> &keys, std::span<const std::uint64_t> ids, std::vector<std::uint64_t> &scratch) {
 	if (keys.size() < few) {
-		// A few keys are sorted faster than counted.
+		// For few keys, a comparison sort is faster.
 		std::sort(keys.begin(), keys.end());
 	} else {
-		// Digit by digit, for the same order of ranks.
+		// The radix sort produces the same order of ranks as the comparison sort.
 		radix_sort(keys, scratch);
 	}
 	const auto shares_rank = [](std::uint64_t a, std::uint64_t b) {

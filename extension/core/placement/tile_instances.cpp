@@ -18,7 +18,7 @@ void MeshInstances::reserve(std::size_t count, const InstanceData &data) {
 }
 
 void MeshInstances::resize(std::size_t count, const InstanceData &data) {
-	buffer.resize(count * floats_per_instance(data)); // Left uninitialized.
+	buffer.resize(count * floats_per_instance(data)); // The new floats are not initialized.
 	resize(count, floats_per_instance(data));
 	normals.resize(count);
 	if (data.color_is_known() || data.variation_is_known()) {

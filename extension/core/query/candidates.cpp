@@ -7,7 +7,7 @@ namespace thicket {
 
 namespace {
 
-/// The order of a heap with the first on top.
+/// Defines the order of a heap with the first candidate on top.
 bool later(const Candidate &a, const Candidate &b) {
 	return std::tie(a.at, a.instance.layer, a.instance.id) > std::tie(b.at, b.instance.layer, b.instance.id);
 }
@@ -19,7 +19,7 @@ void Candidates::add(const Candidate &candidate) {
 		waiting_.push_back(candidate);
 		std::push_heap(waiting_.begin(), waiting_.end(), later);
 	} else if (waiting_.empty() || later(waiting_.front(), candidate)) {
-		// If nothing is refused, only the first is kept.
+		// Without `accepts`, only the first candidate can be the answer.
 		waiting_.assign(1, candidate);
 		limit_ = candidate.at;
 	}

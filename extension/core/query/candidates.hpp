@@ -7,33 +7,36 @@
 
 namespace thicket {
 
-/// A possible answer of a search for the first instance, along a ray or by distance.
+/// A candidate in a search for the first instance, either along a ray or by distance.
 struct Candidate {
-	double at = 0.0; ///< Candidates with smaller values come first.
+	/// The sort key: squared distance, or fraction of the ray's length. The smallest comes first.
+	double at = 0.0;
 	PlacedInstance instance;
 };
 
-/// The candidates that a search for the first instance has found. Calls the filter's `accepts` in the order of `at`,
-/// layer and id, and only for candidates that come before everything that is still to be searched.
+/// The candidates found so far in a search for the first instance. The filter's `accepts` is called
+/// in the order of `at`, layer and id, and only for candidates that come before everything not yet
+/// searched.
 class Candidates {
 public:
 	explicit Candidates(const QueryFilter &filter) : filter_(filter) {}
 
-	/// A candidate beyond this value cannot be the answer.
+	/// Returns the largest `at` with which a candidate can still be the answer.
 	double limit() const { return limit_; }
 
 	void add(const Candidate &candidate);
 
-	/// Searches for the answer among the candidates before `until`. All candidates that are added later must not come
-	/// before `until`. Returns true if the answer is found.
+	/// Searches for the answer among the candidates with `at` below `until`. Candidates added later
+	/// must not be below `until`. Returns true if the answer was found.
 	bool settle(double until);
 
-	/// Valid after `settle` returned true.
+	/// Returns the answer. Call this function only after `settle` returned true.
 	const Candidate &answer() const { return waiting_.back(); }
 
 private:
 	const QueryFilter &filter_;
-	std::vector<Candidate> waiting_; ///< A heap with the first on top; without `accepts`, only the first.
+	/// A heap with the first candidate on top. Without `accepts`, it contains only the first.
+	std::vector<Candidate> waiting_;
 	double limit_ = std::numeric_limits<double>::infinity();
 };
 

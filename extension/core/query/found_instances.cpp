@@ -17,7 +17,7 @@ namespace {
 
 using Ref = FoundInstances::Ref;
 
-/// The bounds of the cells in some ids.
+/// The bounds of the cells of some points, given by ids.
 struct CellBounds {
 	glm::ivec2 low{std::numeric_limits<int>::max()};
 	glm::ivec2 high{std::numeric_limits<int>::min()};
@@ -28,7 +28,8 @@ struct CellBounds {
 	}
 };
 
-/// Writes `from` to `r_to`, of the same size, sorted by keys from 0 to `keys` - 1. Equal ones keep their order.
+/// Sorts stably by key: writes the entries of `from` to `r_to`, which has the same size, by a
+/// counting sort. Keys are 0 to `keys` - 1.
 template <class Key>
 void count_sort(std::span<const Ref> from, std::int64_t keys, const Key &key_of, std::span<Ref> r_to) {
 	std::vector<std::uint32_t> ends(static_cast<std::size_t>(keys) + 1, 0);
@@ -110,7 +111,7 @@ void FoundInstances::sort_from(std::size_t first) {
 		std::ranges::sort(refs, {}, &Ref::id);
 		return;
 	}
-	// Cells in a crowd are counting-sorted, in two passes that keep the order of equal ones: by y, then by x.
+	// The cells are dense, so two stable counting sorts are fast: by y, then by x.
 	std::vector<Ref> by_y(refs.size());
 	count_sort(refs, size.y, [&](const Ref &ref) { return unpack(ref.id).cell.y - bounds.low.y; }, by_y);
 	count_sort(by_y, size.x, [&](const Ref &ref) { return unpack(ref.id).cell.x - bounds.low.x; }, refs);

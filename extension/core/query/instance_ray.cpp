@@ -15,7 +15,7 @@ namespace {
 
 constexpr RayPart nothing{1.0, 0.0};
 
-/// The part inside the infinite cylinder around the y axis.
+/// Returns the part of the ray inside the infinite cylinder around the y axis.
 RayPart inside_tube(RayPart part, const Ray &ray, double radius) {
 	const glm::dvec2 from(ray.from.x, ray.from.z);
 	const glm::dvec2 along(ray.along.x, ray.along.z);
@@ -23,8 +23,8 @@ RayPart inside_tube(RayPart part, const Ray &ray, double radius) {
 	if (!(squared > 0.0)) {
 		return from.x * from.x + from.y * from.y <= radius * radius ? part : nothing;
 	}
-	// Computed from the position nearest to the axis, because for a distant start the terms of the usual formula would
-	// cancel.
+	// The computation starts from the position nearest to the axis, because the usual quadratic
+	// formula suffers from cancellation if the ray starts far away.
 	const double nearest = -(from.x * along.x + from.y * along.y) / squared;
 	const glm::dvec2 off = from + nearest * along;
 	const double inside = radius * radius - (off.x * off.x + off.y * off.y);

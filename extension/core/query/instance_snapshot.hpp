@@ -15,14 +15,14 @@
 
 namespace thicket {
 
-/// The state of a world at one moment, for queries on any number of threads at the same time. Queries return the same
-/// results as the world did at that moment. The snapshot contains the tiles that were known at that moment, and
-/// generates others on the thread of the query.
+/// A snapshot of a world, for concurrent queries on any number of threads. Queries return the
+/// results that the world would have returned when the snapshot was taken. The snapshot keeps the
+/// tiles that were known then, and generates others on the thread of the query.
 class InstanceSnapshot {
 public:
-	/// Copies `world`. `state` shares the memory of the world's state (InstanceState::share); it is empty if nothing
-	/// was changed. `maker` is called on several threads at the same time. It may refuse a tile; queries that need this
-	/// tile are then refused.
+	/// Copies `world`. `state` is a copy of the world's state (InstanceState::share), or empty if
+	/// nothing was changed. `maker` must be thread-safe. If it returns an error for a tile, queries
+	/// that need this tile fail.
 	InstanceSnapshot(const InstanceWorld &world, std::optional<InstanceState> state, TileMaker maker);
 
 	/// Runs a query, as InstanceWorld::ask does.
@@ -35,10 +35,10 @@ public:
 
 	std::span<const QueryLayer> layers() const { return layers_; }
 
-	/// Null if nothing was changed.
+	/// Returns the state, or null if nothing was changed.
 	const InstanceState *state() const { return state_.has_value() ? &*state_ : nullptr; }
 
-	/// Tiles that queries have generated are dropped once they have more instances than this in total.
+	/// Generated tiles are dropped once they contain more instances than this in total.
 	static constexpr std::size_t max_made_instances = 400'000;
 
 private:
@@ -61,7 +61,7 @@ private:
 	void keep(const WorldTile &tile, const Tile &made) const;
 
 	std::vector<QueryLayer> layers_;
-	std::vector<KnownTile> known_; ///< Ascending.
+	std::vector<KnownTile> known_; ///< Tiles that were known when the snapshot was taken, ascending by key.
 	TileMaker maker_;
 
 	mutable Mutex mutex_; ///< Protects all members below, except `state_` once it is complete.

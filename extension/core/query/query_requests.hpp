@@ -13,7 +13,8 @@
 
 namespace thicket {
 
-/// Queries whose tiles are generated elsewhere, over several frames. One thread at a time.
+/// Asynchronous queries, whose missing tiles are generated elsewhere over several frames. Use this
+/// class on one thread only.
 class QueryRequests {
 public:
 	struct Sphere {
@@ -26,18 +27,21 @@ public:
 		FoundInstances found;
 	};
 
-	/// Returns a number, from 1 on, that identifies the answer. Refuses what InstanceQuery refuses.
+	/// Starts a request. Sets `r_request` to a number above 0 that identifies the request. The same
+	/// values as in InstanceQuery are errors.
 	Status add(const InstanceWorld &world, const std::variant<Rect, Sphere> &area, const QueryFilter &filter,
 			std::int64_t &r_request);
 
-	/// False if there is no such request, or if it is already answered.
+	/// Cancels a request. Returns false if it does not exist or was already answered.
 	bool cancel(std::int64_t request);
 
-	/// Call it once per frame: requests the missing tiles, and returns the answers that miss no tile, in the order of their requests.
+	/// Records missing tiles in the world, and returns the answers that are complete, in the order
+	/// of their requests. Call this function once per frame.
 	std::vector<Answer> frame(const InstanceWorld &world);
 
-	/// The list of layers has changed: the layer that had index i has index `current[i]` now. An index beyond the list
-	/// means that the layer was removed; requests for it get an empty answer.
+	/// Updates the layers of open requests after the list of layers has changed: the layer at index
+	/// i is now at `current[i]`. An index beyond the list means that the layer was removed;
+	/// requests for it get an empty answer.
 	void renumber(std::span<const std::uint32_t> current);
 
 	void clear() { open_.clear(); }
@@ -48,7 +52,8 @@ private:
 		std::int64_t request = 0;
 		std::variant<Rect, Sphere> area;
 		QueryFilter filter;
-		std::vector<std::shared_ptr<const CompactTile>> held; ///< Keeps early tiles alive until the last one arrives.
+		/// Keeps known tiles alive until all tiles of the request are known.
+		std::vector<std::shared_ptr<const CompactTile>> held;
 	};
 
 	static Status tiles_of(const InstanceQuery &query, const Open &open, std::vector<InstanceQuery::Tile> &r_tiles);

@@ -9,23 +9,23 @@
 
 namespace thicket {
 
-/// The position of an instance; world meters.
+/// Returns the position of an instance in world meters. `origin` is the tile's origin.
 inline glm::dvec3 position_of(glm::dvec3 origin, glm::vec3 in_tile) { return origin + glm::dvec3(in_tile); }
 
-/// Assembles an instance of a tile.
+/// Assembles the instance at index `at` of a tile's mesh.
 PlacedInstance placed_instance(
 		std::uint32_t layer, std::uint32_t mesh, glm::dvec3 origin, const CompactMesh &content, std::size_t at);
 
 /// Assembles a hand-placed instance.
 PlacedInstance placed_instance(std::uint64_t id, std::uint32_t layer, const AddedInstance &added);
 
-/// Returns whether the state has removed a point of the set. The constructor checks once whether the layer has any
-/// removed points.
+/// Looks up whether the state has removed a point of a layer. The constructor checks once whether
+/// the layer has removed points, so that `holds` is fast if there are none.
 class RemovedPoints {
 public:
 	RemovedPoints(const InstanceState *state, std::uint16_t layer) : state_(state) {
 		if (state != nullptr && !state->any_removed(layer)) {
-			// If no point of a layer is removed, no look-up is needed.
+			// No point of the layer is removed, so no lookup is needed.
 			state_ = nullptr;
 		}
 	}
@@ -36,8 +36,9 @@ private:
 	const InstanceState *state_;
 };
 
-/// Calls `visit(id, added)` for every hand-placed instance of a layer in a half-open rectangle, by id. Instances that `visit` removes from
-/// the state are skipped.
+/// Calls `visit(id, added)` for each hand-placed instance of a layer in a half-open rectangle, in
+/// ascending order of ids. Instances that an earlier call of `visit` has removed from the state are
+/// skipped.
 template <class Visit>
 void for_hand_placed(const InstanceQuery &query, std::uint32_t layer, const Rect &rect, const Visit &visit) {
 	if (query.state == nullptr) {

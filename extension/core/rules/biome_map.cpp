@@ -16,14 +16,15 @@ namespace thicket {
 
 namespace {
 
-/// Pixels on a side of a block.
+/// Side length of a block in pixels.
 constexpr int block = 8;
 
-/// Distance in meters at which the clamped border pixels end. No world reaches that far.
+/// Coordinate in meters up to which clamped border pixels extend. No world reaches that far.
 constexpr double beyond = 1e12;
 
-/// Sample offsets, in units of the border's width: the 16 points of Hammersley's set. They fill a square evenly and share no coordinate,
-/// so a straight border along an axis yields 16 different weights in equal steps.
+/// Tap offsets in units of the border width: the Hammersley set of 16 points. The points cover the
+/// square evenly, and no two share a coordinate. A straight border along an axis is therefore
+/// resolved into 16 equal steps.
 constexpr std::array<glm::dvec2, biome_taps> tap_offsets = [] {
 	std::array<glm::dvec2, biome_taps> offsets{};
 	for (unsigned i = 0; i < biome_taps; ++i) {
@@ -33,7 +34,7 @@ constexpr std::array<glm::dvec2, biome_taps> tap_offsets = [] {
 	return offsets;
 }();
 
-/// The integer part of `value`, clamped to the indices of `count` things; 0 for NAN.
+/// Returns the integer part of `value`, clamped to [0, count - 1], or 0 for NAN.
 int held_index(double value, int count) {
 	if (!(value > 0.0)) {
 		return 0;
@@ -76,13 +77,13 @@ Status BiomeMap::set(glm::ivec2 size, std::span<const std::uint8_t> pixels, cons
 		next.area_ = area;
 		next.edge_ = edge;
 		next.borders_ = borders;
-		// A small margin for rounding.
+		// The reach includes a small margin for rounding.
 		next.reach_ = 1.001 * (borders.noise + 0.5 * borders.width) + 1e-6;
 		next.find_blocks();
 		constexpr double small_part = 0.25;
 		for (std::size_t i = 0; i < next.noise_.size(); ++i) {
 			const double noise_size = i % 2 == 0 ? borders.noise_size : small_part * borders.noise_size;
-			// The softest noise: uniform over [0, 1].
+			// At these settings, the noise is uniform over [0, 1].
 			next.noise_[i].set({.size = noise_size, .coverage = 0.5, .softness = 1.0},
 					split_mix(split_mix(borders.seed) + i * split_mix_gamma));
 		}
@@ -127,7 +128,7 @@ BiomeSet BiomeMap::biomes_in(const Rect &rect) const {
 	return result;
 }
 
-/// The displacement of the border along an axis, from -1 to 1.
+/// Returns the displacement of the border along an axis, from -1 to 1.
 double BiomeMap::waver(glm::dvec2 position, std::size_t axis) const {
 	constexpr double large_share = 0.7;
 	const double large = noise_[2 * axis].at(position);
@@ -150,7 +151,7 @@ void BiomeMap::taps_at(glm::dvec2 position, BiomeTaps &r_taps) const {
 		return;
 	}
 	if (const BiomeSet near = biomes_in({position, position}); std::has_single_bit(near)) {
-		// Away from borders, the biome is known without noise.
+		// Away from borders, there is only one candidate, so no noise is evaluated.
 		r_taps.fill(static_cast<std::uint8_t>(std::countr_zero(near)));
 		return;
 	}
@@ -185,7 +186,7 @@ bool BiomeMap::same_frame(const BiomeMap &other) const {
 
 bool operator==(const BiomeMap &a, const BiomeMap &b) { return a.same_frame(b) && a.pixels_ == b.pixels_; }
 
-/// Whether a value may differ somewhere in a block.
+/// Returns true if the value may differ in any pixel of a block.
 bool BiomeMap::block_differs(const BiomeMap &before, const SameValue &same, glm::ivec2 at) const {
 	const std::size_t index =
 			static_cast<std::size_t>(at.y) * static_cast<std::size_t>(block_count().x) + static_cast<std::size_t>(at.x);
@@ -197,7 +198,7 @@ bool BiomeMap::block_differs(const BiomeMap &before, const SameValue &same, glm:
 	return differs;
 }
 
-/// The smallest rectangle around the pixels with a different value, among those of whole blocks.
+/// Returns the smallest rectangle around the pixels of `among` whose value differs.
 BiomeMap::Pixels BiomeMap::edited_pixels(const BiomeMap &before, const SameValue &same, const Pixels &among) const {
 	Pixels found{size_, {0, 0}};
 	for (int y = among.min.y; y < among.max.y; ++y) {
@@ -211,7 +212,7 @@ BiomeMap::Pixels BiomeMap::edited_pixels(const BiomeMap &before, const SameValue
 	return found;
 }
 
-/// The world rectangle outside which no position reads any of these pixels.
+/// Returns the world rectangle that contains every position affected by these pixels.
 Rect BiomeMap::reached_from(const Pixels &pixels) const {
 	const glm::dvec2 meters = area_.size() / glm::dvec2(size_);
 	Rect rect{
@@ -228,14 +229,14 @@ bool BiomeMap::find_edits(const BiomeMap &before, const SameValue &same, std::ve
 		return false;
 	}
 	const glm::ivec2 count = block_count();
-	const glm::ivec2 part = (count + find_grid - 1) / find_grid; // In blocks.
+	const glm::ivec2 part = (count + find_grid - 1) / find_grid; // Size of a part, in blocks.
 	for (int part_y = 0; part_y < count.y; part_y += part.y) {
 		for (int part_x = 0; part_x < count.x; part_x += part.x) {
 			Pixels found{size_, {0, 0}};
 			for (int y = part_y; y < std::min(part_y + part.y, count.y); ++y) {
 				for (int x = part_x; x < std::min(part_x + part.x, count.x); ++x) {
 					if (!block_differs(before, same, {x, y})) {
-						// Whatever biome a pixel of this block has changed to, the value is the same.
+						// The biome changed here, but the value stayed the same.
 						continue;
 					}
 					const glm::ivec2 first(x * block, y * block);

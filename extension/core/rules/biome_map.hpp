@@ -14,9 +14,10 @@
 
 namespace thicket {
 
-inline constexpr std::size_t max_biomes = 32;        ///< Per map. A biome is identified by its index.
-inline constexpr std::uint8_t no_biome = 63;         ///< The index for "no biome".
-inline constexpr int max_biome_map_pixels = 1 << 13; ///< On each side.
+/// Maximum number of biomes in a map. A biome's index identifies it.
+inline constexpr std::size_t max_biomes = 32;
+inline constexpr std::uint8_t no_biome = 63;         ///< The index that means no biome.
+inline constexpr int max_biome_map_pixels = 1 << 13; ///< Maximum width and height of a map.
 
 /// A value for each biome, by index, and for no_biome.
 template <class T>
@@ -27,18 +28,21 @@ using BiomeSet = std::uint64_t;
 
 constexpr BiomeSet biome_bit(std::uint8_t biome) { return BiomeSet{1} << (biome & 63U); }
 
-/// How a map continues outside its image.
+/// The biome at positions outside the image.
 enum class BiomeEdge : std::uint8_t {
-	nothing, ///< No biome.
-	clamp,   ///< The biome of the nearest pixel.
+	nothing, ///< no_biome applies outside.
+	clamp,   ///< The biome of the nearest pixel applies.
 };
 
-/// How biomes meet. Applies to all borders of a map.
+/// The shape and softness of the borders between biomes. The same values apply to all borders of a
+/// map.
 struct BiomeBorders {
-	double width = 0.0;       ///< Meters over which two biomes mix: 0 for a sharp line, up to max_border_width.
-	double noise = 0.0;       ///< Maximum displacement of a border along each axis in meters, 0 to max_border_noise.
-	double noise_size = 40.0; ///< Average distance between bends of a border in meters; min to max_border_noise_size.
-	std::uint64_t seed = 0;   ///< Seed of the bends.
+	/// Width in meters of the zone in which two biomes mix: 0 (sharp) to max_border_width.
+	double width = 0.0;
+	double noise = 0.0; ///< Maximum displacement of a border along each axis in meters, 0 to max_border_noise.
+	/// Average distance between bends in meters, min_border_noise_size to max_border_noise_size.
+	double noise_size = 40.0;
+	std::uint64_t seed = 0; ///< Seed of the noise that bends the borders.
 
 	friend bool operator==(const BiomeBorders &, const BiomeBorders &) = default;
 };
@@ -48,39 +52,46 @@ inline constexpr double max_border_noise = 1e4;
 inline constexpr double min_border_noise_size = 1.0;
 inline constexpr double max_border_noise_size = 1e5;
 
-/// Refuses values that are not finite or outside the ranges above.
+/// Returns an error for values that are not finite or outside the ranges above.
 Status validate(const BiomeBorders &borders);
 
-/// The map is read at this many positions around a queried position. The share of them that lie in a biome is the biome's weight there,
-/// so the weights of all biomes and of no_biome add up to 1.
+/// Number of taps, which are positions around a queried position at which the map is sampled. A
+/// biome's weight is the fraction of the taps that lie in it, so the weights of all biomes and
+/// no_biome add up to 1.
 inline constexpr std::size_t biome_taps = 16;
 using BiomeTaps = std::array<std::uint8_t, biome_taps>;
 
-/// The biome at every position: an image of biome indices over a rectangle of the world, with softened and bent borders. A pure function
-/// of the position, bit-identical everywhere. Immutable after `set`, so threads may share one.
+/// The biome at every position: an image of biome indices over a rectangle of the world, with
+/// softened and bent borders. A pure function of the position, bit-identical on all platforms. The
+/// map does not change after `set`, so threads may share it.
 class BiomeMap {
 public:
-	/// A map without biomes.
+	/// Creates a map without biomes.
 	BiomeMap() = default;
 
-	/// `pixels` are in row order, x fastest; each is below max_biomes or is no_biome. `area` is in world meters, finite and not empty.
-	/// `size` is 1 to max_biome_map_pixels on both axes. Anything else is refused and changes nothing.
+	/// Sets the image and the borders. `pixels` are in row order, x fastest; each is below
+	/// max_biomes or is no_biome. `area` is in world meters, finite and not empty. `size` is 1 to
+	/// max_biome_map_pixels on both axes. Any other value is an error and leaves the map unchanged.
 	Status set(glm::ivec2 size, std::span<const std::uint8_t> pixels, const Rect &area, BiomeEdge edge,
 			const BiomeBorders &borders);
 
-	/// The biomes at the tap positions around a position. All are no_biome if the position is not finite.
+	/// Writes the biome at each tap around `position`. If `position` is not finite, all taps are
+	/// no_biome.
 	void taps_at(glm::dvec2 position, BiomeTaps &r_taps) const;
 
-	/// The biome with the greatest weight. In a tie, the one with the lower index.
+	/// Returns the biome with the greatest weight. In a tie, the result is the biome with the
+	/// lowest index.
 	std::uint8_t dominant_at(glm::dvec2 position) const;
 
-	/// All biomes that may have a weight somewhere in `rect`, edges included, and possibly a few more. Returns all biomes of the map for
-	/// an inverted or infinite rectangle.
+	/// Returns every biome with a weight above 0 anywhere in `rect`, edges included. The set may
+	/// contain a few more biomes. For an inverted or infinite rectangle, it contains all biomes of
+	/// the map.
 	BiomeSet biomes_in(const Rect &rect) const;
 
-	/// Appends rectangles outside which a value per biome is unchanged since the map `before`. The rectangles cover the
-	/// pixels whose value differs, in at most find_grid squared parts. Returns false and appends nothing if the two
-	/// maps cover the world differently, because the value may then differ anywhere.
+	/// Compares a per-biome value on this map with the same value on the map `before`. Appends at
+	/// most find_grid * find_grid rectangles that cover all changed pixels; outside them, the value
+	/// is unchanged. If the maps differ in size, area, edge or borders, the value may differ
+	/// anywhere. The function then returns false and appends nothing.
 	template <class T>
 	bool find_edits(const BiomeMap &before, const PerBiome<T> &value_before, const PerBiome<T> &value,
 			std::vector<Rect> &r_areas) const;
@@ -90,7 +101,7 @@ public:
 	friend bool operator==(const BiomeMap &, const BiomeMap &);
 
 private:
-	/// For each biome before, the biomes now that have the same value.
+	/// For each biome of the old map, the biomes of this map that have the same value.
 	using SameValue = PerBiome<BiomeSet>;
 
 	/// A range of pixels. `max` is exclusive.
@@ -118,9 +129,10 @@ private:
 	Rect area_{{0.0, 0.0}, {1.0, 1.0}};
 	BiomeEdge edge_ = BiomeEdge::nothing;
 	BiomeBorders borders_;
-	double reach_ = 0.0; ///< Distance on each axis from a position to the farthest pixel that may affect it, in meters.
+	/// Distance in meters, per axis, from a position to the farthest pixel that may affect it.
+	double reach_ = 0.0;
 	std::array<ClumpNoise, 4> noise_{};                 ///< One large and one small noise per axis.
-	std::vector<BiomeSet> blocks_{biome_bit(no_biome)}; ///< The biomes in each square of `block` pixels, row by row.
+	std::vector<BiomeSet> blocks_{biome_bit(no_biome)}; ///< The biomes in each block of pixels, row by row.
 };
 
 template <class T>

@@ -13,11 +13,12 @@ namespace thicket {
 
 namespace {
 
-/// The smallest rectangle that contains all positions. Not finite if any of them is not.
+/// Returns the smallest rectangle that contains all positions. It is not finite if any position is
+/// not.
 Rect bounds_of(std::span<const glm::dvec2> positions) {
 	Rect bounds{positions.front(), positions.front()};
 	for (const glm::dvec2 position : positions) {
-		// This order keeps a NAN.
+		// Unlike std::min, this comparison keeps a NAN.
 		bounds.min = {position.x < bounds.min.x || std::isnan(position.x) ? position.x : bounds.min.x,
 				position.y < bounds.min.y || std::isnan(position.y) ? position.y : bounds.min.y};
 		bounds.max = glm::max(bounds.max, position);
@@ -44,7 +45,7 @@ Status BiomeDensity::sample(std::span<const glm::dvec2> positions, std::span<flo
 	if (const Rect bounds = bounds_of(positions); bounds.finite()) {
 		const BiomeSet near = map_->biomes_in(bounds);
 		if ((near & open_) == 0 || std::has_single_bit(near)) {
-			// Most tiles lie within one biome.
+			// Most tiles lie within one biome, so this case has a fast path.
 			std::ranges::fill(r_density, densities_[static_cast<std::size_t>(std::countr_zero(near))]);
 			return {};
 		}
@@ -63,7 +64,7 @@ Status BiomeDensity::sample(std::span<const glm::dvec2> positions, std::span<flo
 
 WaterLevels::WaterLevels(std::shared_ptr<const BiomeMap> map, const PerBiome<double> &levels) : levels_(levels) {
 	if (std::ranges::all_of(levels, [&levels](double level) { return level == levels.front(); })) {
-		// Whatever biome has the greatest weight, the level is the same.
+		// All biomes have the same level, so the map is not needed.
 		return;
 	}
 	map_ = std::move(map);
@@ -78,7 +79,7 @@ bool WaterLevels::find_edits(const WaterLevels &before, std::vector<Rect> &r_are
 	if (map == nullptr) {
 		return levels_ == before.levels_;
 	}
-	// A level that is the same everywhere is valid on any map.
+	// A uniform level can be compared on the map of the other object.
 	return map->find_edits(before.map_ != nullptr ? *before.map_ : *map, before.levels_, levels_, r_areas);
 }
 

@@ -11,25 +11,26 @@
 
 namespace thicket {
 
-/// The weight of a layer's biomes as a density: at each position, the sum over all biomes of the biome's weight there times the layer's
-/// density in that biome.
+/// A layer's density by biome. At each position, the density is the average of the layer's
+/// densities in the biomes, weighted by the biomes' weights there.
 class BiomeDensity final : public DensityField {
 public:
-	/// `map` is not null. `densities` are 0 to 1.
+	/// Creates the field. `map` must not be null. `densities` are 0 to 1.
 	BiomeDensity(std::shared_ptr<const BiomeMap> map, const PerBiome<float> &densities);
 
-	/// Returns 0 for a position that is not finite, unless no biome at all has a density.
+	/// At a position that is not finite, returns the density of no_biome.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
-	/// Whether the density is certainly 0 in all of `rect`, so that it needs no sampling.
+	/// Returns true if the density is 0 everywhere in `rect`, so that sampling can be skipped. The
+	/// result may be false although the density is 0.
 	bool none_in(const Rect &rect) const { return (map_->biomes_in(rect) & open_) == 0; }
 
-	/// See BiomeMap::find_edits.
+	/// Finds the changes of the density; see BiomeMap::find_edits.
 	bool find_edits(const BiomeDensity &before, std::vector<Rect> &r_areas) const {
 		return map_->find_edits(*before.map_, before.densities_, densities_, r_areas);
 	}
 
-	/// True for the same map object and equal densities.
+	/// The map is compared by address, not by content.
 	friend bool operator==(const BiomeDensity &a, const BiomeDensity &b) {
 		return a.map_ == b.map_ && a.densities_ == b.densities_;
 	}
@@ -40,22 +41,23 @@ private:
 	BiomeSet open_ = 0; ///< The biomes with a density above 0.
 };
 
-/// The level without water: infinitely far below any ground.
+/// The water level where there is no water: infinitely far below any ground.
 inline constexpr double no_water = -std::numeric_limits<double>::infinity();
 
 /// The height of the water surface at each position, whether or not the ground lies below it.
 class WaterLevels {
 public:
-	/// One level everywhere: world meters, finite or no_water.
+	/// Creates the same level everywhere. `level` is in world meters, finite or no_water.
 	explicit WaterLevels(double level) { levels_.fill(level); }
 
-	/// One level per biome, which applies where that biome has the greatest weight, and one level for no_biome. `map` is not null.
+	/// Creates one level per biome and one for no_biome. Each applies where its biome has the
+	/// greatest weight. `map` must not be null.
 	WaterLevels(std::shared_ptr<const BiomeMap> map, const PerBiome<double> &levels);
 
-	/// World meters, or no_water.
+	/// Returns the level in world meters, or no_water.
 	double at(glm::dvec2 position) const;
 
-	/// See BiomeMap::find_edits.
+	/// Finds the changes of the levels; see BiomeMap::find_edits.
 	bool find_edits(const WaterLevels &before, std::vector<Rect> &r_areas) const;
 
 	friend bool operator==(const WaterLevels &, const WaterLevels &) = default;
@@ -65,8 +67,9 @@ private:
 	PerBiome<double> levels_{};
 };
 
-/// Appends the rectangles outside which `before` and `after` are equal. Either may be null if there is none. Works for BiomeDensity and
-/// WaterLevels. Returns false and appends nothing if any area may have changed.
+/// Appends rectangles outside which `before` and `after` are equal. `Values` is BiomeDensity or
+/// WaterLevels; either pointer may be null. If the values may differ anywhere, the function returns
+/// false and appends nothing.
 template <class Values>
 bool find_biome_edits(const Values *before, const Values *after, std::vector<Rect> &r_areas) {
 	if (before == after) {

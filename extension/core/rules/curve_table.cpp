@@ -46,7 +46,7 @@ double CurveTable::at(double x) const {
 	if (x >= max_) {
 		return samples_.back();
 	}
-	// Halves the values if the width exceeds the largest number.
+	// If max - min would overflow, all terms are halved.
 	const double scale = std::isfinite(max_ - min_) ? 1.0 : 0.5;
 	const double part = (x * scale - min_ * scale) / (max_ * scale - min_ * scale);
 	const double along = part * static_cast<double>(samples_.size() - 1);
@@ -54,7 +54,7 @@ double CurveTable::at(double x) const {
 	const double first = samples_[index];
 	const double second = samples_[index + 1];
 	const double value = first + (second - first) * (along - static_cast<double>(index));
-	// Rounding may exceed the samples by a last bit.
+	// Rounding may overshoot the samples by one ulp.
 	return std::clamp(value, std::min(first, second), std::max(first, second));
 }
 

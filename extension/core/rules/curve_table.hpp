@@ -10,20 +10,23 @@ namespace thicket {
 
 inline constexpr std::size_t max_curve_samples = 4096;
 
-/// A density as a function of one number, such as the height in meters: evenly spaced samples, linearly interpolated. Immutable after
-/// `set`, so threads may share one.
+/// A density as a function of one number, such as the height in meters. The table stores evenly
+/// spaced samples, between which it interpolates linearly. It does not change after `set`, so
+/// threads may share it.
 class CurveTable {
 public:
-	CurveTable() = default; ///< 1 everywhere.
+	CurveTable() = default; ///< Creates a curve that is 1 everywhere.
 
-	/// `samples` run from the value at `min` to the value at `max`, both included: 2 to max_curve_samples numbers from 0 to 1. `min` and
-	/// `max` are finite, and min < max. Anything else is refused and changes nothing.
+	/// Sets the samples: 2 to max_curve_samples densities from 0 to 1, evenly spaced from `min` to
+	/// `max` inclusive. `min` and `max` are finite, and min < max. Any other value is an error and
+	/// leaves the table unchanged.
 	Status set(double min, double max, std::span<const float> samples);
 
-	/// The density, 0 to 1. Beyond min and max, the value at the nearer end; 0 for NAN. Bit-identical everywhere.
+	/// Returns the density, 0 to 1. Outside min and max, the density is the value at the nearer
+	/// end; for NAN, it is 0. The result is bit-identical on all platforms.
 	double at(double x) const;
 
-	/// The largest value of the curve. If it is 0, nothing passes.
+	/// Returns the largest sample. If it is 0, the density is 0 everywhere.
 	double largest() const;
 
 	friend bool operator==(const CurveTable &, const CurveTable &) = default;

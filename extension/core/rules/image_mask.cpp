@@ -15,14 +15,15 @@ namespace thicket {
 
 namespace {
 
-/// The two pixels on either side of a position on one axis, and the fraction of the way from the first to the second.
+/// Along one axis, the pixels before and after a position, and the position's fraction of the way
+/// from the first to the second.
 struct Taps {
 	std::size_t first;
 	std::size_t second;
 	double part;
 };
 
-/// `position` is in pixels from the first pixel's border, 0 to `count`.
+/// Returns the pixels around `position`, which is in pixels from the image's edge, 0 to `count`.
 Taps taps_at(double position, int count, bool repeat) {
 	const double from_center = position - 0.5;
 	const double below = std::floor(from_center);
@@ -83,7 +84,7 @@ double ImageMask::at(glm::dvec2 position) const {
 	glm::dvec2 part = (position - area_.min) / area_.size();
 	if (repeat) {
 		if (!std::isfinite(part.x) || !std::isfinite(part.y)) {
-			return 0.0; // Too many images away to determine the position in an image.
+			return 0.0; // The position is too far away to compute the position within the image.
 		}
 		part -= glm::dvec2(std::floor(part.x), std::floor(part.y));
 	}

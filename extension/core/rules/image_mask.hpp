@@ -10,24 +10,26 @@
 
 namespace thicket {
 
-/// How a mask continues outside its image.
+/// The density at positions outside the image.
 enum class MaskEdge : std::uint8_t {
-	nothing,    ///< Density 0.
-	everything, ///< Density 1.
-	clamp,      ///< The density of the nearest position in the image.
+	nothing,    ///< The density is 0.
+	everything, ///< The density is 1.
+	clamp,      ///< The density at the nearest position in the image.
 	repeat,     ///< The image repeats.
 };
 
-inline constexpr int max_mask_pixels = 1 << 14; ///< On each side.
+inline constexpr int max_mask_pixels = 1 << 14; ///< Maximum width and height in pixels.
 
-/// Densities from an image of 8-bit values over a rectangle of the world. Bilinear between pixel centers. Immutable after `set`.
+/// Densities from an 8-bit image over a rectangle of the world, interpolated bilinearly between
+/// pixel centers. The mask does not change after `set`.
 class ImageMask final : public DensityField {
 public:
-	/// `pixels` are in row order, x fastest; 0 to 255 means densities 0 to 1. `area` is in world meters, finite and not empty. `size` is
-	/// 1 to max_mask_pixels on both axes. Anything else is refused and changes nothing.
+	/// Sets the image. `pixels` are in row order, x fastest; 0 to 255 means densities 0 to 1.
+	/// `area` is in world meters, finite and not empty. `size` is 1 to max_mask_pixels on both
+	/// axes. Any other value is an error and leaves the mask unchanged.
 	Status set(glm::ivec2 size, std::span<const std::uint8_t> pixels, const Rect &area, MaskEdge edge);
 
-	/// Returns 0 for a position that is not finite, whatever the edge mode.
+	/// For a position that is not finite, the density is 0 in any edge mode.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
 	friend bool operator==(const ImageMask &, const ImageMask &);

@@ -12,14 +12,16 @@ namespace thicket {
 namespace {
 
 enum class Side : std::uint8_t {
-	none,  ///< The ray from the position towards +x misses the edge.
+	none,  ///< The ray from the position in the +x direction misses the edge.
 	cross, ///< The ray crosses the edge.
 	on,    ///< The position lies on the edge.
 };
 
-/// An edge includes its lower end and excludes its upper end, so that a ray through a corner crosses once or twice as it should.
+/// Tests whether the ray from `position` in the +x direction crosses an edge. An edge includes its
+/// lower end and excludes its upper end, so that a ray through a corner counts the correct number
+/// of crossings.
 Side side(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
-	// Sorts the ends, so that an edge traversed in both directions is crossed twice or not at all.
+	// The ends are sorted, so that the two directions of the same edge always agree.
 	if (b.y < a.y || (b.y == a.y && b.x < a.x)) {
 		std::swap(a, b);
 	}
@@ -43,7 +45,8 @@ double edge_distance2(glm::dvec2 a, glm::dvec2 b, glm::dvec2 position) {
 	const glm::dvec2 offset = position - a;
 	const double length2 = edge.x * edge.x + edge.y * edge.y;
 	const double along = offset.x * edge.x + offset.y * edge.y;
-	const double part = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0; // A repeated point has no length.
+	// A repeated point yields an edge of length 0.
+	const double part = length2 > 0.0 ? std::clamp(along / length2, 0.0, 1.0) : 0.0;
 	const glm::dvec2 gap = offset - edge * part;
 	return gap.x * gap.x + gap.y * gap.y;
 }
@@ -90,8 +93,8 @@ bool Outline::contains(glm::dvec2 position) const {
 			continue;
 		}
 		if (position.x < box.min.x) {
-			// The whole node lies ahead. The ray crosses it an odd number of times if its ends are on different sides of the
-			// ray.
+			// The whole node lies ahead. The ray crosses it an odd number of times if the two ends
+			// of its line are on different sides of the ray.
 			const bool above_first = position.y < points_[edge_tree_.begin(node)].y;
 			within ^= above_first != (position.y < points_[edge_tree_.end(node)].y);
 		} else if (node.level > 0) {
@@ -127,7 +130,7 @@ double Outline::distance(glm::dvec2 position, double limit) const {
 	while (!stack.empty()) {
 		const auto [node, node_distance2] = stack.pop();
 		if (node_distance2 >= nearest2) {
-			// No edge is nearer than its bounding box.
+			// An edge cannot be nearer than its bounding box.
 			continue;
 		}
 		if (node.level == 0) {
@@ -142,7 +145,7 @@ double Outline::distance(glm::dvec2 position, double limit) const {
 		if (edge_tree_.has_second(node)) {
 			Candidate far{edge_tree_.second(node), box_distance2(edge_tree_.second(node))};
 			if (far.second < near.second) {
-				// Visits the nearer half first, because it may rule out the other half.
+				// The nearer half is visited first, because it may rule out the other half.
 				std::swap(near, far);
 			}
 			stack.push(far);

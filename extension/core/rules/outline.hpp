@@ -11,18 +11,22 @@
 
 namespace thicket {
 
-/// A line through many points, prepared for position queries: a tree of boxes over runs of consecutive edges, two runs per box. Building
-/// takes O(n) memory and time. A query visits about log n boxes if consecutive points are close to each other, as on a drawn line, and
-/// all edges if they jump randomly. Meters.
+/// A polyline prepared for position queries by a binary bounding volume hierarchy over its
+/// consecutive edges. Building it takes O(n) time and memory. A query visits about log n nodes if
+/// consecutive points are close together, as on a drawn line, and all edges in the worst case. All
+/// lengths are in meters.
 class Outline {
 public:
-	/// A line through `points`: at least one, all finite. `closed` adds the edge from the last to the first.
+	/// Sets the polyline. `points` has at least one point; all are finite. If `closed` is true, an
+	/// edge from the last point to the first is added.
 	void set(std::span<const glm::dvec2> points, bool closed);
 
-	/// Whether a position lies strictly inside a closed outline by the even-odd rule. Edges and corners are outside.
+	/// Returns true if `position` is inside the closed outline by the even-odd rule. Edges and
+	/// corners count as outside.
 	bool contains(glm::dvec2 position) const;
 
-	/// The distance in meters from `position` to the nearest edge, or `limit` if that is less.
+	/// Returns the distance in meters from `position` to the nearest edge, or `limit` if that is
+	/// less.
 	double distance(glm::dvec2 position, double limit) const;
 
 private:
@@ -36,8 +40,8 @@ private:
 	std::size_t edges() const { return points_.size() - 1; }
 
 	std::vector<glm::dvec2> points_; ///< If closed, the first point repeats at the end.
-	Bvh edge_tree_;                  ///< Over the edges.
-	std::vector<Box> boxes_;         ///< Indexed by the slots of the tree.
+	Bvh edge_tree_;                  ///< Hierarchy over the edges.
+	std::vector<Box> boxes_;         ///< Bounding boxes, by node index.
 };
 
 } // namespace thicket

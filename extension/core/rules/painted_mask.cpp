@@ -13,10 +13,12 @@ namespace thicket {
 
 namespace {
 
-/// A position along one axis in pixels from the center of pixel 0. Monotone in `meters`.
+/// Converts a coordinate in meters to pixels from the center of pixel 0. The conversion is
+/// monotonic.
 double pixel_position(double meters, double pixel_size) { return meters / pixel_size - 0.5; }
 
-/// The first of the two pixels around a position, clamped to the limit.
+/// Returns the lower of the two pixels around a coordinate, clamped so that both are within
+/// pixel_limit.
 int first_pixel(double meters, double pixel_size) {
 	const double pixel = std::floor(pixel_position(meters, pixel_size));
 	return static_cast<int>(std::clamp<double>(pixel, -PaintedMask::pixel_limit, PaintedMask::pixel_limit - 2));

@@ -19,71 +19,85 @@ namespace thicket {
 
 struct Brush {
 	enum class Mode : std::uint8_t {
-		paint,  ///< Towards 1.
-		erase,  ///< Towards 0.
-		smooth, ///< Towards the mean of the surroundings.
+		paint,  ///< Raises the density towards 1.
+		erase,  ///< Lowers the density towards 0.
+		smooth, ///< Moves the density towards the mean of its surroundings.
 	};
 
 	Mode mode = Mode::paint;
-	glm::dvec2 center{0.0}; ///< World meters, finite.
-	double radius =
-			4.0; ///< Meters, above 0, at most max_brush_pixels pixels of the mask. A pixel counts if its center does.
-	double strength = 1.0; ///< How far one dab moves its center towards the target, 0 to 1.
-	double hardness = 0.5; ///< Fraction of the radius with full strength, 0 to 1. Falls smoothly to 0 at the rim.
+	glm::dvec2 center{0.0}; ///< Center of the dab in world meters, finite.
+	/// Meters, above 0, at most max_brush_pixels pixels of the mask. A pixel is inside the brush if
+	/// its center is.
+	double radius = 4.0;
+	/// Fraction of the way to the target density by which one dab changes the pixels at its center,
+	/// 0 to 1.
+	double strength = 1.0;
+	/// Fraction of the radius that has full strength, 0 to 1. The strength falls smoothly to 0 at
+	/// the rim.
+	double hardness = 0.5;
 };
 
 inline constexpr double max_brush_pixels = 1024.0;
 
-/// Painted densities on an unbounded plane of square 8-bit pixels. Only the blocks that a brush has touched are stored. Pixel (x, y)
-/// covers [x, x + 1) times [y, y + 1) pixel sizes of the world. Bilinear between pixel centers.
+/// Painted densities on a plane of square 8-bit pixels, interpolated bilinearly between pixel
+/// centers. Only painted blocks are stored. Pixel (x, y) covers [x, x + 1) x [y, y + 1), in units
+/// of the pixel size.
 ///
-/// A copy is cheap and shares the blocks, so a worker can read its copy while the brush goes on painting.
+/// A copy is cheap because it shares the blocks. A worker thread can read its copy while the user
+/// keeps painting.
 class PaintedMask final : public DensityField {
 public:
-	/// Clears the mask. `pixel_size` is in meters, min_pixel_size to max_pixel_size. `background` is the density of unpainted areas, 0 to
-	/// 1. Values out of range are refused and change nothing.
+	/// Clears the mask. `pixel_size` is in meters, min_pixel_size to max_pixel_size. `background`
+	/// is the density of unpainted areas, 0 to 1. Values out of range are errors and leave the mask
+	/// unchanged.
 	Status reset(double pixel_size, double background);
 
 	double pixel_size() const { return pixel_size_; }
-	double background() const; ///< Rounded to 8 bits.
+	double background() const; ///< Returns the density of unpainted areas, rounded to 8 bits.
 
-	/// Paints one dab. Sets `r_changed` to the world rectangle outside which no density has changed; empty if none has.
-	/// A pixel whose weight in the dab is at least half an 8-bit step moves at least one step towards the target, so
-	/// that weak dabs reach it eventually. Refuses a dab that reaches a pixel beyond pixel_limit.
+	/// Paints one dab. Sets `r_changed` to a world rectangle that contains all changed densities,
+	/// or to an empty one if there are none. A pixel whose weight is at least half an 8-bit step
+	/// changes by at least one step, so that repeated weak dabs reach the target. A dab that
+	/// touches a pixel beyond pixel_limit is an error.
 	Status paint(const Brush &brush, Rect &r_changed);
 
-	/// Returns 0 for a position that is not finite, and the background beyond pixel_limit.
+	/// For a position that is not finite, the density is 0. Beyond pixel_limit, it is the
+	/// background.
 	Status sample(std::span<const glm::dvec2> positions, std::span<float> r_density) const override;
 
-	/// Reads the pixels of a rectangle of at most max_region_pixels within pixel_limit, row by row, for undo. An empty rectangle returns
-	/// none. An inverted one is refused.
+	/// Reads the pixels of `region` row by row, for undo. The region has at most max_region_pixels
+	/// pixels, all within pixel_limit. An empty region returns no pixels, and an inverted one is an
+	/// error.
 	Status read(const PixelRect &region, std::vector<std::uint8_t> &r_pixels) const;
 
-	/// Writes such pixels back. `r_changed` is as in `paint`.
+	/// Writes pixels in the order in which `read` returns them. `r_changed` is as in `paint`.
 	Status write(const PixelRect &region, std::span<const std::uint8_t> pixels, Rect &r_changed);
 
-	/// The pixels, within pixel_limit, whose value may affect a world rectangle or be affected by it. A dab reaches only the pixels of
-	/// the square around its circle.
+	/// Returns the pixels within pixel_limit that may affect densities in `area`. For the square
+	/// around a dab's circle, the result contains all pixels that the dab changes.
 	PixelRect pixels_of(const Rect &area) const;
 
-	/// The whole mask as bytes: versioned, checksummed, equal for equal masks. Uniform blocks take few bytes.
+	/// Serializes the mask, with a version and a checksum. Equal masks produce equal bytes. A block
+	/// of a single value takes few bytes.
 	std::vector<std::uint8_t> to_bytes() const;
 
-	/// Loads bytes of `to_bytes`. Truncated, corrupt or foreign data, or data of a later version, is refused and changes nothing. Takes
-	/// at most about 20 bytes of memory per input byte.
+	/// Loads the output of `to_bytes`. Truncated, corrupt or foreign data and data of a later
+	/// version are errors, and the mask is then unchanged. Loading takes at most about 20 bytes of
+	/// memory per input byte.
 	Status from_bytes(std::span<const std::uint8_t> bytes);
 
-	/// Whether any density of two masks differs. `r_area` is the world rectangle outside which none does: infinite if the masks differ in
-	/// raster or background, empty if they are equal.
+	/// Returns true if any density of the two masks differs. `r_area` becomes a world rectangle
+	/// that contains all differences: infinite if the pixel size or background differs, and empty
+	/// if the masks are equal.
 	bool differs(const PaintedMask &other, Rect &r_area) const;
 
 	std::size_t block_count() const { return blocks_.size(); }
 
-	/// The number of blocks that two masks do not share in memory. A copy shares all blocks until either mask is painted. `differs`
-	/// searches only the blocks that are not shared.
+	/// Returns the number of blocks that the two masks do not share in memory. A copy shares all
+	/// blocks until either mask is painted. The cost of `differs` depends on this number.
 	std::size_t blocks_apart(const PaintedMask &other) const;
 
-	/// Equal in pixel size and in all densities.
+	/// True if the pixel size and all densities are equal.
 	friend bool operator==(const PaintedMask &, const PaintedMask &);
 
 	static constexpr int block_side = 64;
@@ -94,7 +108,7 @@ public:
 
 private:
 	using Block = std::array<std::uint8_t, std::size_t{block_side} * block_side>;
-	using Key = std::pair<std::int32_t, std::int32_t>; ///< Block row, block column.
+	using Key = std::pair<std::int32_t, std::int32_t>; ///< The row and the column of a block.
 
 	using Blocks = std::map<Key, std::shared_ptr<const Block>>;
 
@@ -102,19 +116,20 @@ private:
 	class Edit;
 	class BlockParser;
 
-	/// Null if all of the block is background.
+	/// Returns null if the whole block is background.
 	const Block *find(Key key) const;
 
-	/// Calls `visit(key, mine, theirs)` for all blocks that the masks do not share. A missing block is null.
+	/// Calls `visit(key, mine, theirs)` for each block that the masks do not share. A missing block
+	/// is passed as null.
 	template <typename Visit>
 	void for_blocks_apart(const PaintedMask &other, const Visit &visit) const;
 
-	/// Replaces the given blocks. Null removes a block. Allocates no memory.
+	/// Replaces the given blocks. A null entry removes its block. The function allocates no memory.
 	void replace(Blocks &&blocks) noexcept;
 
 	double pixel_size_ = 1.0;
 	std::uint8_t background_ = 255;
-	Blocks blocks_; ///< None of them is entirely background.
+	Blocks blocks_; ///< The blocks with at least one pixel that is not background.
 };
 
 } // namespace thicket

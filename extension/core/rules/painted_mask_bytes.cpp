@@ -10,10 +10,12 @@
 
 // Format 1, all numbers little-endian:
 //   "TMSK", u32 version, f64 pixel size in meters, u8 background;
-//   for each block that is not all background, ascending by (row, column):
-//     i32 row, i32 column, u8 kind, then 1 byte for a block of one value (kind 0) or all its pixels row by row (kind 1);
+//   for each block that is not entirely background, ascending by (row, column):
+//     i32 row, i32 column, u8 kind,
+//     then 1 byte for a block of one value (kind 0), or all its pixels row by row (kind 1);
 //   u64 FNV-1a of all bytes before it.
-// Each mask has exactly one such form. No other bytes are accepted, so saving a loaded file reproduces it byte for byte.
+// Each mask has exactly one valid encoding. Saving a loaded file therefore reproduces it byte for
+// byte.
 
 namespace thicket {
 
@@ -37,7 +39,7 @@ class PaintedMask::BlockParser {
 public:
 	explicit BlockParser(std::uint8_t background) : background_(background) {}
 
-	/// Returns false if these are not blocks as written by `to_bytes`.
+	/// Returns false if `to_bytes` could not have written these bytes.
 	bool parse(ByteReader bytes, Blocks &r_blocks) {
 		while (!bytes.at_end()) {
 			const auto row = static_cast<std::int32_t>(bytes.take<std::uint32_t>());
@@ -56,7 +58,7 @@ public:
 	}
 
 private:
-	/// Null if there is none.
+	/// Returns null if the bytes are not a valid block.
 	std::shared_ptr<const Block> parse_block(ByteReader &r_bytes) {
 		const auto kind = r_bytes.take<std::uint8_t>();
 		if (kind == static_cast<std::uint8_t>(BlockKind::uniform)) {
@@ -72,10 +74,11 @@ private:
 		return block;
 	}
 
-	/// One shared block for all blocks of this value, which would take 400 times as much memory as their bytes.
+	/// Returns one shared block for all blocks with only this value. Without sharing, each would
+	/// take 400 times as much memory as its encoding.
 	std::shared_ptr<const Block> uniform(std::uint8_t value) {
 		if (uniform_[value]) {
-			// Blocks are immutable, so all can share one.
+			// Blocks never change, so all uses of a value can share one block.
 			return uniform_[value];
 		}
 		auto block = std::make_shared<Block>();

@@ -23,7 +23,8 @@ Status check_brush(const Brush &brush, double pixel_size) {
 			check_range("strength", brush.strength, 0.0, 1.0), check_range("hardness", brush.hardness, 0.0, 1.0));
 }
 
-/// Refuses a dab whose square, extended by one pixel on each side, exceeds the limit along an axis.
+/// Returns an error if a dab's bounding square, extended by one pixel on each side, exceeds
+/// pixel_limit along an axis.
 Status check_reach(double center, double radius, double pixel_size) {
 	constexpr double limit = PaintedMask::pixel_limit;
 	const bool inside = (center - radius) / pixel_size - 1.0 >= -limit && (center + radius) / pixel_size + 1.0 <= limit;
@@ -32,7 +33,7 @@ Status check_reach(double center, double radius, double pixel_size) {
 							"center", center, between(-limit * pixel_size, limit * pixel_size, "less the radius"));
 }
 
-/// How far a dab moves a pixel towards its target, 0 to 1.
+/// Returns the fraction of the way to its target by which a dab changes a pixel, 0 to 1.
 double weight_at(const Brush &brush, glm::dvec2 pixel_center) {
 	const glm::dvec2 offset = pixel_center - brush.center;
 	const double distance = std::sqrt(offset.x * offset.x + offset.y * offset.y);
@@ -55,11 +56,11 @@ std::uint8_t moved(std::uint8_t value, int aim, double weight) {
 	return static_cast<std::uint8_t>(way < 0 ? value - taken : value + taken);
 }
 
-/// Means of square windows, from the sums of all rectangles that begin in one corner (Crow, "Summed-area tables for texture mapping",
-/// 1984).
+/// Means of square windows, computed from a summed-area table (Crow, "Summed-area tables for
+/// texture mapping", 1984).
 class Means {
 public:
-	/// For windows of 2 * reach + 1 pixels on each side, centered on the pixels of a region.
+	/// Prepares windows with a side of 2 * reach + 1 pixels, centered on the pixels of `region`.
 	template <typename Reader>
 	Means(Reader reader, const PixelRect &region, int reach) : min_(region.min - reach), reach_(reach) {
 		const glm::ivec2 size = region.max - region.min + 2 * reach;
@@ -74,7 +75,7 @@ public:
 		}
 	}
 
-	/// Rounded to a whole number.
+	/// Returns the mean of the window around a pixel, rounded to a whole number.
 	int about(int x, int y) const {
 		const int side = 2 * reach_ + 1;
 		const int left = x - reach_ - min_.x;
@@ -93,7 +94,7 @@ private:
 	glm::ivec2 min_;
 	int reach_;
 	std::size_t stride_ = 0;
-	std::vector<std::uint32_t> sums_; ///< For at most (2.5 max_brush_pixels + 3)^2 pixels, whose sum fits.
+	std::vector<std::uint32_t> sums_; ///< At most (2.5 max_brush_pixels + 3)^2 pixels, so no sum overflows.
 };
 
 } // namespace
@@ -128,9 +129,9 @@ Rect PaintedMask::Edit::changed_area() const {
 	if (changed_.empty()) {
 		return {};
 	}
-	// A pixel's weight reaches to the centers of its neighbors, where it is 0. Every position before the rounded start is also outside in
-	// exact arithmetic. The end may need to move further, until the position that is looked up there, which is rounded as well, is out of
-	// reach.
+	// A pixel affects positions up to the centers of its neighbors, where its bilinear weight is 0.
+	// The start may be rounded: every position before it is also outside in exact arithmetic. The
+	// end is moved up by one ulp if a position there would round back into a changed pixel's reach.
 	const double size = mask_.pixel_size_;
 	const auto end = [size](int pixel) {
 		const double edge = pixel + 0.5;

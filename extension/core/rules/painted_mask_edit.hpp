@@ -8,25 +8,25 @@
 
 namespace thicket {
 
-/// log2 of a block's side.
+/// Base-2 logarithm of a block's side in pixels.
 inline constexpr int block_bits = 6;
 static_assert(1 << block_bits == PaintedMask::block_side);
 
-/// The block that contains a pixel, along one axis.
+/// Returns the block coordinate of a pixel along one axis.
 constexpr int block_of(int pixel) { return pixel >> block_bits; }
 
-/// The index of a pixel in its block.
+/// Returns the index of a pixel in its block.
 constexpr std::size_t index_in_block(int x, int y) {
 	constexpr int mask = PaintedMask::block_side - 1;
 	return static_cast<std::size_t>((y & mask) << block_bits | (x & mask));
 }
 
-/// The number of columns of a rectangle within pixel_limit that is not inverted.
+/// Returns the number of columns of a rectangle, which must be within pixel_limit and not inverted.
 inline std::size_t pixel_columns(const PixelRect &region) {
 	return static_cast<std::size_t>(std::int64_t{region.max.x} - region.min.x);
 }
 
-/// The number of pixels of such a rectangle.
+/// Returns the number of pixels of a rectangle, which must be within pixel_limit and not inverted.
 inline std::size_t pixel_count(const PixelRect &region) {
 	return pixel_columns(region) * static_cast<std::size_t>(std::int64_t{region.max.y} - region.min.y);
 }
@@ -35,7 +35,8 @@ inline bool is_uniform(std::span<const std::uint8_t> pixels) {
 	return std::ranges::all_of(pixels, [&](std::uint8_t pixel) { return pixel == pixels.front(); });
 }
 
-/// Reads pixels of an unchanging mask. Caches the last block, because neighboring pixels mostly share it.
+/// Reads pixels of a mask, which must not change meanwhile. The reader caches the last block,
+/// because neighboring pixels are usually in the same block.
 class PaintedMask::Reader {
 public:
 	explicit Reader(const PaintedMask &mask) : mask_(mask), block_(mask.find({0, 0})) {}
@@ -43,7 +44,7 @@ public:
 	std::uint8_t at(int x, int y) {
 		const Key key{block_of(y), block_of(x)};
 		if (key == key_) {
-			// Most pixels lie in the same block as the last one.
+			// The cached block contains this pixel.
 			return pixel(x, y);
 		}
 		block_ = mask_.find(key);
@@ -59,13 +60,15 @@ private:
 	const Block *block_;
 };
 
-/// Changes pixels of a mask. Never writes to an existing block, because copies of the mask may share it, but replaces it with a new one.
-/// Allocates all memory before it changes the mask, so the mask is unchanged after std::bad_alloc.
+/// Changes pixels of a mask. An edit replaces blocks instead of writing to them, because copies of
+/// the mask may share them. It allocates all memory before it changes the mask, so the mask is
+/// unchanged after std::bad_alloc.
 class PaintedMask::Edit {
 public:
 	explicit Edit(PaintedMask &r_mask) : mask_(r_mask) {}
 
-	/// Replaces each pixel of a region within pixel_limit by `change(x, y, value)`.
+	/// Replaces the value of each pixel of a region by `change(x, y, value)`. The region must be
+	/// within pixel_limit.
 	template <typename Change>
 	void apply(const PixelRect &region, const Change &change) {
 		if (region.empty()) {
@@ -84,7 +87,7 @@ public:
 					block.fill(mask_.background_);
 				}
 				if (!change_part(part, change, block)) {
-					// Unchanged blocks stay shared.
+					// Unchanged blocks remain shared with copies.
 					continue;
 				}
 				const bool background = block.front() == mask_.background_ && is_uniform(block);
@@ -94,7 +97,8 @@ public:
 		mask_.replace(std::move(blocks));
 	}
 
-	/// The world rectangle outside which no density has changed; empty if none has.
+	/// Returns a world rectangle that contains all changed densities, or an empty one if there are
+	/// none.
 	Rect changed_area() const;
 
 private:

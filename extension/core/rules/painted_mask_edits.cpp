@@ -26,7 +26,7 @@ void PaintedMask::for_blocks_apart(const PaintedMask &other, const Visit &visit)
 		const auto twin = other.blocks_.find(key);
 		const Block *theirs = twin != other.blocks_.end() ? twin->second.get() : nullptr;
 		if (theirs == block.get()) {
-			// A block that both masks share has no differences.
+			// Both masks share this block, so it has no differences.
 			continue;
 		}
 		visit(key, block.get(), theirs);

@@ -10,7 +10,7 @@ namespace thicket {
 
 namespace {
 
-/// The maximum number of points that one straight piece replaces. Limits the cost.
+/// The maximum number of points that one segment replaces, to limit the cost.
 constexpr std::size_t longest_run = 128;
 
 double distance_squared(glm::dvec2 point, glm::dvec2 from, glm::dvec2 to) {

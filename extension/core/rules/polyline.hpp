@@ -7,9 +7,11 @@
 
 namespace thicket {
 
-/// Simplifies a polyline: no point of the old line is farther than `tolerance` (meters, 0 or more) from the new one. All points of the
-/// new line are points of the old one, including the first and the last. Works forward from the first point, so a change at the end
-/// leaves the beginning unchanged. A point that is not finite ends the line before it. Computes at most 128 distances per point.
+/// Simplifies a polyline so that none of its points is farther than `tolerance` (meters, 0 or more)
+/// from the result. The result is a subset of the points that includes the first and the last. The
+/// algorithm works forward from the first point, so appending points leaves the beginning of the
+/// result unchanged. A point that is not finite ends the line before it. At most 128 distances are
+/// computed per point.
 std::vector<glm::dvec2> simplified(std::span<const glm::dvec2> line, double tolerance);
 
 } // namespace thicket

@@ -7,7 +7,8 @@
 namespace thicket {
 
 double product_of(std::span<const RuleFactor> factors) {
-	// The rules of the position and those of the ground form two products, because they are known at different times.
+	// Tiles compute the products of position rules and ground rules separately. The factors are
+	// multiplied in that order here, too, because rounding depends on it.
 	double of_position = 1.0;
 	double of_ground = 1.0;
 	for (const RuleFactor &factor : factors) {

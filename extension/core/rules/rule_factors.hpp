@@ -8,50 +8,53 @@
 
 namespace thicket {
 
-/// A rule of a layer that contributes a factor to the density at a position. In order of evaluation.
+/// A rule that contributes a factor to a layer's density at a position. The kinds are listed in
+/// order of evaluation.
 enum class RuleKind : std::uint8_t {
-	// Depend only on the position.
+	// The following rules depend only on the position.
 	density,
-	field, ///< Noise or an image.
+	field, ///< A density field, such as noise or an image.
 	mask,
-	biome, ///< Weight of the layer's biomes.
+	biome, ///< BiomeDensity: the layer's density in the biomes at the position.
 	clumping,
-	// Depend on the ground there.
-	ground, ///< Whether there is any ground.
+	// The following rules depend on the ground at the position.
+	ground, ///< The factor is 1 if there is any ground, otherwise 0.
 	height,
 	height_curve,
 	ground_textures,
 	water_depth,
 	slope,
 	slope_curve,
-	// Depend on other objects there.
+	// The following rules depend on other objects nearby.
 	shapes,
-	neighbor, ///< Spacing or proximity.
+	neighbor, ///< Spacing or proximity to a neighbor.
 	edge_feather,
 };
 
-/// Value of RuleFactor::index where no index applies.
+/// The value of RuleFactor::index if the rule has no index.
 inline constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
 
 /// The result of one rule at one position.
 struct RuleFactor {
 	RuleKind rule = RuleKind::density;
 
-	/// The input of the rule: meters of height, depth or distance, degrees of slope, or a density of its own. For an edge feather, the
-	/// share of the surroundings that is open to the layer. NAN if there is none, as where there is no ground.
+	/// The input of the rule: a height, depth or distance in meters, a slope in degrees, or the
+	/// rule's own density. For an edge feather, the fraction of the surroundings where the layer
+	/// can grow. NAN if there is no input, for example without ground.
 	double value = std::numeric_limits<double>::quiet_NaN();
 
 	double density = 1.0; ///< The factor, 0 to 1.
 
-	/// Index of the field or neighbor. For shapes, the index of the decisive shape, or no_index outside all including
-	/// shapes.
+	/// Index of the field or neighbor. For shapes, the index of the decisive shape, or no_index
+	/// outside all including shapes.
 	std::uint32_t index = no_index;
 };
 
-/// The evaluation of rules passes each factor to a recorder and uses the recorder's return value. This recorder stores
-/// nothing, so the compiler removes it. Tiles are generated with this recorder.
+/// A recorder receives each factor during the evaluation of rules. The evaluation uses the
+/// recorder's return value. NoRecord, which generates tiles, stores nothing, so the compiler
+/// removes it.
 struct NoRecord {
-	/// Whether every factor is needed, even where it is already known that no instance can be placed.
+	/// True if all factors must be evaluated, even after one of them was 0.
 	static constexpr bool complete = false;
 
 	double operator()(RuleKind, double /*value*/, double density, std::uint32_t /*index*/ = no_index) const {
@@ -59,12 +62,12 @@ struct NoRecord {
 	}
 };
 
-/// Keeps all factors of one position. Throws std::bad_alloc.
+/// A recorder that stores all factors of one position. Throws std::bad_alloc.
 class RuleRecord {
 public:
 	static constexpr bool complete = true;
 
-	/// Appends to `r_factors`, which must outlive this object.
+	/// Creates a recorder that appends to `r_factors`, which must outlive this object.
 	explicit RuleRecord(std::vector<RuleFactor> &r_factors) : factors_(&r_factors) {}
 
 	double operator()(RuleKind rule, double value, double density, std::uint32_t index = no_index) const {
@@ -76,12 +79,12 @@ private:
 	std::vector<RuleFactor> *factors_;
 };
 
-/// The product of all factors of a position, multiplied in the order used for tiles, so that it is bit-identical to the
-/// tiles' density.
+/// Returns the product of all factors of a position. The factors are multiplied in the same order
+/// as in tile generation, so the result is bit-identical to the density in the tile.
 double product_of(std::span<const RuleFactor> factors);
 
-/// The factor that reduces the density most: the smallest one if it is below 1; the first of equal ones. Null if there
-/// is none.
+/// Returns the factor that reduces the density most: the first of the smallest factors. Returns
+/// null if no factor is below 1.
 const RuleFactor *strictest(std::span<const RuleFactor> factors);
 
 } // namespace thicket

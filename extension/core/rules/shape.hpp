@@ -14,41 +14,49 @@
 namespace thicket {
 
 enum class ShapeKind : std::uint8_t {
-	box,      ///< half_size along the axes.
+	box,      ///< half_size is half the extent along each axis.
 	sphere,   ///< half_size.x is the radius.
-	cylinder, ///< Around axes[1]: half_size.x is the radius, half_size.y half the height.
-	polygon,  ///< Inside `outline` by the even-odd rule, at any height.
-	path,     ///< Within half_size.x of the polyline `outline`, with round ends, at any height.
+	cylinder, ///< The axis is axes[1], half_size.x is the radius, and half_size.y is half the height.
+	polygon,  ///< The interior of `outline` by the even-odd rule, at any height.
+	/// All positions within half_size.x of the polyline `outline`, at any height. Its ends are
+	/// round.
+	path,
 };
 
-/// A region in which a layer is included, or from which it is excluded. World meters.
+/// A region in which a layer is included, or from which it is excluded. Lengths are in world
+/// meters.
 struct Shape {
 	ShapeKind kind = ShapeKind::box;
 	bool exclude = false;
-	/// If true, a box, sphere or cylinder acts at any height, within its shadow under vertical light. Its depth is then
-	/// the distance to the shadow's border, so a flat box is as deep as it is wide.
+	/// If true, a box, sphere or cylinder acts at any height, within its vertical projection onto
+	/// the ground plane (its shadow). The depth inside the shape is then the distance to the
+	/// shadow's border, so the height of a flat box does not limit it.
 	bool ignore_height = false;
-	double falloff = 0.0;      ///< Meters inside the border over which the effect grows to full. 0 is a sharp border.
-	glm::dvec3 center{0.0};    ///< Box, sphere, cylinder.
-	glm::dmat3 axes{1.0};      ///< Box, cylinder: orthonormal axes as columns. Mirrored axes define the same shape.
-	glm::dvec3 half_size{0.0}; ///< Above 0 where the kind uses it.
-	/// x and z. Polygon: 3 or more corners, closed automatically. Path: 2 or more points, open. Points may repeat, and lines may cross or
-	/// overlap. A position is outside a polygon if the way out crosses the outline an even number of times.
+	/// Distance in meters inside the border over which the effect grows to its full strength. 0 is
+	/// a sharp border.
+	double falloff = 0.0;
+	glm::dvec3 center{0.0}; ///< Used by boxes, spheres and cylinders.
+	/// Axes of boxes and cylinders: orthonormal, as columns. Mirrored axes define the same shape.
+	glm::dmat3 axes{1.0};
+	glm::dvec3 half_size{0.0}; ///< Meters. The components that the kind uses are above 0.
+	/// World x and z. Polygon: 3 or more corners, closed automatically. Path: 2 or more points,
+	/// open. Points may repeat, and edges may cross or overlap.
 	std::vector<glm::dvec2> outline;
 
 	friend bool operator==(const Shape &, const Shape &) = default;
 };
 
 inline constexpr std::size_t max_outline_points = 1 << 16;
-inline constexpr double max_shape_coordinate = 1e9; ///< Meters, either sign. Applies to coordinates, sizes and falloff.
+/// Meters, of either sign. Limits coordinates, sizes and falloff.
+inline constexpr double max_shape_coordinate = 1e9;
 
-/// Refuses values that are not finite or outside the ranges above, and axes that are not orthonormal to 1e-6. Checks
-/// only the fields that the kind uses. A status names half_size as "half_size" (box), "radius", "half_height" or
-/// "half_width" (path).
+/// Returns an error for values that are not finite or outside the ranges above, and for axes that
+/// are not orthonormal to 1e-6. Only the fields that the kind uses are checked. The status names a
+/// component of half_size as "half_size" (box), "radius", "half_height" or "half_width" (path).
 Status validate(const Shape &shape);
 
-/// The world rectangle outside which a valid shape changes nothing. The rectangle includes the border and a small
-/// margin for rounding (10^-12 of the coordinates).
+/// Returns the world rectangle outside which a valid shape has no effect. The rectangle includes
+/// the border and a small margin for rounding (10^-12 of the coordinates).
 Rect bounds(const Shape &shape);
 
 } // namespace thicket

@@ -18,7 +18,7 @@ bool includes(std::span<const Shape> shapes) {
 	return std::ranges::any_of(shapes, [](const Shape &shape) { return !shape.exclude; });
 }
 
-/// Throws std::bad_alloc.
+/// Appends the areas that a shape affects. Throws std::bad_alloc.
 void add_areas(const Shape &shape, std::vector<Rect> &r_areas) {
 	const std::size_t lines = shape.outline.size() < 2 ? 0 : shape.outline.size() - 1;
 	if (shape.kind != ShapeKind::path || lines < 2) {
@@ -34,9 +34,10 @@ void add_areas(const Shape &shape, std::vector<Rect> &r_areas) {
 	}
 }
 
-/// Adds the areas of shapes that are in only one of two sets. Throws std::bad_alloc.
+/// Adds the areas of shapes that are in only one of the two sets. Throws std::bad_alloc.
 void add_differences(std::span<const Shape> old_shapes, std::span<const Shape> new_shapes, std::vector<Rect> &r_areas) {
-	// Matches each shape with an equal one in the other set, one to one. Most have kept their index.
+	// Equal shapes of the two sets are matched one to one. The search starts at the same index, at
+	// which most shapes have stayed.
 	std::vector<bool> kept(old_shapes.size(), false);
 	for (std::size_t i = 0; i < new_shapes.size(); ++i) {
 		std::size_t found = old_shapes.size();
@@ -57,7 +58,7 @@ void add_differences(std::span<const Shape> old_shapes, std::span<const Shape> n
 	}
 }
 
-/// Adds areas by `add`, or none if memory runs out.
+/// Calls `add` to append areas. If memory runs out, the areas already appended are removed.
 template <typename Add>
 Status add_all_or_none(std::vector<Rect> &r_areas, double value, const Add &add) {
 	const std::size_t before = r_areas.size();
@@ -78,7 +79,7 @@ bool find_shape_edits(const ShapeSet *before, const ShapeSet *after, std::vector
 	const std::span<const Shape> old_shapes = shapes_of(before);
 	const std::span<const Shape> new_shapes = shapes_of(after);
 	if (before == after) {
-		// The same set on both sides has no edits.
+		// Both sides are the same set, which has no edits.
 		return true;
 	}
 	if (includes(old_shapes) != includes(new_shapes)) {

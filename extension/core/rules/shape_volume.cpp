@@ -15,24 +15,26 @@ double length(glm::dvec2 a) { return std::sqrt(dot(a, a)); }
 
 glm::dvec3 unit(glm::dvec3 a) { return a / std::sqrt(dot(a, a)); }
 
-/// An engine's axes are floats. This makes axes that are orthonormal to 1e-6 orthonormal to double precision (Gram-Schmidt). Otherwise,
-/// the border of a large shape would be off by meters.
+/// Makes axes that are orthonormal to 1e-6 orthonormal to double precision (Gram-Schmidt). The
+/// engine's axes are floats, with which the border of a large shape would be off by meters.
 glm::dmat3 orthonormal(const glm::dmat3 &axes) {
-	const glm::dvec3 y = unit(axes[1]); // First, because a cylinder has no other axis.
+	const glm::dvec3 y = unit(axes[1]); // The up axis comes first, because a cylinder uses only this axis.
 	const glm::dvec3 x = unit(axes[0] - y * dot(axes[0], y));
 	const glm::dvec3 z = axes[2] - y * dot(axes[2], y);
 	return {x, y, unit(z - x * dot(z, x))};
 }
 
-/// Below this value, a cylinder's axis counts as upright. Its shadow differs from a circle by half the square of this value.
+/// A cylinder counts as upright if the sine of its tilt is at most this value. The error of its
+/// shadow is then at most half the square of this value.
 constexpr double least_lean = 1e-7;
 
-/// The smallest value of `gap` over the directions between the axes x and y, at an end or at the only minimum between them. Each round
-/// excludes a third of the directions. The error of the value shrinks with the square of the remaining range.
+/// Returns the smallest value of `gap` over the directions between the axes x and y, by ternary
+/// search. `gap` must have at most one minimum between them. Each round excludes a third of the
+/// range, and the error decreases with the square of the remaining range.
 template <typename Gap>
 double least_gap(Gap gap) {
 	constexpr int rounds = 40;
-	const auto along = [&](double turn) { // 0 is x, 1 is y.
+	const auto along = [&](double turn) { // `turn` is 0 at x and 1 at y.
 		const glm::dvec2 direction(1.0 - turn, turn);
 		return gap(direction / length(direction));
 	};
@@ -66,13 +68,15 @@ ShapeVolume::ShapeVolume(const Shape &shape) :
 
 void ShapeVolume::prepare_shadow() {
 	if (kind_ == ShapeKind::box) {
-		// The shadow is a zonogon: its sides run along the shadows of the edges, each at the distance that all edges together reach.
+		// The shadow is a zonogon, a polygon with pairs of parallel sides. Its sides are parallel
+		// to the shadows of the edges. Each pair's distance from the center is the sum of the
+		// projections of the other edges.
 		const auto shadow = [&](int i) {
 			return glm::dvec2(axes_[i].x, axes_[i].z);
 		};
 		for (int i = 0; i < 3; ++i) {
 			const double width = length(shadow(i));
-			if (width > 0.0) { // Skips a vertical edge.
+			if (width > 0.0) { // A vertical edge has no shadow and is skipped.
 				const glm::dvec2 normal = glm::dvec2(-shadow(i).y, shadow(i).x) / width;
 				const int j = (i + 1) % 3;
 				const int k = (i + 2) % 3;
@@ -130,8 +134,9 @@ double ShapeVolume::cylinder_shadow_depth(glm::dvec2 offset) const {
 	if (lean_length_ == 0.0) {
 		return radius - length(offset);
 	}
-	// An ellipse swept along the lean. The distance to a convex border is the distance to its nearest tangent, and the nearest tangent
-	// faces the quadrant that contains the position.
+	// The shadow is an ellipse swept along the direction in which the cylinder leans. The distance
+	// from inside to a convex border is the distance to the nearest tangent, which faces the
+	// quadrant that contains the position.
 	const glm::dvec2 position(std::abs(dot(lean_, offset)), std::abs(lean_.x * offset.y - lean_.y * offset.x));
 	return least_gap([&](glm::dvec2 normal) {
 		const glm::dvec2 ellipse(normal.x * radius * upright_, normal.y * radius);

@@ -15,20 +15,22 @@ class ShapeVolume {
 public:
 	ShapeVolume() = default;
 
-	/// `shape` is a valid shape of one of the three kinds.
+	/// Prepares `shape`, which must be a valid box, sphere or cylinder.
 	explicit ShapeVolume(const Shape &shape);
 
-	/// The distance in meters from `position` (world meters, inside the shape) to the border or to the border of the shadow. The result
-	/// is 0 or less outside, and then not a distance. Exact to rounding; for the shadow of a leaning cylinder, to 1e-12 of its size.
+	/// Returns the distance in meters from `position` (world meters) to the border, or to the
+	/// border of the shadow if height is ignored. Outside, the result is 0 or less, and not a
+	/// distance. It is exact up to rounding; for the shadow of a leaning cylinder, it is accurate
+	/// to 1e-12 of the cylinder's size.
 	double depth(glm::dvec3 position) const;
 
-	/// Meters from the center to the farthest points of the shadow along x and along z.
+	/// Returns half the extent of the shadow along x and z, in meters.
 	glm::dvec2 reach() const;
 
 private:
 	/// A pair of parallel sides of a box's shadow.
 	struct Sides {
-		glm::dvec2 normal{0.0}; ///< 0 if there is none.
+		glm::dvec2 normal{0.0}; ///< 0 if the pair does not exist.
 		double distance = 0.0;  ///< Distance of each side from the center.
 	};
 
@@ -45,8 +47,8 @@ private:
 	glm::dvec3 half_size_{0.0};
 	std::array<Sides, 3> sides_{};
 	glm::dvec2 lean_{0.0};     ///< Unit vector in the direction in which a cylinder leans; 0 if it is upright.
-	double lean_length_ = 0.0; ///< Length of the shadow of half its axis.
-	double upright_ = 1.0;     ///< Cosine of the angle by which it leans.
+	double lean_length_ = 0.0; ///< Length of the shadow of half the cylinder's axis.
+	double upright_ = 1.0;     ///< Cosine of the angle by which the cylinder leans.
 };
 
 } // namespace thicket

@@ -67,7 +67,7 @@ ShapeEffect ShapeSet::effect(std::span<const std::uint32_t> near, glm::dvec3 pos
 		const bool exclude = shapes_[index].exclude;
 		double &strongest = exclude ? effect.excluded : effect.included;
 		if (strongest >= 1.0) {
-			// No shape can have more influence than 1.
+			// An influence of 1 cannot increase.
 			continue;
 		}
 		if (const double found = influence(index, position); found > strongest) {
@@ -83,7 +83,7 @@ double ShapeSet::influence(std::uint32_t index, glm::dvec3 position) const {
 	const Prepared &prepared = prepared_[index];
 	const glm::dvec2 from_above(position.x, position.z);
 	if (!prepared.bounds.contains(from_above)) {
-		// A shape has no effect outside its bounds.
+		// Outside its bounds, a shape has no effect.
 		return 0.0;
 	}
 	if (shape.kind == ShapeKind::polygon) {

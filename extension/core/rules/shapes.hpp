@@ -17,51 +17,59 @@ namespace thicket {
 
 /// The effect of a set of shapes at a position.
 struct ShapeEffect {
-	double included = 1.0;              ///< The largest influence of all including shapes. 1 if there are none.
-	double excluded = 0.0;              ///< The largest influence of all excluding shapes.
-	std::uint32_t including = no_index; ///< The shapes with these influences; no_index if none.
+	double included = 1.0;              ///< Largest influence of all including shapes, or 1 if the set has none.
+	double excluded = 0.0;              ///< Largest influence of all excluding shapes.
+	std::uint32_t including = no_index; ///< Indices of the shapes with these influences; no_index if none.
 	std::uint32_t excluding = no_index;
 
 	double density() const { return included * (1.0 - excluded); }
 
-	/// The shape with the greatest effect: the excluding one, unless it removes less than the including ones lack.
+	/// Returns the index of the shape with the greatest effect: the excluding one if `excluded` is
+	/// above 0 and at least 1 - `included`, otherwise the including one.
 	std::uint32_t decisive() const { return excluded > 0.0 && excluded >= 1.0 - included ? excluding : including; }
 };
 
-/// The shapes that apply to one layer. Immutable after `set`, so threads may share one.
+/// The shapes that apply to one layer. The set does not change after `set`, so threads may share
+/// it.
 ///
-/// A shape's influence is 0 outside and on its border, grows linearly over `falloff` meters of depth, and is 1 from there on. With a
-/// sharp border it is 1 everywhere inside. The layer's density is multiplied by the largest influence of all including shapes (1 if there
-/// are none) and by 1 minus the largest influence of all excluding ones.
+/// A shape's influence is 0 outside and on its border. Inside, it grows linearly to 1 over
+/// `falloff` meters of depth; with a falloff of 0 it is 1 everywhere inside. The layer's density is
+/// multiplied by the largest influence of all including shapes (1 if there are none), and by 1
+/// minus the largest influence of all excluding shapes.
 class ShapeSet {
 public:
-	/// Sets valid shapes. If one shape is refused, all are, and this object is unchanged.
+	/// Sets the shapes. If any shape is invalid, the function returns its error and leaves this
+	/// object unchanged.
 	Status set(std::vector<Shape> shapes);
 
 	bool empty() const { return shapes_.empty(); }
 	std::span<const Shape> shapes() const { return shapes_; }
 
-	/// True if one of the shapes is an including shape. The layer is then excluded wherever no including shape is.
+	/// Returns true if any shape is an including shape. The layer then grows only inside including
+	/// shapes.
 	bool includes() const { return includes_; }
 
-	/// Returns the shapes that may have an effect in `area`, borders included, as ascending indices. Replaces `r_near`. An including
-	/// shape elsewhere still counts: `density` is 0 where the layer has including shapes and none is near.
+	/// Replaces `r_near` with the indices of the shapes that may have an effect in `area`, borders
+	/// included, in ascending order. Including shapes that are not in the list still count: where
+	/// none is near, `density` is 0.
 	Status near(const Rect &area, std::vector<std::uint32_t> &r_near) const;
 
-	/// The factor, 0 to 1, at a position on the ground (world meters, y up). `near` is the result of `near()` for an area that contains
-	/// the position. Returns 0 at a position that is not finite. Bit-identical everywhere and for any such area: uses no libm function
-	/// but square roots.
+	/// Returns the factor of the shapes, 0 to 1, at a position on the ground (world meters, y up).
+	/// `near` is the result of `near()` for any area that contains the position. The factor is 0 if
+	/// the position is not finite. It is bit-identical on all platforms, because the square root is
+	/// the only libm function in the computation.
 	double density(std::span<const std::uint32_t> near, glm::dvec3 position) const {
 		return effect(near, position).density();
 	}
 
-	/// The effect of the shapes at a position, with the shapes that cause it. The arguments are those of `density`.
+	/// Returns the effect of the shapes at a position, and the shapes that cause it. The arguments
+	/// are those of `density`.
 	ShapeEffect effect(std::span<const std::uint32_t> near, glm::dvec3 position) const;
 
 	friend bool operator==(const ShapeSet &a, const ShapeSet &b) { return a.shapes_ == b.shapes_; }
 
 private:
-	/// The query structure of a shape: an outline for a polygon or a path, otherwise a volume.
+	/// A shape prepared for queries: an outline for a polygon or a path, otherwise a volume.
 	struct Prepared {
 		Rect bounds;
 		ShapeVolume volume;
@@ -71,7 +79,7 @@ private:
 	double influence(std::uint32_t index, glm::dvec3 position) const;
 
 	std::vector<Shape> shapes_;
-	std::vector<Prepared> prepared_; ///< One per shape.
+	std::vector<Prepared> prepared_; ///< One entry per shape.
 	bool includes_ = false;
 };
 

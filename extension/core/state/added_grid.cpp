@@ -5,9 +5,9 @@
 
 namespace thicket {
 
-/// An entry that sorts before all instances in the square.
+/// Returns an entry that sorts before all instances in the square that contains `position`.
 AddedGrid::Entry AddedGrid::corner_of(std::uint16_t layer, glm::dvec2 position) {
-	constexpr double side = 64.0; // Meters.
+	constexpr double side = 64.0; // Side of a square in meters.
 	const glm::ivec2 square = tile_at(side, position);
 	return {layer, square.x, square.y, 0};
 }

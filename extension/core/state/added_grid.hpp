@@ -10,17 +10,18 @@
 
 namespace thicket {
 
-/// Hand-placed instances by layer and by the square of the plane that contains them.
+/// A spatial index of hand-placed instances, by layer and by square of the plane. The squares have
+/// sides of 64 m.
 class AddedGrid {
 public:
-	/// The layer is taken from the id, here and below.
+	/// `insert` and `erase` take the layer from the id.
 	void insert(std::uint64_t id, glm::dvec2 position);
 	void erase(std::uint64_t id, glm::dvec2 position) noexcept;
 
-	/// Moves an id from a different grid into this one, without allocating memory.
+	/// Moves an id from `r_from` into this grid without allocating memory.
 	void take(AddedGrid &r_from, std::uint64_t id, glm::dvec2 position) noexcept;
 
-	/// Calls `use(id)` for all instances of a layer in squares that touch the rectangle, in any order.
+	/// Calls `use(id)` for each instance of a layer in the squares that touch `rect`, in any order.
 	template <typename Use>
 	void for_each_near(std::uint16_t layer, const Rect &rect, Use &&use) const {
 		const Entry first = corner_of(layer, rect.min);
@@ -53,7 +54,7 @@ private:
 	static Entry corner_of(std::uint16_t layer, glm::dvec2 position);
 	static Entry entry_of(std::uint64_t id, glm::dvec2 position);
 
-	std::set<Entry> entries_; ///< Separately allocated nodes can be allocated before they are needed.
+	std::set<Entry> entries_; ///< The container is a set because `take` can move the nodes of a set between grids.
 };
 
 } // namespace thicket

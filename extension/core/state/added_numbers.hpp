@@ -4,7 +4,8 @@
 
 namespace thicket {
 
-/// Calls `use` for each signed number of an instance: the position, then the basis, column by column.
+/// Calls `use` for each floating-point number of an instance: the position, then the basis, column
+/// by column.
 template <typename Instance, typename Use>
 void for_each_number(Instance &instance, Use use) {
 	for (int axis = 0; axis < 3; ++axis) {

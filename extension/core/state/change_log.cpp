@@ -44,7 +44,7 @@ void ChangeLog::seal() {
 	open_.reserve(block_size);
 }
 
-/// The first entry after a revision, among entries with ascending revisions.
+/// Returns the first entry whose revision is greater than `revision`.
 ChangeLog::Entries::const_iterator ChangeLog::after(const Entries &entries, std::uint64_t revision) {
 	return std::ranges::upper_bound(entries, revision, {}, &Entry::revision);
 }
@@ -67,7 +67,8 @@ void ChangeLog::for_each_after(std::uint64_t revision, const Use &use) const {
 	}
 }
 
-/// Goes from the last entry to the first and moves the memory from the old log to the new one.
+/// Compaction works from the last entry to the first, and frees each old block as soon as its
+/// entries are copied.
 void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
 	IdSet seen;
 	if (later != nullptr) {
@@ -77,7 +78,7 @@ void ChangeLog::compact(std::size_t most, const ChangeLog *later) {
 		seal();
 	}
 	std::deque<Block> kept;
-	Entries entries; // In reverse order.
+	Entries entries; // The latest entry comes first.
 	std::size_t size = 0;
 	const auto keep = [&] {
 		if (!entries.empty()) {
@@ -109,7 +110,7 @@ void ChangeLog::append(const ChangeLog &other, std::uint64_t revision, std::uint
 	constexpr std::size_t worth_sharing = block_size / 8;
 	auto block = other.blocks_.begin();
 	while (block != other.blocks_.end() && block->last() <= revision) {
-		// All entries of this block are older.
+		// No entry of this block is later than `revision`.
 		++block;
 	}
 	for (; block != other.blocks_.end(); ++block) {
@@ -117,7 +118,7 @@ void ChangeLog::append(const ChangeLog &other, std::uint64_t revision, std::uint
 			if (!open_.empty()) {
 				seal();
 			}
-			// All entries of this block are included, so its memory is shared.
+			// All entries of this block are later than `revision`, so its memory is shared.
 			blocks_.push_back({block->entries, block->raise + raise});
 			size_ += block->entries->size();
 			continue;

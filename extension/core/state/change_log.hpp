@@ -8,29 +8,32 @@
 
 namespace thicket {
 
-/// Records which ids changed at which revision. An id may occur several times for a while. 16 bytes per entry.
+/// Records which id changed at each revision. An id may have several entries until the log is
+/// compacted. An entry takes 16 bytes.
 class ChangeLog {
 public:
-	/// Records the change of an id. Revisions must rise. The log keeps at least the last `held` changes, and at least 65536. If memory
-	/// does not suffice for that, it forgets all changes.
+	/// Records the change of an id. Revisions must increase. The log contains at least the last
+	/// `held` changes, and never fewer than the last 65536. If memory runs out, the log discards
+	/// all changes.
 	void note(std::uint64_t revision, std::uint64_t id, std::size_t held) noexcept;
 
-	/// Forgets all changes up to and including `revision`.
+	/// Clears the log, which then starts after `revision`.
 	void start_at(std::uint64_t revision) noexcept;
 
-	/// Whether the log contains all changes after `revision`.
+	/// Returns true if the log contains all changes after `revision`.
 	bool knows(std::uint64_t revision) const { return revision >= start_; }
 
-	/// The ids that changed after `revision`, each once, in any order.
+	/// Returns the ids that changed after `revision`, without duplicates, in ascending order.
 	std::vector<std::uint64_t> since(std::uint64_t revision) const;
 
-	/// Appends the changes that a different log recorded after `revision`, with `raise` added to their revisions. These
-	/// changes must be later than all changes in this log. Cheap even for very many changes, because logs share their
-	/// memory.
+	/// Appends the changes that `other` recorded after `revision`, and adds `raise` to their
+	/// revisions. The resulting revisions must be later than all changes in this log. The call is
+	/// cheap even for millions of changes, because logs share their blocks.
 	void append(const ChangeLog &other, std::uint64_t revision, std::uint64_t raise);
 
-	/// Forgets changes that are repeated in `later`, and changes beyond the capacity for a state of `held` ids, so that
-	/// `append` and `note` do not have to do it. Takes time proportional to the size of both logs.
+	/// Compacts this log before `later` is appended, so that `append` and `note` need not compact
+	/// it. Changes of ids that occur in `later` are discarded, and the oldest changes beyond the
+	/// capacity for a state of `held` ids. The time is proportional to the size of both logs.
 	void make_way_for(const ChangeLog &later, std::size_t held);
 
 	std::size_t size() const { return size_; }
@@ -42,10 +45,10 @@ private:
 	};
 	using Entries = std::vector<Entry>;
 
-	/// Changes in a block that is no longer appended to.
+	/// A sealed block of changes, which is never modified.
 	struct Block {
-		std::shared_ptr<const Entries> entries; ///< At least one.
-		std::uint64_t raise;                    ///< Added to their revisions.
+		std::shared_ptr<const Entries> entries; ///< Never empty.
+		std::uint64_t raise;                    ///< Number to add to the revisions of the entries.
 
 		std::uint64_t last() const { return entries->back().revision + raise; }
 	};
@@ -56,17 +59,18 @@ private:
 	void seal();
 	static Entries::const_iterator after(const Entries &entries, std::uint64_t revision);
 
-	/// Calls `use(entry)` for all entries after a revision.
+	/// Calls `use(entry)` for each entry after `revision`.
 	template <typename Use>
 	void for_each_after(std::uint64_t revision, const Use &use) const;
 
-	/// Keeps only the last entry of each id, at most `most` entries, and none whose id occurs in `later`.
+	/// Compacts the log to the last entry of each id, without ids that occur in `later`. Compaction
+	/// stops after the block in which it reaches `most` entries.
 	void compact(std::size_t most, const ChangeLog *later = nullptr);
 
 	std::deque<Block> blocks_;
-	Entries open_; ///< Entries after those of the blocks; fewer than block_size.
+	Entries open_; ///< The latest entries, fewer than block_size, which are not yet in a block.
 	std::size_t size_ = 0;
-	std::size_t compacted_ = 0; ///< The size after the last compaction, when each id occurred once.
+	std::size_t compacted_ = 0; ///< The size after the last compaction.
 	std::uint64_t start_ = 0;
 };
 

@@ -8,37 +8,46 @@
 
 namespace thicket {
 
-inline constexpr std::size_t max_instance_data = 65536; ///< Bytes per instance.
+inline constexpr std::size_t max_instance_data = 65536; ///< Maximum bytes of data per instance.
 
-/// Limits for the effect of a diff on its receiver. The defaults suit a client that follows its server.
+/// Limits on what a diff may change in the state that receives it. The defaults suit a client that
+/// follows its server.
 struct DiffLimits {
-	std::uint64_t max_changes = std::uint64_t{1} << 21;       ///< Ids in one diff.
-	std::uint64_t max_total_changes = std::uint64_t{1} << 24; ///< Removed, hand-placed and data entries held after it.
-	std::uint64_t max_added = std::uint64_t{1} << 20;         ///< Hand-placed instances held after it.
-	std::uint64_t max_data_size = max_instance_data;          ///< Bytes per instance.
-	Rect area{};                                              ///< World meters; empty for no limit.
-	bool allow_replacement = true;                            ///< Whether one diff may replace everything.
-	double max_clock_advance = 60.0; ///< Most seconds by which a diff of some ids moves the clock.
+	std::uint64_t max_changes = std::uint64_t{1} << 21; ///< Maximum number of ids in one diff.
+	/// Maximum number of entries in the receiving state after the diff: removed points, hand-placed
+	/// instances and data.
+	std::uint64_t max_total_changes = std::uint64_t{1} << 24;
+	/// Maximum number of hand-placed instances in the receiving state after the diff.
+	std::uint64_t max_added = std::uint64_t{1} << 20;
+	std::uint64_t max_data_size = max_instance_data; ///< Maximum bytes of data per instance.
+	/// Area in world meters in which instances may change. If it is empty, there is no limit.
+	Rect area{};
+	bool allow_replacement = true;   ///< True if a diff may replace the whole state.
+	double max_clock_advance = 60.0; ///< Maximum seconds by which a partial diff advances the clock.
 
-	/// Accepts every diff. The clock still moves by at most its default.
+	/// Returns limits that accept every diff. max_clock_advance keeps its default.
 	static DiffLimits none();
 };
 
-// Refusals have ErrorCode::not_allowed; `missing_before` has ErrorCode::out_of_order.
+// The functions below return ErrorCode::not_allowed for a refusal, except that `missing_before`
+// returns ErrorCode::out_of_order.
 
-/// Refuses a number of things above `most`. `limit` is a string literal with the name of the limit.
+/// Returns an error for a `value` above `most`. `what` and `limit` are string literals that name
+/// the value and its limit.
 Status check_limit(const char *what, std::uint64_t value, std::uint64_t most, const char *limit);
 
-/// Refuses a diff that replaces everything.
+/// Returns the error for a diff that replaces the whole state.
 Status refused_replacement();
 
-/// Refuses a position outside the area. Reports the axis with the larger deviation.
+/// Returns an error for a rectangle that does not touch the area. The error reports the x axis if
+/// the rectangle is outside along x, and otherwise the z axis.
 Status check_area(const DiffLimits &limits, const Rect &place);
 
-/// Refuses a layer whose points have no known position.
+/// Returns the error for a layer whose points have unknown positions.
 Status unknown_cells(std::uint16_t layer);
 
-/// Refuses a diff that starts at a revision of its sender after `known`, the last revision received.
+/// Returns the error for a diff that starts at the sender's revision `base`, which is after
+/// `known`, the last revision received.
 Status missing_before(std::uint64_t base, std::uint64_t known);
 
 } // namespace thicket

@@ -14,12 +14,13 @@ namespace thicket {
 namespace {
 
 constexpr std::size_t block_size = 128;
-constexpr int width_bits = 6;           ///< For a block's parameter, and for the width of a gap written in full.
-constexpr std::uint64_t full_mark = 16; ///< This many ones mark a gap written in full.
+/// Number of bits that store a block's parameter, or the width of a gap written in full.
+constexpr int width_bits = 6;
+constexpr std::uint64_t full_mark = 16; ///< This number of 1 bits in a row marks a gap that is written in full.
 
 constexpr std::uint64_t axis_mask = 0xffffff;
 
-/// Inserts a zero above each of 24 bits.
+/// Inserts a 0 bit above each of the lowest 24 bits.
 constexpr std::uint64_t spread(std::uint64_t bits) {
 	bits = (bits | bits << 16) & 0x0000ffff0000ffff;
 	bits = (bits | bits << 8) & 0x00ff00ff00ff00ff;
@@ -28,7 +29,7 @@ constexpr std::uint64_t spread(std::uint64_t bits) {
 	return (bits | bits << 1) & 0x5555555555555555;
 }
 
-/// Extracts every other bit.
+/// Extracts the even bits: the inverse of `spread`.
 constexpr std::uint64_t gather(std::uint64_t bits) {
 	bits &= 0x5555555555555555;
 	bits = (bits | bits >> 1) & 0x3333333333333333;
@@ -38,12 +39,12 @@ constexpr std::uint64_t gather(std::uint64_t bits) {
 	return (bits | bits >> 16) & axis_mask;
 }
 
-/// Packs bits into bytes, the lowest first.
+/// Packs bits into bytes, lowest bit first.
 class BitWriter {
 public:
 	explicit BitWriter(std::vector<std::uint8_t> &r_bytes) : bytes_(r_bytes) {}
 
-	/// Appends the lowest `count` bits, 0 to 64. The bits above must be 0.
+	/// Appends the lowest `count` bits; `count` is 0 to 64. The higher bits must be 0.
 	void put(std::uint64_t bits, int count) {
 		held_ |= bits << held_count_;
 		const int room = 64 - held_count_;
@@ -56,7 +57,7 @@ public:
 		held_count_ = count - room;
 	}
 
-	/// Fills the last byte with zeros.
+	/// Writes the remaining bits and pads the last byte with zeros.
 	void finish() {
 		for (; held_count_ > 0; held_count_ -= 8, held_ >>= 8) {
 			bytes_.push_back(static_cast<std::uint8_t>(held_));
@@ -66,10 +67,10 @@ public:
 private:
 	std::vector<std::uint8_t> &bytes_;
 	std::uint64_t held_ = 0;
-	int held_count_ = 0; ///< Below 64.
+	int held_count_ = 0; ///< Number of bits in `held_`, 0 to 63.
 };
 
-/// Reads bits from bytes in the order in which BitWriter wrote them. Returns zeros past the end.
+/// Reads bits from bytes in the order in which BitWriter wrote them. Past the end, all bits are 0.
 class BitReader {
 public:
 	explicit BitReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -88,7 +89,8 @@ public:
 		return bits;
 	}
 
-	/// Reads up to `most` ones, and the zero that ends them if there are fewer.
+	/// Reads 1 bits until the first 0 bit, which is consumed, or until `most` of them were read.
+	/// Returns their number.
 	std::uint64_t take_ones(std::uint64_t most) {
 		std::uint64_t ones = 0;
 		while (ones < most && take(1) == 1) {
@@ -102,7 +104,7 @@ public:
 
 private:
 	std::span<const std::uint8_t> bytes_;
-	std::size_t position_ = 0; ///< In bits.
+	std::size_t position_ = 0; ///< Position of the next bit.
 };
 
 std::uint64_t cost(std::span<const std::uint64_t> gaps, int parameter) {
@@ -115,7 +117,8 @@ std::uint64_t cost(std::span<const std::uint64_t> gaps, int parameter) {
 	return bits;
 }
 
-/// The cheapest parameter near the median. The mean would follow the few gaps between distant groups.
+/// Returns the parameter near the median gap with the shortest encoding. The mean is unsuitable,
+/// because a few wide gaps between groups dominate it.
 int best_parameter(std::span<const std::uint64_t> gaps) {
 	std::array<std::uint64_t, block_size> sorted{};
 	std::ranges::copy(gaps, sorted.begin());
@@ -170,7 +173,7 @@ void append_ascending(
 		std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel) {
 	BitWriter bits(r_bytes);
 	std::array<std::uint64_t, block_size> gaps{};
-	std::uint64_t next = 0; // The smallest possible next number.
+	std::uint64_t next = 0; // The smallest value that the next number can have.
 	for (std::size_t start = 0; start < numbers.size() && !is_cancelled(cancel); start += block_size) {
 		const std::span<const std::uint64_t> block =
 				numbers.subspan(start, std::min(block_size, numbers.size() - start));
@@ -189,7 +192,7 @@ void append_ascending(
 
 bool take_ascending(ByteReader &r_bytes, std::size_t count, std::vector<std::uint64_t> &r_numbers,
 		const std::atomic<bool> *cancel) {
-	// Each number takes at least one bit.
+	// A count above 8 per byte is an error, because each number takes at least one bit.
 	if (!r_bytes.good() || count > 8 * r_bytes.rest().size()) {
 		return false;
 	}

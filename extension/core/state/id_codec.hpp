@@ -10,22 +10,26 @@
 
 namespace thicket {
 
-/// A code in whose numeric order neighbors in the plane are mostly neighbors: the bits of the id's cell are interleaved (Morton order),
-/// and the bits above are unchanged.
+/// Converts an id to a code with the bits of its cell interleaved (Morton order), so that points
+/// close to each other mostly have codes close to each other. The bits above the cell are
+/// unchanged.
 std::uint64_t code_of(std::uint64_t id);
 
-/// The id of this code.
+/// Converts a code back to its id.
 std::uint64_t id_of(std::uint64_t code);
 
-/// Appends a list of ascending numbers: the gaps between them in blocks of 128, each with its own best parameter, in Golomb-Rice coding
-/// (R. F. Rice, "Some practical universal noiseless coding techniques", 1979). A random number of 2^48 takes 30 bits in a list of a
-/// million; neighbors take a few bits. The same list always produces the same bytes. If `cancel` is raised, from any thread, the output
-/// is invalid. `cancel` is null if the call cannot be cancelled.
+/// Appends a list of strictly ascending numbers to `r_bytes`. The gaps between them are encoded
+/// with Golomb-Rice coding in blocks of 128, each with its own best parameter (R. F. Rice, "Some
+/// practical universal noiseless coding techniques", 1979). In a list of a million random 48-bit
+/// numbers, each takes 30 bits; numbers close to each other take a few bits. The same list always
+/// produces the same bytes. Any thread may set `cancel` to stop early; the output is then invalid.
+/// `cancel` may be null.
 void append_ascending(std::span<const std::uint64_t> numbers, std::vector<std::uint8_t> &r_bytes,
 		const std::atomic<bool> *cancel = nullptr);
 
-/// Removes a list of `count` numbers from the front. Returns false if the bytes do not begin with one, or once `cancel` is raised. Never
-/// uses more than 64 times the memory of the bytes.
+/// Reads a list of `count` numbers and removes it from the front of `r_bytes`. Returns false if the
+/// bytes do not start with such a list, or if `cancel` is set. The numbers take at most 64 times as
+/// much memory as the bytes.
 bool take_ascending(ByteReader &r_bytes, std::size_t count, std::vector<std::uint64_t> &r_numbers,
 		const std::atomic<bool> *cancel = nullptr);
 

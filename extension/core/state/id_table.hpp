@@ -14,17 +14,20 @@
 
 namespace thicket {
 
-/// The salt for hashes of ids. It differs in each run, so that ids cannot be chosen to collide.
+/// Returns the salt for hashes of ids. It differs in each run, so that an attacker cannot choose
+/// colliding ids.
 std::uint64_t salt_of_this_run();
 
-/// A number that no other table of this run has.
+/// Returns a new table id, unique within this run.
 std::uint64_t new_table_owner();
 
-/// A set of ids, each with an optional value (`Value()` if it has none). The order of ids differs from run to run.
+/// A hash set of ids, each with an optional value (`Value()` if it has none). The order of ids
+/// differs from run to run.
 ///
-/// Few ids lie in one shard; more are split by their hashes into 256 shards. Each shard uses open addressing with linear probing: 8 bytes
-/// per slot, plus a value once any id of the shard has one. At most three of four slots are taken. No operation on a single id therefore
-/// takes long. Tables can share their shards (`share`); a table copies a shared shard before it changes it.
+/// A small table has one shard; a large one is split by hash into 256 shards, so that no operation
+/// on a single id takes long. Each shard uses open addressing with linear probing: 8 bytes per
+/// slot, plus a value once any id of the shard has one. At most three of four slots are occupied.
+/// Tables can share their shards (`share`); a table copies a shared shard before it changes it.
 template <typename Value>
 class IdTable {
 public:
@@ -33,7 +36,7 @@ public:
 
 	static constexpr std::size_t shard_count = 256;
 
-	/// The number of new ids: in total, and per shard.
+	/// The number of ids to be inserted: in total, and per shard.
 	struct NewIds {
 		std::array<std::uint32_t, shard_count> by_shard{};
 		std::uint32_t all = 0;
@@ -43,8 +46,8 @@ public:
 	IdTable(IdTable &&) noexcept = default;
 	IdTable &operator=(IdTable &&) noexcept = default;
 
-	/// A table with the same content and the same memory, created in microseconds. From now on, both tables copy a shard before they
-	/// change it, so they can be used on different threads.
+	/// Returns a copy that shares this table's memory, in microseconds. Both tables then copy a
+	/// shard before they first change it, so they can be used on different threads.
 	IdTable share() {
 		IdTable other(*this);
 		owner_ = new_table_owner();
@@ -53,7 +56,7 @@ public:
 
 	bool contains(std::uint64_t id) const {
 		if (size_ == 0) {
-			// The table is empty, and hashing an id takes longer than this check.
+			// No id is in the table. The check is faster than hashing.
 			return false;
 		}
 		const std::uint64_t hash = hash_of(id);
@@ -61,10 +64,10 @@ public:
 		return view.ids[view.slot_of(id, hash)] == id;
 	}
 
-	/// The value of an id; `Value()` if it has none or is not in the table.
+	/// Returns the value of `id`, or `Value()` if it has none or is not in the table.
 	const Value &value(std::uint64_t id) const {
 		if (valued_ == 0) {
-			// No id has a value.
+			// No id of the shard has a value.
 			return nothing_;
 		}
 		const std::uint64_t hash = hash_of(id);
@@ -76,8 +79,9 @@ public:
 		return shard->ids[slot] == id ? shard->values[slot] : nothing_;
 	}
 
-	/// Allocates the memory for any change of an id, and for values if any of them will have one, so that `insert` and `erase` need none.
-	/// `r_new_ids` counts the new ids that will be inserted together; null for a single one.
+	/// Allocates the memory for changing an id, and for a value if `valued`, so that the next
+	/// `insert` or `erase` of the id allocates none. `r_new_ids` accumulates the new ids of a
+	/// batch; it is null for a single id.
 	void make_room(std::uint64_t id, bool is_new, bool valued, NewIds *r_new_ids) {
 		const std::uint64_t hash = hash_of(id);
 		std::size_t in_shard = is_new ? 1 : 0;
@@ -99,7 +103,8 @@ public:
 		}
 	}
 
-	/// Allocates the memory for `more` new ids that are otherwise unknown. Nearly all of them will have room.
+	/// Allocates memory for about `more` new ids, whose hashes are not known yet. In rare cases a
+	/// shard must still grow later.
 	void expect(std::size_t more) {
 		const std::size_t mean = more / shard_count;
 		if (mean < most_in_one / shard_count) {
@@ -114,7 +119,8 @@ public:
 		}
 	}
 
-	/// Adds an id, or sets the value of an existing one. Returns false if the id existed. `id` must not be `none`.
+	/// Adds `id`, or sets the value of an existing one. Returns true if the id is new. `id` must
+	/// not be `none`.
 	bool insert(std::uint64_t id, Value value = Value()) {
 		const std::uint64_t hash = hash_of(id);
 		Shard *shard = &own(index_of(hash));
@@ -134,7 +140,8 @@ public:
 		return is_new;
 	}
 
-	/// Returns false if the id was not in the table. Releases no memory; `shrink` does.
+	/// Removes `id`. Returns false if it was not in the table. Memory is not released; see
+	/// `shrink`.
 	bool erase(std::uint64_t id) {
 		if (!contains(id)) {
 			return false;
@@ -148,7 +155,8 @@ public:
 		return true;
 	}
 
-	/// Releases memory if the table has far more than it needs. Keeps it if the smaller copy cannot be allocated.
+	/// Releases memory if less than an eighth of the slots is occupied. If the smaller arrays
+	/// cannot be allocated, nothing changes.
 	void shrink() noexcept {
 		if (slots_ > least_slots && 8 * size_ < slots_) {
 			static_cast<void>(guarded("ids", static_cast<double>(slots_), [this] { shrink_all(); }));
@@ -157,10 +165,10 @@ public:
 
 	std::size_t size() const { return size_; }
 
-	/// The number of ids that have a value.
+	/// Returns the number of ids that have a value.
 	std::size_t valued() const { return valued_; }
 
-	/// Calls `use(id, value)` for each id, in any order.
+	/// Calls `use(id, value)` for each id, in unspecified order.
 	template <typename Use>
 	void for_each(Use &&use) const {
 		for (const std::shared_ptr<Shard> &shard : shards_) {
@@ -178,9 +186,9 @@ private:
 	static constexpr int shard_shift = 56;
 	static inline const Value nothing_{};
 
-	/// The ids of a shard, or an empty view.
+	/// The ids of a shard, for lookup. A default view is empty.
 	struct View {
-		/// The slot of an id or, if it is missing, the free slot where it would be inserted.
+		/// Returns the slot of `id` or, if it is missing, the free slot for inserting it.
 		std::size_t slot_of(std::uint64_t id, std::uint64_t hash) const {
 			std::size_t slot = static_cast<std::size_t>(hash) & mask;
 			while (ids[slot] != id && ids[slot] != none) {
@@ -199,11 +207,11 @@ private:
 		View view() const { return {ids.data(), ids.size() - 1}; }
 		std::size_t slot_of(std::uint64_t id, std::uint64_t hash) const { return view().slot_of(id, hash); }
 
-		std::uint64_t owner; ///< The one table that may change this shard.
+		std::uint64_t owner; ///< The only table that may change this shard.
 		std::size_t size = 0;
 		std::size_t valued = 0;
-		std::vector<std::uint64_t> ids; ///< A power of two in size; `none` where a slot is free.
-		std::vector<Value> values;      ///< Empty until an id of the shard has a value.
+		std::vector<std::uint64_t> ids; ///< The size is a power of two. Free slots are `none`.
+		std::vector<Value> values;      ///< By slot. Empty until an id of the shard has a value.
 	};
 
 	IdTable(const IdTable &other) :
@@ -215,7 +223,7 @@ private:
 	static std::size_t shard_of(std::uint64_t hash) { return static_cast<std::size_t>(hash >> shard_shift); }
 	std::size_t index_of(std::uint64_t hash) const { return shard_of(hash) & mask_; }
 
-	/// A shard that this table may change.
+	/// Returns a shard for writing. It is created if it is missing, and copied if it is shared.
 	Shard &own(std::size_t index) {
 		std::shared_ptr<Shard> &r_shard = shards_[index];
 		if (r_shard == nullptr) {
@@ -231,7 +239,7 @@ private:
 		return *r_shard;
 	}
 
-	/// Allocates the memory for `more` new ids of a shard.
+	/// Allocates memory for `more` new ids in a shard.
 	void grow(std::size_t index, std::size_t more, bool valued) {
 		Shard &r_shard = own(index);
 		std::size_t slots = r_shard.ids.size();
@@ -245,7 +253,7 @@ private:
 		}
 	}
 
-	/// Distributes all ids over `mask` + 1 shards.
+	/// Redistributes all ids over `mask` + 1 shards.
 	void spread(std::size_t mask) {
 		IdTable other;
 		other.mask_ = mask;
@@ -257,7 +265,7 @@ private:
 		const bool is_value = !(value == Value());
 		if (r_shard.values.empty()) {
 			if (!is_value) {
-				// A shard without values allocates no memory for a missing value.
+				// No id of the shard has a value, so none is stored.
 				return;
 			}
 			r_shard.values.resize(r_shard.ids.size());
@@ -269,7 +277,8 @@ private:
 		r_shard.values[slot] = std::move(value);
 	}
 
-	/// Frees a slot. Moves up the ids that the removed id had displaced, so that no search ends too early.
+	/// Frees a slot. Displaced ids are moved back into the gap, so that linear probing still finds
+	/// them.
 	void close(Shard &r_shard, std::size_t hole) {
 		std::vector<std::uint64_t> &ids = r_shard.ids;
 		--r_shard.size;
@@ -288,7 +297,7 @@ private:
 		ids[hole] = none;
 	}
 
-	/// Allocates all memory before it changes anything.
+	/// Resizes a shard to `slots` slots. All memory is allocated before anything changes.
 	void resize(std::size_t index, std::size_t slots, bool with_values) {
 		Shard &r_shard = *shards_[index];
 		std::vector<std::uint64_t> ids(slots, none);
@@ -331,12 +340,12 @@ private:
 
 	std::array<std::shared_ptr<Shard>, shard_count> shards_;
 	std::array<View, shard_count> views_; ///< Views of the shards.
-	std::size_t mask_ = 0;                ///< Mask for shard indices; 0 while there is one shard.
+	std::size_t mask_ = 0;                ///< Mask for shard indices; 0 while there is only one shard.
 	std::uint64_t salt_ = salt_of_this_run();
 	std::uint64_t owner_ = new_table_owner();
 	std::size_t size_ = 0;
 	std::size_t valued_ = 0;
-	std::size_t slots_ = 0; ///< Total of all shards.
+	std::size_t slots_ = 0; ///< Total number of slots in all shards.
 };
 
 } // namespace thicket

@@ -12,7 +12,7 @@ namespace thicket {
 
 namespace {
 
-/// The length of the longest column of the basis.
+/// Returns the length of the longest column of the basis.
 double scale_of(const AddedInstance &instance) {
 	double squared = 0.0;
 	for (int column = 0; column < 3; ++column) {
@@ -55,7 +55,8 @@ StateRecord::Entry InstanceState::Content::placed_as(std::uint64_t id, const Add
 }
 
 double InstanceState::Content::time_of_write(double former) const {
-	constexpr double step = 0x1p-20; // In seconds: a microsecond, as a number that adds up without rounding.
+	// About a microsecond, in seconds. The number is a power of two, so that sums are exact.
+	constexpr double step = 0x1p-20;
 	if (time > former) {
 		return time;
 	}
@@ -99,7 +100,8 @@ void InstanceState::Content::take_history(
 	const std::uint64_t raise = other.revision - first_note;
 	const Status status = guarded("changes", static_cast<double>(log.size()), [&] {
 		if (other.log.knows(at)) {
-			// `r_log` is an earlier state of the other log, so only the rest is appended.
+			// `r_log` is an earlier version of the other log, so only the later changes are
+			// appended.
 			r_log.append(other.log, at, 0);
 		} else {
 			r_log = other.log;
@@ -131,7 +133,8 @@ void InstanceState::Content::shrink() noexcept {
 	data.shrink();
 }
 
-/// Allocates the memory that `change` needs, except for the memory that `make_room` allocates for all changes together.
+/// Allocates the memory that `change` needs for one id, except for the memory that `make_room`
+/// allocates for the whole batch.
 void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_room) {
 	bool data_stay = true;
 	if (is_added(id)) {
@@ -145,7 +148,7 @@ void InstanceState::Content::plan(std::uint64_t id, const Entry &to, Room &r_roo
 	const bool same = was ? std::ranges::equal(own->bytes, to.data) : to.data.empty();
 	const bool later = same && was && own->at != to.data_at;
 	if (same && was == holds && !later) {
-		// Unchanged data need no room.
+		// Data that stays the same needs no memory.
 		return;
 	}
 	data.make_room(id, !holds && !to.data.empty(), !to.data.empty(),
@@ -173,7 +176,8 @@ void InstanceState::Content::plan_removed(std::uint64_t id, const Entry &to, Roo
 	}
 }
 
-/// Returns false if the current instance will be removed along with its data. A moved instance keeps its data.
+/// Returns false if the current instance will be deleted along with its data. A moved instance
+/// keeps its data.
 bool InstanceState::Content::plan_added(std::uint64_t id, const Entry &to, Room &r_room) {
 	const Placed *own = added.value(id).get();
 	const bool was = own != nullptr;
@@ -317,7 +321,7 @@ void InstanceState::Content::plan_return(std::uint64_t id, double until) {
 		std::ranges::push_heap(due, std::greater<>());
 		return;
 	}
-	gather_due(); // Most of it is outdated. The rest fits into the existing memory.
+	gather_due(); // Most entries are outdated. The valid ones fit into the existing memory.
 }
 
 void InstanceState::Content::gather_due() {

@@ -1,4 +1,4 @@
-// The exchange of content between an InstanceState and other states.
+// Exchanges content between an InstanceState and other states.
 
 #include "core/state/instance_state_content.hpp"
 
@@ -60,7 +60,7 @@ Status InstanceState::apply(
 	const StateOrigin &origin = record.origin;
 	const std::uint64_t known = content_->known.of(origin.name);
 	if (origin.name != 0 && (origin.end < known || (origin.end == known && origin.base < known))) {
-		return {}; // Late or repeated.
+		return {}; // The diff is late or repeated.
 	}
 	if (origin.name != 0 && origin.base > known) {
 		return thicket::missing_before(origin.base, known);
@@ -124,7 +124,7 @@ Status InstanceState::Content::check_stamps(const StateRecord &record, bool repl
 	return {};
 }
 
-/// Ensures that `take_stamps` allocates no memory.
+/// Creates the layers that `take_stamps` needs, so that it allocates no memory.
 void InstanceState::Content::make_room_for_stamps(const StateRecord &record) {
 	for (const auto &[number, stamp] : record.stamps) {
 		layers.try_emplace(number);
@@ -215,7 +215,7 @@ Status InstanceState::Content::follow(
 	}
 	make_room_for_stamps(record);
 	if (record.removed.size() > removed.size()) {
-		// The table grows once, and not shard by shard as ids are added.
+		// Grows the table once, instead of several times while ids are inserted.
 		removed.expect(record.removed.size() - removed.size());
 	}
 	change_all(each, r_changes);

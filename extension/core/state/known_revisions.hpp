@@ -7,25 +7,26 @@
 
 namespace thicket {
 
-/// The last known revision of each sender of diffs. Keeps the 256 senders that were set last, so that unknown senders cannot fill the
-/// memory.
+/// The last known revision of each sender of diffs. Only the 256 most recently set senders are
+/// kept, so that unknown senders cannot exhaust memory.
 class KnownRevisions {
 public:
 	static constexpr std::size_t most = 256;
 
-	/// 0 for an unknown sender.
+	/// Returns the last known revision of a sender, or 0 if it is unknown.
 	std::uint64_t of(std::uint64_t origin) const;
 
-	/// Allocates the memory that `set` needs. Throws std::bad_alloc.
+	/// Allocates the memory that `set` needs. May throw std::bad_alloc.
 	void make_room() { entries_.reserve(most); }
 
-	/// Call `make_room` first.
+	/// Sets the revision of a sender. `make_room` must be called first.
 	void set(std::uint64_t origin, std::uint64_t revision) noexcept;
 
 	void clear() noexcept { entries_.clear(); }
 
 private:
-	std::vector<std::pair<std::uint64_t, std::uint64_t>> entries_; ///< Least recently set first.
+	/// Pairs of sender and revision, least recently set first.
+	std::vector<std::pair<std::uint64_t, std::uint64_t>> entries_;
 };
 
 } // namespace thicket

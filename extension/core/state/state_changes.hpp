@@ -9,12 +9,13 @@
 
 namespace thicket {
 
-/// The reported changes of one call.
+/// The changes to report for one call.
 struct StateChanges {
 	std::vector<InstanceChange> list;
 
-	/// Ids that were also changed by other calls while a diff was pending. For these, `instead` is reported, not the changes in `list`.
-	std::vector<std::uint64_t> overruled; ///< Ascending.
+	/// Ids that other calls changed while a diff was pending. For these ids, `instead` is reported,
+	/// and their changes in `list` are not.
+	std::vector<std::uint64_t> overruled; ///< Ids in ascending order.
 	std::vector<InstanceChange> instead;
 
 	bool is_overruled(std::uint64_t id) const {
@@ -23,7 +24,8 @@ struct StateChanges {
 
 	std::size_t size() const { return list.size() + instead.size(); }
 
-	/// The change with a number below `size`. Null if the change must not be reported.
+	/// Returns the change at index `number`, which must be below `size`, or null if it is overruled
+	/// and must not be reported.
 	const InstanceChange *at(std::size_t number) const {
 		if (number >= list.size()) {
 			return &instead[number - list.size()];
@@ -31,7 +33,7 @@ struct StateChanges {
 		return is_overruled(list[number].id) ? nullptr : &list[number];
 	}
 
-	/// Calls `use(change)` for all changes to report.
+	/// Calls `use(change)` for each change to report.
 	template <typename Use>
 	void for_each(const Use &use) const {
 		for (const InstanceChange &change : list) {

@@ -10,20 +10,24 @@
 #include <cmath>
 #include <cstddef>
 
-// Format 2. Numbers are little-endian; a count is written in 7 bits a byte, the lowest first, with the highest bit set in all bytes but
-// its last. A list is written as in id_codec.hpp; ids in it are codes:
-//   "TSTA", u32 format, u8 kind: bit 0 for some ids instead of a whole state, bit 1 for a named sender; f64 clock in seconds;
-//   of a named sender: u64 name, count: its revision; of some ids also count: how many revisions before that they begin;
+// Format 2. Numbers are little-endian; a count is written in 7 bits a byte, the lowest first, with
+// the highest bit set in all bytes but its last. A list is written as in id_codec.hpp; ids in it
+// are codes:
+//   "TSTA", u32 format;
+//   u8 kind: bit 0 for some ids instead of a whole state, bit 1 for a named sender;
+//   f64 clock in seconds;
+//   only for a named sender: u64 name, count: its revision; for some ids also count: the number of revisions covered;
 //   count of layers; for each, ascending: count: the layer, u64 stamp;
 //   six counts: the sizes of the lists that follow;
 //   list of removed points, list of the indices in it of those that grow again, f64 time of each of these;
-//   list of points that are not removed, list of hand-placed ids that are gone;
+//   list of points that are not removed, list of hand-placed ids that were deleted;
 //   list of hand-placed ids; for each: u8 mesh, 3 f64 position, 9 f32 basis, column by column, f64 time of placing;
 //   list of ids with data; for each: count of its bytes, the bytes, f64 time of setting;
 //   u64 FNV-1a of all bytes before it.
-// Format 1 has kinds 0 and 1, no sender and no times of placing and setting. Its number of layers is a u16 and one too small, or 0xffff
-// for none; a layer is a u16, the size of a list a u32 before the list, and a count of bytes a u32.
-// Each content has exactly one such form. No other bytes are accepted, so loading and saving reproduces them byte for byte.
+// Format 1 has only kinds 0 and 1, no sender, and no times of placing and setting. Its number of
+// layers is stored minus one in a u16, or as 0xffff for none. A layer is a u16, each list is
+// preceded by its size as a u32, and a count of bytes is a u32. Each content has exactly one valid
+// encoding. Loading and saving therefore reproduces the same bytes.
 
 namespace thicket {
 
@@ -54,7 +58,8 @@ void append_count(std::uint64_t count, std::vector<std::uint8_t> &r_bytes) {
 	r_bytes.push_back(static_cast<std::uint8_t>(count));
 }
 
-/// A count with superfluous bytes is refused later, because it would be written in fewer bytes.
+/// Reads a count. A count with superfluous bytes is accepted here. `read` returns an error for it
+/// later, because `write` would use fewer bytes.
 std::uint64_t take_count(ByteReader &r_bytes) {
 	std::uint64_t count = 0;
 	std::uint8_t byte = 0x80;
@@ -167,8 +172,8 @@ private:
 	const std::atomic<bool> *cancel_;
 };
 
-/// Reads the bytes after the header. Each function returns false for bytes that RecordWriter would not write, and for content that
-/// exceeds the limits.
+/// Reads the bytes after the header. Each function returns false for invalid bytes and for content
+/// that exceeds the limits.
 class RecordReader {
 public:
 	RecordReader(ByteReader bytes, const StateHeader &header, const DiffLimits &limits,
@@ -180,7 +185,7 @@ public:
 				bytes_.at_end();
 	}
 
-	/// The reason for a refusal by the limits; ok if there is none.
+	/// Returns the error for the limit that was exceeded, or ok if none was.
 	const Status &refused() const { return refused_; }
 
 private:
@@ -193,7 +198,7 @@ private:
 
 	bool take_list(StateHeader::List list, StateRecord::Codes &r_list) {
 		const std::uint64_t size = is_former() ? bytes_.take<std::uint32_t>() : header_.sizes[list];
-		// On the web, addresses have 32 bits: a larger number is damaged.
+		// On the web, std::size_t has 32 bits, so a larger size can only be damage.
 		const auto count = static_cast<std::size_t>(size);
 		return bytes_.good() &&
 				allows(check_limit("changes", size, limits_.max_changes, "max_changes of diff_limits")) &&
@@ -315,7 +320,7 @@ bool take_stamps(ByteReader &r_bytes, StateHeader &r_header) {
 	return r_bytes.good() && r_header.stamps.size() == count;
 }
 
-/// Removes the header from the front.
+/// Reads the header and removes it from the front.
 Status take_header(ByteReader &r_bytes, StateHeader &r_header) {
 	if (r_bytes.take<std::uint32_t>() != magic) {
 		return corrupt;
@@ -343,7 +348,7 @@ Status take_header(ByteReader &r_bytes, StateHeader &r_header) {
 	for (std::uint64_t &r_size : r_header.sizes) {
 		r_size = take_count(r_bytes);
 		if (!r_bytes.good() || r_size > 8 * r_bytes.rest().size()) {
-			return corrupt; // Each id takes at least one bit.
+			return corrupt; // A size above this limit is impossible, because each id takes at least one bit.
 		}
 	}
 	return {};

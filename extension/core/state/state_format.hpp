@@ -13,11 +13,11 @@
 
 namespace thicket {
 
-/// The format that is written, and the format of release 0.2.0, which has no origin and no times of writes.
+/// The current format, and the format of release 0.2.0, which has no origin and no times of writes.
 inline constexpr std::uint32_t state_format = 2;
 inline constexpr std::uint32_t former_state_format = 1;
 
-/// The front of a serialized state.
+/// The header of a serialized state.
 struct StateHeader {
 	enum List { removed, timed, standing, gone, added, with_data, list_count };
 
@@ -26,23 +26,26 @@ struct StateHeader {
 	double time = 0.0;
 	StateOrigin origin;
 	std::map<std::uint16_t, std::uint64_t> stamps;
-	std::array<std::uint64_t, list_count>
-			sizes{}; ///< Sizes of the lists. The former format only has the first of them here.
+	/// Sizes of the lists. For the former format, only the first size is set here.
+	std::array<std::uint64_t, list_count> sizes{};
 
-	/// The number of ids in the record; in the former format, the number of removed ids.
+	/// Returns the number of ids in the record. In the former format, it counts only the removed
+	/// points.
 	std::uint64_t named() const { return sizes[removed] + sizes[standing] + sizes[gone] + sizes[added]; }
 };
 
-/// Replaces `r_bytes` with the serialized record. The output is invalid once `cancel` is raised.
+/// Replaces `r_bytes` with the serialized record. The output is invalid if `cancel` is set
+/// meanwhile.
 void write(const StateRecord &record, std::vector<std::uint8_t> &r_bytes, const std::atomic<bool> *cancel = nullptr,
 		std::uint32_t format = state_format);
 
-/// Reads the front of a serialized state, in microseconds. Does not check whether the rest is complete.
+/// Reads the header of a serialized state, in microseconds. The remaining bytes are not checked.
 Status read_header(std::span<const std::uint8_t> bytes, StateHeader &r_header);
 
-/// Reads a serialized state. Accepts only bytes that `write` would reproduce exactly. Refuses more ids and longer data than `limits`
-/// permit before it reads them, and a replacement if they permit none. After an error the record is unspecified. Once `cancel` is raised,
-/// refuses any input within some milliseconds.
+/// Reads a serialized state. Only bytes that `write` would reproduce exactly are accepted. `limits`
+/// are checked before more ids or data are read than they permit. A replacement that they do not
+/// allow is an error. After an error, the content of the record is unspecified. After `cancel` is
+/// set, the function fails within a few milliseconds.
 Status read(std::span<const std::uint8_t> bytes, StateRecord &r_record, const DiffLimits &limits = DiffLimits::none(),
 		const std::atomic<bool> *cancel = nullptr);
 

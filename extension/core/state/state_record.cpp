@@ -16,7 +16,7 @@ bool are_points(const StateRecord::Codes &codes) { return codes.empty() || !is_a
 
 bool are_added(const StateRecord::Codes &codes) { return codes.empty() || is_added(codes.front()); }
 
-/// Whether each code of `part` is in one of `lists`.
+/// Returns true if each code in `part` occurs in one of `lists`.
 bool covers(const std::array<const StateRecord::Codes *, 3> &lists, const StateRecord::Codes &part) {
 	return std::ranges::all_of(part, [&lists](std::uint64_t code) {
 		return std::ranges::any_of(

@@ -13,60 +13,61 @@
 
 namespace thicket {
 
-/// The state that wrote a record, and the range of its changes in the record.
+/// The state that wrote a record, and the range of revisions that the record covers.
 struct StateOrigin {
-	std::uint64_t name =
-			0; ///< The name of the state. 0 if it has none: the record can then be applied at any time, in any order.
-	std::uint64_t base = 0; ///< The record has the changes after this revision. 0 in a whole record.
+	std::uint64_t name = 0; ///< The name of the state. 0 if it has none; the record can then be applied in any order.
+	std::uint64_t base = 0; ///< The record contains the changes after this revision. 0 in a whole record.
 	std::uint64_t end = 0;  ///< The revision of the state when it was written.
 
 	friend bool operator==(const StateOrigin &, const StateOrigin &) = default;
 };
 
-/// The content of some ids of a state, or of all: the content of its bytes. All lists ascend. Ids are stored as codes and are in the
-/// order of their codes (code_of).
+/// The decoded content of a serialized state or diff: the content of all ids or of some. Ids are
+/// stored as codes (see code_of), and all lists are in ascending order of the codes.
 struct StateRecord {
 	using Codes = std::vector<std::uint64_t>;
 
 	/// The content of one id.
 	struct Entry {
 		bool removed = false;
-		double until = 0.0;                      ///< 0 if permanent.
-		const AddedInstance *instance = nullptr; ///< Of an existing hand-placed instance.
-		double placed_at = 0.0;                  ///< When it was placed or moved.
+		double until = 0.0;                      ///< Clock time when the point grows again; 0 for never.
+		const AddedInstance *instance = nullptr; ///< Null if there is no hand-placed instance.
+		double placed_at = 0.0;                  ///< Clock time when the instance was placed or last moved.
 		std::span<const std::uint8_t> data{};
-		double data_at = 0.0; ///< When they were set.
+		double data_at = 0.0; ///< Clock time when the data was set.
 	};
 
-	bool whole = true; ///< True: ids that are not in it are as generated. False: ids that are not in it are unchanged.
+	bool whole = true; ///< If true, ids that are not listed are as generated; otherwise they keep their content.
 	double time = 0.0;
 	StateOrigin origin;
 
-	Codes removed;                                       ///< Points of the sets.
-	std::vector<std::pair<std::uint64_t, double>> until; ///< Indices in `removed`, and times above 0.
+	Codes removed; ///< Removed points of the sets.
+	/// Indices in `removed`, and the clock times, above 0, at which these points grow again.
+	std::vector<std::pair<std::uint64_t, double>> until;
 	Codes standing; ///< Points that are not removed. In a whole state, only those with data.
 	Codes gone;     ///< Hand-placed instances that no longer exist. Empty in a whole state.
 	Codes added;
-	std::vector<AddedInstance> instances; ///< Same size as `added`.
-	std::vector<double> placed_at;        ///< Same size.
+	std::vector<AddedInstance> instances; ///< One entry for each id in `added`.
+	std::vector<double> placed_at;        ///< Clock times, one for each id in `added`.
 
-	/// Ids in `removed`, `standing` and `added`. Other ids have no data.
+	/// Ids in `removed`, `standing` and `added` that have data.
 	Codes with_data;
-	std::vector<std::vector<std::uint8_t>> data; ///< Same size as `with_data`.
-	std::vector<double> data_at;                 ///< Same size.
+	std::vector<std::vector<std::uint8_t>> data; ///< One entry for each id in `with_data`.
+	std::vector<double> data_at;                 ///< Clock times, one for each id in `with_data`.
 
-	std::map<std::uint16_t, std::uint64_t> stamps; ///< Of exactly the layers of all these ids; 0 if none.
+	/// The stamp of each layer that has ids in the record; 0 if the layer has no stamp.
+	std::map<std::uint16_t, std::uint64_t> stamps;
 
-	/// The layers of all ids, each with a stamp of 0.
+	/// Returns the layers of all ids, with stamps of 0.
 	std::map<std::uint16_t, std::uint64_t> layers() const;
 
-	/// Whether the record has points of a layer.
+	/// Returns true if the record contains points of a layer.
 	bool holds_points(std::uint16_t layer) const;
 
-	/// Whether the record contains an id.
+	/// Returns true if the record contains an id.
 	bool names(std::uint64_t id) const;
 
-	/// The number of ids.
+	/// Returns the number of ids in the record.
 	std::size_t size() const { return removed.size() + standing.size() + gone.size() + added.size(); }
 
 	/// Calls `use(id, entry)` for each id.
@@ -99,16 +100,18 @@ private:
 	void add_data(std::uint64_t code, Entry &r_entry) const;
 };
 
-/// Whether the record has exactly one statement for each id, no duplicates, and the stamps of its layers.
+/// Returns true if each id is in exactly one of the lists for its kind, only listed ids have data,
+/// and exactly the layers of these ids have stamps.
 bool is_consistent(const StateRecord &record);
 
-/// Refuses values outside the ranges of AddedInstance, and reports the field.
+/// Returns an error for a value outside the ranges of AddedInstance. The error names the field.
 Status validate(const AddedInstance &instance);
 
-/// Returns the instance with unsigned zeros, so that equal instances have the same bits.
+/// Returns the instance with each -0 replaced by 0, so that equal instances have the same bits.
 AddedInstance without_signed_zeros(AddedInstance instance);
 
-/// Whether `right` wins over `left` if both were placed at the same time. Of two different instances, exactly one wins.
+/// Returns true if `left` comes before `right` in a strict total order of the instances of a layer.
+/// When two versions of an instance have the same time, a merge keeps the greater one.
 bool is_less(const AddedInstance &left, const AddedInstance &right);
 
 } // namespace thicket

@@ -8,10 +8,12 @@
 
 namespace thicket {
 
-/// The tiles that touch a disc, as a span of columns in each row of tiles. Small, and quick to compare with a different disc.
+/// The tiles that touch a disc, stored as a span of columns per row. A disc takes little memory and
+/// is quickly compared with another one.
 class TileDisc {
 public:
-	/// Sets the disc to the tiles of side `tile_size` that are at most `reach` meters (0 or more) from `center`.
+	/// Sets the tiles: those of size `tile_size` that are at most `reach` meters (0 or more) from
+	/// `center`.
 	void set(double tile_size, glm::dvec2 center, double reach);
 	void clear() { rows_.clear(); }
 
@@ -20,7 +22,7 @@ public:
 		return span.first <= tile.x && tile.x <= span.last;
 	}
 
-	/// Calls `visit(glm::ivec2)` for all tiles that are not in `other`, row by row.
+	/// Calls `visit(tile)` for each tile that is not in `other`, row by row.
 	template <class Visit>
 	void visit_without(const TileDisc &other, Visit &&visit) const {
 		int y = first_row_;
@@ -38,7 +40,7 @@ public:
 	}
 
 private:
-	/// Columns, both ends included. Empty if the last is less than the first.
+	/// A range of columns, inclusive. Empty if `last` is less than `first`.
 	struct Span {
 		int first = 0;
 		int last = -1;
