@@ -4,10 +4,12 @@
 
 namespace thicket {
 
-/// Registers our classes with the engine, at the scene level. Called once for every level.
+/// Registers our classes with the engine. The engine calls this once per initialization level; only
+/// the scene level has an effect.
 void initialize(godot::ModuleInitializationLevel p_level);
 
-/// Called once for every level when the library is unloaded, in reverse order.
+/// Drops queued main-thread calls. The engine calls this once per level, in reverse order, when it
+/// unloads the library.
 void terminate(godot::ModuleInitializationLevel p_level);
 
 } // namespace thicket

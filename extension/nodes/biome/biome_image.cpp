@@ -67,7 +67,7 @@ std::vector<std::uint8_t> biomes_of(
 		if (mode == BiomePixels::indices) {
 			biome = *pixel < count ? *pixel : no_biome;
 		} else if (known != nullptr && std::equal(pixel, pixel + 4, known)) {
-			// Adjacent pixels are mostly equal, and then belong to the same biome.
+			// Adjacent pixels usually have the same color, so the last result is reused.
 			biome = known_biome;
 		} else {
 			biome = pixel[3] < half ? no_biome : nearest(pixel, colors);

@@ -13,13 +13,15 @@
 
 namespace thicket {
 
-/// How pixels represent biomes. Scenes store these values.
+/// How pixels encode biomes. Scenes store these numbers, so keep them stable.
 enum class BiomePixels : std::uint8_t {
-	colors,  ///< By the nearest color; no biome if the pixel is more than half transparent.
-	indices, ///< By the value of the red channel; no biome if none has that index.
+	/// The biome with the nearest color; none if the pixel's alpha is below 128 of 255.
+	colors,
+	/// The biome whose index is the red channel's value; none if the index is not used.
+	indices,
 };
 
-/// Red, green and blue, 0 to 255.
+/// The map color of a biome, 0 to 255 per channel.
 struct BiomeColor {
 	std::uint8_t index = 0;
 	int red = 0;
@@ -27,20 +29,22 @@ struct BiomeColor {
 	int blue = 0;
 };
 
-/// The color in the 8-bit steps of images.
+/// Converts a color to 8 bits per channel. Clamps channels to [0, 1].
 BiomeColor biome_color(std::uint8_t index, const godot::Color &p_color);
 
-/// An image in bytes: red, green, blue and alpha of each pixel, row by row.
+/// The pixels of an image as RGBA bytes, row by row.
 struct ColorPixels {
-	glm::ivec2 size{0}; ///< 0 if there is no image, or it cannot be read.
+	glm::ivec2 size{0}; ///< (0, 0) if there is no readable image.
 	godot::PackedByteArray bytes;
 };
 
-/// Reads any format that the engine can convert.
+/// Converts a copy of an image of any format. Returns no pixels for a null or empty image, or if it
+/// cannot be decompressed.
 ColorPixels color_pixels(const godot::Ref<godot::Image> &p_image);
 
-/// Returns the biome of each pixel. By color: the biome whose entry in `colors` is nearest; if several are equally
-/// near, the one with the lowest index. By index: one of the first `count` biomes. Uses integer arithmetic.
+/// Returns the biome of each pixel, or no_biome. In color mode, picks the entry of `colors` with
+/// the smallest distance, and the first of several that are equally near. In index mode, accepts
+/// indices below `count`. Uses only integer arithmetic, so results are the same on every machine.
 std::vector<std::uint8_t> biomes_of(
 		const ColorPixels &pixels, BiomePixels mode, std::span<const BiomeColor> colors, std::size_t count);
 

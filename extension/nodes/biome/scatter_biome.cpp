@@ -47,7 +47,7 @@ void ScatterBiome::set_water_level(double p_level) {
 	}
 }
 
-/// The inspector only shows the water level if the biome has its own.
+/// Hides the water level in the inspector unless the biome has its own.
 void ScatterBiome::_validate_property(PropertyInfo &p_property) const {
 	if (p_property.name == StringName("water_level") && water_mode_ != WATER_MODE_OWN) {
 		p_property.usage = PROPERTY_USAGE_NO_EDITOR;

@@ -11,9 +11,10 @@
 
 namespace thicket {
 
-/// The layers that grow in one kind of land: a meadow, a forest, a swamp. Contains settings only; a ScatterBiomeMap determines its area.
+/// The layers that grow in one kind of terrain, such as a meadow, a forest or a swamp. Contains
+/// settings only; a ScatterBiomeMap defines where the biome is.
 ///
-/// Every setter emits `changed`. Scripts share the array of layers, and may change it in place.
+/// Setters emit `changed`. Scripts share the array of layers and may modify it in place.
 class ScatterBiome : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiome, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -21,29 +22,31 @@ class ScatterBiome : public godot::Resource, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "ScatterBiome";
 
-	/// The water in the biome.
+	/// Where the biome's water level comes from.
 	enum WaterMode : std::int64_t {
-		WATER_MODE_INHERIT, ///< The water of the node.
-		WATER_MODE_OWN,     ///< Water at the biome's own level.
-		WATER_MODE_NONE,
+		WATER_MODE_INHERIT, ///< The node's water level, if it has water.
+		WATER_MODE_OWN,     ///< The biome's `water_level`.
+		WATER_MODE_NONE,    ///< No water.
 	};
 
-	/// Null entries are ignored. A layer may be in several biomes.
+	/// Sets the layers of the biome. Null entries are ignored. A layer may belong to several
+	/// biomes.
 	void set_layers(const godot::TypedArray<ScatterLayer> &p_layers);
 	godot::TypedArray<ScatterLayer> get_layers() const { return layers_; }
 
-	/// The color of the map pixels that represent this biome.
+	/// Sets the color of the map pixels that represent this biome.
 	void set_color(const godot::Color &p_color);
 	godot::Color get_color() const { return color_; }
 
-	/// For all its layers, 0 to 1.
+	/// Sets a density factor for all layers in this biome, 0 to 1.
 	void set_density(double p_density);
 	double get_density() const { return density_; }
 
 	void set_water_mode(WaterMode p_mode);
 	WaterMode get_water_mode() const { return water_mode_; }
 
-	/// World meters, max_water_level either way.
+	/// Sets the water level in world meters, from -max_water_level to max_water_level. The level is
+	/// used only with WATER_MODE_OWN.
 	void set_water_level(double p_level);
 	double get_water_level() const { return water_level_; }
 

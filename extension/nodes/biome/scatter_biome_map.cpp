@@ -20,7 +20,7 @@ namespace thicket {
 
 namespace {
 
-/// Builds a map that has one biome everywhere.
+/// Builds a map with the same biome everywhere.
 Status make_uniform(std::uint8_t biome, BiomeMap &r_map) {
 	const std::array<std::uint8_t, 1> pixel{biome};
 	return r_map.set({1, 1}, pixel, {{0.0, 0.0}, {1.0, 1.0}}, BiomeEdge::clamp, {});

@@ -15,10 +15,12 @@
 
 namespace thicket {
 
-/// Biomes, and an image that determines the area of each: BiomeMap as a resource of the engine. Several nodes may share one.
+/// A list of biomes and an image that defines the area of each: a Godot resource for BiomeMap.
+/// Several nodes may share one.
 ///
-/// Every setter emits `changed`. A `changed` of a biome or of the image also makes the map emit it. Scripts share the
-/// array of biomes and the biomes' arrays of layers. Changes that they make in place take effect at the next `notice`.
+/// Emits `changed` when a setter changes it, and when its image or one of its biomes emits
+/// `changed`. Scripts share the array of biomes and the biomes' arrays of layers. If they modify an
+/// array in place, the change takes effect at the next `notice`.
 class ScatterBiomeMap : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterBiomeMap, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -26,38 +28,45 @@ class ScatterBiomeMap : public godot::Resource, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "ScatterBiomeMap";
 
-	/// BiomePixels, for scripts.
+	/// The values of BiomePixels, for scripts.
 	enum MapMode : std::int64_t {
 		MAP_MODE_COLORS,
 		MAP_MODE_INDICES,
 	};
 
-	/// BiomeEdge, for scripts.
+	/// The values of BiomeEdge, for scripts.
 	enum MapEdge : std::int64_t {
 		MAP_EDGE_NOTHING,
 		MAP_EDGE_CLAMP,
 	};
 
-	/// At most max_biomes. A null entry is land without a biome and keeps its index.
+	/// Sets the biomes, at most max_biomes. A null entry counts as no biome, but keeps its index.
 	void set_biomes(const godot::TypedArray<ScatterBiome> &p_biomes);
 	godot::TypedArray<ScatterBiome> get_biomes() const { return biomes_; }
 
-	/// An Image or a Texture2D, read again when it is set. If null, the first biome is everywhere.
+	/// Sets the map's image: an Image or a Texture2D. Rereads its pixels even if it is the same
+	/// object. Without an image, the first biome covers the whole world.
 	void set_map_image(const godot::Ref<godot::Resource> &p_image);
 	godot::Ref<godot::Resource> get_map_image() const { return image_; }
 
-	/// Replaces a texture with its image, because an export strips textures. False if there is none.
+	/// Replaces a texture with its image, because a dedicated server export strips textures.
+	/// Returns false if there is no texture with pixels.
 	bool embed_stripped_data();
 
-	/// The area that the image covers, in world meters: x, and z as y. Each side is at least 0.001.
+	/// Sets the area that the image covers, in world meters; its y is the world's z. Positions are
+	/// within +-1e9, sides from 0.001 to 1e9.
 	void set_map_rect(const godot::Rect2 &p_rect);
 	godot::Rect2 get_map_rect() const { return rect_; }
+
+	/// Sets how pixels encode biomes; see BiomePixels.
 	void set_map_mode(MapMode p_mode);
 	MapMode get_map_mode() const { return static_cast<MapMode>(mode_); }
+
+	/// Sets how the map continues outside its image; see BiomeEdge.
 	void set_map_edge(MapEdge p_edge);
 	MapEdge get_map_edge() const { return static_cast<MapEdge>(edge_); }
 
-	// See BiomeBorders for the meaning of these properties.
+	// These properties belong to BiomeBorders, which describes them.
 	void set_border_width(double p_width) { set_border("border_width", &BiomeBorders::width, p_width); }
 	double get_border_width() const { return borders_.width; }
 	void set_border_noise(double p_noise) { set_border("border_noise", &BiomeBorders::noise, p_noise); }
@@ -67,14 +76,15 @@ public:
 	void set_border_seed(int64_t p_seed);
 	int64_t get_border_seed() const { return static_cast<int64_t>(borders_.seed); }
 
-	/// The biome with the largest weight at a world position (x, z); null if there is none.
+	/// Returns the biome with the largest weight at a world position (x, z). Returns null where
+	/// land without a biome has the largest weight.
 	godot::Ref<ScatterBiome> get_biome_at(const godot::Vector2 &p_position);
 
-	/// Returns the weight of each biome at a world position, 0 to 1. If the sum is below 1, the rest belongs to no
-	/// biome.
+	/// Returns the weight of each biome at a world position (x, z), 0 to 1. If the sum is below 1,
+	/// the remainder is land without a biome.
 	godot::PackedFloat32Array get_weights_at(const godot::Vector2 &p_position);
 
-	/// Calls `take` with the layers of each biome.
+	/// Calls `take` with the array of layers of each biome.
 	template <class Take>
 	void each_layers(const Take &take) const {
 		for (std::size_t index = 0; index < biome_count(); ++index) {
@@ -84,39 +94,45 @@ public:
 		}
 	}
 
-	/// Adds the resources that the main thread reads along with the map, except for the layers of its biomes.
+	/// Adds the biomes to `r_used`, because the main thread reads them along with the map. Does not
+	/// add their layers.
 	void add_used(SceneUse::List &r_used) const;
 
-	/// True if a script has changed one of the shared arrays since the last `notice`.
+	/// Returns true if one of the shared arrays has changed since it was last read.
 	bool differs() const;
 
-	/// Reads the shared arrays. If they have changed, emits `changed`, which runs scripts.
+	/// Rereads the shared arrays if they have changed, and emits `changed`, which may run scripts.
 	void notice();
 
-	/// Returns the map for the current image and biomes, never null. Returns the same object until the map changes. If
-	/// the image or the biomes are refused, prints one error and returns the last valid map.
+	/// Returns the map for the current image and biomes, never null. Returns the same object until
+	/// the map changes. If the current settings are invalid, prints an error once and returns the
+	/// last valid map.
 	const std::shared_ptr<const BiomeMap> &map();
 
-	/// The density of a layer in each biome; 0 for biomes that do not contain it.
+	/// Returns the density factor of a layer in each biome; 0 for biomes that do not list the
+	/// layer.
 	PerBiome<float> densities_of(const godot::Ref<ScatterLayer> &p_layer) const;
 
-	/// The water level in each biome. `node_level` is the water level of the node (world meters or no_water).
+	/// Returns the water level in each biome, in world meters or no_water. `node_level` is the
+	/// node's own level, which biomes may inherit.
 	PerBiome<double> water_levels(double node_level) const;
 
-	/// True if a biome has water at its own level.
+	/// Returns true if any biome has its own water level.
 	bool has_own_water() const;
 
-	/// The feature that cannot work because an export has stripped its resource; empty if nothing was stripped.
+	/// Returns a sentence about the missing biomes if an export has stripped the image; otherwise
+	/// empty.
 	godot::String stripped_problem() const;
 
-	/// Likely mistakes, for the editor's warnings. `p_own` are the layers of the node itself.
+	/// Returns a sentence for each likely mistake, for the editor's warnings. `p_own` contains the
+	/// node's own layers.
 	godot::PackedStringArray problems(const godot::TypedArray<ScatterLayer> &p_own);
 
 protected:
 	static void _bind_methods();
 
 private:
-	/// A biome with its layers, as last seen.
+	/// A biome and its layers when they were last read.
 	struct Seen {
 		godot::Ref<ScatterBiome> biome;
 		std::vector<godot::Ref<ScatterLayer>> layers;
@@ -148,11 +164,13 @@ private:
 	BiomeBorders borders_{.width = 8.0, .noise = 12.0, .noise_size = 60.0};
 
 	std::shared_ptr<const BiomeMap> map_ = std::make_shared<const BiomeMap>();
-	ColorPixels pixels_;        ///< The pixels of the image, as last read.
-	bool pixels_unread_ = true; ///< True if they may have changed. Reading them back makes the renderer wait.
-	bool outdated_ = true;      ///< True if `map_` does not match the properties.
-	Status status_;             ///< The error of the properties.
-	godot::String complaint_;   ///< The last printed error; empty if there is none.
+	ColorPixels pixels_; ///< The pixels of the image when it was last read.
+	/// True if `pixels_` may be outdated. Avoids rereading, because reading back a texture stalls
+	/// the renderer.
+	bool pixels_unread_ = true;
+	bool outdated_ = true;    ///< True if `map_` does not match the properties.
+	Status status_;           ///< The result of building the map from the current properties.
+	godot::String complaint_; ///< The last printed error; empty after a success.
 };
 
 } // namespace thicket

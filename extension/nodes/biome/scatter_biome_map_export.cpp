@@ -1,4 +1,5 @@
-// The data that a biome map stores for an export as a dedicated server, which replaces textures with placeholders.
+// This file prepares a biome map for a dedicated server export, which replaces textures with
+// placeholders.
 
 #include "nodes/biome/scatter_biome_map.hpp"
 #include "nodes/common/stripped.hpp"

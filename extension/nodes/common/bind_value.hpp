@@ -4,7 +4,7 @@
 
 namespace thicket {
 
-/// Adds a property that scripts can only read, and that is not saved.
+/// Adds a property that is read-only for scripts, not saved, and not shown in the inspector.
 inline void bind_value(const char *p_class, const godot::PropertyInfo &p_info, const char *p_getter) {
 	godot::PropertyInfo info = p_info;
 	info.usage = godot::PROPERTY_USAGE_NONE;

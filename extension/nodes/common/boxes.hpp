@@ -5,10 +5,10 @@
 
 namespace thicket {
 
-/// The smallest box around both boxes.
+/// Returns the smallest box that contains `p_a` and `p_b`.
 godot::AABB joined(const godot::AABB &p_a, const godot::AABB &p_b);
 
-/// The smallest box around the corners of `p_box` after the transform.
+/// Returns the smallest axis-aligned box that contains `p_box` after the transform.
 godot::AABB transformed(const godot::AABB &p_box, const godot::Transform3D &p_transform);
 
 } // namespace thicket

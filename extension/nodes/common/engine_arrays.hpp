@@ -11,24 +11,27 @@
 
 namespace thicket {
 
-// When an allocation fails, the engine's arrays only print an error to the log and keep their size. The functions here
-// throw std::bad_alloc instead, and the guarded call catches it (guard.hpp). tests/engine/test_allocations.py permits
-// no other way to resize an array of the engine, to write its elements or to append to it.
+// If an allocation fails, the engine's arrays only log an error and keep their size. The functions
+// here throw std::bad_alloc instead, which guarded calls catch (guard.hpp).
+// tests/engine/test_allocations.py forbids all other ways to resize, write or append to an array of
+// the engine.
 
-/// The elements of a packed array, for writing. No other array may share its memory, so copy an array that the engine
-/// returned with `resized_copy` first. Otherwise the engine copies it silently and terminates if there is no memory for
-/// the copy. Godot 4.4 would even write to the shared memory.
+/// Returns the elements of a packed array for writing. No other array may share its memory, so use
+/// `resized_copy` first for an array that the engine has returned. Otherwise the engine copies the
+/// memory implicitly, and crashes if the allocation fails. Godot 4.4 would even write to the shared
+/// memory.
 template <class Packed>
 auto writable(Packed &r_array) {
 	const std::int64_t size = r_array.size();
-	auto *first = size > 0 ? r_array.ptrw() : nullptr; // Only once, because each call enters the engine.
+	auto *first = size > 0 ? r_array.ptrw() : nullptr; // Called once: it enters the engine.
 	if (size > 0 && first == nullptr) {
 		throw std::bad_alloc();
 	}
 	return std::span(first, static_cast<std::size_t>(size));
 }
 
-/// Resizes a packed array whose memory is not shared, and returns its elements. New elements are 0.
+/// Resizes a packed array whose memory is not shared, and returns its elements for writing. New
+/// elements are 0.
 template <class Packed>
 auto resize(Packed &r_array, std::int64_t size) {
 	r_array.resize(size);
@@ -38,7 +41,7 @@ auto resize(Packed &r_array, std::int64_t size) {
 	return writable(r_array);
 }
 
-/// A copy with its own memory, cut off at `size` elements or padded with 0.
+/// Returns a copy with its own memory, truncated to `size` elements or padded with zeros.
 template <class Packed>
 Packed resized_copy(const Packed &array, std::int64_t size) {
 	Packed result;
@@ -56,7 +59,7 @@ inline void append(godot::Array &r_array, const godot::Variant &element) {
 	}
 }
 
-/// A shallow copy. The array has its own memory; its elements are the same objects.
+/// Returns a shallow copy: a new array that contains the same objects.
 inline godot::Array copied(const godot::Array &array) {
 	godot::Array copy;
 	for (std::int64_t index = 0; index < array.size(); ++index) {

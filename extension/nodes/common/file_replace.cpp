@@ -24,7 +24,8 @@ std::string system_path(const String &p_path) {
 	return path.utf8().get_data();
 }
 
-/// Writes all bytes, or returns an error. Closing the file reports no error, so the length shows whether the last bytes fitted on the disk.
+/// Writes all bytes or returns an error. FileAccess.close() reports no error, so the file's length
+/// is checked to detect a full disk.
 Error store(const String &p_path, const PackedByteArray &p_bytes) {
 	Ref<FileAccess> file = FileAccess::open(p_path, FileAccess::WRITE);
 	if (file.is_null()) {
@@ -42,7 +43,7 @@ Error store(const String &p_path, const PackedByteArray &p_bytes) {
 	return whole ? OK : ERR_FILE_CANT_WRITE;
 }
 
-/// Whether ResourceSaver wrote the bytes, as binary, compressed or text.
+/// Returns true for files written by ResourceSaver: binary, compressed or text.
 bool is_resource_file(const PackedByteArray &p_bytes) {
 	const std::string_view text(
 			reinterpret_cast<const char *>(p_bytes.ptr()), static_cast<std::size_t>(p_bytes.size()));

@@ -12,16 +12,17 @@
 
 namespace thicket {
 
-// The implementation of save_to_file and load_from_file of several classes. Errors are printed as "METHOD: cannot write PATH: REASON.
-// REMEDY".
+// These functions implement save_to_file and load_from_file of several classes. They print errors
+// in the form "METHOD: cannot write PATH: REASON. REMEDY".
 
-/// Replaces the file at `p_path` (user://, res:// or a system path) with these bytes. First writes a new file beside
-/// the old one. The new file replaces the old one once the disk has stored all of it. After an error the old file is
-/// unchanged.
+/// Atomically replaces the contents of the file at `p_path` (user://, res:// or a system path).
+/// Writes a temporary file next to it, flushes the temporary file to the disk, and then renames it.
+/// After an error the old file is unchanged.
 godot::Error replace_file(const char *p_method, const godot::String &p_path, const godot::PackedByteArray &p_bytes);
 
-/// Passes all bytes of a file to `load`, and returns an error if `load` refuses them. Refuses files that contain a
-/// resource of the engine, because loading one could run scripts.
+/// Passes the bytes of a file to `load`. Prints and returns an error if the file cannot be read or
+/// `load` refuses the bytes. Also refuses Godot resource files, because loading a resource could
+/// run scripts.
 godot::Error load_saved_file(const char *p_method, const godot::String &p_path,
 		const std::function<Status(std::span<const std::uint8_t> bytes)> &load);
 

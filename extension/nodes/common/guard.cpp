@@ -15,7 +15,7 @@ namespace thicket {
 
 namespace {
 
-/// An argument in a few characters. Values that may be long become "...".
+/// Formats an argument for an error message. Values that may be long become "...".
 String in_short(const Variant &p_value) {
 	switch (p_value.get_type()) {
 		case Variant::NIL:
@@ -58,7 +58,7 @@ void report_failed_call(const char *method, std::span<const Variant> arguments) 
 		}
 		ERR_PRINT(vformat("%s(%s) %s", String(method), list, String(why)));
 	} catch (...) {
-		ERR_PRINT(why); // There is no memory for a longer message.
+		ERR_PRINT(why); // There is not enough memory for a longer message.
 	}
 }
 

@@ -1,8 +1,9 @@
 #pragma once
 
-// The border between the engine and our code. No exception may cross it, because the engine would terminate. Exceptions that the core
-// catches (core/base/guard.hpp) arrive as a status. This file covers everything else that allocates memory in a bound method, a
-// notification or a job.
+// This file defines the exception boundary between our code and the engine. Exceptions must not
+// cross it, because the engine would terminate. The core converts its own exceptions to a Status
+// (core/base/guard.hpp). This file covers all other code that allocates memory in bound methods,
+// notifications and worker tasks.
 
 #include "nodes/common/main_calls.hpp"
 #include "nodes/common/thread_rule.hpp"
@@ -21,12 +22,12 @@
 
 namespace thicket {
 
-/// Prints an error for a call that had to be abandoned: the method (`Class.method`), its arguments and the reason. Call it while the
-/// exception is being handled.
+/// Prints an error for a call that an exception has ended, with the method (`Class.method`), its
+/// arguments and the reason. Call it inside a catch block.
 void report_failed_call(const char *method, std::span<const godot::Variant> arguments) noexcept;
 
-/// Runs `work`, which the engine called in a notification or a hook. On an exception, prints an error that names `method` and returns a
-/// default value: nothing, 0 or an empty array.
+/// Runs the body of a notification or virtual method that the engine called. If it throws, prints
+/// an error that names `method` and returns a default value, such as 0 or an empty array.
 template <typename Work>
 std::invoke_result_t<Work> guarded_call(const char *method, Work &&work) {
 	try {
@@ -45,8 +46,8 @@ template <typename C, typename R, typename... Args>
 struct MemberFunction<R (C::*)(Args...)> {
 	using Class = C;
 
-	/// Wraps `method` in a guard, with the same signature. The engine calls this method of the class
-	/// (THICKET_GUARDED_METHODS) instead of `method`.
+	/// The method that is bound in place of `method`. It has the same signature, and calls `method`
+	/// inside a guard that catches exceptions. THICKET_GUARDED_METHODS defines it.
 	template <auto method>
 	static constexpr R (C::*entry)(Args...) = &C::template guarded_entry<method, R, Args...>;
 };
@@ -59,15 +60,16 @@ struct MemberFunction<R (C::*)(Args...) const> {
 	static constexpr R (C::*entry)(Args...) const = &C::template guarded_const_entry<method, R, Args...>;
 };
 
-/// `Class.method`, stored for as long as the library is loaded.
+/// Returns `Class.method` as a string that stays valid until the library is unloaded.
 const char *kept_method_name(const godot::StringName &p_class, const godot::StringName &p_method);
 
-/// The name and the thread rule of a bound method. The name is a plain pointer, because hundreds of strings would each
-/// need a destructor.
+/// The name and thread rule of a bound method. The name is a plain pointer, because hundreds of
+/// std::string variables would each register a destructor.
 template <auto method>
 inline BoundMethod bound_method;
 
-/// The guard of an object. Null for a class whose methods may all be called on any thread.
+/// Returns the ThreadGuard of an object; null if all methods of its class may be called on any
+/// thread.
 template <typename Self>
 ThreadGuard *thread_guard_of(Self *p_self) {
 	if constexpr (requires { p_self->thread_guard(); }) {
@@ -87,19 +89,19 @@ struct RefTarget<godot::Ref<T>> {
 	using Type = T;
 };
 
-/// The result of a call that was refused: nothing, 0 or an empty array.
+/// Returns the result of a refused call: a default value, such as 0 or an empty array.
 template <typename R>
 R refused_result(godot::Error error) {
 	if constexpr (std::is_same_v<R, godot::Error>) {
-		return error; // Error's default value would mean success.
+		return error; // The default value of Error means success.
 	} else if constexpr (requires { RefTarget<R>::Type::make_empty(); }) {
-		return RefTarget<R>::Type::make_empty(); // The class reference promises that the result is never null.
+		return RefTarget<R>::Type::make_empty(); // The class reference promises an empty object, not null.
 	} else {
 		return R();
 	}
 }
 
-/// An argument as shown in an error. Types that no Variant can hold become null.
+/// Converts an argument for an error message. Types that a Variant cannot store become null.
 template <typename T>
 godot::Variant argument_of(const T &p_argument) {
 	if constexpr (std::is_enum_v<T>) {
@@ -111,7 +113,9 @@ godot::Variant argument_of(const T &p_argument) {
 	}
 }
 
-/// Calls a method for the engine if its rule allows this thread. An exception becomes an error that names the method and its arguments.
+/// Calls a bound method if its thread rule permits the calling thread. Otherwise queues the call
+/// for the main thread (ThreadUse::relayed) or prints an error. If the method throws, prints an
+/// error with its name and arguments.
 template <auto method, typename R, typename Self, typename... Args>
 R call_guarded(Self *p_self, const Args &...p_arguments) {
 	const BoundMethod &bound = bound_method<method>;
@@ -134,7 +138,7 @@ R call_guarded(Self *p_self, const Args &...p_arguments) {
 	return refused_result<R>(godot::ERR_OUT_OF_MEMORY);
 }
 
-/// Does the same as ClassDB::bind_method, for a method that has its own thread rule and may run out of memory:
+/// Binds a method like ClassDB::bind_method, with a thread rule and protection against exceptions:
 /// `bind_guarded<&ScatterRequest::cancel>(ThreadUse::any, D_METHOD("cancel"))`. The class must use
 /// THICKET_GUARDED_METHODS.
 template <auto method, typename Definition, typename... Defaults>
@@ -144,7 +148,7 @@ void bind_guarded(const ThreadRule &rule, const Definition &p_definition, const 
 	godot::ClassDB::bind_method(p_definition, Member::template entry<method>, p_defaults...);
 }
 
-/// Binds a method that uses the thread rule of its class.
+/// Binds a method with the default thread rule of its class.
 template <auto method, typename Definition, typename... Defaults>
 	requires(!std::is_convertible_v<Definition, ThreadRule>)
 void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults) {
@@ -153,10 +157,10 @@ void bind_guarded(const Definition &p_definition, const Defaults &...p_defaults)
 
 } // namespace thicket
 
-/// For a class whose methods are bound with bind_guarded; write it after GDCLASS. Sets the rule of methods that are
-/// bound without one, and adds the guarded methods that the engine calls. These must be members of the class itself,
-/// because godot-cpp cannot bind anything else. A class that uses any rule other than ThreadUse::any must also derive
-/// from ThreadGuarded.
+/// Required, after GDCLASS, in each class whose methods are bound with bind_guarded. Sets the
+/// default thread rule, and adds the guarded methods that the engine calls. The guarded methods are
+/// members of the class because godot-cpp can bind nothing else. A class with any rule other than
+/// ThreadUse::any must also derive from ThreadGuarded.
 #define THICKET_GUARDED_METHODS(m_use) \
 	template <typename> \
 	friend struct ::thicket::MemberFunction; \

@@ -20,8 +20,8 @@ namespace thicket {
 namespace {
 
 std::mutex mutex;
-std::vector<Variant> calls;    ///< Callables with bound arguments; guarded by `mutex`.
-std::atomic<bool> any = false; ///< Whether there are any calls.
+std::vector<Variant> calls;    ///< Callables with bound arguments. Guarded by `mutex`.
+std::atomic<bool> any = false; ///< True if `calls` is not empty. Avoids locking.
 
 } // namespace
 

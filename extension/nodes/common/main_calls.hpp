@@ -7,15 +7,16 @@
 
 namespace thicket {
 
-/// Queues a call of a bound method, named as `Class.method`, for the main thread. The main thread makes the queued
-/// calls in order, in the next frame of any TerrainScatter3D, and drops calls whose object has been freed. Any thread.
+/// Queues a call of a bound method for the main thread; `method` has the form `Class.method`.
+/// Queued calls run in order in the next frame of any TerrainScatter3D. Calls whose object has been
+/// freed by then are dropped. Any thread may call it.
 void call_on_main_thread(
 		const godot::Object *p_object, const char *method, std::span<const godot::Variant> arguments) noexcept;
 
-/// Makes all queued calls. Runs scripts. Main thread only.
+/// Runs all queued calls, which may run scripts. Call it only on the main thread.
 void make_main_thread_calls();
 
-/// Drops all queued calls, because the library is being unloaded.
+/// Drops all queued calls. Called when the library is unloaded.
 void drop_main_thread_calls();
 
 } // namespace thicket

@@ -19,7 +19,8 @@ Function find(GDExtensionInterfaceGetProcAddress p_get_proc_address, const char 
 	return reinterpret_cast<Function>(reinterpret_cast<void *>(p_get_proc_address(name)));
 }
 
-/// The size of the engine's real numbers in bytes, measured on a new Vector3, which is three zeros.
+/// Returns the size of the engine's real_t in bytes. Constructs a Vector3 in a buffer of 0xFF bytes
+/// and counts the bytes that it sets to zero.
 std::size_t engine_real_size(GDExtensionInterfaceGetProcAddress p_get_proc_address) {
 	const auto get_constructor =
 			find<GDExtensionInterfaceVariantGetPtrConstructor>(p_get_proc_address, "variant_get_ptr_constructor");

@@ -4,9 +4,10 @@
 
 namespace thicket {
 
-/// True if the engine's real numbers have as many bits as those that this library was compiled for. If they differ,
-/// vectors have a different memory layout. The function then prints what to do, and the library must not be opened. It
-/// queries the engine directly and works before anything else is initialized.
+/// Returns true if the engine's real_t has the size that this library was compiled for. If the
+/// sizes differ, so does the memory layout of vectors. The function then prints an error with a
+/// remedy, and the library must not be initialized. Calls the engine's C interface directly, so it
+/// works before godot-cpp is initialized.
 bool fits_precision(GDExtensionInterfaceGetProcAddress p_get_proc_address);
 
 } // namespace thicket

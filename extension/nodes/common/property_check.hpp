@@ -10,8 +10,8 @@
 
 namespace thicket {
 
-/// A bounded number among the properties of a class. One constant of this type contains all data that the inspector,
-/// the setter and its error message need, so a new property takes one line.
+/// A numeric property with limits. One constant of this type contains everything that the
+/// inspector, the setter and its error message need, so adding a property takes one line.
 template <class Values, class Number>
 struct NumberProperty {
 	using Limit = std::conditional_t<std::is_floating_point_v<Number>, double, std::int64_t>;
@@ -22,24 +22,26 @@ struct NumberProperty {
 	Limit max; ///< The largest accepted value.
 	godot::PropertyHint hint = godot::PROPERTY_HINT_NONE;
 	const char *hint_string = "";
-	Limit least =
-			0; ///< If 0 means "none": the smallest accepted value above 0, with `min` at 0. 0 if there is no such gap.
+	/// The smallest accepted value other than 0, for a property whose `min` is 0 and means "none".
+	/// 0 if every value from `min` on is accepted.
+	Limit least = 0;
 };
 
 template <class Values, class Number, class... Rest>
 NumberProperty(const char *, Number Values::*, Rest...) -> NumberProperty<Values, Number>;
 
-/// True for a finite value in [min, max]. For any other value, prints one error that names the owner, the property, the
-/// allowed range and the value, and returns false.
+/// Returns true for a finite value in [min, max]. For any other value, prints an error with the
+/// owner, the property, the value and the allowed range, and returns false.
 bool accept_number(const char *owner, const char *property, double value, double min, double max);
 
-/// Prints `owner`.`status` as an error of the engine. Prints nothing if the status is ok or cancelled.
+/// Prints a status as a Godot error that begins with `owner`. Prints nothing if the status is ok or
+/// cancelled.
 void report(const char *owner, const Status &status);
 
-/// Converts the status with which a method refused its arguments into the Error that it returns.
+/// Converts a status to the Error that a bound method returns.
 godot::Error error_of(const Status &status);
 
-/// The sentence that `report` prints.
+/// Returns the sentence that `report` prints.
 godot::String sentence(const char *owner, const Status &status);
 
 } // namespace thicket

@@ -6,18 +6,20 @@
 
 namespace thicket {
 
-/// Sets a property by the name under which release 0.2 saved it, and warns once for each name. Returns false for any other name, so that
-/// `_set` can return it. Any thread.
+/// Sets a property by its name in release 0.2, and warns once per name. Returns false for other
+/// names. `_set` can return this value directly. Any thread may call it.
 bool set_renamed(godot::Object *p_object, const godot::StringName &p_name, const godot::Variant &p_value);
 
-/// Warns once that files use a property name of release 0.2, and explains how to save them with the current one. Any thread.
+/// Warns, once per name, that a file uses a property or class name of release 0.2, and explains how
+/// to update it. Any thread may call it.
 void warn_of_rename(const char *p_former, const char *p_current);
 
-/// Warns once about a name of release 0.2 that has no direct replacement. `p_change` is the end of the sentence, up to
-/// "since version 0.3".
+/// Warns like warn_of_rename, but for a name without a direct replacement. `p_change` is the part
+/// of the sentence between the name and "since version 0.3".
 void warn_of_change(const char *p_former, const char *p_change);
 
-/// Warns once that a property of release 0.2 has no effect any more. `p_remedy` is a sentence without its period.
+/// Warns, once per name, that a property of release 0.2 no longer has an effect. `p_remedy` is the
+/// end of the warning: a sentence without its period.
 void warn_of_removal(const char *p_former, const char *p_remedy);
 
 } // namespace thicket

@@ -4,10 +4,12 @@
 
 namespace thicket {
 
-/// True if a resource with this path is a file of its own, and not a part of another file, such as a scene.
+/// Returns true for the path of a resource that has its own file, and false for a resource that is
+/// built into a scene or other file.
 inline bool is_own_file(const godot::String &p_path) { return !p_path.is_empty() && !p_path.contains("::"); }
 
-/// The name of a resource's own file without its folder and extension; empty if it has none.
+/// Returns the name of a resource's own file without folder and extension; empty if it has no own
+/// file.
 inline godot::String name_of_file(const godot::String &p_path) {
 	return is_own_file(p_path) ? p_path.get_file().get_basename() : godot::String();
 }

@@ -18,7 +18,8 @@ void SceneUse::replace(List list) {
 					use.object->get_class()));
 		}
 	}
-	const List before = std::exchange(used_, std::move(list)); // Frees objects that have no other owner.
+	// Destroying `before` frees the objects that have no other owner.
+	const List before = std::exchange(used_, std::move(list));
 	for (const List::Use &use : before.uses_) {
 		use.guard->leave_scene();
 	}

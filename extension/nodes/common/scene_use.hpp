@@ -9,12 +9,13 @@
 
 namespace thicket {
 
-/// Objects that a node in the tree uses. The main thread reads them in its frames, so no other thread may call methods that change them.
+/// Tracks the objects that a node in the tree uses. The main thread reads these objects every
+/// frame, so no other thread may call methods that modify them.
 class SceneUse {
 public:
 	class List {
 	public:
-		/// Null is ignored.
+		/// Adds an object. Ignores null.
 		template <typename T>
 		void add(const godot::Ref<T> &p_object) {
 			if (p_object.is_valid()) {
@@ -26,7 +27,7 @@ public:
 		friend class SceneUse;
 
 		struct Use {
-			godot::Ref<godot::RefCounted> object; ///< Keeps the guard alive.
+			godot::Ref<godot::RefCounted> object; ///< Keeps `guard` valid.
 			ThreadGuard *guard;
 		};
 
@@ -38,8 +39,9 @@ public:
 	SceneUse(const SceneUse &) = delete;
 	SceneUse &operator=(const SceneUse &) = delete;
 
-	/// Marks these objects as used and releases those of the last call. Waits for any other thread that is inside a method of one of them
-	/// (ThreadGuard), and prints an error if that takes too long. Main thread only.
+	/// Marks these objects as used, and unmarks those of the previous call. If another thread is
+	/// inside a method of one of them, waits for it to leave, and prints an error after one second.
+	/// Call it only on the main thread.
 	void replace(List list);
 
 private:

@@ -6,11 +6,12 @@
 
 namespace thicket {
 
-/// True for a placeholder: a PlaceholderMesh or a PlaceholderTexture2D. A dedicated server export substitutes them for
-/// meshes and textures whose files it strips of visuals.
+/// Returns true for a PlaceholderMesh or PlaceholderTexture2D. A dedicated server export replaces
+/// meshes and textures with these placeholders when it strips visuals.
 bool is_stripped(const godot::Ref<godot::Resource> &p_resource);
 
-/// A sentence for a node's warnings: a resource that a property needs was stripped, the consequence, and how to fix it.
+/// Returns a sentence for a node's warnings, which names the property whose resource was stripped,
+/// the consequence, and the remedy.
 godot::String stripped_problem(const godot::String &p_property, const godot::String &p_consequence);
 
 } // namespace thicket

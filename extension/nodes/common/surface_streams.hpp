@@ -4,7 +4,7 @@
 
 namespace thicket {
 
-/// The index of each vertex stream in the result of Mesh.surface_get_arrays (Mesh.ArrayType).
+/// The indices of vertex streams in the result of Mesh.surface_get_arrays (Mesh.ArrayType).
 struct SurfaceStream {
 	static constexpr std::int64_t positions = 0;
 	static constexpr std::int64_t normals = 1;
@@ -17,14 +17,14 @@ struct SurfaceStream {
 	static constexpr std::int64_t indices = 12;
 };
 
-/// Flags of Mesh.ArrayFormat that change how positions are stored.
+/// The flags of Mesh.ArrayFormat that affect how positions are stored.
 struct SurfaceFormat {
 	static constexpr std::uint64_t flat = 1U << 25U;        ///< ARRAY_FLAG_USE_2D_VERTICES.
 	static constexpr std::uint64_t no_vertices = 1U << 28U; ///< ARRAY_FLAG_USES_EMPTY_VERTEX_ARRAY.
 	static constexpr std::uint64_t quantized = 1U << 29U;   ///< ARRAY_FLAG_COMPRESS_ATTRIBUTES.
 };
 
-/// Mesh.PrimitiveType.
+/// Values of Mesh.PrimitiveType.
 struct SurfacePrimitive {
 	static constexpr std::int64_t line_strip = 2;
 	static constexpr std::int64_t triangles = 3;

@@ -14,12 +14,13 @@ namespace thicket {
 
 namespace {
 
-/// The last turn that this thread has taken and not yet ended.
+/// The innermost ThreadTurn of this thread that has not ended.
 constinit thread_local ThreadTurn *innermost = nullptr;
 
 } // namespace
 
-/// A callback of a method has freed the object, so the turns of this thread end without it.
+/// If a method is still running, one of its callbacks has freed the object. The turns of this
+/// thread must then not access the guard.
 ThreadGuard::~ThreadGuard() {
 	for (ThreadTurn *turn = innermost; turn != nullptr; turn = turn->outer_) {
 		if (turn->guard_ == this) {
@@ -29,7 +30,7 @@ ThreadGuard::~ThreadGuard() {
 }
 
 bool ThreadGuard::enter_scene() {
-	scene_uses_.fetch_add(1); // From now on, no other thread gets a turn.
+	scene_uses_.fetch_add(1); // From now on, other threads are refused.
 	bool written = false;
 	if (calls_.load() == 0 || ThreadTurn::held_by_this_thread(*this, written)) {
 		return true;
@@ -55,12 +56,12 @@ bool ThreadTurn::held_by_this_thread(const ThreadGuard &guard, bool &r_written) 
 	return held;
 }
 
-/// False if another thread is inside a method that excludes this one.
+/// Enters the method. Returns false if another thread is inside a method that excludes this one.
 bool ThreadTurn::take(bool reads) {
 	bool written = false;
 	const bool held = held_by_this_thread(*guard_, written);
 	if (held && (written || reads)) {
-		guard_ = nullptr; // The outer turn keeps other threads out.
+		guard_ = nullptr; // The outer turn already excludes other threads.
 		return true;
 	}
 	std::int32_t calls = guard_->calls_.load();
@@ -71,8 +72,8 @@ bool ThreadTurn::take(bool reads) {
 			}
 		}
 	} else {
-		// A const method may have called back into a non-const method on its own thread. That const call is then the
-		// only reader.
+		// This thread may be inside a const method whose callback calls this non-const one. In that
+		// case, the const call must be the only reader.
 		before_ = held ? 1 : 0;
 		calls = before_;
 		if (guard_->calls_.compare_exchange_strong(calls, ThreadGuard::writing)) {
@@ -107,7 +108,7 @@ ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads
 		return;
 	}
 	if (on_main && reads && guard->in_scene()) {
-		// No other thread may change the object.
+		// No other thread may modify the object while the scene uses it.
 		return;
 	}
 	guard_ = guard;
@@ -116,9 +117,10 @@ ThreadTurn::ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads
 		return;
 	}
 	if (guard_ == nullptr) {
-		return; // Nested in another turn of this thread.
+		return; // Nested inside another turn of this thread.
 	}
-	// Check only now: either enter_scene() sees this turn, or this turn sees enter_scene().
+	// Checked after taking the turn, so that either enter_scene() detects this turn or this turn
+	// detects enter_scene().
 	if (!on_main && guard->in_scene()) {
 		release();
 		refusal_ = Refusal::in_scene;

@@ -1,7 +1,8 @@
 #pragma once
 
-// Defines which threads may call a bound method. Most methods have the rule of their class; the others declare a rule
-// at their binding. call_guarded (guard.hpp) checks it before the method runs.
+// This file defines which threads may call a bound method. Most methods use the default rule of
+// their class. All other methods specify a rule when they are bound. call_guarded (guard.hpp)
+// enforces the rule.
 
 #include <atomic>
 #include <cstdint>
@@ -9,18 +10,20 @@
 namespace thicket {
 
 enum class ThreadUse : std::uint8_t {
-	/// Any thread, also several at the same time.
+	/// Any thread may call the method, and several may do so at once.
 	any,
 
-	/// The main thread only.
+	/// Only the main thread may call the method.
 	main,
 
-	/// Any thread, one at a time (const methods: several). While the scene tree uses the object, only the main thread.
-	/// So a loader may fill an object that nothing uses yet. No other thread changes an object that the main thread
-	/// reads in its frames.
+	/// Any thread may call the method, but only one at a time. Several threads may run const
+	/// methods at once. While the scene tree uses the object, only the main thread may call it. So
+	/// a loader thread can fill an object before it is in use, and no thread modifies objects that
+	/// the main thread reads every frame.
 	owner,
 
-	/// As `owner`, but the main thread makes a refused call in its next frame. For signal handlers, because any thread may emit a signal.
+	/// Like `owner`, but a refused call is queued for the next frame on the main thread. Signal
+	/// handlers use this rule, because any thread may emit a signal.
 	relayed,
 };
 
@@ -29,10 +32,12 @@ struct ThreadRule {
 			use(allowed), remedy(instead) {} // NOLINT: as an argument
 
 	ThreadUse use;
-	const char *remedy; ///< A sentence for the error: what other threads can do instead. Null for the default sentence.
+	/// A sentence for the error message that suggests an alternative. Null selects the default
+	/// sentence.
+	const char *remedy;
 };
 
-/// A bound method.
+/// The name and rule of a bound method.
 struct BoundMethod {
 	const char *name = ""; ///< `Class.method`
 	ThreadRule rule = ThreadUse::any;
@@ -40,7 +45,8 @@ struct BoundMethod {
 
 class ThreadTurn;
 
-/// Keeps track of the threads that are inside methods of an object, and of whether the scene tree uses it.
+/// Tracks which threads are inside methods of an object, and whether the scene tree uses the
+/// object.
 class ThreadGuard {
 public:
 	ThreadGuard() = default;
@@ -48,9 +54,9 @@ public:
 	ThreadGuard(const ThreadGuard &) = delete;
 	ThreadGuard &operator=(const ThreadGuard &) = delete;
 
-	/// From this call on, the main thread uses the object in its frames and queries; `leave_scene` undoes one call. If
-	/// another thread is inside one of the object's methods, waits at most one second for it to leave. Returns false if
-	/// that takes longer.
+	/// Marks the object as used by the scene tree, until the matching call of `leave_scene`. If
+	/// another thread is inside one of the object's methods, waits up to one second for it to
+	/// leave. Returns false if it does not.
 	bool enter_scene();
 	void leave_scene() { scene_uses_.fetch_sub(1); }
 	bool in_scene() const { return scene_uses_.load() > 0; }
@@ -61,10 +67,13 @@ private:
 	static constexpr std::int32_t writing = -1;
 
 	std::atomic<std::int32_t> scene_uses_ = 0;
-	std::atomic<std::int32_t> calls_ = 0; ///< The threads in const methods, or `writing` for one in any other method.
+	/// The number of calls of const methods in progress, or `writing` for a call of any other
+	/// method.
+	std::atomic<std::int32_t> calls_ = 0;
 };
 
-/// The second base, after the engine's, of each class whose methods use the rules `main`, `owner` or `relayed`.
+/// The base class, in addition to the engine's, of classes whose methods use the rules `main`,
+/// `owner` or `relayed`.
 class ThreadGuarded {
 public:
 	ThreadGuard &thread_guard() const { return thread_guard_; }
@@ -77,10 +86,12 @@ private:
 	mutable ThreadGuard thread_guard_;
 };
 
-/// One call of a method, from its check to its end. Its callbacks may call methods of the same object and may free it.
+/// The scope of one call of a bound method. Checks the thread rule when it begins. Callbacks of the
+/// method may call other methods of the object, and may free it.
 class ThreadTurn {
 public:
-	/// `guard` is null for an object whose methods all have the rule `any`. `reads` is true for a const method.
+	/// `guard` is null if all methods of the class have the rule `any`. `reads` is true for const
+	/// methods.
 	ThreadTurn(ThreadGuard *guard, const BoundMethod &method, bool reads) noexcept;
 	~ThreadTurn();
 	ThreadTurn(const ThreadTurn &) = delete;
@@ -88,7 +99,7 @@ public:
 
 	bool granted() const { return refusal_ == Refusal::none; }
 
-	/// Prints why the call was refused, and what to do instead.
+	/// Prints why the call was refused and how to fix it.
 	void report() const;
 
 private:
@@ -101,11 +112,12 @@ private:
 	void release();
 
 	const BoundMethod &method_;
-	ThreadGuard *guard_ = nullptr; ///< Null if nothing was taken, or the object has been freed.
-	std::int32_t before_ = 0;      ///< The value of ThreadGuard::calls_ before this turn replaced it with `writing`.
+	/// The guard of the object. Null if no turn was taken, or if the object has been freed.
+	ThreadGuard *guard_ = nullptr;
+	std::int32_t before_ = 0; ///< The value of ThreadGuard::calls_ to restore after `writing`.
 	bool reads_ = false;
 	Refusal refusal_ = Refusal::none;
-	ThreadTurn *outer_ = nullptr; ///< The turn of this thread inside which this one was taken.
+	ThreadTurn *outer_ = nullptr; ///< The enclosing turn of this thread.
 };
 
 } // namespace thicket

@@ -34,7 +34,7 @@ std::size_t spare_thread_count() {
 		return 0;
 	}
 	const std::size_t cores = std::thread::hardware_concurrency();
-	return std::clamp<std::size_t>(cores, 2, 9) - 1; // One core is left for the calling thread.
+	return std::clamp<std::size_t>(cores, 2, 9) - 1; // Leaves one core for the calling thread.
 }
 
 void EngineThreads::run(const std::function<void(std::size_t index)> &work) {

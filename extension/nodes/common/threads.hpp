@@ -7,20 +7,22 @@
 
 namespace thicket {
 
-/// Whether the engine has worker threads. Web builds may have none, and a project may disable them.
+/// Returns whether the engine has worker threads. Web builds may have none, and projects can
+/// disable them.
 bool has_threads();
 
-/// Records that the caller is the engine's main thread. Call it once, before any class is registered.
+/// Records the calling thread as the engine's main thread. Call it once, before registering
+/// classes.
 void remember_main_thread();
 
-/// True if the caller runs on the engine's main thread. Costs a few nanoseconds. Does not call the engine, because that
-/// could allocate memory for a wrapper.
+/// Returns true on the engine's main thread. Takes a few nanoseconds. Does not call the engine,
+/// because such a call could allocate memory for a wrapper object.
 bool on_main_thread() noexcept;
 
-/// The number of threads to use besides the calling one: 0 to 8.
+/// Returns the number of worker threads to use in addition to the calling thread, 0 to 8.
 std::size_t spare_thread_count();
 
-/// Threads of the engine's WorkerThreadPool, for a call that may be made on any thread.
+/// Lends threads of the engine's WorkerThreadPool to the core. Usable on any thread.
 class EngineThreads final : public LentThreads {
 public:
 	std::size_t count() const override { return count_; }

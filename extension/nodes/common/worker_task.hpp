@@ -10,8 +10,9 @@
 
 namespace thicket {
 
-/// Runs one piece of work at a time on the engine's WorkerThreadPool, or immediately if there are no worker threads. `Work` has a member
-/// `run(const std::atomic<bool> *cancel)`, which throws nothing. Main thread only, apart from the work itself.
+/// Runs one piece of work at a time on the engine's WorkerThreadPool, or immediately if there are
+/// no worker threads. `Work` needs a member `run(const std::atomic<bool> *cancel)` that does not
+/// throw. Call all methods on the main thread.
 template <class Work>
 class WorkerTask {
 public:
@@ -23,8 +24,8 @@ public:
 	WorkerTask(const WorkerTask &) = delete;
 	WorkerTask &operator=(const WorkerTask &) = delete;
 
-	/// Starts the work. The task must not be busy. If `at_once` is true, runs the work on the calling thread, for a
-	/// caller that waits for it.
+	/// Starts the work; the task must not be busy. If `at_once` is true, runs the work to
+	/// completion on the calling thread.
 	void start(Work work, bool at_once = false) {
 		work_ = std::move(work);
 		cancelled_ = false;
@@ -39,14 +40,15 @@ public:
 
 	bool busy() const { return busy_; }
 
-	/// Returns true once, when the work is done and can be taken. If `wait` is true, waits until then.
+	/// Returns true exactly once, when the work is done and `take` may be called. If `wait` is
+	/// true, first waits for the work. Returns false if the task is idle or was cancelled.
 	bool finish(bool wait) {
 		godot::WorkerThreadPool *pool = godot::WorkerThreadPool::get_singleton();
 		if (!busy_ || (task_ >= 0 && !wait && !pool->is_task_completed(task_))) {
 			return false;
 		}
 		if (task_ >= 0) {
-			pool->wait_for_task_completion(task_); // Also if it is completed, so that the pool forgets it.
+			pool->wait_for_task_completion(task_); // Frees a completed task in the pool.
 			task_ = -1;
 		}
 		busy_ = false;
@@ -59,7 +61,8 @@ public:
 
 	Work take() { return std::exchange(work_, {}); }
 
-	/// Abandons the current work. The task stays busy until the worker has noticed.
+	/// Abandons the current work. The task stays busy until the worker stops and `finish` is
+	/// called.
 	void cancel() { cancelled_ = true; }
 
 private:
@@ -68,7 +71,7 @@ private:
 		task.work_.run(&task.cancelled_);
 	}
 
-	Work work_; ///< Belongs to the worker until its task has ended.
+	Work work_; ///< Owned by the worker until its task has ended.
 	std::atomic<bool> cancelled_ = false;
 	std::int64_t task_ = -1;
 	bool busy_ = false;

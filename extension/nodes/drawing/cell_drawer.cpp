@@ -24,7 +24,8 @@ CellDrawer::Drawing CellDrawer::drawing_of(const TileKey &key, const DisplayedTi
 	return {display_.layers.index_of(tile.owner, key.layer), layer_of(key).lod, fades ? chain : nullptr};
 }
 
-/// The distances to a box of a tile, relative to the tile's origin.
+/// Returns the range of distances from the viewers to a box. `min` and `max` are relative to the
+/// tile's origin.
 DistanceRange CellDrawer::distances_to(
 		const DisplayedTile &tile, glm::vec3 min, glm::vec3 max, const LodSettings &lod) const {
 	const glm::dvec3 origin = tile.tile->origin;
@@ -68,8 +69,8 @@ bool CellDrawer::draw_cell(
 	return whole;
 }
 
-/// The look of the visual that each cell already has: the look of the first wanted LOD if all wanted LODs have a
-/// visual; otherwise the look of the LOD that is drawn alone.
+/// Returns the look of the cell's first visual. If every wanted LOD has a visual, this is the look
+/// of the first wanted LOD. Otherwise it is the look of the one LOD that is drawn without a fade.
 const MeshLook &CellDrawer::first_look(
 		const Drawing &drawing, const DisplayedTile::Part &part, const DisplayedTile::Cell &cell) {
 	const LodSpan &span = cell.drawing.span;
@@ -81,7 +82,8 @@ const MeshLook &CellDrawer::first_look(
 	return complete ? drawing.chain->look(span, 0) : drawing.chain->only_look(span, lod);
 }
 
-/// Draws these looks, and releases visuals that are no longer wanted. `ranks` are those of the cell.
+/// Applies the looks of the wanted LODs to the visuals of a cell, and releases visuals that are no
+/// longer wanted. `ranks` are the ranks of the cell's instances.
 void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t> ranks,
 		const DisplayedTile::Part &part, DisplayedTile::Cell &r_cell) {
 	const LodSpan &span = r_cell.drawing.span;
@@ -109,7 +111,7 @@ void CellDrawer::show_lods(const Drawing &drawing, std::span<const std::uint32_t
 	}
 }
 
-/// The number of further visuals that a cell of a visible tile is to have.
+/// Returns the number of visuals that a cell needs in addition to its first one.
 std::size_t CellDrawer::wanted_others(const Drawing &drawing, const DisplayedTile::Cell &cell) {
 	return cell.drawing.density > 0.0 ? drawing.looks_beyond_first(cell.drawing.span) : 0;
 }

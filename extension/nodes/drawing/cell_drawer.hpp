@@ -14,11 +14,13 @@
 
 namespace thicket {
 
-/// Draws the cells of tiles. Passes the core's decisions to the visuals of cells, and adds visuals for LODs that
-/// cross-fade: both LODs are then drawn, and their shaders divide the pixels between them. Main thread only.
+/// Draws the cells of tiles: the square parts, each culled on its own, into which near tiles are
+/// divided. Applies the LODs and instance counts that the core chooses to the visuals of the cells.
+/// Where LODs cross-fade, a cell has one visual per LOD, and the shaders divide the pixels between
+/// them. Use it only on the main thread.
 class CellDrawer {
 public:
-	/// The parts of a display that drawing needs. They outlive the drawer.
+	/// The parts of a TileDisplay that the drawer needs. They must outlive the drawer.
 	struct Display {
 		const DrawnLayers &layers;
 		const LodSchedule &schedule;
@@ -31,35 +33,41 @@ public:
 	LodFades &fades() { return fades_; }
 	const LodFades &fades() const { return fades_; }
 
-	/// Whether further visuals are visible.
+	/// Sets whether visuals that are added later are visible.
 	void set_visible(bool visible) { visible_ = visible; }
 
-	/// Draws those cells of a tile that are due, or a tile that is not divided into cells. Uploads nothing. The layer
-	/// of the tile must be displayed. Returns false if the limit for all tiles thins the tile. `r_margin` gets the
-	/// distance in meters that viewers may move until a cell is due.
+	/// Updates the cells of a tile that are due (see CellVisits), or the whole tile if it is not
+	/// divided into cells. Uploads no instances. The tile's layer must be displayed. Sets
+	/// `r_margin` to the distance in meters that viewers may move before the next cell is due.
+	/// Returns false if the limit on the instances of all tiles thins this tile.
 	bool draw(const TileKey &key, DisplayedTile &r_tile, double &r_margin);
 
-	/// True if a cell of a tile lacks a visual for an LOD, and there is room for one.
+	/// Returns true if a cell of the tile lacks a visual for an LOD, and the draw budget permits
+	/// one more.
 	bool lacks_visuals(const TileKey &key, const DisplayedTile &tile) const;
 
-	/// Uploads some of the missing visuals. Returns false if some are left for the next step.
+	/// Uploads some of the tile's missing visuals. Returns false if some are still missing; the
+	/// next step then continues.
 	bool add_visuals(const TileKey &key, DisplayedTile &r_tile);
 
-	/// Uploads some visuals of a tile's new division, whose parts are still hidden, so that nothing pops when they are
-	/// shown.
+	/// Uploads some visuals for the tile's new division into cells, whose parts are still hidden.
+	/// All visuals exist before the division becomes visible, so none pops in later. Returns false
+	/// if some are still missing.
 	bool add_visuals(const TileKey &key, const DisplayedTile &tile, std::span<DisplayedTile::Part> r_parts);
 
-	/// The number of draws since the last `reset_count`, counted for each mesh, of cells and of tiles that are drawn as
-	/// a whole.
+	/// Returns how often an LOD was chosen for a cell or a whole tile since the last `reset_count`.
+	/// Counts each mesh separately.
 	std::uint64_t draw_count() const { return draw_count_; }
 	void reset_count() { draw_count_ = 0; }
 
 private:
-	/// How the instances of a mesh are drawn at any distance.
+	/// The settings for drawing the instances of one mesh at any distance.
 	struct Drawing {
-		std::uint32_t layer; ///< The one that the tile belongs to.
+		std::uint32_t layer; ///< The index of the layer that the tile belongs to.
 		const LodSettings &lod;
-		const LodChain *chain; ///< Null unless it belongs to the looks that the tile is drawn with, and is complete.
+		/// The LOD chain of the mesh. Null if the chain is incomplete, or if its looks differ from
+		/// those that the tile is drawn with.
+		const LodChain *chain;
 
 		std::span<const LodStep> steps() const {
 			return chain != nullptr ? chain->steps() : std::span<const LodStep>();

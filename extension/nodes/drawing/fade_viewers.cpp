@@ -22,14 +22,14 @@ namespace {
 constexpr const char *count_name = "scatter_viewer_count";
 constexpr const char *viewers_name = "scatter_viewers";
 
-/// The viewers of all nodes.
+/// The viewers of all nodes, because materials can be shared between nodes.
 struct AllViewers {
 	struct Entry {
 		glm::vec4 place{0.0F};
 		const FadeViewers *owner = nullptr; ///< The node that set the viewer last.
 	};
 	std::map<std::uint64_t, Entry> by_id;
-	std::uint64_t version = 1; ///< Rises with every change.
+	std::uint64_t version = 1; ///< Incremented by every change.
 
 	static AllViewers &get() {
 		static AllViewers all;
@@ -85,7 +85,7 @@ void FadeViewers::set_viewers(std::span<const FadeViewer> viewers, glm::vec3 cam
 		viewers_.assign(viewers.begin(), viewers.end());
 	}
 	if (written_ == all.version) {
-		// No viewer has moved since.
+		// No viewer has changed since the last write.
 		return;
 	}
 	write(all.nearest(camera, most_viewers));
@@ -94,7 +94,7 @@ void FadeViewers::set_viewers(std::span<const FadeViewer> viewers, glm::vec3 cam
 
 void FadeViewers::write(std::span<const glm::vec4> viewers) {
 	if (materials_.empty()) {
-		// Nothing fades.
+		// No material fades.
 		return;
 	}
 	PackedFloat32Array places;
@@ -106,7 +106,8 @@ void FadeViewers::write(std::span<const glm::vec4> viewers) {
 	}
 	RenderingServer *server = RenderingServer::get_singleton();
 	for (const Ref<Material> &material : materials_) {
-		// Set on the server and not on the material resource, because those values would be saved with it.
+		// Set the value on the RenderingServer. A value that is set on the Material would be saved
+		// with it.
 		server->material_set_param(material->get_rid(), viewers_name, places);
 		server->material_set_param(material->get_rid(), count_name, static_cast<int64_t>(viewers.size()));
 	}
@@ -117,7 +118,8 @@ void FadeViewers::clear() {
 		AllViewers::get().remove(viewer.id, this);
 	}
 	viewers_.clear();
-	write(AllViewers::get().nearest(glm::vec3(0.0F), most_viewers)); // Other nodes may share the materials.
+	// Other nodes may share these materials.
+	write(AllViewers::get().nearest(glm::vec3(0.0F), most_viewers));
 	materials_.clear();
 	written_ = 0;
 }

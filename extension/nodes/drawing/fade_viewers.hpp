@@ -17,15 +17,19 @@ namespace thicket {
 
 /// A viewer in the format of scatter_fade.gdshaderinc.
 struct FadeViewer {
-	std::uint64_t id = 0;  ///< The viewer's object ID in the engine.
-	glm::vec4 place{0.0F}; ///< Its position in the engine's space, and its Viewer::radius_scale minus 1.
+	std::uint64_t id = 0; ///< The viewer's object ID.
+	/// The viewer's position in the engine's space (xyz), and Viewer::radius_scale minus 1 (w).
+	glm::vec4 place{0.0F};
 };
 
-/// Passes viewers to the materials of a node's layers that include scatter_fade.gdshaderinc. Those materials measure fade distances from
-/// these viewers, whichever camera draws. Nodes may share materials, so each material gets the viewers of all nodes. Main thread only.
+/// Passes viewers to those materials of a node's layers that include scatter_fade.gdshaderinc.
+/// Those materials measure fade distances from these viewers, regardless of the camera that
+/// renders. Nodes may share materials, so each material receives the viewers of all nodes. Use it
+/// only on the main thread.
 class FadeViewers {
 public:
-	/// The largest number of viewers that the shader supports. If there are more, those nearest to the camera are used.
+	/// The maximum number of viewers that the shader supports. If there are more, only those
+	/// nearest to the camera are passed.
 	static constexpr std::size_t most_viewers = 8;
 
 	FadeViewers() = default;
@@ -35,11 +39,13 @@ public:
 
 	void set_layers(std::span<const SharedSnapshot> layers);
 
-	/// Sets the node's viewers for this frame. If there are none, the previous viewers stay, and so do the tiles.
-	/// `camera` is in the engine's space.
+	/// Sets the node's viewers for this frame. If `viewers` is empty, the previous viewers stay in
+	/// effect, because their tiles also stay. `camera` is the camera's position in the engine's
+	/// space.
 	void set_viewers(std::span<const FadeViewer> viewers, glm::vec3 camera);
 
-	/// Removes the node's viewers and releases its materials. The materials then fade with the distance to the camera.
+	/// Removes the node's viewers and releases its materials. Without viewers, the materials fade
+	/// by the distance to the camera.
 	void clear();
 
 private:
@@ -47,7 +53,9 @@ private:
 
 	std::vector<godot::Ref<godot::Material>> materials_;
 	std::vector<FadeViewer> viewers_;
-	std::uint64_t written_ = 0; ///< The version of all nodes' viewers last written to the materials; 0 if none was.
+	/// The version of the list of all nodes' viewers that was last written to the materials; 0
+	/// before the first write.
+	std::uint64_t written_ = 0;
 };
 
 } // namespace thicket

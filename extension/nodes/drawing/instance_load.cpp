@@ -12,12 +12,14 @@ namespace thicket {
 
 namespace {
 
-/// A warning is printed for more instances than this in one layer around a viewer. They take some 140 to 200 MB. Dense
-/// grass, with a radius of 0.2 m and a view distance of 128 m, has 1.2 million; no layer of the presets and the demo
-/// has more than 0.5 million.
+/// The number of a layer's instances around a viewer above which the node gets a configuration
+/// warning. So many instances take about 140 to 200 MB. For comparison, dense grass with a radius
+/// of 0.2 m and a view distance of 128 m has 1.2 million. No layer of the presets or the demo has
+/// more than 0.5 million.
 constexpr double many_instances = 2e6;
 
-/// Main memory for an instance besides its floats in the renderer, as shown by get_stats().
+/// The main memory that one instance takes, in bytes, as reported by get_stats(). Does not include
+/// its floats in the renderer.
 constexpr double kept_bytes = 20.0;
 
 double expected_in_view(const LayerSnapshot &layer) {

@@ -10,19 +10,21 @@
 
 namespace thicket {
 
-/// Finds layers whose settings need more instances than a machine can be expected to hold.
+/// Finds layers whose settings require more instances than a typical machine has memory for.
 class InstanceLoad {
 public:
-	/// Call it when the settings or the ground have changed.
+	/// Discards the results of `measure`. Call it when the settings or the ground have changed.
 	void forget() { shares_.clear(); }
 
-	/// Measures the share of the points that the rules keep. Call it while all tiles are displayed.
+	/// Measures the share of its points that each layer's rules keep. Call it while all tiles are
+	/// displayed.
 	void measure(const TileDisplay &display, std::span<const SharedSnapshot> layers);
 
 	void add_problems(std::span<const SharedSnapshot> layers, godot::PackedStringArray &r_problems) const;
 
 private:
-	std::vector<double> shares_; ///< The kept share of each layer's points, 0 to 1. Empty until measured.
+	/// The kept share of each layer's points, 0 to 1. Empty until measured.
+	std::vector<double> shares_;
 };
 
 } // namespace thicket

@@ -14,7 +14,8 @@ namespace {
 
 bool same_look(const MeshLook &a, const MeshLook &b) { return a.same_meshes(b) && a.look == b.look; }
 
-/// A mesh for each of the ranges: the original mesh if nothing fades, or if it has no surface.
+/// Returns a mesh for each of the ranges: a copy that fades, or the original mesh for `no_fade` and
+/// if no copy can be created.
 std::vector<Ref<Mesh>> faded(const Ref<Mesh> &mesh, std::span<const FadeRange> ranges) {
 	std::vector<FadeRange> needed;
 	std::ranges::copy_if(ranges, std::back_inserter(needed), [](const FadeRange &range) { return range != no_fade; });
@@ -67,7 +68,7 @@ void LodChain::make_next(const LodChain *before) {
 		}
 	}
 	if (known != nullptr) {
-		// Existing copies of the mesh fade over the same distances.
+		// Reuse the existing copies, which fade over the same distances.
 		variants = *known;
 	} else if (plain.fades) {
 		const std::vector<Ref<Mesh>> meshes = faded(plain.mesh, ranges);

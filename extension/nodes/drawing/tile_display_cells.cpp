@@ -1,4 +1,5 @@
-// How tiles are divided for drawing: near ones into cells, each with its own box, mesh and share, and far ones not at all.
+// This file divides tiles for drawing. Near tiles are divided into cells, each with its own bounds,
+// mesh and density. Far tiles are drawn as a whole.
 
 #include "nodes/drawing/tile_display.hpp"
 
@@ -9,7 +10,8 @@ using namespace godot;
 
 namespace thicket {
 
-/// The wanted division of a tile that currently has the division `shown`; 0 for a tile that is not visible.
+/// Returns the wanted division of a tile. `shown` is its current division; 0 if it is not displayed
+/// yet.
 std::uint32_t TileDisplay::division_of(const TileKey &key, const DisplayedTile &tile, std::uint32_t shown) const {
 	const LayerSnapshot *layer = layers_.find(key.layer);
 	return layer != nullptr && tile.draws_anything()
@@ -37,7 +39,7 @@ bool TileDisplay::divide_step() {
 	return true;
 }
 
-/// Uploads some cells of the tile that is being divided; shows them once all are uploaded.
+/// Uploads some cells of the tile that is being divided. Shows them when all are uploaded.
 void TileDisplay::continue_division() {
 	const auto [key, across] = *divisions_.current();
 	DisplayedTile &tile = tiles_.at(key);
@@ -59,7 +61,8 @@ void TileDisplay::continue_division() {
 		const DisplayedTile::Part &part = tile.parts[next_parts_.size()];
 		next_parts_.emplace_back();
 		if (!TileUploader::begin_part(tile, part.shown, part.lods, across, next_parts_.back())) {
-			cancel_division(); // There is no memory now: the next visit of the tile requests it again.
+			// Out of memory. The next visit of the tile requests the division again.
+			cancel_division();
 			return;
 		}
 	}
@@ -68,8 +71,8 @@ void TileDisplay::continue_division() {
 	}
 }
 
-/// Does everything in one call, so that no frame is drawn in between: shows the uploaded cells as they should be drawn, and hides the
-/// previous ones.
+/// Shows the uploaded cells and hides the previous ones. Does both in one call, so that no frame is
+/// drawn in between.
 void TileDisplay::finish_division(DisplayedTile &r_tile) {
 	const auto [key, across] = *divisions_.current();
 	std::vector<DisplayedTile::Part> next = std::exchange(next_parts_, {});

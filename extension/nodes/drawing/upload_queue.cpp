@@ -16,7 +16,7 @@ bool UploadQueue::choose(std::uint64_t ticket) {
 	}
 	current_ = std::move(found.mapped());
 	state_ = State::uploading;
-	part_uploaded(); // The upload may have been complete when it was put back.
+	part_uploaded(); // The upload may already have been complete when it was put back.
 	return true;
 }
 

@@ -12,29 +12,33 @@
 
 namespace thicket {
 
-/// A tile on its way from the workers to the display.
+/// A finished tile that is waiting for its upload or being uploaded.
 struct TileUpload {
 	std::shared_ptr<TileJob> job;
 
-	DisplayedTile tile;                                    ///< The parts uploaded until now, hidden.
-	std::vector<std::shared_ptr<const CompactMesh>> shown; ///< The instances to upload for each mesh, once it is begun.
-	std::uint64_t overlay_version = 0;                     ///< The version of the overlay when the upload was begun.
+	/// The parts uploaded so far, still hidden.
+	DisplayedTile tile;
+	/// The instances to upload for each mesh. Set when the upload begins.
+	std::vector<std::shared_ptr<const CompactMesh>> shown;
+	/// The version of the game's changes (the overlay) when the upload began.
+	std::uint64_t overlay_version = 0;
 
 	bool is_begun() const { return tile.tile != nullptr; }
 	bool is_complete() const { return is_begun() && tile.parts.size() >= shown.size() && !has_open_part(); }
 
-	/// The last part has cells that are not uploaded yet.
+	/// Returns true if the last part has cells that are not uploaded yet.
 	bool has_open_part() const { return !tile.parts.empty() && tile.parts.back().is_open(); }
 };
 
-/// Finished tiles that wait for their upload, and the current tile, which is uploaded part by part over several frames.
-/// TileDisplay draws the tiles. Main thread only.
+/// The finished tiles that are waiting for their upload, and the current tile, which is uploaded
+/// part by part over several frames. TileDisplay uploads and draws these tiles. Use it only on the
+/// main thread.
 class UploadQueue {
 public:
 	enum class State : std::uint8_t {
 		idle,      ///< There is no current tile.
-		uploading, ///< Parts of the current tile are still to be uploaded.
-		complete,  ///< The current tile is uploaded, and waits to be taken or put back.
+		uploading, ///< Parts of the current tile are not uploaded yet.
+		complete,  ///< The current tile is uploaded and must be taken or put back.
 	};
 
 	State state() const { return state_; }
@@ -42,11 +46,11 @@ public:
 	/// Queues a finished job.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Makes a waiting tile the current one. Call it only while no tile is current. Returns false if no tile with this
-	/// ticket waits.
+	/// Makes the waiting tile whose request has this ticket (a unique number) the current one. Call
+	/// it only while there is no current tile. Returns false if there is no such tile.
 	bool choose(std::uint64_t ticket);
 
-	/// The current tile. Call `part_uploaded` after each upload of a part.
+	/// Returns the current tile. Call `part_uploaded` after each upload of a part.
 	TileUpload &current() { return current_; }
 	void part_uploaded();
 
@@ -56,17 +60,18 @@ public:
 	/// Returns the current tile to the queue, with the parts that are already uploaded.
 	void put_back();
 
-	/// Removes a waiting or current tile; empty if there is none with this ticket.
+	/// Removes the waiting or current tile with this ticket, and returns it. Returns nothing if
+	/// there is no such tile.
 	std::optional<TileUpload> remove(std::uint64_t ticket);
 
-	/// The number of waiting tiles, including the current one.
+	/// Returns the number of waiting tiles, including the current one.
 	std::size_t size() const { return waiting_.size() + (state_ != State::idle ? 1 : 0); }
 	void clear();
 
 private:
 	State state_ = State::idle;
 	TileUpload current_;
-	std::unordered_map<std::uint64_t, TileUpload> waiting_; ///< By ticket.
+	std::unordered_map<std::uint64_t, TileUpload> waiting_; ///< The waiting tiles, keyed by ticket.
 };
 
 } // namespace thicket

@@ -16,13 +16,14 @@ namespace {
 
 constexpr const char *time_name = "wind_time";
 
-/// As the engine's TIME, so that 32-bit numbers in shaders stay exact enough.
+/// The time wraps after this many seconds, like the engine's TIME, so that 32-bit floats in shaders
+/// stay precise.
 constexpr double longest_time = 3600.0;
 
-/// The time that all nodes have.
+/// The time that all nodes share.
 struct SharedTime {
 	double seconds = 0.0;
-	std::uint64_t frame = 0; ///< The frame in which it was advanced last.
+	std::uint64_t frame = 0; ///< The frame in which the time was last advanced.
 
 	static SharedTime &get() {
 		static SharedTime time;
@@ -42,7 +43,8 @@ void WindTime::advance(double seconds, std::uint64_t frame) {
 		time.seconds = std::fmod(time.seconds + seconds, longest_time);
 	}
 	for (const Ref<Material> &material : materials_) {
-		// Set on the server and not on the material resource, because the value would be saved with it.
+		// Set the value on the RenderingServer. A value that is set on the Material would be saved
+		// with it.
 		RenderingServer::get_singleton()->material_set_param(material->get_rid(), time_name, time.seconds);
 	}
 }

@@ -11,13 +11,14 @@
 
 namespace thicket {
 
-/// Passes the time of the wind to the materials of a node's layers that include foliage.gdshaderinc. They do not use the shader's TIME, because the
-/// editor would then draw without a pause. All nodes pass the same time, as they may share materials. Main thread only.
+/// Passes the wind's time to those materials of a node's layers that include foliage.gdshaderinc.
+/// These materials do not use the shader's TIME, which would make the editor redraw continuously.
+/// All nodes pass the same time, because they may share materials. Use it only on the main thread.
 class WindTime {
 public:
 	void set_layers(std::span<const SharedSnapshot> layers);
 
-	/// Writes the time of a frame. `seconds` have passed since the last frame.
+	/// Advances the shared time by `seconds`, once per `frame`, and writes it to the materials.
 	void advance(double seconds, std::uint64_t frame);
 
 private:

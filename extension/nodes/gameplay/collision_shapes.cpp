@@ -16,10 +16,10 @@ namespace thicket {
 
 namespace {
 
-/// Fewer points than this span no body.
+/// The minimum number of points that can enclose a volume.
 constexpr std::size_t min_corners = 4;
 
-/// Sides of a shape in meters, within the range that physics engines can work with.
+/// The range of a shape's sides that physics engines can handle, in meters.
 constexpr float min_side = 1e-3F;
 constexpr float max_side = 1e5F;
 
@@ -75,7 +75,7 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &s
 	const Ref<Mesh> &of = source.meshes[mesh];
 	Corners &corners = corners_[of->get_instance_id()];
 	if (corners.number != 0 && corners.box == source.boxes[mesh]) {
-		// The mesh has not changed since its hull was created.
+		// The mesh is unchanged, so its hull is still valid.
 		return usable(corners);
 	}
 	corners = {source.boxes[mesh], ++last_number_, convex_corners(of)};
@@ -85,7 +85,7 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const ShapeSource &s
 const CollisionShapes::Corners *CollisionShapes::corners_of(const BodyPart &part) {
 	const auto found = std::ranges::find(part_corners_, part, &std::pair<BodyPart, Corners>::first);
 	if (found != part_corners_.end()) {
-		// Equal parts have the same corners.
+		// Equal parts share their corners.
 		return usable(found->second);
 	}
 	part_corners_.push_back({part, {AABB(), ++last_number_, part.corners}});
@@ -94,7 +94,7 @@ const CollisionShapes::Corners *CollisionShapes::corners_of(const BodyPart &part
 	return usable(corners);
 }
 
-/// Null for corners that span no body.
+/// Returns `corners`, or null if there are too few to enclose a volume.
 const CollisionShapes::Corners *CollisionShapes::usable(const Corners &corners) {
 	return corners.points.size() >= min_corners ? &corners : nullptr;
 }
@@ -105,7 +105,7 @@ CollisionShapes::Shape *CollisionShapes::take(const Key &key, const std::vector<
 		found->second = make(key, corners);
 		found->second.key = &found->first;
 	} else {
-		// One shape serves all bodies of its size.
+		// All bodies of this size share the shape.
 		idle_ -= found->second.users == 0 ? 1 : 0;
 	}
 	++found->second.users;
@@ -123,7 +123,7 @@ void CollisionShapes::add_part(const BodyPart &part, const BodyFit &fit, std::ve
 	}
 	const BodyPart stands = thicket::scaled(part, scale);
 	const glm::vec3 size{side(stands.size.x), side(stands.size.y), side(stands.size.z)};
-	// The smallest height of a capsule is that of a sphere.
+	// The height of a capsule is at least its diameter. At that height, it is a sphere.
 	const float height = part.kind == BodyPart::Kind::capsule ? std::max(size.x, size.y) : size.y;
 	r_shapes.push_back({take({part.kind, 0, size.x, height, size.z}, none), stands.rotation, stands.origin});
 }

@@ -19,13 +19,16 @@
 
 namespace thicket {
 
-/// The data that the shapes of a layer are created from.
+/// The data from which the collision shapes of a layer are created.
 struct ShapeSource {
 	ScatterLayer::CollisionShape kind = ScatterLayer::COLLISION_NONE;
 	InstanceShape cylinder;
-	std::vector<godot::Ref<godot::Mesh>> meshes; ///< For convex shapes only; null entries have none.
-	std::vector<godot::AABB> boxes;              ///< One for each mesh; a different box means a changed mesh.
-	std::vector<std::vector<BodyPart>> parts;    ///< Those of the meshes' models, if the models provide the shapes.
+	/// The meshes for convex shapes. A null mesh has no shape.
+	std::vector<godot::Ref<godot::Mesh>> meshes;
+	/// The bounding box of each mesh. A different box means that the mesh has changed.
+	std::vector<godot::AABB> boxes;
+	/// The body parts of each mesh's model, if the models provide the shapes.
+	std::vector<std::vector<BodyPart>> parts;
 
 	friend bool operator==(const ShapeSource &a, const ShapeSource &b) {
 		return a.kind == b.kind && a.cylinder.radius == b.cylinder.radius && a.cylinder.height == b.cylinder.height &&
@@ -33,26 +36,29 @@ struct ShapeSource {
 	}
 };
 
-/// Shapes of the PhysicsServer3D, shared by all instances of nearly the same size (see BodyFit). Unused shapes are kept for a while. Main
-/// thread only.
+/// A cache of PhysicsServer3D shapes. Instances of nearly the same size share a shape (see
+/// BodyFit). Some unused shapes are kept for reuse. Use it only on the main thread.
 class CollisionShapes {
 public:
-	/// The kind, Corners::number (0 if there are none), and three sizes: in meters, or the scale of the corners.
+	/// The kind, Corners::number (0 for shapes without corners), and three sizes in meters. For
+	/// convex shapes, the sizes are the scale of the corners.
 	using Key = std::tuple<BodyPart::Kind, std::uint64_t, float, float, float>;
 
-	/// Keeps its address as long as it has users.
+	/// A shape, and the number of bodies that use it. The address of the shape is stable while it
+	/// has users.
 	struct Shape {
 		godot::RID rid;
 		std::size_t users = 0;
 		const Key *key = nullptr;
-		bool listed = false; ///< True if it is in the list of idle shapes; it may have users again.
+		bool listed = false; ///< True if the shape is in `idle_list_`, even if it has users again.
 	};
 
-	/// A shape with its transform in a body. The axes of the body are those of the instance, without its scale.
+	/// A shape and its transform in a body. The body's axes are the instance's axes without their
+	/// scale.
 	struct Placed {
 		Shape *shape = nullptr;
 		glm::mat3 rotation{1.0f};
-		glm::vec3 origin{0.0f}; ///< Meters.
+		glm::vec3 origin{0.0f}; ///< The position of the shape in the body, in meters.
 	};
 
 	CollisionShapes() = default;
@@ -60,25 +66,27 @@ public:
 	CollisionShapes &operator=(const CollisionShapes &) = delete;
 	~CollisionShapes() { clear(); }
 
-	/// Returns the shapes of an instance and counts them as used. Empty if there is nothing to collide with.
+	/// Returns the shapes of an instance, and increments their user counts. The result is empty if
+	/// there is nothing to collide with. Pass it to `give_back` when the body is removed.
 	std::vector<Placed> take(const ShapeSource &source, std::uint32_t mesh, const BodyFit &fit);
 	void give_back(const std::vector<Placed> &shapes);
 
-	/// Frees a few unused shapes while more than `max_idle` are unused. Returns false if nothing can be freed.
+	/// Frees a few unused shapes if there are more than `max_idle`. Returns false if there is
+	/// nothing to free.
 	bool free_some();
 
-	/// Frees all shapes; none may be in use any more.
+	/// Frees all shapes, none of which may be in use.
 	void clear();
 
-	/// The largest number of unused shapes to keep.
+	/// The maximum number of unused shapes to keep.
 	static constexpr std::size_t max_idle = 256;
-	/// The number of further shapes that one call of `free_some` frees.
+	/// The maximum number of shapes that one call of `free_some` frees.
 	static constexpr int freed_at_once = 16;
 
 private:
 	/// The corners of a mesh's convex hull at scale 1.
 	struct Corners {
-		godot::AABB box; ///< The box of the mesh when they were read.
+		godot::AABB box; ///< The mesh's bounding box when the corners were read.
 		std::uint64_t number = 0;
 		std::vector<glm::vec3> points;
 	};
@@ -91,9 +99,12 @@ private:
 	void add_part(const BodyPart &part, const BodyFit &fit, std::vector<Placed> &r_shapes);
 
 	std::map<Key, Shape> shapes_;
-	std::deque<Shape *> idle_list_; ///< Shapes without users, the longest idle first, and some that have users again.
-	std::map<std::uint64_t, Corners> corners_;               ///< By the mesh's object ID.
-	std::vector<std::pair<BodyPart, Corners>> part_corners_; ///< For convex parts of models.
+	/// Shapes without users; those without users for the longest time come first. May also contain
+	/// shapes that have users again.
+	std::deque<Shape *> idle_list_;
+	std::map<std::uint64_t, Corners> corners_; ///< The corners of each mesh, keyed by its object ID.
+	/// The corners of convex body parts of models.
+	std::vector<std::pair<BodyPart, Corners>> part_corners_;
 	std::uint64_t last_number_ = 0;
 	std::size_t idle_ = 0;
 };

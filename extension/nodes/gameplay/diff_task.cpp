@@ -38,7 +38,8 @@ void DiffTask::start(Object *p_owner) {
 	owner_ = p_owner;
 	auto held = std::make_unique<std::shared_ptr<DiffTask>>(shared_from_this());
 	if (has_threads()) {
-		// The task has high priority, because tiles may keep the rest of the pool busy for a long time.
+		// Use a high priority, because low-priority tile tasks may keep their threads busy for a
+		// long time.
 		task_ = WorkerThreadPool::get_singleton()->add_native_task(
 				&DiffTask::run, held.release(), true, "Thicket diff");
 	} else {
@@ -111,7 +112,9 @@ void Leavings::forget_those_that_ended() {
 		if (!pool->is_task_completed(task)) {
 			return false;
 		}
-		pool->wait_for_task_completion(task); // It is completed; this call makes the pool forget it.
+		// Make the pool forget the task. The call returns immediately, because the task is
+		// completed.
+		pool->wait_for_task_completion(task);
 		return true;
 	});
 }

@@ -21,52 +21,62 @@ namespace thicket {
 
 godot::PackedInt64Array ids_of_changes(std::span<const InstanceChange> changes);
 
-/// A diff between ScatterState.apply_diff_async and its callback. The engine's WorkerThreadPool processes the diff; if
-/// the pool has no threads, the caller does so immediately. All other work happens on the main thread.
+/// A diff (the changes of a state as bytes, from a peer) that ScatterState.apply_diff_async has
+/// received. The task exists until its callback is called. A task of the engine's WorkerThreadPool
+/// processes the diff. If the pool has no threads, `start` processes it immediately. All other work
+/// happens on the main thread.
 class DiffTask : public std::enable_shared_from_this<DiffTask> {
 public:
 	DiffTask(const godot::PackedByteArray &p_diff, const godot::Callable &p_callback);
 
-	/// The bytes that `apply_diff_async` received.
+	/// Returns the bytes that `apply_diff_async` received.
 	std::span<const std::uint8_t> bytes() const;
 
-	/// True if the work can start: earlier calls are finished, and there is enough memory.
+	/// Returns true if the diff can be processed: earlier diffs are finished, and there is enough
+	/// memory.
 	bool can_work() const { return diff != nullptr && diff->can_work(); }
 
-	/// Processes the diff, then defers a call of `p_owner`'s `_finish_diffs` to idle time. Call it only once, and only if `can_work`.
+	/// Processes the diff in the pool, then defers a call of `p_owner`'s method `_finish_diffs`.
+	/// Call `start` only once, and only if `can_work` is true.
 	void start(godot::Object *p_owner);
 	bool done() const { return done_.load(std::memory_order_acquire); }
 
-	/// Finishes the work: waits for the thread that processes the diff, or processes it on the calling thread.
+	/// Waits until the diff is processed. If no thread has started on it, processes it on the
+	/// calling thread.
 	void finish();
 
-	/// Discards the result. Waits some milliseconds for the thread.
+	/// Discards the result. May wait a few milliseconds for the thread that processes the diff.
 	void cancel();
 
-	/// Calls the callback, which may do anything, and releases it.
+	/// Calls the callback with `error`, if there is a callback, and releases it. The callback is a
+	/// script, which may change or free anything.
 	void tell(godot::Error error);
 
-	/// Returns the pool's task number once, to a caller that waits for the task itself; -1 if there is no task.
+	/// Returns the pool's task ID to a caller that will wait for the task itself. Returns -1 if
+	/// there is no task, or if the ID was already taken.
 	std::int64_t take_task() { return std::exchange(task_, -1); }
 
-	std::shared_ptr<PendingDiff> diff; ///< Null if there was no memory for one; `refused` then has the error.
+	/// The processed diff. Null if memory was insufficient; `refused` then has the error.
+	std::shared_ptr<PendingDiff> diff;
 	Status refused;
-	godot::PackedInt64Array ids; ///< For all changes, once it is done.
+	godot::PackedInt64Array ids; ///< The instance IDs of all changes, once the diff is processed.
 
 private:
 	static void run(void *p_task);
 	void work();
 
 	const godot::PackedByteArray bytes_;
-	godot::Variant callback_; ///< Null if there is none. Released on the main thread, with its bound arguments.
-	std::mutex mutex_;        ///< Guards the following members.
+	/// The callback; null if there is none. Released on the main thread, along with its bound
+	/// arguments.
+	godot::Variant callback_;
+	std::mutex mutex_; ///< Guards the following members.
 	godot::Object *owner_ = nullptr;
 	std::atomic<bool> done_ = false;
 	std::int64_t task_ = -1;
 };
 
-/// Frees large objects on the engine's WorkerThreadPool, because freeing a hundred megabytes takes longer than a frame
-/// may. Main thread only.
+/// Frees large objects on the engine's WorkerThreadPool, because freeing a hundred megabytes would
+/// exceed the frame budget. Use it only on the main thread.
 class Leavings {
 public:
 	Leavings() = default;
@@ -74,16 +84,17 @@ public:
 	Leavings(const Leavings &) = delete;
 	Leavings &operator=(const Leavings &) = delete;
 
-	/// Frees them immediately if there are no threads.
+	/// Frees the objects once nothing else holds them. Frees them immediately if the pool has no
+	/// threads.
 	void let_go(std::vector<std::shared_ptr<const void>> unneeded);
 
-	/// Makes the pool forget a task that has ended or soon will; -1 for none.
+	/// Releases a pool task once it has ended. Ignores -1.
 	void forget(std::int64_t task);
 
 private:
 	void forget_those_that_ended();
 
-	std::vector<std::int64_t> tasks_; ///< Tasks that the pool has not yet been queried about since they ended.
+	std::vector<std::int64_t> tasks_; ///< Tasks that have not been released yet.
 };
 
 } // namespace thicket

@@ -20,20 +20,20 @@ namespace thicket {
 
 namespace {
 
-/// A node that takes part in parses, and its method to call.
+/// A node that adds geometry to parses, and its method to call.
 struct Entry {
 	const NavigationParse *parse = nullptr;
 	Node3D *node = nullptr;
 	StringName method;
 };
 
-/// The parser that the engine calls.
+/// The parser that the engine calls, shared by all nodes.
 struct Parser {
 	RID rid;
 	std::vector<Entry> nodes;
 
-	/// Makes the engine call the first of the nodes, or no node if the list is empty. If `later` is true, defers this,
-	/// because the engine is calling at the moment.
+	/// Sets the parser's callback to the method of the first node, or to none if the list is empty.
+	/// If `later` is true, defers this, because the engine is running the current callback.
 	void call_first(bool later) const {
 		NavigationServer3D *server = NavigationServer3D::get_singleton();
 		const Callable callback = nodes.empty() ? Callable() : Callable(nodes.front().node, nodes.front().method);
@@ -45,16 +45,17 @@ struct Parser {
 	}
 };
 
-/// Never freed, because the engine's names in it would outlive the engine. It is empty once all nodes are freed.
+/// Returns the shared parser. It is never freed, because its StringNames must not be destroyed
+/// after the engine. Its list is empty once all nodes are freed.
 Parser &shared_parser() {
 	static Parser *const parser = new Parser; // NOLINT
 	return *parser;
 }
 
-/// Meters: far enough from any region's origin to read its axes from floats.
+/// A distance in meters, large enough to recover a region's axes precisely from floats.
 constexpr real_t far_away = 1 << 20;
 
-/// The first node passes its calls on to the others.
+/// Forwards a call from the first node to all others. Does nothing for any other node.
 void hand_on(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
 		const Ref<NavigationMeshSourceGeometryData3D> &p_geometry, const Node *p_node) {
 	const std::vector<Entry> nodes = shared_parser().nodes;
@@ -65,13 +66,14 @@ void hand_on(const NavigationParse *from, const Ref<NavigationMesh> &p_mesh,
 		const auto here = [&entry](const Entry &other) {
 			return other.parse == entry.parse;
 		};
-		if (std::ranges::any_of(shared_parser().nodes, here)) { // A script may have taken it out of the tree.
+		// A script may have removed the node in the meantime.
+		if (std::ranges::any_of(shared_parser().nodes, here)) {
 			entry.node->call(entry.method, p_mesh, p_geometry, p_node);
 		}
 	}
 }
 
-/// The last descendant of this node that the engine visits.
+/// Returns the last node that the engine visits in the branch of `node`.
 const Node *last_below(const Node *node) {
 	while (const int64_t count = node->get_child_count(true)) {
 		node = node->get_child(static_cast<int32_t>(count - 1), true);
@@ -83,7 +85,8 @@ const Node *member_of(const TypedArray<Node> &group, int64_t index) {
 	return Object::cast_to<Node>(group[index].operator Object *());
 }
 
-/// How often a node is visited: once for itself and once for each of its ancestors, if they are in the group.
+/// Returns how often the engine visits a node: once if it is in the group, and once more for each
+/// ancestor in the group.
 int visits_of(const Node *node, const TypedArray<Node> &group) {
 	std::set<const Node *> way;
 	for (; node != nullptr; node = node->get_parent()) {
@@ -96,8 +99,9 @@ int visits_of(const Node *node, const TypedArray<Node> &group) {
 	return visits;
 }
 
-/// The transform from the engine's space to that of the bake. The engine does not expose it but applies it to faces, so some faces are
-/// added and then removed.
+/// Returns the transform from the engine's space to the bake's space. The engine does not expose
+/// this transform, but applies it to faces. So this function adds probe faces, reads them back and
+/// removes them. Returns the identity if the probe faces cannot be read.
 Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	const PackedFloat32Array vertices = r_geometry.get_vertices();
 	const PackedInt32Array indices = r_geometry.get_indices();
@@ -108,8 +112,8 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	corner[3] = Vector3(0, 0, far_away);
 	r_geometry.add_faces(faces, Transform3D());
 	const PackedFloat32Array probed = r_geometry.get_vertices();
-	// The setter of indices accepts at most as many indices as there are numbers in the vertices, but most meshes have
-	// more.
+	// `set_indices` accepts at most as many indices as there are floats in the vertices. Most
+	// meshes have more indices, so the vertices are padded first.
 	r_geometry.set_vertices(resized_copy(vertices, std::max(vertices.size(), indices.size())));
 	r_geometry.set_indices(indices);
 	r_geometry.set_vertices(vertices);
@@ -126,7 +130,8 @@ Transform3D space_of(NavigationMeshSourceGeometryData3D &r_geometry) {
 	return space;
 }
 
-/// The box that is baked: the box that the mesh specifies, or otherwise the bounds of all geometry found.
+/// Finds the box to bake: the mesh's `filter_baking_aabb`, or the bounds of all geometry if the
+/// filter is empty.
 void find_box(const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_geometry, NavigationBake &r_bake) {
 	const AABB filter = mesh.get_filter_baking_aabb();
 	const bool filtered = filter.size.x > 0 && filter.size.y > 0 && filter.size.z > 0;
@@ -162,7 +167,8 @@ void NavigationParse::stop() {
 	}
 }
 
-/// Finds the node that the engine visits last: depth first, or through a group in the order of the tree.
+/// Starts to follow a parse, and determines the last node that the engine will visit. The engine
+/// visits nodes depth first, or visits a group in tree order.
 void NavigationParse::begin(
 		const NavigationMesh &mesh, NavigationMeshSourceGeometryData3D &r_geometry, const Node &first) {
 	const NavigationMesh::SourceGeometryMode mode = mesh.get_source_geometry_mode();

@@ -15,29 +15,32 @@
 
 namespace thicket {
 
-/// The input of a navigation mesh bake, once the engine has gathered all of it.
+/// The input of a navigation mesh bake, after the engine has parsed all other source geometry.
 struct NavigationBake {
 	godot::Ref<godot::NavigationMeshSourceGeometryData3D> geometry;
 	NavigationAgent agent;
-	std::optional<std::int64_t> collision_mask; ///< The physics layers that count; empty if bodies do not count.
+	/// The physics layers whose bodies are baked; empty if no bodies are baked.
+	std::optional<std::int64_t> collision_mask;
 
-	// The space of the bake, which is the region's own: basis * engine's position + origin.
+	// The transform from the engine's space to the bake's space, which is the region's local space:
+	// basis * position + origin.
 	glm::dmat3 basis{1.0};
 	glm::dvec3 origin{0.0};
 
-	// The box that is baked, in that space; inverted if there is none.
+	// The box to bake, in the bake's space. If there is none, `min` is above `max`.
 	glm::dvec3 min{1.0};
 	glm::dvec3 max{-1.0};
 };
 
-/// A node's part in the engine's parses of source geometry for navigation meshes. For each node of the region, in
-/// order, the engine calls a parser with the geometry gathered until then. It bakes immediately after the last node.
-/// The instances in a bake can only be queried once all of the ground is gathered. So the parser adds them at the last
-/// node, wherever the scatter is in the tree. Main thread only.
+/// Finds out when the engine has parsed all source geometry of a navigation mesh, so that a node
+/// can add its instances. The engine calls a parser for each node of the region, in order, and
+/// bakes immediately after the last one. Instances can only be queried after all ground geometry is
+/// parsed. Therefore they are added at the last node, wherever the TerrainScatter3D is in the tree.
+/// Use it only on the main thread.
 ///
-/// All nodes share one parser, which is never freed. The engine works with a copy of its list of parsers, so for a
-/// while it may call a freed parser, or miss a new one. The engine calls the first of the nodes, which forwards the
-/// call to the others.
+/// All nodes share one parser, which is never freed. The engine iterates over a copy of its list of
+/// parsers, so it might call a freed parser, or miss a new one. The engine calls the first
+/// registered node, which forwards the call to the others.
 class NavigationParse {
 public:
 	NavigationParse() = default;
@@ -45,18 +48,19 @@ public:
 	NavigationParse &operator=(const NavigationParse &) = delete;
 	~NavigationParse() { stop(); }
 
-	/// From now on the engine calls `p_method` of `p_node` with a NavigationMesh, its source geometry and a node.
+	/// Makes the engine call `p_method` of `p_node` in every parse, with a NavigationMesh, its
+	/// source geometry and the visited node.
 	void start(godot::Node3D *p_node, const godot::StringName &p_method);
 	void stop();
 
-	/// Handles a call of the engine. Returns true at the end of a parse that has found `p_own`, and sets `r_bake` to
-	/// the input of the bake.
+	/// Handles a call from the engine. Returns true at the last node of a parse that has visited
+	/// `p_own`, and sets `r_bake` to the input of the bake.
 	bool visit(const godot::Ref<godot::NavigationMesh> &p_mesh,
 			const godot::Ref<godot::NavigationMeshSourceGeometryData3D> &p_geometry, const godot::Node *p_node,
 			const godot::Node *p_own, NavigationBake &r_bake);
 
-	/// Set this while code in such a call runs scripts. The engine is then using the parser's callback, so `stop`
-	/// replaces the callback later.
+	/// Sets whether scripts run inside a call of `visit`. The engine is then using the parser's
+	/// callback, so `stop` defers replacing it.
 	void set_busy(bool busy) { busy_ = busy; }
 
 private:
@@ -65,11 +69,13 @@ private:
 
 	bool busy_ = false;
 
-	// The parse in progress, by object IDs; 0 if there is none.
+	// The object IDs of the parse in progress; 0 if there is none.
 	std::uint64_t geometry_ = 0;
 	std::uint64_t first_ = 0;
 	std::uint64_t last_ = 0;
-	int visits_left_ = 0; ///< Remaining calls for the last node: a group may have a node and an ancestor of it.
+	/// The number of remaining calls for the last node. The engine may visit it several times,
+	/// because a group can contain a node and its ancestors.
+	int visits_left_ = 0;
 	bool found_ = false;
 	glm::dmat3 basis_{1.0};
 	glm::dvec3 origin_{0.0};

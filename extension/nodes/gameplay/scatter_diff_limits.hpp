@@ -10,15 +10,16 @@
 
 namespace thicket {
 
-/// Limits on how diffs from others may change a ScatterState. The default values of a new object suit a server that
-/// receives diffs from players. A state without limits uses the defaults of DiffLimits, which suit a client that
-/// follows its server. Setting a number out of its range prints an error and changes nothing.
+/// Limits on how diffs (changes as bytes, from peers) may change a ScatterState. The defaults of a
+/// new object suit a server that receives diffs from players. A state without limits uses the
+/// defaults of DiffLimits, which suit a client that follows its server. Setting a property to a
+/// value out of its range prints an error and changes nothing.
 class ScatterDiffLimits : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterDiffLimits, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// See DiffLimits. Counts are 0 to max_count.
+	/// These setters limit counts, each from 0 to max_count; see DiffLimits.
 	void set_max_changes(int64_t p_count);
 	int64_t get_max_changes() const { return static_cast<int64_t>(limits_.max_changes); }
 	void set_max_total_changes(int64_t p_count);
@@ -26,18 +27,19 @@ public:
 	void set_max_added(int64_t p_count);
 	int64_t get_max_added() const { return static_cast<int64_t>(limits_.max_added); }
 
-	/// Bytes, 0 to max_instance_data.
+	/// Sets the maximum size of an instance's data in bytes, 0 to max_instance_data.
 	void set_max_data_size(int64_t p_bytes);
 	int64_t get_max_data_size() const { return static_cast<int64_t>(limits_.max_data_size); }
 
-	/// World meters, finite; a rectangle without an area sets no bound.
+	/// Sets the area in which diffs may change instances, in world meters. All numbers must be
+	/// finite. A rectangle without an area sets no limit.
 	void set_area(const godot::Rect2 &p_area);
 	godot::Rect2 get_area() const { return area_; }
 
 	void set_allow_replacement(bool p_allow);
 	bool is_replacement_allowed() const { return limits_.allow_replacement; }
 
-	/// Seconds, 0 to max_state_time.
+	/// Sets by how many seconds a diff may advance the clock, 0 to max_state_time.
 	void set_max_clock_advance(double p_seconds);
 	double get_max_clock_advance() const { return limits_.max_clock_advance; }
 
@@ -52,7 +54,7 @@ protected:
 private:
 	void set_count(const char *p_property, int64_t p_count, int64_t p_max, std::uint64_t &r_limit);
 
-	/// For players: a server expects single changes from them.
+	/// The defaults suit a server, which expects only small changes from players.
 	DiffLimits limits_{.max_changes = 65536,
 			.max_total_changes = 1'000'000,
 			.max_added = 65536,

@@ -24,7 +24,7 @@ Ref<ScatterInstances> ScatterRequest::get_result() const {
 	return result_.is_valid() ? result_ : ScatterInstances::make_empty();
 }
 
-/// False if it was already completed.
+/// Stores the result. Returns false if the request was already completed.
 bool ScatterRequest::finish(const Ref<ScatterInstances> &p_result, bool p_canceled) {
 	const std::lock_guard lock(mutex_);
 	if (std::exchange(completed_, true)) {
@@ -38,7 +38,7 @@ bool ScatterRequest::finish(const Ref<ScatterInstances> &p_result, bool p_cancel
 bool ScatterRequest::cancel() {
 	const bool first = finish({}, true);
 	if (first) {
-		tell_later(); // The node detects that in its next frame.
+		tell_later(); // The node detects the cancellation in its next frame.
 	}
 	return first;
 }
@@ -56,8 +56,8 @@ void ScatterRequest::give_up() {
 }
 
 void ScatterRequest::tell_later() {
-	call_deferred("_tell",
-			Ref<ScatterRequest>(this)); // The call holds the request, because a script that awaits it does not.
+	// Pass the request to the call, to keep it alive. A script that awaits the signal does not.
+	call_deferred("_tell", Ref<ScatterRequest>(this));
 }
 
 void ScatterRequest::tell(const Ref<ScatterRequest> &) { emit_signal("completed", get_result()); }

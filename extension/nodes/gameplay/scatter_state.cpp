@@ -20,7 +20,8 @@ namespace thicket {
 
 namespace {
 
-/// A value as bytes; empty for null. False for an object, and for a value that is far too large.
+/// Encodes a value as bytes, none for null. Returns false for an object, and for a value of more
+/// than `far_too_large` bytes.
 bool encode(const Variant &p_value, PackedByteArray &r_bytes) {
 	constexpr int64_t far_too_large = 1 << 24;
 	r_bytes = PackedByteArray();
@@ -58,7 +59,8 @@ bool ScatterState::remove(int64_t p_id, double p_until) {
 std::vector<std::uint64_t> ScatterState::remove_all(std::span<const Removal> removals) {
 	std::vector<InstanceChange> changes;
 	std::vector<std::uint64_t> ids;
-	changes.reserve(removals.size()); // Reserved before any change, because every change must be reported.
+	// Reserve first: a later allocation failure would leave changes unreported.
+	changes.reserve(removals.size());
 	ids.reserve(removals.size());
 	for (const auto &[id, until] : removals) {
 		InstanceChange change{id, InstanceChangeKind::removed, {}};
@@ -151,7 +153,8 @@ bool ScatterState::set_data_by_id(std::uint64_t id, const Variant &p_data) {
 Variant ScatterState::get_instance_data(int64_t p_id) const { return decoded(state_.data(core_id(p_id))); }
 
 bool ScatterState::find_layer_ids(const char *p_method, const Variant &p_layers, std::vector<int> &r_ids) const {
-	TypedArray<ScatterLayer> known = layers_of_nodes(); // Their names count. Those that are passed follow.
+	// Names refer to these layers. The passed layers are appended.
+	TypedArray<ScatterLayer> known = layers_of_nodes();
 	const bool is_list = p_layers.get_type() == Variant::ARRAY;
 	const Array passed = is_list ? static_cast<Array>(p_layers) : Array();
 	for (int64_t at = is_list ? 0 : -1; at < passed.size(); ++at) {

@@ -1,4 +1,5 @@
-// A ScatterState as a file of bytes, and as a resource that the engine has cached.
+// This file saves a ScatterState to a file, loads it, and warns about states in the engine's
+// resource cache.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/file_replace.hpp"

@@ -1,4 +1,5 @@
-// Diffs from others: a ScatterState inspects them, limits them, and finds out which ones are missing.
+// This file contains the methods of ScatterState that deal with diffs from peers. They inspect,
+// limit and merge diffs, and find missing ones.
 
 #include "core/base/split_mix.hpp"
 #include "core/state/diff_summary.hpp"
@@ -19,7 +20,8 @@ namespace thicket {
 
 namespace {
 
-/// A number that no other state has, in this or any other run: a random number for each run, and a count.
+/// Returns a nonzero number that no other state has, in this or any other run: a hash of a random
+/// number per run and a counter.
 std::uint64_t new_origin() {
 	static const std::uint64_t run = [] {
 		std::random_device device;

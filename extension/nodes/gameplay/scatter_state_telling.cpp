@@ -1,4 +1,5 @@
-// Notifications about changes of a ScatterState, and diffs that are applied on a thread.
+// This file notifies listeners and scripts of changes of a ScatterState, and applies diffs on a
+// thread.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
@@ -14,10 +15,10 @@ namespace thicket {
 
 namespace {
 
-/// More changes than this are freed on a thread.
+/// The number of changes above which a list is freed on a thread.
 constexpr std::size_t many_changes = 16384;
 
-/// Appends the IDs of the changes to an array that already contains others.
+/// Appends the IDs of the changes to `r_ids`.
 void add_ids(std::span<const InstanceChange> changes, PackedInt64Array &r_ids) {
 	const int64_t first = r_ids.size();
 	r_ids = resized_copy(r_ids, first + static_cast<int64_t>(changes.size()));
@@ -54,7 +55,8 @@ void ScatterState::tell(std::vector<InstanceChange> changes) {
 
 void ScatterState::follow(Untold untold) {
 	if (untold.changes != nullptr) {
-		for (const std::weak_ptr<StateListener> &listener : listeners_) { // No listener runs scripts, so none leaves.
+		// state_changed() runs no scripts, so the list cannot change during the loop.
+		for (const std::weak_ptr<StateListener> &listener : listeners_) {
 			if (const std::shared_ptr<StateListener> held = listener.lock()) {
 				held->state_changed(untold.changes);
 			}
@@ -65,7 +67,7 @@ void ScatterState::follow(Untold untold) {
 
 void ScatterState::tell_untold() {
 	if (telling_ || untold_.empty()) {
-		return; // Called by a handler: the outer call will report this change, too.
+		return; // Called by a signal handler. The outer call reports this change, too.
 	}
 	const Ref<ScatterState> self(this); // A handler may release the last other reference.
 	telling_ = true;
@@ -74,7 +76,7 @@ void ScatterState::tell_untold() {
 		untold_.pop_front();
 		tell_now(next);
 		if (next.diff != nullptr || next.changes->size() > many_changes) {
-			// They are freed on a thread, while the game goes on.
+			// Free them on a thread, to avoid a hitch.
 			leavings_.let_go({std::move(next.changes), std::move(next.diff)});
 		}
 	}
@@ -87,7 +89,7 @@ void ScatterState::tell_now(const Untold &untold) {
 			const auto same = [&listener](const std::weak_ptr<StateListener> &other) {
 				return !other.owner_before(listener) && !listener.owner_before(other);
 			};
-			if (std::ranges::any_of(listeners_, same)) { // A handler may have removed it.
+			if (std::ranges::any_of(listeners_, same)) { // A signal handler may have removed the listener.
 				listener->tell_changes(untold.changes);
 			}
 		}
@@ -95,7 +97,7 @@ void ScatterState::tell_now(const Untold &untold) {
 		if (untold.diff == nullptr) {
 			emit_signal(instances_changed_, ids_of_changes(changes.list));
 		} else {
-			// The thread has already listed the other IDs.
+			// The diff's thread has already listed all other IDs.
 			add_ids(changes.instead, untold.diff->ids);
 			emit_signal(instances_changed_, untold.diff->ids);
 		}
@@ -155,7 +157,7 @@ void ScatterState::finish_first_diff() {
 
 void ScatterState::finish_diffs() {
 	if (diffs_.empty()) {
-		return; // A call that could not wait has already finished them.
+		return; // wait_for_diffs() has already finished all diffs.
 	}
 	const DiffTask &first = *diffs_.front();
 	if (!first.can_work() || first.done()) {

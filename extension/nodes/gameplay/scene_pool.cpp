@@ -8,7 +8,8 @@ namespace thicket {
 
 namespace {
 
-/// False for an idle node that a script has freed, or moved to a parent.
+/// Returns true if the node can be reused. A node that a script has freed or added to a parent
+/// cannot.
 bool waits(const Node3D *node) {
 	return node != nullptr && node->get_parent() == nullptr && !node->is_queued_for_deletion();
 }
@@ -29,7 +30,6 @@ Node3D *ScenePool::take(const Ref<PackedScene> &scene) {
 		Node3D *node = found->nodes.back().get();
 		found->nodes.pop_back();
 		if (waits(node)) {
-			// An existing instance is reused.
 			return node;
 		}
 	}

@@ -12,21 +12,21 @@
 
 namespace thicket {
 
-/// A node that scripts may free at any time.
+/// A reference to a node that scripts may free at any time.
 class NodeHandle {
 public:
 	NodeHandle() = default;
 	explicit NodeHandle(const godot::Node3D *node) : node_(node) {}
 
-	/// Null once the node was freed.
+	/// Returns null once the node is freed.
 	godot::Node3D *get() const { return godot::Object::cast_to<godot::Node3D>(node_.get_validated_object()); }
 
 private:
 	godot::Variant node_;
 };
 
-/// Instances of scenes that are currently not needed. They are kept outside of the tree, so no part of a scene is
-/// drawn, heard, hit or processed. Main thread only.
+/// A pool of scene instances that are currently not needed. They are outside the tree, so they are
+/// not drawn, heard, hit or processed. Use it only on the main thread.
 class ScenePool {
 public:
 	ScenePool() = default;
@@ -34,35 +34,38 @@ public:
 	ScenePool(const ScenePool &) = delete;
 	ScenePool &operator=(const ScenePool &) = delete;
 
-	/// Returns an instance outside of the tree, pooled or new, which the caller owns. Null if the scene is empty or its
-	/// root is not a Node3D. Creating an instance runs scripts.
+	/// Returns a pooled or new instance outside the tree, which the caller owns. Returns null if
+	/// the scene is empty or its root is not a Node3D. Instantiating a scene runs scripts.
 	godot::Node3D *take(const godot::Ref<godot::PackedScene> &scene);
 
-	/// Returns an instance of the scene to the pool. It must already be out of the tree. If the pool has `max_idle`
-	/// instances of that scene, discards it.
+	/// Returns an instance of the scene, which must already be outside the tree, to the pool. If
+	/// the pool already has `max_idle` instances of that scene, discards the node.
 	void give(const godot::Ref<godot::PackedScene> &scene, godot::Node3D *node);
 
-	/// Takes a node that is never used again; `free_some` frees it.
+	/// Takes ownership of a node that will not be reused; `free_some` frees it.
 	void discard(godot::Node3D *node);
 
-	/// Frees at most `freed_per_frame` discarded nodes. Call it once per frame. The engine frees them at the end of the
-	/// frame, which our time measurements do not include.
+	/// Frees at most `freed_per_frame` discarded nodes. Call it once per frame. The limit is needed
+	/// because the engine frees nodes at the end of the frame, which our time budget does not
+	/// cover.
 	void free_some();
 	static constexpr int freed_per_frame = 4;
 
-	/// Frees a node at the end of the frame, not immediately, because one of its scripts may be on the stack.
+	/// Frees a node at the end of the frame. Freeing it immediately would be unsafe, because one of
+	/// its scripts may be running.
 	static void dispose(const NodeHandle &handle);
 
-	/// Discards the instances of all other scenes.
+	/// Discards the idle instances of all scenes that are not in the list.
 	void keep_only(std::span<const godot::Ref<godot::PackedScene>> scenes);
 
 	/// Frees all nodes at the end of this frame.
 	void clear();
 
-	/// The number of idle instances of all scenes. Instances that a script has freed count until the pool notices.
+	/// Returns the number of idle instances of all scenes. May include instances that a script has
+	/// freed.
 	std::size_t idle_count() const;
 
-	/// The largest number of idle instances of a scene.
+	/// The maximum number of idle instances per scene.
 	static constexpr std::size_t max_idle = 64;
 
 private:
@@ -71,7 +74,7 @@ private:
 		std::vector<NodeHandle> nodes;
 	};
 
-	std::vector<Idle> idle_; ///< One entry per scene, so only a few.
+	std::vector<Idle> idle_; ///< One entry per scene. There are only a few scenes.
 	std::vector<NodeHandle> discarded_;
 };
 

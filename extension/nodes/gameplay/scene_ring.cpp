@@ -1,4 +1,5 @@
-// How SceneRing follows the viewers and the world. scene_ring_nodes.cpp handles the nodes.
+// This file contains the part of SceneRing that follows the viewers and the world.
+// scene_ring_nodes.cpp manages the nodes.
 
 #include "nodes/gameplay/scene_ring.hpp"
 
@@ -21,7 +22,8 @@ void SceneRing::set_layers(std::vector<SceneLayer> layers) {
 		scenes.push_back(layer.scene);
 	}
 	pool_->keep_only(scenes);
-	layers_.resize(std::max(layers_.size(), layers.size())); // A removed layer still has to release its scenes.
+	// Removed layers still have to release their scenes.
+	layers_.resize(std::max(layers_.size(), layers.size()));
 	layers.resize(layers_.size());
 	std::vector<std::uint32_t> changed;
 	for (std::uint32_t index = 0; index < layers.size(); ++index) {
@@ -59,13 +61,13 @@ bool SceneRing::step() {
 		put_last_back();
 		return true;
 	}
-	// Leaving scenes come first, because entering ones can reuse them.
+	// Remove scenes first, because added ones can reuse them.
 	if (leave_outdated() || leave_gone()) {
 		return true;
 	}
 	PlacedInstance instance;
 	if (queue_.next_changed(instance)) {
-		move(instance); // Its mesh is not visible in between.
+		move(instance); // The mesh stays hidden in the meantime.
 		return true;
 	}
 	for (Leaving leaving; queue_.next_leaving(leaving);) {
@@ -80,7 +82,8 @@ bool SceneRing::step() {
 	return entering;
 }
 
-/// Releases a scene that its layer no longer uses; the next search may add the layer's new one.
+/// Removes a scene that its layer no longer uses, so that the instance can get the layer's new
+/// scene. Returns false if there is none to remove.
 bool SceneRing::leave_outdated() {
 	for (PlacedInstance instance; queue_.next_due(instance);) {
 		const Key key{instance.id, instance.layer};
@@ -102,14 +105,15 @@ bool SceneRing::leave_gone() {
 	return false;
 }
 
-/// If the instance has since been found in a different cell of the queue, it has a scene there, which stays.
+/// Removes the scene of an instance, unless the queue has since found the instance in a different
+/// cell. The instance then keeps its scene at the new position.
 bool SceneRing::leave(const Leaving &leaving) {
 	const auto found = shown_.find({leaving.id, leaving.layer});
 	return found != shown_.end() && found->second.instance.position == leaving.position &&
 			leave(Key{leaving.id, leaving.layer});
 }
 
-/// False if it has no scene. Runs scripts.
+/// Removes the scene of an instance. Returns false if it has none. Runs scripts.
 bool SceneRing::leave(const Key &key) {
 	auto left = shown_.extract(key);
 	if (!left) {
@@ -121,7 +125,8 @@ bool SceneRing::leave(const Key &key) {
 	return true;
 }
 
-/// Runs scripts, which may free the node, drop the instance or change the layers.
+/// Adds the scene of an instance. Runs scripts, which may free the node, drop the instance or
+/// change the layers.
 void SceneRing::enter(const PlacedInstance &instance) {
 	if (shown_.contains({instance.id, instance.layer})) {
 		move(instance);
@@ -142,7 +147,8 @@ void SceneRing::enter(const PlacedInstance &instance) {
 		ScenePool::dispose(NodeHandle(node));
 	}
 	if (wanted && !same_scene) {
-		queue_.release(instance.layer, instance.id); // It may get the layer's new scene.
+		// Lets the instance get the layer's new scene.
+		queue_.release(instance.layer, instance.id);
 	}
 }
 

@@ -11,8 +11,8 @@
 
 namespace thicket {
 
-/// Prints which method of a ScatterState was refused, and why. Returns the error, or OK, without a message, if the
-/// status is ok.
+/// Reports the outcome of a call of a ScatterState's method. If the call has failed, prints an
+/// error with the method and the reason. Returns the error code, or OK without a message.
 inline godot::Error told(const char *p_method, const Status &status) {
 	if (!status.ok()) {
 		ERR_PRINT(godot::String((std::string("ScatterState.") + p_method + ": " + describe(status)).c_str()));

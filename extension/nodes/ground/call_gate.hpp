@@ -4,12 +4,13 @@
 
 namespace thicket {
 
-/// Lets any number of threads call an object, and lets one thread wait until no other thread is in such a call. Calls
-/// may nest: a thread that is inside this gate or others may enter again.
+/// Lets any number of threads call an object, and lets one thread wait until no other thread is
+/// inside such a call. Recursive: a thread that is inside this gate or a different one may enter
+/// again.
 class CallGate {
 public:
-	/// The thread that created this is inside the gate until it is destroyed. Use it as a local variable: the last one
-	/// created must be destroyed first.
+	/// Keeps the current thread inside the gate during its lifetime. Use it only as a local
+	/// variable, because instances must be destroyed in reverse order of their creation.
 	class Inside {
 	public:
 		explicit Inside(const CallGate &gate) : gate_(gate), outer_(innermost_), first_(!gate.is_inside()) {
@@ -30,12 +31,14 @@ public:
 	private:
 		friend class CallGate;
 		const CallGate &gate_;
-		const Inside *outer_; ///< The enclosing Inside of the same thread, of any gate.
-		bool first_;          ///< True if this is the first Inside of its thread in this gate.
+		const Inside *outer_; ///< This thread's enclosing Inside, of any gate.
+		bool first_;          ///< True for the thread's outermost Inside of this gate.
 		static inline thread_local const Inside *innermost_ = nullptr;
 	};
 
-	/// Runs `act` while no other thread is inside the gate. Does not wait for calls of the calling thread itself.
+	/// Waits until no other thread is inside the gate, and runs `act`. Other threads that enter
+	/// wait until `act` returns. If the calling thread is inside the gate, it leaves temporarily,
+	/// so it does not wait for itself.
 	template <class Act>
 	void alone(Act act) const {
 		const bool inside = is_inside();
@@ -51,7 +54,7 @@ public:
 	}
 
 private:
-	/// Whether the calling thread is inside.
+	/// Returns true if the calling thread is inside.
 	bool is_inside() const {
 		for (const Inside *inside = Inside::innermost_; inside != nullptr; inside = inside->outer_) {
 			if (&inside->gate_ == this) {

@@ -9,7 +9,8 @@ namespace thicket {
 
 namespace {
 
-/// Beyond this number, telling areas apart costs the receiver more than the tiles between them.
+/// The maximum number of separate areas. Beyond this number, handling separate areas costs the
+/// receiver more than regenerating the tiles between them.
 constexpr std::size_t most_areas = 64;
 
 } // namespace

@@ -6,11 +6,11 @@
 
 namespace thicket {
 
-/// The rectangle around both.
+/// Returns the smallest rectangle that contains `a` and `b`.
 Rect around(const Rect &a, const Rect &b);
 
-/// Adds an area of changed ground, in meters. Keeps the number of rectangles small: merges rectangles that meet, and
-/// merges all of them if there are too many. An empty area adds nothing.
+/// Adds an area of changed ground in meters to `r_areas`. Merges areas that touch, and all of them
+/// if there are too many. Ignores an empty area.
 void add_changed_area(std::vector<Rect> &r_areas, const Rect &area);
 
 } // namespace thicket

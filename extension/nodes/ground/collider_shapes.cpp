@@ -43,7 +43,8 @@ std::optional<AABB> around_array(const PackedVector3Array &points, std::size_t &
 	return around_points({points.ptr(), static_cast<std::size_t>(points.size())});
 }
 
-/// Posts are one meter apart, centered on the middle.
+/// Returns the bounds of a heightmap shape. Its posts are one meter apart and centered on the
+/// origin.
 std::optional<AABB> around_map(const HeightMapShape3D &map, std::size_t &r_points) {
 	const PackedFloat32Array heights = map.get_map_data();
 	const std::span<const float> posts(heights.ptr(), static_cast<std::size_t>(heights.size()));
@@ -104,7 +105,7 @@ Rect area_of(const AABB &bounds, const Transform3D &frame) {
 bool belongs_to_scatter(const Node *p_node) {
 	for (const Node *node = p_node; node != nullptr; node = node->get_parent()) {
 		const Node *parent = node->get_parent();
-		// Scenes of a scatter are internal children, behind all other children.
+		// These scenes are internal children of the node, after all other children.
 		if (parent != nullptr && parent->is_class("TerrainScatter3D") &&
 				node->get_index(true) >= parent->get_child_count(false)) {
 			return true;

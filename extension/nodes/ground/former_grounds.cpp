@@ -27,7 +27,7 @@ namespace thicket {
 					m_each(ScatterTerrainMeshes, ScatterGroundMeshes) m_each(ScatterTerrainNoise, ScatterGroundNoise) \
 							m_each(ScatterTerrainObject, ScatterGroundNode)
 
-// NOLINTBEGIN(bugprone-macro-parentheses): names of classes take none.
+// NOLINTBEGIN(bugprone-macro-parentheses): class names take no parentheses.
 #define THICKET_DECLARE(m_former, m_current) \
 	class m_former : public m_current { \
 		GDCLASS(m_former, m_current) \
@@ -41,9 +41,11 @@ THICKET_FORMER_GROUNDS(THICKET_DECLARE)
 
 namespace {
 
-constexpr const char *successor_meta = "thicket_successor"; ///< On a former ground: the current one.
+/// The name of the metadata in which a former ground stores its replacement.
+constexpr const char *successor_meta = "thicket_successor";
 
-/// A new ground of the class that replaces one of release 0.2; null for any other class.
+/// Creates a ground of the class that replaces `p_class` of release 0.2. Returns null for other
+/// classes.
 Ref<ScatterGround> make_successor(const String &p_class) {
 #define THICKET_MAKE(m_former, m_current) \
 	if (p_class == String(#m_former)) { \
@@ -67,7 +69,7 @@ Ref<ScatterGround> current_ground(const Ref<ScatterGround> &p_ground) {
 	if (p_ground.is_null()) {
 		return p_ground;
 	}
-	// Nodes that share a ground keep sharing it.
+	// Nodes that shared the former ground must share its replacement.
 	if (static_cast<bool>(p_ground->call("has_meta", successor_meta))) {
 		return p_ground->call("get_meta", successor_meta);
 	}

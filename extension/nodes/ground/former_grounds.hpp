@@ -6,11 +6,13 @@
 
 namespace thicket {
 
-/// Registers the ground classes of release 0.2 under their old names, so that its files open. Scripts and the editor do not see them.
+/// Registers the ground classes of release 0.2 under their old names, so that old files can be
+/// opened. The classes are internal: hidden from scripts and the editor.
 void register_former_grounds();
 
-/// Returns the ground itself. For a ground of release 0.2, returns one of the current class with the same properties.
-/// The new ground takes over the path of the file, so that saving it stores the current class. Any thread.
+/// Converts a ground of release 0.2 to the current class, with the same properties; returns any
+/// other ground unchanged. The new ground takes over the resource path, so that saving the file
+/// stores the current class. Any thread may call it.
 godot::Ref<ScatterGround> current_ground(const godot::Ref<ScatterGround> &p_ground);
 
 } // namespace thicket

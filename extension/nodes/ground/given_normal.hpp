@@ -12,8 +12,8 @@
 
 namespace thicket {
 
-/// Stores a normal of any length above 0, which a script or another node returned, as a unit vector. A normal that is
-/// zero or not finite means that there is no ground, so the height becomes NAN.
+/// Normalizes and stores a normal that a script or another node has returned. A normal that is zero
+/// or not finite means that there is no ground, so sets the height to NAN instead.
 inline void take_normal(const godot::Vector3 &p_given, Ground &r_ground) {
 	const glm::vec3 normal{p_given.x, p_given.y, p_given.z};
 	const float length = std::sqrt(glm::dot(normal, normal));

@@ -1,4 +1,5 @@
-// HTerrain (github.com/Zylann/godot_heightmap_plugin), versions 1.7, 1.8 and later: hterrain.gd, hterrain_data.gd.
+// This file copies the ground of HTerrain (github.com/Zylann/godot_heightmap_plugin), versions 1.7,
+// 1.8 and later. HTerrain defines it in hterrain.gd and hterrain_data.gd.
 
 #include "nodes/ground/ground_copy.hpp"
 
@@ -28,7 +29,7 @@ namespace thicket {
 
 namespace {
 
-// HTerrain's numbers of its kinds of maps.
+// HTerrain's numbers for kinds of maps.
 constexpr int height_map = 0;
 constexpr int splat_map = 2;
 constexpr int color_map = 3;
@@ -37,7 +38,8 @@ constexpr int splat_weight_map = 7;
 
 constexpr int max_splats = 16;
 
-/// The ground at a position depends on this many posts around it: heights between posts, and slopes.
+/// The number of posts in each direction that affect the ground at a position, because of
+/// interpolation and slopes.
 constexpr int posts_around = 2;
 
 std::optional<PostFormat> post_format(Image::Format format) {
@@ -58,7 +60,7 @@ MapPlace place_of(const Transform3D &p_transform) {
 	return place;
 }
 
-/// True if the map's heights do not point straight up, except for rounding.
+/// Returns true if the map is not upright, except for rounding.
 bool is_tilted(const Transform3D &p_transform) {
 	const Vector3 *rows = p_transform.basis.rows;
 	constexpr real_t hair = 1e-4F;
@@ -103,7 +105,7 @@ public:
 	GroundChanges changes_since(const GroundCopy &before, glm::dvec3 shift) const override;
 	std::shared_ptr<const GroundCopy> with_edits(const Variant &p_data, std::span<const MapEdit> edits) const override;
 
-	/// The images for the next copy.
+	/// Returns the images to reuse in the next copy.
 	MapImages next_images() const { return images_.next(); }
 
 private:
@@ -116,7 +118,8 @@ private:
 	MapImages images_;
 };
 
-/// A node that moves along with the engine's origin keeps its place in the world, except for float rounding.
+/// Returns true if the map has the same transform in the world. A node that has moved with the
+/// engine's origin counts as unmoved, except for float rounding.
 bool HTerrainCopy::same_place(const HTerrainCopy &before, glm::dvec3 shift) const {
 	MapPlace mine = field_.place();
 	const MapPlace &other = before.field_.place();
@@ -176,7 +179,7 @@ GroundChanges HTerrainCopy::changes_since(const GroundCopy &before, glm::dvec3 s
 	return changes;
 }
 
-/// The layer that is a copy of the edited map; null if there is none.
+/// Returns the layer that is a copy of the edited map, or null.
 PixelGrid *HTerrainCopy::layer_of(MapLayers &layers, const MapEdit &edit) {
 	const auto present = [](PixelGrid &layer) {
 		return layer.empty() ? nullptr : &layer;
@@ -194,7 +197,7 @@ PixelGrid *HTerrainCopy::layer_of(MapLayers &layers, const MapEdit &edit) {
 	}
 }
 
-/// Splits edits of all maps of a kind into edits of each of them.
+/// Splits each edit of all maps of a kind into one edit per map.
 std::vector<MapEdit> one_by_one(std::span<const MapEdit> edits, std::size_t splats) {
 	std::vector<MapEdit> result;
 	for (const MapEdit &edit : edits) {
@@ -217,7 +220,7 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 	for (const MapEdit &edit : one_by_one(edits, layers.splats.size())) {
 		PixelGrid *layer = layer_of(layers, edit);
 		if (layer == nullptr) {
-			continue; // Details, normals and the like.
+			continue; // Maps such as normals and details are not copied.
 		}
 		const Ref<Image> image = images.read(p_data, static_cast<int>(edit.map), static_cast<int>(edit.index));
 		const glm::ivec2 first{edit.rect.position.x, edit.rect.position.y};
@@ -231,7 +234,7 @@ std::shared_ptr<const GroundCopy> HTerrainCopy::with_edits(
 	if (!field.set(field_.place(), layers).ok()) {
 		return nullptr;
 	}
-	// Everything else is shared with the previous copy.
+	// The new copy shares everything else with the previous one.
 	return std::make_shared<HTerrainCopy>(std::move(field), tilted_, std::move(images));
 }
 
@@ -282,8 +285,9 @@ void read_textures(const Variant &p_node, const Variant &p_data, MapImages &imag
 
 } // namespace
 
-/// HTerrain 1.8 reports this immediately by its shader's type, and by the other method once the shader is in use. With
-/// a custom shader, only the other method reports it.
+/// Needs two methods, because each alone may return an outdated result. In HTerrain 1.8,
+/// get_shader_type() is up to date immediately, but is_using_indexed_splatmap() only once the
+/// shader is in use. With a custom shader, only is_using_indexed_splatmap() works.
 bool uses_indexed_textures(const Variant &p_node) {
 	const Variant type = has_method(p_node, "get_shader_type") ? result_of(p_node, "get_shader_type") : Variant();
 	if (type.get_type() == Variant::STRING && static_cast<String>(type) == "Array") {

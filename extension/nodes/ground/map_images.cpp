@@ -30,7 +30,7 @@ Ref<Image> MapImages::read_texture(const Variant &p_texture) {
 	}
 	const std::uint64_t id = texture->get_instance_id();
 	if (const auto known = known_.find(id); known != known_.end()) {
-		// An imported texture never changes, so it need not be read back from the renderer again.
+		// An imported texture never changes, so its pixels need not be read back again.
 		kept_[id] = known->second;
 		return known->second;
 	}

@@ -5,13 +5,13 @@
 
 namespace thicket {
 
-/// Level ground without an edge.
+/// An infinite horizontal plane.
 class ScatterGroundFlat : public ScatterGround {
 	GDCLASS(ScatterGroundFlat, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// World height in meters, finite, +-1e6. Any other value is ignored with an error.
+	/// Sets the world height in meters, within +-1e6. Other values print an error and are ignored.
 	void set_height(double p_height);
 	double get_level() const;
 

@@ -15,7 +15,8 @@ namespace thicket {
 
 namespace {
 
-/// The noise is a private copy: reading changes nothing, so any thread may read it.
+/// Ground from a private copy of a noise. Reading does not modify the noise, so any thread may use
+/// it.
 class NoiseGround : public Terrain {
 public:
 	NoiseGround(const Ref<Noise> &p_noise, double p_amplitude, double p_base) :
@@ -31,13 +32,14 @@ public:
 		return {};
 	}
 
-	/// A normal takes four more calls of the noise, and those take nearly all of the time.
+	/// Samples heights only. Computing a normal would take four more noise calls, which dominate
+	/// the cost.
 	Status sample_heights(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
 		if (positions.size() != r_ground.size()) {
 			return Status::wrong_size("ground", r_ground.size(), exactly(positions.size()));
 		}
 		for (std::size_t i = 0; i < positions.size(); ++i) {
-			// The height is the same as in `sample`.
+			// The same height as in `sample`.
 			r_ground[i].height = height_at(positions[i]);
 		}
 		return {};
@@ -50,7 +52,7 @@ private:
 																  : Ground{}.height;
 	}
 
-	/// Meters above the base.
+	/// Returns the height above the base in meters.
 	double rise_at(glm::dvec2 position) const {
 		return amplitude_ * noise_->get_noise_2d(static_cast<float>(position.x), static_cast<float>(position.y));
 	}
@@ -77,7 +79,7 @@ private:
 
 std::shared_ptr<const Terrain> ScatterGroundNoise::make_snapshot(const GroundHost &) {
 	if (ground_ != nullptr) {
-		// Nothing has changed since it was created.
+		// The ground is still up to date.
 		return ground_;
 	}
 	if (noise_.is_valid()) {

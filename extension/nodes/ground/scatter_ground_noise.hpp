@@ -7,8 +7,7 @@
 
 namespace thicket {
 
-/// Endless hills from a Noise. Worker threads compute them from a copy of the noise, so the noise may be edited at any
-/// time.
+/// Infinite hills from a Noise. Workers use a copy of the noise, so it may be edited at any time.
 class ScatterGroundNoise : public ScatterGround {
 	GDCLASS(ScatterGroundNoise, ScatterGround)
 	THICKET_GUARDED_METHODS(owner)
@@ -16,16 +15,17 @@ class ScatterGroundNoise : public ScatterGround {
 public:
 	static constexpr const char *class_name = "ScatterGroundNoise";
 
-	/// The source of the heights; its own fractal settings determine the octaves. If null, there is no ground.
+	/// Sets the source of the heights, including its fractal settings. If null, there is no ground.
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const;
 
-	/// The height in meters above `base_height` at a noise value of 1; 0 to 1e6. Any other value is ignored with an
-	/// error.
+	/// Sets the height in meters above `base_height` at a noise value of 1, from 0 to 1e6. Other
+	/// values print an error and are ignored.
 	void set_amplitude(double p_amplitude);
 	double get_amplitude() const;
 
-	/// The world height in meters at a noise value of 0; +-1e6. Any other value is ignored with an error.
+	/// Sets the world height in meters at a noise value of 0, within +-1e6. Other values print an
+	/// error and are ignored.
 	void set_base_height(double p_height);
 	double get_base_height() const;
 
@@ -40,7 +40,8 @@ private:
 	godot::Ref<godot::Noise> noise_;
 	double amplitude_ = 10.0;
 	double base_height_ = 0.0;
-	std::shared_ptr<const Terrain> ground_; ///< Matches the properties; null if it must be created.
+	/// The ground for the current properties; null if it must be rebuilt.
+	std::shared_ptr<const Terrain> ground_;
 };
 
 } // namespace thicket

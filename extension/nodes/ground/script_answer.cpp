@@ -23,7 +23,8 @@ std::int64_t size_of(const Variant &p_array) {
 	return packed.size();
 }
 
-/// The number of elements of an array that converts into the expected one; -1 for anything else.
+/// Returns the size of a result that is an array convertible to the expected type; -1 for any other
+/// result.
 std::int64_t count_of(const Variant &p_answer, Variant::Type element_type) {
 	switch (p_answer.get_type()) {
 		case Variant::ARRAY: {
@@ -46,7 +47,8 @@ std::int64_t count_of(const Variant &p_answer, Variant::Type element_type) {
 	}
 }
 
-/// The script's global name or file; for an inner class of a script, a description with the object's class.
+/// Returns the name of an object's script: its global name and file. For an inner class, returns a
+/// description with the object's class.
 String script_name(Object *p_owner) {
 	const Variant script = p_owner->get("script");
 	Object *object = script.get_validated_object();

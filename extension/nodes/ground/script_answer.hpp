@@ -15,16 +15,18 @@ namespace thicket {
 /// A method of a ground script, and the array that it must return.
 struct ScriptMethod {
 	const char *name;
-	const char *result;                ///< The array's name in errors.
-	const char *elements;              ///< The array's name in errors about other types.
-	const char *expected;              ///< A description of the array, for the user.
+	const char *result;                ///< Names the array in errors about its size.
+	const char *elements;              ///< Names the array in errors about its type.
+	const char *expected;              ///< Describes the required array for users.
 	godot::Variant::Type element_type; ///< FLOAT also accepts integers.
 };
 
-/// Checks the results of a ground script's methods, and describes the last refused result in a sentence. Any thread.
+/// Calls the methods of a ground script, checks their results, and describes the last refused
+/// result in a sentence. Any thread may use it.
 class ScriptAnswers {
 public:
-	/// Calls a method of `owner`, which must return `count` elements. If the result is refused, `r_answer` is empty.
+	/// Calls a method of `p_owner`, which must return `count` elements. If the result is refused,
+	/// returns an error and clears `r_answer`.
 	template <class Packed>
 	Status call(godot::Object *p_owner, const ScriptMethod &method, std::int64_t count, Packed &r_answer,
 			const std::same_as<godot::Variant> auto &...p_arguments) {
@@ -37,8 +39,8 @@ public:
 		return status;
 	}
 
-	/// Names the script, the method, the result, the expected result and the remedy. Empty if `status` does not belong
-	/// to the last refusal.
+	/// Returns a sentence with the script, the method, the actual and the expected result, and the
+	/// remedy. Returns an empty string unless `status` is from the last refusal.
 	godot::String sentence(const Status &status) const;
 
 private:

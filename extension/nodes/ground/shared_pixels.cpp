@@ -28,7 +28,7 @@ bool share_pixels(const Ref<Image> &p_image, int pixel_bytes, PixelGrid &r_pixel
 
 bool share_pixels_as(const Ref<Image> &p_image, Image::Format format, int pixel_bytes, PixelGrid &r_pixels) {
 	if (p_image->get_format() == format) {
-		// Nothing is converted, so the memory is the image's own.
+		// No conversion is necessary, so share the image's own memory.
 		return share_pixels(p_image, pixel_bytes, r_pixels);
 	}
 	const Ref<Image> image = p_image->duplicate();
@@ -43,7 +43,7 @@ bool patch_pixels(const Ref<Image> &p_image, const PixelRect &rect, PixelGrid &r
 	if (glm::ivec2(p_image->get_width(), p_image->get_height()) != r_pixels.size()) {
 		return false;
 	}
-	const PackedByteArray bytes = p_image->get_data(); // Shared only during this call.
+	const PackedByteArray bytes = p_image->get_data(); // Shares memory only during this call.
 	return r_pixels.patch(rect, span_of(bytes)).ok();
 }
 

@@ -19,13 +19,13 @@ namespace thicket {
 
 namespace {
 
-// HTerrain's numbers of its maps.
+// HTerrain's numbers for kinds of maps.
 constexpr int splat_map = 2;
 constexpr int color_map = 3;
 
 constexpr std::int32_t textures_per_splat = WeightMap::max_channels;
 
-/// The textures of a splat, numbered from 0.
+/// Selects those of `textures` that belong to a splat map, as channel numbers.
 std::vector<std::int32_t> textures_of(std::size_t splat, std::span<const std::int32_t> textures) {
 	const auto first = static_cast<std::int32_t>(splat) * textures_per_splat;
 	std::vector<std::int32_t> result;

@@ -16,46 +16,54 @@
 
 namespace thicket {
 
-/// The properties of HTerrain's square map, apart from heights: its position, its holes and its painted textures. The
-/// map is upright: it may be moved, scaled, and rotated about the vertical only. This copy is safe on any thread.
+/// A copy of an HTerrain-like square map without its heights: its transform, holes and painted
+/// textures. The map is upright: it may be moved and scaled, but only rotated about the vertical
+/// axis. Any thread may use the copy.
 struct TerrainMap {
-	godot::Transform3D to_world;   ///< From map space, where x and z count posts.
-	double last_post = 0.0;        ///< The map extends from 0 to this value, along x and z.
-	WeightMap colors;              ///< The fourth channel is below one half in holes. Empty if there are no holes.
-	std::vector<WeightMap> splats; ///< Four textures each. If empty, all ground has all textures.
+	/// Transforms from map space, whose unit in x and z is one post, to the engine's space.
+	godot::Transform3D to_world;
+	double last_post = 0.0; ///< The map extends from 0 to this value in x and z.
+	/// Holes are where the fourth channel is below one half. Empty if there are no holes.
+	WeightMap colors;
+	/// The weights of the painted textures, four textures per map. If empty, all textures have a
+	/// weight of 1 everywhere.
+	std::vector<WeightMap> splats;
 
-	/// True for the maps of HTerrain, by their number, that are copied here. Heights are not among them.
+	/// Returns true if TerrainMap contains maps of the kind with this HTerrain number. Returns
+	/// false for heights.
 	static bool copies(std::int64_t map);
 
-	/// The position in map space.
+	/// Transforms a position of the engine's x and z to map space.
 	glm::dvec2 to_map(glm::dvec2 world) const;
-	/// World meters of a height of the map.
+	/// Transforms a height of the map to the engine's space, in meters.
 	float height_in_world(double height) const;
-	/// For positions in map space: true on the map and outside its holes.
+	/// Returns true if a position in map space is on the map and not in a hole.
 	bool has_ground(glm::dvec2 position) const;
-	/// Returns the channels of each splat map that belong to one of `textures`.
+	/// Returns, for each splat map, a bit mask of the channels of `textures`.
 	std::vector<unsigned> channels_of(std::span<const std::int32_t> textures) const;
-	/// The share of the ground that these channels cover.
+	/// Returns the total weight of these channels at a position in map space, at most 1.
 	float weight(glm::dvec2 position, std::span<const unsigned> channels) const;
-	/// The world rect around a part of the map.
+	/// Returns the bounding rectangle of a part of the map in the engine's x and z. `p_part` is in
+	/// map space.
 	godot::Rect2 world_rect(const godot::Rect2 &p_part) const;
 };
 
-// An object's methods may belong to a script, which may do anything, including freeing the object. Objects are
-// therefore stored as a Variant, which detects whether an object still exists and keeps reference-counted objects
-// alive.
+// A script may implement an object's methods, and may even free the object. Objects are therefore
+// stored in a Variant, which detects freed objects and keeps reference-counted ones alive.
 
-/// False if the value is not an object, or the object was freed.
+/// Returns true if an object has a method. Returns false if the value is not an object or the
+/// object was freed.
 bool has_method(const godot::Variant &p_object, const godot::StringName &p_method);
 
-/// The result of a method; null if it cannot be called.
+/// Calls a method and returns its result; null if it cannot be called. May run scripts.
 godot::Variant result_of(const godot::Variant &p_object, const godot::StringName &p_method,
 		std::initializer_list<godot::Variant> p_arguments = {});
 
-/// True for an integer and a float.
+/// Returns true for integers and floats.
 bool is_number(const godot::Variant &p_value);
 
-/// The map of a node like HTerrain, whose data is `p_data`; null if it provides neither its transform nor its size.
+/// Reads the map of an HTerrain-like node with the data object `p_data`. Returns null if the
+/// transform or size is missing. May run scripts.
 std::shared_ptr<const TerrainMap> read_map(const godot::Variant &p_node, const godot::Variant &p_data);
 
 } // namespace thicket

@@ -22,7 +22,7 @@ Node *TreeWalk::next() {
 		if (node == nullptr || child >= node->get_child_count()) {
 			path_.pop_back();
 		} else {
-			path_.push_back({Variant(node->get_child(child)), -1}); // `step` is invalid from here on.
+			path_.push_back({Variant(node->get_child(child)), -1}); // Invalidates `step`.
 		}
 	}
 	return nullptr;

@@ -9,14 +9,15 @@
 
 namespace thicket {
 
-/// Visits a node and all its descendants, some at a time. Nodes that are added or removed in the meantime may or may not be visited.
+/// Iterates over a node and all its descendants, across several frames if necessary. May or may not
+/// visit nodes that are added or removed in the meantime.
 class TreeWalk {
 public:
-	/// Starts from the beginning.
+	/// Starts a new iteration at `p_root`.
 	void start(godot::Node *p_root);
 	void stop() { path_.clear(); }
 
-	/// The next node; null when all were visited.
+	/// Returns the next node, or null after the last one.
 	godot::Node *next();
 
 private:
@@ -25,7 +26,7 @@ private:
 		int32_t next_child = 0;
 	};
 
-	std::vector<Step> path_; ///< The path down to the last visited node.
+	std::vector<Step> path_; ///< The path from the root to the last visited node.
 };
 
 } // namespace thicket

@@ -114,12 +114,12 @@ Error ScatterImpostorBaker::add_surface(const Array &p_arrays, const Transform3D
 	return error_of(status.code);
 }
 
-/// Null, with an error, for an image that cannot be read.
+/// Returns the pixels of an image, read only once. If they cannot be read, prints an error and
+/// returns null.
 std::shared_ptr<const SurfaceTexture> ScatterImpostorBaker::texture_of(const Ref<Image> &p_image) {
 	const std::lock_guard lock(mutex_);
 	std::shared_ptr<const SurfaceTexture> &known = textures_[p_image->get_instance_id()];
 	if (known != nullptr) {
-		// An image that was used before is not read again.
 		return known;
 	}
 	auto made = std::make_shared<SurfaceTexture>();
@@ -141,7 +141,8 @@ Error ScatterImpostorBaker::bake() {
 	if (busy_.exchange(true)) {
 		return ERR_BUSY;
 	}
-	const Ref<ScatterImpostorBaker> kept(this); // Keeps the baker alive if scripts release it in the meantime.
+	// Keeps the baker alive if a script releases it in the meantime.
+	const Ref<ScatterImpostorBaker> kept(this);
 	cancelled_ = false;
 	progress_ = 0.0;
 	Status status;
@@ -160,7 +161,7 @@ Error ScatterImpostorBaker::bake() {
 		}
 	} catch (...) {
 		busy_ = false;
-		throw; // Reported at the border (guard.hpp).
+		throw; // The caller reports the exception (see guard.hpp).
 	}
 	busy_ = false;
 	report(class_name, status);

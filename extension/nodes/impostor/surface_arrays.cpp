@@ -21,7 +21,7 @@ namespace thicket {
 
 namespace {
 
-/// Copies one of the arrays, if it exists.
+/// Converts one of the arrays, if it exists. Returns an error if it has the wrong type.
 template <class Packed, class Element, class Convert>
 Status read(const Array &p_arrays, int64_t p_which, Variant::Type p_type, std::vector<Element> &r_list, Convert p_of) {
 	const Variant value = p_which < p_arrays.size() ? p_arrays[p_which] : Variant();

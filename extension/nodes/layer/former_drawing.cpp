@@ -20,7 +20,8 @@ namespace thicket {
 
 namespace {
 
-constexpr double least_distance = 1e-3; ///< Meters. An LOD at 0 would get a distance that fits the model.
+/// The distance in meters that replaces 0. A distance of 0 would be chosen from the model's size.
+constexpr double least_distance = 1e-3;
 
 Ref<ScatterLod> lod_of(const Ref<Mesh> &p_mesh, double p_distance) {
 	const Ref<ScatterLod> made(memnew(ScatterLod));
@@ -29,7 +30,7 @@ Ref<ScatterLod> lod_of(const Ref<Mesh> &p_mesh, double p_distance) {
 	return made;
 }
 
-/// Adds LODs behind others.
+/// Returns the LODs of both lists, in order.
 TypedArray<ScatterLod> with(const TypedArray<ScatterLod> &p_lods, const TypedArray<ScatterLod> &p_added) {
 	TypedArray<ScatterLod> result;
 	for (const TypedArray<ScatterLod> *lods : {&p_lods, &p_added}) {
@@ -40,8 +41,8 @@ TypedArray<ScatterLod> with(const TypedArray<ScatterLod> &p_lods, const TypedArr
 	return result;
 }
 
-/// Creates a model that is drawn like the entry, with these LODs in addition. Null if the entry draws nothing. A model
-/// of release 0.2 is copied, because other layers may use it without these LODs.
+/// Creates a model that is drawn like the entry, with additional LODs. Returns null if the entry
+/// draws nothing. An existing model is copied, because other layers may use it without these LODs.
 Ref<ScatterModel> model_with(const Variant &p_entry, const TypedArray<ScatterLod> &p_lods) {
 	Object *object = p_entry.get_validated_object();
 	Ref<ScatterModel> model;

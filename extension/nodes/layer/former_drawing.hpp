@@ -11,20 +11,23 @@
 
 namespace thicket {
 
-/// The properties lod_distances and lod_meshes, in which release 0.2 saved the LODs of a layer: one row of meshes for
-/// each distance. Kept until `meshes` is known as well, because a file may have its properties in any order.
+/// The properties lod_distances and lod_meshes, in which release 0.2 saved the LODs of a layer: one
+/// row of meshes per distance. Their values are kept until `meshes` is loaded, because the
+/// properties in a file may have any order.
 class FormerLods {
 public:
-	/// Keeps a former property, and warns once. Returns false for any other name. Any thread.
+	/// Stores the value of one of these properties, and warns once. Returns false for any other
+	/// name. Any thread may call it.
 	bool set(const godot::StringName &p_name, const godot::Variant &p_value);
 
 	bool empty() const { return distances_.size() == 0 && meshes_.is_empty(); }
 
-	/// True if each of the distances has a mesh for each of the entries.
+	/// Returns true if each distance has a mesh for each of `entries` entries.
 	bool known(std::size_t entries) const;
 
-	/// Returns the list with a ScatterModel in place of each entry that has LODs. Adds the former LODs to those of the
-	/// entry itself. Leaves out incomplete rows, as release 0.2 did.
+	/// Returns a copy of the list in which a ScatterModel replaces each entry that has stored LODs.
+	/// The model has the entry's own LODs and the stored ones. Skips incomplete rows, as release
+	/// 0.2 did.
 	godot::Array added_to(const godot::Array &p_entries) const;
 
 private:
@@ -32,19 +35,21 @@ private:
 	godot::TypedArray<godot::Mesh> meshes_;
 };
 
-/// The five properties visibility_range_*, with which release 0.2 limited the distances at which tiles are drawn. Only
-/// the end has a successor, view_distance. It is kept until the layer is first used, because a file may set
-/// view_distance later.
+/// The five properties visibility_range_*, which limited the distances at which release 0.2 drew
+/// tiles. Only visibility_range_end has a replacement, view_distance. Its value is kept until the
+/// layer is first used, because a file may set view_distance later.
 class FormerVisibility {
 public:
-	/// Keeps a former property, and warns once. Returns false for any other name. Any thread.
+	/// Stores the value of one of these properties, and warns once. Returns false for any other
+	/// name. Any thread may call it.
 	bool set(const godot::StringName &p_name, const godot::Variant &p_value);
 
-	/// Limits a view distance by the former end. Does so only once: a view distance that is set later counts as it is.
+	/// Limits a view distance (meters) by the stored visibility_range_end, and discards that value.
+	/// So a view distance that is set later is not limited.
 	double limited(double view_distance);
 
 private:
-	double end_ = 0.0; ///< Meters; 0 if there is none.
+	double end_ = 0.0; ///< The stored visibility_range_end in meters; 0 if there is none.
 };
 
 } // namespace thicket

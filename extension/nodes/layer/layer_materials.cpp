@@ -18,8 +18,8 @@ namespace thicket {
 
 namespace {
 
-constexpr double strongest_wind =
-		2.0; ///< The upper limit of the range of wind_strength, in the shader and in ScatterFoliageWorld.
+/// The maximum of wind_strength in the shader and in ScatterFoliageWorld.
+constexpr double strongest_wind = 2.0;
 
 void add_materials(const Ref<Mesh> &mesh, std::vector<Ref<Material>> &r_materials) {
 	const int32_t surfaces = mesh.is_valid() ? mesh->get_surface_count() : 0;
@@ -31,7 +31,7 @@ void add_materials(const Ref<Mesh> &mesh, std::vector<Ref<Material>> &r_material
 	}
 }
 
-/// Null for a material without a shader of its own.
+/// Returns the shader of a material; null if the material is not a ShaderMaterial or has no shader.
 Ref<Shader> shader_of(const Ref<Material> &material) {
 	const auto *own = Object::cast_to<ShaderMaterial>(material.ptr());
 	return own != nullptr ? own->get_shader() : Ref<Shader>();
@@ -41,10 +41,11 @@ bool is_number(const Variant &p_value) {
 	return p_value.get_type() == Variant::FLOAT || p_value.get_type() == Variant::INT;
 }
 
-/// The value of a uniform in a material, or its default; at least 0. 0 if it is not a number.
+/// Returns the value of a uniform in a material, or its default. Negative values become 0.
 double parameter(const ShaderMaterial &material, const Variant &p_default, const StringName &p_name) {
 	const Variant own = material.get_shader_parameter(p_name);
-	return std::max(0.0, static_cast<double>(is_number(own) ? own : p_default)); // This order turns NAN into 0.
+	// This order of the arguments turns NAN into 0.
+	return std::max(0.0, static_cast<double>(is_number(own) ? own : p_default));
 }
 
 double sway_reach_of(const ShaderMaterial &material) {
@@ -58,7 +59,7 @@ double sway_reach_of(const ShaderMaterial &material) {
 		const Variant by_shader =
 				RenderingServer::get_singleton()->shader_get_parameter_default(shader->get_rid(), names[at]);
 		if (!is_number(by_shader)) {
-			return 0.0; // A different shader.
+			return 0.0; // The shader does not include foliage.gdshaderinc.
 		}
 		values[at] = parameter(material, by_shader, names[at]);
 	}
@@ -82,7 +83,8 @@ std::vector<Ref<Material>> materials_of(const LayerDrawing &drawing) {
 		}
 	};
 	add_all([](const MeshLook &look) { return look.mesh; });
-	add_all([](const MeshLook &look) { return look.shadow.mesh; }); // After all materials that are drawn.
+	// Shadow materials follow all others.
+	add_all([](const MeshLook &look) { return look.shadow.mesh; });
 	return materials;
 }
 

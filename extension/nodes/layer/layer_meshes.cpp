@@ -20,13 +20,14 @@ namespace thicket {
 
 namespace {
 
-/// How an LOD is drawn, as far as its model decides it. Null draws nothing.
+/// Converts an LOD of a model to the look of its mesh. A null LOD draws nothing.
 MeshLook look_of(const DrawnLod *lod) {
 	return lod != nullptr ? MeshLook{lod->mesh, {lod->shadow, lod->cast_shadow}, lod->look} : MeshLook();
 }
 
-/// Adds a distance and the LODs that begin there; null for entries that do not change. Adds nothing if no entry changes, or beyond
-/// max_lods.
+/// Adds a distance, and a row with the LOD of each entry that begins there. Entries without such an
+/// LOD get a null mesh. Adds nothing if no LOD begins there, or if there are already max_lods
+/// distances.
 void add_row(
 		std::span<const std::vector<DrawnLod>> lods, double distance, LayerDrawing &r_drawing, LodSettings &r_lod) {
 	std::vector<const DrawnLod *> row;
@@ -90,8 +91,8 @@ bool LayerMeshes::take(const Array &p_entries) {
 			}
 		} else if (model.is_null() && entry.get_type() != Variant::NIL && Object::cast_to<Mesh>(object) == nullptr) {
 			const String kind = object != nullptr ? object->get_class() : String("no resource");
-			if (object != nullptr ||
-					entry.get_type() != Variant::OBJECT) { // A Variant can also hold null as an object.
+			// A Variant of type OBJECT can be null.
+			if (object != nullptr || entry.get_type() != Variant::OBJECT) {
 				ERR_PRINT(vformat("ScatterLayer.meshes[%d] is %s: it takes a Mesh, a PackedScene or a ScatterModel.",
 						index, kind));
 				return false;
@@ -103,13 +104,14 @@ bool LayerMeshes::take(const Array &p_entries) {
 	return true;
 }
 
-/// The model that was created from a scene before, or a new one. Null, with an error, for an empty scene.
+/// Returns the existing model of a scene, or a new one. For an empty scene, prints an error and
+/// returns null.
 Ref<ScatterModel> LayerMeshes::model_of(const Ref<PackedScene> &p_scene) const {
 	const auto known = std::ranges::find_if(taken_, [&](const Entry &entry) {
 		return entry.model.is_valid() && entry.resource.ptr() == static_cast<const Resource *>(p_scene.ptr());
 	});
 	if (known != taken_.end()) {
-		// The scene was read before.
+		// Keep what is already read.
 		return known->model;
 	}
 	Ref<ScatterModel> model(memnew(ScatterModel));
@@ -146,7 +148,7 @@ std::vector<Object *> LayerMeshes::sources() const {
 
 bool LayerMeshes::reload(const PackedStringArray &p_paths) {
 	bool any = false;
-	const std::vector<Entry> taken = taken_; // A copy, because reading a scene runs its scripts.
+	const std::vector<Entry> taken = taken_; // Use a copy, because reading a scene runs its scripts.
 	for (const Entry &entry : taken) {
 		const Ref<PackedScene> scene = entry.model.is_valid() ? entry.model->get_scene() : Ref<PackedScene>();
 		const String path = scene.is_valid() ? scene->get_path() : String();

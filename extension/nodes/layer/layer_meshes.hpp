@@ -13,66 +13,70 @@
 
 namespace thicket {
 
-/// The entries of ScatterLayer.meshes, each a Mesh, a PackedScene, a ScatterModel or null.
+/// The entries of ScatterLayer.meshes. Each is a Mesh, a PackedScene, a ScatterModel or null.
 class LayerMeshes {
 public:
-	/// Replaces the list, on any thread, without reading any mesh or scene. Returns false, with an error, if an entry
-	/// is of a different kind or an empty scene; the list is then unchanged. One exception: if the list was empty
-	/// before, as when a layer is loaded, an empty scene stays in the list, so that saving does not lose it.
+	/// Replaces the list without reading any mesh or scene. Any thread may call it. If an entry has
+	/// a different type or is an empty scene, prints an error, changes nothing and returns false.
+	/// There is one exception: if the list was empty, as when a layer is loaded, an empty scene
+	/// stays in the list, so that saving does not lose it.
 	bool set_entries(const godot::Array &p_entries);
 
-	/// True if scripts have changed the list in place since the last `set_entries` or `take_changes`. Scripts share the
-	/// list.
+	/// Returns true if scripts, which share the list, have changed it in place since the last
+	/// `set_entries` or `take_changes`.
 	bool differs() const;
 
-	/// Applies changes that scripts have made in place. Returns false, with an error, if they are refused as in
-	/// `set_entries`.
+	/// Applies changes that scripts have made in place. If they are refused as in `set_entries`,
+	/// prints an error and returns false.
 	bool take_changes() { return take(entries_); }
 
-	/// Discards changes that scripts have made in place: scripts get a new list with the last accepted entries.
+	/// Discards changes that scripts have made in place. From now on, scripts get a new list with
+	/// the last accepted entries.
 	void restore();
 
-	/// Reads the next part of a scene that is not fully read; see ScatterModel. A scene is not drawn until it is read.
-	/// Returns false once all scenes are read.
+	/// Reads the next part of a scene that is not fully read (see ScatterModel). A scene is not
+	/// drawn until it is read. Returns false when all scenes are read.
 	bool read_step() const;
 
-	/// The list that scripts see.
+	/// Returns the list that scripts see.
 	const godot::Array &entries() const { return entries_; }
 	std::size_t size() const { return taken_.size(); }
 
-	/// The objects whose `changed` signals report a change of an entry's appearance: meshes and models. Contains no
-	/// null.
+	/// Returns the meshes and models of all entries, which emit `changed` when their appearance
+	/// changes. Contains no nulls.
 	std::vector<godot::Object *> sources() const;
 
-	/// Rereads the scenes whose files are among these paths. Returns true if there were any.
+	/// Rereads the scenes whose files are among these paths. Returns true if there are any.
 	bool reload(const godot::PackedStringArray &p_paths);
 
-	/// True if anything that is already read can be drawn.
+	/// Returns true if any entry that is already read has a mesh.
 	bool has_mesh() const;
 
-	/// Fills in the distances at which any entry changes, and the meshes to draw, with one row for each distance.
-	/// Leaves out distances beyond the first max_lods.
+	/// Sets the distances at which any entry changes its LOD, and the meshes to draw, in one row
+	/// per distance. Only the first max_lods distances are used.
 	void draw(LayerDrawing &r_drawing, LodSettings &r_lod) const;
 
-	/// The shapes of each entry. Entries that are not models have none.
+	/// Returns the collision shapes of each entry. Meshes have none.
 	std::vector<std::vector<BodyPart>> bodies() const;
 
-	/// Adds one sentence for each likely mistake.
+	/// Adds one sentence for each likely mistake to `r_problems`.
 	void add_problems(godot::PackedStringArray &r_problems) const;
 
-	/// The model of an entry. For a scene, the model that was created from it; null for a mesh.
+	/// Returns the model of an entry: the entry itself, or the model created from its scene.
+	/// Returns null for a mesh.
 	godot::Ref<ScatterModel> model(std::size_t entry) const { return taken_[entry].model; }
 
-	/// The entry as scripts set it; null for an empty entry.
+	/// Returns the entry as it was set; null for an empty entry.
 	godot::Ref<godot::Resource> resource(std::size_t entry) const { return taken_[entry].resource; }
 
-	/// The mesh of an entry's finest LOD. Null if the entry has none, or while its scene has not been read.
+	/// Returns the mesh of an entry's finest LOD. Returns null if the entry has none, or if its
+	/// scene is not read yet.
 	godot::Ref<godot::Mesh> mesh(std::size_t entry) const;
 
 private:
 	struct Entry {
-		godot::Ref<godot::Resource> resource; ///< Null for an empty entry.
-		godot::Ref<ScatterModel> model;       ///< Null for meshes, and for empty scenes.
+		godot::Ref<godot::Resource> resource; ///< The entry as it was set; null for an empty entry.
+		godot::Ref<ScatterModel> model;       ///< The model to draw; null for meshes and for empty scenes.
 	};
 
 	bool take(const godot::Array &p_entries);

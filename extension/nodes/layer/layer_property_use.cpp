@@ -14,7 +14,8 @@ namespace {
 
 std::string text_of(const String &p_name) { return p_name.utf8().get_data(); }
 
-/// Written while the class is registered, and only read afterwards.
+/// Returns the uses of all properties by name. The map changes only while the class is registered,
+/// so any thread may read it afterwards.
 std::map<std::string, PropertyUse> &property_uses() {
 	static std::map<std::string, PropertyUse> uses;
 	return uses;

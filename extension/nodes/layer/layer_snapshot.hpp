@@ -24,16 +24,17 @@
 
 namespace thicket {
 
-/// How a mesh casts its shadow while it is drawn.
+/// The shadow of a drawn mesh.
 struct MeshShadow {
-	godot::Ref<godot::Mesh> mesh; ///< Casts the shadow in place of the drawn mesh. Null if the drawn mesh does.
-	std::int64_t setting = -1;    ///< GeometryInstance3D.ShadowCastingSetting, or one of these:
+	/// The mesh that casts the shadow in place of the drawn mesh. Null if the drawn mesh casts it.
+	godot::Ref<godot::Mesh> mesh;
+	std::int64_t setting = -1; ///< A GeometryInstance3D.ShadowCastingSetting, or one of the values below.
 
-	static constexpr std::int64_t as_layer = -1;
-	static constexpr std::int64_t as_layer_unless_on =
-			-2; ///< Casts no shadow if the layer's setting is "on", its default.
+	static constexpr std::int64_t as_layer = -1; ///< The layer's setting.
+	/// Off if the layer's setting is "on" (its default); otherwise the layer's setting.
+	static constexpr std::int64_t as_layer_unless_on = -2;
 
-	/// The effective setting for a layer with `layer_setting`.
+	/// Returns the effective setting in a layer with `layer_setting`.
 	std::int64_t setting_in(std::int64_t layer_setting) const {
 		constexpr std::int64_t off = 0;
 		constexpr std::int64_t on = 1;
@@ -44,60 +45,68 @@ struct MeshShadow {
 	friend bool operator==(const MeshShadow &, const MeshShadow &) = default;
 };
 
-/// A mesh as it is drawn.
+/// A mesh and how it is drawn.
 struct MeshLook {
 	godot::Ref<godot::Mesh> mesh;
 	MeshShadow shadow;
 	LodLook look;
-	bool fades = false; ///< True if all its materials can fade: they include scatter_fade.gdshaderinc.
+	bool fades = false; ///< True if the mesh can fade; see add_fades.
 
-	/// True if both have the same mesh and shadow mesh. The number of instances and the parameters that they are drawn
-	/// with may differ.
+	/// Returns true if both have the same mesh and shadow. Their `look` (density, transparency and
+	/// shader parameters) may differ.
 	bool same_meshes(const MeshLook &other) const { return mesh == other.mesh && shadow == other.shadow; }
 
 	friend bool operator==(const MeshLook &, const MeshLook &) = default;
 };
 
-/// The meshes that are drawn for the instances of a layer, and how the renderer draws them. Enumeration values are the engine's.
+/// The meshes of a layer's instances, and the renderer settings to draw them with. Integers are
+/// values of the engine's enumerations.
 struct LayerDrawing {
-	std::vector<MeshLook> meshes; ///< One for each mesh of the layer. A null mesh draws nothing.
+	/// The finest mesh of each entry of the layer's `meshes`. A null mesh draws nothing.
+	std::vector<MeshLook> meshes;
 
-	/// One row per LOD distance, with an entry for each of the meshes. A null mesh means that the next finer LOD is
-	/// kept.
+	/// One row per LOD distance, with an element for each of `meshes`. A null mesh means that the
+	/// next finer LOD is drawn.
 	std::vector<MeshLook> lod_meshes;
 
-	/// The material IDs and vertex counts of the surfaces of all meshes that can fade. They differ if a resource has
-	/// changed, although it is the same object.
+	/// The material IDs and vertex counts of the surfaces of all meshes that can fade. A difference
+	/// shows that a resource has changed, even if it is the same object.
 	std::vector<std::uint64_t> surfaces;
 
-	/// The box of each mesh when the snapshot was created. A different box means that the mesh has changed, even if it
-	/// is the same resource.
+	/// The bounding box of each mesh when the snapshot was created. A different box means that the
+	/// mesh has changed, even if it is the same resource.
 	std::vector<godot::AABB> boxes;
 
-	/// The distance in meters, at scale 1, from the origin of each mesh to its farthest corner, over all its LODs.
-	/// Enlarged as much as thinning may enlarge instances.
+	/// The reach of each mesh: the distance in meters, at scale 1, from its origin to its farthest
+	/// corner, over all its LODs. The reach includes the largest factor by which thinning may
+	/// enlarge instances.
 	std::vector<float> mesh_reach;
 
-	double draw_cell_size = 0.0; ///< Meters; 0 for a size that fits the models. LayerSnapshot::cells has the result.
+	/// The side of a cell in meters. 0 chooses a size that fits the models; LayerSnapshot::cells
+	/// has the result.
+	double draw_cell_size = 0.0;
 
-	godot::Ref<godot::Material> material_override; ///< Null to use the materials of the meshes.
+	/// The material that replaces all others. Null if the meshes keep their materials.
+	godot::Ref<godot::Material> material_override;
 	std::int64_t cast_shadow = 1;
 	std::int64_t gi_mode = 1;
 	std::int64_t render_layers = 1;
 	double lod_bias = 1.0;
-	double extra_cull_margin = 0.0; ///< Meters. In a snapshot, sway_reach of the materials is added to the property.
+	/// The distance in meters by which bounds are enlarged for culling. In a snapshot, it is the
+	/// property plus sway_reach of the materials.
+	double extra_cull_margin = 0.0;
 
-	/// True if anything is drawn for the mesh at this index.
+	/// Returns true if the entry at this index has a mesh.
 	bool draws(std::size_t mesh) const { return mesh < meshes.size() && meshes[mesh].mesh.is_valid(); }
 	float reach_of(std::size_t mesh) const { return mesh < mesh_reach.size() ? mesh_reach[mesh] : 0.0F; }
 
-	/// True if both draw the same meshes, so that a tile of one can replace a tile of the other.
+	/// Returns true if both draw the same meshes, so that existing tiles can be drawn with either.
 	bool same_meshes(const LayerDrawing &other) const {
 		return std::ranges::equal(meshes, other.meshes, &MeshLook::same_meshes) &&
 				std::ranges::equal(lod_meshes, other.lod_meshes, &MeshLook::same_meshes);
 	}
 
-	/// The finest mesh of each model. Null for a model that draws nothing.
+	/// Returns the finest mesh of each entry; null for an entry that draws nothing.
 	std::vector<godot::Ref<godot::Mesh>> finest_meshes() const {
 		std::vector<godot::Ref<godot::Mesh>> result;
 		std::ranges::transform(meshes, std::back_inserter(result), &MeshLook::mesh);
@@ -107,67 +116,76 @@ struct LayerDrawing {
 	friend bool operator==(const LayerDrawing &, const LayerDrawing &) = default;
 };
 
-/// The shape of a body. Scenes store these values.
+/// The collision shape of an instance. Scenes store these values, so they must not change.
 enum class BodyShape : std::uint8_t { none, capsule, cylinder, box, convex, model };
 
 /// The static bodies of a layer's instances.
 struct LayerCollision {
 	BodyShape shape = BodyShape::none;
-	double distance = 40.0; ///< Meters. An instance has a body if a viewer or moving body is nearer than this.
-	std::int64_t layer = 1; ///< Physics layers, in the engine's terms.
+	/// The distance in meters. An instance has a body if a viewer or a moving body is nearer.
+	double distance = 40.0;
+	std::int64_t layer = 1; ///< The bit mask CollisionObject3D.collision_layer.
 	std::int64_t mask = 1;
-	double friction = 1.0;                    ///< Negative for a rough material, as in StaticBody3D.
-	double bounce = 0.0;                      ///< Negative for an absorbent material.
-	bool affects_navigation = true;           ///< Navigation meshes are baked around colliding instances.
-	std::vector<std::vector<BodyPart>> parts; ///< The shapes of each mesh's model, if `shape` is `model`.
+	double friction = 1.0; ///< The friction. A negative value stands for a rough PhysicsMaterial.
+	double bounce = 0.0;   ///< The bounce. A negative value stands for an absorbent PhysicsMaterial.
+	/// True if navigation meshes are baked around colliding instances.
+	bool affects_navigation = true;
+	/// The shapes of each entry's model, if `shape` is `model`.
+	std::vector<std::vector<BodyPart>> parts;
 
 	friend bool operator==(const LayerCollision &, const LayerCollision &) = default;
 };
 
-/// The scenes that replace a layer's meshes near viewers.
+/// The scene that replaces a layer's meshes near viewers.
 struct LayerScene {
-	godot::Ref<godot::PackedScene> scene; ///< Null if there is none.
-	double distance = 20.0; ///< Meters. A scene replaces the mesh if a viewer or moving body is nearer; 0 for never.
+	godot::Ref<godot::PackedScene> scene; ///< The scene; null if there is none.
+	/// The distance in meters. A scene replaces a mesh if a viewer or a moving body is nearer; 0
+	/// for never.
+	double distance = 20.0;
 
 	friend bool operator==(const LayerScene &, const LayerScene &) = default;
 };
 
-/// The settings for how a game interacts with instances. None of them affects where instances are placed.
+/// Settings for the interaction of a game with instances. None of them affects placement.
 struct LayerGameplay {
-	double instance_radius = 0.5; ///< Meters at scale 1. Radius of the cylinder that represents an instance.
+	/// The radius, in meters at scale 1, of the cylinder that represents an instance.
+	double instance_radius = 0.5;
 	double instance_height = 2.0;
-	double regrowth_time = 0.0; ///< Seconds; 0 for never.
+	double regrowth_time = 0.0; ///< The time in seconds after which a removed instance grows again; 0 for never.
 	LayerCollision collision;
 	LayerScene scene;
 
 	friend bool operator==(const LayerGameplay &, const LayerGameplay &) = default;
 };
 
-/// All settings of a ScatterLayer at one moment. The stream, the display, the workers, the rings of bodies and scenes,
-/// and queries all use it. A snapshot never changes once it is shared, so the layer may be edited or freed in the
-/// meantime.
+/// All settings of a ScatterLayer at one moment. The stream, the display, the workers, queries, and
+/// the rings of bodies and scenes use the snapshot instead of the layer. It never changes once it
+/// is shared, so the layer may be edited or freed in the meantime.
 ///
-/// Worker threads read `settings` and `drawing.mesh_reach`. All resources of the engine belong to the main thread,
-/// which must also be the last to release a snapshot.
+/// Worker threads may read only `settings` and `drawing.mesh_reach`. The engine's resources belong
+/// to the main thread, which must also be the last to release a snapshot.
 struct LayerSnapshot {
-	SharedLayer
-			settings; ///< Never null. ScatterLayer creates it without neighbors and shapes, which the node adds later.
+	/// The placement settings; never null. ScatterLayer creates them without neighbors and shapes,
+	/// which the node adds later.
+	SharedLayer settings;
 	StreamLayer range;
 	LayerDrawing drawing;
 	LodSettings lod;
 	CellSettings cells;
 	LayerGameplay gameplay;
-	LayerLinks links;                     ///< The layer's name, and its references to other layers by name.
-	std::vector<std::string> field_names; ///< The property behind each of settings->rules.fields.
+	LayerLinks links; ///< The layer's name, and its references to other layers by name.
+	/// The name of the property that each of settings->rules.fields was created from.
+	std::vector<std::string> field_names;
 
-	/// Settings are equal only if they are the same object.
+	/// Compares `settings` by pointer.
 	friend bool operator==(const LayerSnapshot &, const LayerSnapshot &) = default;
 };
 
-/// Null for a layer that is not displayed: an empty entry of the list, or a layer that was never valid.
+/// A shared snapshot. Null for a layer that is not displayed, because its entry in the list is
+/// empty or it was never valid.
 using SharedSnapshot = std::shared_ptr<const LayerSnapshot>;
 
-/// The settings of a layer that queries need. For null, returns a layer that queries skip.
+/// Returns the settings of a layer that queries need. For null, returns a layer that queries skip.
 QueryLayer query_layer(const LayerSnapshot *layer);
 
 } // namespace thicket

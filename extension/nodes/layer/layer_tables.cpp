@@ -14,7 +14,7 @@ bool same_area(const MaskFrame &a, const MaskFrame &b) {
 	return a.area.min == b.area.min && a.area.max == b.area.max && a.edge == b.edge;
 }
 
-/// Falls from 1 at distance 0 to 0 at `distance`.
+/// Creates a line from 1 at distance 0 to 0 at `distance` (meters).
 std::shared_ptr<const CurveTable> falling_line(double distance) {
 	constexpr std::array<float, 2> ends{1.0F, 0.0F};
 	const auto table = std::make_shared<CurveTable>();
@@ -32,7 +32,7 @@ void LayerTables::refresh(const MaskFrame &frame, double proximity_distance) {
 
 void LayerTables::refresh_noise() {
 	if (noise_source == used_source_ && noise_curve == used_curve_) {
-		// The sources are the same, so tiles need not be regenerated.
+		// Keep the field while its sources are unchanged, because a new one regenerates tiles.
 		return;
 	}
 	used_source_ = noise_source;
@@ -43,7 +43,7 @@ void LayerTables::refresh_noise() {
 void LayerTables::refresh_image(const MaskFrame &frame) {
 	const bool new_pixels = std::exchange(mask_texture.unread, false) || frame.channel != frame_.channel;
 	if (!new_pixels && same_area(frame, frame_)) {
-		// Neither the mask's pixels nor its area have changed.
+		// Neither the pixels nor the area have changed.
 		return;
 	}
 	frame_ = frame;

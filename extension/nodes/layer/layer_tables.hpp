@@ -13,22 +13,22 @@
 
 namespace thicket {
 
-/// Maps a mask texture to the world.
+/// The settings that map a mask texture to the world.
 struct MaskFrame {
-	Rect area{{0.0, 0.0}, {1000.0, 1000.0}}; ///< Meters.
+	Rect area{{0.0, 0.0}, {1000.0, 1000.0}}; ///< The area that the texture covers, in world meters.
 	ImageChannel channel = ImageChannel::red;
 	MaskEdge edge = MaskEdge::nothing;
 };
 
-/// A texture, and a flag for pixels that may have changed. Pixels are read back only if it is set, because reading
-/// waits for the renderer.
+/// A texture, and a flag that is set when its pixels may have changed. Pixels are read only if the
+/// flag is set, because reading waits for the renderer.
 struct TextureSource {
 	godot::Ref<godot::Texture2D> texture;
 	bool unread = false;
 };
 
-/// Replaces a table that was rebuilt from a resource. If the new table is equal, keeps the old object: settings compare
-/// tables by pointer, and a different pointer regenerates tiles.
+/// Replaces a table after it was rebuilt from a resource. If the new table is equal, keeps the old
+/// object, because settings compare tables by pointer, and a different pointer regenerates tiles.
 template <class Made>
 void replace(Made &r_old, Made fresh) {
 	r_old = std::move(fresh);
@@ -37,32 +37,36 @@ void replace(Made &r_old, Made fresh) {
 template <std::equality_comparable Table>
 void replace(std::shared_ptr<const Table> &r_old, std::shared_ptr<const Table> fresh) {
 	if (r_old != nullptr && fresh != nullptr && *r_old == *fresh) {
-		// An equal table regenerates no tile.
 		return;
 	}
 	r_old = std::move(fresh);
 }
 
-/// The data that depends on a resource together with other properties: a noise with its curve, a texture with its
-/// frame, and a line that replaces a missing proximity curve. Tables of all other resources are stored directly in the
-/// settings.
+/// The tables that depend on several properties: noise with its curve, a texture with its frame,
+/// and the line that replaces a missing proximity curve. LayerSettings contains the tables that
+/// depend on one resource only.
 class LayerTables {
 public:
 	/// Updates the results to match the sources and the properties.
 	void refresh(const MaskFrame &frame, double proximity_distance);
 
-	// Sources, each created from one resource.
+	// The sources, each created from one resource.
 	std::shared_ptr<const CurveTable> noise_curve;
-	godot::Ref<godot::Noise> noise_source; ///< A copy. Noise cannot be compared, only its objects can.
+	/// A copy of the noise. Copies are compared by pointer, because Noise has no other comparison.
+	godot::Ref<godot::Noise> noise_source;
 	TextureSource mask_texture;
-	godot::Ref<godot::Image> mask_texture_image; ///< Used if the texture has no image.
+	godot::Ref<godot::Image> mask_texture_image; ///< The image to use if the texture has none.
 
-	// Results, created from the sources.
+	// The results, created from the sources.
 	std::shared_ptr<const DensityField> noise;
-	std::shared_ptr<const ImageMask> image;           ///< All 0 while a texture has no image.
-	std::shared_ptr<const CurveTable> proximity_line; ///< Never null after `refresh`.
-	Status image_status;                              ///< The error of the texture's image; the last good mask is kept.
-	bool image_missing = false; ///< True if there is a texture, but its image is missing or cannot be read.
+	/// The mask of the texture; 0 everywhere if the texture has no image.
+	std::shared_ptr<const ImageMask> image;
+	/// The line that replaces a missing proximity curve. Never null after `refresh`.
+	std::shared_ptr<const CurveTable> proximity_line;
+	/// The error of the texture's image. After an error, `image` keeps the last valid mask.
+	Status image_status;
+	/// True if there is a texture whose image is missing or cannot be read.
+	bool image_missing = false;
 
 private:
 	void refresh_noise();

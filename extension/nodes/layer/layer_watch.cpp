@@ -20,7 +20,8 @@ bool LayerWatch::differs(const TypedArray<ScatterLayer> &p_layers) const {
 	});
 }
 
-/// Layers emit `changed` when a change is applied, so scripts may run and do anything.
+/// Applies changes that scripts have made to the layers' meshes in place. Layers emit `changed`
+/// then, so scripts may run and change anything.
 void LayerWatch::take_mesh_changes() const {
 	const std::vector<Seen> layers = seen_;
 	for (const Seen &seen : layers) {
@@ -33,8 +34,8 @@ void LayerWatch::take_mesh_changes() const {
 bool LayerWatch::lists_differ(const TypedArray<ScatterLayer> &p_layers) const {
 	bool same = p_layers.size() == static_cast<int64_t>(seen_.size());
 	for (std::size_t index = 0; same && index < seen_.size(); ++index) {
-		const Object *layer =
-				p_layers[static_cast<int64_t>(index)]; // No reference is counted, because every query runs this.
+		// Every query runs this loop, and a plain pointer avoids reference counting.
+		const Object *layer = p_layers[static_cast<int64_t>(index)];
 		same = layer == seen_[index].layer.ptr();
 	}
 	return !same;
@@ -72,7 +73,7 @@ void LayerWatch::listen(bool p_listen) const {
 
 void LayerWatch::give_ids(std::size_t own_count) {
 	if (std::exchange(giving_ids_, true)) {
-		return; // Called while IDs are being given: a layer has emitted `changed` because of its new ID.
+		return; // A recursive call: a layer has emitted `changed` because of its new ID.
 	}
 	std::set<int64_t> taken;
 	for (const Seen &seen : seen_) {
@@ -81,7 +82,7 @@ void LayerWatch::give_ids(std::size_t own_count) {
 		}
 	}
 	ids_.insert(taken.begin(), taken.end());
-	const std::vector<Seen> layers = seen_; // A copy, because a handler of `changed` may change the list.
+	const std::vector<Seen> layers = seen_; // Use a copy, because a signal handler may change the list.
 	for (std::size_t index = 0; taken.count(-1) > 0 && index < layers.size(); ++index) {
 		const Ref<ScatterLayer> &layer = layers[index].layer;
 		if (layer.is_null() || layer->own_id() >= 0) {
@@ -123,7 +124,7 @@ std::vector<LayerRename> LayerWatch::follow_names() {
 }
 
 void LayerWatch::change_references(const ReferenceChange &change) const {
-	const std::vector<Seen> layers = seen_; // A copy, because a handler of `changed` may change the list.
+	const std::vector<Seen> layers = seen_; // Use a copy, because a signal handler may change the list.
 	for (const Seen &seen : layers) {
 		if (seen.layer.is_valid()) {
 			seen.layer->change_references(change);

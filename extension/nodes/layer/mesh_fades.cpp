@@ -17,7 +17,8 @@ namespace thicket {
 
 namespace {
 
-/// Caches the results of materials, because meshes share them.
+/// Finds out whether meshes can fade. Caches the result of each material, because meshes share
+/// materials.
 class FadeFinder {
 public:
 	explicit FadeFinder(const Ref<Material> &material_override) : override_(material_override) {}
@@ -52,7 +53,6 @@ bool FadeFinder::fades(const Ref<Material> &material) {
 	const std::uint64_t id = material->get_instance_id();
 	const auto found = known_.find(id);
 	if (found != known_.end()) {
-		// A cached result holds for all meshes.
 		return found->second;
 	}
 	return known_[id] = has_fade(material);

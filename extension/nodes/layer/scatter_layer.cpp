@@ -1,4 +1,5 @@
-// Layer validation, and the properties at the top of its inspector and the expert ones at its end.
+// This file validates layers, and contains the properties at the top and at the end of a layer's
+// inspector.
 
 #include "core/base/check.hpp"
 #include "core/placement/instance_rows.hpp"
@@ -52,7 +53,7 @@ Status ScatterLayer::check() {
 			validate(range_));
 }
 
-/// The names under which release 0.2 saved properties.
+/// Sets properties by the names that release 0.2 saved.
 bool ScatterLayer::_set(const StringName &p_name, const Variant &p_value) {
 	if (!former_lods_.set(p_name, p_value) && !former_visibility_.set(p_name, p_value) &&
 			!set_former_value(p_name, p_value)) {
@@ -111,7 +112,7 @@ void ScatterLayer::add_used(SceneUse::List &r_used) const {
 	}
 }
 
-// In the order of the inspector: meshes, placement, drawing and gameplay.
+// Binds all properties, in the order of the inspector.
 void ScatterLayer::_bind_methods() {
 	bind_basics();
 	bind_placement();

@@ -1,4 +1,4 @@
-// How the layer is drawn: the properties of the group Drawing.
+// This file contains the properties of ScatterLayer in the group Drawing.
 
 #include "nodes/layer/layer_materials.hpp"
 #include "nodes/common/engine_arrays.hpp"
@@ -22,7 +22,7 @@ constexpr NumberProperty gi_mode{
 constexpr NumberProperty render_layers{
 		"render_layers", &LayerDrawing::render_layers, 0, (1 << 20) - 1, PROPERTY_HINT_LAYERS_3D_RENDER};
 
-/// Properties that GeometryInstance3D has too, each with its name there.
+/// Pairs of a property of ScatterLayer and the corresponding property of GeometryInstance3D.
 constexpr std::array geometry_properties{
 		std::pair{"material_override", "material_override"},
 		std::pair{"cast_shadow", "cast_shadow"},

@@ -1,4 +1,5 @@
-// The data that a layer stores for an export as a dedicated server, which replaces meshes and textures with placeholders.
+// This file stores the data that a layer needs after a dedicated server export, which replaces
+// meshes and textures with placeholders.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/engine_arrays.hpp"
@@ -75,7 +76,8 @@ bool ScatterLayer::embed_stripped_data() {
 	return any;
 }
 
-/// Convex hulls are built from the vertices of meshes. If any mesh was stripped, all bodies use the stored hulls.
+/// Returns true if bodies need convex hulls, but the vertices of any mesh were stripped. In that
+/// case, all bodies use the stored hulls.
 bool ScatterLayer::needs_stored_hulls() const {
 	bool stripped = false;
 	for (std::size_t entry = 0; entry < meshes_.size(); ++entry) {

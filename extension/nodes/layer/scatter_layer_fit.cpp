@@ -1,4 +1,5 @@
-// Properties that follow from what the meshes of a layer are: their size, and whether they are trees, shrubs, grass or rocks.
+// This file sets properties that follow from the size and kind of a layer's meshes: trees, shrubs,
+// grass or rocks.
 
 #include "core/model/model_fit.hpp"
 #include "nodes/common/convert.hpp"
@@ -20,14 +21,15 @@ namespace thicket {
 
 namespace {
 
-constexpr double least_size = 0.05; ///< Meters. Smaller meshes get the spacing and the collision of this size.
+/// The minimum size in meters. Smaller meshes get the spacing and collision of this size.
+constexpr double least_size = 0.05;
 
-/// Set by fit_to_meshes.
+/// The properties that fit_to_meshes sets.
 constexpr std::array fitted_properties{"radius", "density", "min_scale", "max_scale", "min_tilt_degrees",
 		"max_tilt_degrees", "align_to_normal", "height_offset", "clump_size", "clump_coverage", "instance_radius",
 		"instance_height", "collision_shape"};
 
-/// Meters around the axis of an instance.
+/// The extent in meters around the vertical axis of an instance.
 struct Extent {
 	double radius = 0.0;
 	double top = 0.0;
@@ -66,7 +68,8 @@ void measure(const Array &p_arrays, ModelMeasure &r_measure) {
 	}
 }
 
-/// On other threads than the main thread, only its box is known, because reading a mesh waits for the renderer, and so for the main thread.
+/// Measures a mesh. On threads other than the main thread, uses only its bounding box. Reading a
+/// mesh would wait for the renderer, and thus for the main thread.
 ModelSize size_of(const Ref<Mesh> &p_mesh) {
 	const AABB box = p_mesh->get_aabb();
 	ModelMeasure measured(to_core(box.position), to_core(box.position + box.size));
@@ -78,14 +81,15 @@ ModelSize size_of(const Ref<Mesh> &p_mesh) {
 
 struct Measured {
 	ModelSize size;
-	std::optional<thicket::ModelKind> named; ///< The kind that its name says.
+	std::optional<thicket::ModelKind> named; ///< The kind that the name indicates, if any.
 
 	thicket::ModelKind kind() const { return named.value_or(kind_of(size)); }
 };
 
 std::optional<thicket::ModelKind> kind_in(const String &p_name) { return kind_named(p_name.utf8().get_data()); }
 
-/// The kind that an entry is named after: by the part of a scene, by its file, or by itself.
+/// Returns the kind that the name of an entry indicates. Checks the names of the scene part, the
+/// file and the resource, in this order.
 std::optional<thicket::ModelKind> named_kind_of(const Ref<Resource> &p_entry) {
 	const Ref<ScatterModel> model = p_entry;
 	Ref<Resource> source = p_entry;
@@ -99,7 +103,7 @@ std::optional<thicket::ModelKind> named_kind_of(const Ref<Resource> &p_entry) {
 	return kind ? kind : kind_in(p_entry->get_name());
 }
 
-/// The widest of the meshes decides.
+/// Measures the mesh with the largest footprint.
 std::optional<Measured> measured(const LayerMeshes &meshes) {
 	std::optional<Measured> widest;
 	for (std::size_t entry = 0; entry < meshes.size(); ++entry) {
@@ -125,7 +129,8 @@ PackedStringArray ScatterLayer::get_fitted_properties() const {
 
 ScatterLayer::ModelKind ScatterLayer::get_model_kind() {
 	read_models();
-	const LayerMeshes meshes = meshes_; // A copy, because scripts of meshes may replace the list.
+	// Use a copy, because scripts of the meshes may replace the list.
+	const LayerMeshes meshes = meshes_;
 	const std::optional<Measured> widest = measured(meshes);
 	return widest ? static_cast<ModelKind>(static_cast<int64_t>(widest->kind()) + KIND_TREE) : KIND_AUTOMATIC;
 }
@@ -135,7 +140,8 @@ bool ScatterLayer::fit_to_meshes(ModelKind p_kind) {
 		return false;
 	}
 	read_models();
-	const LayerMeshes meshes = meshes_; // A copy, because scripts of meshes may replace the list.
+	// Use a copy, because scripts of the meshes may replace the list.
+	const LayerMeshes meshes = meshes_;
 	const std::optional<Measured> widest = measured(meshes);
 	if (!widest) {
 		return false;

@@ -1,4 +1,5 @@
-// How a game interacts with instances: the properties of the group Gameplay. None of them affects placement.
+// This file contains the properties of ScatterLayer in the group Gameplay. None of them affects
+// placement.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 
@@ -11,10 +12,10 @@ namespace thicket {
 
 namespace {
 
-constexpr double min_side = 1e-3; ///< Meters.
+constexpr double min_side = 1e-3; ///< The minimum radius and height of an instance, in meters.
 constexpr double max_side = 1e4;
 constexpr double farthest_body = 1e4;
-constexpr double longest_regrowth = 1e9; ///< Seconds.
+constexpr double longest_regrowth = 1e9; ///< The maximum regrowth time in seconds, about 32 years.
 constexpr int64_t all_physics_layers = 0xffffffff;
 
 constexpr NumberProperty instance_radius{"instance_radius", &LayerGameplay::instance_radius, min_side, max_side,
@@ -51,7 +52,7 @@ ScatterLayer::CollisionShape ScatterLayer::get_collision_shape() const {
 	return static_cast<CollisionShape>(gameplay_.collision.shape);
 }
 
-// Watched, unlike the materials for drawing, because bodies copy its values.
+// Watches the new material, because bodies copy its values.
 void ScatterLayer::set_physics_material(const Ref<PhysicsMaterial> &p_material) {
 	if (physics_material_ == p_material) {
 		return;

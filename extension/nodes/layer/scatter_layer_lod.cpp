@@ -1,4 +1,5 @@
-// How drawing changes with distance: the properties of the group Distance.
+// This file contains the properties of ScatterLayer in the group Distance, which control how
+// drawing changes with distance.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 

@@ -1,4 +1,5 @@
-// The transform of instances at their points: the properties of the group Placement.
+// This file contains the properties of ScatterLayer in the group Placement, which determine the
+// transforms of instances.
 
 #include "nodes/layer/scatter_layer_properties.hpp"
 

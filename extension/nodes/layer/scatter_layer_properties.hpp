@@ -1,7 +1,7 @@
 #pragma once
 
-// Constants that describe the properties of a ScatterLayer, for setters, getters and entries in ClassDB. Include this
-// only in the sources that define such constants.
+// This file contains setters, getters and ClassDB bindings for the constants that describe
+// properties of a ScatterLayer. Include it only in sources that define such constants.
 
 #include "nodes/layer/layer_property_use.hpp"
 #include "nodes/layer/scatter_layer.hpp"
@@ -13,12 +13,14 @@
 
 namespace thicket {
 
-inline constexpr double farthest_view = 1e6; ///< Meters; farther than anything can be seen.
+inline constexpr double farthest_view = 1e6; ///< A distance in meters beyond which nothing is visible.
 
 template <class Values, class Number>
-Values owner_of(Number Values::*); ///< Never called. Its result is the type of the part that contains the member.
+/// Deduces the part that contains a member. This function is never called; only its return type is
+/// used.
+Values owner_of(Number Values::*);
 
-/// The part that contains the member of a property.
+/// The type of the part that contains the member of a property.
 template <const auto &property>
 using PartOf = decltype(owner_of(property.member));
 
@@ -58,14 +60,15 @@ auto &ScatterLayer::part(Self &self) {
 	}
 }
 
-/// The use of a property, derived from the part that contains its member.
+/// Returns the use of a property, according to the part that contains its member.
 template <const auto &property>
 constexpr PropertyUse use_of() {
 	using Part = PartOf<property>;
 	if constexpr (std::is_same_v<Part, LayerDrawing> || std::is_same_v<Part, LodSettings>) {
 		return PropertyUse::drawing;
 	} else if constexpr (std::is_same_v<Part, StreamLayer>) {
-		// Transforms are floats relative to the middle of a tile, so the tile size affects placement.
+		// Transforms are floats relative to the center of a tile, so the tile size affects
+		// placement.
 		return property.member == &StreamLayer::tile_size ? PropertyUse::placement : PropertyUse::drawing;
 	} else if constexpr (std::is_same_v<Part, LayerGameplay> || std::is_same_v<Part, LayerCollision> ||
 			std::is_same_v<Part, LayerScene>) {
@@ -126,7 +129,8 @@ void ScatterLayer::set_resource(const godot::Ref<ResourceOf<property>> &p_resour
 	if (own.ptr() == p_resource.ptr()) {
 		return;
 	}
-	// Each property has its own method, because one resource may be the value of several properties.
+	// Use a separate handler for each property, because one resource may be the value of several
+	// properties.
 	const godot::StringName on_change = "_" + godot::String(property.name) + "_changed";
 	watch(own.ptr(), "changed", this, on_change, false);
 	own = p_resource;

@@ -1,4 +1,5 @@
-// The values that an instance's color and variation follow.
+// This file contains the properties of ScatterLayer for the sources of an instance's color and
+// variation.
 
 #include "nodes/common/renames.hpp"
 #include "nodes/common/watch.hpp"
@@ -20,10 +21,10 @@ namespace {
 constexpr SwitchProperty use_colors{"use_colors", "is_using_colors", &InstanceData::use_colors};
 constexpr SwitchProperty use_custom_data{"use_custom_data", "is_using_custom_data", &InstanceData::use_custom_data};
 
-/// A property with which release 0.2 saved a part of a value.
+/// A property in which release 0.2 saved a property of a ScatterValueSource.
 struct FormerValue {
 	const char *former;
-	bool is_color; ///< Of color_value, not of variation_value.
+	bool is_color; ///< True for color_value, false for variation_value.
 	const char *part;
 };
 constexpr std::array former_values{
@@ -46,7 +47,8 @@ PropertyInfo value_property(const char *p_name) {
 	return PropertyInfo(Variant::OBJECT, p_name, PROPERTY_HINT_RESOURCE_TYPE, ScatterValueSource::class_name);
 }
 
-/// The settings of a value that its source uses. So changing the other settings has no effect.
+/// Returns the settings of a value without those that its source does not use. Changes of unused
+/// settings then regenerate nothing.
 InstanceSource used(const Ref<ScatterValueSource> &p_value, bool is_used) {
 	if (!is_used || p_value.is_null()) {
 		return {};
@@ -61,14 +63,15 @@ InstanceSource used(const Ref<ScatterValueSource> &p_value, bool is_used) {
 	return result;
 }
 
-/// The problems of one value.
+/// Collects the problems of one value.
 class ValueProblems {
 public:
 	ValueProblems(const char *p_name, ScatterValueSource &value, PackedStringArray &r_problems) :
 			name_("ScatterLayer." + String(p_name)), source_(value.current()), problems_(r_problems),
 			has_noise_(value.get_noise().is_valid()), has_layer_(!core_reference(value.stored_layer()).empty()) {}
 
-	/// `p_unused` explains why the value has no effect; empty if it has one.
+	/// Adds the problems of the value. `p_unused` explains why the value has no effect, and is
+	/// empty if it has an effect.
 	void add(const String &p_unused) {
 		if (!p_unused.is_empty()) {
 			problems_.push_back(name_ + String(" ") + p_unused);
@@ -97,7 +100,7 @@ private:
 		}
 	}
 
-	/// A newly chosen source has a range of 0 to 1, whatever it measures.
+	/// Reports the default range of 0 to 1, which is seldom correct for the unit of the source.
 	void add_as_made(SourceKind kind, const char *p_unit) {
 		if (source_.kind == kind && source_.min == 0.0 && source_.max == 1.0) {
 			problems_.push_back(name_ + String(" goes over 0 to 1 ") + p_unit +
@@ -124,7 +127,7 @@ InstanceData ScatterLayer::instance_data() const {
 	return result;
 }
 
-/// Both are watched together, because one value may be used for both.
+/// Watches both values together, because they may be the same object.
 void ScatterLayer::watch_values(bool p_watch) {
 	for (const Ref<ScatterValueSource> &value : {color_value_, variation_value_}) {
 		watch(value.ptr(), "changed", this, "emit_changed", p_watch);
@@ -157,11 +160,12 @@ void ScatterLayer::set_variation_value(const Ref<ScatterValueSource> &p_value) {
 	set_value("variation_value", p_value, variation_value_);
 }
 
-/// Sets a property with which release 0.2 saved a part of a value, and warns once. Returns false for any other name.
+/// Sets a property of release 0.2 that is now part of a ScatterValueSource, and warns once. Returns
+/// false for any other name.
 bool ScatterLayer::set_former_value(const StringName &p_name, const Variant &p_value) {
 	for (const FormerValue &value : former_values) {
-		if (p_name ==
-				StringName(value.former)) { // No text is built before: the engine asks for every property that is set.
+		// Build no string before this check, because the engine calls this for every property.
+		if (p_name == StringName(value.former)) {
 			const char *current = value.is_color ? "color_value" : "variation_value";
 			const std::string owner = "ScatterLayer.";
 			warn_of_rename((owner + value.former).c_str(), (owner + current + "." + value.part).c_str());

@@ -25,7 +25,7 @@ float rounded_down(double value) {
 
 float rounded_up(double value) { return -rounded_down(-value); }
 
-/// A rectangle in single precision that contains all of `rect`.
+/// Returns a single-precision rectangle that contains all of `rect`.
 Rect2 around(const Rect &rect) {
 	if (rect.empty()) {
 		return {};
@@ -35,7 +35,7 @@ Rect2 around(const Rect &rect) {
 }
 
 PixelRect pixel_rect(const Rect2i &p_rect) {
-	// In 64 bits first, because a script may pass a corner beyond the last pixel.
+	// Add in 64 bits, because a script may pass a rectangle that ends beyond the last pixel.
 	const auto end = [](int32_t position, int32_t size) {
 		using Limits = std::numeric_limits<int32_t>;
 		return static_cast<int32_t>(std::clamp<int64_t>(int64_t{position} + size, Limits::min(), Limits::max()));
@@ -44,7 +44,7 @@ PixelRect pixel_rect(const Rect2i &p_rect) {
 	return {min, {end(min.x, p_rect.size.x), end(min.y, p_rect.size.y)}};
 }
 
-/// Renames properties to the names that scripts know.
+/// Renames the properties in an error to their names in the script API.
 Status for_scripts(Status status) {
 	if (std::string_view(status.property) == "region") {
 		status.property = "rect";
@@ -104,7 +104,7 @@ void ScatterMask::set_data(const PackedByteArray &p_data) {
 Status ScatterMask::take(std::span<const std::uint8_t> bytes) {
 	const Status status = mask_.from_bytes(bytes);
 	if (status.ok()) {
-		// The bytes only store steps of 1/255; a scene stores the background more precisely.
+		// The bytes store the background in steps of 1/255, and the scene stores it more precisely.
 		if (std::lround(255.0 * background_) != std::lround(255.0 * mask_.background())) {
 			background_ = mask_.background();
 		}
@@ -180,7 +180,6 @@ void ScatterMask::clear() {
 
 std::shared_ptr<const PaintedMask> ScatterMask::snapshot() const {
 	if (snapshot_ != nullptr) {
-		// Nothing was painted since the last snapshot.
 		return snapshot_;
 	}
 	snapshot_ = std::make_shared<PaintedMask>(mask_);

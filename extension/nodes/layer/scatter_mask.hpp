@@ -14,9 +14,11 @@
 
 namespace thicket {
 
-/// A density painted over the whole plane: PaintedMask as a resource of the engine. Several layers may share one.
+/// A density painted over the whole plane: the core's PaintedMask as a Resource. Several layers may
+/// share one.
 ///
-/// `paint` and `set_pixels` emit `area_changed` with the rectangle that they changed. All other changes emit `changed`.
+/// `paint` and `set_pixels` emit `area_changed` with the changed rectangle. All other changes emit
+/// `changed`.
 class ScatterMask : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterMask, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
@@ -24,57 +26,63 @@ class ScatterMask : public godot::Resource, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "ScatterMask";
 
-	/// Brush::Mode.
+	/// The values of Brush::Mode, for scripts.
 	enum Mode : std::int64_t {
 		MODE_PAINT,
 		MODE_ERASE,
 		MODE_SMOOTH,
 	};
 
-	/// Meters, PaintedMask::min_pixel_size to max_pixel_size. Refused while anything is painted, because the mask would
-	/// have to be resampled, and that could not be undone. The background is refused in the same case.
+	/// Sets the size of a pixel in meters, PaintedMask::min_pixel_size to max_pixel_size. Prints an
+	/// error and changes nothing while anything is painted, because the mask would have to be
+	/// resampled, which cannot be undone. The same applies to `set_background`.
 	void set_pixel_size(double p_size);
 	double get_pixel_size() const;
 
-	/// The density where nothing is painted: 0 to 1, stored in steps of 1/255.
+	/// Sets the density where nothing is painted, 0 to 1. The mask rounds it to steps of 1/255.
 	void set_background(double p_background);
 	double get_background() const;
 
-	/// All painted pixels, the pixel size and the background, in the format of PaintedMask::to_bytes. Empty for a blank
-	/// mask. Corrupt bytes print one error and change nothing.
+	/// Sets the whole content: the painted pixels, the pixel size and the background, in the format
+	/// of PaintedMask::to_bytes. An empty array stands for a blank mask. Setting corrupt bytes
+	/// prints one error and changes nothing.
 	void set_data(const godot::PackedByteArray &p_data);
 	godot::PackedByteArray get_data() const;
 
-	/// Saves the whole mask to a file: see replace_file. On failure, prints an error and leaves the old file unchanged.
+	/// Saves the whole mask to a file (see replace_file). On failure, prints an error and leaves
+	/// the old file unchanged.
 	godot::Error save_to_file(const godot::String &p_path) const;
 
-	/// Replaces the whole mask with a file written by save_to_file. On failure, prints an error and changes nothing.
+	/// Replaces the whole mask with a file from save_to_file. On failure, prints an error and
+	/// changes nothing.
 	godot::Error load_from_file(const godot::String &p_path);
 
-	/// Paints one dab of a Brush. Returns the rectangle of the world (x, z) that contains all changes. Empty if nothing
-	/// has changed, or if a value was refused.
+	/// Paints one dab of a Brush. Returns a world rectangle (x, z) in meters that contains all
+	/// changes. The rectangle is empty if nothing has changed or a value was refused.
 	godot::Rect2 paint(
 			const godot::Vector2 &p_center, double p_radius, double p_strength, double p_hardness, Mode p_mode);
 
-	/// Pixels row by row, one byte each, 0 to 255. Empty if the rectangle is empty or is refused.
+	/// Returns pixels row by row, one byte each, 0 to 255. Returns none if the rectangle is empty
+	/// or refused.
 	godot::PackedByteArray get_pixels(const godot::Rect2i &p_rect) const;
 
-	/// Writes such pixels back. Returns the same as `paint`.
+	/// Writes pixels in the format of `get_pixels`. Like `paint`, returns a world rectangle that
+	/// contains all changes.
 	godot::Rect2 set_pixels(const godot::Rect2i &p_rect, const godot::PackedByteArray &p_pixels);
 
-	/// The density at a world position (x, z), 0 to 1; 0 if the position is not finite.
+	/// Returns the density at a world position (x, z), 0 to 1; 0 if the position is not finite.
 	double sample(const godot::Vector2 &p_position) const;
 
-	/// The pixels that a change within a world rectangle may affect.
+	/// Returns the pixels that a change within a world rectangle may affect.
 	godot::Rect2i get_pixel_rect(const godot::Rect2 &p_rect) const;
 
 	/// Erases everything that is painted.
 	void clear();
 
-	/// The current pixels, for workers. Returns the same object until the mask changes.
+	/// Returns the current pixels, for workers. Returns the same object until the mask changes.
 	std::shared_ptr<const PaintedMask> snapshot() const;
 
-	/// True if nothing is painted.
+	/// Returns true if nothing is painted.
 	bool blank() const { return mask_.block_count() == 0; }
 
 	void _reset_state() override { clear(); }
@@ -91,8 +99,9 @@ private:
 	godot::Rect2 announce(const Status &status, const Rect &changed);
 
 	PaintedMask mask_;
-	double background_ = 1.0;                             ///< As set by the user; the mask's own value is rounded.
-	mutable std::shared_ptr<const PaintedMask> snapshot_; ///< Null if it must be recreated.
+	/// The background as set by the user; the value in `mask_` is rounded.
+	double background_ = 1.0;
+	mutable std::shared_ptr<const PaintedMask> snapshot_; ///< The result of `snapshot`. Null if it is outdated.
 };
 
 } // namespace thicket

@@ -1,4 +1,4 @@
-// Saves a ScatterMask to a file of bytes, and loads it.
+// This file saves a ScatterMask to a file, and loads it.
 
 #include "nodes/common/convert.hpp"
 #include "nodes/common/file_replace.hpp"

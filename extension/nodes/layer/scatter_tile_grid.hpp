@@ -10,31 +10,35 @@
 
 namespace thicket {
 
-/// A grid of tiles of one size in the world: core/base/tile_grid.hpp for scripts, in double precision. Bounds are min
-/// x, min z, max x and max z in meters, half-open.
+/// A grid of square tiles in the world, for scripts. Corresponds to core/base/tile_grid.hpp, in
+/// double precision. Bounds are arrays of min x, min z, max x and max z in meters; they are
+/// half-open.
 class ScatterTileGrid : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(ScatterTileGrid, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// Meters, 0.1 to 1e6. Any other value is ignored with an error.
+	/// Sets the side of a tile in meters, 0.1 to 1e6. Any other value prints an error and changes
+	/// nothing.
 	void set_tile_size(double p_size);
 	double get_tile_size() const { return tile_size_; }
 
-	/// The tile that contains a position. A coordinate beyond max_coordinate tiles prints an error and returns tile (0, 0).
+	/// Returns the tile that contains a position (meters). If a coordinate is beyond max_coordinate
+	/// tiles, prints an error and returns tile (0, 0).
 	godot::Vector2i get_tile_at(double p_x, double p_z) const;
 
-	/// The square of a tile.
+	/// Returns the bounds of a tile.
 	godot::PackedFloat64Array get_tile_bounds(const godot::Vector2i &p_tile) const;
 
-	/// The tiles that contain points of the bounds: the first tile, and the count along x and z. Empty bounds contain
-	/// no tiles. If the bounds are not four numbers, or get_tile_at would refuse one of them, prints an error and
-	/// returns no tiles.
+	/// Returns the tiles that overlap the bounds: the first tile, and the counts along x and z.
+	/// Empty bounds overlap no tiles. If the bounds are not four numbers, or if get_tile_at would
+	/// refuse one of them, prints an error and returns no tiles.
 	godot::Rect2i get_tiles_in(const godot::PackedFloat64Array &p_bounds) const;
 
 	static constexpr const char *class_name = "ScatterTileGrid";
 
-	/// In tiles from the origin. An int can still count a row of twice as many tiles.
+	/// The limit of tile coordinates, in tiles from the origin. The count of a row from
+	/// -max_coordinate to max_coordinate fits in an int.
 	static constexpr double max_coordinate = max_tile_coordinate / 2;
 
 protected:

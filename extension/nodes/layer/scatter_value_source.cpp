@@ -16,7 +16,7 @@ namespace thicket {
 
 namespace {
 
-/// The range that the inspector shows for the ends of the range.
+/// Returns the hint string for min_value and max_value in the inspector.
 const char *range_hint(SourceKind kind) {
 	switch (kind) {
 		case SourceKind::height: return "-1000,9000,0.1,or_less,or_greater,suffix:m";
@@ -58,7 +58,7 @@ void ScatterValueSource::set_randomness(double p_randomness) {
 	set_number("randomness", p_randomness, 0.0, 1.0, values_.randomness);
 }
 
-/// `p_changed` is the method that is called whenever the content changes.
+/// Sets a resource. `p_changed` is the method to call whenever the resource changes.
 template <class T>
 void ScatterValueSource::set_content(const Ref<T> &p_content, const char *p_changed, Ref<T> &r_own) {
 	if (r_own == p_content) {
@@ -131,7 +131,8 @@ void ScatterValueSource::change_reference(const ReferenceChange &change) {
 	}
 }
 
-/// Hides properties that do not apply to the source. Those that are set stay visible, because a warning mentions them.
+/// Hides properties that do not apply to the source. A property that is set stays visible, because
+/// a warning mentions it.
 void ScatterValueSource::_validate_property(PropertyInfo &p_property) const {
 	const bool random = values_.kind == SourceKind::random;
 	const auto hide = [&p_property](const char *p_name, bool p_hidden) {
@@ -151,7 +152,8 @@ void ScatterValueSource::_validate_property(PropertyInfo &p_property) const {
 
 void ScatterValueSource::_bind_methods() {
 	using Self = ScatterValueSource;
-	constexpr const char *any_range = "-1000,1000,0.001,or_less,or_greater"; // See _validate_property.
+	// The range accepts any number, as described at _validate_property.
+	constexpr const char *any_range = "-1000,1000,0.001,or_less,or_greater";
 	bind_guarded<&Self::set_source>(D_METHOD("set_source", "source"));
 	bind_guarded<&Self::get_source>(D_METHOD("get_source"));
 	bind_guarded<&Self::set_min_value>(D_METHOD("set_min_value", "value"));

@@ -17,14 +17,14 @@
 
 namespace thicket {
 
-/// The value that the color or the variation of an instance follows, as a number from 0 to 1. Layers may share it.
-/// Emits `changed` whenever a property is set, and whenever its noise changes.
+/// The source of an instance's color or variation, as a number from 0 to 1. Layers may share it.
+/// Emits `changed` when a property is set, and when its noise, gradient or curve changes.
 class ScatterValueSource : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterValueSource, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// SourceKind, for scripts.
+	/// The values of SourceKind, for scripts.
 	enum Source : std::int64_t {
 		SOURCE_RANDOM,
 		SOURCE_HEIGHT,
@@ -37,29 +37,32 @@ public:
 	void set_source(Source p_source);
 	Source get_source() const { return static_cast<Source>(values_.kind); }
 
-	/// The range of source values that becomes 0 to 1, in the source's unit. |value| is at most max_source_value.
+	/// These setters set the range of source values that maps to 0 to 1, in the source's unit. The
+	/// absolute value of each is at most max_source_value.
 	void set_min_value(double p_value);
 	double get_min_value() const { return values_.min; }
 	void set_max_value(double p_value);
 	double get_max_value() const { return values_.max; }
 
-	/// The random part of the number, 0 to 1.
+	/// Sets the random share of the number, 0 to 1.
 	void set_randomness(double p_randomness);
 	double get_randomness() const { return values_.randomness; }
 
-	/// For SOURCE_NOISE.
+	/// Sets the noise for SOURCE_NOISE.
 	void set_noise(const godot::Ref<godot::Noise> &p_noise);
 	godot::Ref<godot::Noise> get_noise() const { return noise_; }
 
-	/// For SOURCE_DISTANCE: a ScatterLayer or its name; null or "" for none. A layer that has a name is stored by name.
+	/// Sets the layer for SOURCE_DISTANCE: a ScatterLayer or its name. Null or "" stands for no
+	/// layer. A layer that has a name is stored by name.
 	void set_layer(const godot::Variant &p_layer);
 	godot::Variant get_layer() const;
 
-	/// The colors for the numbers from 0 to 1; null for white. A variation does not use them.
+	/// Sets the colors for the numbers from 0 to 1. Null stands for white. The gradient has no
+	/// effect on a variation.
 	void set_gradient(const godot::Ref<godot::Gradient> &p_gradient);
 	godot::Ref<godot::Gradient> get_gradient() const { return gradient_; }
 
-	/// Maps the number to the one that is used; null for the number itself.
+	/// Sets a curve that maps the number to the final number. Null leaves the number unchanged.
 	void set_curve(const godot::Ref<godot::Curve> &p_curve);
 	godot::Ref<godot::Curve> get_curve() const { return curve_; }
 
@@ -67,12 +70,12 @@ public:
 	void gradient_changed();
 	void curve_changed();
 
-	/// The current settings without their layer. The noise's copy and the tables are the same objects until their
-	/// content changes.
+	/// `current` returns the current settings without the layer, and `current_colors` the colors.
+	/// The copy of the noise and the tables stay the same objects until their content changes.
 	const InstanceSource &current();
 	const std::shared_ptr<const ColorTable> &current_colors();
 
-	/// The layer in the form of stored_reference.
+	/// Returns the layer in the form of stored_reference.
 	const godot::Variant &stored_layer() const { return layer_; }
 
 	void change_reference(const ReferenceChange &change);
@@ -94,7 +97,7 @@ private:
 	godot::Ref<godot::Gradient> gradient_;
 	godot::Ref<godot::Curve> curve_;
 	godot::Variant layer_ = godot::String();
-	bool noise_is_new_ = false; ///< True if the copy of the noise is out of date.
+	bool noise_is_new_ = false; ///< True if the copy of the noise is outdated.
 	bool gradient_is_new_ = false;
 	bool curve_is_new_ = false;
 };

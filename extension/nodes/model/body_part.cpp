@@ -23,7 +23,8 @@ glm::vec3 round_size(double radius, double height) {
 	return {static_cast<float>(2.0 * radius), static_cast<float>(height), static_cast<float>(2.0 * radius)};
 }
 
-/// The kind and the size of a shape without its transform; false for an unsupported shape.
+/// Reads the kind, and the size or corners, of an untransformed shape. Returns false for an
+/// unsupported shape.
 bool measure(Shape3D *p_shape, BodyPart &r_part) {
 	if (const auto *box = Object::cast_to<BoxShape3D>(p_shape)) {
 		r_part.kind = BodyPart::Kind::box;
@@ -49,7 +50,7 @@ bool measure(Shape3D *p_shape, BodyPart &r_part) {
 	return true;
 }
 
-/// Applies a basis to a part that is at its own origin.
+/// Applies a basis to a part whose origin is still 0.
 void transform(const glm::mat3 &basis, BodyPart &r_part) {
 	for (glm::vec3 &corner : r_part.corners) {
 		corner = basis * corner;
@@ -64,7 +65,8 @@ void transform(const glm::mat3 &basis, BodyPart &r_part) {
 	} else if (r_part.kind != BodyPart::Kind::box) {
 		r_part.size.x = r_part.size.z = std::max(r_part.size.x, r_part.size.z);
 	}
-	// The long axis is kept, and the others are made perpendicular to it.
+	// Keep the y axis, which is the long axis of round shapes, and make the others perpendicular to
+	// it.
 	const glm::vec3 y = glm::normalize(axes[1]);
 	const glm::vec3 x = glm::normalize(axes[0] - y * glm::dot(axes[0], y));
 	r_part.rotation = glm::mat3(x, y, glm::cross(x, y));

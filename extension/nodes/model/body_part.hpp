@@ -11,25 +11,27 @@
 
 namespace thicket {
 
-/// A shape of a model, with its sizes, as part of a body. Different sizes are different values.
+/// A collision shape of a model, as part of a body. Two parts are equal if all values are equal,
+/// including the size.
 struct BodyPart {
 	enum class Kind : std::uint8_t { box, sphere, capsule, cylinder, convex };
 
 	Kind kind = Kind::box;
-	glm::vec3 size{0.0f};           ///< Meters from side to side along its own axes; unused for a convex shape.
-	glm::mat3 rotation{1.0f};       ///< From its own axes to the model's.
-	glm::vec3 origin{0.0f};         ///< The middle of the shape in the model.
-	std::vector<glm::vec3> corners; ///< For a convex shape, in the model.
+	/// The extents of the shape along its own axes, in meters. Unused for a convex shape.
+	glm::vec3 size{0.0f};
+	glm::mat3 rotation{1.0f};       ///< The rotation from the shape's own axes to the model's.
+	glm::vec3 origin{0.0f};         ///< The center of the shape in the model's space.
+	std::vector<glm::vec3> corners; ///< The corners of a convex shape, in the model's space.
 
 	friend bool operator==(const BodyPart &, const BodyPart &) = default;
 };
 
-/// Empty for an unsupported shape.
+/// Converts a collision shape of a model. Returns nothing for an unsupported shape.
 std::optional<BodyPart> body_part(const ModelShape &shape);
 
-/// Returns a part of a model whose instance is scaled along the model's axes. Scales the sizes and the position of the
-/// part, and keeps it right-handed whatever the scale. A capsule and a cylinder stay round, with the larger one of
-/// their two scales.
+/// Returns a part as it is in an instance that is scaled along the model's axes. Scales the part's
+/// size and position, and keeps its axes right-handed even if the scale is negative. Capsules and
+/// cylinders stay round: their radius follows the larger of the two horizontal scales.
 BodyPart scaled(const BodyPart &part, glm::vec3 scale);
 
 } // namespace thicket

@@ -10,11 +10,12 @@
 
 namespace thicket {
 
-/// The largest number of corners of a convex body. If there are more, the outermost ones are kept.
+/// The maximum number of corners of a convex body. If there are more, only the outermost ones are
+/// kept.
 inline constexpr std::size_t max_convex_corners = 64;
 
-/// The corners of a mesh's convex hull, at most max_convex_corners. Empty if the mesh has no hull, for example because
-/// it has no surfaces. Main thread only.
+/// Returns the corners of a mesh's convex hull, at most max_convex_corners. Returns none if the
+/// mesh has no hull, for example because it has no surfaces. Call it only on the main thread.
 std::vector<glm::vec3> convex_corners(const godot::Ref<godot::Mesh> &mesh);
 
 } // namespace thicket

@@ -11,30 +11,34 @@
 
 namespace thicket {
 
-/// A mesh as a part of a model.
+/// A mesh that is part of a model.
 struct MeshPart {
-	godot::Ref<godot::Mesh> mesh; ///< Never null.
-	godot::Transform3D transform; ///< From the mesh's space to the model's; not flat.
-	std::vector<godot::Ref<godot::Material>>
-			materials; ///< Replace the materials of its surfaces; null keeps a surface's own.
-	godot::Ref<godot::Material>
-			overlay; ///< Drawn over all surfaces, as GeometryInstance3D.material_overlay; null if there is none.
-	std::vector<double> blend_weights; ///< For the mesh's blend shapes; empty if all are 0.
+	godot::Ref<godot::Mesh> mesh; ///< The mesh; never null.
+	godot::Transform3D transform; ///< The transform from the mesh's space to the model's; invertible.
+	/// The materials that replace those of the surfaces. A null entry keeps the surface's own
+	/// material.
+	std::vector<godot::Ref<godot::Material>> materials;
+	/// The material that is drawn over all surfaces, like GeometryInstance3D.material_overlay. Null
+	/// if there is none.
+	godot::Ref<godot::Material> overlay;
+	/// One weight per blend shape of the mesh; empty if all are 0.
+	std::vector<double> blend_weights;
 };
 
-/// One mesh that looks like all parts at their positions. For a single unmodified part, returns its own mesh. Otherwise
-/// returns a new mesh, with a surface for each material and vertex format. Keeps the surfaces' LODs for the engine's
-/// automatic selection. Discards bones: a mesh is in its rest pose, with the weights of its blend shapes. An overlay
-/// becomes separate surfaces. Triangles of mirrored parts are turned around. For parts that an export has stripped, returns a placeholder with the box around them.
-/// Null if the parts have neither surfaces nor such a box.
+/// Merges all parts, at their positions, into one mesh. Returns the mesh of a single unmodified
+/// part unchanged. Otherwise creates a mesh with one surface per material and vertex format. Keeps
+/// the surfaces' LODs for the engine's automatic LOD selection. Applies blend shapes, but discards
+/// bones, so skinned parts have their rest pose. Overlays become separate surfaces. Reverses the
+/// winding of mirrored parts. If an export has stripped the parts, returns a placeholder with their
+/// bounding box. Returns null if the parts have neither surfaces nor a bounding box.
 godot::Ref<godot::Mesh> merged_mesh(std::span<const MeshPart> parts);
 
-/// Copies a mesh once for each of the values, and stores the value in CUSTOM3 of all its vertices. Bones and blend
-/// shapes are discarded as in merged_mesh. Null if the mesh has no surface.
+/// Copies a mesh once per value, and stores the value in CUSTOM3 of all vertices of the copy.
+/// Discards bones and blend shapes. A copy is null if the mesh has no surfaces.
 std::vector<godot::Ref<godot::Mesh>> faded_meshes(
 		const godot::Ref<godot::Mesh> &mesh, std::span<const glm::vec4> values);
 
-/// True if the vertices of a mesh use CUSTOM3.
+/// Returns true if the vertices of a mesh use CUSTOM3.
 bool uses_custom3(const godot::Ref<godot::Mesh> &mesh);
 
 } // namespace thicket

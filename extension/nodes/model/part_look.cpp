@@ -16,7 +16,7 @@ namespace thicket {
 namespace {
 
 constexpr std::string_view prefix = "instance_shader_parameters/";
-constexpr int deepest = 64; ///< Scenes within scenes.
+constexpr int deepest = 64; ///< The maximum depth of nested scenes.
 
 void add_parameters(const Ref<PackedScene> &p_scene, int depth, std::set<std::string> &r_names) {
 	const Ref<SceneState> state = p_scene.is_valid() && depth < deepest ? p_scene->get_state() : Ref<SceneState>();
@@ -46,7 +46,7 @@ bool same(const Variant &p_a, const Variant &p_b) {
 	return p_a.get_type() == p_b.get_type() && static_cast<String>(p_a) == static_cast<String>(p_b);
 }
 
-/// Whether a part is drawn with a different value than `p_value`.
+/// Returns whether a part may be drawn with a value other than `p_value`.
 bool differs(const PartLook &part, const StringName &p_name, const Variant &p_value) {
 	const Variant *own = find(part.parameters, p_name);
 	const std::string name = String(p_name).utf8().get_data();

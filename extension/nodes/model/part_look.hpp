@@ -18,29 +18,31 @@
 
 namespace thicket {
 
-/// How one part of a scene is drawn, apart from its mesh.
+/// The appearance of one part of a scene, without its mesh.
 struct PartLook {
-	godot::String name; ///< The name of its node, for remarks.
+	godot::String name; ///< The name of the part's node, for remarks.
 	double transparency = 0.0;
-	ShaderParameters parameters; ///< The instance shader parameters that are set.
-	godot::String shaders;       ///< The code of the shaders of its materials.
+	ShaderParameters parameters; ///< The instance shader parameters that the node sets.
+	godot::String shaders;       ///< The shader code of all its materials.
 };
 
-/// The names of all instance shader parameters that a scene or a nested scene sets.
+/// Returns the names of all instance shader parameters that a scene or its nested scenes set.
 std::set<std::string> instance_parameters_of(const godot::Ref<godot::PackedScene> &p_scene);
 
-/// `names` are those of its scene.
+/// Reads the look of a node. `names` is the result of instance_parameters_of for its scene.
 PartLook look_of(const godot::MeshInstance3D &node, const std::set<std::string> &names);
 
-/// The name of a material in ScatterModel.replacement_materials: its own, or that of its file; empty if it has neither.
+/// Returns the name of a material as a key of ScatterModel.replacement_materials: its resource
+/// name, or otherwise the name of its file. Returns an empty string if it has neither.
 godot::String material_name(const godot::Ref<godot::Material> &p_material);
 
-/// The replacement of a surface's material, by its name, if there is one. Otherwise `p_material`, which is null if the mesh's own material is drawn.
+/// Returns the material that replaces a surface's material, found by its name in `p_replacements`.
+/// If there is none, returns `p_material`, which is null if the surface's own material is drawn.
 godot::Ref<godot::Material> drawn_material(const godot::Ref<godot::Material> &p_material,
 		const godot::Ref<godot::Mesh> &p_mesh, int32_t p_surface, const godot::Dictionary &p_replacements);
 
-/// Sets one look for all parts of an LOD, because they are drawn as one instance. If their looks differ, uses the first
-/// one for all and adds a remark.
+/// Sets the look of an LOD, whose parts are drawn as one instance. If the parts differ in a
+/// setting, uses the first value for all of them and adds a remark.
 void join_looks(std::span<const PartLook *const> parts, ScatterLod &r_lod, godot::PackedStringArray &r_remarks);
 
 } // namespace thicket

@@ -11,11 +11,12 @@ namespace thicket {
 
 namespace {
 
-constexpr double farthest = 1e6; ///< Meters: max_lod_distance.
+constexpr double farthest = 1e6; ///< The maximum distance in meters. Equals max_lod_distance.
 
 } // namespace
 
-/// One mesh may be the value of both properties: it is watched as long as either has it.
+/// Replaces a mesh, and watches the new mesh instead of the old one. If the other property has the
+/// same old mesh, the old mesh stays watched.
 void ScatterLod::replace(Ref<Mesh> &r_own, const Ref<Mesh> &p_mesh) {
 	if (r_own == p_mesh) {
 		return;

@@ -19,23 +19,27 @@ namespace thicket {
 /// Values of instance uniforms, by name.
 using ShaderParameters = std::vector<std::pair<godot::StringName, godot::Variant>>;
 
-/// How the renderer draws all instances of an LOD, whatever their meshes.
+/// The renderer settings for all instances of an LOD, independent of the mesh.
 struct LodLook {
-	double density = 1.0;                               ///< Share of the instances, 0 to 1.
-	double transparency = 0.0;                          ///< As in GeometryInstance3D, 0 to 1.
-	std::shared_ptr<const ShaderParameters> parameters; ///< Null if there are none. A change replaces the object.
+	double density = 1.0; ///< The share of instances to draw, 0 to 1.
+	/// The transparency, 0 to 1, like GeometryInstance3D.transparency.
+	double transparency = 0.0;
+	/// The values of the instance uniforms. Null if there are none. The object never changes; a
+	/// change replaces it.
+	std::shared_ptr<const ShaderParameters> parameters;
 
 	friend bool operator==(const LodLook &, const LodLook &) = default;
 };
 
-/// The look of a ScatterModel from a certain distance on: one of its LODs. Emits `changed` whenever a property is set, and whenever one of
-/// its meshes changes.
+/// An LOD of a ScatterModel: the mesh and settings to draw it with from a certain distance. Emits
+/// `changed` when a property is set, and when one of its meshes changes.
 class ScatterLod : public godot::Resource, public ThreadGuarded {
 	GDCLASS(ScatterLod, godot::Resource)
 	THICKET_GUARDED_METHODS(owner)
 
 public:
-	/// GeometryInstance3D.ShadowCastingSetting, and the layer's setting.
+	/// The values of GeometryInstance3D.ShadowCastingSetting, and a value that selects the layer's
+	/// setting.
 	enum CastShadow : std::int64_t {
 		CAST_SHADOW_LAYER = -1,
 		CAST_SHADOW_OFF,
@@ -44,31 +48,31 @@ public:
 		CAST_SHADOW_SHADOWS_ONLY,
 	};
 
-	/// Null to use the mesh of the next finer LOD.
+	/// Sets the mesh. Null selects the mesh of the next finer LOD.
 	void set_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_mesh() const { return mesh_; }
 
-	/// Meters from a viewer, 0 to max_lod_distance. 0 chooses a distance that fits the size of the model. A model's
-	/// first LOD is drawn from 0 meters on.
+	/// Sets the distance from a viewer in meters at which this LOD begins, 0 to max_lod_distance. 0
+	/// chooses a distance from the size of the model. The first LOD of a model always begins at 0.
 	void set_distance(double p_distance);
 	double get_distance() const { return distance_; }
 
 	void set_cast_shadow(CastShadow p_setting);
 	CastShadow get_cast_shadow() const { return cast_shadow_; }
 
-	/// The mesh that casts the shadow; null if the mesh itself casts it.
+	/// Sets the mesh that casts the shadow. Null means that the visible mesh casts it.
 	void set_shadow_mesh(const godot::Ref<godot::Mesh> &p_mesh);
 	godot::Ref<godot::Mesh> get_shadow_mesh() const { return shadow_mesh_; }
 
-	/// Share of the instances that are drawn with this LOD, 0 to 1.
+	/// Sets the share of instances to draw with this LOD, 0 to 1.
 	void set_density(double p_density);
 	double get_density() const { return look_.density; }
 
-	/// As GeometryInstance3D.transparency, 0 to 1.
+	/// Sets the transparency, 0 to 1, like GeometryInstance3D.transparency.
 	void set_transparency(double p_transparency);
 	double get_transparency() const { return look_.transparency; }
 
-	/// Values of instance uniforms for the shaders of the mesh, by name.
+	/// Sets values of instance uniforms for the shaders of the mesh, by name.
 	void set_instance_shader_parameters(const godot::Dictionary &p_parameters);
 	godot::Dictionary get_instance_shader_parameters() const;
 

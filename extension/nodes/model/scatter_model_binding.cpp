@@ -1,4 +1,4 @@
-// The methods and properties of ScatterModel, as scripts see them.
+// This file binds the methods and properties of ScatterModel for scripts.
 
 #include "nodes/model/scatter_model.hpp"
 

@@ -33,12 +33,12 @@ namespace {
 
 constexpr int64_t most_remarks = 8;
 
-/// GeometryInstance3D.ShadowCastingSetting.
+/// Values of GeometryInstance3D.ShadowCastingSetting.
 constexpr int64_t shadow_off = 0;
 constexpr int64_t shadow_on = 1;
 constexpr int64_t shadows_only = 3;
 
-/// A MeshInstance3D.
+/// A MeshInstance3D of the scene.
 struct ScenePart {
 	MeshPart part;
 	PartRange range;
@@ -46,7 +46,7 @@ struct ScenePart {
 	PartLook look;
 };
 
-/// Values that are passed down from node to node.
+/// Values that a node passes to its children.
 struct Above {
 	Transform3D transform;
 	std::optional<int> lod;
@@ -61,7 +61,8 @@ Transform3D combined(const Transform3D &p_outer, const Transform3D &p_inner) {
 
 std::string text_of(const StringName &p_name) { return String(p_name).utf8().get_data(); }
 
-/// Walks over a scene. Continues after a problem and keeps the first one.
+/// Walks over the nodes of a scene and collects its content. Continues after a problem, and keeps
+/// the first one.
 class Walk {
 public:
 	void visit(Node *p_node, const Above &above, bool is_root);
@@ -70,8 +71,9 @@ public:
 	std::vector<ScenePart> parts;
 	std::vector<ModelShape> shapes;
 	PackedStringArray remarks;
-	std::set<std::string> parameter_names; ///< The names of the instance shader parameters in the scene.
-	Dictionary replacements;               ///< Materials, by the names of those that they replace.
+	std::set<std::string> parameter_names; ///< The instance shader parameters that the scene sets.
+	/// Materials, keyed by the names of the materials they replace.
+	Dictionary replacements;
 
 	void remark(const String &p_sentence);
 
@@ -117,9 +119,9 @@ void Walk::visit(Node *p_node, const Above &above, bool is_root) {
 	}
 }
 
-/// False, with an error, for a transform that no part of a model can have.
+/// Returns false, and records a problem, if a transform is flat.
 bool Walk::accept(Node *p_node, const Transform3D &p_transform) {
-	constexpr double flat = 1e-9; // As a share of the volume of a cube with the longest side.
+	constexpr double flat = 1e-9; // Relative to the volume of a cube with the longest side.
 	const glm::dmat3 basis = to_core(p_transform.basis);
 	const double side = largest_scale(basis);
 	const double volume = glm::determinant(basis);
@@ -146,7 +148,7 @@ void Walk::add_mesh(MeshInstance3D *p_node, const Above &above, const LodName &n
 	}
 	if (parts.size() >= max_model_parts) {
 		fail(vformat("it has more than %d meshes", static_cast<int64_t>(max_model_parts)));
-		parts.emplace_back(); // Ends the walk.
+		parts.emplace_back(); // The number of parts is now above the limit, so the walk ends.
 		return;
 	}
 	if (!accept(p_node, above.transform)) {
@@ -185,7 +187,7 @@ void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
 	} else if (accept(p_node, above.transform)) {
 		Transform3D transform = above.transform;
 		if (glm::determinant(to_core(transform.basis)) < 0.0) {
-			// The engine's bodies cannot be mirrored, but all other shapes are their own mirror images.
+			// The engine's shapes cannot be mirrored, but all except convex polygons are symmetric.
 			if (kind == String("ConvexPolygonShape3D")) {
 				remark(vformat("\"%s\" is left out: a convex polygon cannot have a negative scale. Apply its transform "
 							   "where the model is made.",
@@ -200,7 +202,7 @@ void Walk::add_shape(CollisionShape3D *p_node, const Above &above) {
 	}
 }
 
-/// Adds a remark about a node that cannot be drawn as in the scene.
+/// Adds a remark about a node that is not drawn as it is in the scene.
 void Walk::remark_on(Node *p_node) {
 	if (p_node->is_class("AnimationMixer")) {
 		remark(vformat("\"%s\" does not play: the model is drawn as the scene was saved.", p_node->get_name()));
@@ -227,7 +229,7 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 	const int64_t first = parts[lod.parts.front()].cast_shadow;
 	if (std::ranges::all_of(lod.parts, [&](std::size_t part) { return parts[part].cast_shadow == first; })) {
 		result->set_mesh(mesh_of(parts, lod.parts, nothing));
-		// The default setting of a node is left to the layer.
+		// A node with the default setting uses the layer's setting.
 		result->set_cast_shadow(
 				first == shadow_on ? ScatterLod::CAST_SHADOW_LAYER : static_cast<ScatterLod::CastShadow>(first));
 	} else {
@@ -237,7 +239,7 @@ Ref<ScatterLod> made_lod(const std::vector<ScenePart> &parts, const ModelLod &lo
 	return result;
 }
 
-/// Parts that only cast a shadow are not visible.
+/// Sets the look of an LOD from its visible parts. Parts that only cast shadows are ignored.
 void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod) {
 	std::vector<const PartLook *> looks;
 	for (const std::size_t part : parts) {
@@ -254,7 +256,8 @@ void join(Walk &r_walk, const std::vector<std::size_t> &parts, ScatterLod &r_lod
 	}
 }
 
-/// The transform from the space above a node to the root's, moved so that the node is above the origin.
+/// Returns the transform from the space of a node's parent to the root's space. The transform also
+/// moves the node horizontally to x = z = 0.
 Transform3D above_of(const Node *p_root, const Node *p_node) {
 	Transform3D above;
 	for (const Node *node = p_node->get_parent(); node != nullptr && node != p_root; node = node->get_parent()) {
@@ -270,7 +273,8 @@ Transform3D above_of(const Node *p_root, const Node *p_node) {
 	return above;
 }
 
-/// Moves the middle of all parts to the origin, unless the origin is below their box.
+/// Moves all parts horizontally so that their bounding box is centered at the origin. Does nothing
+/// if the x and z ranges of the box already contain the origin.
 void center(Walk &r_walk) {
 	std::optional<AABB> box;
 	for (const ScenePart &part : r_walk.parts) {
@@ -295,7 +299,8 @@ void center(Walk &r_walk) {
 	}
 }
 
-/// Fills in `r_walk`, or its problem.
+/// Instantiates a scene and walks over it, or over the node at path `p_part`. Fills `r_walk`, or
+/// sets its problem.
 void walk_over(const Ref<PackedScene> &p_scene, const String &p_part, Walk &r_walk) {
 	if (!p_scene->can_instantiate()) {
 		r_walk.problem = empty_scene;
@@ -333,7 +338,7 @@ struct SceneReader::Progress {
 	String part;
 	bool walked = false;
 	Walk walk;
-	std::vector<ModelLod> lods; ///< The first `merged` of them are already read.
+	std::vector<ModelLod> lods; ///< The meshes of the first `merged` LODs are already read.
 	std::size_t merged = 0;
 	SceneReading result;
 };

@@ -15,10 +15,10 @@ namespace thicket {
 
 namespace {
 
-/// Meters by which a shape may seem to have moved after its scene was recentered.
+/// The apparent movement in meters that rounding may cause when a scene is recentered.
 constexpr double rounding = 0.01;
 
-/// Whether two shapes are the same, except for rounding.
+/// Returns whether two shapes are the same except for rounding.
 bool stands_still(const Shape &before, const Shape &now) {
 	const auto near = [](const auto &a, const auto &b) {
 		return glm::distance(a, b) <= rounding;
@@ -104,18 +104,18 @@ std::shared_ptr<const ShapeSet> RegionRegister::set_for(const TypedArray<Scatter
 		return last;
 	}
 	if (is_same(last)) {
-		// An unchanged set regenerates no tile.
+		// Returning the same set regenerates no tile.
 		return last;
 	}
 	if (const auto shared = std::ranges::find_if(sets_, is_same); shared != sets_.end()) {
-		// Most regions affect all layers, which then share a set.
+		// Most regions affect all layers, so layers often share a set.
 		last = *shared;
 		return last;
 	}
 	auto next = std::make_shared<ShapeSet>();
 	const Status status = next->set(std::move(shapes));
 	throw_if_out_of_memory(status);
-	if (status.ok()) { // Each shape was already validated.
+	if (status.ok()) { // Always, because each shape was validated before.
 		last = std::move(next);
 	}
 	return last;
@@ -132,7 +132,8 @@ std::vector<std::string> RegionRegister::names_for(const TypedArray<ScatterLayer
 }
 
 void RegionRegister::change_references(const ReferenceChange &change) const {
-	const std::vector<Entry> entries = entries_; // A copy, because a region notifies its node, which marks the entries.
+	// Use a copy, because a changed region calls its host, which marks the entries.
+	const std::vector<Entry> entries = entries_;
 	for (const Entry &entry : entries) {
 		entry.node->change_references(change);
 	}

@@ -18,53 +18,56 @@ namespace thicket {
 class ScatterLayer;
 class ScatterRegion3D;
 
-/// The regions below a TerrainScatter3D, as they were when last read, and the resulting sets of shapes for its layers.
-/// Main thread only.
+/// Stores the regions below a TerrainScatter3D in the state in which they were last read, and
+/// builds sets of shapes for the node's layers. Use it only on the main thread.
 class RegionRegister {
 public:
-	/// A region has an effect from `add` to `remove`.
+	/// Registers a region, which then affects layers until `remove`. Does not own the region.
 	void add(ScatterRegion3D *region);
 	void remove(ScatterRegion3D *region);
 
-	/// Marks a region to be reread. Ignores a region that is not in the register.
+	/// Marks a region to be reread by `update`. Ignores regions that are not registered.
 	void mark(const ScatterRegion3D *region);
 
-	/// True if the path of any region has changed. Call it in every frame, because a path emits no signal.
+	/// Marks the regions whose paths have changed since the last call, and returns true if there
+	/// are any. Call this every frame, because a moved Path3D emits no signal.
 	bool paths_changed();
 
-	/// Marks all regions to be read again. False if there are none.
+	/// Marks all regions to be reread. Returns false if there are none.
 	bool mark_all();
 
-	/// Rereads the marked regions. If the scene was `recentered`, a region has not moved if its world position is
-	/// unchanged within single precision.
+	/// Rereads the marked regions. If the scene was `recentered`, ignores changes of world
+	/// positions that are due to rounding to single precision.
 	void update(bool recentered);
 
-	/// The shapes that affect the layer at this index of the node's list; null if there are none. Returns the same
-	/// pointer as the last call if nothing has changed.
+	/// Returns the shapes that affect the layer at this index of the node's list; null if there are
+	/// none. The pointer stays the same until the shapes change.
 	std::shared_ptr<const ShapeSet> set_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index);
 
-	/// The names of the regions that these shapes belong to, in the same order.
+	/// Returns the names of the regions that `set_for` takes shapes from, in the same order.
 	std::vector<std::string> names_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 
-	/// Updates the references of all regions after a layer was renamed from `from` to `to`.
+	/// Applies a change of references, such as a renamed layer, to all regions.
 	void change_references(const ReferenceChange &change) const;
 
-	/// Makes the editor query the warnings of all regions again.
+	/// Makes the editor update the configuration warnings of all regions.
 	void update_warnings() const;
 
 private:
 	struct Entry {
 		ScatterRegion3D *node = nullptr;
 		bool marked = true;
-		std::optional<Shape> shape; ///< Empty while it has no effect.
-		std::optional<Shape> read;  ///< The last shape read from its node: the same, except for rounding.
-		godot::Array layers;        ///< The region's references to layers.
+		/// The shape for layers; empty while the region has no effect.
+		std::optional<Shape> shape;
+		/// The last shape read from the node. May differ from `shape` by rounding.
+		std::optional<Shape> read;
+		godot::Array layers; ///< The layers that the region affects; see ScatterRegion3D::get_layers.
 
 		bool counts_for(const godot::TypedArray<ScatterLayer> &p_layers, std::size_t index) const;
 	};
 
 	std::vector<Entry> entries_;
-	std::vector<std::shared_ptr<const ShapeSet>> sets_; ///< The sets that were last returned, by the layer's index.
+	std::vector<std::shared_ptr<const ShapeSet>> sets_; ///< The last returned sets, by layer index.
 };
 
 } // namespace thicket

@@ -23,8 +23,9 @@ namespace {
 
 constexpr double rank_scale = 1.0 / 4294967296.0;
 
-/// Processes the points in parts, also on the engine's threads if there are many. The system takes most of the time,
-/// because it provides new memory page by page.
+/// Processes the points in parts, and shares the parts with the engine's worker threads if there
+/// are many. Most of the time is spent in page faults: the system maps new memory one page at a
+/// time.
 template <class Work>
 void for_each_part(std::size_t size, const Work &work) {
 	constexpr std::size_t part = 1 << 14;
@@ -35,7 +36,7 @@ void for_each_part(std::size_t size, const Work &work) {
 		}
 	};
 	if (size > 4 * part) {
-		// The parts are the same, whichever thread copies them.
+		// The result does not depend on which thread copies which part.
 		EngineThreads().run(work_on);
 	} else {
 		work_on(0);
@@ -45,7 +46,7 @@ void for_each_part(std::size_t size, const Work &work) {
 } // namespace
 
 float unit_rank(std::uint32_t rank) {
-	// A rank just below 2^32 must not round to 1.
+	// A rank just below 2^32 must not round up to 1.
 	return std::min(static_cast<float>(rank * rank_scale), std::nextafter(1.0F, 0.0F));
 }
 
@@ -112,7 +113,7 @@ Vector2 PoissonPoints::get_position(int64_t p_index) const {
 PackedVector2Array PoissonPoints::get_positions() const {
 	const std::lock_guard lock(mutex_);
 	if (positions_.size() == size_) {
-		// Points never change, so their positions are created once.
+		// The points are immutable, so this conversion runs only once.
 		return positions_;
 	}
 	PackedVector2Array positions;

@@ -18,11 +18,11 @@
 
 namespace thicket {
 
-/// A rank for scripts: at least 0 and below 1.
+/// Converts a rank to a fraction in [0, 1) for scripts.
 float unit_rank(std::uint32_t rank);
 
-/// The points that a PoissonSampler has found. They never change, so any thread may read them. Given an invalid index,
-/// methods print an error and return a default.
+/// The points that a PoissonSampler has generated. Immutable, so any thread may read them. For an
+/// invalid index, methods print an error and return 0 or Vector2().
 class PoissonPoints : public godot::RefCounted {
 	GDCLASS(PoissonPoints, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -30,33 +30,36 @@ class PoissonPoints : public godot::RefCounted {
 public:
 	static constexpr const char *class_name = "PoissonPoints";
 
-	/// The result of a refused call.
+	/// Creates the result of a refused call: no points.
 	static godot::Ref<PoissonPoints> make_empty() { return memnew(PoissonPoints); }
 
-	/// Copies points, with positions in single precision, or in double precision if `exact`. If there is not enough memory, prints an error
-	/// and returns an empty result.
+	/// Copies points. Stores their positions in double precision if `exact` is true, otherwise in
+	/// single precision. If memory runs out, prints an error and returns an empty result.
 	static godot::Ref<PoissonPoints> of(std::span<const SamplePoint> points, bool exact);
 
-	/// Stores positions in double precision, as many x as y. These points have neither IDs nor ranks.
+	/// Creates points without IDs and ranks from coordinates in double precision. Both arrays must
+	/// have the same size.
 	static godot::Ref<PoissonPoints> of_positions(
 			const godot::PackedFloat64Array &p_x, const godot::PackedFloat64Array &p_y);
 
 	int64_t size() const { return size_; }
 	bool is_empty() const { return size_ == 0; }
 
-	/// The permanent number of a point; 0 for a point of a set without IDs.
+	/// Returns the ID of a point, which never changes; 0 if the points have no IDs.
 	int64_t get_id(int64_t p_index) const;
 	godot::Vector2 get_position(int64_t p_index) const;
 
-	/// At least 0 and below 1; 0 for a point of a set without ranks.
+	/// Returns the rank of a point in [0, 1); 0 if the points have no ranks.
 	double get_rank(int64_t p_index) const;
 
-	// The IDs, ranks and positions of all points. Each array is empty if the points do not have the values.
+	// These methods return the IDs, ranks and positions of all points. The IDs and ranks are empty
+	// if the points have none.
 	godot::PackedInt64Array get_ids() const { return ids_; }
 	godot::PackedFloat32Array get_ranks() const { return ranks_; }
 	godot::PackedVector2Array get_positions() const;
 
-	/// Positions in double precision. Empty unless they were requested.
+	/// Returns the coordinates in double precision; empty if the positions are stored in single
+	/// precision.
 	godot::PackedFloat64Array get_x() const { return x_; }
 	godot::PackedFloat64Array get_y() const { return y_; }
 
@@ -72,8 +75,9 @@ private:
 	godot::PackedFloat32Array ranks_;
 	godot::PackedFloat64Array x_;
 	godot::PackedFloat64Array y_;
-	mutable godot::PackedVector2Array positions_; ///< For exact points: created on first use.
-	mutable std::mutex mutex_;                    ///< Guards positions_.
+	/// The positions. If `x_` and `y_` contain the coordinates, they are converted on first use.
+	mutable godot::PackedVector2Array positions_;
+	mutable std::mutex mutex_; ///< Guards positions_.
 };
 
 } // namespace thicket

@@ -26,10 +26,11 @@
 
 namespace thicket {
 
-/// The samplers for scripts: windows onto one infinite Poisson-disk set, and whole domains in one call by one of the
-/// methods of the seed paper. Serves one call at a time. A second call, from a different thread or from within the
-/// first call, prints an error and returns nothing. Samplers are independent of each other, and their results are
-/// bit-identical.
+/// The script API of the samplers. Returns the points of one infinite Poisson-disk set in a
+/// rectangle, fills whole domains by a method of White, Cline and Egbert (2007), or covers
+/// surfaces. Runs one call at a time: a second call, whether from a different thread or from a
+/// progress callable, prints an error and returns nothing. Separate objects are independent, and
+/// equal settings produce bit-identical results.
 class PoissonSampler : public godot::RefCounted, public ThreadGuarded {
 	GDCLASS(PoissonSampler, godot::RefCounted)
 	THICKET_GUARDED_METHODS(owner)
@@ -37,86 +38,97 @@ class PoissonSampler : public godot::RefCounted, public ThreadGuarded {
 public:
 	static constexpr const char *class_name = "PoissonSampler";
 
-	/// How `sample_domain` fills a rectangle. All methods but the first are those of DomainMethod.
+	/// How `sample_domain` fills a rectangle. All methods but the first correspond to DomainMethod.
 	enum Method : std::int64_t {
-		METHOD_TILES, ///< The window of the infinite set that `sample` returns.
+		METHOD_TILES, ///< A window of the infinite set, with the same points as `sample`.
 		METHOD_NAIVE,
 		METHOD_HIERARCHICAL,
 		METHOD_ACCUMULATOR,
 		METHOD_WAVEFRONT,
 	};
 
-	/// Any 64-bit number; a different seed selects a different set.
+	/// Sets the seed, any 64-bit number. A different seed selects a different set of points.
 	void set_seed(int64_t p_seed);
 	int64_t get_seed() const;
 
-	/// The minimum distance between any two points, in meters: [min_radius, max_radius]. Any other value is ignored with an error.
+	/// Sets the minimum distance between any two points in meters, from min_radius to max_radius.
+	/// Other values print an error and are ignored.
 	void set_radius(double p_radius);
 	double get_radius() const;
 
-	/// Levels of the progressive order, 1 to max_levels. Any other value is ignored with an error. Only the infinite
-	/// set uses it.
+	/// Sets the number of levels of the progressive order, 1 to max_levels. Other values print an
+	/// error and are ignored. Used by all calls except `sample_domain` with a method other than
+	/// METHOD_TILES.
 	void set_progressive_levels(int64_t p_levels);
 	int64_t get_progressive_levels() const;
 
-	/// For `sample_domain`. Any other number is ignored with an error.
+	/// Sets the method of `sample_domain`. Numbers that are not a Method print an error and are
+	/// ignored.
 	void set_method(Method p_method);
 	Method get_method() const;
 
-	/// DomainRequest::toroidal.
+	/// Sets DomainRequest::toroidal: whether the points also keep their distance across opposite
+	/// edges. With METHOD_TILES, `sample_domain` refuses true.
 	void set_toroidal(bool p_toroidal);
 	bool is_toroidal() const;
 
-	/// True if whole domains are filled by DomainSampler<double>; otherwise by DomainSampler<float>.
+	/// Sets whether `sample_domain` uses DomainSampler<double> rather than DomainSampler<float>.
+	/// METHOD_TILES ignores this setting.
 	void set_double_precision(bool p_double_precision);
 	bool is_double_precision() const;
 
-	/// DomainRequest::cell_size, in radii: 0 to max_cell_size. Any other value is ignored with an error.
+	/// Sets DomainRequest::cell_size in radii, 0 to max_cell_size. Other values print an error and
+	/// are ignored.
 	void set_cell_size(double p_cell_size);
 	double get_cell_size() const;
 
-	/// The points of the set in a half-open rectangle in meters, with positions in single precision. If the rectangle is refused, prints
-	/// an error and returns no points. The result is never null.
+	/// Returns the points of the infinite set in a half-open rectangle in meters, with positions in
+	/// single precision. If the rectangle is refused, prints an error and returns no points. Never
+	/// returns null.
 	godot::Ref<PoissonPoints> sample(const godot::Rect2 &p_rect);
 
-	/// Does the same as `sample` for the rectangle [min, max). Positions are in double precision, exact at any distance from the origin.
+	/// Returns points like `sample`, for the rectangle [min, max). The positions are in double
+	/// precision, so they are exact at any distance from the origin.
 	godot::Ref<PoissonPoints> sample_exact(double p_min_x, double p_min_y, double p_max_x, double p_max_y);
 
-	/// Fills a rectangle in meters with one set by `method`. Positions are the rectangle's corner plus those of the
-	/// core, rounded once to single precision, downwards if they would otherwise reach the far edge. ScriptProgress
-	/// calls `p_progress`. If DomainRequest or PointSet excludes the request, prints an error and returns nothing. A
-	/// cancelled request also returns nothing.
+	/// Fills a rectangle in meters with one set, using `method`. Adds the rectangle's corner to the
+	/// core's positions and rounds the sum once to single precision, down if it would reach the far
+	/// edge. Calls `p_progress` as described at ScriptProgress. If DomainRequest or PointSet rules
+	/// out the request, prints an error and returns no points. Also returns none if the call is
+	/// cancelled.
 	godot::PackedVector2Array sample_domain(const godot::Rect2 &p_rect, const godot::Callable &p_progress);
 
-	/// Does the same as `sample_domain` for the rectangle [min, max). Positions are in double precision, without IDs and ranks.
+	/// Fills a rectangle like `sample_domain`, for the rectangle [min, max). The points have
+	/// positions in double precision, and neither IDs nor ranks.
 	godot::Ref<PoissonPoints> sample_domain_exact(
 			double p_min_x, double p_min_y, double p_max_x, double p_max_y, const godot::Callable &p_progress);
 
-	/// The points of the set on the triangles of a mesh, in meters, in the space after the transform. Limited to the
-	/// half-open window, unless that is AABB(). A refused call prints an error and returns no points. The result is
-	/// never null.
+	/// Returns points on the triangles of a mesh after `p_transform`, in meters. Only returns those
+	/// in the half-open window, unless the window is AABB(). If the call is refused, prints an
+	/// error and returns no points. Never returns null.
 	godot::Ref<PoissonSurfacePoints> sample_surface(
 			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, const godot::AABB &p_window);
 
-	/// The points of the set on triangles with three corners each, as Mesh.get_faces returns them. In all other
-	/// respects like `sample_surface`.
+	/// Returns points like `sample_surface`, for an array with three corners per triangle, as
+	/// returned by Mesh.get_faces.
 	godot::Ref<PoissonSurfacePoints> sample_faces(
 			const godot::PackedVector3Array &p_faces, const godot::AABB &p_window);
 
-	/// Ends the call in progress within 50 milliseconds, plus the time that the system needs to release a large
-	/// workspace. That call then returns nothing. May be called on any thread, and from a progress callable. Has no
-	/// effect on calls that have not begun.
+	/// Ends the call in progress within 50 milliseconds, plus the time that the system takes to
+	/// free a large workspace. That call then returns no points. May be called from any thread and
+	/// from a progress callable. Does not affect later calls.
 	void cancel();
 
-	/// Statistics of the last whole domain that was filled completely: DomainStats.
+	/// Returns the statistics of the last completed `sample_domain` or `sample_domain_exact`; see
+	/// DomainStats.
 	godot::Dictionary get_stats() const;
 
 protected:
 	static void _bind_methods();
 
 private:
-	/// One call in progress. Refused if the sampler already has one. Keeps the sampler alive, even if scripts release
-	/// it in the meantime.
+	/// One call in progress. The call is refused if the sampler is already running a call. Keeps
+	/// the sampler alive even if scripts release it in the meantime.
 	class Turn {
 	public:
 		Turn(PoissonSampler *p_sampler, const char *p_method);
@@ -135,14 +147,15 @@ private:
 	struct Faces;
 	static Status read_mesh(
 			const godot::Ref<godot::Mesh> &p_mesh, const godot::Transform3D &p_transform, Faces &r_faces);
-	/// `p_property` is what `read` reads, for an error.
+	/// Samples the triangles that `read` collects. `p_property` names them in error messages.
 	godot::Ref<PoissonSurfacePoints> sample_triangles(const Turn &p_turn, const char *p_property,
 			const godot::AABB &p_window, bool mirrored, const std::function<Status(Faces &r_faces)> &read);
 	std::span<const SamplePoint> fetch(const Turn &p_turn, const Rect &p_rect);
 	DomainRequest domain_request(const glm::dvec2 &p_size) const;
 	void report_domain(const DomainRequest &p_request, Status p_status) const;
 
-	/// Fills the domain and passes it to the writer. If the request is refused or cancelled, the writer stays empty.
+	/// Fills the domain and passes the points to the writer. If the request is refused or
+	/// cancelled, the writer ends up empty.
 	template <typename Writer>
 	void write_domain(const Turn &p_turn, const Rect &p_rect, const glm::dvec2 &p_size,
 			const godot::Callable &p_progress, Writer &r_writer);
@@ -159,7 +172,7 @@ private:
 	double cell_size_ = 0.0;
 
 	TileSampler sampler_;
-	std::vector<SamplePoint> points_; ///< The points of the last call; kept to reuse their memory.
+	std::vector<SamplePoint> points_; ///< The points of the last call; kept to reuse the memory.
 	DomainStats stats_;
 	std::atomic<bool> busy_ = false;
 	std::atomic<bool> cancelled_ = false; ///< Cancels the call in progress.

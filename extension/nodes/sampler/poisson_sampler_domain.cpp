@@ -23,13 +23,13 @@ namespace thicket {
 
 namespace {
 
-/// The largest number below `end` that is not below `min`.
+/// Returns the largest number below `end`, but at least `min`.
 template <typename Real>
 Real last_before(Real end, Real min) {
 	return std::max(std::nextafter(end, -std::numeric_limits<Real>::infinity()), min);
 }
 
-/// Positions in single precision. All lie in the rectangle as tested by Rect2.has_point.
+/// Writes positions in single precision, all of which pass Rect2.has_point for the rectangle.
 class Vector2Writer {
 public:
 	explicit Vector2Writer(const Rect2 &p_rect) :
@@ -51,7 +51,7 @@ private:
 	Vector2 *next_ = nullptr;
 };
 
-/// Positions in double precision, before the far edges.
+/// Writes positions in double precision, all of which lie before the far edges.
 class DoubleWriter {
 public:
 	explicit DoubleWriter(const Rect &p_rect) :
@@ -77,7 +77,7 @@ private:
 	double *next_y_ = nullptr;
 };
 
-/// Writes `position_of(point)` of all points, in pieces that do not delay a cancellation.
+/// Writes `position_of(point)` for each point, and checks for cancellation between pieces.
 template <typename Points, typename PositionOf, typename Writer>
 Status write(const Points &points, const PositionOf &position_of, const Progress &progress, Writer &r_writer) {
 	constexpr std::size_t piece = 1 << 20;
@@ -109,7 +109,8 @@ Status write_set(const DomainRequest &request, const glm::dvec2 &min, const Prog
 	return write(points, [&](const glm::vec<2, Real> &point) { return min + glm::dvec2(point); }, progress, r_writer);
 }
 
-/// The remedy for script authors if the core refuses a size.
+/// Returns the remedy to print for script authors after the core has refused a size; empty for
+/// other errors.
 String remedy(const DomainRequest &request, const Status &status) {
 	if (status.code != ErrorCode::out_of_range) {
 		return String();
@@ -137,7 +138,7 @@ DomainRequest PoissonSampler::domain_request(const glm::dvec2 &p_size) const {
 	return request;
 }
 
-// The core's errors name a domain's size, but scripts pass rectangles.
+// Prints an error in the script's terms: the core refuses a `size`, but scripts pass a rectangle.
 void PoissonSampler::report_domain(const DomainRequest &p_request, Status p_status) const {
 	if (std::string_view(p_status.property) != "size" || p_status.code == ErrorCode::cancelled) {
 		report(class_name, p_status);
@@ -150,7 +151,7 @@ void PoissonSampler::report_domain(const DomainRequest &p_request, Status p_stat
 template <typename Writer>
 Status PoissonSampler::write_tiles(
 		const Rect &p_rect, const Progress &p_progress, Writer &r_writer, DomainStats &r_stats) {
-	const PointSet set = set_; // A copy, because the script may change it in the meantime.
+	const PointSet set = set_; // Use a copy, because a progress callable may change the properties.
 	EngineThreads threads;
 	const Status status = sampler_.sample(set, p_rect, points_, p_progress, &threads);
 	if (!status.ok()) {

@@ -1,4 +1,4 @@
-// Sets on surfaces in space.
+// This file contains the methods of PoissonSampler that sample surfaces in 3D space.
 
 #include "core/base/guard.hpp"
 #include "nodes/common/convert.hpp"
@@ -23,7 +23,8 @@ Status no_triangles() {
 	return Status::missing("mesh", "Pass a mesh with a surface of triangles (Mesh.PRIMITIVE_TRIANGLES)");
 }
 
-/// Only an ArrayMesh may have surfaces of other kinds.
+/// Returns whether a surface consists of triangles. Only ArrayMesh can have surfaces of other
+/// primitives.
 bool has_triangles(Mesh &r_mesh, int32_t surface) {
 	const StringName primitive("surface_get_primitive_type");
 	return !r_mesh.has_method(primitive) ||
@@ -32,12 +33,12 @@ bool has_triangles(Mesh &r_mesh, int32_t surface) {
 
 } // namespace
 
-/// Triangles, with an index for each corner.
+/// Indexed triangles.
 struct PoissonSampler::Faces {
 	std::vector<glm::dvec3> vertices;
 	std::vector<std::uint32_t> indices;
 
-	/// An index without a vertex is left to Surface::create, which refuses it.
+	/// Does not check the indices, because Surface::create refuses an index without a vertex.
 	void append(
 			const PackedVector3Array &p_positions, const PackedInt32Array &p_corners, const Transform3D &p_transform) {
 		const auto first = static_cast<std::uint32_t>(vertices.size());
@@ -59,7 +60,7 @@ Status PoissonSampler::read_mesh(const Ref<Mesh> &p_mesh, const Transform3D &p_t
 	bool found = false;
 	for (int32_t surface = 0; p_mesh.is_valid() && surface < p_mesh->get_surface_count(); ++surface) {
 		if (has_triangles(*p_mesh.ptr(), surface)) {
-			const Array arrays = p_mesh->surface_get_arrays(surface); // May run a script of the mesh.
+			const Array arrays = p_mesh->surface_get_arrays(surface); // May run the mesh's script.
 			if (arrays.size() > SurfaceStream::indices) {
 				r_faces.append(arrays[SurfaceStream::positions], arrays[SurfaceStream::indices], p_transform);
 				found = true;

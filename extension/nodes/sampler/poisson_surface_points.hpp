@@ -16,7 +16,8 @@
 
 namespace thicket {
 
-/// The points that a PoissonSampler has found on a surface. They never change, so any thread may read them.
+/// The points that a PoissonSampler has generated on a surface. Immutable, so any thread may read
+/// them.
 class PoissonSurfacePoints : public godot::RefCounted {
 	GDCLASS(PoissonSurfacePoints, godot::RefCounted)
 	THICKET_GUARDED_METHODS(any)
@@ -24,11 +25,12 @@ class PoissonSurfacePoints : public godot::RefCounted {
 public:
 	static constexpr const char *class_name = "PoissonSurfacePoints";
 
-	/// The result of a refused call.
+	/// Creates the result of a refused call: no points.
 	static godot::Ref<PoissonSurfacePoints> make_empty() { return memnew(PoissonSurfacePoints); }
 
-	/// Copies points. Their normals are those of the engine's front faces, whose corners run clockwise; if the corners
-	/// are `mirrored`, those of the back faces. Throws std::bad_alloc if there is not enough memory.
+	/// Copies points. Their normals are on the side that the engine treats as the front, from which
+	/// the corners run clockwise. Set `mirrored` if a transform has reversed the order of the
+	/// corners. Throws std::bad_alloc if memory runs out.
 	static godot::Ref<PoissonSurfacePoints> of(std::span<const SurfacePoint> points, bool mirrored);
 
 	int64_t size() const { return ids_.size(); }

@@ -24,7 +24,7 @@ Progress ScriptProgress::progress(const std::atomic<bool> *p_cancel) {
 	return {p_cancel, [this](double fraction, std::uint64_t points) { update(fraction, points); }};
 }
 
-/// Calls the script if a report is due.
+/// Calls the script if the next report is due.
 void ScriptProgress::update(double p_fraction, std::uint64_t p_points) {
 	if (wanted_ && p_fraction < 1.0 && Clock::now() >= due_) {
 		fraction_ = std::max(fraction_, p_fraction);

@@ -11,19 +11,21 @@
 
 namespace thicket {
 
-/// Reports the progress of a call to a script: a fraction from 0 to 1 that never falls, and the number of points found
-/// until then. Reports at most about every 15 milliseconds, on the thread that makes the call. A callable that cannot
-/// be called prints one error and is not called again; the work continues without it.
+/// Reports the progress of a call to a script. The callable receives a fraction from 0 to 1 that
+/// never decreases, and the number of points found so far. The callable runs on the calling thread,
+/// at most once every 15 milliseconds. If it cannot be called, prints one error and continues
+/// without reports.
 class ScriptProgress {
 public:
-	/// Errors name `p_owner`. An empty callable gets no reports.
+	/// Creates reports for `p_callable`. Error messages name `p_owner`. An empty callable receives
+	/// none.
 	ScriptProgress(const char *p_owner, const godot::Callable &p_callable);
 
-	/// The interface for progress and cancellation that a sampler uses. Valid as long as this object lives. Does not
-	/// report the end, because `finish` does.
+	/// Returns the Progress to pass to a sampler, valid during the lifetime of this object. The
+	/// Progress does not report a fraction of 1; call `finish` at the end.
 	Progress progress(const std::atomic<bool> *p_cancel);
 
-	/// Calls it once more, with a fraction of 1.
+	/// Calls the callable one last time, with a fraction of 1.
 	void finish(std::uint64_t p_points);
 
 private:
@@ -35,8 +37,8 @@ private:
 	const char *owner_;
 	godot::Variant callable_;
 	bool wanted_;
-	double fraction_ = 0.0; ///< The last one that the script received.
-	Clock::time_point due_; ///< The time of the next possible report.
+	double fraction_ = 0.0; ///< The last reported fraction.
+	Clock::time_point due_; ///< The earliest time of the next report.
 };
 
 } // namespace thicket

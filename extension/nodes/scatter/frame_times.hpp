@@ -7,13 +7,13 @@
 
 namespace thicket {
 
-/// The parts of a frame's time on the main thread.
+/// The parts into which a frame's time on the main thread is divided.
 enum class FramePart : std::uint8_t {
-	follow,     ///< Applying changes of the ground, the layers and the settings.
-	gameplay,   ///< The state's clock, and the objects around bodies.
-	made,       ///< Taking finished tiles from workers.
+	follow,     ///< Applying changes to the ground, the layers and the settings.
+	gameplay,   ///< Advancing the state's clock, and finding viewers and nearby instances.
+	made,       ///< Taking finished tiles from the workers.
 	wanted,     ///< Requesting and dropping tiles as viewers move.
-	ask_ground, ///< From here on as ScatterStream::Step.
+	ask_ground, ///< This part and the following ones up to `recheck` are in the order of ScatterStream::Step.
 	upload,
 	free,
 	lod,
@@ -21,13 +21,13 @@ enum class FramePart : std::uint8_t {
 	fade,
 	rings,
 	recheck,
-	told,    ///< Answering requests, showing scenes, and emitting changes.
+	told,    ///< Answering requests, showing scenes, and emitting signals of changes.
 	patched, ///< Redrawing tiles that a game has changed.
 	signals,
 	count,
 };
 
-/// Measures the time of each part. Main thread only.
+/// Measures the time of each part of a frame. Use it only on the main thread.
 class FrameTimes {
 public:
 	using Clock = std::chrono::steady_clock;
@@ -38,7 +38,7 @@ public:
 		lap_ = Clock::now();
 	}
 
-	/// Counts the time since the last call as spent on a part.
+	/// Adds the time since the last call to `part`.
 	void spent_on(FramePart part) {
 		const Clock::time_point now = Clock::now();
 		parts_[static_cast<std::size_t>(part)] += now - lap_;

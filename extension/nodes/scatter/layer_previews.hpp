@@ -11,25 +11,26 @@
 
 namespace thicket {
 
-/// Differences between the editor's view and the layers. Some layers are hidden, and others are displayed with trial
-/// settings until a designer decides. These differences exist in the editor only. They are never stored, and have no
-/// effect in a game.
+/// Temporary overrides for how the editor displays layers: some are hidden, others are replaced by
+/// a copy with trial settings. The overrides are never saved and have no effect in a game.
 class LayerPreviews {
 public:
-	/// Hides these layers and shows all others. Hidden layers still affect other layers.
+	/// Hides these layers and shows all others. Hidden layers still influence where other layers
+	/// are placed.
 	void set_hidden(const godot::TypedArray<ScatterLayer> &p_layers);
 
-	/// Displays `p_stand_in` in place of a layer; null displays the layer itself.
+	/// Displays `p_stand_in` instead of a layer. If null, displays the layer itself again.
 	void set_stand_in(const godot::Ref<ScatterLayer> &p_layer, const godot::Ref<ScatterLayer> &p_stand_in);
 
-	/// Whether each of these layers is hidden, by index; empty if none is.
+	/// Returns whether each of these layers is hidden, by index. Returns an empty list if no layer
+	/// is hidden.
 	std::vector<bool> hidden(const godot::TypedArray<ScatterLayer> &p_layers) const;
 
-	/// The layer that is displayed for a layer: itself or its stand-in.
+	/// Returns the layer to display: the stand-in if there is one, otherwise the layer itself.
 	godot::Ref<ScatterLayer> shown(const godot::Ref<ScatterLayer> &p_layer) const;
 
 private:
-	// Stored by the engine's object IDs, so that removed layers are not kept alive.
+	// Keyed by instance ID, so that removed layers are not kept alive.
 	std::set<std::uint64_t> hidden_;
 	std::map<std::uint64_t, godot::Ref<ScatterLayer>> stand_ins_;
 };

@@ -23,7 +23,7 @@ void add_new(const TypedArray<ScatterLayer> &p_layers, Layers &r_layers) {
 	}
 }
 
-/// Puts the layers of biomes at their previous indices, and new layers at free ones.
+/// Assigns indices: layers of biomes keep their previous ones, and new layers get free ones.
 Layers placed(const Layers &wanted, std::size_t own_count, const TypedArray<ScatterLayer> &p_before) {
 	Layers result(wanted.begin(), wanted.begin() + static_cast<std::ptrdiff_t>(own_count));
 	const auto count = std::max(static_cast<std::size_t>(p_before.size()), wanted.size());
@@ -71,7 +71,7 @@ void NodeLayers::update(const TypedArray<ScatterLayer> &p_own, const ScatterBiom
 		return;
 	}
 	if (wanted == seen_) {
-		// The same layers have the same indices.
+		// The indices are still valid.
 		return;
 	}
 	const Layers layers = placed(wanted, own_count_, by_index_);

@@ -10,30 +10,32 @@
 
 namespace thicket {
 
-/// All layers that a node displays, without duplicates: its own, then those of its biomes, one biome after the other. Main thread only.
+/// Lists all layers of a node: its own, followed by those of its biomes without duplicates. Use it
+/// only on the main thread.
 ///
-/// The node's own layers have their index in the node's list. Layers of biomes have higher indices. Such a layer keeps
-/// its index as long as it is displayed, whichever other layers are added or removed, so that none of its tiles is
-/// regenerated.
+/// The node's own layers have the same index as in the node's list. Layers of biomes have higher
+/// indices, which stay the same while other layers of biomes are added or removed. So those changes
+/// regenerate no tiles of the remaining layers.
 class NodeLayers {
 public:
 	/// Reads the current layers. `biomes` may be null.
 	void update(const godot::TypedArray<ScatterLayer> &p_own, const ScatterBiomeMap *biomes);
 
-	/// By index, null for an unused index. Without biomes, this is the node's own list.
+	/// Returns the layers by index; null for an unused index. Without layers of biomes, this is the
+	/// node's own array.
 	const godot::TypedArray<ScatterLayer> &by_index() const { return by_index_; }
 
-	/// Indices in order of priority: earlier layers take priority over later ones. Depends only on the lists, not on
-	/// earlier updates.
+	/// Returns the indices in order of priority, the highest first. The order of the layers depends
+	/// only on the current lists, not on earlier updates.
 	const std::vector<std::size_t> &order() const { return order_; }
 
-	/// Layers before this index are the node's own.
+	/// Returns the number of the node's own layers, which come first.
 	std::size_t own_count() const { return own_count_; }
 
 private:
 	godot::TypedArray<ScatterLayer> by_index_;
 	std::vector<std::size_t> order_;
-	std::vector<godot::Ref<ScatterLayer>> seen_; ///< The node's own layers, then those of biomes, at the last update.
+	std::vector<godot::Ref<ScatterLayer>> seen_; ///< All layers at the last update.
 	std::size_t own_count_ = 0;
 };
 

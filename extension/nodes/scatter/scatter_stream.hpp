@@ -23,126 +23,135 @@
 
 namespace thicket {
 
-/// The ground that instances are placed on.
+/// The ground on which instances are placed.
 struct StreamGround {
-	std::shared_ptr<const Terrain> terrain; ///< For workers; null if only the main thread may sample the ground.
-	HostedGround source;                    ///< Sampled on the main thread.
+	/// The ground for workers. Null if only the main thread may sample it.
+	std::shared_ptr<const Terrain> terrain;
+	HostedGround source; ///< The ground for the main thread.
 };
 
-/// A tile was shown or hidden.
+/// Records that a tile was shown or hidden.
 struct TileEvent {
 	bool shown = false;
 	std::uint32_t layer = 0;
 	glm::ivec2 tile{0};
 };
 
-/// The printed error of tiles that could not be generated.
+/// The error of a layer whose tiles could not be generated, after it was printed.
 struct LayerFailure {
-	godot::String sentence; ///< Empty if there is none.
-	bool by_script = false; ///< True if the ground's script failed; its error names no layer.
+	godot::String sentence; ///< The error; empty if there is none.
+	bool by_script = false; ///< True if the ground's script failed. `sentence` then names no layer.
 };
 
-/// Statistics since the stream began.
+/// Statistics since the stream started.
 struct StreamFigures {
-	std::uint64_t worker_microseconds = 0; ///< The time of all workers for all tiles.
+	std::uint64_t worker_microseconds = 0; ///< The total time of all workers for visible tiles.
 	std::uint64_t tiles_made = 0;
 	std::uint64_t points_sampled = 0;
-	std::uint64_t points_computed = 0; ///< Includes the points around tiles, and tiles for queries.
+	/// The number of computed points, including those around tiles and those for queries.
+	std::uint64_t points_computed = 0;
 	std::uint64_t heights_rechecked = 0;
 };
 
-/// Connects the streamer, the workers, the uploads and the display. One call per frame, under a time budget. Main
-/// thread only.
+/// Streams tiles around viewers: connects the TileStreamer, the workers, the uploads and the
+/// display. Call `frame` once per frame; it keeps to a time budget. Use it only on the main thread.
 class ScatterStream {
 public:
-	/// Notifies `world` of every generated tile, and generates the tiles that `world` lacks.
+	/// Passes every generated tile to `world`, and generates the tiles that `world` requests.
+	/// `world` must outlive the stream.
 	explicit ScatterStream(InstanceWorld &world);
 
-	/// The rings also work under the budget of a frame.
+	/// Sets the rings, the objects that keep bodies and scenes near viewers. The rings share the
+	/// budget of the frame.
 	void set_rings(std::vector<NearRing *> rings) { rings_ = std::move(rings); }
 
-	/// Replaces the layers and the ground. `outdated[i]` is the area in which layer i must be regenerated; the old tiles stay visible
-	/// until then.
+	/// Replaces the layers and the ground. Regenerates layer i in the area `outdated[i]`; old tiles
+	/// stay visible until they are replaced.
 	void set_layers(const std::vector<SharedSnapshot> &layers, std::span<const EditedArea> outdated,
 			const StreamGround &ground);
 
-	/// One frame's work: requests wanted tiles and uploads finished ones, until `budget` microseconds are spent. Always
-	/// does at least one step, so that work goes on even without time. Without viewers, all tiles stay, and tiles for
-	/// queries are still generated. Returns false if a script that was called for the ground has freed this object.
-	/// Throws std::bad_alloc if memory runs out; the next frames then repeat the lost work.
+	/// Does the work of one frame, such as requesting missing tiles and uploading finished ones,
+	/// until `budget` microseconds are spent. Does at least one step even without any budget.
+	/// Without viewers, keeps all tiles, and still generates tiles for queries. Returns false if a
+	/// script that samples the ground has freed this object. Throws std::bad_alloc if memory runs
+	/// out; the following frames then repeat the lost work.
 	[[nodiscard]] bool frame(std::span<const Viewer> viewers, std::uint64_t budget);
 
-	/// Samples grounds that may only be sampled in a physics frame, at as many positions as each ground allows.
+	/// Samples ground that may only be sampled in physics frames, at up to `max_positions_per_call`
+	/// positions. Call this every physics frame.
 	void physics_frame();
 
-	/// Waits for the workers and clears the display. The stream may be used again afterwards, and then starts empty.
+	/// Waits for the workers and immediately removes all tiles and bodies. The stream may be used
+	/// again afterwards.
 	void stop();
 
-	/// Waits for the workers and starts empty. The tiles stay visible until `dissolve_until` removes them step by step.
+	/// Waits for the workers and discards all work. Tiles stay visible until `dissolve_until` hides
+	/// and frees them in steps.
 	void retire();
 
-	/// Removes bodies and frees hidden tiles until `deadline`. Does at least one step.
+	/// Removes bodies, and hides and frees removed tiles, until `deadline`. Does at least one step.
 	void dissolve_until(std::chrono::steady_clock::time_point deadline);
 
-	/// The tiles that were shown and hidden since the last call, in order. A regenerated tile is shown again without
-	/// being hidden first.
+	/// Returns the tiles that were shown or hidden since the last call, in order. A regenerated
+	/// tile is reported as shown again, without being reported as hidden.
 	std::vector<TileEvent> take_events();
 
-	/// Positions under visible tiles, in world meters, where re-checks since the last call have found that the ground
-	/// changed without a report.
+	/// Returns positions, in world meters, where re-checks since the last call have found
+	/// unreported ground changes under visible tiles.
 	std::vector<glm::dvec2> take_ground_changes();
 
-	/// True if all wanted tiles are visible and drawn with the current settings, and the rings have nothing to do.
+	/// Returns true if all required tiles are visible and drawn with the current settings, and the
+	/// rings have no work left.
 	bool idle() const;
 
-	/// True if a frame with these viewers and limits would request no other tiles and redraw none because of the
-	/// limits. Without viewers, all tiles stay, so no others are requested.
+	/// Returns true if a frame with these viewers and limits would neither request different tiles
+	/// nor redraw any because of the limits. Without viewers, always true.
 	bool follows(std::span<const Viewer> viewers, const DrawLimits &limits) const;
 
-	/// The error of a viewer whose position is out of range for streaming. Tiles are still streamed around the other
-	/// viewers.
+	/// Returns the error of the first viewer whose position is out of range; ok if there is none.
+	/// The other viewers are unaffected.
 	const Status &viewer_status() const { return viewer_status_; }
 
-	/// One sentence for each error that has kept tiles from being generated. A sentence stays until its layer or the
-	/// ground changes.
+	/// Returns a sentence for each error that has kept tiles from being generated. An error is kept
+	/// until its layer or the ground changes.
 	godot::PackedStringArray failures() const;
 
-	/// Whether the failures have changed since the last call.
+	/// Returns true if `failures` has changed since the last call.
 	bool take_failures_changed() { return std::exchange(failures_changed_, false); }
 
 	TileDisplay &display() { return display_; }
 	const TileDisplay &display() const { return display_; }
 
-	/// See TileWorkers::let_go.
+	/// Frees a large object on a worker; see TileWorkers::let_go.
 	void let_go(std::shared_ptr<const void> unneeded) { workers_.let_go(std::move(unneeded)); }
 
-	/// For the node's whole frame, which begins and ends elsewhere.
+	/// Returns the times of the node's whole frame. The node starts and completes the measurement.
 	FrameTimes &times() { return times_; }
 
-	/// Tiles that are generated and not yet visible.
+	/// Returns the number of tiles that are generated but not yet visible.
 	std::size_t upload_queue_size() const { return uploads_.size(); }
 	const StreamFigures &figures() const { return figures_; }
 
-	/// The number of unneeded objects that workers have freed.
+	/// Returns how many objects and buffers workers have received to free; see TileWorkers::freed.
 	std::uint64_t freed_by_workers() const { return workers_.freed(); }
 
-	/// The number of buffers that workers have reused.
+	/// Returns the number of buffers that workers have reused; see TileWorkers::reused.
 	std::uint64_t buffers_reused() const { return workers_.reused(); }
 	StreamCounts counts() const { return streamer_.counts(); }
 
 private:
 	using Clock = std::chrono::steady_clock;
 
-	/// The kinds of work that share a frame's time.
+	/// The kinds of work that share the time of a frame.
 	enum class Step : std::uint8_t {
-		ask_ground, ///< Calls a script for the ground of a tile.
-		upload,     ///< Uploads a part of a tile, and shows the tile with its last part.
-		free,       ///< Frees tiles that are no longer visible.
+		ask_ground, ///< Samples the ground of a tile on the main thread.
+		upload,     ///< Uploads a part of a tile, and shows the tile after the last part.
+		free,       ///< Hides and frees removed tiles.
 		lod,        ///< Redraws some tiles to match their distances.
-		divide,     ///< Draws a tile in cells, or as a whole again.
-		fade,       ///< Prepares LODs that are to fade in.
+		divide,     ///< Divides a tile into cells, or draws it as a whole again.
+		fade,       ///< Prepares LODs that will fade in.
 		rings,      ///< Adds and removes bodies.
-		recheck,    ///< Compares the ground under some visible tiles with the ground that they were generated on.
+		recheck,    ///< Compares a few ground heights with those of visible tiles.
 	};
 	static constexpr std::size_t step_kinds = 8;
 
@@ -181,7 +190,8 @@ private:
 	static FramePart part_of(Step step);
 	bool work_until(Clock::time_point deadline);
 
-	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0'); ///< Expires with this object.
+	/// Expires with this object, so that the stream can detect whether a script has freed it.
+	std::shared_ptr<const char> life_ = std::make_shared<const char>('\0');
 	InstanceWorld &world_;
 	FrameTimes times_;
 	std::vector<NearRing *> rings_;
@@ -190,30 +200,34 @@ private:
 	UploadQueue uploads_;
 	TileDisplay display_;
 	std::vector<SharedSnapshot> layers_;
-	std::vector<LayerFailure> failures_; ///< One error per layer, not per tile, until it or the ground changes.
+	/// The last error of each layer. Kept until the layer or the ground changes.
+	std::vector<LayerFailure> failures_;
 	StreamGround ground_;
 
-	std::vector<std::shared_ptr<TileJob>> jobs_;      ///< All jobs from their request to their upload.
-	std::deque<std::shared_ptr<TileJob>> ask_ground_; ///< The jobs that wait for a script on the main thread.
-	std::vector<Viewer> sorted_for_;                  ///< The viewers when the jobs were last sorted.
+	std::vector<std::shared_ptr<TileJob>> jobs_; ///< All jobs from request to upload.
+	/// The jobs whose ground must be sampled on the main thread.
+	std::deque<std::shared_ptr<TileJob>> ask_ground_;
+	std::vector<Viewer> sorted_for_; ///< The viewers at the time of the last sort.
 	StreamChanges changes_;
 	std::vector<TileEvent> events_;
-	std::vector<Viewer> viewers_; ///< The viewers of the last frame that are within range.
-	Status viewer_status_;        ///< The error of the first viewer that was left out.
+	std::vector<Viewer> viewers_; ///< The viewers of the last frame that are in range.
+	Status viewer_status_;        ///< The error of the first skipped viewer.
 	Status update_status_;
 
 	GroundRecheck recheck_;
-	Clock::duration recheck_left_{0};    ///< Time for re-checks; negative after one took too long.
-	Clock::duration usual_height_{1000}; ///< The usual time for one height.
-	bool recheck_due_ = false;           ///< Set once per frame.
-	LayerFailure recheck_failure_;       ///< The last one, for no layer. Kept until the layers or the ground change.
+	Clock::duration recheck_left_{0};    ///< The time left for re-checks; negative after overruns.
+	Clock::duration usual_height_{1000}; ///< The average time per height.
+	bool recheck_due_ = false;           ///< True until this frame's re-check is done.
+	/// The error of the last failed re-check. Kept until the layers or the ground change.
+	LayerFailure recheck_failure_;
 	bool failures_changed_ = false;
 	StreamFigures figures_;
-	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The usual time of each Step.
+	std::array<Clock::duration, step_kinds> usual_step_{}; ///< The average time of each Step.
 	Step next_step_ = Step::ask_ground;
 	std::uint32_t uploads_since_divide_ = 0;
 	std::uint32_t uploads_since_fade_ = 0;
-	std::uint64_t usual_job_microseconds_ = 10'000; ///< For one tile, smoothed; at first, a guess.
+	/// The average time that a worker needs for a tile. The initial value is a guess.
+	std::uint64_t usual_job_microseconds_ = 10'000;
 };
 
 } // namespace thicket

@@ -1,4 +1,5 @@
-// Errors that keep tiles from being generated: printed once for each layer, and kept for the node's problems.
+// This file handles errors that keep tiles from being generated. Each error is printed once per
+// layer and kept for the node's configuration warnings.
 
 #include "nodes/scatter/scatter_stream.hpp"
 
@@ -11,7 +12,8 @@ using namespace godot;
 
 namespace thicket {
 
-/// Prints the error of a tile that was generated with the current layer and ground.
+/// Prints the error of a tile, unless its layer or ground is outdated, or the layer already has an
+/// error.
 void ScatterStream::report_once(const TileJob &job) {
 	const std::uint32_t index = job.request.key.layer;
 	const bool present = index < layers_.size() && layers_[index] != nullptr &&
@@ -24,8 +26,8 @@ void ScatterStream::report_once(const TileJob &job) {
 	}
 }
 
-/// Call this after a frame without enough memory, which may have lost any tile on its way. Tiles in progress are requested again, and
-/// visible tiles are generated again.
+/// Requests all tiles in progress again and regenerates the visible ones. Call it after a frame
+/// that ran out of memory, which may have lost any tile in progress.
 void ScatterStream::start_over() {
 	const auto is_seen = [](const std::shared_ptr<TileJob> &job) {
 		return !job->unseen;
@@ -42,7 +44,8 @@ void ScatterStream::start_over() {
 	}
 }
 
-/// Reports an error of the ground in a re-check. Only one is printed, no matter whether a tile or a re-check finds it first.
+/// Records an error from a re-check of the ground. Prints it only if no layer has already reported
+/// an error.
 void ScatterStream::report_recheck(const Status &status) {
 	const auto has_failed = [](const LayerFailure &failure) {
 		return !failure.sentence.is_empty();
@@ -68,7 +71,7 @@ void ScatterStream::forget_failure(LayerFailure &r_failure) {
 
 PackedStringArray ScatterStream::failures() const {
 	PackedStringArray result;
-	bool by_script = false; // A script fails for all layers alike.
+	bool by_script = false; // A failing script affects all layers, so report it once.
 	const auto add = [&](const LayerFailure &failure) {
 		if (!failure.sentence.is_empty() && !(failure.by_script && by_script)) {
 			by_script = by_script || failure.by_script;

@@ -1,4 +1,5 @@
-// How a stream follows ground that changes without a report: a few heights in each frame are compared with those of visible tiles.
+// This file detects unreported ground changes. Every frame, the stream compares a few heights with
+// those of visible tiles.
 
 #include "nodes/scatter/scatter_stream.hpp"
 
@@ -12,13 +13,13 @@ namespace thicket {
 
 namespace {
 
-/// Heights to read in one frame.
+/// The maximum number of heights to read per frame.
 constexpr std::size_t heights_per_frame = 16;
 
-/// Re-checks may take one part in this many of a frame's budget, on average.
+/// Re-checks may take 1 / budget_parts of a frame's budget on average.
 constexpr int budget_parts = 16;
 
-/// Time that re-checks may save up, as a number of frames.
+/// Unused time for re-checks accumulates for up to this number of frames.
 constexpr int saved_frames = 8;
 
 double seconds_now() {
@@ -32,7 +33,8 @@ bool ScatterStream::rechecks() const {
 	return ground.is_valid() && ground->rechecks();
 }
 
-/// Called once per frame. If a height takes longer than the time allowed, for example in a slow script, the following frames read none.
+/// Adds this frame's share of time for re-checks. Call it once per frame. If reading a height takes
+/// longer than allowed, as in a slow script, the following frames read none.
 void ScatterStream::allow_recheck(Clock::duration budget) {
 	const Clock::duration share = budget / budget_parts;
 	recheck_left_ = std::min(recheck_left_ + share, saved_frames * share);
@@ -47,7 +49,8 @@ bool ScatterStream::recheck_step() {
 	return recheck_heights(heights_per_frame) > 0;
 }
 
-/// Reads the ground at a few positions and returns their number. A script that is called for it may do anything, even free this object.
+/// Reads the ground at a few positions and returns their number. Sampling the ground may run a
+/// script, which may even free this object.
 std::size_t ScatterStream::recheck_heights(std::size_t most) {
 	recheck_due_ = false;
 	const bool has_failed = !recheck_failure_.sentence.is_empty();

@@ -1,4 +1,5 @@
-// The resources that a TerrainScatter3D needs before it can draw: models that are read, and nothing that an export has stripped.
+// This file checks the resources that TerrainScatter3D needs for drawing: models that must be read,
+// and resources that an export has stripped.
 
 #include "nodes/common/editor.hpp"
 #include "nodes/scatter/scatter_problems.hpp"
@@ -13,8 +14,8 @@ using namespace godot;
 
 namespace thicket {
 
-/// Reads the models of the layers, at least a part of one. Returns false if some are unread after `deadline`, or if a
-/// script in one of them has freed the node.
+/// Reads the models of the layers until `deadline`, but at least a part of one. Returns false if
+/// some are still unread, or if a script in a model has freed the node.
 bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadline) const {
 	const std::shared_ptr<ScatterGameplay> gameplay = gameplay_;
 	const TypedArray<ScatterLayer> layers = all_layers();
@@ -30,12 +31,14 @@ bool TerrainScatter3D::read_models(std::chrono::steady_clock::time_point deadlin
 	return true;
 }
 
-/// Whether the layers can be drawn. Without a ground they are not drawn, so no model is needed.
+/// Reads models if there is a ground, and returns whether all models are read. Without a ground
+/// nothing is drawn, so no model is needed.
 bool TerrainScatter3D::models_are_read(std::chrono::steady_clock::time_point deadline) const {
 	return ground_.is_null() || read_models(deadline);
 }
 
-/// Prints problems because an exported server has no other way to show them.
+/// Prints a warning about stripped resources on a dedicated server, which has no other way to show
+/// the warning.
 void TerrainScatter3D::warn_of_stripped() {
 	static const bool on_server = OS::get_singleton()->has_feature("dedicated_server");
 	if (!on_server || warned_of_stripped_) {
@@ -50,7 +53,7 @@ void TerrainScatter3D::warn_of_stripped() {
 	}
 }
 
-/// Updates the warning about layers that need too many instances.
+/// Updates the warning about layers with too many instances.
 void TerrainScatter3D::notice_load() {
 	PackedStringArray problems;
 	instance_load_.add_problems(layer_list_.snapshots(), problems);

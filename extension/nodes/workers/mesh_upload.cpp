@@ -32,8 +32,8 @@ void SpareBuffers::keep(std::vector<MeshUpload> &&uploads) {
 PackedFloat32Array SpareBuffers::take(std::size_t floats) {
 	PackedFloat32Array buffer;
 	if (!buffers_.empty()) {
-		// Memory that the renderer has already read is reused.
-		buffer = std::move(buffers_.back()); // The most recently used one.
+		// Reuses memory that the renderer has already read.
+		buffer = std::move(buffers_.back()); // The most recent one.
 		buffers_.pop_back();
 		reused_.fetch_add(1, std::memory_order_relaxed);
 	}

@@ -14,9 +14,11 @@
 
 namespace thicket {
 
-/// Generates tiles on the threads of its callers, several at a time. Keeps surrounding points and a few workspaces for reuse.
+/// Generates tiles on the threads of its callers, several at a time. Caches the points around
+/// tiles, and a few workspaces, for later calls.
 class SharedBuilder {
 public:
+	/// Generates one tile. Any thread may call it.
 	Status build(const TileOrder &order, const Terrain &ground, std::shared_ptr<const CompactTile> &r_tile);
 
 private:
@@ -27,7 +29,7 @@ private:
 
 	std::shared_ptr<BlockCache> blocks_ = std::make_shared<BlockCache>();
 	Mutex mutex_;
-	std::vector<std::unique_ptr<TileBuilder>> spare_; ///< Guarded by `mutex_`.
+	std::vector<std::unique_ptr<TileBuilder>> spare_; ///< The unused builders, guarded by `mutex_`.
 };
 
 } // namespace thicket

@@ -16,24 +16,24 @@
 
 namespace thicket {
 
-/// One tile, from its request to its uploads. Only one thread at a time owns it.
+/// The state of one tile from its request to its upload. Owned by one thread at a time.
 struct TileJob {
 	/// The progress of the job.
 	enum class Step : std::uint8_t {
 		start,        ///< Nothing is done yet.
-		needs_ground, ///< `positions` wait for the main thread to fill `ground`.
-		has_ground,   ///< `ground` is full.
+		needs_ground, ///< The main thread must sample `positions` and fill `ground`.
+		has_ground,   ///< `ground` is filled in.
 		done,         ///< `tile` and `uploads` are ready, or there is an error.
 	};
 
 	TileRequest request;
-	SharedSnapshot layer;                   ///< Never null.
-	std::shared_ptr<const Terrain> terrain; ///< Null if the main thread must call a script for the ground.
+	SharedSnapshot layer;                   ///< The layer of the tile; never null.
+	std::shared_ptr<const Terrain> terrain; ///< The ground; null if only the main thread may sample it.
 	Step step = Step::start;
 
-	/// A contiguous part of `positions` that needs the same ground data; see GroundQuery.
+	/// A range of `positions` that need the same ground data; see GroundQuery.
 	struct Part {
-		std::size_t end = 0; ///< In `positions`; the next part begins here.
+		std::size_t end = 0; ///< An index in `positions`; the next part begins here.
 		std::vector<std::int32_t> textures;
 		bool normals = true;
 	};
@@ -44,64 +44,74 @@ struct TileJob {
 	std::size_t answered = 0; ///< The number of entries of `ground` that are filled.
 
 	Status status;
-	std::shared_ptr<const CompactTile> tile; ///< The result of the rules, without a game's changes.
-	std::vector<GroundProbe> probes;         ///< See TileBuilder::probes; empty if `unseen`.
-	std::vector<MeshUpload> uploads;   ///< The same tile for the renderer, a part for each mesh; empty if `unseen`.
-	std::uint64_t microseconds = 0;    ///< Time that workers spent on it.
-	std::uint64_t points_computed = 0; ///< For this job; see SampleStats::computed.
+	std::shared_ptr<const CompactTile> tile; ///< The result, without a game's changes.
+	/// The ground heights for re-checks (TileBuilder::probes); empty if `unseen`.
+	std::vector<GroundProbe> probes;
+	/// The tile in the renderer's format, one entry per mesh; empty if `unseen`.
+	std::vector<MeshUpload> uploads;
+	std::uint64_t microseconds = 0;    ///< The total time of workers for this tile.
+	std::uint64_t points_computed = 0; ///< The number of points computed for this tile; see SampleStats::computed.
 
-	bool unseen = false; ///< Generated for queries, not for display. Main thread only, as is the next member.
-	bool stale = false;  ///< True if data that it depends on was edited after it was begun.
+	/// True if the tile is generated for queries, not for display. Only the main thread uses this
+	/// flag and `stale`.
+	bool unseen = false;
+	bool stale = false; ///< True if its input was edited after it was started.
 
-	std::atomic<bool> cancelled = false; ///< Set by the main thread, at any time.
+	std::atomic<bool> cancelled = false; ///< The main thread may set this at any time.
 };
 
-/// Sorts jobs by work_order. Jobs for queries, and jobs whose ground is partly known, keep their index.
+/// Sorts jobs by work_order. Jobs for queries, and jobs whose ground is partly sampled, keep their
+/// positions in the queue.
 void sort_jobs(std::deque<std::shared_ptr<TileJob>> &r_jobs, std::span<const Viewer> viewers);
 
-/// Generates tiles on the engine's WorkerThreadPool, or on the main thread if there are no threads. Called on the main thread only, apart
-/// from the work itself.
+/// Generates tiles on the engine's WorkerThreadPool, or on the main thread if there are no worker
+/// threads. Call all methods on the main thread.
 class TileWorkers {
 public:
-	/// Runs at most `threads` tasks of the pool at a time. With 0 threads, `work_until` does the work.
+	/// Runs at most `threads` pool tasks at a time. If `threads` is 0, `work_until` does the work
+	/// instead.
 	explicit TileWorkers(std::size_t threads);
 	~TileWorkers();
 	TileWorkers(const TileWorkers &) = delete;
 	TileWorkers &operator=(const TileWorkers &) = delete;
 
-	/// Queues a job. Jobs are processed in the order of their arrival, or of the last sort.
+	/// Queues a job. Jobs are processed in the order in which they were pushed, or of the last
+	/// `sort`.
 	void push(std::shared_ptr<TileJob> job);
 
-	/// Sorts the waiting jobs; see sort_jobs. Returns false, without sorting, if a worker holds the lock.
+	/// Sorts the waiting jobs; see sort_jobs. Returns false without sorting if a worker holds the
+	/// lock.
 	bool sort(std::span<const Viewer> viewers);
 
-	/// Removes and returns the jobs that are done or need ground, in the order in which they were finished. Includes
-	/// cancelled jobs. Never waits for a worker: a job that is not available immediately is returned in the next frame.
-	/// Call this in every frame, because it also starts workers for waiting jobs.
+	/// Removes and returns the jobs that are done or need ground, in the order of completion,
+	/// including cancelled ones. Never blocks: if a worker holds the lock, returns the jobs in a
+	/// later frame. Call this every frame, because it also starts workers for waiting jobs.
 	std::vector<std::shared_ptr<TileJob>> take_finished();
 
-	/// Releases a large object without cost for the main thread. A worker frees it before the next job, or within a
-	/// second if there is none.
+	/// Releases a large object off the main thread. A worker frees it before the next job, or
+	/// within about a second if there are no jobs.
 	void let_go(std::shared_ptr<const void> unneeded);
 
-	/// Takes back buffers that were uploaded. The worker that receives them reuses some of them for later tiles.
+	/// Returns uploaded buffers to the workers, which reuse some of them for later tiles.
 	void take_back(std::vector<MeshUpload> &&uploads);
 
-	/// The number of such objects and buffers that workers have received.
+	/// Returns the number of objects and buffers that workers have received from `let_go` and
+	/// `take_back`.
 	std::uint64_t freed() const { return freed_.load(std::memory_order_relaxed); }
 
-	/// The number of buffers that were reused.
+	/// Returns the number of reused buffers.
 	std::uint64_t reused() const;
 
-	/// Without worker threads: generates tiles until the deadline, at least one if any waits. A script that is called
-	/// for heights may call anything except this function. With worker threads: does nothing.
+	/// Generates tiles until the deadline if there are no worker threads, but at least one tile if
+	/// any are queued. With worker threads, does nothing. A script that is called for heights must
+	/// not cause a nested call of this function.
 	void work_until(std::chrono::steady_clock::time_point deadline);
 
-	/// Cancels all jobs and waits until no worker uses any of our data. Takes a few milliseconds, or as long as a
-	/// script needs for heights that were just requested.
+	/// Cancels all jobs and waits until no worker uses any of their data. Takes a few milliseconds,
+	/// or as long as a thread-safe ground script takes to return.
 	void stop();
 
-	/// How many tiles are generated at a time, at least 1.
+	/// Returns the number of tiles that are generated at a time, at least 1.
 	std::size_t threads() const { return workers_.size(); }
 
 private:
@@ -112,14 +122,15 @@ private:
 		TileBuilder builder;
 		TileInstances tile;
 		SpareBuffers spare;
-		std::shared_ptr<TileJob> job; ///< Guarded by mutex_.
-		std::int64_t task = -1;       ///< The engine's task, -1 if there is none. Main thread only.
+		std::shared_ptr<TileJob> job; ///< The job in progress, guarded by mutex_.
+		std::int64_t task = -1;       ///< The pool's task ID; -1 if none. Used only on the main thread.
 	};
 
 	static bool lock_soon(std::unique_lock<std::mutex> &r_lock);
 	void hand_over();
 
-	/// Starts as many workers as there are waiting jobs, and one for unneeded objects.
+	/// Starts a worker for each waiting job, or one for unneeded objects if there are many and no
+	/// jobs.
 	void wake();
 	static void run(void *p_worker);
 	bool work_on_next(Worker &worker);
@@ -135,14 +146,15 @@ private:
 	std::vector<std::shared_ptr<const void>> unneeded_;
 	std::vector<MeshUpload> uploaded_;
 	std::atomic<std::size_t> waiting_ = 0;    ///< The size of queue_.
-	std::atomic<std::uint64_t> freed_ = 0;    ///< The number of objects freed from unneeded_ and uploaded_.
-	std::atomic<bool> much_unneeded_ = false; ///< Whether unneeded_ and uploaded_ need their own worker.
+	std::atomic<std::uint64_t> freed_ = 0;    ///< The result of `freed`.
+	std::atomic<bool> much_unneeded_ = false; ///< True if freeing them is worth a worker.
 
-	// Main thread only. Jobs that are not in the queue yet, and objects that are not in the list of unneeded ones yet.
+	// The jobs and objects that `hand_over` has yet to move to the shared queues. Used only on the
+	// main thread.
 	std::deque<std::shared_ptr<TileJob>> incoming_;
 	std::vector<std::shared_ptr<const void>> unneeded_here_;
 	std::vector<MeshUpload> uploaded_here_;
-	int frames_unneeded_ = 0; ///< The number of consecutive frames in which either list had something.
+	int frames_unneeded_ = 0; ///< Consecutive frames in which unneeded_ or uploaded_ was not empty.
 	std::vector<std::unique_ptr<Worker>> workers_;
 };
 
