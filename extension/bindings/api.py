@@ -1,11 +1,11 @@
-"""Reads a description of the engine (Godot's own dump, or description_4.4.json), and translates it to C++."""
+"""Reads a description of the engine (Godot's own dump or description_4.4.json) and translates it to C++."""
 
 import json
 import re
 
 ENUM = re.compile(r"^enum::(?:(\w+)\.)?(\w+)$")
 
-# Constructors with an argument for every component, as in the dump's default values, and their C++ equivalents.
+# Default values as written in the dump, and their C++ equivalents.
 IDENTITIES = {
     "Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0)": "Transform3D()",
     'NodePath("")': "NodePath()",
@@ -17,29 +17,29 @@ IDENTITIES = {
 
 OPERATORS = {"+": "ADD", "%": "MODULE"}
 
-# Plain structs without a destructor, written by hand. (RID has no destructor either, but is a class.)
+# Handwritten structs without a destructor. (RID has no destructor, either, but is a class.)
 STRUCTS = frozenset("Vector2 Vector2i Vector3 Rect2 Rect2i AABB Basis Transform3D Color".split())
 
-# The engine's builds, in the order of the arguments of in_build().
+# The build configurations of the engine, in the order of the arguments of in_build() in defs.hpp.
 BUILDS = ("float_32", "float_64", "double_32", "double_64")
 
 PACKED_ELEMENTS = {"Byte": "uint8_t", "Int32": "int32_t", "Int64": "int64_t", "Float32": "float", "Float64": "double"}
 
 
 def snake(name):
-    """godot-cpp's file name for a class: node3d for Node3D, multi_mesh_instance3d for MultiMeshInstance3D."""
+    """Returns godot-cpp's file name for a class: node3d for Node3D, multi_mesh_instance3d for MultiMeshInstance3D."""
     name = re.sub(r"(.)([A-Z][a-z]+)", r"\1_\2", name)
     name = re.sub(r"([a-z0-9])([A-Z])", r"\1_\2", name)
     return name.replace("2_D", "2D").replace("3_D", "3D").lower()
 
 
 def upper(name):
-    """Godot's constant for a Variant type: PACKED_BYTE_ARRAY for PackedByteArray, AABB for AABB."""
+    """Returns Godot's constant for a Variant type: PACKED_BYTE_ARRAY for PackedByteArray, AABB for AABB."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z][a-z])|(?<=[a-z])(?=[A-Z])", "_", name).upper()
 
 
 def packed_element(name):
-    """The element type of a packed array, such as Vector2 for PackedVector2Array, or None for any other type."""
+    """Returns the element type of a packed array, such as Vector2 for PackedVector2Array, or None for other types."""
     match = re.match(r"^Packed(\w+)Array$", name)
     return PACKED_ELEMENTS.get(match.group(1), match.group(1)) if match else None
 
@@ -54,8 +54,8 @@ def by_name(items):
 
 
 class Api:
-    """Looks up items of a description, for all builds of the engine. A missing item ends the program with a message, followed by
-    `remedy`."""
+    """Looks up items of a description, for all build configurations of the engine. If an item is missing, the program ends with a
+    message that includes `remedy`."""
 
     def __init__(self, description, remedy=""):
         header = description["header"]
@@ -70,15 +70,15 @@ class Api:
         self.sizes = {name: [table[name]["size"] for table in tables] for name in tables[0]}
 
     def pick(self, items, name, owner):
-        """The item with a name, from a dictionary or a list. A missing item is an error in used_api.toml."""
+        """Returns the item with a name from a dictionary or a list. A missing item is an error in used_api.toml and ends the program."""
         items = items if isinstance(items, dict) else by_name(items)
         if name not in items:
             raise SystemExit("used_api.toml: %s has no '%s' in %s" % (owner, name, self.where))
         return items[name]
 
     def hash(self, owner, method, double_hashes):
-        """A method's hash as a C++ expression. The hash includes the bytes of default values. If one contains reals, the hash is different
-        in an engine with double precision, and a description of the single-precision one lacks it."""
+        """Returns a method's hash as a C++ expression. The hash covers the bytes of default values. If one of them contains reals, the
+        hash is different in double-precision engines, and the description of a single-precision engine does not contain it."""
         double = double_hashes.get(method["name"])
         if double is not None:
             return "sizeof(real_t) == 4 ? %d : %d" % (method["hash"], double)
@@ -91,12 +91,12 @@ class Api:
         return "%d" % method["hash"]
 
     def has_reals(self, type_name):
-        """Whether a value of the type contains the engine's reals, and is therefore larger in an engine with double precision."""
+        """Returns whether values of the type contain the engine's reals, and are therefore larger in double-precision engines."""
         single, double = self.sizes.get(type_name, [0] * 4)[1::2]
         return type_name == "float" or (type_name != "Variant" and single != double)
 
     def cpp_type(self, type_name, meta=""):
-        """The C++ value type for a type of the dump."""
+        """Returns the C++ type for values of a type in the dump."""
         enum = ENUM.match(type_name)
         if enum:
             return "%s::%s" % enum.groups() if enum.group(1) else enum.group(2)
@@ -113,13 +113,13 @@ class Api:
         raise SystemExit("used_api.toml: the type '%s' is not in %s" % (type_name, self.where))
 
     def parameter_type(self, argument):
-        """The type of a parameter: small values by value, all others by const reference."""
+        """Returns the type of a parameter. Small values are passed by value, and all others by const reference."""
         cpp = self.cpp_type(argument["type"], argument.get("meta", ""))
         by_value = argument["type"] in ("int", "float", "bool") or ENUM.match(argument["type"]) or cpp.endswith("*")
         return cpp + ("" if cpp.endswith("*") else " ") if by_value else "const %s &" % cpp
 
     def parameters(self, method, defaults):
-        """The parameter list of a method, with default values if it is for a declaration."""
+        """Returns the parameter list of a method. `defaults` adds the default values, for declarations."""
         return ", ".join(
             self.parameter_type(argument)
             + "p_"
@@ -129,7 +129,7 @@ class Api:
         )
 
     def default(self, argument):
-        """A default value of the dump as a C++ expression."""
+        """Converts a default value in the dump to a C++ expression."""
         value, cpp = argument["default_value"], self.cpp_type(argument["type"], argument.get("meta", ""))
         if ENUM.match(argument["type"]):
             return "static_cast<%s>(%s)" % (cpp, value)
@@ -140,7 +140,7 @@ class Api:
         return IDENTITIES.get(value, value)
 
     def enums_of(self, items):
-        """(class or "", enum) for every enumeration that these methods mention, in order and without repeats."""
+        """Returns (class or "", enum) for every enumeration that the methods mention, in order and without duplicates."""
         found = {}
         for item in items:
             types = [argument["type"] for argument in item.get("arguments", [])] + [return_type(item)]
@@ -149,14 +149,14 @@ class Api:
         return list(found)
 
     def classes_of(self, items):
-        """Sorted names of the classes whose objects these methods mention."""
+        """Returns the sorted names of all classes that the methods mention as argument or return types."""
         types = {argument["type"] for item in items for argument in item.get("arguments", [])}
         types.update(return_type(item) for item in items)
         return sorted(name.removeprefix("typedarray::") for name in types if name.split("::")[-1] in self.classes)
 
 
 def return_type(method):
-    """The return type of a method of a class or a builtin type; "" if it returns nothing."""
+    """Returns the return type of a method of a class or a builtin type, or "" if it returns nothing."""
     return method.get("return_value", {}).get("type") or method.get("return_type") or ""
 
 

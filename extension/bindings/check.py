@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Compares the bindings' description of the engine with those of later engines (extension_api.json).
+"""Compares the bindings' description of the engine with the descriptions of later engines (extension_api.json).
 
     check.py NEWER...
 
-Prints a sentence for each item that the bindings rely on and that a later engine removed or changed, and fails if there is any.
+Prints a sentence for each item that the bindings need and that a later engine removed or changed. Fails if there are any.
 Additions in later engines are ignored.
 """
 
@@ -19,14 +19,14 @@ HERE = pathlib.Path(__file__).resolve().parent
 
 
 def signature(method):
-    """The types that a call passes and returns, in order."""
+    """Returns the return type and the argument types of a method, as text."""
     given = [argument["type"] for argument in method.get("arguments", [])]
     return "%s(%s)" % (dump.return_type(method) or "void", ", ".join(given))
 
 
 def method(owner, old, new):
-    """The engine finds a method by its hash, and may keep an old version of a changed method under the old hash. It looks up virtual
-    methods only by the new hash."""
+    """Compares a method. The engine finds a method by its hash, and may keep the old version of a changed method under the old hash.
+    It looks up virtual methods only by the new hash."""
     name = "%s.%s()" % (owner, old["name"])
     if old["hash"] != new.get("hash"):
         if old["is_static"] != new["is_static"] or old.get("is_virtual", False) != new.get("is_virtual", False):
@@ -65,7 +65,7 @@ def methods(owner, old, new):
 
 
 def builtin(name, old, new):
-    """Compares a type that a Variant can hold. Its constructors are identified by number."""
+    """Compares a builtin type. Its constructors are identified by their index."""
     for key in ("has_destructor", "indexing_return_type"):
         if key in old and old[key] != new.get(key):
             yield "%s: %s is %s and was %s" % (name, key, new.get(key), old[key])
@@ -87,7 +87,7 @@ def ancestors(api, name):
 
 
 def engine_class(old, new, name):
-    """Compares a class. New classes between it and its parent are no difference."""
+    """Compares a class. New classes between it and its parent do not count as a difference."""
     known, found = old.classes[name], new.classes[name]
     if "inherits" in known and known["inherits"] not in ancestors(new, name):
         yield "%s no longer inherits %s" % (name, known["inherits"])
@@ -99,7 +99,7 @@ def engine_class(old, new, name):
 
 
 def newer_values(new, newer):
-    """Compares the values that used_api.toml contains as numbers. An engine without such a value must not use its number for another."""
+    """Compares the values that used_api.toml lists as numbers. An engine without such a value must not use its number for another value."""
     for owner, expected in newer.items():
         for name, numbers in expected.items():
             enum = dump.by_name(new.classes[owner]["enums"])[name]["values"]
@@ -111,7 +111,7 @@ def newer_values(new, newer):
 
 
 def differences(old, new, newer):
-    """Sentences about everything that the bindings rely on and that is different in a later engine."""
+    """Yields a sentence for each item that the bindings need and that is different in a later engine."""
     for name, sizes in old.sizes.items():
         if new.sizes.get(name) != sizes:
             yield "%s takes %s bytes (%s) and took %s" % (name, new.sizes.get(name), ", ".join(dump.BUILDS), sizes)

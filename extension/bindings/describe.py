@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the part of a description of the engine that our stand-in for godot-cpp needs, without the texts.
+"""Extracts the part of an engine description that our stand-in for godot-cpp needs, without the documentation texts.
 
     describe.py --api extension_api.json
 
-The description is of the oldest supported engine, so that the code generated from it runs in all later engines. check.py compares it
-with their descriptions. It contains everything in used_api.toml, and all types that these items mention. Every method, enumeration
-and class is on a line of its own, for readable diffs.
+The description must be that of the oldest supported engine, so that the generated code runs in all later engines. check.py compares it
+with their descriptions. The output contains all items of used_api.toml, and all types that these items mention. Each method,
+enumeration and class has its own line, for readable diffs.
 """
 
 import argparse
@@ -19,16 +19,16 @@ import emit
 HERE = pathlib.Path(__file__).resolve().parent
 OLDEST = "description_4.4.json"
 
-# Texts, and keys that only matter in descriptions of later engines.
+# Documentation texts, and keys that matter only in descriptions of later engines.
 LEFT_OUT = {"description", "brief_description", "category", "is_required", "hash_compatibility"}
-# Lists with one entry per line.
+# Keys of lists that are written with one entry per line.
 BROKEN = set(
     "builtin_class_sizes global_enums builtin_classes constructors operators methods classes constants enums singletons".split()
 )
 
 
 def facts(item):
-    """An item without its texts, and without values that are counts (FORMAT_MAX), because they grow with the engine."""
+    """Returns an item without its texts, and without values that are counts (FORMAT_MAX), because these grow in later engines."""
     if isinstance(item, list):
         return [facts(part) for part in item if not (isinstance(part, dict) and part.get("name", "").endswith("_MAX"))]
     if isinstance(item, dict):
@@ -37,12 +37,12 @@ def facts(item):
 
 
 def kept(item, keys, **parts):
-    """An item with only these keys, as far as it has them, and with these parts that are not empty."""
+    """Returns a copy of an item that has only these keys, if they exist, and those of `parts` that are not empty."""
     return {key: item[key] for key in keys if key in item} | {key: facts(part) for key, part in parts.items() if part}
 
 
 def builtin(api, name, entry):
-    """The used part of a type that the engine constructs and destroys, including the parts that Opaque uses of all such types."""
+    """Returns the used part of a type that the engine constructs and destroys, including the parts that Opaque uses for all such types."""
     known = api.pick(api.builtins, name, "builtins")
     wanted = [tuple(types) for types in entry.get("constructors", [])]
     signatures = {tuple(a["type"] for a in item.get("arguments", [])): item for item in known["constructors"]}
@@ -56,7 +56,7 @@ def builtin(api, name, entry):
 
 
 def engine_class(api, name, entry):
-    """The used part of a class, with those of its enumerations that the used methods mention."""
+    """Returns the used part of a class, with the enumerations of the class that the used methods mention."""
     known = api.pick(api.classes, name, "classes")
     methods = [api.pick(known.get("methods", []), method, name) for method in entry.get("methods", [])]
     enums = [enum for owner, enum in api.enums_of(methods) if owner == name]
@@ -67,7 +67,7 @@ def engine_class(api, name, entry):
 
 
 def part(description, used):
-    """The part of a description that used_api.toml lists."""
+    """Returns the part of a description that used_api.toml lists."""
     api = dump.Api(description)
     builtins = [builtin(api, name, entry) for name, entry in used["builtins"].items()]
     builtins += [kept(api.pick(api.builtins, name, "values"), ["name"]) for name in used["global"]["values"]]
@@ -89,7 +89,7 @@ def part(description, used):
 
 
 def text(value, key="", depth=0):
-    """The value as JSON, with one entry per line for the keys in BROKEN."""
+    """Returns the value as JSON. Lists whose key is in BROKEN have one entry per line."""
     if isinstance(value, dict) and (depth == 0 or any(name in BROKEN for name in value)):
         parts = ["%s: %s" % (json.dumps(name), text(item, name, depth + 1)) for name, item in value.items()]
         return "{%s}" % (",\n" if depth == 0 else ", ").join(parts)
@@ -109,7 +109,7 @@ def main():
     release = dump.Api(found).release
     if options.out.name != "description_%s.json" % release:
         raise SystemExit("describe.py: %s is of Godot %s, and %s is not" % (options.api, release, options.out.name))
-    # Reports errors that the generator would report later.
+    # Reports errors that otherwise only the generator would report.
     emit.builtins(dump.Api(found), used)
     emit.classes(dump.Api(found), used)
     options.out.write_text(text(found) + "\n", encoding="utf-8")

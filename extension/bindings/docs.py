@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the class reference, in the engine's XML format, into a C++ source that passes it to the editor at startup.
+"""Writes a C++ source that contains the class reference, in the engine's XML format, and passes it to the editor at startup.
 
     docs.py --out doc_data.cpp extension/doc_classes/*.xml
 
@@ -28,7 +28,7 @@ const godot::internal::DocDataRegistration registration("%s", %d, sizeof(data), 
 
 
 def join(paths):
-    """The contents of all files, sorted by path and joined, as the engine reads them."""
+    """Returns the concatenated contents of all files, sorted by path, in the form that the engine reads."""
     texts = []
     for path in sorted(paths):
         root = ElementTree.parse(path).getroot()

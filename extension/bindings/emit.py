@@ -1,4 +1,4 @@
-"""The text of every generated file. Functions that return files use {path below the output folder: text}."""
+"""Generates the text of every file. Functions that return files return {path relative to the output folder: text}."""
 
 import textwrap
 
@@ -39,7 +39,7 @@ def forward(names):
 
 
 def interface(functions):
-    """Pointers to the used interface functions, and the function that looks all of them up."""
+    """Returns the files with pointers to the used interface functions, and with the function that looks them all up."""
     path = "core/gdextension_interface_loader"
     promise = [
         "/// Looks up all of them. Returns null, or the name of the first function that this Godot lacks.",
@@ -82,7 +82,7 @@ def interface(functions):
 
 
 def builtins(api, used):
-    """The types that the engine constructs and destroys (String, Array, ...), and the traits of all types."""
+    """Returns the files of the types that the engine constructs and destroys (String, Array, ...), and of the traits of all types."""
     texts, bodies = {}, []
     for name, entry in used["builtins"].items():
         text, code = builtin(api, name, entry)
@@ -127,7 +127,7 @@ def traits(api, names):
 
 
 def builtin(api, name, entry):
-    """(header, code) of one type."""
+    """Returns (header, code) for one type."""
     known = api.pick(api.builtins, name, "builtins")
     methods = [api.pick(known.get("methods", []), method, name) for method in entry.get("methods", [])]
     element = dump.packed_element(name)
@@ -169,7 +169,7 @@ def builtin(api, name, entry):
 
 
 def packed_access(name, element):
-    """[(declaration, definition)] for the elements of a packed array. An index out of range returns a null pointer."""
+    """Returns [(declaration, definition)] for access to the elements of a packed array. An index out of range produces a null pointer."""
     function = "gdextension_interface::%s_operator_index" % dump.snake(name)
 
     def member(declared, defined, const, index, deref):
@@ -241,7 +241,7 @@ def definition(api, owner, method):
 
 
 def vararg(api, owner, method):
-    """A method with any number of arguments. It is a template, and therefore in the header."""
+    """Returns the definition of a method with a variable number of arguments. It is a template, and therefore in the header."""
     result = result_type(api, method)
     fixed = method.get("arguments", [])
     parameters = ", ".join(filter(None, [api.parameters(method, False), "const Args &...p_args"]))
@@ -297,7 +297,7 @@ def classes(api, used):
 
 
 def engine_class(api, used, name, parent, entry):
-    """(header, code) of one class."""
+    """Returns (header, code) for one class."""
     known = api.classes[name]
     methods = [api.pick(known.get("methods", []), method, name) for method in entry.get("methods", [])]
     constants = [api.pick(known.get("constants", []), constant, name) for constant in entry.get("constants", [])]
@@ -339,7 +339,7 @@ def engine_class(api, used, name, parent, entry):
 
 
 def members(api, name, methods, double_hashes):
-    """(declarations, registrations of overrides, definitions) of a class's methods."""
+    """Returns (declarations, registrations of overrides, definitions) for the methods of a class."""
     declared, overridable, code = [], [], []
     for method in methods:
         if method["is_vararg"]:
@@ -368,7 +368,7 @@ def engine_method(api, name, method, number):
 
 
 def virtual_default(api, name, method):
-    """The body of a virtual method for classes that do not override it. The engine never calls it."""
+    """Returns the default implementation of a virtual method. The engine never calls it."""
     types = ", ".join(api.parameter_type(argument).strip() for argument in method.get("arguments", []))
     signature = "%s%s::%s(%s)%s" % (
         spaced(result_type(api, method)), name, method["name"], types, " const" if method["is_const"] else "",

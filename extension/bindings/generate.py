@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Generates the part of our stand-in for godot-cpp that depends on a description of the engine.
+"""Generates the part of our stand-in for godot-cpp that depends on the engine description.
 
     generate.py --api description_4.4.json --interface gdextension_interface.h --used used_api.toml --out DIR
     generate.py --used used_api.toml --out DIR --list
     generate.py --used used_api.toml --unused SOURCES...
 
-The first command writes headers into DIR/include and sources into DIR/src, and leaves files alone whose text stays the same. --list only
-prints their paths. --unused prints the entries that no source contains, and fails if there are any.
+The first command writes headers to DIR/include and sources to DIR/src, and does not touch files whose text is unchanged. --list only
+prints the paths of these files. --unused prints the entries that no source contains, and fails if there are any.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def arguments():
 
 
 def outputs(used):
-    """Paths of all generated files, relative to DIR. They depend only on used_api.toml, so a build knows them early."""
+    """Returns the paths of all generated files, relative to DIR. They depend only on used_api.toml, so a build can determine them early."""
     paths = ["include/gdextension_interface.h"]
     paths += ["include/godot_cpp/core/" + name for name in ("gdextension_interface_loader.hpp", "builtin_traits.hpp")]
     paths += ["include/godot_cpp/classes/global_constants.hpp"]
@@ -45,14 +45,14 @@ def outputs(used):
 
 
 def interface_functions(generated):
-    """Names of the interface functions that hand-written or generated code calls. Only those are looked up."""
+    """Returns the names of the interface functions that handwritten or generated code calls. Only these are looked up."""
     paths = [*HERE.rglob("*.hpp"), *HERE.rglob("*.inc"), *HERE.rglob("*.cpp")]
     texts = [path.read_text(encoding="utf-8") for path in paths] + list(generated)
     return sorted({name for text in texts for name in re.findall(r"\bgdextension_interface::(\w+)", text)})
 
 
 def interface_types(header, names, release):
-    """[(pointer type, name)] of interface functions. In the header, the type follows a comment with the name and the first release."""
+    """Returns [(pointer type, name)] for interface functions. In the header, a comment with the name and release precedes the type."""
     found = re.findall(r"@name (\w+)\n.*?@since (\d+)\.(\d+)\n.*?typedef .*?\(\*(\w+)\)\(", header, re.DOTALL)
     types = {name: kind for name, _, _, kind in found}
     since = {name: (int(major), int(minor)) for name, major, minor, _ in found}
@@ -86,7 +86,7 @@ def generate(options, used):
 
 
 def entries(used):
-    """(owner, word) for every entry of used_api.toml. A source that uses the entry contains the word."""
+    """Yields (owner, word) for every entry of used_api.toml. A source that uses the entry contains the word."""
     for room in ("builtins", "classes"):
         for owner, entry in used[room].items():
             for kind in ("methods", "constants"):
@@ -94,7 +94,7 @@ def entries(used):
 
 
 def unused(used, folders):
-    """Sentences about entries that no source uses."""
+    """Returns a sentence for each entry that no source uses."""
     paths = [path for folder in folders for path in sorted(folder.rglob("*.[chi]*p*")) + sorted(folder.rglob("*.inc"))]
     words = set(re.findall(r"\w+", "\n".join(path.read_text(encoding="utf-8") for path in paths)))
     return ["%s: nothing uses '%s'" % pair for pair in entries(used) if pair[1] not in words]

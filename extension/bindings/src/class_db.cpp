@@ -20,15 +20,16 @@ struct Override {
 	GDExtensionClassCallVirtual call;
 };
 
-/// Data that must live as long as the engine knows one of our classes.
+/// Data that must exist as long as one of our classes is registered.
 struct ClassRecord {
 	StringName name;
-	const ClassRecord *parent = nullptr; ///< Null if the parent is one of the engine's classes.
+	const ClassRecord *parent = nullptr; ///< Null if the parent is an engine class.
 	std::vector<Override> overrides;
 	std::vector<std::unique_ptr<MethodBind>> methods;
 };
 
-// In order of registration, so parents come first. Changes only while the engine registers and unregisters classes.
+// The records in order of registration, so parents come first. The list changes only during
+// registration and unregistration.
 std::vector<std::unique_ptr<ClassRecord>> records;
 
 ClassRecord *find_record(const StringName &p_name) {
@@ -40,7 +41,8 @@ ClassRecord *find_record(const StringName &p_name) {
 	return nullptr;
 }
 
-/// The engine calls this once for each object and method.
+/// Returns the override of a virtual method, or null. The engine calls this once for each object
+/// and method.
 GDExtensionClassCallVirtual find_override(void *p_record, GDExtensionConstStringNamePtr p_name, uint32_t p_hash) {
 	const StringName &name = *static_cast<const StringName *>(p_name);
 	for (auto *record = static_cast<const ClassRecord *>(p_record); record; record = record->parent) {
@@ -157,7 +159,7 @@ MethodDefinition define_method(const StringName &p_name, std::initializer_list<c
 PropertyInfo::PropertyInfo(Variant::Type p_type, const StringName &p_name, PropertyHint p_hint,
 		const String &p_hint_string, uint32_t p_usage, const StringName &p_class_name) :
 		type(p_type), name(p_name),
-		// The inspector lists the resources of this class.
+		// The inspector uses the class name to list matching resources.
 		class_name(p_hint == PROPERTY_HINT_RESOURCE_TYPE ? StringName(p_hint_string) : p_class_name), hint(p_hint),
 		hint_string(p_hint_string), usage(p_usage) {}
 

@@ -26,7 +26,7 @@ void load_docs() {
 	PackedByteArray compressed;
 	compressed.resize(doc_data.compressed_size);
 	if (compressed.size() != doc_data.compressed_size) {
-		return; // The engine is out of memory, and has printed an error.
+		return; // The engine is out of memory and has printed an error.
 	}
 	std::copy_n(doc_data.data, doc_data.compressed_size, compressed.ptrw());
 	const PackedByteArray xml = compressed.decompress(doc_data.uncompressed_size, compression_deflate);

@@ -25,16 +25,18 @@ namespace {
 
 thread_local GodotObject *next_owner = nullptr;
 
-/// A class of the engine that the bindings provide.
+/// An engine class for which the bindings provide a wrapper.
 struct EngineClass {
 	EngineClass(LazyName &p_name, const GDExtensionInstanceBindingCallbacks &p_callbacks) :
 			name(p_name), callbacks(p_callbacks) {}
 
 	LazyName &name;
 	const GDExtensionInstanceBindingCallbacks &callbacks;
-	std::atomic<void *> tag = nullptr; ///< The engine has it only after it has loaded the library.
+	/// Null until the first use, because the engine may provide it only after it has loaded the
+	/// library.
+	std::atomic<void *> tag = nullptr;
 
-	/// True for an object of the class or of one derived from it.
+	/// Returns true for an object of this class or of a derived class.
 	bool wraps(GodotObject *p_object) {
 		if (!tag) {
 			tag = gdextension_interface::classdb_get_class_tag(name.get()._native_ptr());
@@ -43,7 +45,7 @@ struct EngineClass {
 	}
 };
 
-std::deque<EngineClass> engine_classes; // Derived classes first.
+std::deque<EngineClass> engine_classes; // The engine classes with wrappers. Derived classes come first.
 
 std::mutex singletons_mutex;
 std::vector<GDObjectInstanceID> singleton_ids;
@@ -102,7 +104,7 @@ Object *wrapper_of(GodotObject *p_object) {
 				[p_object](EngineClass &engine_class) { return engine_class.wraps(p_object); });
 		wrapper = gdextension_interface::object_get_instance_binding(p_object, library, &nearest->callbacks);
 		if (!wrapper) {
-			// The engine keeps even a failed binding, and would never request a new one.
+			// Remove the null binding. Otherwise the engine keeps it and never requests a new one.
 			gdextension_interface::object_free_instance_binding(p_object, library);
 			throw std::bad_alloc();
 		}
@@ -119,7 +121,8 @@ Object *find_singleton(const StringName &p_name) {
 	return wrapper_of(object);
 }
 
-// The engine frees these objects after it has closed the library. It could then no longer call us to free a wrapper.
+// Frees the wrappers of singletons. The engine frees the singletons only after it has unloaded the
+// library, and can then no longer call the library to free a wrapper.
 void release_wrappers() {
 	for (const GDObjectInstanceID id : singleton_ids) {
 		if (GodotObject *object = gdextension_interface::object_get_instance_from_id(id)) {

@@ -6,11 +6,12 @@ namespace godot {
 
 namespace internal {
 
-/// The engine's handle of this library, which is also the token of all instance bindings.
+/// The engine's handle of this library. It is also the token of all instance bindings.
 extern GDExtensionClassLibraryPtr library;
 
-/// The class reference in the engine's XML format, compressed by zlib. The editor gets it at startup
-/// (`editor_help_load_xml_from_utf8_chars_and_len`). There is at most one, and its data must stay valid.
+/// Registers the class reference, in the engine's XML format and compressed with zlib. The editor
+/// loads it at startup (`editor_help_load_xml_from_utf8_chars_and_len`). Only one may exist, and
+/// its data must stay valid.
 class DocDataRegistration {
 public:
 	DocDataRegistration(
@@ -26,7 +27,8 @@ enum ModuleInitializationLevel {
 	MODULE_INITIALIZATION_LEVEL_EDITOR = GDEXTENSION_INITIALIZATION_EDITOR,
 };
 
-/// The entry point: the entry function creates an InitObject, registers callbacks in it, and returns its init().
+/// Initializes the library. The library's entry function creates an InitObject, registers callbacks
+/// with it, and returns the result of init().
 class GDExtensionBinding {
 public:
 	using Callback = void (*)(ModuleInitializationLevel p_level);
@@ -36,12 +38,14 @@ public:
 		InitObject(GDExtensionInterfaceGetProcAddress p_get_proc_address, GDExtensionClassLibraryPtr p_library,
 				GDExtensionInitialization *r_initialization);
 
-		/// Called for every level during startup and shutdown.
+		/// Sets the callback that is called once for each level during startup, and the callback
+		/// for each level during shutdown.
 		void register_initializer(Callback p_callback) const;
 		void register_terminator(Callback p_callback) const;
 		void set_minimum_library_initialization_level(ModuleInitializationLevel p_level) const;
 
-		/// Returns false and prints an error if this engine lacks a required interface function.
+		/// Completes the initialization. If the engine lacks a required interface function, prints
+		/// an error and returns false.
 		GDExtensionBool init() const;
 
 	private:

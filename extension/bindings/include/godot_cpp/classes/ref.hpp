@@ -8,7 +8,7 @@
 
 namespace godot {
 
-/// A counted reference to a RefCounted object. The last reference frees it.
+/// A counted reference to a RefCounted object, which is freed together with its last reference.
 template <typename T>
 class Ref {
 public:
@@ -18,7 +18,7 @@ public:
 	template <typename Other>
 	Ref(const Ref<Other> &p_from) : Ref(Object::cast_to<T>(p_from.ptr())) {}
 	Ref(T *p_object) {
-		// The first reference takes over the initial reference of every new object.
+		// The first Ref takes over the initial reference of a new object.
 		if (p_object && p_object->init_ref()) {
 			object_ = p_object;
 		}
@@ -26,11 +26,11 @@ public:
 	Ref(const Variant &p_from) : Ref(Object::cast_to<T>(p_from.get_validated_object())) {}
 	~Ref() {
 		if (object_ && object_->unreference()) {
-			gdextension_interface::object_destroy(object_->_owner); // Also frees its wrapper.
+			gdextension_interface::object_destroy(object_->_owner); // The engine also frees the wrapper.
 		}
 	}
 
-	void operator=(Ref p_from) { std::swap(object_, p_from.object_); } // godot-cpp returns nothing, either.
+	void operator=(Ref p_from) { std::swap(object_, p_from.object_); } // Returns nothing, as in godot-cpp.
 
 	T *ptr() const { return object_; }
 	T *operator->() const { return object_; }
@@ -39,7 +39,7 @@ public:
 	bool operator==(const Ref &p_other) const { return object_ == p_other.object_; }
 	operator Variant() const { return Variant(static_cast<const Object *>(object_)); }
 
-	/// Takes ownership of a reference that the engine has already counted.
+	/// Returns a Ref that takes over a reference which the engine has already counted.
 	static Ref _adopt(T *p_object) {
 		Ref result;
 		result.object_ = p_object;

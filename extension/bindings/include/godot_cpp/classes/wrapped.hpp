@@ -20,8 +20,10 @@ class Class;
 
 } // namespace internal
 
-/// The C++ side of an object of the engine, which owns it. For the engine's own classes it is an instance binding, created when
-/// we first see the object (`object_get_instance_binding`). For our classes it is also the instance (`object_set_instance`).
+/// The C++ side of an engine object, owned by that object. For engine classes, it is an instance
+/// binding that is created when the bindings first encounter the object
+/// (`object_get_instance_binding`). For our classes, it is also the instance
+/// (`object_set_instance`).
 class Wrapped {
 public:
 	Wrapped(const Wrapped &) = delete;
@@ -33,7 +35,8 @@ protected:
 	Wrapped();
 	virtual ~Wrapped() = default;
 
-	/// Hooks that our classes may override, with the same signatures as in godot-cpp. These do nothing.
+	/// These hooks do nothing. Our classes may override them, with the same signatures as in
+	/// godot-cpp.
 	static void _bind_methods() {}
 	void _notification(int) {}
 	bool _set(const StringName &, const Variant &) { return false; }
@@ -51,17 +54,19 @@ private:
 
 namespace internal {
 
-/// Internal access to objects, not for users of the classes.
+/// Internal operations on objects. Only the bindings use them.
 class Access {
 public:
-	/// Notifies the object that it is complete (NOTIFICATION_POSTINITIALIZE).
+	/// Sends NOTIFICATION_POSTINITIALIZE to a complete object.
 	static void post_initialize(Object *p_object);
-	/// Creates an object of one of the engine's classes. Throws std::bad_alloc if the engine fails.
+	/// Creates an object of an engine class. Throws std::bad_alloc if the engine fails to create
+	/// it.
 	static GodotObject *new_object(const StringName &p_engine_class);
-	/// Makes the next Wrapped on this thread wrap this object. The constructor of Wrapped takes no arguments, so that classes do not
-	/// have to pass them on.
+	/// Sets the object that the next Wrapped on this thread will wrap. The constructor of Wrapped
+	/// takes no arguments, so that derived classes need not pass them on.
 	static void expect(GodotObject *p_owner);
-	/// Connects a complete wrapper with the object that it wraps. `p_extension_class`: null for a class of the engine.
+	/// Connects a complete wrapper to the object that it wraps. `p_extension_class` is null for
+	/// engine classes.
 	static void attach(Wrapped *p_wrapped, const StringName *p_extension_class,
 			const GDExtensionInstanceBindingCallbacks &p_callbacks);
 	static void destroy(Wrapped *p_wrapped) { delete p_wrapped; }
@@ -84,7 +89,7 @@ public: \
 	} \
 	static const ::godot::StringName &get_class_static() { return _class_name().get(); }
 
-/// Goes at the top of our classes.
+/// Declares what the bindings need of a class. Must be at the top of each of our classes.
 #define GDCLASS(m_class, m_inherits) \
 	GDCLASS_COMMON(m_class, m_inherits) \
 	static constexpr bool _is_engine_class = false; \
@@ -97,7 +102,7 @@ protected: \
 \
 private:
 
-/// Goes at the top of a class of the engine. The generator writes it.
+/// Like GDCLASS, for engine classes. The generator puts it at the top of each engine class.
 #define GDEXTENSION_CLASS(m_class, m_inherits) \
 	GDCLASS_COMMON(m_class, m_inherits) \
 	static constexpr bool _is_engine_class = true; \

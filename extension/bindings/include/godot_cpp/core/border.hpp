@@ -4,11 +4,12 @@
 
 namespace godot::internal {
 
-/// Prints an error for the current exception. Allocates no memory.
+/// Prints an error for the current exception, without allocating memory.
 void report_exception(const char *p_entry) noexcept;
 
-/// Runs a function that the engine has called. An exception must not reach the engine, because it would keep its locks and crash. So
-/// an exception is reported as an error, and the result is a default value.
+/// Runs the body of a function that the engine calls. An exception must not propagate into the
+/// engine, which would keep its locks and crash. If `p_work` throws, prints an error with the name
+/// `p_entry`, and returns a default value.
 template <typename Work>
 std::invoke_result_t<Work> at_border(const char *p_entry, const Work &p_work) noexcept {
 	try {

@@ -7,7 +7,8 @@
 
 namespace godot::internal {
 
-/// Calls `p_call` with pointers to these values, in the engine's representation.
+/// Converts the values to the engine's representation, and calls `p_call` with an array of pointers
+/// to them.
 template <typename Call, typename... Args>
 void with_pointers(const Call &p_call, const Args &...p_args) {
 	[&](const auto &...p_wires) {
@@ -16,7 +17,7 @@ void with_pointers(const Call &p_call, const Args &...p_args) {
 	}(Marshal<Args>::wire(p_args)...);
 }
 
-/// Runs constructor number `Index` of a builtin type on uninitialized storage.
+/// Runs the constructor of a builtin type with the given index on uninitialized storage.
 template <typename Self, int Index, typename... Args>
 void construct(void *p_storage, const Args &...p_args) {
 	static const GDExtensionPtrConstructor constructor =
@@ -24,7 +25,7 @@ void construct(void *p_storage, const Args &...p_args) {
 	with_pointers([&](const GDExtensionConstTypePtr *p_pointers) { constructor(p_storage, p_pointers); }, p_args...);
 }
 
-/// The value of `p_left Op p_right`.
+/// Returns the result of `p_left Op p_right`.
 template <GDExtensionVariantOperator Op, typename R, typename Left, typename Right>
 R evaluate(const Left &p_left, const Right &p_right) {
 	static const GDExtensionPtrOperatorEvaluator evaluator =
@@ -34,7 +35,7 @@ R evaluate(const Left &p_left, const Right &p_right) {
 	return result;
 }
 
-/// A method of a builtin type. It is looked up once.
+/// A method of a builtin type, looked up on construction.
 class BuiltinMethod {
 public:
 	BuiltinMethod(GDExtensionVariantType p_type, const char *p_name, GDExtensionInt p_hash);

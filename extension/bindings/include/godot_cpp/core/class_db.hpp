@@ -15,7 +15,7 @@ namespace godot {
 
 namespace internal {
 
-/// Enables wrappers of one of the engine's classes. Parents must be registered first.
+/// Enables wrappers of an engine class. Parents must be registered first.
 void register_engine_class(LazyName &p_name, const GDExtensionInstanceBindingCallbacks &p_callbacks);
 
 template <typename T>
@@ -23,10 +23,11 @@ void register_engine_class() {
 	register_engine_class(T::_class_name(), Class<T>::callbacks);
 }
 
-/// Calls register_engine_class for all classes in used_api.toml. Generated.
+/// Calls register_engine_class for all classes in used_api.toml. The generator writes this
+/// function.
 void register_engine_classes();
 
-/// One of our classes, as a parameter of `classdb_register_extension_class4`.
+/// The description of one of our classes, as `classdb_register_extension_class4` needs it.
 struct ClassDescription {
 	const StringName &name;
 	const StringName &parent;
@@ -39,13 +40,15 @@ struct ClassDescription {
 /// Registers our classes with the engine.
 class ClassDB {
 public:
-	/// Scripts and the editor's lists do not show a class that is not exposed, but files may contain it.
+	/// Registers a class. If `p_is_exposed` is false, scripts cannot use the class and the editor
+	/// does not list it, but scene files may contain its objects.
 	template <typename T>
 	static void register_class(bool p_is_exposed = true) {
 		add_class(describe<T>(p_is_exposed));
 	}
 
-	/// `p_defaults` are the default values of the last arguments, each in a DEFVAL.
+	/// Registers a method. `p_defaults` are the default values of the last arguments, each wrapped
+	/// in DEFVAL.
 	template <typename M, typename... Defaults>
 	static void bind_method(const MethodDefinition &p_definition, M p_method, const Defaults &...p_defaults) {
 		using Sign = internal::Signature<M>;
@@ -54,7 +57,8 @@ public:
 				internal::MethodPointer(static_cast<OfWrapped>(p_method)), {Variant(p_defaults)...});
 	}
 
-	/// A constant of an enumeration. The enumeration's name has the form "Class.Enum".
+	/// Registers a constant of an enumeration. The name of the enumeration has the form
+	/// "Class.Enum".
 	static void bind_integer_constant(
 			const StringName &p_class, const StringName &p_enum, const StringName &p_constant, GDExtensionInt p_value);
 

@@ -12,10 +12,10 @@
 
 namespace godot::internal {
 
-/// Adds an override of one of the engine's virtual methods to the class that is being registered.
+/// Adds an override of a virtual engine method to the class that is being registered.
 void add_override(const char *p_name, uint32_t p_hash, GDExtensionClassCallVirtual p_call);
 
-/// Adds an override if a class has its own implementation.
+/// Adds an override if the class implements the method itself.
 template <auto Method, auto BaseMethod>
 void bind_virtual(const char *p_name, uint32_t p_hash) {
 	if constexpr (!std::is_same_v<decltype(Method), decltype(BaseMethod)>) {
@@ -29,17 +29,18 @@ void bind_virtual(const char *p_name, uint32_t p_hash) {
 	}
 }
 
-/// A function as a type. Types can be compared in every constant expression, but addresses cannot under sanitizers.
+/// Represents a function as a type. Types can always be compared in constant expressions, but with
+/// sanitizers, addresses of functions cannot.
 template <auto Function>
 struct Named;
 
-/// The callbacks of a class for the engine. T is a class of the engine or one of ours.
+/// The callbacks through which the engine uses a class. T is an engine class or one of our classes.
 template <typename T>
 class Class {
 	using Parent = Class<typename T::parent_type>;
 
 public:
-	/// Creates an object of the engine and its wrapper, a T.
+	/// Creates an engine object with a T as its wrapper.
 	static T *construct() {
 		GodotObject *owner = Access::new_object(engine_class<T>());
 		try {
@@ -50,19 +51,20 @@ public:
 		}
 	}
 
-	/// For `GDExtensionClassCreationInfo4`. Returns null if memory runs out.
+	/// Creates an instance for the engine (`GDExtensionClassCreationInfo4`). Returns null if memory
+	/// runs out.
 	static GDExtensionObjectPtr create_instance(void *, GDExtensionBool p_notify) {
 		return at_border("a new object", [=] { return (p_notify ? make() : construct())->_owner; });
 	}
 
-	/// For `memnew`.
+	/// Implements `memnew`.
 	static T *make() {
 		T *object = construct();
 		Access::post_initialize(object);
 		return object;
 	}
 
-	/// Called after the library was reloaded: `p_owner` has lost its instance from the old library.
+	/// Creates a new instance for `p_owner` after the library was reloaded.
 	static GDExtensionClassInstancePtr recreate_instance(void *, GDExtensionObjectPtr p_owner) {
 		return at_border("an object after a reload", [=] { return static_cast<Wrapped *>(wrap(p_owner)); });
 	}
@@ -71,12 +73,13 @@ public:
 		Access::destroy(static_cast<Wrapped *>(p_instance));
 	}
 
-	/// Notifies base classes first; with `p_reversed`, base classes last.
+	/// Notifies base classes first or, if `p_reversed` is true, last.
 	static void notification(GDExtensionClassInstancePtr p_instance, int32_t p_what, GDExtensionBool p_reversed) {
 		at_border("a notification", [=] { notify(self(p_instance), p_what, p_reversed != 0); });
 	}
 
-	/// Lets `_validate_property` change a property before the inspector shows it. Base classes first.
+	/// Lets `_validate_property` change a property before the inspector displays it. Calls base
+	/// classes first.
 	static GDExtensionBool validate_property(
 			GDExtensionClassInstancePtr p_instance, GDExtensionPropertyInfo *p_property) {
 		return at_border("a look at a property", [=] {
@@ -87,7 +90,7 @@ public:
 		});
 	}
 
-	/// Lets `_set` handle a property that the class does not register. Base classes first.
+	/// Lets `_set` handle an unregistered property. Calls base classes first.
 	static GDExtensionBool set(GDExtensionClassInstancePtr p_instance, GDExtensionConstStringNamePtr p_name,
 			GDExtensionConstVariantPtr p_value) {
 		return at_border("a property", [=] {
@@ -106,8 +109,9 @@ public:
 
 	static constexpr bool is_engine_class = T::_is_engine_class;
 
-	// Instance bindings. Objects of our classes are created with their instance, so only the engine's classes need these. They hold no
-	// references: the engine asks whether it may free an object, and the answer is always yes.
+	// These functions are callbacks for instance bindings. Objects of our classes are created
+	// together with their instance, so only engine classes need bindings. Bindings do not keep
+	// their objects alive, so reference_binding always lets the engine free an object.
 	static void *create_binding(void *, void *p_owner) {
 		if constexpr (is_engine_class) {
 			return at_border("an object's wrapper", [=] { return static_cast<Wrapped *>(instance(p_owner)); });
@@ -124,7 +128,7 @@ public:
 	static constexpr GDExtensionInstanceBindingCallbacks callbacks{create_binding, free_binding, reference_binding};
 
 private:
-	/// A T for an object of the engine, before the two are connected.
+	/// Creates a T for an engine object, without connecting the two.
 	static T *instance(void *p_owner) {
 		Access::expect(p_owner);
 		try {

@@ -11,19 +11,21 @@
 
 namespace godot {
 
-/// The engine's real number. As in godot-cpp, REAL_T_IS_DOUBLE is defined for engines built with precision=double.
+/// The engine's real type. As in godot-cpp, REAL_T_IS_DOUBLE is defined for engines that were built
+/// with precision=double.
 #ifdef REAL_T_IS_DOUBLE
 using real_t = double;
 #else
 using real_t = float;
 #endif
 
-/// An object of the engine. We only use its address.
+/// An engine object. Only its address is used.
 using GodotObject = void;
 
 namespace internal {
 
-/// The value for this build, which depends on the bits of a real number and of a pointer.
+/// Returns the argument for the current build, which depends on the sizes of a real and of a
+/// pointer.
 constexpr std::size_t in_build(
 		std::size_t p_float_32, std::size_t p_float_64, std::size_t p_double_32, std::size_t p_double_64) {
 	constexpr bool is_64 = sizeof(void *) == 8;

@@ -6,8 +6,8 @@
 
 namespace godot::internal {
 
-/// A method of one of the engine's classes. It is looked up once (`classdb_get_method_bind`). If this engine lacks the method, every
-/// call prints an error and returns a default value.
+/// A method of an engine class, looked up on construction (`classdb_get_method_bind`). If the
+/// engine lacks the method, every call prints an error and returns a default value.
 class EngineMethod {
 public:
 	EngineMethod(const char *p_class, const char *p_name, GDExtensionInt p_hash);
@@ -23,7 +23,7 @@ public:
 		}
 	}
 
-	/// For methods with any number of arguments.
+	/// Calls a method with a variable number of arguments.
 	template <typename R>
 	R call_variants(GodotObject *p_owner, std::initializer_list<Variant> p_values) const {
 		const Variant result = run_variants(p_owner, p_values);

@@ -6,4 +6,4 @@
 #include <godot_cpp/core/singleton.hpp>
 #include <godot_cpp/variant/typed_array.hpp>
 
-// Includes that every generated class header needs.
+// This header contains the includes that all generated class headers need.

@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// Prints an error or a warning to the engine's log, with its source location (`print_error`, `print_warning`).
+/// Prints an error or a warning to the engine's log, with its source location.
 void _err_print_error(const char *p_function, const char *p_file, int p_line, const String &p_message,
 		bool p_editor_notify = false, bool p_is_warning = false);
 

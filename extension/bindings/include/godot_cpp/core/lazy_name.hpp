@@ -7,8 +7,9 @@
 
 namespace godot::internal {
 
-/// A StringName that is created on first use and released when the library is closed, because the engine reports leaked names. It may be
-/// used again after that, because some systems keep a closed library loaded.
+/// A StringName that is created on first use. The name is released when the library is unloaded,
+/// because the engine reports leaked names. Later uses create the name again, because some systems
+/// keep an unloaded library in memory. Any thread may use it.
 class LazyName {
 public:
 	constexpr explicit LazyName(const char *p_text) : text_(p_text) {}

@@ -16,16 +16,17 @@ namespace internal {
 
 class Access;
 
-/// The wrapper of an object of the engine, created on first use; null for null.
+/// Returns the wrapper of an engine object, which is created on first use. Returns null for null.
+/// Throws std::bad_alloc.
 Object *wrapper_of(GodotObject *p_object);
-/// The object of the engine that a wrapper wraps; null for null.
+/// Returns the engine object of a wrapper, or null for null.
 GodotObject *owner_of(const Object *p_object);
 
-/// "Class.Enum" for a C++ name with any number of scopes.
+/// Converts the C++ name of an enumeration, with any number of scopes, to "Class.Enum".
 StringName enum_class_name(std::string_view p_cpp_name);
 
-/// Converts values of a C++ type to and from the engine's representation. Every specialization has
-/// - `type`, `metadata` and `info()`, which describe the type to scripts;
+/// Converts values of a C++ type to and from the engine's representation. Every specialization has:
+/// - `type`, `metadata` and `info()`, which describe the type for scripts;
 /// - `Wire`, the representation in pointer calls (`object_method_bind_ptrcall`);
 /// - `wire(value)` for an argument to the engine, and `adopt(wire)` for a result from the engine;
 /// - `decode(pointer)` for an argument from the engine, and `encode(value, pointer)` for a result to the engine;
@@ -33,13 +34,14 @@ StringName enum_class_name(std::string_view p_cpp_name);
 template <typename T>
 struct Marshal;
 
-/// The engine's name of a Variant type.
+/// Returns the engine's name of a Variant type.
 String type_name(GDExtensionVariantType p_type);
 
-/// True if the engine can convert a value to a type without loss (`variant_can_convert_strict`).
+/// Returns true if the engine can convert a value to a type without loss
+/// (`variant_can_convert_strict`).
 bool converts(const Variant &p_value, GDExtensionVariantType p_type);
 
-/// For types with a trivial conversion.
+/// A Marshal for types with a trivial conversion.
 template <typename T, typename W, GDExtensionVariantType Type>
 struct CopyMarshal {
 	using Wire = W;
@@ -85,7 +87,8 @@ struct Marshal<T> : CopyMarshal<T, NumberWire<T>, number_type<T>> {
 											  : GDEXTENSION_METHOD_ARGUMENT_METADATA_REAL_IS_DOUBLE)
 							: (std::is_signed_v<T> ? GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_INT8
 												   : GDEXTENSION_METHOD_ARGUMENT_METADATA_INT_IS_UINT8) +
-									(sizeof(T) == 8 ? 3 : sizeof(T) / 2)); // Consecutive for 1, 2, 4, 8 bytes.
+									// Maps 1, 2, 4 and 8 bytes to 0, 1, 2 and 3.
+									(sizeof(T) == 8 ? 3 : sizeof(T) / 2));
 };
 
 template <typename T>
@@ -108,7 +111,7 @@ struct Marshal<T *> {
 		return PropertyInfo(Variant::OBJECT, StringName(), PROPERTY_HINT_NONE, String(), PROPERTY_USAGE_DEFAULT,
 				T::get_class_static());
 	}
-	/// Accepts null and all objects of the class.
+	/// Accepts null and objects of the class.
 	static bool fits(const Variant &p_value) {
 		return p_value.get_type() == Variant::NIL ||
 				(p_value.get_type() == Variant::OBJECT && (is_null(p_value) || from(p_value) != nullptr));
@@ -126,7 +129,7 @@ private:
 template <typename T>
 struct Marshal<const T *> : Marshal<T *> {};
 
-/// The value of a Variant as a parameter of this type.
+/// Converts a Variant to a parameter of type T.
 template <typename T>
 T from_variant(const Variant &p_value) {
 	if constexpr (std::is_pointer_v<T>) {

@@ -28,7 +28,7 @@ MethodDefinition D_METHOD(const StringName &p_name, const Args &...p_arguments) 
 
 namespace internal {
 
-/// A pointer to a member function of any class. One type for all of them avoids a separate class for storing each.
+/// A type-erased pointer to a member function, so that all methods can be stored in the same type.
 class MethodPointer {
 public:
 	template <typename M>
@@ -48,13 +48,13 @@ private:
 	std::array<std::byte, 3 * sizeof(void *)> bytes_{};
 };
 
-/// A registered method. The engine passes it to every call.
+/// A registered method. The engine passes a pointer to it with every call.
 struct MethodBind {
 	MethodPointer method;
 	std::vector<Variant> defaults; ///< The default values of the last arguments.
 };
 
-/// The description of a method for the engine, and its entry points.
+/// The description of a method for the engine, with its entry points.
 struct MethodDescription {
 	std::span<const DescribedType> arguments;
 	DescribedType result;
@@ -64,7 +64,8 @@ struct MethodDescription {
 	GDExtensionClassMethodPtrCall ptrcall;
 };
 
-/// The engine's entry points for methods with this pointer type, as members of Wrapped: all classes share their code.
+/// The entry points for methods with a given pointer type. Methods are cast to members of Wrapped,
+/// so that all classes share this code.
 template <typename M>
 struct MethodCalls {
 	using Sign = Signature<M>;

@@ -11,10 +11,11 @@ namespace godot::internal {
 template <typename T>
 struct Marshal;
 
-/// Tag for a constructor that leaves the storage uninitialized, for the engine to fill.
+/// Selects the constructor that leaves the storage uninitialized. The engine must then initialize
+/// the storage.
 struct Uninitialized {};
 
-/// The engine's functions for every Variant type, indexed by type. Null if the type has no such function.
+/// The engine's functions for a Variant type. Null if the type has no such function.
 struct BuiltinFunctions {
 	GDExtensionPtrConstructor construct = nullptr;
 	GDExtensionPtrConstructor copy = nullptr;
@@ -26,10 +27,10 @@ struct BuiltinFunctions {
 
 extern BuiltinFunctions builtin_functions[GDEXTENSION_VARIANT_TYPE_VARIANT_MAX];
 
-/// Fills `builtin_functions`. The interface functions must have been looked up before.
+/// Fills `builtin_functions`. Requires a previous call of load_interface().
 void load_builtin_functions();
 
-/// A value whose bytes only the engine understands. All such types can be moved by moving their bytes.
+/// A value whose representation only the engine knows. All such types can be moved bytewise.
 template <typename Self>
 class Opaque {
 public:
@@ -58,7 +59,7 @@ public:
 		return equal != 0;
 	}
 
-	/// For interface functions.
+	/// Returns a pointer to the value for interface functions.
 	void *_native_ptr() const { return const_cast<std::byte *>(storage_); }
 
 private:
@@ -66,7 +67,7 @@ private:
 
 	void swap(Opaque &r_other) noexcept { std::swap_ranges(storage_, storage_ + sizeof(storage_), r_other.storage_); }
 
-	// No larger than the engine's type, so that elements of packed arrays are adjacent.
+	// Exactly as large as the engine's type, so that elements of packed arrays are adjacent.
 	alignas(std::min<std::size_t>(8, builtin_size<Self>)) std::byte storage_[builtin_size<Self>];
 };
 

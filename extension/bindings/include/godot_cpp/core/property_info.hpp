@@ -7,7 +7,7 @@
 
 namespace godot {
 
-/// A property, an argument or a result, as the inspector and scripts see it.
+/// The description of a property, an argument or a result for the inspector and for scripts.
 struct PropertyInfo {
 	Variant::Type type = Variant::NIL;
 	StringName name;
@@ -23,14 +23,14 @@ struct PropertyInfo {
 
 	explicit PropertyInfo(const GDExtensionPropertyInfo *p_info);
 
-	/// Overwrites the engine's description of a property, in the engine's memory.
+	/// Overwrites a property description in the engine's memory.
 	void _update(GDExtensionPropertyInfo *p_info) const;
 
-	/// A view for interface functions. This object must outlive it.
+	/// Returns a view for interface functions. The PropertyInfo must outlive the view.
 	GDExtensionPropertyInfo _native() const;
 };
 
-/// A signal or a method that scripts may override.
+/// The description of a signal, or of a method that scripts may override.
 struct MethodInfo {
 	StringName name;
 	PropertyInfo return_val;

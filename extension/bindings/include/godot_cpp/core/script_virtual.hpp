@@ -8,11 +8,11 @@
 
 namespace godot::internal {
 
-/// Whether the object has a script with the method.
+/// Returns true if the object has a script that implements the method.
 bool has_script_method(GodotObject *p_owner, const StringName &p_name);
 
-/// Calls a method of the object's script (`object_call_script_method`). Returns false if there is none, or if it cannot be called
-/// with these arguments.
+/// Calls a method of the object's script (`object_call_script_method`). Returns false if the method
+/// does not exist, or if it cannot be called with these arguments.
 bool call_script_method(GodotObject *p_owner, const StringName &p_name, const Variant *const *p_args,
 		std::size_t p_count, Variant &r_result);
 

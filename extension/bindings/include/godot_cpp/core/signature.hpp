@@ -10,7 +10,7 @@
 
 namespace godot::internal {
 
-/// A type's description for scripts.
+/// The description of a type for scripts.
 struct DescribedType {
 	PropertyInfo (*info)();
 	GDExtensionClassMethodArgumentMetadata metadata;
@@ -19,7 +19,9 @@ struct DescribedType {
 template <typename T>
 inline constexpr DescribedType described_type{&Marshal<T>::info, Marshal<T>::metadata};
 
-/// The arguments of a call: the given ones, then `p_defaults` for the missing ones. Returns false and sets `r_error` for a wrong number.
+/// Collects the arguments of a call in `r_values`. `p_defaults` are the defaults of the last
+/// arguments and replace missing ones. If the number of arguments is wrong, sets `r_error` and
+/// returns false.
 bool take_arguments(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
 		const std::vector<Variant> &p_defaults, std::span<GDExtensionConstVariantPtr> r_values,
 		GDExtensionCallError &r_error);
@@ -27,7 +29,8 @@ bool take_arguments(const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_c
 template <typename M>
 struct Signature;
 
-/// The arguments and the result of a member function, with entry points for the engine's two kinds of calls.
+/// The argument and result types of a member function, with entry points for the engine's two kinds
+/// of calls.
 template <typename C, typename R, typename... Args>
 struct Signature<R (C::*)(Args...)> {
 	using Owner = C;
@@ -35,18 +38,19 @@ struct Signature<R (C::*)(Args...)> {
 	static constexpr bool returns = !std::is_void_v<R>;
 	static constexpr bool is_const = false;
 
-	using Result = std::conditional_t<returns, std::decay_t<R>, bool>; // bool replaces void.
+	using Result = std::conditional_t<returns, std::decay_t<R>, bool>; // bool stands in for void.
 
 	static constexpr std::array<DescribedType, sizeof...(Args)> arguments{described_type<std::decay_t<Args>>...};
 
-	/// A pointer call: the arguments have the registered types.
+	/// Performs a pointer call, whose arguments have the registered types.
 	template <typename M>
 	static void ptrcall(C *p_self, M p_method, const GDExtensionConstTypePtr *p_args, void *r_result) {
 		ptrcall(p_self, p_method, p_args, r_result, std::index_sequence_for<Args...>());
 	}
 
-	/// A call with any number of Variants. `p_defaults` replace missing arguments. Refuses a wrong number of arguments, and reports the
-	/// first one with a wrong type.
+	/// Performs a call with Variants. `p_defaults` replace missing arguments. If the number of
+	/// arguments is wrong, or an argument has the wrong type, sets `r_error` and does not call the
+	/// method.
 	template <typename M>
 	static void call(C *p_self, M p_method, const GDExtensionConstVariantPtr *p_args, GDExtensionInt p_count,
 			const std::vector<Variant> &p_defaults, void *r_result, GDExtensionCallError &r_error) {

@@ -4,11 +4,12 @@
 
 namespace godot::internal {
 
-/// The wrapper of one of the engine's singletons (`global_get_singleton`). It is kept until the library is closed. Returns null if there is
-/// no singleton with this name; the engine then prints an error.
+/// Returns the wrapper of an engine singleton (`global_get_singleton`), which exists until the
+/// library is unloaded. If there is no singleton with this name, the engine prints an error, and
+/// the function returns null.
 Object *find_singleton(const StringName &p_name);
 
-/// Frees the wrappers of all singletons that are still alive. No wrappers may be created afterwards.
+/// Frees the wrappers of all singletons that still exist. No wrappers may be created afterwards.
 void release_wrappers();
 
 template <typename T>

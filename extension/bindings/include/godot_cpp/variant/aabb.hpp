@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// A box: its minimum corner and its size.
+/// An axis-aligned box: the minimum corner and the size.
 struct AABB {
 	Vector3 position;
 	Vector3 size;

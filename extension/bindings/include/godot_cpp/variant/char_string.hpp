@@ -5,7 +5,7 @@
 
 namespace godot {
 
-/// Text in one of the 8-bit encodings.
+/// A string in an 8-bit encoding.
 class CharString {
 public:
 	explicit CharString(std::string p_text) : text_(std::move(p_text)) {}

@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// Red, green, blue and alpha.
+/// A color with red, green, blue and alpha components.
 struct Color {
 	float r = 0.0F;
 	float g = 0.0F;

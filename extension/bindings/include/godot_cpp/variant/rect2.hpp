@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// A corner and the vector to the opposite corner.
+/// A rectangle: a corner, and the vector to the opposite corner.
 struct Rect2 {
 	Vector2 position;
 	Vector2 size;

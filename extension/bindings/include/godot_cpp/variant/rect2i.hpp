@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// A corner and the vector to the opposite corner, in integers.
+/// A rectangle with integer coordinates: a corner, and the vector to the opposite corner.
 struct Rect2i {
 	Vector2i position;
 	Vector2i size;

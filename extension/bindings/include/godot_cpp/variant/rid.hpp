@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// The identifier of a resource of one of the engine's servers.
+/// The ID of a resource of an engine server.
 class RID {
 public:
 	bool is_valid() const { return id_ != 0; }

@@ -4,7 +4,7 @@
 
 namespace godot {
 
-/// A basis, followed by a translation.
+/// A basis followed by a translation.
 struct Transform3D {
 	Basis basis;
 	Vector3 origin;

@@ -5,12 +5,12 @@
 
 namespace godot {
 
-/// An array with elements of one type: numbers, types of the engine, or references to objects of a class.
+/// An array whose elements have a single type: a number, an engine type, or an object class.
 template <typename T>
 class TypedArray : public Array {
 public:
 	TypedArray() { make_typed(); }
-	/// Shares the array if its type matches, otherwise makes a converted copy.
+	/// Shares the array if its type matches. Otherwise, creates a converted copy.
 	TypedArray(const Array &p_from) {
 		make_typed();
 		if (is_same_typed(p_from)) {

@@ -5,12 +5,13 @@
 
 namespace godot {
 
-/// A dictionary with one type for all keys and one for all values: numbers or types of the engine.
+/// A dictionary whose keys have a single type and whose values have a single type. Both types are
+/// numbers or engine types.
 template <typename K, typename V>
 class TypedDictionary : public Dictionary {
 public:
 	TypedDictionary() { make_typed(); }
-	/// Shares the dictionary if its types match, otherwise makes a converted copy.
+	/// Shares the dictionary if its types match. Otherwise, creates a converted copy.
 	TypedDictionary(const Dictionary &p_from) {
 		make_typed();
 		if (is_same_typed(p_from)) {

@@ -13,14 +13,14 @@ class Object;
 
 namespace internal {
 
-/// A type of the engine that a Variant holds without conversion.
+/// An engine type that a Variant can contain without conversion.
 template <typename T>
 concept Builtin = builtin_type<T> != GDEXTENSION_VARIANT_TYPE_NIL;
 
 template <typename T>
 concept Number = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
-/// The engine's representation of a number, and the Variant type that holds it.
+/// The engine's representation of a number. `number_type` is the corresponding Variant type.
 template <Number T>
 using NumberWire = std::conditional_t<std::is_same_v<T, bool>, GDExtensionBool,
 		std::conditional_t<std::is_floating_point_v<T>, double, int64_t>>;
@@ -32,8 +32,8 @@ inline constexpr GDExtensionVariantType number_type = std::is_same_v<T, bool> ? 
 
 } // namespace internal
 
-/// Any value of the engine. Conversions follow the engine's rules: a value that cannot be converted becomes the default of the target
-/// type.
+/// A value of any engine type. Conversions follow the engine's rules: a value that cannot be
+/// converted becomes the default value of the target type.
 class Variant {
 public:
 	// clang-format off
@@ -52,8 +52,8 @@ public:
 	Variant(Variant &&p_from) noexcept;
 	Variant(const char *p_utf8);
 	Variant(const Object *p_object);
-	Variant(const Array &p_array);           // Also for typed arrays.
-	Variant(const Dictionary &p_dictionary); // Also for typed dictionaries.
+	Variant(const Array &p_array);           // Typed arrays use this constructor, too.
+	Variant(const Dictionary &p_dictionary); // Typed dictionaries use this constructor, too.
 	~Variant();
 	Variant &operator=(const Variant &p_from);
 	Variant &operator=(Variant &&p_from) noexcept;
@@ -89,17 +89,17 @@ public:
 		}
 	}
 
-	/// The object, or null for a freed object and for any other value.
+	/// Returns the object, or null if it was freed or the value is not an object.
 	operator Object *() const { return get_validated_object(); }
 	Object *get_validated_object() const;
 
 	Type get_type() const;
 
-	/// Calls a method of the value with pointers to the arguments. On failure, sets `r_error`.
+	/// Calls a method of the value. `r_error` receives the error, if any.
 	void callp(const StringName &p_method, const Variant **p_args, int p_count, Variant &r_result,
 			GDExtensionCallError &r_error);
 
-	/// For interface functions.
+	/// Returns a pointer to the value for interface functions.
 	void *_native_ptr() const { return const_cast<std::byte *>(storage_); }
 
 private:
@@ -134,7 +134,7 @@ private:
 
 namespace godot {
 
-/// Replaces the placeholders in a text (%d, %s, ...), with the same rules as in GDScript.
+/// Replaces the placeholders in a text (%d, %s, ...), by the same rules as GDScript.
 template <typename... Args>
 String vformat(const String &p_text, const Args &...p_args) {
 	Array values;

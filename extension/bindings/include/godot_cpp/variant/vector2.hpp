@@ -6,7 +6,7 @@
 
 namespace godot {
 
-/// Two reals. GLM provides the arithmetic.
+/// A 2D vector of reals. GLM provides the arithmetic.
 struct Vector2 : glm::vec<2, real_t> {
 	constexpr Vector2() : vec(real_t(0)) {}
 	constexpr Vector2(real_t p_x, real_t p_y) : vec(p_x, p_y) {}

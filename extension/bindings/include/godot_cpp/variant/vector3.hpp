@@ -8,7 +8,7 @@
 
 namespace godot {
 
-/// Three reals. GLM provides the arithmetic.
+/// A 3D vector of reals. GLM provides the arithmetic.
 struct Vector3 : glm::vec<3, real_t> {
 	constexpr Vector3() : vec(real_t(0)) {}
 	constexpr Vector3(real_t p_x, real_t p_y, real_t p_z) : vec(p_x, p_y, p_z) {}
