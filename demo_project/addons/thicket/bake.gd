@@ -1,29 +1,29 @@
 extends RefCounted
-## Writes the instances in a rectangle as Godot resources: a [MultiMesh] for each layer, mesh and tile, and the meshes that have
+## Bakes the instances in a rectangle to Godot resources: a [MultiMesh] for each layer, mesh and tile, and the meshes that have
 ## no file of their own. It also writes a scene with a [MultiMeshInstance3D] for each [MultiMesh], at the center of its tile.
 ##
-## For scatter that never changes, and for tools that read scenes. It works without the editor:
+## Use it for scatter that never changes, and for tools that read scenes. It also works without the editor:
 ## [codeblock]
 ## var bake := preload("res://addons/thicket/bake.gd").new()
 ## if bake.begin($TerrainScatter3D, Rect2(0, 0, 512, 512), "res://baked", "valley") == OK:
 ##     while bake.step(20.0):
 ##         await get_tree().process_frame
 ## [/codeblock]
-## All files are first written beside their final paths and moved there at the end, so canceling leaves the previous files
-## unchanged.
+## All files are first written to a temporary folder and moved to their final paths at the end, so canceling leaves the
+## previous files unchanged.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
 const UNFINISHED := ".bake_unfinished/"
-## The largest number of tiles of all layers together.
+## The largest total number of tiles of all layers.
 const MOST_TILES := 100000
 const UNWRITABLE := "Cannot write %s: %s. Check that the folder is writable and the disk has room."
 
 ## The error as a sentence; empty if there is none.
 var problem := ""
-## From 0 to 1.
+## The finished share of the bake, from 0 to 1.
 var progress := 0.0
-## Instances written by the current or the last bake.
+## The number of instances that the current or the last bake has written.
 var instances := 0
 ## The path of the scene, once [method step] has returned false without a [member problem].
 var scene_path := ""
@@ -33,16 +33,17 @@ var _rect := Rect2()
 var _folder := ""
 var _name := ""
 var _running := false
-var _nodes: Array[Array] = [] # layer, tile, origin, multimesh
-var _tiles: Array[Vector3i] = [] # layer, tile x, tile y
+var _nodes: Array[Array] = [] # For each MultiMesh: layer, tile, origin, MultiMesh.
+var _tiles: Array[Vector3i] = [] # The tiles to bake: layer index, tile x, tile y.
 var _next := 0
 var _written: PackedStringArray = []
 var _mesh_files: Dictionary[Mesh, Mesh] = {}
 
 
-## Begins to bake [param rect] (world x, z in meters) into [param folder], which is created if it does not exist. The scene is
-## named [param name]. [param layers] are layers of the scatter's list or their names; an empty array means all layers. On failure, returns an
-## error and explains it in [member problem].
+## Begins to bake [param rect] (x and z in meters) into [param folder], which is created if it does not exist. The scene is
+## named [param name]. [param layers] contains entries of [member TerrainScatter3D.layers] or their names; if empty, all entries are
+## baked. Layers of biomes cannot be baked. [param rect] is in the engine's space, without [member TerrainScatter3D.world_offset].
+## On failure, returns an error and sets [member problem] to its explanation.
 func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers := []) -> Error:
 	cancel()
 	problem = ""
@@ -70,8 +71,9 @@ func begin(scatter: Node3D, rect: Rect2, folder: String, name: String, layers :=
 	return OK
 
 
-## Continues for about [param msec] milliseconds, and bakes at least one tile. Returns true while there is more to do. Returns
-## false at the end, after [method cancel], and on an error.
+## Continues the bake for about [param msec] milliseconds, but for at least one tile. The last call also writes the scene and
+## moves all files, however long that takes. Returns true while there is more to do, and false at the end, after
+## [method cancel], and on an error, which sets [member problem].
 func step(msec: float) -> bool:
 	if not _running:
 		return false
@@ -90,7 +92,7 @@ func step(msec: float) -> bool:
 	return false
 
 
-## Stops a bake in progress and removes its unfinished files. Does nothing if no bake is in progress.
+## Stops a bake in progress and removes its unfinished files. Has no effect if no bake is in progress.
 func cancel() -> void:
 	if not _running:
 		return
@@ -116,7 +118,7 @@ func _refuse(error: Error, why: String) -> Error:
 
 
 func _list_tiles(asked: Array) -> Error:
-	# World x and z in double precision, as tiles use them.
+	# Convert the rectangle to world x and z in double precision, because tiles use these coordinates.
 	var offset: Vector3 = _scatter.get(&"world_offset")
 	var low := [_rect.position.x + offset.x, _rect.position.y + offset.z]
 	var bounds := PackedFloat64Array([low[0], low[1], low[0] + _rect.size.x, low[1] + _rect.size.y])
@@ -182,7 +184,7 @@ func _multimesh(layer: Resource, buffer: PackedFloat32Array, count: int, mesh: M
 	return multimesh
 
 
-## The mesh itself if it has its own file, else a copy that is saved to one.
+## Returns the mesh itself if it has its own file, otherwise a copy that is saved to a file. Returns null if it cannot be saved.
 func _in_file(mesh: Mesh, layer: int, mesh_index: int) -> Mesh:
 	if not mesh.resource_path.is_empty() and not "::" in mesh.resource_path:
 		return mesh
@@ -204,13 +206,13 @@ func _instance(layer: Resource, tile: Vector3i, origin: Vector3, multimesh: Mult
 	return instance
 
 
-## The part of a file name that stands for a layer: its index, and its name if it has one.
+## Returns the part of a file name that identifies a layer: its index, and its name if it has one.
 func _file_part(layer: int) -> String:
 	var name: String = _scatter.get(&"layers")[layer].resource_name.to_snake_case().validate_filename()
 	return "%d_%s" % [layer, name] if not name.is_empty() else str(layer)
 
 
-## Writes a resource to its unfinished path. Resources that refer to it are then saved with its final path.
+## Saves a resource in the temporary folder, and sets its path to the final one. So other resources refer to it by the final path.
 func _save(resource: Resource, file: String) -> bool:
 	var error := WholeFile.save_new(resource, _folder + UNFINISHED + file)
 	resource.set_path_cache(_folder + file)
@@ -237,7 +239,7 @@ func _write_scene() -> bool:
 	return _save(packed, scene_path.get_file())
 
 
-## Moves all files to their final paths, the scene last. Removes files of an earlier bake that this one did not write.
+## Moves all files to their final paths, the scene last. Removes files that an earlier bake wrote and the current one did not.
 func _move_all() -> bool:
 	var stale := _files_of_scene()
 	for file in _written:
@@ -256,7 +258,7 @@ func _move_all() -> bool:
 	return true
 
 
-## The files that an earlier bake of this name wrote here.
+## Returns the files that an earlier bake with this name has written to the folder.
 func _files_of_scene() -> PackedStringArray:
 	var files := PackedStringArray()
 	if FileAccess.file_exists(scene_path):

@@ -1,6 +1,6 @@
 extends RefCounted
 ## Bakes the impostors of a layer: one for each of its meshes, as the last LOD, each in its own file. The editor's button uses this
-## class. Scripts can use it too, also headless:
+## class. Scripts can use it, too, with or without a window:
 ## [codeblock]
 ## var bake := preload("res://addons/thicket/bake_impostors.gd").new()
 ## if bake.begin(layer, "res://forest_impostors", "oaks") == OK:
@@ -8,7 +8,7 @@ extends RefCounted
 ##         await get_tree().process_frame
 ##     layer.meshes = bake.meshes
 ## [/codeblock]
-## Nothing is written before all of them are baked, and the layer is not changed: [member meshes] has the value to set on it.
+## Files are written only after all impostors are baked. The layer is not changed: assign [member meshes] to it.
 
 const Impostor := preload("res://addons/thicket/impostor.gd")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
@@ -19,32 +19,33 @@ class Replaced:
 	## The resource that was loaded from the file and is in use; null if there is none.
 	var resource: Resource
 
-## The settings of each impostor's bake. Change them before [method begin].
+## The settings for baking each impostor. Change them before calling [method begin], which replaces their material override with the layer's.
 var impostor := Impostor.new()
 ## The error as a sentence; empty if there is none.
 var problem := ""
 ## Warnings about material properties that impostors cannot reproduce, a sentence each.
 var warnings := PackedStringArray()
-## From 0 to 1.
+## The finished share of the bake, from 0 to 1.
 var progress := 0.0
-## The layer's meshes, each as a [ScatterModel] with its impostor as the last LOD, once [method step] has returned false without a [member problem].
-## New impostors replace earlier ones. The layer's own models stay unchanged, because other layers may use them.
+## The meshes to assign to the layer: one [ScatterModel] for each of its entries, with the impostor as the last LOD. Entries that draw nothing are
+## unchanged. Available once [method step] has returned false without a [member problem]. New impostors replace the impostors of an earlier bake.
+## The layer's own models stay unchanged, because other layers may use them.
 var meshes := []
 ## The impostors of [member meshes]; null for entries that draw nothing.
 var baked: Array[Mesh] = []
 ## The paths of the files that were written.
 var files := PackedStringArray()
-## The previous contents of those [member files] that existed before, for undo.
+## The previous contents of all [member files] that existed before the bake, for undo.
 var replaced: Dictionary[String, Replaced] = {}
 
 var _layer: Resource
-var _meshes: Array[Mesh] = [] # Of the layer's entries; null for entries that draw nothing.
+var _meshes: Array[Mesh] = [] # The finest mesh of each of the layer's entries; null for entries that draw nothing.
 var _stem := ""
 var _running := false
 
 
 ## Begins to bake the impostors of [param layer] into [param folder], which is created if it does not exist. File names begin with
-## [param name]. On failure, returns an error and explains it in [member problem].
+## [param name]. On failure, returns an error and sets [member problem] to its explanation.
 func begin(layer: Resource, folder: String, name: String) -> Error:
 	cancel()
 	problem = ""
@@ -69,8 +70,9 @@ func begin(layer: Resource, folder: String, name: String) -> Error:
 	return _begin_next()
 
 
-## Checks whether an impostor is finished, and begins the next one. This takes a moment after each impostor, and no time while a different thread
-## bakes. Returns true while there is more to do. Returns false at the end, after [method cancel], and on an error.
+## Begins the next impostor if the current one is finished. The call is slow only when an impostor has just been finished; otherwise a different
+## thread does the work. Returns true while there is more to do, and false at the end, after [method cancel], and on an error, which sets
+## [member problem].
 func step() -> bool:
 	if not _running:
 		return false
@@ -102,7 +104,7 @@ func cancel() -> void:
 		_running = false
 
 
-## The mesh that is baked for an entry of [member ScatterLayer.meshes]: its finest LOD; null if there is none.
+## Returns the mesh to bake for an entry of [member ScatterLayer.meshes], which is its finest LOD. Null if there is none.
 func _finest(entry: int) -> Mesh:
 	var lods: Array = _layer.call(&"get_mesh_lods", entry)
 	var lod: Resource = lods[0] if not lods.is_empty() else null
@@ -114,7 +116,7 @@ func _refuse(error: Error, why: String) -> Error:
 	return error
 
 
-## Begins the next impostor. A missing mesh draws nothing, so it has no impostor.
+## Begins the next impostor, and skips entries without a mesh.
 func _begin_next() -> Error:
 	while baked.size() < _meshes.size() and _meshes[baked.size()] == null:
 		baked.append(null)
@@ -133,7 +135,7 @@ func _save() -> bool:
 		if FileAccess.file_exists(path):
 			replaced[path] = Replaced.new()
 			replaced[path].bytes = FileAccess.get_file_as_bytes(path)
-			if FileAccess.get_open_error() != OK: # Undo could not restore the file.
+			if FileAccess.get_open_error() != OK: # Without the old content, undo could not restore the file.
 				problem = "Cannot read %s, which would be replaced: %s. Make it readable, or remove it." % [
 					path, error_string(FileAccess.get_open_error())]
 				return false
@@ -147,14 +149,14 @@ func _save() -> bool:
 	return true
 
 
-## Sets one distance for all LODs, that of the largest impostor: instances may be larger than their meshes, and each further distance divides the
-## layer's tiles more.
+## Fills [member meshes]. All impostors begin at the distance of the largest one at its maximum scale. A single distance is used, because each
+## additional distance divides the layer's tiles into more cells.
 func _set_lods() -> void:
 	var distance := 0.0
 	for mesh in baked:
 		distance = maxf(distance, _switch_distance(mesh))
 	distance *= maxf(_layer.get(&"max_scale"), 0.01)
-	for entry in baked.size(): # Impostors begin behind all other LODs.
+	for entry in baked.size(): # Impostors begin beyond all other LODs.
 		for lod: Resource in _without_impostors(_layer.call(&"get_mesh_lods", entry)):
 			distance = maxf(distance, lod.get(&"distance") * 1.25)
 	meshes = (_layer.get(&"meshes") as Array).duplicate()
@@ -163,7 +165,7 @@ func _set_lods() -> void:
 			meshes[entry] = _with_impostor(meshes[entry], _lod(baked[entry], snappedf(distance, 1.0)))
 
 
-## A model that is drawn as [param entry] of the meshes, with [param far] as its last LOD.
+## Returns a model for [param entry], an entry of the layer's meshes, with [param far] as its last LOD.
 static func _with_impostor(entry: Resource, far: Resource) -> Resource:
 	var model: Resource = entry.duplicate() if entry.is_class("ScatterModel") else ClassDB.instantiate(&"ScatterModel")
 	if entry is PackedScene:
@@ -181,7 +183,7 @@ static func _without_impostors(lods: Array) -> Array:
 	return lods.filter(func(lod: Resource) -> bool: return lod != null and _switch_distance(lod.get(&"mesh")) == 0.0)
 
 
-## 0 for meshes that are no impostors.
+## Returns [method Impostor.switch_distance], or 0 for a mesh that is not an impostor.
 static func _switch_distance(mesh: Mesh) -> float:
 	return Impostor.switch_distance(mesh) if mesh != null else 0.0
 

@@ -1,14 +1,14 @@
 class_name ScatterBakedWorld
 extends Node3D
-## Streams the tiles of a baked world around the current camera. It is plain GDScript and needs no extension, so it also runs on platforms that cannot load
-## one.
+## Streams the tiles of a baked world around the current camera. The script needs no native library, so it also runs on platforms for which none
+## exists.
 ##
-## [code]bash demo_project/bake_export.sh OUT godot FOLDER[/code] writes the tiles of a bake, and [code]baked_world.scn[/code] with one such node. Files are
-## read on threads. Adding tiles takes at most [member frame_budget_usec] of each frame, or one tile where that takes longer. Baked instances cannot change:
-## for rules, felling and queries use [code]TerrainScatter3D[/code].
+## [code]bash demo_project/bake_export.sh OUT godot FOLDER[/code] writes the tiles of a bake, and a scene [code]baked_world.scn[/code] with a node of
+## this class. Files are read on threads. Adding tiles takes at most [member frame_budget_usec] of each frame, or longer if a single tile takes
+## longer. Baked instances cannot change: for rules, felling and queries, use [code]TerrainScatter3D[/code].
 ##
-## The index and the tiles are data: reading them runs no code that they contain, so they may come from players. The index has the SHA-256 of each tile, and
-## a tile with a different one is not shown. Meshes and materials are loaded as the game's own files, and only from [code]res://[/code].
+## The index and the tiles are plain data. Reading them runs no code, so the files may come from players. The index contains the SHA-256 of each tile,
+## and a tile with a different hash is not shown. Meshes and materials are loaded only from the game's own files in [code]res://[/code].
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 const Tile := preload("res://addons/thicket/baked_world_tile.gd")
@@ -16,7 +16,8 @@ const Models := preload("res://addons/thicket/baked_world_models.gd")
 
 ## Emitted when a tile was added to the tree.
 signal tile_shown(tile: Vector2i)
-## Emitted when a tile was removed.
+## Emitted when a tile was removed because it is too far away. Not emitted when all tiles are removed because [member index_file] is set or the node
+## leaves the tree.
 signal tile_freed(tile: Vector2i)
 ## Emitted when a tile cannot be loaded; the printed error gives the reason. The tile is not tried again until [member index_file] is set.
 signal tile_failed(tile: Vector2i)
@@ -27,14 +28,14 @@ const UNUSABLE := "ScatterBakedWorld.index_file is %s, which must be the index o
 const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version exported, with scenes for tiles. Scenes may run code, so nothing is shown. " \
 		+ "Export the bake again (bake_export.sh); the bake itself is still valid."
 
-## The index of the world, [code]baked_world.baked[/code]. The tiles are in a folder beside it. Empty for no world.
+## The path of the world's index, [code]baked_world.baked[/code]. The tiles are in a folder next to it. Empty for no world.
 @export_file("*.baked") var index_file := "":
 	set(value):
 		_drop_all()
 		index_file = value
 		_look_up()
-## Tiles that are nearer to the camera than this are shown, in meters in the plane of x and z. A tile is removed when it is more than a quarter of its
-## side farther away.
+## The horizontal distance from the camera within which tiles are shown, in meters. A tile is removed when it is farther away than this distance plus a
+## quarter of its side.
 @export_range(0.0, 100000.0, 1.0, "or_greater", "suffix:m") var view_distance := 512.0:
 	set(value):
 		if not (value >= 0.0 and value < 1e6):
@@ -42,13 +43,13 @@ const OUTDATED := "ScatterBakedWorld.index names %s, which an earlier version ex
 			return
 		view_distance = value
 		_is_stale = true
-## The time in each frame for loading models and adding tiles, in microseconds. In each frame in which a tile is ready, at least one is added.
+## The time in each frame for loading models and adding tiles, in microseconds. If tiles are ready, at least one of them is added in each frame.
 @export_range(100, 20000, 100, "suffix:µs") var frame_budget_usec := 2000
 ## The node around which tiles are shown; if null, the current camera of the viewport.
 @export var viewer: Node3D
 
-## The position of the engine's origin in the world, in meters, as [code]TerrainScatter3D.world_offset[/code]. Setting [member index_file] sets it to the
-## offset of the baked scene.
+## The position of the engine's origin in the world, in meters, like [code]TerrainScatter3D.world_offset[/code]. Setting [member index_file] resets it to
+## the offset of the baked scene.
 var world_offset := Vector3.ZERO:
 	set(value):
 		world_offset = value
@@ -56,19 +57,19 @@ var world_offset := Vector3.ZERO:
 		for tile in _shown:
 			_shown[tile].position = _place_of(_numbers[tile])
 
-var _index: Index # Null if there is none or it cannot be used.
+var _index: Index # The index of the world; null if there is none, or if it is invalid.
 var _models: Models
-var _numbers: Dictionary[Vector2i, int] = {} # The number of each tile in the index.
+var _numbers: Dictionary[Vector2i, int] = {} # The position of each tile in the arrays of the index.
 var _shown: Dictionary[Vector2i, Node3D] = {}
 var _loading: Dictionary[Vector2i, Tile] = {}
 var _failed: Dictionary[Vector2i, bool] = {}
-var _wanted: Array[Vector2i] = [] # Neither shown nor being read; the nearest is last.
+var _wanted: Array[Vector2i] = [] # Tiles that are neither shown nor being read, the nearest last.
 # Most web builds have no threads.
 var _has_threads: bool = OS.has_feature("threads") and ProjectSettings.get_setting("threading/worker_pool/max_threads", -1) != 0
 # Without a display, the engine uses a dummy renderer, for which multimeshes must not be built on several threads.
 var _builds_on_threads: bool = _has_threads and DisplayServer.get_name() != "headless"
 var _is_stale := true
-var _looked_from := Vector2.INF # World x, z.
+var _looked_from := Vector2.INF # The viewer's world x and z when _wanted was last updated.
 
 
 func _exit_tree() -> void:
@@ -76,7 +77,7 @@ func _exit_tree() -> void:
 	_is_stale = true
 
 
-## Reports worlds that earlier versions exported: they set an index that was a resource.
+## Reports scenes that earlier versions exported. They set the property index to a resource.
 func _set(property: StringName, value: Variant) -> bool:
 	if property != &"index":
 		return false
@@ -93,7 +94,7 @@ func _process(_delta: float) -> void:
 	if _is_stale or here.distance_to(_looked_from) > _index.tile_size / 16.0:
 		_look_around(here)
 	var deadline := Time.get_ticks_usec() + frame_budget_usec
-	# Handlers of a signal may have changed anything.
+	# Signal handlers may have changed the index in the meantime.
 	if _index != null and _has_models(deadline):
 		_request()
 		_take(deadline)
@@ -104,12 +105,12 @@ func get_shown_tiles() -> Array[Vector2i]:
 	return _shown.keys()
 
 
-## Returns the root of a tile, which has a [MultiMeshInstance3D] for each layer and model. Null while the tile is not shown.
+## Returns the root node of a tile, with a [MultiMeshInstance3D] for each layer and model, or null if the tile is not shown.
 func get_tile(tile: Vector2i) -> Node3D:
 	return _shown.get(tile)
 
 
-## Returns the number of instances in the tiles that are shown.
+## Returns the number of instances in all tiles that are in the tree.
 func get_instance_count() -> int:
 	var sum := 0
 	for tile in _shown:
@@ -117,7 +118,8 @@ func get_instance_count() -> int:
 	return sum
 
 
-## Returns true if everything near enough is shown, except for tiles that cannot be loaded.
+## Returns true if all tiles within [member view_distance] are shown, except for those that cannot be loaded. Returns false if there is no valid
+## [member index_file].
 func is_settled() -> bool:
 	return _index != null and not _is_stale and _wanted.is_empty() and _loading.is_empty()
 
@@ -145,7 +147,7 @@ func _look_up() -> void:
 	_is_stale = true
 
 
-## The position of a tile's root. Computed in double precision until the last step.
+## Returns the position of a tile's root, subtracting in double precision.
 func _place_of(number: int) -> Vector3:
 	return Vector3(
 		_index.centers[3 * number] - world_offset.x,
@@ -154,7 +156,7 @@ func _place_of(number: int) -> Vector3:
 	)
 
 
-## The distance in meters from a position to the square of a tile.
+## Returns the distance in meters from a position to the square of a tile.
 func _distance(tile: Vector2i, here: Vector2) -> float:
 	var least := Vector2(tile) * _index.tile_size
 	return here.distance_to(here.clamp(least, least + Vector2.ONE * _index.tile_size))
@@ -196,7 +198,7 @@ func _tiles_near(here: Vector2) -> Array[Vector2i]:
 	return near
 
 
-## Whether the meshes and materials that tiles need are loaded. Continues to load them.
+## Continues to load the meshes and materials that tiles need, until the deadline. Returns true once all are loaded.
 func _has_models(deadline: int) -> bool:
 	if _models == null:
 		_models = Models.new(_index, _builds_on_threads)
@@ -214,7 +216,7 @@ func _request() -> void:
 
 func _take(deadline: int) -> void:
 	for at: Vector2i in _loading.keys():
-		# A handler of a signal may have dropped all tiles.
+		# A signal handler may have dropped all tiles.
 		if not _loading.has(at):
 			return
 		var tile := _loading[at]
@@ -232,7 +234,7 @@ func _take(deadline: int) -> void:
 			return
 
 
-## Frees the task of a tile that was read, and does the work that no thread has done.
+## Waits until a tile's thread task has ended. Performs the steps on this thread that cannot run on other threads.
 func _finish(tile: Tile) -> void:
 	if _has_threads:
 		WorkerThreadPool.wait_for_task_completion(tile.task)

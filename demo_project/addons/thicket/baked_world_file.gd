@@ -1,32 +1,32 @@
 extends RefCounted
-## A file of a baked world: a JSON object and bytes, preceded by the SHA-256 of both. Reading one runs no code from it.
+## A file of a baked world: a JSON object and bytes, preceded by the SHA-256 of both. Reading a file runs no code.
 ##
-## A file is never loaded with the engine's [ResourceLoader], which runs the scripts that a resource contains. It begins with 48 bytes:
-## [constant MAGIC], the version (32 bits, little-endian like all numbers), the SHA-256 of everything after it (32 bytes), the length of the JSON
-## text, and the size of the unpacked bytes. The text and the bytes, packed with Zstandard, follow.
+## The engine's [ResourceLoader] never loads these files, because it would run scripts that a resource contains. A file begins with 48 bytes:
+## [constant MAGIC], the version (32 bits, little-endian like all numbers), the SHA-256 of everything after the hash (32 bytes), the length of the
+## JSON text, and the size of the uncompressed bytes. The text follows, and then the bytes, compressed with Zstandard.
 
 const MAGIC := "THBW"
 const VERSION := 1
 ## The extension of these files.
 const EXTENSION := "baked"
-## The largest size of a file, and of its unpacked bytes.
+## The largest size of a file, and of its uncompressed payload.
 const MOST_BYTES := 1 << 30
 const MOST_CHARACTERS := 1000
-const _START := 48 # Where the JSON text begins.
+const _START := 48 # The offset of the JSON text.
 const _HASHED_FROM := 40
 const _HASHED_AT_ONCE := 1 << 16
 
-## The error of the file, or of a field that was read from it; empty if there is none.
+## The first error in the file or in a field that was read from it; empty if there is none.
 var problem := ""
 ## The JSON object.
 var header: Dictionary = {}
-## The unpacked bytes.
+## The uncompressed bytes.
 var payload := PackedByteArray()
-## The SHA-256 of the text and the packed bytes.
+## The SHA-256 of the file from byte 40 on: the two lengths, the text and the compressed bytes.
 var digest := PackedByteArray()
 
 
-## The content of a file with this header and payload, as [method read] expects it.
+## Returns the content of a file with this header and payload, as [method read] expects it.
 static func packed(content: Dictionary, bytes: PackedByteArray) -> PackedByteArray:
 	var text := JSON.stringify(content, "", true, true).to_utf8_buffer()
 	var body := PackedByteArray()
@@ -44,12 +44,12 @@ static func packed(content: Dictionary, bytes: PackedByteArray) -> PackedByteArr
 	return result
 
 
-## The SHA-256 that [method packed] wrote into a file's content.
+## Returns the SHA-256 that is stored in a file's content.
 static func digest_in(content: PackedByteArray) -> PackedByteArray:
 	return content.slice(8, _HASHED_FROM)
 
 
-## Reads a file and checks that it is complete and undamaged. Otherwise returns false and sets [member problem]. May be called from any thread.
+## Reads a file and checks that it is complete and undamaged. Returns true on success. Otherwise, sets [member problem]. May be called on any thread.
 func read(path: String) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ)
 	if file == null:
@@ -82,7 +82,7 @@ func _unpack(bytes: PackedByteArray) -> bool:
 	return payload.size() == size or _refuse("its bytes must unpack to %d, got %d" % [size, payload.size()])
 
 
-## Reads a field that must be a finite number in this range. Otherwise returns [param least] and sets [member problem].
+## Returns a field that must be a finite number from [param least] to [param most]. Otherwise, sets [member problem] and returns [param least].
 func number(of: Dictionary, field: String, least: float, most: float) -> float:
 	var value: Variant = of.get(field)
 	if _is_number(value) and value >= least and value <= most:
@@ -91,7 +91,7 @@ func number(of: Dictionary, field: String, least: float, most: float) -> float:
 	return least
 
 
-## Like [method number], for whole numbers.
+## Returns a field that must be an integer from [param least] to [param most]. Otherwise, sets [member problem] and returns an integer in this range.
 func whole(of: Dictionary, field: String, least: int, most: int) -> int:
 	var value := number(of, field, least, most)
 	if value != floorf(value):
@@ -99,7 +99,7 @@ func whole(of: Dictionary, field: String, least: int, most: int) -> int:
 	return int(value)
 
 
-## Reads a field that must be a string. Otherwise returns an empty string and sets [member problem].
+## Returns a field that must be a string of at most [constant MOST_CHARACTERS]. Otherwise, sets [member problem] and returns an empty string.
 func text(of: Dictionary, field: String) -> String:
 	var value: Variant = of.get(field)
 	if value is String and (value as String).length() <= MOST_CHARACTERS:
@@ -108,13 +108,13 @@ func text(of: Dictionary, field: String) -> String:
 	return ""
 
 
-## Reads a field that must be true or false. Otherwise returns false and sets [member problem].
+## Returns a field that must be true or false. Otherwise, sets [member problem] and returns false.
 func flag(of: Dictionary, field: String) -> bool:
 	var value: Variant = of.get(field)
 	return value if value is bool else _refuse("%s must be true or false, got %s" % [field, _shown(value)])
 
 
-## Reads a field that must be an array whose elements all have this type. Otherwise returns an empty array and sets [member problem].
+## Returns a field that must be an array whose elements all have this type. Otherwise, sets [member problem] and returns an empty array.
 func list(of: Dictionary, field: String, type: Variant.Type) -> Array:
 	var value: Variant = of.get(field)
 	if value is Array and (value as Array).all(func(element: Variant) -> bool: return typeof(element) == type):
@@ -123,7 +123,7 @@ func list(of: Dictionary, field: String, type: Variant.Type) -> Array:
 	return []
 
 
-## Reads a field that must be an array of [param count] finite numbers. Otherwise returns zeros and sets [member problem].
+## Returns a field that must be an array of [param count] finite numbers. Otherwise, sets [member problem] and returns zeros.
 func numbers(of: Dictionary, field: String, count: int) -> PackedFloat64Array:
 	var value: Variant = of.get(field)
 	if value is Array and (value as Array).size() == count and (value as Array).all(_is_number):
@@ -151,7 +151,7 @@ static func _sha256(bytes: PackedByteArray, from: int) -> PackedByteArray:
 	return hashing.finish()
 
 
-## Keeps the first problem only.
+## Sets [member problem], unless an earlier one is set, and returns false.
 func _refuse(why: String) -> bool:
 	problem = problem if problem else why
 	return false

@@ -1,6 +1,6 @@
 class_name ScatterBakedWorldFormat
 extends ResourceFormatLoader
-## Makes the editor list and export the files of baked worlds. The files are not loaded as resources: [ScatterBakedWorld] reads them as data.
+## Makes the editor list and export the files of baked worlds. The files are not loaded as resources, because [ScatterBakedWorld] reads them as data.
 
 const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 

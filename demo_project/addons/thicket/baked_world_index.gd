@@ -1,7 +1,7 @@
 class_name ScatterBakedWorldIndex
 extends RefCounted
-## The list of the tiles of a baked world, and of the meshes and materials that they use. [code]demo_project/bake_export.sh[/code]
-## writes it as [code]baked_world.baked[/code]. [ScatterBakedWorld] reads it.
+## The index of a baked world: its tiles, and the meshes and materials that they use. [code]demo_project/bake_export.sh[/code]
+## writes it as [code]baked_world.baked[/code], and [ScatterBakedWorld] reads it.
 
 const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 
@@ -9,9 +9,9 @@ const _DIGEST_BYTES := 32
 const _TILE_BYTES := 36 + _DIGEST_BYTES
 const MOST_METERS := 1e12
 
-## The path of the file that it was read from.
+## The path of the file from which the index was read.
 var path := ""
-## Identifies the settings that determine all instances.
+## A hash of the settings that determine all instances.
 var scene_digest := ""
 ## The side of a tile in meters.
 var tile_size := 0.0
@@ -23,7 +23,7 @@ var layer_names := PackedStringArray()
 var meshes := PackedStringArray()
 ## The paths of the materials, all in [code]res://[/code]. Tiles refer to them by index.
 var materials := PackedStringArray()
-## The column and row of each tile: tile (i, j) begins at i and j times [member tile_size] in the world's x and z.
+## The column and row of each tile. Tile (i, j) begins at world x = i * [member tile_size] and z = j * [member tile_size].
 var tiles := PackedInt32Array()
 ## The number of instances in each tile.
 var instances := PackedInt32Array()
@@ -32,11 +32,11 @@ var centers := PackedFloat64Array()
 ## The SHA-256 of each tile's file, 32 bytes each; see [code]baked_world_file.gd[/code].
 var digests := PackedByteArray()
 
-## The error of the file; empty if there is none.
+## The error in the file; empty if there is none.
 var problem := ""
 
 
-## Reads the index from a file. Returns false and sets [member problem] if the file is no index.
+## Reads the index from a file. Returns false and sets [member problem] if the file is not a valid index.
 func read(from: String) -> bool:
 	path = from
 	var file := BakedFile.new()
@@ -46,7 +46,7 @@ func read(from: String) -> bool:
 	return problem.is_empty()
 
 
-## The content of a file that [method read] can read.
+## Returns the content of a file that [method read] can read.
 func packed() -> PackedByteArray:
 	var header := {
 		"kind": "index", "scene_digest": scene_digest, "tile_size": tile_size, "world_offset": Array(world_offset), "count": instances.size(),
@@ -58,12 +58,12 @@ func packed() -> PackedByteArray:
 	return BakedFile.packed(header, payload)
 
 
-## The path of the file of the tile with this column and row, in a folder next to the file of the index.
+## Returns the path of the file for the tile with this column and row, in a folder next to the index file.
 func tile_path(tile: Vector2i) -> String:
 	return "%s/tiles/tile_%d_%d.%s" % [path.get_base_dir(), tile.x, tile.y, BakedFile.EXTENSION]
 
 
-## The SHA-256 that the file of the tile with this number must have.
+## Returns the SHA-256 that the file of the tile with this number must have.
 func digest_of(number: int) -> PackedByteArray:
 	return digests.slice(number * _DIGEST_BYTES, (number + 1) * _DIGEST_BYTES)
 
@@ -93,6 +93,6 @@ func _take(file: BakedFile) -> void:
 	digests = file.payload.slice(count * 36)
 
 
-## Returns true if a path can only refer to a file of the game itself. Loading a resource from elsewhere may run foreign scripts.
+## Returns true if a path can only refer to a file of the game itself. Resources from elsewhere may contain untrusted scripts.
 static func is_in_project(resource: String) -> bool:
 	return resource.begins_with("res://") and not ".." in resource

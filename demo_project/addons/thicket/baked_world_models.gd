@@ -1,5 +1,5 @@
 extends RefCounted
-## Loads the meshes and materials that the tiles of a baked world refer to, on the engine's threads if it has a renderer.
+## Loads the meshes and materials that the tiles of a baked world use. If the engine has threads and a renderer, its threads load them.
 
 const Index := preload("res://addons/thicket/baked_world_index.gd")
 
@@ -10,22 +10,22 @@ var meshes: Array[Mesh] = []
 ## The loaded materials, in the order of the index; null for those that cannot be loaded.
 var materials: Array[Material] = []
 
-var _waiting := PackedStringArray() # Paths: the meshes, then the materials.
+var _waiting := PackedStringArray() # The paths of the meshes, followed by those of the materials.
 var _next := 0
 var _mesh_count := 0
 var _on_threads: bool
 var _is_requested := false
 
 
-## Prepares to load the models of an index. Without [param on_threads], [method load_step] loads each model on the calling thread.
+## Prepares to load the models of an index. If [param on_threads] is false, [method load_step] loads each model on the calling thread.
 func _init(index: Index, on_threads: bool) -> void:
 	_on_threads = on_threads
 	_waiting = index.meshes + index.materials
 	_mesh_count = index.meshes.size()
 
 
-## Requests missing models, and takes those that are loaded, until [param deadline] in microseconds of the engine's clock. Returns whether all are
-## loaded.
+## Requests models that are missing, and takes models that the engine has loaded, until [param deadline] (a time of [method Time.get_ticks_usec]).
+## Takes at least one model, unless its thread has not finished. Returns true once all models are loaded or have been reported as missing.
 func load_step(deadline: int) -> bool:
 	if _on_threads and not _is_requested:
 		_is_requested = true
@@ -42,7 +42,7 @@ func load_step(deadline: int) -> bool:
 	return _next == _waiting.size()
 
 
-## Takes the models that were requested, because otherwise the engine keeps them.
+## Releases the remaining requested models. Otherwise the engine would keep them.
 func drop() -> void:
 	while _is_requested and _next < _waiting.size():
 		_load(_waiting[_next])

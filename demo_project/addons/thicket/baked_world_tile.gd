@@ -1,11 +1,11 @@
 extends RefCounted
 ## Reads the file of one tile of a baked world and builds its nodes.
 ##
-## The header of such a file has [code]tile[/code] (column and row), [code]instances[/code], [code]scene_digest[/code] and [code]nodes[/code]. Each node
-## has [code]name[/code], [code]mesh[/code] and [code]material[/code] (numbers in the index, -1 for no material), [code]count[/code], [code]from[/code]
-## (where its part of the payload begins, which is [member MultiMesh.buffer]), [code]use_colors[/code], [code]use_custom_data[/code],
-## [code]cast_shadow[/code], [code]render_layers[/code], [code]begin[/code] and [code]end[/code] (the visibility range in meters), and, if LODs share one,
-## [code]box[/code] (least x, y, z and size of the custom AABB).
+## The header of a tile's file has [code]tile[/code] (column and row), [code]instances[/code], [code]scene_digest[/code] and [code]nodes[/code]. Each
+## node has [code]name[/code], [code]mesh[/code] and [code]material[/code] (indices in the lists of the index, -1 for no material),
+## [code]count[/code], [code]from[/code] (the offset of its [member MultiMesh.buffer] in the payload, in bytes), [code]use_colors[/code],
+## [code]use_custom_data[/code], [code]cast_shadow[/code], [code]render_layers[/code], [code]begin[/code] and [code]end[/code] (the visibility range
+## in meters). If LODs share a custom AABB, the node also has [code]box[/code] (the minimum x, y and z, followed by the size).
 
 const BakedFile := preload("res://addons/thicket/baked_world_file.gd")
 const Index := preload("res://addons/thicket/baked_world_index.gd")
@@ -13,13 +13,13 @@ const Index := preload("res://addons/thicket/baked_world_index.gd")
 const MOST_NODES := 1 << 16
 const MOST_METERS := 1e9
 
-## The tile's root, without a parent; null before [method build], and if there is a [member problem].
+## The tile's root node, without a parent. Null before [method build], and if there is a [member problem].
 var node: Node3D
-## The reason why there is no node; empty if there is one.
+## The reason why [member node] cannot be built; empty if there is none.
 var problem := ""
-## The task of the engine's thread pool that reads this tile.
+## The task of the engine's thread pool that reads this tile; -1 if the engine has no threads.
 var task := -1
-## Ends the work early. May be set from any thread.
+## Set it to true to end the work early. May be set on any thread.
 var is_cancelled := false
 
 var _file := BakedFile.new()
@@ -32,8 +32,8 @@ var _meshes: Array[Mesh]
 var _materials: Array[Material]
 
 
-## Prepares to read the tile with this number of an index. The numbers in the tile's file refer to [param meshes] and [param materials]; null for
-## missing ones.
+## Prepares to read the tile with this number in an index. The tile's file refers to meshes and materials by their indices in [param meshes] and
+## [param materials]. An entry is null if it could not be loaded.
 func _init(index: Index, number: int, meshes: Array[Mesh], materials: Array[Material]) -> void:
 	_tile = Vector2i(index.tiles[2 * number], index.tiles[2 * number + 1])
 	_path = index.tile_path(_tile)
@@ -44,7 +44,7 @@ func _init(index: Index, number: int, meshes: Array[Mesh], materials: Array[Mate
 	_materials = materials
 
 
-## Reads the file and checks its digest, on any thread. Sets [member problem] if the file cannot be used.
+## Reads the file and checks its hash. Sets [member problem] if the file cannot be used. May run on any thread.
 func read() -> void:
 	if not _file.read(_path):
 		problem = "%s cannot be read: %s" % [_path, _file.problem]
@@ -52,7 +52,8 @@ func read() -> void:
 		problem = "%s is not the file that the index names: its SHA-256 is %s, and it must be %s" % [_path, _file.digest.hex_encode(), _digest.hex_encode()]
 
 
-## Builds [member node] from the file that [method read] has read, unless there is a [member problem]. May run on any thread if the engine has a renderer.
+## Builds [member node] from the content that [method read] has read, unless there is a [member problem] or the work was canceled. Sets
+## [member problem] if the content is invalid. May run on any thread if the engine has a renderer.
 func build() -> void:
 	if problem or is_cancelled:
 		return
@@ -70,7 +71,7 @@ func run() -> void:
 	build()
 
 
-## Frees the node if [member node] still holds it.
+## Frees [member node] if it is not null.
 func drop() -> void:
 	if node != null:
 		node.free()
@@ -87,14 +88,14 @@ func _add_all() -> void:
 	var entries := file.list(header, "nodes", TYPE_DICTIONARY)
 	if entries.size() > MOST_NODES:
 		file.problem = "nodes must have %d entries at most, got %d" % [MOST_NODES, entries.size()]
-	var left := BakedFile.MOST_BYTES # Nodes may share bytes, so all nodes together could need far more memory than the file.
+	var left := BakedFile.MOST_BYTES # Nodes may share bytes of the payload, so all nodes together could need far more memory than the file.
 	for entry: Dictionary in entries:
 		if file.problem or is_cancelled:
 			return
 		left -= _add(file, entry, left)
 
 
-## Adds the node of an entry. Returns the size of its buffer in bytes, which is at most [param most].
+## Adds the node of an entry. Returns the size of its buffer in bytes, which is at most [param most], or 0 if no node was added.
 func _add(file: BakedFile, entry: Dictionary, most: int) -> int:
 	var colors := file.flag(entry, "use_colors")
 	var custom := file.flag(entry, "use_custom_data")
@@ -111,14 +112,14 @@ func _add(file: BakedFile, entry: Dictionary, most: int) -> int:
 	drawn.visibility_range_begin = file.number(entry, "begin", 0.0, MOST_METERS)
 	drawn.visibility_range_end = file.number(entry, "end", 0.0, MOST_METERS)
 	var box := file.numbers(entry, "box", 6) if entry.get("box") != null else PackedFloat64Array()
-	if file.problem or _meshes[mesh] == null: # Loading already reported a missing mesh.
+	if file.problem or _meshes[mesh] == null: # A missing mesh was already reported when it was loaded.
 		drawn.free()
 		return 0
 	var multimesh := MultiMesh.new()
 	multimesh.transform_format = MultiMesh.TRANSFORM_3D
 	multimesh.use_colors = colors
 	multimesh.use_custom_data = custom
-	# The mesh is set before the buffer. Otherwise the renderer must read the buffer back for the instances' bounding box.
+	# The mesh is set before the buffer. Otherwise the renderer would read the buffer back to compute the bounding box of the instances.
 	multimesh.mesh = _meshes[mesh]
 	multimesh.instance_count = count
 	if count > 0:

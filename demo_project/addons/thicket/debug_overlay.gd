@@ -1,31 +1,31 @@
 class_name ScatterDebugOverlay
 extends CanvasLayer
-## Shows what the scatters of a game do: instances, milliseconds, draw calls, tiles in work, and at the middle of the screen, why something grows there or
-## not.
+## Shows statistics of the scatters in a running game: numbers of instances, milliseconds, draw calls and pending tiles. Also explains why plants do
+## or do not grow at the center of the screen.
 ##
-## Add it to a scene, and press [member toggle_key] in the game. It is hidden at first, and costs nothing while it is hidden. It works in release
-## builds, too; leave it out of them, or set [member toggle_key] to [constant KEY_NONE], if players should not see it. Without the native library, it
-## only shows that there is none.
+## Add it to a scene, and press [member toggle_key] in the game. The overlay is hidden at first, and has no cost while it is hidden. It also works in
+## release builds. If players should not see it, leave it out of them, or set [member toggle_key] to [constant KEY_NONE]. Without the native library, the
+## overlay only reports that it is missing.
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 const NumberText := preload("res://addons/thicket/number_text.gd")
 const WhyRows := preload("res://addons/thicket/why_rows.gd")
 
-## Seconds between two updates.
+## The time between two updates, in seconds.
 const INTERVAL := 0.25
 const MARGIN := 14.0
 const BACKGROUND := Color(0.0, 0.0, 0.0, 0.72)
 const TEXT := Color(0.92, 0.92, 0.92)
-## The longest distance in meters at which a position is explained.
+## The maximum distance from the camera at which a position is explained, in meters.
 const REACH := 1000.0
 
 ## The key that shows and hides the overlay.
 @export var toggle_key: Key = KEY_F3
-## If true, the overlay explains the position at the middle of the screen.
+## If true, the overlay explains the position at the center of the screen.
 @export var explain := true
 
-## The lines of the overlay at the last update.
+## The lines of text as of the last update.
 var lines := PackedStringArray()
 
 var _canvas := Control.new()
@@ -60,7 +60,7 @@ func _process(delta: float) -> void:
 		update()
 
 
-## Reads all figures again, also while the overlay is hidden.
+## Updates all figures, even if the overlay is hidden.
 func update() -> void:
 	lines.clear()
 	_why.rows.clear()
@@ -91,7 +91,7 @@ func _add_scatter(scatter: Node3D) -> void:
 			lines.append("    %s  %s" % [NumberText.grouped(scatter.call(&"get_shown_count", each)).lpad(9), each.resource_name])
 
 
-## Explains the position on the ground that is nearest along the view, and names the instance that the view meets.
+## Explains the first position on the ground along the view direction, and names the first instance in front of it.
 func _explain(scatters: Array[Node]) -> void:
 	var camera := get_viewport().get_camera_3d()
 	if camera == null:

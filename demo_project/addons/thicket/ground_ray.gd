@@ -1,9 +1,9 @@
 @tool
 extends RefCounted
-## Finds where a ray meets the ground of a [code]ScatterGround[/code]. Games without the library may contain this script, so it names no class of the
-## library.
+## Intersects a ray with the surface of a [code]ScatterGround[/code]. Games without the native library may contain this script, so it uses none of the
+## library's classes as a type.
 
-## In meters: the longest ray, and the shortest and longest step along it.
+## The length of a ray, and the shortest and longest step along it, in meters.
 const REACH := 20000.0
 const SHORTEST := 0.05
 const LONGEST := 200.0
@@ -11,9 +11,10 @@ const MOST_STEPS := 600
 const HALVINGS := 24
 
 
-## Returns the first position, in world meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is none. [param
-## direction] has a length of 1. A step is half the height of the ray above the ground. So the ray only misses a ridge if the ground is steeper than
-## 60 degrees and the ray grazes it. Queries the ground some hundred times.
+## Returns the first position, in meters, where the ray enters the ground from above, or [constant Vector3.INF] if there is none within
+## [constant REACH] and [constant MOST_STEPS]. [param direction] must have a length of 1. Each step is half as long as the ray's height above the
+## ground, between [constant SHORTEST] (or a thousandth of the distance) and [constant LONGEST]. The ray can therefore miss a ridge only if it grazes the ridge and the ground there is steeper than 60 degrees. A call queries the ground
+## some hundred times.
 static func hit(ground: Resource, from: Vector3, direction: Vector3) -> Vector3:
 	var at := 0.0
 	var last := NAN
@@ -24,7 +25,7 @@ static func hit(ground: Resource, from: Vector3, direction: Vector3) -> Vector3:
 			return _refine(ground, from, direction, last_at, at)
 		last = above
 		last_at = at
-		# Over a hole the height is unknown; nearby, small steps matter more than far away.
+		# Above a hole, the height is unknown. The step then grows with the distance, because small steps matter more near the camera.
 		var stride := 0.5 * absf(above) if not is_nan(above) else 0.02 * at
 		at += clampf(stride, maxf(SHORTEST, 0.001 * at), LONGEST)
 		if at > REACH:
@@ -32,7 +33,7 @@ static func hit(ground: Resource, from: Vector3, direction: Vector3) -> Vector3:
 	return Vector3.INF
 
 
-## Returns the meters to the ground along a ray, at most 1000; 100 if there is no ground.
+## Returns the distance to the ground along a ray in meters, at most 1000, or 100 if the ray hits no ground.
 static func distance(ground: Resource, from: Vector3, direction: Vector3) -> float:
 	var position := hit(ground, from, direction)
 	return minf(position.distance_to(from), 1000.0) if position.is_finite() else 100.0

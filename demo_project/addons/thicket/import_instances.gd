@@ -1,34 +1,34 @@
 @tool
 extends RefCounted
-## Converts instances of a scene or a file to hand-placed instances of a scatter. It reads [MultiMeshInstance3D]s (which include the output
-## of ProtonScatter and of this add-on's bakes), the copies of scenes that ProtonScatter creates in its other mode, the instances of a
-## Terrain3D, and tables of transforms. All transforms keep their exact float values. The imported nodes are not changed: hide or free them
-## afterwards.
+## Converts instances of a scene or a file to hand-placed instances of a scatter. It reads [MultiMeshInstance3D]s (including the output of
+## ProtonScatter and of this add-on's bakes), the scene copies that ProtonScatter creates without instancing, the instances of a Terrain3D,
+## and tables of transforms. Transforms are converted to world space in single precision; those of nodes at the origin keep their exact
+## values. The imported nodes are not changed: hide or free them afterwards.
 ##
-## It works without the editor:
+## It also works without the editor:
 ## [codeblock]
 ## const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 ## ImportInstances.from_node($TerrainScatter3D, null, $OldTrees)
 ## ImportInstances.from_csv($TerrainScatter3D, "Rocks", "res://rocks.csv")
 ## [/codeblock]
-## An import is all or nothing: if a part of it cannot be imported, an error names the part, and nothing has changed.
+## An import either succeeds completely or changes nothing: an error names the part that cannot be imported.
 
 const Table := preload("res://addons/thicket/transform_table.gd")
 
-## The floats of a transform: the rows of its basis, each followed by a coordinate of the origin, as in [member MultiMesh.buffer].
+## The number of floats in a transform: the rows of its basis, each followed by a coordinate of the origin, as in [member MultiMesh.buffer].
 const FLOATS := 12
-## The node under which ProtonScatter puts its output.
+## The name of the node under which ProtonScatter puts its output.
 const PROTON_OUTPUT := "ScatterOutput"
-## The smallest radius of a new layer in meters. The layer only has hand-placed instances. With a larger radius, fewer points are sampled and
-## discarded.
+## The minimum radius of a new layer, in meters. Such a layer contains only hand-placed instances, and all of its generated points are discarded. A
+## larger radius means fewer points to discard.
 const LEAST_RADIUS := 2.0
 
 
 ## Instances of one mesh or scene.
 class Batch:
-	var mesh: Resource ## Null for the first mesh of the target layer.
+	var mesh: Resource ## The mesh or scene to place; null for the first mesh of the target layer.
 	var name := ""
-	var look: Dictionary[StringName, Variant] = {} ## Values for properties of a layer.
+	var look: Dictionary[StringName, Variant] = {} ## The values of the layer properties with which the instances are drawn.
 	var transforms := PackedFloat32Array()
 
 	func size() -> int:
@@ -47,7 +47,7 @@ class Reading:
 			sum += batch.size()
 		return sum
 
-	## The batch for a mesh with these layer properties.
+	## Returns the batch for a mesh with these layer properties, and adds it if necessary.
 	func batch_of(mesh: Resource, name: String, look: Dictionary[StringName, Variant]) -> Batch:
 		for batch in batches:
 			if batch.mesh == mesh and batch.look == look:
@@ -60,20 +60,21 @@ class Reading:
 		return batch
 
 
-## Imports the instances of a node and of all nodes below it. [param layer] is a [ScatterLayer] or its name, and receives all of them.
-## With [code]null[/code], the instances of each mesh go into the layer that has the mesh, or into a new layer if there is none. Returns
-## the number of placed instances, or 0, with errors printed, if nothing was placed.
+## Imports the instances of a node and of all nodes below it into [param layer], a [ScatterLayer] or its name. Instances whose mesh the layer
+## does not have get its first mesh. If [param layer] is [code]null[/code], the instances of each mesh are added to the layer that has the mesh
+## and the same material override, or to a new layer if there is none. Returns the number of placed instances. On failure, prints errors and
+## returns 0.
 static func from_node(scatter: Node3D, layer: Variant, node: Node) -> int:
 	return _import(scatter, layer, read_node(node))
 
 
-## Imports a table into a layer, with a line for each instance. See [code]transform_table.gd[/code] for its columns. Returns the same as
-## [method from_node].
+## Imports a table with a line for each instance into [param layer], which must not be [code]null[/code]. All instances get the layer's first
+## mesh. [code]transform_table.gd[/code] describes the columns. Returns the number of placed instances. On failure, prints errors and returns 0.
 static func from_csv(scatter: Node3D, layer: Variant, path: String) -> int:
 	return _import(scatter, layer, read_csv(path))
 
 
-## Reads the instances of a node and of all nodes below it.
+## Returns the instances of a node and of all nodes below it. Errors are in [member Reading.problems].
 static func read_node(node: Node) -> Reading:
 	var reading := Reading.new()
 	if node == null:
@@ -87,7 +88,7 @@ static func read_node(node: Node) -> Reading:
 	return reading
 
 
-## Reads the instances of a table.
+## Returns the instances in a table. Errors are in [member Reading.problems].
 static func read_csv(path: String) -> Reading:
 	var reading := Reading.new()
 	var file := FileAccess.open(path, FileAccess.READ)
@@ -105,7 +106,8 @@ static func read_csv(path: String) -> Reading:
 	return reading
 
 
-## Places the instances that were read, and adds the missing layers. Returns their ids. On an error, changes nothing and returns none.
+## Places the instances that were read, and adds missing layers. Returns the ids of the instances. On an error, changes nothing and returns
+## no ids.
 static func place(scatter: Node3D, layer: Variant, reading: Reading) -> PackedInt64Array:
 	var before: Array = scatter.get(&"layers")
 	var layers := before.duplicate()
@@ -129,7 +131,7 @@ static func place(scatter: Node3D, layer: Variant, reading: Reading) -> PackedIn
 	return ids
 
 
-## The layer in a list that has the batch's mesh and the same material override; else a new one, added at the end of the list.
+## Returns the layer in a list that has the batch's mesh and material override. If there is none, appends a new layer and returns it.
 static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 	for layer: Resource in r_layers:
 		if layer != null and (layer.get(&"meshes") as Array).has(batch.mesh) and \
@@ -151,7 +153,7 @@ static func _layer_for(batch: Batch, r_layers: Array) -> Resource:
 	return layer
 
 
-## The index of a mesh in a layer; 0 if the layer does not have it.
+## Returns the index of a mesh in a layer, or 0 if the layer does not have it.
 static func _mesh_index(scatter: Node3D, layer: Variant, mesh: Resource) -> int:
 	var layers: Array = scatter.get(&"layers")
 	var found: Resource = null
@@ -176,7 +178,7 @@ static func _read_below(node: Node, r_reading: Reading) -> void:
 		_read_multimesh(node as MultiMeshInstance3D, r_reading)
 	if is_terrain_3d(node):
 		_read_terrain_3d(node, r_reading)
-		return # The children draw the same instances.
+		return # The node's children draw the same instances.
 	for child in node.get_children():
 		if node.name == PROTON_OUTPUT and not child is MultiMeshInstance3D:
 			_read_proton_item(child, r_reading)
@@ -197,17 +199,18 @@ static func _read_multimesh(node: MultiMeshInstance3D, r_reading: Reading) -> vo
 		_append(node, _buffer_of(multimesh), r_reading.batch_of(multimesh.mesh, name, _look_of(node)))
 
 
-## The name of a new layer: the name of the mesh's file, the mesh, or the node.
+## Returns the name for a new layer: the name of the mesh's file, or else of the mesh, or else of the node. A generated name is replaced by the name
+## of the node's parent.
 static func _name_of(mesh: Resource, node: Node) -> String:
 	if not mesh.resource_path.is_empty() and not "::" in mesh.resource_path:
 		return mesh.resource_path.get_file().get_basename()
 	var name := mesh.resource_name if not mesh.resource_name.is_empty() else String(node.name)
-	# Nodes without a name of their own, such as ProtonScatter's, all have the same name; their parents' names differ.
+	# Nodes with a generated name, such as ProtonScatter's, all have the same name, but the names of their parents differ.
 	var nameless := name.begins_with(node.get_class()) or name.begins_with("@" + node.get_class())
 	return String(node.get_parent().name) if nameless and node.get_parent() != null else name
 
 
-## The geometry properties that differ from their defaults, by their names in a layer.
+## Returns the geometry properties that differ from their defaults. Keys are the names of the layer's properties.
 static func _look_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant]:
 	var look: Dictionary[StringName, Variant] = {}
 	var layer := ClassDB.instantiate(&"ScatterLayer") as Resource
@@ -219,13 +222,13 @@ static func _look_of(node: GeometryInstance3D) -> Dictionary[StringName, Variant
 	return look
 
 
-## The transforms of a multimesh, without colors and custom data.
+## Returns the transforms of a multimesh, without colors and custom data.
 static func _buffer_of(multimesh: MultiMesh) -> PackedFloat32Array:
 	var count := multimesh.visible_instance_count if multimesh.visible_instance_count >= 0 else multimesh.instance_count
 	var stride := FLOATS + 4 * int(multimesh.use_colors) + 4 * int(multimesh.use_custom_data)
 	var buffer := multimesh.buffer
 	var result := PackedFloat32Array()
-	if buffer.size() < count * stride: # The renderer keeps no buffer.
+	if buffer.size() < count * stride: # The dummy renderer keeps no buffer.
 		for index in count:
 			_append_transform(multimesh.get_instance_transform(index), result)
 	elif stride == FLOATS:
@@ -260,7 +263,7 @@ static func _append_transform(transform: Transform3D, r_floats: PackedFloat32Arr
 	]))
 
 
-## The transform from a node's space to world space, inside or outside of the tree.
+## Returns the transform from a node's space to world space. The node may be outside of the tree.
 static func _space_of(node: Node) -> Transform3D:
 	if not node is Node3D:
 		return Transform3D.IDENTITY
@@ -286,7 +289,7 @@ static func _read_proton_item(item: Node, r_reading: Reading) -> void:
 			_read_copy(child as Node3D, item.name, r_reading)
 
 
-## A copy of a scene becomes an instance of that scene. For any other node, each mesh in it becomes an instance.
+## Reads a node as one instance of its scene. If the node is not an instanced scene, reads each mesh in it as an instance.
 static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> void:
 	if not node.scene_file_path.is_empty():
 		var scene := load(node.scene_file_path) as PackedScene
@@ -303,7 +306,7 @@ static func _read_copy(node: Node3D, item_name: String, r_reading: Reading) -> v
 			_append_transform(_space_of(each), r_reading.batch_of(each.mesh, item_name, _look_of(each)).transforms)
 
 
-## Whether a node stores instances in the way of Terrain3D.
+## Returns true if a node stores instances like Terrain3D does.
 static func is_terrain_3d(node: Node) -> bool:
 	var data: Variant = node.get(&"data")
 	var assets: Variant = node.get(&"assets")
@@ -311,7 +314,8 @@ static func is_terrain_3d(node: Node) -> bool:
 			and assets is Object and is_instance_valid(assets) and assets.has_method(&"get_mesh_asset")
 
 
-## Each region has, for each mesh and each cell, transforms relative to the region's corner, colors, and a flag for changes.
+## Reads the instances of a Terrain3D. Each of its regions stores, for each mesh and cell, transforms relative to the region's corner, colors, and a
+## flag for changes.
 static func _read_terrain_3d(terrain: Node, r_reading: Reading) -> void:
 	var data: Object = terrain.get(&"data")
 	var spacing: Variant = terrain.get(&"vertex_spacing")

@@ -1,8 +1,8 @@
 extends RefCounted
-## Bakes an octahedral impostor of a model: a mesh of two triangles with its own material, which shows the model from any direction,
-## in the light of the scene. Use it as the last of [member ScatterModel.lods] or [member ScatterModel.far_lods].
+## Bakes an octahedral impostor of a model: a mesh of two triangles with its own material, which shows the model from any direction
+## and in the light of the scene. Use it as the last of [member ScatterModel.lods] or [member ScatterModel.far_lods].
 ##
-## It needs neither an editor nor a renderer, so it also works headless:
+## The bake needs neither an editor nor a renderer, so it also works headless:
 ## [codeblock]
 ## var impostor := preload("res://addons/thicket/impostor.gd").new()
 ## var far := impostor.bake([load("res://oak.res")])
@@ -11,28 +11,28 @@ extends RefCounted
 ## else:
 ##     ResourceSaver.save(far, "res://oak_impostor.res")
 ## [/codeblock]
-## [method bake] waits for the pictures, which takes seconds. [method begin] renders them on a different thread.
+## [method bake] blocks until the pictures are rendered, which takes seconds. [method begin] renders them on a different thread.
 
 const Reader := preload("res://addons/thicket/impostor_materials.gd")
 const SHADER := preload("res://addons/thicket/shaders/impostor.gdshader")
 
-## Impostor pixels per screen pixel at the switch distance. The number is above 1, because mixing pictures loses some sharpness.
+## The number of impostor pixels per screen pixel at the switch distance. It is above 1, because mixing pictures loses some sharpness.
 const DETAIL := 1.75
 
-## The number of pictures along each side of the atlas, 2 to 32. They show the model from all directions above the ground, or from all
-## directions with [member full_sphere]. More pictures reproduce a model's shape more closely.
+## The number of pictures along each side of the atlas, from 2 to 32. They show the model from all directions above the ground or, with
+## [member full_sphere], from all directions. More pictures reproduce a model's shape more closely.
 var frames := 16
-## The side of a picture in pixels: a power of two, 16 to 512. The side of the atlas, [code]frames * frame_size[/code], is at most
+## The side of a picture in pixels: a power of two from 16 to 512. The side of the atlas, [code]frames * frame_size[/code], is at most
 ## 8192.
 var frame_size := 128
-## The number of samples along each side of a pixel, 1 to 8. The time grows with its square.
+## The number of samples along each side of a pixel, from 1 to 8. The time grows with the square of this number.
 var samples := 2
-## Also shows the model from below, for models that float or can be seen from underneath. The same number of pictures then covers more
-## directions.
+## If true, the impostor also shows the model from below, for models that float or can be seen from underneath. The same number of
+## pictures then covers more directions.
 var full_sphere := false
-## Replaces all materials, like [member ScatterLayer.material_override].
+## The material that replaces all materials, like [member ScatterLayer.material_override]; null for none.
 var material_override: Material
-## Materials to bake instead of the materials in the keys, for shaders whose colors cannot be determined without a renderer.
+## Substitutes for materials, the keys of the dictionary. Use them for shaders whose colors cannot be determined without a renderer.
 var stand_ins: Dictionary[Material, BaseMaterial3D] = {}
 
 ## The error as a sentence; empty if there is none.
@@ -40,7 +40,7 @@ var problem := ""
 ## Warnings about material properties that the impostor cannot reproduce, a sentence each.
 var warnings := PackedStringArray()
 
-var _baker: RefCounted # An ScatterImpostorBaker. Untyped, because the editor compiles this script without the library, too.
+var _baker: RefCounted # A ScatterImpostorBaker. The class is not named as a type, because the editor also compiles this script without the library.
 var _reader: Reader
 var _task := -1
 
@@ -51,15 +51,16 @@ func _notification(what: int) -> void:
 		WorkerThreadPool.wait_for_task_completion(_task)
 
 
-## Bakes meshes as one model, each moved by the transform with the same index, if there is one. On failure, returns null and sets
-## [member problem].
+## Bakes meshes as one model. Each mesh is transformed by the transform with the same index, if there is one. On failure, returns null
+## and sets [member problem].
 func bake(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> ArrayMesh:
 	if begin(meshes, transforms) != OK:
 		return null
 	return finish()
 
 
-## Starts [method bake] on a different thread. Call [method is_baking] until it returns false, then [method finish].
+## Reads the meshes, and starts to render their pictures on a different thread. Call [method is_baking] until it returns false, then
+## [method finish]. On failure, returns an error and sets [member problem].
 func begin(meshes: Array[Mesh], transforms: Array[Transform3D] = []) -> Error:
 	cancel()
 	problem = ""
@@ -91,12 +92,13 @@ func is_baking() -> bool:
 	return _task >= 0 and not WorkerThreadPool.is_task_completed(_task)
 
 
-## Returns the part of the pictures of [method begin] that is finished, 0 to 1.
+## Returns the finished share of the pictures, from 0 to 1.
 func get_progress() -> float:
 	return _baker.get_progress() if _baker != null else 0.0
 
 
-## Waits for the pictures and returns the impostor. On failure, returns null and sets [member problem].
+## Waits for the pictures and returns the impostor. On failure, returns null and sets [member problem]. Also returns null if no bake is in
+## progress.
 func finish() -> ArrayMesh:
 	if _task < 0:
 		return null
@@ -117,9 +119,9 @@ func cancel() -> void:
 		_task = -1
 
 
-## Returns the distance in meters from which on an impostor can replace its model: at that distance, [constant DETAIL] pixels of the
-## impostor cover one pixel of the screen. [param fov] is the camera's vertical field of view in degrees, [param height] the height of
-## the viewport in pixels. Returns 0 for any other mesh.
+## Returns the distance in meters from which an impostor can replace its model. At that distance, [constant DETAIL] pixels of the
+## impostor cover one pixel of the screen. [param fov] is the camera's vertical field of view in degrees, and [param height] is the
+## height of the viewport in pixels. Returns 0 for a mesh that is not an impostor.
 static func switch_distance(impostor: Mesh, fov := 75.0, height := 1080.0) -> float:
 	var material := impostor.surface_get_material(0) as ShaderMaterial if impostor.get_surface_count() == 1 else null
 	if material == null or material.shader != SHADER:
@@ -155,7 +157,7 @@ static func _name_of(mesh: Mesh) -> String:
 	return mesh.resource_path if not mesh.resource_path.is_empty() else "the mesh '%s'" % mesh.resource_name
 
 
-## Builds a quad with the model's bounding box, so that culling by the box hides no visible part. The shader turns it to the camera.
+## Builds a quad with the model's bounding box, so that culling hides no visible part. The shader turns the quad to the camera.
 func _mesh_of(albedo: Image, normal: Image) -> ArrayMesh:
 	var box: AABB = _baker.get_box()
 	var arrays := []
@@ -185,9 +187,9 @@ func _mesh_of(albedo: Image, normal: Image) -> ArrayMesh:
 	return mesh
 
 
-## The texture is stored lossless and compressed; an [ImageTexture] would be stored uncompressed.
+## Returns a texture that is stored with lossless compression. An [ImageTexture] would be stored uncompressed.
 static func _texture_of(image: Image) -> Texture2D:
 	var texture := PortableCompressedTexture2D.new()
-	texture.keep_compressed_buffer = true # Without an editor, the texture could not be stored otherwise.
+	texture.keep_compressed_buffer = true # Without this, the texture could not be saved outside of the editor.
 	texture.create_from_image(image, PortableCompressedTexture2D.COMPRESSION_MODE_LOSSLESS)
 	return texture

@@ -1,27 +1,27 @@
 extends RefCounted
-## Reads the material properties that [ScatterImpostorBaker] needs, and averages those that apply to the whole impostor.
+## Reads the material properties that [ScatterImpostorBaker] needs, and sums the properties that apply to the whole impostor.
 
 const Parameters := preload("res://addons/thicket/shader_parameters.gd")
 
-## How a surface is drawn.
+## The properties with which a surface is drawn.
 class Look:
 	var arrays: Array
 	var albedo := Color.WHITE
 	var texture: Image
 	var alpha_threshold := 0.0
-	var cull_mode := 0 # An ScatterImpostorBaker.CullMode.
-	var vertex_colors := 0 # An ScatterImpostorBaker.VertexColorMode.
+	var cull_mode := 0 # A value of ScatterImpostorBaker.CullMode.
+	var vertex_colors := 0 # A value of ScatterImpostorBaker.VertexColorMode.
 	var roughness := 1.0
 	var specular := 0.5
 	var backlight := Color.BLACK
 
-## The alpha threshold for materials with gradual transparency: an impostor is either opaque or transparent.
+## The alpha threshold for materials with alpha blending. Each pixel of an impostor is either opaque or transparent.
 const HALF := 0.5
 
 var stand_ins: Dictionary[Material, BaseMaterial3D] = {}
 var warnings := PackedStringArray()
 
-## The area of all triangles in square meters. The following values are sums that are weighted by area.
+## The area of all triangles in square meters. The following sums are weighted by area; divide them by this value.
 var area := 0.0
 var roughness := 0.0
 var specular := 0.0
@@ -30,7 +30,7 @@ var backlight := Color(0.0, 0.0, 0.0, 0.0)
 var _images: Dictionary[Texture2D, Image] = {}
 
 
-## Reads how to draw a surface with these arrays and this material, which may be null.
+## Returns the properties of a surface with these arrays and this material, which may be null, and adds them to the sums.
 func read(material: Material, arrays: Array, transform: Transform3D) -> Look:
 	var look := Look.new()
 	look.arrays = arrays
@@ -83,7 +83,7 @@ func _read_material(material: BaseMaterial3D, look: Look) -> void:
 		look.arrays[Mesh.ARRAY_TEX_UV] = moved * (uvs as PackedVector2Array)
 
 
-## Reads a custom shader: the parameters with usual names, and the render modes.
+## Reads the parameters with common names, and the render modes, of a custom shader.
 func _read_shader(material: ShaderMaterial, look: Look) -> void:
 	if material.shader == null:
 		return

@@ -1,15 +1,15 @@
 @tool
 extends RefCounted
-## Scripts that must compile without the native library use this class to reach the scripts that need it. The library may be missing on a
-## platform that it is not built for, in a checkout that is not built yet, or in a game that only shows a baked world.
+## Gives scripts that must compile without the native library access to scripts that need it. The library may be missing on a platform for
+## which it is not built, in a checkout that is not built yet, or in a game that only shows a baked world.
 ##
 ## Scripts that use the library's classes as types are in the folders [constant TYPED], and [method load_script] loads them. Each of these
-## folders has a [code].gdignore[/code], because the editor compiles every script that it indexes for the class reference and prints an
-## error for each unknown type. Ignored folders are not exported, so scripts that games use are outside of them. Those scripts name no
-## class of the library, and call its objects with the functions below.
+## folders has a [code].gdignore[/code]: the editor compiles every script that it indexes for the class reference, and would print an
+## error for each unknown type. Ignored folders are not exported, so scripts for games are outside of them. Those scripts use no class of
+## the library as a type, and access its objects with the functions below.
 
 const ADDON := "res://addons/thicket/"
-## Folders in [constant ADDON] with scripts that need the library, also in the folders below them.
+## The folders in [constant ADDON] whose scripts need the library, including their subfolders.
 const TYPED: PackedStringArray = ["editor", "baking"]
 const SCATTER := &"TerrainScatter3D"
 
@@ -19,8 +19,8 @@ static func is_open() -> bool:
 	return ClassDB.class_exists(SCATTER)
 
 
-## Returns the script at [param path] in [constant ADDON], in a folder of [constant TYPED]. Null if the library is not loaded, or if the
-## script does not fit the loaded library.
+## Returns the script at [param path], which is relative to [constant ADDON] and in a folder of [constant TYPED]. Returns null if the library
+## is not loaded, or if the script does not match the version of the loaded library.
 static func load_script(path: String) -> GDScript:
 	if not is_open():
 		return null
@@ -28,7 +28,7 @@ static func load_script(path: String) -> GDScript:
 	return script if script != null and script.can_instantiate() else null
 
 
-## Returns why [method load_script] returned null, and what to do, in sentences.
+## Returns the reason why [method load_script] returned null, and a remedy, as sentences.
 static func problem() -> String:
 	if is_open():
 		return "Thicket's scripts and the loaded native library have different versions. Install all files of one version of the add-on, then restart the engine."
@@ -48,6 +48,6 @@ static func layers_of(scatter: Node) -> Array[Resource]:
 	return result
 
 
-## Returns all materials that a [code]ScatterLayer[/code] is drawn with.
+## Returns all materials with which a [code]ScatterLayer[/code] is drawn.
 static func materials_of(layer: Resource) -> Array[Material]:
 	return layer.call(&"get_materials")

@@ -1,16 +1,17 @@
 @tool
 extends EditorPlugin
-## Adds Thicket's tools to the editor once the native library is loaded. Without the library, the plugin warns once and does not change the
-## editor.
+## Adds Thicket's tools to the editor once the native library is loaded. Without the library, the plugin prints one warning and does not
+## change the editor.
 ##
-## The editor compiles this script in either case, so it names none of the library's classes: [code]editor/workspace.gd[/code] does the work.
+## The editor compiles this script in either case, so the script uses none of the library's classes. [code]editor/workspace.gd[/code] does the
+## work.
 
 const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 
 ## The tools, an object of [code]editor/workspace.gd[/code]; null if they are not loaded.
 var workspace: RefCounted
 
-var _tried := false ## True if opening the tools was tried with the library loaded.
+var _tried := false ## True if the plugin has tried to open the tools with the library loaded.
 
 
 func _enter_tree() -> void:
@@ -23,7 +24,7 @@ func _exit_tree() -> void:
 		workspace = null
 
 
-## The library may be loaded while the editor runs: after it is built, or after the whole add-on is copied into the project.
+## Opens the tools if the library is loaded while the editor runs, after a build or after the whole add-on was copied into the project.
 func _process(delta: float) -> void:
 	if workspace != null:
 		workspace.process(delta)

@@ -1,7 +1,7 @@
 extends RefCounted
-## The usual parameter names of custom shaders, for code that reads materials without drawing them.
+## Finds the common parameters of custom shaders, such as the color, by their names. For code that reads materials without rendering them.
 
-## Names of a color, of a color texture, and of the alpha below which nothing is drawn, the most usual first.
+## The names of colors, of color textures and of alpha thresholds, the most common first.
 const COLORS: Array[StringName] = [&"albedo", &"albedo_color", &"base_color", &"color", &"tint"]
 const TEXTURES: Array[StringName] = [
 	&"texture_albedo", &"albedo_texture", &"albedo_map", &"base_color_texture", &"color_texture", &"main_texture", &"diffuse_texture",
@@ -11,11 +11,11 @@ const THRESHOLDS: Array[StringName] = [
 ]
 
 
-## Returns the first parameter with one of these names that has the type and is set or has a known default; null if there is none. A three-component
-## vector counts as a color. Of objects, only textures count.
+## Returns the value of the first parameter in [param names] that has the type, and is set or has a known default. Returns null if there is none. A
+## [Vector3] is converted to a color. Objects are returned only if they are textures.
 static func value_of(material: ShaderMaterial, names: Array[StringName], type: Variant.Type) -> Variant:
 	for name in names:
-		# A material keeps parameters that were set for a different shader. The parameters of an include cannot be read from this code.
+		# A material keeps parameters that were set for a previous shader, so the code must contain the name. Includes may define any name.
 		if not has_word(material.shader.code, name) and not material.shader.code.contains("#include"):
 			continue
 		var value: Variant = material.get_shader_parameter(name)

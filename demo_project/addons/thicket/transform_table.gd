@@ -1,19 +1,20 @@
 @tool
 extends RefCounted
-## Reads transforms from a text table: a line for each transform, with values separated by commas, semicolons or tabs.
+## Reads transforms from a text table. Each line has one transform, with values separated by commas, semicolons or tabs.
 ##
-## Without a header, or if none of its names is known, the number of columns determines their meaning:
+## If there is no header, or if none of its names is known, the number of columns determines their meaning:
 ## [br]- 3: a position, in meters;
-## [br]- 6: a position and a rotation, in degrees around x, y and z, as [member Node3D.rotation_degrees] has it;
+## [br]- 6: a position, and a rotation in degrees as in [member Node3D.rotation_degrees];
 ## [br]- 7: a position, a rotation and a scale;
 ## [br]- 9: a position, a rotation and a scale for each axis;
 ## [br]- 12: the rows of the basis, each followed by a coordinate of the origin, as in [member MultiMesh.buffer].
-## [br]A header may name these, in any order: x, y, z (or position_x, ...), rotation_x, ... (or rx, ...), scale, or scale_x, ...
-## (or sx, ...). Missing columns mean a rotation of 0 or a scale of 1. Lines that are empty or begin with # are skipped.
+## [br]A header may name the columns, in any order: x, y, z (or position_x, ...), rotation_x, ... (or rx, ...), scale, or scale_x, ...
+## (or sx, ...). The positions are required; other missing columns mean a rotation of 0 or a scale of 1. An unknown name among known ones is an
+## error. Lines that are empty or begin with # are skipped.
 
 const FLOATS := 12
 const MOST_PROBLEMS := 5
-## Numbers beyond this are treated as mistakes.
+## The maximum absolute value of a number. A larger number is reported as an error.
 const MOST := 1e9
 const PARTS: PackedStringArray = [
 	"position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z", "scale_x", "scale_y", "scale_z",
@@ -25,14 +26,14 @@ const SYNONYMS: Dictionary[String, String] = {
 const ONE_SCALE := "scale"
 const COUNTS: Array[int] = [3, 6, 7, 9, 12]
 
-## 12 floats for each line, as in [member MultiMesh.buffer]. Empty if there are problems.
+## The transforms, 12 floats for each line, as in [member MultiMesh.buffer]. Empty if there are problems.
 var transforms := PackedFloat32Array()
-## The first few errors, with line and value.
+## The first few errors, each with the line and the value.
 var problems := PackedStringArray()
 
 var _separator := ","
-var _numbers := RegEx.new() ## Matches a line of plain numbers, as nearly all are.
-## The meaning of each column: an index in PARTS; -1 for the scale of all axes.
+var _numbers := RegEx.new() ## Matches a line of plain numbers, the most frequent case.
+## The meaning of each column: an index in PARTS, or -1 for the scale of all axes.
 var _columns: Array[int] = []
 var _names: PackedStringArray = []
 
@@ -61,7 +62,7 @@ func read(text: String) -> void:
 		transforms = PackedFloat32Array()
 
 
-## Determines the meaning of the columns. Returns true for a header, which has no transform.
+## Determines the meaning of the columns from the first line. Returns true if the line is a header, which has no transform.
 func _take_first(line: String, number: int) -> bool:
 	_separator = "\t" if "\t" in line else ";" if ";" in line else ","
 	var number_form := "\\s*[+-]?(\\d+\\.?\\d*|\\.\\d+)([eE][+-]?\\d+)?\\s*"
@@ -108,7 +109,7 @@ func _fields(line: String) -> Array[String]:
 	return result
 
 
-## Returns the numbers of a line. If it has an error, returns none and adds a problem.
+## Returns the numbers in a line. If the line has an error, adds a problem and returns no numbers.
 func _values_of(line: String, number: int) -> PackedFloat64Array:
 	if _numbers.search(line) != null:
 		var values := line.split_floats(_separator)

@@ -1,14 +1,14 @@
 extends RefCounted
-## Replaces files of a project completely or not at all. The new content is written to a file next to the old one, and replaces it once the disk has
+## Replaces files of a project atomically. The new content is written to a file next to the old one, which replaces the old one once the disk has
 ## stored all of it. After an error, the old file is unchanged. The library does the same for [ScatterState] and [ScatterMask].
 
-## The number of bytes appended to a file to find out whether the disk has room left: more than a usual disk block.
+## The number of bytes that are appended to a file to check whether the disk is full. It is larger than a usual disk block.
 const PROBE_BYTES := 1 << 14
-## The first and the last bytes of files that ResourceSaver writes as binary.
+## The signatures at the beginning and at the end of binary files that [ResourceSaver] writes.
 const MARKS: Array[String] = ["RSRC", "RSCC"]
 
 
-## Writes [param bytes] to a file.
+## Writes [param bytes] to the file at [param path].
 static func store(path: String, bytes: PackedByteArray) -> Error:
 	if not _may_be_replaced(path):
 		return ERR_FILE_NO_PERMISSION
@@ -22,33 +22,33 @@ static func store(path: String, bytes: PackedByteArray) -> Error:
 	return _put(partial, path, OK if stored and _length(partial) == bytes.size() else ERR_FILE_CANT_WRITE)
 
 
-## Writes a resource to a file. The resource keeps its path. [param flags] are [enum ResourceSaver.SaverFlags].
+## Saves a resource to the file at [param path]. [member Resource.resource_path] is not changed. [param flags] are [enum ResourceSaver.SaverFlags].
 static func save(resource: Resource, path: String, flags := 0) -> Error:
 	if not _may_be_replaced(path):
 		return ERR_FILE_NO_PERMISSION
 	var partial := beside(path)
 	var error := OK
 	if Engine.is_editor_hint() and FileAccess.file_exists(path):
-		# The old file contains the id by which scenes find it, and the editor keeps the id of an existing file.
+		# The old file contains the UID by which scenes refer to it. The editor keeps the UID of an existing file, so the new one starts as a copy.
 		error = DirAccess.copy_absolute(path, partial)
 	return _put(partial, path, save_new(resource, partial, flags) if error == OK else error)
 
 
-## Saves a resource to a file that is not in use. Unlike [method ResourceSaver.save], it returns an error if the disk is full.
+## Saves a resource to a new file. Unlike [method ResourceSaver.save], returns an error if the disk is full.
 static func save_new(resource: Resource, path: String, flags := 0) -> Error:
 	var error := ResourceSaver.save(resource, path, flags)
 	return ERR_FILE_CANT_WRITE if error == OK and not _is_whole(path) else error
 
 
-## The path where a file is written before it replaces the final one. It is hidden from the editor's file system and has the same
-## extension, which determines the format.
+## Returns the path to which a file is written before it replaces the final one. The name begins with a dot, which hides the file from the
+## editor. The extension stays the same, because it determines the format.
 static func beside(path: String) -> String:
 	var name := path.get_file()
 	var extension := name.get_extension()
 	return path.get_base_dir().path_join(".%s.part%s" % [name.get_basename(), "." + extension if not extension.is_empty() else ""])
 
 
-## A read-only file must not be replaced, even if its folder would allow it.
+## Returns false for a read-only file, which must not be replaced even if its folder is writable.
 static func _may_be_replaced(path: String) -> bool:
 	return not FileAccess.file_exists(path) or FileAccess.open(path, FileAccess.READ_WRITE) != null
 
@@ -59,14 +59,14 @@ static func _put(partial: String, path: String, error: Error) -> Error:
 	if error != OK and FileAccess.file_exists(partial):
 		DirAccess.remove_absolute(partial)
 	if Engine.is_editor_hint() and path.begins_with("res://"):
-		# Scripts of the add-on that are exported with games must not name the editor's singleton.
+		# This script is exported with games, so it must not name the editor's singleton.
 		var files: Object = Engine.get_singleton(&"EditorInterface").call(&"get_resource_filesystem")
 		files.call(&"update_file", partial)
 		files.call(&"update_file", path)
 	return error
 
 
-## ResourceSaver returns OK even if the disk is full. If the disk had no room then, it has none now, so appending bytes fails.
+## Returns true if a saved file is complete. ResourceSaver returns OK even if the disk is full, but appending bytes to the file then fails.
 static func _is_whole(path: String) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ_WRITE)
 	if file == null:

@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## The text of the Why tool and of the debug overlay: for each layer a line with a sentence that explains why the layer has an instance at a position or
-## not. Games without the library may contain this script, so it names no class of the library.
+## Creates the text of the Why tool and of the debug overlay: for each layer, a line that explains why the layer does or does not have an instance at
+## a position. Games without the native library may contain this script, so it uses none of the library's classes as a type.
 
 const MOST_LINES := 12
 const WIDTH := 560.0
@@ -10,15 +10,15 @@ const NO := Color(1.0, 0.6, 0.5)
 const PLAIN := Color(0.92, 0.92, 0.92)
 const DIM := Color(0.92, 0.92, 0.92, 0.65)
 
-## Rows of a color and a text.
+## The rows, each an array of a color and a text.
 var rows: Array[Array] = []
 
 
-## Shows the layers of a scatter from the result of [method TerrainScatter3D.explain_position]. For the [code]ScatterLayer[/code] [param chosen], all
-## rules are listed; null lists no rules.
+## Fills [member rows] from the result of [method TerrainScatter3D.explain_position]. Lists all rules of the layer [param chosen], or no rules if it
+## is null.
 func fill(explanations: Array, chosen: Resource) -> void:
 	rows.clear()
-	# The chosen layer is first, so that it is never among the omitted ones.
+	# The chosen layer comes first, so that it is never omitted.
 	var ordered := explanations.filter(func(explanation: RefCounted) -> bool: return explanation.get(&"layer") == chosen)
 	ordered.append_array(explanations.filter(func(explanation: RefCounted) -> bool: return explanation.get(&"layer") != chosen))
 	for index in ordered.size():
@@ -34,12 +34,12 @@ func fill(explanations: Array, chosen: Resource) -> void:
 				rows.append([DIM, "    %s" % explanation.get_rule_sentence(rule)])
 
 
-## Shows one line.
+## Replaces all rows with one sentence.
 func tell(sentence: String) -> void:
 	rows = [[PLAIN, sentence]]
 
 
-## Draws the rows beside a position of an overlay.
+## Draws the rows next to the position [param beside] on an overlay.
 func draw(overlay: Control, beside: Vector2, pinned: bool) -> void:
 	var font := ThemeDB.fallback_font
 	var size := ThemeDB.fallback_font_size

@@ -1,12 +1,12 @@
 extends RefCounted
-## The tiles of a bake, clipped to its rectangle, and the tiles of the game that each of them consists of.
+## Divides the rectangle of a bake into tiles, and determines which of the game's tiles each of them contains.
 
-## The largest number of tiles of a bake, because readers of its manifest hold all of them in memory.
+## The largest number of tiles of a bake. Readers of its manifest keep all of them in memory.
 const MAX_TILES := 1_000_000
-## The number of rows that a tile should not exceed by much. A row takes about 300 bytes in the programs that read it.
+## The number of rows that a tile should not exceed by much. A row takes about 300 bytes of memory in the programs that read it.
 const COMFORTABLE_ROWS := 1.5e6
 
-## The reason why there is no grid, as a sentence; empty if there is one.
+## The reason why the grid is invalid, as a sentence; empty if it is valid.
 var problem := ""
 ## The side of a tile in meters.
 var tile_size := 0.0
@@ -16,11 +16,11 @@ var tiles := Rect2i()
 var _edges_x := PackedFloat64Array()
 var _edges_z := PackedFloat64Array()
 var _layers: Array[Dictionary] = []
-var _grids: Array[ScatterTileGrid] = [] # One for each layer.
+var _grids: Array[ScatterTileGrid] = [] # The grid of the game's tiles for each layer.
 
 
 ## Divides [param rect] (x, z, width and depth in meters of the world) into tiles with a side of [param size] meters. Only [code]index[/code] and
-## [code]tile_size[/code] of [param layers] are used.
+## [code]tile_size[/code] of [param layers] are used. If there are no tiles or too many, sets [member problem].
 func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 	tile_size = size
 	var grid := ScatterTileGrid.new()
@@ -43,8 +43,8 @@ func _init(rect: Array, size: float, layers: Array[Dictionary]) -> void:
 		_grids.append(of_layer)
 
 
-## The grid as plain values: [code]tile_size[/code], [code]grid[/code] (first column, first row, columns, rows), and [code]edges[/code]: the positions
-## in meters of the edges between columns and between rows. The first and last edges are those of the rectangle.
+## Returns the grid as plain values: [code]tile_size[/code], [code]grid[/code] (first column, first row, number of columns, number of rows), and
+## [code]edges[/code]. The edges are the positions, in meters, of the sides of all columns and of all rows, clipped to the rectangle.
 func description() -> Dictionary:
 	return {
 		"tile_size": tile_size, "grid": [tiles.position.x, tiles.position.y, tiles.size.x, tiles.size.y],
@@ -52,8 +52,8 @@ func description() -> Dictionary:
 	}
 
 
-## The tiles of the game that a tile consists of, layer by layer and row by row. Each has the index of its [code]layer[/code], its column and row as
-## [code]x[/code] and [code]y[/code], and its [code]bounds[/code] as [method ScatterTileGrid.get_tile_bounds] returns them.
+## Returns the game's tiles that a tile of the bake consists of, layer by layer and row by row. Each has the index of its [code]layer[/code], its
+## column and row as [code]x[/code] and [code]y[/code], and its [code]bounds[/code] as [method ScatterTileGrid.get_tile_bounds] returns them.
 func parts_of(tile: Vector2i) -> Array[Dictionary]:
 	var parts: Array[Dictionary] = []
 	var at := tile - tiles.position
@@ -66,7 +66,7 @@ func parts_of(tile: Vector2i) -> Array[Dictionary]:
 	return parts
 
 
-## The edges between tiles along an axis, 0 for x and 1 for z.
+## Returns the edges of the tiles along an axis, 0 for x and 1 for z. The first edge is [param low] and the last is [param high].
 static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, high: float, axis: int) -> PackedFloat64Array:
 	var edges := PackedFloat64Array([low])
 	for tile in range(first + 1, first + count):
@@ -75,9 +75,9 @@ static func _edges(grid: ScatterTileGrid, first: int, count: int, low: float, hi
 	return edges
 
 
-## The default side of a tile in meters. If a side of at most 1,024 m allows it, such a tile consists of whole tiles of all layers, whose sides are
-## [param sizes]. The side begins at 256 m or more, and doubles up to 2,048 m while there are more than 4,096 tiles. It does not double if a tile
-## would then have more than [constant COMFORTABLE_ROWS] rows, with instances everywhere at [param density] per square meter.
+## Returns the default side of a tile in meters. If possible with a side of at most 1,024 m, the tile consists of whole tiles of all layers, whose
+## sides are [param sizes]. The side begins at 256 m or more, and doubles up to 2,048 m while there are more than 4,096 tiles. It does not double if a
+## tile would then have more than [constant COMFORTABLE_ROWS] rows at [param density] instances per square meter.
 static func default_size(rect: Array, sizes: PackedFloat64Array, density: float) -> float:
 	var base := 0.0
 	var common := 1

@@ -1,16 +1,15 @@
 extends RefCounted
-## Generates tiles of a scene as files, from which a bake can be built on a different machine. This is the [code]out=FOLDER[/code] mode of
-## [code]bake_world.gd[/code], for machines that have an engine and no Python. [code]tools/bake/README.md[/code] in Thicket's repository
-## describes how to use the folder. It holds:
+## Generates tiles of a scene as files, from which a different machine can build a bake. This is the [code]out=FOLDER[/code] mode of
+## [code]bake_world.gd[/code], for machines with an engine but without Python. [code]tools/bake/README.md[/code] in Thicket's repository
+## describes how to use the folder. It contains:
 ## - [code]world.json[/code]: the description of the scene from [code]scene_description.gd[/code], and the models of the layers;
 ## - [code]models/[/code]: files for the models that have no file in the project;
-## - [code]tiles/tile_I_J.rows[/code]: messages as a driver receives them, each a JSON object behind its length (32 bits, little-endian),
-##   followed by the number of bytes in its [code]bytes[/code] field. The first message has the number of the tile, the bake as
-##   [code]of[/code], and the [code]sha256[/code] of all that follows. Each further message has a tile of the game, as
-##   [code]bake_grid.gd[/code] describes it, with the rows from [method ScatterTile.get_rows]. Together they are all that the tile consists
-##   of.
+## - [code]tiles/tile_I_J.rows[/code]: messages like those that a driver receives. Each is a JSON object, preceded by its length (32 bits,
+##   little-endian) and followed by as many bytes as its [code]bytes[/code] field specifies. The first message has the column and row of the
+##   tile, identifies the bake in [code]of[/code], and has the [code]sha256[/code] of everything that follows. Each further message has one
+##   game tile, as [code]bake_grid.gd[/code] describes it, with the rows from [method ScatterTile.get_rows].
 ##
-## Files are moved to their paths only when they are complete. Complete files are not generated again.
+## Files are moved to their final paths only when they are complete. Complete files are not generated again.
 
 const SceneDescription := preload("res://addons/thicket/baking/scene_description.gd")
 const ModelFiles := preload("res://addons/thicket/baking/model_files.gd")
@@ -20,8 +19,8 @@ const PART := ".part"
 const UNWRITABLE := "Cannot write %s: %s. Check that the disk has room and the folder may be written, or choose a different out."
 const SECONDS_A_LINE := 10.0
 const CHUNK_BYTES := 1 << 22
-## Keys whose values must not change when a bake continues in a folder. If a value has changed, its text is reported with the value in the folder and
-## the current one.
+## The keys whose values must not change when a bake continues in an existing folder. If a value has changed, the error contains the text for its key,
+## the value in the folder and the current value.
 const SAME: Dictionary[String, String] = {
 	"scene": "the scene is different (%s, not %s)", "rect": "the rectangle is different (%s, not %s)",
 	"tile_size": "the size of the tiles is different (%s m, not %s m)", "layers": "the layers are different (%s, not %s)", "parts": "",
@@ -32,14 +31,14 @@ var problem := ""
 
 var _out := ""
 var _described: SceneDescription
-var _tiles: Array[PackedInt64Array] = [] ## Columns and rows; empty for all tiles.
-var _share := PackedInt64Array([1, 1]) ## The number of the share, and the number of shares.
+var _tiles: Array[PackedInt64Array] = [] ## The requested columns and rows; empty for all tiles.
+var _share := PackedInt64Array([1, 1]) ## Which share of the tiles to generate, from 1, and the number of shares.
 var _world := {}
-var _stored := 0 ## Bytes stored in the file that is being written.
+var _stored := 0 ## The number of bytes already stored in the current file.
 var _counts := {"made": 0, "kept": 0, "failed": 0}
 
 
-## Reads the arguments of the command line; see [member problem].
+## Reads the arguments of the command line. Sets [member problem] if one is invalid.
 func _init(arguments: Dictionary[String, String]) -> void:
 	_out = arguments.get("out", "")
 	if not _out.is_absolute_path():
@@ -61,8 +60,8 @@ func _init(arguments: Dictionary[String, String]) -> void:
 			_share = PackedInt64Array(share)
 
 
-## Generates the missing tiles, and returns the exit code: 0 if all requested tiles exist, 1 if tiles failed or could not be written, 2 if
-## none was begun.
+## Generates the missing tiles and returns the exit code: 0 if all requested tiles exist, 1 if tiles failed or could not be written, 2 if
+## the bake could not start.
 func make(scatter: TerrainScatter3D, scene: String) -> int:
 	if not _describe(scatter, scene) or not _go_on() or not _begin(scatter):
 		printerr("bake_world: ", problem)
@@ -99,12 +98,13 @@ func _describe(scatter: TerrainScatter3D, scene: String) -> bool:
 	return problem.is_empty()
 
 
-## The value as it is after writing it to a JSON file and reading it back.
+## Returns a value as it would be after it was written to a JSON file and read back.
 static func _as_json(value: Variant) -> Variant:
 	return JSON.parse_string(JSON.stringify(value, "", false, true))
 
 
-## Returns whether the folder is new or belongs to the same bake. Otherwise sets [member problem].
+## Returns true if the folder is new, belongs to the same bake, or has a description that cannot be read and is replaced. Otherwise, returns false
+## and sets [member problem].
 func _go_on() -> bool:
 	var path := _out.path_join(WORLD)
 	if not FileAccess.file_exists(path):
@@ -132,13 +132,13 @@ static func _changed(before: Dictionary, now: Dictionary) -> String:
 	return ", ".join(before.merged(now).keys().filter(func(part: String) -> bool: return before.get(part) != now.get(part)))
 
 
-## Parses bytes as a JSON object. Returns an empty one for any other bytes.
+## Parses bytes as a JSON object. Returns an empty dictionary if they are not one.
 static func _parsed(bytes: PackedByteArray) -> Dictionary:
 	var json := JSON.new()
 	return json.data if json.parse(bytes.get_string_from_utf8()) == OK and json.data is Dictionary else {}
 
 
-## Writes the models and the description.
+## Writes the models and the description. On failure, returns false and sets [member problem].
 func _begin(scatter: TerrainScatter3D) -> bool:
 	var models: Array[Dictionary] = []
 	var all_layers := scatter.get_all_layers()
@@ -158,7 +158,7 @@ func _count() -> int:
 	return _described.grid.tiles.size.x * _described.grid.tiles.size.y if _tiles.is_empty() else _tiles.size()
 
 
-## The tile with this number, counted row by row, or in the order of the list of tiles.
+## Returns the tile with this number, counted row by row, or in the order of the requested tiles.
 func _tile(number: int) -> Vector2i:
 	if not _tiles.is_empty():
 		return Vector2i(_tiles[number][0], _tiles[number][1])
@@ -183,7 +183,7 @@ func _make_tile(scatter: TerrainScatter3D, tile: Vector2i) -> void:
 	_counts["failed" if failed else "made"] += 1
 
 
-## Whether a tile's file begins with this header, except for the digest, and its content has the digest in the file.
+## Returns true if a tile's file begins with this header, except for the hash, and its content matches the hash in the file.
 func _is_whole(path: String, header: Dictionary) -> bool:
 	var file := FileAccess.open(path, FileAccess.READ) if FileAccess.file_exists(path) else null
 	if file == null or file.get_length() < 4:
@@ -198,8 +198,8 @@ func _is_whole(path: String, header: Dictionary) -> bool:
 	return found == expected and hashing.finish().hex_encode() == expected.sha256
 
 
-## Writes a file with [param write] and moves it to its path once it is complete. [param write] returns the reason if it failed; this
-## function returns the same. Sets [member problem] if the disk cannot be written.
+## Writes a file with [param write] and moves it to its path once it is complete. Returns the result of [param write], which is the reason
+## for a failure or an empty string. Sets [member problem] if the file cannot be written.
 func _write_whole(path: String, write: Callable) -> String:
 	var partial := path.get_base_dir().path_join("." + path.get_file() + PART)
 	var error := DirAccess.make_dir_recursive_absolute(path.get_base_dir())
@@ -232,7 +232,7 @@ func _store(to: FileAccess, bytes: PackedByteArray) -> String:
 	return ""
 
 
-## Writes all messages of a tile, and the first message again when the digest is known. Returns the reason if it failed.
+## Writes all messages of a tile, and then the first message again with the final hash. Returns the reason for a failure, or an empty string.
 func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, header: Dictionary) -> String:
 	var hashing := HashingContext.new()
 	hashing.start(HashingContext.HASH_SHA256)
@@ -250,12 +250,12 @@ func _write_rows(to: FileAccess, scatter: TerrainScatter3D, tile: Vector2i, head
 	header.sha256 = hashing.finish().hex_encode()
 	to.seek(0)
 	var stored := _stored
-	_store(to, message(header)) # Has the same length as before.
+	_store(to, message(header)) # The first header had the same length.
 	_stored = stored
 	return ""
 
 
-## A JSON object, preceded by its length.
+## Returns a JSON object as bytes, preceded by its length.
 static func message(header: Dictionary) -> PackedByteArray:
 	var text := JSON.stringify(header, "", false, true).to_utf8_buffer()
 	var length := PackedByteArray([0, 0, 0, 0])
@@ -263,13 +263,13 @@ static func message(header: Dictionary) -> PackedByteArray:
 	return length + text
 
 
-## The rows of a tile of the game. Empty if it cannot be generated; the engine has then printed an error.
+## Returns the rows of a game tile. If the tile cannot be generated, an error is printed and the result is empty.
 static func rows_of(scatter: TerrainScatter3D, part: Dictionary) -> PackedByteArray:
 	var layer := scatter.get_all_layers()[part["layer"]]
 	var built := scatter.build_tile(layer, Vector2i(part["x"], part["y"]))
 	return built.get_rows() if built.get_mesh_count() > 0 else PackedByteArray()
 
 
-## The reason why a tile has no rows.
+## Returns the error to report if a game tile cannot be generated.
 static func cannot_make(part: Dictionary) -> String:
 	return "Tile %d, %d of layer %d cannot be generated; the printed error has the reason." % [part["x"], part["y"], part["layer"]]

@@ -1,15 +1,15 @@
 extends RefCounted
-## The models of a layer's instances, as paths of files: the files that meshes have in the project, and files written here for
-## resources that are built into a scene or created by a script.
+## Determines the models of a layer as paths of files. Meshes with a file in the project are referenced by its path. Resources that are built into a
+## scene or created by a script get new files.
 
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 
 const FOLDER := "user://thicket_models"
 
-## One for each entry of the layer's [code]meshes[/code]: a [Dictionary] of [code]path[/code], [code]name[/code] and
+## The models, one for each entry of the layer's [code]meshes[/code]: a [Dictionary] with [code]path[/code], [code]name[/code] and
 ## [code]lods[/code]. Each LOD has the [code]path[/code] of a mesh and the [code]distance[/code] in meters from which it is drawn.
 var models: Array[Dictionary] = []
-## The bytes of the files written here, by their paths relative to the manifest.
+## The bytes of the new files, by their paths relative to the manifest.
 var written: Dictionary[String, PackedByteArray] = {}
 ## The path of the material that replaces the materials of all meshes; empty if there is none.
 var material := ""
@@ -39,7 +39,7 @@ func _model(model: Resource, layer: int, entry: int) -> Dictionary:
 	var scene := (model as ScatterModel).scene if model is ScatterModel else null
 	var path := _own_path(scene if scene != null else model)
 	var name := _name_of(model, path)
-	if not path and not lods.is_empty(): # A model made by hand is known by its finest mesh.
+	if not path and not lods.is_empty(): # A model without a file is identified by its finest mesh.
 		path = lods[0]["path"]
 		if name.is_empty():
 			var mesh: Mesh = _layer.get_mesh_lods(entry)[0].mesh
@@ -52,12 +52,12 @@ static func _own_path(resource: Resource) -> String:
 	return "" if "::" in path else path
 
 
-## The model's own name or the name of its file; empty if it has neither.
+## Returns the model's own name or that of its file, or an empty string if it has neither.
 static func _name_of(model: Resource, path: String) -> String:
 	return model.resource_name if model.resource_name else path.get_file().get_basename()
 
 
-## The resource's own path, or the path of a file that is written for it.
+## Returns the resource's own path. If it has none, adds its bytes to [member written] and returns [param file].
 func _path_of(resource: Resource, file: String) -> String:
 	var own := _own_path(resource)
 	if own:

@@ -1,24 +1,24 @@
 extends RefCounted
-## The layers, the rectangle and the tiles of a scene's bake.
+## Describes the bake of a scene: its layers, its rectangle and its tiles.
 
 const SceneDigest := preload("res://addons/thicket/baking/scene_digest.gd")
 const BakeGrid := preload("res://addons/thicket/baking/bake_grid.gd")
 
-## The reason why nothing can be baked, as a sentence; empty if there is none.
+## Why the scene cannot be baked, as a sentence; empty if it can.
 var problem := ""
-## The description as plain values: the scene's seed, digest and so on, the requested layers, [code]rect[/code], and the description of the tiles from
-## [code]bake_grid.gd[/code].
+## The description as plain values: the scene's seed, hashes and other properties, the requested layers, [code]rect[/code], and the description of the
+## tiles from [code]bake_grid.gd[/code].
 var values: Dictionary = {}
 ## The tiles; null before [method describe], and if there is a [member problem].
 var grid: BakeGrid
 
 var _rect: Array = [] # x, z, width and depth in meters of the world; empty for the rectangle of the ground.
-var _tile_size := 0.0 # Meters; 0 for a size that fits the layers.
-var _layers := PackedStringArray() # Names or indices; empty for all.
+var _tile_size := 0.0 # The side of a tile in meters; 0 for a size that fits the layers.
+var _layers := PackedStringArray() # The names or indices of the layers to bake; empty for all layers.
 
 
-## Reads the request: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a text in the form of the command line. [method
-## describe] chooses values for missing or empty texts. If a text cannot be read, sets [member problem].
+## Reads the request: [code]rect[/code], [code]tile_size[/code] and [code]layers[/code], each a text as on the command line. [method describe]
+## chooses values for missing or empty texts. If a text is invalid, sets [member problem].
 func _init(asked: Dictionary) -> void:
 	if asked.get("rect"):
 		_rect = numbers_in(asked["rect"], ",")
@@ -34,7 +34,7 @@ func _init(asked: Dictionary) -> void:
 		_layers.append(layer.strip_edges())
 
 
-## The numbers in a text; empty if a part of it is no number.
+## Returns the numbers in a text, separated by [param between]. Empty if a part of it is not a number.
 static func numbers_in(text: String, between: String) -> Array:
 	var parts := Array(text.split(between))
 	if not parts.all(func(part: String) -> bool: return part.is_valid_float()):
@@ -42,10 +42,10 @@ static func numbers_in(text: String, between: String) -> Array:
 	return parts.map(func(part: String) -> float: return part.to_float())
 
 
-## Fills [member values] and [member grid]. On an error returns false and sets [member problem]. The ground is probed in the baked rectangle.
+## Fills [member values] and [member grid]. On an error, returns false and sets [member problem]. The ground is sampled in the baked rectangle.
 func describe(scatter: TerrainScatter3D) -> bool:
 	var layers := _chosen(_layers_of(scatter))
-	var ground_rect: Variant = scatter.ground.get(&"rect") # Not every ground has one.
+	var ground_rect: Variant = scatter.ground.get(&"rect") # Some kinds of ground have no rect.
 	var rect := _rect
 	if rect.is_empty() and ground_rect is Rect2:
 		var ground: Rect2 = ground_rect

@@ -1,14 +1,15 @@
 extends RefCounted
-## Hashes of everything that determines a scene's instances, one for each part of it. A bake that continues after an interruption
-## compares them to find out whether the scene has changed, and which parts.
+## Hashes everything that determines a scene's instances, part by part. A bake that continues after an interruption compares the
+## hashes to find out which parts of the scene have changed.
 ##
-## The hashes cover the stored properties of the node, its layers, biomes, regions, ground and state, with all resources in them, the
-## files and scripts that these are loaded from, and heights of the ground all over a rectangle. The look of instances does not
-## count. Data that a script reads from elsewhere affects only those heights.
+## The hashes cover the version of the add-on, the node's seed, water and world offset, the instances that its state removes or adds, and
+## the stored properties of its layers, biomes, regions and ground. They include all resources in these, the files and scripts from which
+## they are loaded, and heights of the ground throughout a rectangle. The look of instances is not included. Data that a script reads from
+## elsewhere is only covered by those heights.
 
-## The rectangle has this many fields along each side; the height in the middle of each field is hashed.
+## The number of cells along each side of the rectangle. The height at the center of each cell is hashed.
 const PROBES := 33
-## The file that contains the version.
+## The file that contains the version of the add-on.
 const PLUGIN := "res://addons/thicket/plugin.cfg"
 ## Resources of which only the class and the path are hashed, because they only determine the look of instances.
 const LOOKS: Array[StringName] = [&"Mesh", &"PackedScene", &"ScatterModel", &"Material", &"Shader", &"Shape3D", &"PhysicsMaterial"]
@@ -17,8 +18,7 @@ var _hashing: HashingContext
 var _seen: Dictionary[Object, int] = {}
 
 
-## The hashes of all parts as hexadecimal digits, by readable names. The ground is probed in [param rect], a part of the world (x and
-## z in meters).
+## Returns the hashes of all parts in hexadecimal digits, by readable names. The ground is sampled in [param rect] (x and z in meters).
 static func parts_of(scatter: TerrainScatter3D, rect: Rect2) -> Dictionary[String, String]:
 	var parts: Dictionary[String, String] = {}
 	var add := func(part: String, values: Array) -> void: parts[part] = new()._digest(values)
@@ -49,7 +49,7 @@ static func _holds_anything(state: ScatterState) -> bool:
 	return state.get_removed_count() > 0 or state.get_added_count() > 0
 
 
-## The version of the add-on; empty if [constant PLUGIN] cannot be read.
+## Returns the version of the add-on, or an empty string if [constant PLUGIN] cannot be read.
 static func version() -> String:
 	var config := ConfigFile.new()
 	return config.get_value("plugin", "version", "") if config.load(PLUGIN) == OK else ""

@@ -1,20 +1,21 @@
 extends RefCounted
-## Generates tiles of a scene's [TerrainScatter3D], into a folder or for a driver in a different program. It does the work of
-## [code]bake_world.gd[/code]. [constant USAGE] lists its arguments. [code]bake_to_folder.gd[/code] describes the folder, from which
-## [code]bake.sh[/code] in Thicket's repository builds a bake. That script is a driver, too, and starts as many engines as it needs.
+## Generates tiles of a scene's [TerrainScatter3D], into a folder or for a driver, which is a different program. This is the
+## implementation of [code]bake_world.gd[/code]. [constant USAGE] lists its arguments. [code]bake_to_folder.gd[/code] describes the
+## folder, from which [code]bake.sh[/code] in Thicket's repository builds a bake. [code]bake.sh[/code] can also act as a driver, which
+## starts as many engines as it needs.
 ##
-## For a driver, it connects to a port of this machine, sends the token, and answers requests until the connection ends. Then it exits. A
-## message is a JSON object behind its length, 32 bits, little-endian. The [code]bytes[/code] field of an answer is the number of bytes
-## that follow it. The [code]do[/code] field of a request is one of:
+## For a driver, the script connects to a port of this machine, sends the token, and answers requests until the connection ends. Then it
+## exits. A message is a JSON object, preceded by its length (32 bits, little-endian). The [code]bytes[/code] field of an answer is the
+## number of bytes that follow it. The [code]do[/code] field of a request is one of the following:
 ## - [code]describe[/code]: returns the description from [code]scene_description.gd[/code] for a [code]rect[/code], a
-##   [code]tile_size[/code] and [code]layers[/code], each a text in the form of the command line. Missing ones are chosen automatically;
-## - [code]models[/code]: for each of [code]layers[/code], returns the files of models that have no file in the project, and then an
+##   [code]tile_size[/code] and [code]layers[/code], each a text as on the command line. Missing values are chosen automatically;
+## - [code]models[/code]: for each of [code]layers[/code], returns new files for models that have no file in the project, and then an
 ##   answer with the models. The last answer is [code]{"end": true}[/code];
-## - [code]rows[/code]: for each part of [code]tile[/code], an array of column and row, returns the part as [code]bake_grid.gd[/code]
-##   describes it, with the rows from [method ScatterTile.get_rows]. The last answer is [code]{"end": true}[/code].
-## If a request cannot be answered, the answer has [code]error[/code], a sentence.
+## - [code]rows[/code]: for each game tile in [code]tile[/code] (an array of column and row), returns an answer as
+##   [code]bake_grid.gd[/code] describes it, with the rows from [method ScatterTile.get_rows]. The last answer is [code]{"end": true}[/code].
+## If a request fails, the answer has [code]error[/code], a sentence.
 ##
-## The scene is baked as it is once its ground is ready: with the state that the scatter has then, and before any later frame.
+## The scene is baked as it is as soon as its ground is ready, including the scatter's state at that time. No further frame is processed.
 
 const BakeToFolder := preload("res://addons/thicket/baking/bake_to_folder.gd")
 const SceneDescription := preload("res://addons/thicket/baking/scene_description.gd")
@@ -36,7 +37,7 @@ For a driver, in place of out and what follows it: connect=PORT and token=WORD."
 const NO_SCATTER := "is no TerrainScatter3D"
 const NO_GROUND := "is no ground"
 const NOT_SETTLED := "is a scatter that still waits for its ground"
-## The remedy for each, for the user.
+## The remedies for the problems above.
 const REMEDIES: Dictionary[String, String] = {
 	NO_SCATTER: "Add one, or set node to its path.", NO_GROUND: "Set TerrainScatter3D.ground.",
 	NOT_SETTLED: "Raise wait, or check that the ground has heights.",
@@ -52,7 +53,7 @@ var _described: SceneDescription
 var _arguments: Dictionary[String, String] = {}
 
 
-## Takes the arguments from the command line.
+## Reads the arguments from the command line.
 func _init(tree: SceneTree) -> void:
 	_tree = tree
 	for argument in OS.get_cmdline_user_args():
@@ -60,7 +61,7 @@ func _init(tree: SceneTree) -> void:
 		_arguments[parts[0]] = parts[1] if parts.size() > 1 else ""
 
 
-## Does everything that was requested, over many frames, and ends the program.
+## Serves all requests, over many frames, and then ends the program.
 func run() -> void:
 	var wrong := _what_is_wrong()
 	var folder := BakeToFolder.new(_arguments) if not wrong and _arguments.has("out") else null
@@ -75,7 +76,7 @@ func run() -> void:
 		printerr("bake_world: ", wrong)
 		_tree.quit(2)
 		return
-	# From here on no frame passes, so that the scene does not change. The bake runs in a physics frame, because the ground may use ray queries.
+	# No frame is processed from here on, so that the scene does not change. The bake runs in a physics frame, because the ground may use ray queries.
 	await _tree.physics_frame
 	if folder != null:
 		_tree.quit(folder.make(_scatter, _arguments["scene"]))
@@ -85,7 +86,7 @@ func run() -> void:
 	_tree.quit()
 
 
-## The error in the arguments, as a sentence.
+## Returns the error in the arguments as a sentence, or an empty string if there is none.
 func _what_is_wrong() -> String:
 	if not (_arguments.has("out") or _arguments.has("connect")):
 		return "out is missing.\n" + USAGE
@@ -110,7 +111,7 @@ func _connect() -> bool:
 	return _send({"token": _arguments.get("token", "")})
 
 
-## Loads the scene and waits for its ground. Returns an error as a sentence; empty if everything is ready.
+## Loads the scene and waits for its ground. Returns an error as a sentence, or an empty string if everything is ready.
 func _open_scene() -> String:
 	var path: String = _arguments.get("scene", "")
 	if not ResourceLoader.exists(path, "PackedScene"):
@@ -138,7 +139,7 @@ func _open_scene() -> String:
 	return ""
 
 
-## Finds the scatter, and limits its streaming to the tile that it is in. Returns an error if there are several scatters to choose from.
+## Finds the scatter, and limits its streaming to the tile at its own position. Returns an error if there are several scatters to choose from.
 func _find_scatter(scene: Node) -> String:
 	if _scatter != null:
 		return ""
@@ -154,7 +155,7 @@ func _find_scatter(scene: Node) -> String:
 		return "The scene has several TerrainScatter3D: choose one by its path (--node, or node), of %s." % ", ".join(paths)
 	if found.size() == 1 and found[0] is TerrainScatter3D:
 		_scatter = found[0]
-		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # A game may start paused.
+		_scatter.process_mode = Node.PROCESS_MODE_ALWAYS # The scene may pause the game at the start.
 		_scatter.viewers = [^"."] as Array[NodePath]
 		_scatter.viewer_distance_scales = PackedFloat32Array([0.0])
 		_scatter.interaction_group = &""
@@ -176,7 +177,7 @@ func _send(header: Dictionary, payload := PackedByteArray()) -> bool:
 	return _peer.put_data(BakeToFolder.message(header)) == OK and (payload.is_empty() or _peer.put_data(payload) == OK)
 
 
-## Waits for the next message and answers it. Returns false when the connection has ended.
+## Waits for the next request and answers it. Returns false when the connection has ended.
 func _answer(problem: String) -> bool:
 	var length := _peer.get_data(4)
 	if length[0] != OK:
@@ -203,7 +204,7 @@ func _send_description(asked: Dictionary) -> bool:
 	return _send(_described.values if fine else {"error": _described.problem})
 
 
-## Sends the rows of a tile of the last description.
+## Sends the rows of a tile of the most recent description.
 func _send_rows(tile: Array) -> bool:
 	if _described == null or _described.grid == null or _described.problem:
 		return _send({"error": "Rows were requested before describe succeeded: request that first."})

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Controls for the toolbars of the editor.
+## Creates controls for the toolbars of the editor.
 
 
 ## Creates a slider for a number. [param limits] are the minimum, the maximum and the step; [param width] is in pixels of an unscaled
@@ -28,8 +28,8 @@ static func button(text: String, icon: StringName, tip: String) -> Button:
 	return made
 
 
-## Sets the icons of the buttons in a control from their meta [code]icon[/code]. Icons come from the editor's theme, so call this when
-## the theme changes, which also happens when the control enters the tree.
+## Sets the icons of the buttons in a control by their metadata [code]icon[/code]. The icons come from the editor's theme, so call this
+## when the theme changes, which also happens when the control enters the tree.
 static func update_icons(parent: Control) -> void:
 	for found: Button in parent.find_children("*", "Button", true, false):
 		var icon: StringName = found.get_meta(&"icon", &"")

@@ -1,27 +1,27 @@
 @tool
 extends HBoxContainer
-## The base class of the tools, which handle the left mouse button in the 3D view while a scatter is selected. A tool is a row with its
-## own settings, which the toolbar shows next to the tool's button while it is on. One tool is on at a time.
+## The base class of the tools, which handle the left mouse button in the 3D view while a scatter is selected. A tool is a row of settings, which the
+## toolbar shows next to the tool's button while the tool is on. Only one tool is on at a time.
 
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 
-## The view must be drawn again.
+## Emitted when the view must be redrawn.
 signal redraw_requested
 
 const NOT_MINE := EditorPlugin.AFTER_GUI_INPUT_PASS
 const MINE := EditorPlugin.AFTER_GUI_INPUT_STOP
 
-## Turns the tool on and off; the toolbar places it.
+## The button that turns the tool on and off. The toolbar contains it.
 var button := Button.new()
-## True for a tool that works on the layer chosen in the toolbar.
+## True for a tool that works on the layer that is chosen in the toolbar.
 var needs_layer := true
 ## The scatter that the tool works on; null if there is none.
 var scatter: TerrainScatter3D
 ## The chosen layer; null if there is none.
 var layer: ScatterLayer
-## The index of [member layer] in the scatter's list.
+## The index of [member layer] in [method TerrainScatter3D.get_all_layers]; -1 if there is none.
 var layer_index := -1
-## All chosen layers, for a tool that works on several; [member layer] is the first.
+## All chosen layers, for a tool that works on several. [member layer] is the first of them.
 var layers: Array[ScatterLayer] = []
 ## The marks on layers. Tools must not change locked layers.
 var marks: Marks
@@ -38,7 +38,7 @@ func _setup(text: String, icon: StringName, tip: String) -> void:
 	button.toggled.connect(func(_on: bool) -> void: _on_toggled(); redraw_requested.emit())
 
 
-## Whether the tool is on.
+## Returns true if the tool is on.
 func is_on() -> bool:
 	return button.button_pressed
 
@@ -57,7 +57,7 @@ func draw_over(_overlay: Control) -> void:
 	pass
 
 
-## Checks whether anything that the tool shows has changed. Called several times per second, whether the tool is on or not.
+## Updates what the tool shows if anything has changed. Called several times per second, whether the tool is on or not.
 func look() -> void:
 	pass
 
@@ -78,17 +78,17 @@ func _take_key() -> void:
 	redraw_requested.emit()
 
 
-## The ground of the scatter; null if there is none.
+## Returns the ground of the scatter, or null if there is none.
 func ground() -> ScatterGround:
 	return scatter.ground if is_instance_valid(scatter) else null
 
 
-## The chosen layers that tools may change: those that are not locked.
+## Returns the chosen layers that are not locked, which tools may change.
 func unlocked() -> Array[ScatterLayer]:
 	return layers.filter(func(chosen: ScatterLayer) -> bool: return marks == null or not marks.is_locked(chosen))
 
 
-## The reason why a tool must not change the chosen layers, as a sentence; empty if it may change one of them.
+## Returns an empty string if a tool may change at least one of the chosen layers, or the reason why not as a sentence.
 func lock_problem() -> String:
 	if layers.is_empty() or not unlocked().is_empty():
 		return ""

@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Keeps data that tools create, such as painted masks and hand-placed instances, in files next to the scene, so that the scene only contains
-## settings.
+## Manages the files next to a scene in which tools store their data, such as painted masks and hand-placed instances. The scene itself then
+## contains only settings.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
@@ -9,17 +9,18 @@ const WholeFile := preload("res://addons/thicket/whole_file.gd")
 const UNWRITABLE := "Cannot write %s: %s. Check that its folder exists and is writable and that the disk has room, then save the scene again."
 const UNREMOVABLE := "Cannot remove %s, which no scene uses: %s. Delete it by hand."
 
-## Metadata of a resource: the UID of the scene that it was made for. It stays right when the file or the scene is renamed or moved.
+## The metadata key under which a resource stores the UID of the scene for which it was created. A UID stays valid when the file or the scene is
+## renamed or moved.
 const SCENE_UID := "thicket_scene_uid"
 
 ## The reason why [method create] failed, as a sentence.
 var problem := ""
 
 var _changed: Dictionary[int, WeakRef] = {}
-var _removed: Dictionary[String, PackedByteArray] = {} ## The contents of removed files, which include the ids by which scenes find them.
-var _unwritten: Dictionary[String, bool] = {} ## Unused files whose resources had changed since they were written.
-var _unsaved: Dictionary[String, String] = {} ## Files that no saved scene refers to yet, and the scene that will.
-var _unused: Dictionary[String, String] = {} ## Unused files that the saved scene may still refer to, and the scene.
+var _removed: Dictionary[String, PackedByteArray] = {} ## The contents of removed files, including the UIDs by which scenes refer to them.
+var _unwritten: Dictionary[String, bool] = {} ## Unused files whose resources have unsaved changes.
+var _unsaved: Dictionary[String, String] = {} ## New files, each with the scene that will refer to the file once it is saved.
+var _unused: Dictionary[String, String] = {} ## Unused files, each with the scene that may still refer to the file on disk.
 
 
 ## Writes a new resource to a file next to the scene [param scene_path]. The file is named after the scene, [param owner_name] and
@@ -43,8 +44,8 @@ func create(scene_path: String, resource: Resource, owner_name: String, kind: St
 	return true
 
 
-## The path with which the names of the files of a layer or a model begin: next to the edited scene, or next to the resource's own file. Empty if there
-## is no such path.
+## Returns the beginning of the paths for files of a layer or a model: next to the resource's own file, or else next to the edited scene. Empty if neither
+## has a file.
 static func place_of(owner: Resource) -> String:
 	var path := owner.resource_path.get_slice("::", 0)
 	if path.is_empty():
@@ -52,13 +53,13 @@ static func place_of(owner: Resource) -> String:
 	return "" if path.is_empty() else _place(path, owner.resource_name)
 
 
-## The path of the edited scene; empty if there is none, or if it was never saved.
+## Returns the path of the edited scene. Empty if there is no scene, or if it was never saved.
 static func edited_scene_path() -> String:
 	var root := EditorInterface.get_edited_scene_root()
 	return root.scene_file_path if root != null else ""
 
 
-## A path such as scene_layer_mask.res, with a number if that file exists already, or a resource in memory has its path.
+## Returns an unused path such as scene_layer_mask.res. It gets a number if that file exists already, or if a loaded resource has that path.
 static func free_path(stem: String, extension: String) -> String:
 	var path := "%s.%s" % [stem, extension]
 	var number := 2
@@ -68,15 +69,15 @@ static func free_path(stem: String, extension: String) -> String:
 	return path
 
 
-## The scene that a resource was made for by [method create]; empty if that is unknown, or if the scene does not exist any more.
+## Returns the path of the scene for which [method create] has created a resource. Empty if the scene is unknown or does not exist any more.
 static func scene_of(resource: Resource) -> String:
 	var uid := ResourceUID.text_to_id(str(resource.get_meta(SCENE_UID, "")))
 	var path := ResourceUID.get_id_path(uid) if uid != ResourceUID.INVALID_ID and ResourceUID.has_id(uid) else ""
 	return path if FileAccess.file_exists(path) else ""
 
 
-## Gives a copied layer its own copy of the mask, if the mask is a file. The mask and its copy are added to [param r_masks], so layers that
-## shared a mask share its copy. On failure, returns false and sets [member problem].
+## Creates a copy of a copied layer's mask if the mask has its own file. The mask and its copy are added to [param r_masks], so layers that
+## shared a mask share the copy. On failure, returns false and sets [member problem].
 func copy_mask(layer: ScatterLayer, scene_path: String, r_masks: Dictionary[Resource, Resource]) -> bool:
 	var mask := layer.mask
 	if mask == null or mask.resource_path.is_empty() or "::" in mask.resource_path:
@@ -90,9 +91,8 @@ func copy_mask(layer: ScatterLayer, scene_path: String, r_masks: Dictionary[Reso
 	return true
 
 
-## Adds resources that other code has just written to new files to the undo step that is being created, as [method add_to_undo] does for those of
-## [method create]. The edited scene must be saved to keep them, unless [param owner], which refers to them, is a file and may be saved without the
-## scene.
+## Adds resources that other code has just written to new files, as [method add_to_undo] does. If the edited scene is closed without saving, the files
+## are removed. They are kept if [param owner] has its own file, because that file may have been saved without the scene and refers to the resources.
 func add_new_to_undo(resources: Array, owner: Resource, undo_redo: EditorUndoRedoManager) -> void:
 	var scene_path := edited_scene_path()
 	if not Copies.is_file(owner):
@@ -101,21 +101,21 @@ func add_new_to_undo(resources: Array, owner: Resource, undo_redo: EditorUndoRed
 	add_to_undo(resources, scene_path, undo_redo)
 
 
-## Restores the content of a file, and the path of a resource, unless it is null; for undo.
+## Restores the content of a file, and the path of [param resource], which may be null. For undo and redo.
 func put(path: String, bytes: PackedByteArray, resource: Resource) -> void:
 	_store(path, bytes)
 	if resource != null:
 		resource.take_over_path(path)
 
 
-## Adds resources that were created for a scene to the undo step that is being created: undo removes their files, and redo restores them.
+## Adds resources that were created for a scene to the undo step that is being created. Undo removes their files, and redo restores them.
 func add_to_undo(resources: Array, scene_path: String, undo_redo: EditorUndoRedoManager) -> void:
 	for resource: Resource in resources:
 		undo_redo.add_do_method(self, &"keep", resource, scene_path)
 		undo_redo.add_undo_method(self, &"drop", resource, scene_path)
 
 
-## Called when redo uses a resource of [method create] again.
+## Called when redo uses a resource of [method create] again. Restores the resource's file.
 func keep(resource: Resource, scene_path: String) -> void:
 	var path := resource.resource_path
 	_unused.erase(path)
@@ -128,8 +128,8 @@ func keep(resource: Resource, scene_path: String) -> void:
 		mark(resource)
 
 
-## Called when undo stops using a resource of [method create]. Removes the resource's file. If the scene on disk refers to the file, it is removed
-## when the scene is saved.
+## Called when undo stops using a resource of [method create]. Removes the resource's file. If the scene on disk may refer to the file,
+## the file is kept until the scene is saved.
 func drop(resource: Resource, scene_path: String) -> void:
 	if _changed.erase(resource.get_instance_id()):
 		_unwritten[resource.resource_path] = true
@@ -139,7 +139,7 @@ func drop(resource: Resource, scene_path: String) -> void:
 		_unused[resource.resource_path] = scene_path
 
 
-## Called when a scene was saved: keeps the files that it refers to, and removes those that it no longer uses.
+## Called when a scene was saved. Keeps the files to which it refers, and removes those that it no longer uses.
 func on_scene_saved(scene_path: String) -> void:
 	for path: String in _unsaved.keys():
 		if _unsaved[path] == scene_path:
@@ -150,7 +150,7 @@ func on_scene_saved(scene_path: String) -> void:
 			_remove(path)
 
 
-## Called when a scene was closed: removes the files that only its unsaved version referred to.
+## Called when a scene was closed. Removes the files to which only its unsaved version referred.
 func on_scene_closed(scene_path: String) -> void:
 	for path: String in _unsaved.keys():
 		if _unsaved[path] == scene_path:
@@ -163,12 +163,12 @@ func mark(resource: Resource) -> void:
 	_changed[resource.get_instance_id()] = weakref(resource)
 
 
-## Writes the resources that have changed since the last call. Resources that are no longer in use, for example after closing a scene
-## without saving it, are not written. If a file cannot be written, a later call tries again.
+## Writes the marked resources. Resources that are no longer in use, for example after closing a scene without saving it, are not written.
+## If a file cannot be written, the next call tries again.
 func save() -> void:
 	for id: int in _changed.keys():
 		var resource := _changed[id].get_ref() as Resource
-		# The editor saves a resource inside of a scene with the scene.
+		# A resource without its own file is saved with the scene.
 		var has_file := resource != null and not resource.resource_path.is_empty() and not "::" in resource.resource_path
 		if not has_file or _write(resource):
 			_changed.erase(id)
@@ -179,11 +179,11 @@ func _put_back(path: String) -> bool:
 
 
 func _remove(path: String) -> void:
-	if not FileAccess.file_exists(path): # The user may have deleted it.
+	if not FileAccess.file_exists(path): # The user may have deleted the file.
 		return
 	_removed[path] = FileAccess.get_file_as_bytes(path)
 	var error := FileAccess.get_open_error()
-	if error != OK: # Redo writes the resource instead.
+	if error != OK: # Without the content, redo writes the resource instead.
 		_removed.erase(path)
 	error = DirAccess.remove_absolute(path)
 	if error != OK:

@@ -1,7 +1,7 @@
 @tool
 extends "res://addons/thicket/editor/wrapping_row.gd"
-## The toolbar above the 3D view while a scatter is selected: tools with their settings, the layer that they work on, presets, bakes and
-## imports.
+## The toolbar above the 3D view while a scatter is selected. It has the tools with their settings, the layer on which they work, and buttons
+## for presets, regions, bakes and imports.
 
 const BiomeTool := preload("res://addons/thicket/editor/brush/biome_tool.gd")
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
@@ -18,28 +18,28 @@ const WhyTool := preload("res://addons/thicket/editor/explain/why_tool.gd")
 signal preset_chosen(name: String)
 signal bake_requested
 signal import_requested
-## [member chosen] has changed: tools work on these layers now.
+## Emitted when [member chosen] has changed.
 signal layers_chosen
-## The view must be drawn again.
+## Emitted when the view must be redrawn.
 signal redraw_requested
 
-## Paints masks.
+## The tool that paints masks.
 var paint := PaintTool.new()
-## Paints the map of biomes.
+## The tool that paints the biome map.
 var biomes := BiomeTool.new()
-## Plants and changes single instances.
+## The tool that plants and changes single instances.
 var hand := HandTool.new()
-## Explains why instances are placed at a position or not.
+## The tool that explains why instances are or are not placed at a position.
 var why := WhyTool.new()
-## Draws the outline of a region.
+## The tool that draws the outline of a region.
 var region_drawing := RegionDrawing.new()
-## Draws the rectangle of a bake.
+## The tool that draws the rectangle of a bake.
 var rectangle := RectangleTool.new()
 ## All tools, in the order of their buttons.
 var tools: Array[ScatterTool] = [paint, biomes, hand, why, region_drawing, rectangle]
-## Adds regions.
+## The menu that adds regions.
 var regions := RegionMenu.new()
-## The layers that tools work on; the first is the main one.
+## The layers on which tools work. The first is the main one.
 var chosen: Array[ScatterLayer] = []
 
 var _scatter: TerrainScatter3D
@@ -79,8 +79,8 @@ func _init(undo_redo: EditorUndoRedoManager, marks: ScatterTool.Marks) -> void:
 	add_child(imports)
 
 
-## Sets the scatter of all tools; null for none. A new scatter turns the active tool off, so that a click on a different node cannot
-## paint.
+## Sets the scatter of all tools, which may be null. A different scatter turns the active tool off, so that selecting a node with a click
+## does not paint.
 func set_scatter(scatter: TerrainScatter3D) -> void:
 	for tool in tools:
 		tool.finish()
@@ -92,7 +92,7 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 	update_layers()
 
 
-## Updates the list of layers. The chosen layers stay chosen if the scatter still has them; else the first layer is chosen.
+## Updates the list of layers. Chosen layers that the scatter still has stay chosen. If there are none, the first layer is chosen.
 func update_layers() -> void:
 	_layers.clear()
 	var layers := _scatter_layers()
@@ -106,14 +106,14 @@ func update_layers() -> void:
 	choose_layers(left)
 
 
-## Chooses the layer at an index in the scatter's list, if there is one.
+## Chooses the layer at an index of [method TerrainScatter3D.get_all_layers], if there is one.
 func choose_layer(index: int) -> void:
 	var layers := _scatter_layers()
 	if index >= 0 and index < layers.size() and layers[index] != null:
 		choose_layers([layers[index]])
 
 
-## Chooses layers of the scatter; the first is the main one.
+## Chooses layers of the scatter. The first is the main one.
 func choose_layers(layers: Array[ScatterLayer]) -> void:
 	var others := layers != chosen
 	chosen = layers
@@ -130,7 +130,7 @@ func choose_layers(layers: Array[ScatterLayer]) -> void:
 		layers_chosen.emit()
 
 
-## Returns the tool that is on; null if there is none.
+## Returns the tool that is on, or null if there is none.
 func active_tool() -> ScatterTool:
 	for tool in tools:
 		if tool.is_on():
@@ -138,7 +138,7 @@ func active_tool() -> ScatterTool:
 	return null
 
 
-func _notification(what: int) -> void: # The base class is notified as well.
+func _notification(what: int) -> void: # The engine also calls _notification of the base class.
 	if what == NOTIFICATION_THEME_CHANGED:
 		Controls.update_icons(self)
 

@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## The editor's part of Thicket: tools for the 3D view, gizmos, presets and bakes. The nodes work without it. The plugin forwards
-## the editor's calls to this object.
+## Creates and connects all parts of Thicket in the editor: tools for the 3D view, gizmos, presets and bakes. The plugin forwards the editor's calls
+## to this object. Thicket's nodes also work without it.
 
 const Bake := preload("res://addons/thicket/editor/bake/bake_dialog.gd")
 const ExtentGizmos := preload("res://addons/thicket/editor/ground/extent_gizmos.gd")
@@ -21,21 +21,21 @@ const Toolbar := preload("res://addons/thicket/editor/toolbar.gd")
 const WaterGizmos := preload("res://addons/thicket/editor/ground/water_gizmos.gd")
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 
-## The item of the menu Project > Tools that opens the tutorials.
+## The menu item in Project > Tools that opens the tutorials.
 const TUTORIALS_ITEM := "Thicket Tutorials..."
 
-## Seconds between two updates of the extent and the tools.
+## The time between two updates of the extent and the tools, in seconds.
 const LOOK_SECONDS := 0.25
 
 ## The row above the 3D view, with the tools.
 var toolbar: Toolbar
-## The buttons next to the toolbar that set and refresh the ground.
+## The buttons that set and refresh the ground. They are in the toolbar while it is visible, and otherwise next to it.
 var ground_buttons: GroundButtons
-## The panel with the layers, its marks and its bar.
+## The panel with the layers, the marks on layers, and the preview bar.
 var dock: LayersDock
-## The dialog that bakes.
+## The dialog for bakes.
 var bake: Bake
-## The dialog that imports.
+## The dialog for imports.
 var imports: Import
 ## The window with the add-on's tutorials.
 var tutorials: Tutorials
@@ -50,7 +50,7 @@ var _help_links: HelpLinks
 var _loose_states: LooseStates
 var _server_export := ServerExport.new()
 var _scatter: TerrainScatter3D
-var _holds := false ## True while a node below the scatter is selected in its place.
+var _holds := false ## True while a node below the scatter is selected instead of the scatter.
 var _shown: Array = []
 var _tiles := 0
 var _since_look := 0.0
@@ -133,7 +133,7 @@ func handles(object: Object) -> bool:
 	return object is TerrainScatter3D
 
 
-## Sets the node that the tools edit; null for none.
+## Sets the node that the tools edit, or null for none.
 func edit(object: Object) -> void:
 	var last := _scatter
 	_scatter = object as TerrainScatter3D
@@ -154,7 +154,7 @@ func make_visible(visible: bool) -> void:
 		edit(null)
 
 
-## While a region or a different node below a scatter is selected, the panel and the tools stay with that scatter. Runs after the editor has called
+## Keeps the panel and the tools on a scatter while a region or a different node below it is selected. Runs after the editor has called
 ## [method make_visible].
 func _on_selection_changed() -> void:
 	var scatter := _scatter_above_selection()
@@ -168,7 +168,7 @@ func _on_selection_changed() -> void:
 			make_visible(false)
 
 
-## The scatter above the selected node; null if there is none, or if several nodes are selected.
+## Returns the scatter above the selected node, or null if there is none, if several nodes are selected, or if the node itself is a scatter.
 func _scatter_above_selection() -> TerrainScatter3D:
 	var selected := EditorInterface.get_selection().get_selected_nodes()
 	var node: Node = selected[0].get_parent() if selected.size() == 1 and not handles(selected[0]) else null
@@ -177,7 +177,7 @@ func _scatter_above_selection() -> TerrainScatter3D:
 	return node as TerrainScatter3D
 
 
-## A tool gets the input over the 3D view only while the scatter itself is selected.
+## When a tool is turned on while a node below the scatter is selected, selects the scatter, because tools get input over the 3D view only then.
 func _on_tool_toggled(on: bool) -> void:
 	if on and _holds and is_instance_valid(_scatter):
 		EditorInterface.get_selection().clear()
@@ -185,7 +185,7 @@ func _on_tool_toggled(on: bool) -> void:
 		EditorInterface.edit_node(_scatter)
 
 
-## Moves the ground buttons into the toolbar, where they wrap with the rest, or beside it.
+## Moves the ground buttons into the toolbar, whose buttons wrap into several lines, or next to the toolbar.
 func _place_ground_buttons(in_toolbar: bool) -> void:
 	if in_toolbar == (ground_buttons.get_parent() == toolbar):
 		return
@@ -197,7 +197,7 @@ func _place_ground_buttons(in_toolbar: bool) -> void:
 		_plugin.add_control_to_container(EditorPlugin.CONTAINER_SPATIAL_EDITOR_MENU, ground_buttons)
 
 
-## Writes each state of the open scenes to a file before a scene is saved.
+## Moves the states of the open scenes to files before a scene is saved.
 func apply_changes() -> void:
 	for root in _open_roots():
 		_loose_states.take_in(root)
@@ -208,7 +208,7 @@ func save_external_data() -> void:
 	toolbar.paint.brush.files.save()
 
 
-## Called each frame. Updates everything several times per second.
+## Updates everything several times per second. Called in each frame.
 func process(delta: float) -> void:
 	_since_look += delta
 	if _since_look < LOOK_SECONDS:
@@ -226,12 +226,12 @@ func process(delta: float) -> void:
 		tool.look()
 
 
-## The data of a scatter that the gizmos and the toolbar show.
+## Returns the data of a scatter that the gizmos and the toolbar show.
 func _state(scatter: TerrainScatter3D) -> Array:
 	var state: Array = [scatter, scatter.global_transform, scatter.ground, scatter.water_enabled, scatter.water_level]
 	for layer in ScatterLayers.of(scatter):
 		state.append_array([layer, layer.resource_name if layer != null else ""])
-	# Tiles are added and removed as the camera moves; the line is updated when they have settled.
+	# Tiles are added and removed as the camera moves, so the extent is only updated once the scatter has settled.
 	if scatter.is_settled():
 		_tiles = 0
 		for layer in ScatterLayers.of(scatter):
@@ -247,7 +247,7 @@ func input(camera: Camera3D, event: InputEvent) -> int:
 	return tool.input(camera, event) if tool != null and is_instance_valid(_scatter) else EditorPlugin.AFTER_GUI_INPUT_PASS
 
 
-## Lets the tool that is on draw over the 3D view.
+## Draws the tool that is on over the 3D view.
 func draw_over(overlay: Control) -> void:
 	var tool := toolbar.active_tool()
 	if tool != null and is_instance_valid(_scatter):
@@ -264,11 +264,11 @@ func _add_preset(name: String) -> void:
 
 func _on_scene_saved(path: String) -> void:
 	toolbar.paint.brush.files.on_scene_saved(path)
-	_loose_states.on_scene_saved.call_deferred(path) # By then, a new scene has its path.
+	_loose_states.on_scene_saved.call_deferred(path) # Deferred, because a new scene has no path yet.
 	_reload_scenes([path])
 
 
-## Redraws models whose files have changed.
+## Reloads models whose files have changed.
 func _reload_scenes(paths: PackedStringArray) -> void:
 	for scatter in Shared.open_scatters():
 		for layer in ScatterLayers.of(scatter):
@@ -278,7 +278,7 @@ func _reload_scenes(paths: PackedStringArray) -> void:
 
 func _open_roots() -> Array[Node]:
 	var roots: Array = [EditorInterface.get_edited_scene_root()]
-	if EditorInterface.has_method(&"get_open_scene_roots"): # Since 4.5: also those in other tabs.
+	if EditorInterface.has_method(&"get_open_scene_roots"): # Since Godot 4.5, includes the scenes in other tabs.
 		roots = EditorInterface.call(&"get_open_scene_roots")
 	return Array(roots.filter(is_instance_valid), TYPE_OBJECT, &"Node", null)
 

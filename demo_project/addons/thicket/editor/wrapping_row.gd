@@ -1,9 +1,9 @@
 @tool
 extends HFlowContainer
-## A row above the 3D view that wraps into further lines if it is too long, like the editor's own row of menus. Otherwise it would push the
+## A row above the 3D view that wraps into several lines if it is too long, like the editor's own row of menus. A single long line would push the
 ## docks out of the window.
 
-## The row requests at most this width before it wraps, in pixels of an unscaled editor. This is less than the width of the editor's own menus.
+## The largest minimum width of the row, in pixels of an unscaled editor. It is less than the width of the editor's own menus.
 const WIDTH := 600.0
 
 
@@ -21,7 +21,7 @@ func _notification(what: int) -> void:
 			_stretch(false)
 
 
-## Requests the full length of the row, up to the limit.
+## Sets the minimum width to the full length of the row, up to [constant WIDTH].
 func _ask_for_width() -> void:
 	var length := 0.0
 	for child: Node in get_children():
@@ -31,7 +31,7 @@ func _ask_for_width() -> void:
 	custom_minimum_size.x = minf(ceilf(length), WIDTH * EditorInterface.get_editor_scale())
 
 
-## Makes the editor's panel around the row fill its line while the row is visible, so that the row can use the rest of the line before it wraps.
+## Makes the editor's panel around the row fill its line while the row is visible. The row can then use the whole line before it wraps.
 func _stretch(wide: bool) -> void:
 	var panel := get_parent() as Control
 	while panel != null and not panel.get_parent() is FlowContainer:

@@ -1,9 +1,9 @@
 @tool
 extends ArrayMesh
-## A plant or stone in scenes that were saved with version 0.2, whose presets stored meshes of this script. It shows the finest LOD of the model that
-## the presets have now. New scenes refer to the models in [code]plants[/code] themselves.
+## A mesh for scenes that were saved with version 0.2, whose presets contained meshes with this script. It copies the finest LOD of the model that
+## replaces it. New scenes refer directly to the models in [code]plants[/code].
 
-## For each former kind, the model that is nearest to it.
+## The most similar model for each former kind.
 const MODELS := {
 	"spruce": "spruce_1", "birch": "birch_1", "bush": "shrub_1", "fern": "fern_1", "grass": "grass_1", "flower": "flower_1",
 	"boulder": "stone_1", "rock": "rock_1", "pebble": "pebbles_1",
@@ -29,5 +29,5 @@ func _copy() -> void:
 	var lod: Resource = model.get(&"lods")[0]
 	var mesh: ArrayMesh = lod.get(&"mesh")
 	clear_surfaces()
-	# The mesh's data as it is stored: reading it back from the renderer would make a loading thread wait.
+	# Copies the stored data of the mesh. Reading it back from the renderer would make a loading thread wait.
 	set(&"_surfaces", mesh.get(&"_surfaces"))

@@ -1,12 +1,12 @@
 @tool
 class_name ScatterFoliageWorld
 extends Node3D
-## Sets wind and moving bodies on materials whose shader includes [code]foliage.gdshaderinc[/code].
+## Updates wind and moving bodies in materials whose shader includes [code]foliage.gdshaderinc[/code].
 ##
-## One node in a scene is enough. It works in the editor and in exported games, and needs no project setting. In the
-## editor it does not change the materials, so nothing is saved with them, and plants stand still unless
+## A scene needs only one of these nodes. The node works in the editor and in exported games, and needs no project setting.
+## In the editor, it does not change the materials, so nothing is saved with them. Plants do not move there unless
 ## [member animate_in_editor] is on. Bodies have an effect only in games. Without the native library, the node still
-## updates [member materials]; for that reason, it uses none of the library's classes as a type.
+## updates [member materials]. For that reason, it uses none of the library's classes as a type.
 ##
 ## @tutorial(Your own tree): res://addons/thicket/tutorials/your_own_tree.md
 
@@ -15,12 +15,12 @@ const LibraryGate := preload("res://addons/thicket/library_gate.gd")
 ## The largest number of bodies that the shader supports.
 const MOST_BODIES := 16
 
-## Materials that receive the wind and the bodies, in addition to those of scatters. Empty entries are ignored.
+## Materials to update in addition to those of scatters. Empty entries are ignored.
 @export var materials: Array[ShaderMaterial] = []
-## If true, the materials of all [TerrainScatter3D]s in the tree receive them as well: those from [method ScatterLayer.get_materials] of each layer
-## whose shader includes [code]foliage.gdshaderinc[/code]. So do the materials of [MultiMeshInstance3D]s, such as baked ones. The materials are
-## collected again when such a node is added or removed, and when a list of layers or a layer changes. A changed shader of a material is only
-## noticed at that time.
+## If true, the node also updates the materials of all [TerrainScatter3D]s in the tree: for each layer, those materials in
+## [method ScatterLayer.get_materials] whose shader includes [code]foliage.gdshaderinc[/code]. It also updates the materials of [MultiMeshInstance3D]s, such
+## as baked ones. The node collects the materials when a scatter or a [MultiMeshInstance3D] is added. It collects those of scatters again when a
+## scatter is removed, or when a layer or a list of layers changes. A changed shader is noticed only then.
 @export var include_scatters := true:
 	set(value):
 		include_scatters = value
@@ -28,23 +28,23 @@ const MOST_BODIES := 16
 			_watch_tree(value)
 ## The strength of the wind; 0 for no wind.
 @export_range(0.0, 2.0) var wind_strength := 1.0
-## The direction in which the wind blows: x and z of the world. Its length does not matter.
+## The direction in which the wind blows, as world x and z. Its length has no effect.
 @export var wind_direction := Vector2(1.0, 0.35)
-## If true, plants move in the editor, too. The editor then draws without a pause, which keeps a processor core and the graphics card busy.
+## If true, plants also move in the editor. The editor then redraws continuously, which keeps a processor core and the graphics card busy.
 @export var animate_in_editor := false
 ## The group of the [Node3D]s that bend plants. If there are more than 16, the nearest to the camera are used.
 @export var bodies_group := &"scatter_interaction"
 ## The radius of each body in meters.
 @export_range(0.0, 10.0) var body_radius := 0.6
 
-var _scatters: Dictionary[Node, Array] = {} ## The layers of each scatter when its materials were collected.
+var _scatters: Dictionary[Node, Array] = {} ## The layers of each scatter at the time when its materials were collected.
 var _layers: Array[Resource] = []
 var _found: Array[ShaderMaterial] = []
 var _is_stale := false
-var _shown: Dictionary[ShaderMaterial, PackedStringArray] = {} ## The parameters set on the renderer in the editor.
-var _last_parameters := {} ## Set on the renderer in the editor, on these materials.
-var _last_materials: Array[ShaderMaterial] = []
-var _added: Array[MultiMeshInstance3D] = [] ## Nodes whose materials were not read yet.
+var _shown: Dictionary[ShaderMaterial, PackedStringArray] = {} ## The names of the parameters that were set on the renderer in the editor.
+var _last_parameters := {} ## The values that were last set on the renderer in the editor.
+var _last_materials: Array[ShaderMaterial] = [] ## The materials that received _last_parameters.
+var _added: Array[MultiMeshInstance3D] = [] ## New nodes whose materials have not been read yet.
 var _of_multimeshes: Array[ShaderMaterial] = []
 var _time := 0.0
 
@@ -81,12 +81,12 @@ func _process(delta: float) -> void:
 	for material in _all():
 		for parameter: StringName in parameters:
 			material.set_shader_parameter(parameter, parameters[parameter])
-		if material not in _found: # Otherwise its scatter sets the time.
+		if material not in _found: # The materials in _found get the time from their scatter.
 			RenderingServer.material_set_param(material.get_rid(), &"wind_time", _time)
 
 
-## In the editor, a parameter that is set on a material would be saved with it, so only the renderer receives it. It receives nothing while nothing
-## changes, because the editor would draw again.
+## Sets the parameters on the renderer only. In the editor, a parameter that is set on a material would be saved with it. Does nothing if nothing has
+## changed, because the editor would redraw otherwise.
 func _show(parameters: Dictionary, delta: float) -> void:
 	if animate_in_editor:
 		_time = fmod(_time + delta, 3600.0)
@@ -133,7 +133,7 @@ func _watch_tree(watch: bool) -> void:
 		_find_materials()
 
 
-## The topmost node; in the editor, the topmost node of the scene.
+## Returns the topmost node or, in the editor, the topmost node of the edited scene.
 func _top() -> Node:
 	var top: Node = self
 	while top.get_parent() and not (Engine.is_editor_hint() and top.get_parent() is Viewport):
@@ -196,7 +196,7 @@ func _is_foliage(shader: Shader) -> bool:
 	return "wind_strength" in names and "bend_bodies" in names
 
 
-## The number of bodies, and their positions and radii.
+## Returns the number of bodies, and an array of MOST_BODIES positions with radii.
 func _bodies() -> Array:
 	var places: Array[Vector3] = []
 	for node in get_tree().get_nodes_in_group(bodies_group):

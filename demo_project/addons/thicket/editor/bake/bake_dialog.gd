@@ -1,25 +1,25 @@
 @tool
 extends ConfirmationDialog
-## The dialog for bakes: the user chooses the rectangle, the layers and the folder. It bakes over
-## many frames, and shows the progress.
+## The dialog for bakes, in which the user chooses the rectangle, the layers and the folder. It bakes over
+## many frames and shows the progress.
 
 const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const Job := preload("res://addons/thicket/bake.gd")
 const Replacement := preload("res://addons/thicket/editor/bake/bake_replacement.gd")
 
-## Milliseconds of each frame for baking.
+## The time for baking in each frame, in milliseconds.
 const SLICE_MSEC := 20.0
-## The side in meters of the rectangle that is offered first.
+## The side of the initial rectangle, in meters.
 const SIDE := 256.0
 
-## The bake has ended: it is written, was canceled, or has failed.
+## Emitted when the bake has ended: it was written, was canceled, or has failed.
 signal finished(written: bool)
-## The user wants to draw the rectangle in the view; [method take_drawn] receives it.
+## Emitted when the user wants to draw the rectangle in the view. Pass the result to [method take_drawn].
 signal drawing_requested
 
 ## The current or the last bake.
 var job := Job.new()
-## Removes hand-placed instances where the baked scene replaces them.
+## The object that removes the hand-placed instances that the baked scene replaces.
 var edits: HandEdits
 
 var _scatter: TerrainScatter3D
@@ -109,15 +109,15 @@ func fill(scatter: TerrainScatter3D, rect: Rect2) -> void:
 	_state.text = ""
 
 
-## Takes the rectangle that was drawn in the view, or an empty one if drawing was canceled, and
-## opens the dialog again.
+## Opens the dialog again with the rectangle that was drawn in the view. If drawing was canceled, the
+## rectangle is empty and has no effect.
 func take_drawn(rect: Rect2) -> void:
 	if rect.has_area():
 		_show(rect)
 	popup_centered()
 
 
-## Sets whether [method start] replaces the scatter in the scene by the baked scene.
+## Sets whether [method start] replaces the scatter in the scene with the baked scene.
 func choose_replacing(on: bool) -> void:
 	_replace.button_pressed = on
 
@@ -186,7 +186,7 @@ func _rect() -> Rect2:
 	return Rect2(_numbers[0].value, _numbers[1].value, _numbers[2].value, _numbers[3].value)
 
 
-## The layers to bake.
+## Returns the layers to bake, whose boxes are checked.
 func _chosen() -> Array[ScatterLayer]:
 	var chosen: Array[ScatterLayer] = []
 	for box: CheckBox in _layers.get_children():

@@ -1,15 +1,15 @@
 @tool
 extends RefCounted
-## Replaces the instances of a scatter in a baked rectangle by the baked scene, as one undo step.
+## Replaces the instances of a scatter in a baked rectangle with the baked scene, as one undo step.
 
 const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
 
-## Adds the scene at [param scene_path] below the scatter, and a region that keeps the baked layers out of [param rect]. Removes hand-placed instances
-## there, so that nothing is placed twice. The region also affects neighbors: a layer that was not baked, but keeps a distance to a baked layer, no
-## longer keeps it from the baked instances. Returns the reason if it failed, as a sentence; empty on success.
+## Adds the scene at [param scene_path] below the scatter, and a region that excludes the baked layers from [param rect]. Removes hand-placed instances
+## of these layers there, so that nothing is placed twice. The region also affects other layers: a layer that keeps a distance from a baked layer no longer keeps it
+## from the baked instances. Returns an empty string on success, or the reason for the failure as a sentence.
 static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: String, rect: Rect2, layers: Array[ScatterLayer]) -> String:
 	var packed := ResourceLoader.load(scene_path, "PackedScene", ResourceLoader.CACHE_MODE_REPLACE) as PackedScene
 	if packed == null:
@@ -37,7 +37,7 @@ static func replace(edits: HandEdits, scatter: TerrainScatter3D, scene_path: Str
 	return ""
 
 
-## The layers as a region refers to them; empty for all.
+## Returns references to layers for [member ScatterRegion3D.layers]. Empty if all layers were chosen.
 static func _references(scatter: TerrainScatter3D, chosen: Array[ScatterLayer]) -> Array:
 	var layers := scatter.layers
 	var references: Array = []
@@ -47,11 +47,11 @@ static func _references(scatter: TerrainScatter3D, chosen: Array[ScatterLayer]) 
 		if name.is_empty() or alike.size() == 1:
 			references.append(chosen_layer)
 		else:
-			references.append(layers.find(chosen_layer)) # A region stores a name, which would be that of the first of them.
+			references.append(layers.find(chosen_layer)) # By name, the region would refer to the first of several layers with this name.
 	return references if chosen.size() < layers.size() - layers.count(null) else []
 
 
-## The ids of the hand-placed instances in a rectangle.
+## Returns the ids of the chosen layers' hand-placed instances in a rectangle.
 static func _by_hand(scatter: TerrainScatter3D, rect: Rect2, chosen: Array[ScatterLayer]) -> PackedInt64Array:
 	var found := PackedInt64Array()
 	var state := scatter.state

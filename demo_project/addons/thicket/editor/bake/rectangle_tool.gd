@@ -1,11 +1,11 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## Draws a rectangle of world x and z on the ground, from corner to corner with the left button.
+## Draws a rectangle of x and z on the ground, by dragging from corner to corner with the left mouse button.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 
-## Drawing has ended: the rectangle in meters, or an empty one if it was canceled.
+## Emitted when drawing has ended. [param rect] is in meters, and empty if drawing was canceled.
 signal drawn(rect: Rect2)
 
 const HINT := "Drag from corner to corner   Esc cancels"
@@ -18,7 +18,7 @@ var _from := Vector3.INF
 func _init() -> void:
 	needs_layer = false
 	_setup("Rectangle", &"", "")
-	# The bake dialog turns the tool on.
+	# Only the bake dialog turns the tool on.
 	button.visible = false
 
 
@@ -73,7 +73,7 @@ func _end(rect: Rect2) -> void:
 	drawn.emit(rect)
 
 
-## The rectangle, snapped to whole meters, or to the editor's snap step if that is on.
+## Returns the rectangle, snapped to whole meters, or to the editor's snap step if snapping is on.
 func _rect() -> Rect2:
 	var step := maxf(0.01, EditorSnap.meters()) if EditorSnap.is_on() else 1.0
 	var from := Vector2(_from.x, _from.z).snapped(Vector2(step, step))

@@ -1,48 +1,49 @@
 @tool
 extends RefCounted
-## Paints biomes into the image of a map. A stroke is a row of discs, and one undo step.
+## Paints biomes into the image of a biome map. A stroke consists of overlapping discs, and is one undo step.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const StrokePlaces := preload("res://addons/thicket/editor/brush/stroke_places.gd")
 
-## The longer side of the image that a map without one gets, in pixels, and the largest side.
+## The longer side of a new image, in pixels, and the largest side of any image.
 const SIDE := 1024
 const LARGEST := 8192
-## The number of pixels in a radius, at least: an image with fewer is enlarged.
+## The minimum number of pixels that a brush radius must span. An image with fewer pixels is enlarged.
 const FINENESS := 4.0
-## The shortest time between two readings of the image during a stroke. Reading takes at most a quarter of the time.
+## The minimum time between two updates of the map during a stroke, in milliseconds. After a slow update, the pause is longer, so that updates take at
+## most a quarter of the time.
 const PAUSE_MSEC := 60
-## The smallest radius of a disc in pixels, with which it has at least one.
+## The minimum radius of a disc in pixels, so that every disc has at least one pixel.
 const LEAST_REACH := 0.75
-## A pixel of the red channel for land without a biome.
+## The value of the red channel for land without a biome.
 const NO_INDEX := 255
 
-## In meters, above 0.
+## The radius of the brush in meters, above 0.
 var radius := 16.0
-## Manages the files of images.
+## The manager of the files in which the painted images are stored.
 var files: SceneFiles
 
 var _map: ScatterBiomeMap
 var _image: Image
-var _former: Resource ## What the map had instead of the image.
+var _former: Resource ## The map's image before the stroke.
 var _before: Image
-var _touched := Rect2i() ## Pixels that may have changed.
+var _touched := Rect2i() ## The pixels that may have changed.
 var _color := Color.BLACK
 var _title := ""
 var _scatter: TerrainScatter3D
 var _scene_path := ""
 var _last := Vector2.ZERO
 var _next_reading := 0
-var _unread := false ## True if discs were added since the map read the image.
+var _unread := false ## True if discs were painted that the map has not read yet.
 
 
-## True between [method begin] and [method finish].
+## Returns true between [method begin] and [method finish].
 func is_painting() -> bool:
 	return _map != null
 
 
-## Starts a stroke with a disc at world x and z. [param index] is the biome's; -1 is land without a biome. Returns the reason if the stroke cannot
-## begin, as a sentence; empty on success.
+## Starts a stroke with a disc at world x and z. [param index] is the index of the biome, or -1 for land without a biome. Returns an empty string on
+## success, or the reason for a failure as a sentence.
 func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector2) -> String:
 	finish(null)
 	var map := scatter.biomes
@@ -67,7 +68,7 @@ func begin(scatter: TerrainScatter3D, index: int, scene_path: String, at: Vector
 	return ""
 
 
-## Continues the stroke to world x and z, with discs on the way.
+## Continues the stroke to world x and z, and adds discs along the way.
 func move(at: Vector2) -> void:
 	if not is_painting():
 		return
@@ -101,21 +102,21 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 	_scatter = null
 
 
-## Puts pixels back into the image, and the image into the map; for undo.
+## Restores pixels of the image, and the image of the map. For undo and redo.
 func restore(map: ScatterBiomeMap, image: Image, pixels: Image, at: Vector2i) -> void:
 	image.blit_rect(pixels, Rect2i(Vector2i.ZERO, pixels.get_size()), at)
 	map.map_image = image
 	_mark(map, image)
 
 
-## The name of a biome; -1 is land without a biome.
+## Returns the name of a biome, or of land without a biome if [param index] is -1.
 static func name_of(map: ScatterBiomeMap, index: int) -> String:
 	if index < 0 or map.biomes[index] == null:
 		return "No Biome"
 	return map.biomes[index].resource_name if map.biomes[index].resource_name else "Biome %d" % index
 
 
-## The reason why a biome has no color of its own to paint with, as a sentence.
+## Returns an error, as a sentence, if an earlier biome has the same color as this one. Otherwise, and for a map of indices, returns an empty string.
 static func _same_color(map: ScatterBiomeMap, index: int) -> String:
 	if index < 0 or map.map_mode == ScatterBiomeMap.MAP_MODE_INDICES:
 		return ""
@@ -131,7 +132,7 @@ static func _pixel(map: ScatterBiomeMap, index: int) -> Color:
 	return Color(map.biomes[index].color, 1.0) if index >= 0 else Color.TRANSPARENT
 
 
-## The image of the map if it can be painted; else a copy, for example of an imported picture, or a new one.
+## Returns the image of the map if it can be painted. Otherwise returns a copy, for example of an imported picture, or a new image.
 func _paintable(map: ScatterBiomeMap, index: int) -> Image:
 	var image := map.map_image as Image
 	if image == null and map.map_image is Texture2D:
@@ -154,14 +155,14 @@ func _paintable(map: ScatterBiomeMap, index: int) -> Image:
 	return copy
 
 
-## The formats of images to paint. Land without a biome needs alpha.
+## Returns the formats in which an image can be painted, the preferred one first. Land without a biome needs alpha.
 static func _formats(map: ScatterBiomeMap, index: int) -> PackedInt32Array:
 	if map.map_mode == ScatterBiomeMap.MAP_MODE_INDICES:
 		return [Image.FORMAT_R8, Image.FORMAT_RGB8, Image.FORMAT_RGBA8]
 	return [Image.FORMAT_RGBA8] if index < 0 else [Image.FORMAT_RGBA8, Image.FORMAT_RGB8]
 
 
-## A map may have a file of its own, which names the image.
+## Marks the image and the map as changed. The map may have its own file, which refers to the image.
 func _mark(map: ScatterBiomeMap, image: Image) -> void:
 	files.mark(image)
 	files.mark(map)
@@ -185,7 +186,7 @@ func _disc(at: Vector2) -> void:
 				_touched = row.merge(_touched) if _touched.has_area() else row
 
 
-## Lets the map read the image.
+## Sets the image on the map, which then reads it.
 func _read() -> void:
 	var begun := Time.get_ticks_msec()
 	_map.map_image = _image

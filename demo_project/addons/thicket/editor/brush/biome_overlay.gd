@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/brush/painted_overlay.gd"
-## Shows the biomes in their colors while their brush is on.
+## Shows the biomes in their colors on the ground while the biome brush is on.
 
 const OPACITY := 0.4
 

@@ -1,19 +1,20 @@
 @tool
 extends RefCounted
-## Paints the density of layers. A stroke is a row of dabs, and one undo step for all its layers.
+## Paints the density of layers. A stroke consists of dabs, which are overlapping round touches of the brush, and is one undo step for all of its
+## layers.
 
 const MaskStroke := preload("res://addons/thicket/editor/brush/mask_stroke.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const StrokePlaces := preload("res://addons/thicket/editor/brush/stroke_places.gd")
 
 var mode: ScatterMask.Mode = ScatterMask.MODE_PAINT
-## In meters, above 0.
+## The radius of the brush in meters, above 0.
 var radius := 8.0
-## The effect of a single dab at its center, 0 to 1.
+## The effect of a single dab at its center, from 0 to 1.
 var strength := 0.5
-## The part of the radius within which the strength is full, 0 to 1.
+## The part of the radius with full strength, from 0 to 1.
 var hardness := 0.5
-## Manages the files of masks.
+## The manager of the files in which masks are stored.
 var files := SceneFiles.new()
 
 var _scatter: TerrainScatter3D
@@ -24,13 +25,13 @@ var _scene_path := ""
 var _last := Vector2.ZERO
 
 
-## True between [method begin] and [method finish].
+## Returns true between [method begin] and [method finish].
 func is_painting() -> bool:
 	return not _strokes.is_empty()
 
 
-## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one: an empty mask for painting, so that the layer
-## grows only where it is painted, or a full mask for erasing. Returns the reason if the stroke cannot begin, as a sentence; empty on success.
+## Starts a stroke on layers of a scatter with a dab at world x and z. A layer without a mask gets one. For painting, the mask is empty, so that the layer
+## grows only where it is painted; for erasing, it is full. Returns an empty string on success, or the reason for a failure as a sentence.
 func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: String, stroke_mode: ScatterMask.Mode,
 		at: Vector2) -> String:
 	finish(null)
@@ -56,7 +57,7 @@ func begin(scatter: TerrainScatter3D, layers: Array[ScatterLayer], scene_path: S
 	return ""
 
 
-## Continues the stroke to world x and z, with dabs on the way.
+## Continues the stroke to world x and z, and adds dabs along the way.
 func move(at: Vector2) -> void:
 	if not is_painting():
 		return
@@ -91,7 +92,7 @@ func finish(undo_redo: EditorUndoRedoManager) -> void:
 	_strokes.clear()
 
 
-## Restores packed blocks of pixels; for undo.
+## Restores compressed blocks of pixels. For undo and redo.
 func restore(mask: ScatterMask, blocks: Dictionary) -> void:
 	MaskStroke.put(mask, blocks)
 	files.mark(mask)

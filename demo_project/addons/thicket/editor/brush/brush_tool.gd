@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## The base class of the brushes: a ring on the ground, and strokes with the left mouse button.
+## The base class of the brushes. It draws a ring on the ground, and handles strokes with the left mouse button.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
@@ -55,12 +55,12 @@ func draw_over(overlay: Control) -> void:
 	_cursor.draw_dot(overlay, _color())
 
 
-## Draws more inside of the ring.
+## Draws additional shapes inside the ring. Overridden by the individual brushes.
 func _draw_inside(_overlay: Control) -> void:
 	pass
 
 
-## The color of the ring.
+## Returns the color of the ring.
 func _color() -> Color:
 	return Color.WHITE
 
@@ -69,7 +69,8 @@ func _is_painting() -> bool:
 	return false
 
 
-## Begins a stroke at a position on the ground, which may not be finite. Returns the reason if it cannot, as a sentence.
+## Begins a stroke at a position on the ground, which is not finite if there is no ground. Returns an empty string on success, or the reason for a
+## failure as a sentence.
 func _begin_stroke(_at: Vector3, _pressed: InputEventMouseButton) -> String:
 	return ""
 
@@ -79,7 +80,7 @@ func _move_stroke(_at: Vector2) -> void:
 	pass
 
 
-## The reason why nothing can be painted without a ground, as a sentence; empty if there is one.
+## Returns an error, as a sentence, if there is no ground to paint on. Otherwise returns an empty string.
 func _ground_problem() -> String:
 	return "" if ground() != null else "There is no ground to paint on: set the ground of %s, or press Use as Ground." % scatter.name
 
@@ -102,7 +103,7 @@ func _add_radius(meters: float) -> void:
 	_radius.value_changed.connect(redraw_requested.emit.unbind(1))
 
 
-## Shows what the brush paints on the ground that the view looks at, while the brush is on; nothing if [param painted] is null.
+## Shows the painted resource on the ground in the center of the view while the brush is on. Shows nothing if [param painted] is null.
 func _show_painted(overlay: PaintedOverlay, painted: Resource) -> void:
 	if not is_on() or ground() == null:
 		painted = null

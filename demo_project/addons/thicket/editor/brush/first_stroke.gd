@@ -1,9 +1,9 @@
 @tool
 extends ConfirmationDialog
-## The dialog for the first stroke with Paint on a layer without a mask. The layer grows everywhere already, so the user chooses
-## what the stroke means.
+## The dialog for the first stroke with Paint on a layer without a mask. Such a layer already grows everywhere, so the user chooses
+## the effect of the stroke.
 
-## The user chose a brush mode for the stroke that began at world x and z.
+## Emitted when the user has chosen a brush mode for the stroke that began at world x and z.
 signal chosen(mode: ScatterMask.Mode, at: Vector2)
 
 const TEXT := "%s grows wherever its rules permit, so there is nothing to add.\n
@@ -24,7 +24,7 @@ func _init() -> void:
 	custom_action.connect(func(_action: StringName) -> void: _choose(ScatterMask.MODE_ERASE))
 
 
-## Opens for layers with these names and this number of visible instances.
+## Opens the dialog for layers with these names and this number of visible instances. [param at] is the world x and z of the stroke.
 func ask(names: PackedStringArray, instances: int, at: Vector2) -> void:
 	_at = at
 	var gone := "All others of the %d visible instances are removed." % instances if instances > 0 else ""

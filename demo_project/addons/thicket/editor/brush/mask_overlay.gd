@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/brush/painted_overlay.gd"
-## Shows the mask of a layer while the brush is on: green where the layer may grow, and red where it may not.
+## Shows the mask of a layer on the ground while the brush is on: green where the layer may grow, and red where it may not.
 
 const STANDS := Color(0.35, 0.95, 0.3, 0.2)
 const GONE := Color(1.0, 0.25, 0.2, 0.4)

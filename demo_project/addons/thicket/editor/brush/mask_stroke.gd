@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## The changes of a brush stroke to one mask: the blocks of pixels that have changed, compressed, before and after.
+## The changes of a brush stroke to one mask, as compressed blocks of pixels before and after the stroke.
 
-## Pixels along the side of a block.
+## The side of a block in pixels.
 const BLOCK := 64
 
 var mask: ScatterMask
-## Layers that had no mask before the stroke and now share this one.
+## The layers that had no mask before the stroke and now use this one.
 var new_layers: Array[ScatterLayer] = []
 
 var _before: Dictionary[Vector2i, PackedByteArray] = {}
@@ -30,7 +30,7 @@ func dab(at: Vector2, radius: float, strength: float, hardness: float, mode: Sca
 	mask.paint(at, radius, strength, hardness, mode)
 
 
-## Returns the blocks that have changed, before and after.
+## Adds the changed blocks to the dictionaries: [param r_before] gets their pixels before the stroke, and [param r_after] those after it.
 func changes(r_before: Dictionary, r_after: Dictionary) -> void:
 	for block in _before:
 		var now := mask.get_pixels(_pixels(block))
@@ -39,7 +39,7 @@ func changes(r_before: Dictionary, r_after: Dictionary) -> void:
 			r_after[block] = now.compress(FileAccess.COMPRESSION_ZSTD)
 
 
-## Restores packed blocks of pixels.
+## Writes compressed blocks of pixels to a mask.
 static func put(painted: ScatterMask, blocks: Dictionary) -> void:
 	for block: Vector2i in blocks:
 		var packed: PackedByteArray = blocks[block]

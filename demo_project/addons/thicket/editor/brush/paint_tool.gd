@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/brush/brush_tool.gd"
-## The brush: paints the mask of a layer, and shows it.
+## The brush that paints and displays the masks of layers.
 
 const Brush := preload("res://addons/thicket/editor/brush/brush.gd")
 const FirstStroke := preload("res://addons/thicket/editor/brush/first_stroke.gd")
@@ -16,9 +16,9 @@ const MODE_TIPS: PackedStringArray = [
 const COLORS: Array[Color] = [Color(0.5, 1.0, 0.45), Color(1.0, 0.45, 0.35), Color(0.45, 0.75, 1.0)]
 
 var brush := Brush.new()
-## Asks what the first stroke on a layer without a mask means.
+## The dialog for the first stroke on a layer without a mask.
 var first_stroke := FirstStroke.new()
-## Shows the mask of the chosen layer.
+## The overlay that shows the mask of the chosen layer on the ground.
 var mask_overlay := MaskOverlay.new()
 
 var _modes: Array[Button] = []
@@ -119,7 +119,7 @@ func _begin_stroke(at: Vector3, pressed: InputEventMouseButton) -> String:
 	return brush.begin(scatter, unlocked(), SceneFiles.edited_scene_path(), mode, on_map)
 
 
-## Paints a single dab for the user's choice in the dialog, and keeps its mode for the brush.
+## Paints a single dab with the mode that the user has chosen in the dialog. The brush keeps that mode.
 func _stroke_once(mode: ScatterMask.Mode, at: Vector2) -> void:
 	if not is_instance_valid(scatter) or unlocked().is_empty():
 		return

@@ -6,7 +6,7 @@ var _painted: Resource
 var _version := 0 ## Increases with each change of the resource.
 
 
-## Sets the resource to show; null for none.
+## Sets the resource to show, or null for none.
 func watch(painted: Resource) -> void:
 	if painted == _painted:
 		return
@@ -17,7 +17,7 @@ func watch(painted: Resource) -> void:
 		_painted.connect(_change(), _on_changed)
 
 
-## Draws the resource on the ground around a position, seen from [param away] meters. Does nothing if nothing has changed.
+## Draws the resource on the ground around a position. The view is [param away] meters from that position. Does nothing if nothing has changed.
 func show(scatter: TerrainScatter3D, around: Vector3, away: float) -> void:
 	cover(scatter, around, away, [_painted, _version], _sample)
 	while not is_complete(): # A stroke must be visible immediately.
@@ -32,12 +32,12 @@ func _sample(rect: Rect2, size: Vector2i) -> PackedColorArray:
 	return colors
 
 
-## The signal of the resource that reports a change.
+## Returns the signal with which the resource reports a change.
 func _change() -> StringName:
 	return &"changed"
 
 
-## The color at world x and z.
+## Returns the color at world x and z.
 func _color_at(_at: Vector2) -> Color:
 	return Color.TRANSPARENT
 

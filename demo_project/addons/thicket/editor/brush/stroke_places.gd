@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## The places of the dabs of a stroke.
+## Computes the positions of the dabs in a stroke.
 
-## The distance between dabs, as a part of the radius.
+## The distance between dabs, as a multiple of the radius.
 const SPACING := 0.25
 
 
-## The places of the next dabs on the way from the last dab to a position.
+## Returns the positions of the next dabs from the last dab towards a position.
 static func between(last: Vector2, at: Vector2, radius: float) -> PackedVector2Array:
 	var step := maxf(radius * SPACING, 0.01)
 	var way := at - last

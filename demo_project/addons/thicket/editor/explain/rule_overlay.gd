@@ -12,7 +12,7 @@ const TIPS: PackedStringArray = [
 	"The slope of the ground.",
 	"The order in which the chosen layer is thinned: dark instances are removed last. Each position has the rank of the nearest point of the layer's set.",
 ]
-## In each frame.
+## The time for drawing in each frame, in microseconds.
 const BUDGET := 4000
 const NONE := Color(0.0, 0.0, 0.0, 0.0)
 
@@ -26,8 +26,8 @@ var _kind := Kind.NOTHING
 var _name := ""
 
 
-## Draws a kind of values of the layer at an index, around a position on the ground, seen from [param away] meters. Does nothing if it
-## was called with the same arguments before. [param version] must change when the settings change.
+## Draws values of the layer at an index, around a position on the ground. The view is [param away] meters from that position. Does nothing
+## if the arguments are the same as last time. [param version] must change when the settings change.
 func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, away: float, version: int) -> void:
 	var layers := ScatterLayers.of(scatter)
 	var chosen: ScatterLayer = layers[layer] if layer >= 0 and layer < layers.size() else null
@@ -35,7 +35,7 @@ func show(scatter: TerrainScatter3D, kind: Kind, layer: int, around: Vector3, aw
 		return hide()
 	_kind = kind
 	_name = "" if chosen == null else str(chosen.resource_name) if chosen.resource_name else "Layer %d" % layer
-	# Points are a radius apart: with larger quads, their ranks would look like noise.
+	# Points are about a radius apart, so with larger quads their ranks would look like noise.
 	var largest: float = chosen.radius * 0.5 if kind == Kind.RANK else INF
 	cover(scatter, around, away, [kind, layer, version], _ask.bind(scatter, kind, chosen), largest)
 

@@ -1,7 +1,7 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## Explains why instances are placed at a position or not: each layer's result is shown next to the mouse, and a click pins it. It can
-## color the ground by density, slope or rank.
+## Explains why instances are or are not placed at a position. Each layer's result is shown next to the mouse, and a click pins it. The
+## tool can also color the ground by density, slope or rank.
 
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
@@ -105,7 +105,7 @@ func finish() -> void:
 func _process(_delta: float) -> void:
 	overlay.work(RuleOverlay.BUDGET)
 	if is_on() and not pinned.is_finite() and _cursor.on_ground != _explained:
-		_explain(_cursor.on_ground, false) # The mouse has stopped here.
+		_explain(_cursor.on_ground, false) # The mouse has stopped, so the last position is still to be explained.
 
 
 func _on_toggled() -> void:
@@ -117,7 +117,7 @@ func _place_of(position: Vector3) -> Vector2:
 	return _cursor.to_overlay(position) if position.is_finite() and not _camera.is_position_behind(position) else Vector2.INF
 
 
-## Updates the explanation and the colors when the settings have changed and the scatter has settled.
+## Updates the explanation and the colors once the scatter has settled after a change of its settings.
 func _notice_changes() -> void:
 	var state: Array = [scatter, ground(), layer_index, scatter.is_settled(), scatter.get_stats().tiles_made]
 	if state == _state:

@@ -1,7 +1,7 @@
 @tool
 extends EditorExportPlugin
-## An export as a dedicated server replaces meshes and textures by placeholders. This plugin stores the parts of them that a server needs: convex
-## hulls, and images that are used as masks, heights and biomes. The resources themselves determine these parts.
+## Stores the data of meshes and textures that a dedicated server needs, because the export of a server replaces meshes and textures with
+## placeholders. The data are convex hulls, and the images of masks, heights and biomes. Each resource selects its own data.
 
 
 func _get_name() -> String:
@@ -12,8 +12,8 @@ func _begin_customize_resources(_platform: EditorExportPlatform, _features: Pack
 	return get_export_preset().is_dedicated_server()
 
 
-## Only changes a resource that has its own file when that file is exported (`path`). In any other file, it may be the object that the editor has
-## open.
+## Adds the data of a resource with its own file only when that file ([param path]) is exported. While a different file is exported that contains the
+## resource, the editor may be using the same object, which must not change.
 func _customize_resource(resource: Resource, path: String) -> Resource:
 	var is_elsewhere := path.is_empty() and resource.resource_path.begins_with("res://") and not "::" in resource.resource_path
 	return resource if not is_elsewhere and _embed(resource) else null
@@ -27,7 +27,8 @@ func _embed(resource: Resource) -> bool:
 	return resource is ScatterBiomeMap and (resource as ScatterBiomeMap).embed_stripped_data()
 
 
-## The engine reuses an exported file until the file itself or this number changes. The stored data also comes from other files.
+## Returns a hash of all files in the project. The engine reuses an exported file until the file or this hash changes. The hash must cover all files,
+## because the stored data of a resource may come from other files.
 func _get_customization_configuration_hash() -> int:
 	return _hash_of(EditorInterface.get_resource_filesystem().get_filesystem())
 

@@ -1,17 +1,16 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws the extent of the layers of the selected [code]TerrainScatter3D[/code]: a line around the tiles that are
-## shown.
+## Draws the extent of the layers of the selected [code]TerrainScatter3D[/code], as a line around the visible tiles.
 
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
 const COLOR := Color(0.99, 0.62, 0.5)
 const SIDES: Array[Vector2i] = [Vector2i.UP, Vector2i.RIGHT, Vector2i.DOWN, Vector2i.LEFT]
-## The largest number of ground heights for one drawing, for all layers together.
+## The largest number of ground heights to query for one drawing, for all layers together.
 const MOST_HEIGHTS := 2000
 
-## The selected scatter; no other is drawn.
+## The selected scatter, the only one that is drawn.
 var scatter: TerrainScatter3D
 
 var _line := GroundLines.material(Color(COLOR, 0.6))
@@ -47,7 +46,7 @@ func _redraw(gizmo: EditorNode3DGizmo) -> void:
 	gizmo.add_lines(lines.segments, _line)
 
 
-## Adds the sides of tiles that have no neighbor there.
+## Adds the sides at which a tile has no neighbor.
 static func _add_edges(edges: Array[PackedVector2Array], tiles: Array, size: float) -> void:
 	var shown := {}
 	for tile: Vector2i in tiles:

@@ -1,15 +1,15 @@
 @tool
 extends RefCounted
-## The position on the ground below the mouse, and the shapes that a tool draws there over the view.
+## Finds the position on the ground below the mouse, and draws the shapes of tools over the view.
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
 const SIDES := 64
 const PIECES := 24
 
-## The position on the ground below the mouse, in world meters; [constant Vector3.INF] if there is none.
+## The position on the ground below the mouse, in meters, or [constant Vector3.INF] if there is none.
 var on_ground := Vector3.INF
-## The ray from the eye through the mouse: its start in world meters, and its direction with a length of 1.
+## The ray from the camera through the mouse: its start in meters, and its direction with a length of 1.
 var from := Vector3.ZERO
 var direction := Vector3.FORWARD
 
@@ -17,7 +17,7 @@ var _camera: Camera3D
 var _mouse := Vector2.ZERO
 
 
-## Finds the ground below a position in the camera's viewport. Without a ground there is no position.
+## Sets [member on_ground] to the ground below a position in the camera's viewport, in pixels. [param ground] may be null.
 func aim(camera: Camera3D, position: Vector2, ground: ScatterGround) -> void:
 	_camera = camera
 	_mouse = position
@@ -29,14 +29,14 @@ func aim(camera: Camera3D, position: Vector2, ground: ScatterGround) -> void:
 		on_ground = GroundRay.hit(ground, from, direction)
 
 
-## Clears the position until the next [method aim].
+## Clears [member on_ground] until the next [method aim].
 func clear() -> void:
 	on_ground = Vector3.INF
 	_camera = null
 
 
-## True if the mouse was last over the viewport of this overlay. An overlay is next to the container of its
-## viewport.
+## Returns true if the mouse was last over the viewport of this overlay. The overlay is a sibling of the viewport's
+## container, or below one.
 func is_over(overlay: Control) -> bool:
 	if not is_instance_valid(_camera):
 		return false
@@ -44,7 +44,7 @@ func is_over(overlay: Control) -> bool:
 	return container != null and container.get_parent() != null and container.get_parent().is_ancestor_of(overlay)
 
 
-## The position of the mouse over the viewport, in pixels.
+## Returns the position of the mouse over the viewport, in pixels.
 func mouse() -> Vector2:
 	return _mouse
 
@@ -54,7 +54,7 @@ func say(overlay: Control, sentence: String) -> void:
 	_write(overlay, sentence, _mouse + Vector2(18.0, 24.0), Color(1.0, 0.85, 0.5))
 
 
-## Writes a sentence at the lower edge of the view, about what keys and clicks do.
+## Writes a hint about keys and clicks at the lower edge of the view.
 func hint(overlay: Control, sentence: String) -> void:
 	_write(overlay, sentence, Vector2(12.0, overlay.size.y - 14.0), Color(0.9, 0.95, 1.0))
 
@@ -73,7 +73,7 @@ func draw_dot(overlay: Control, color: Color) -> void:
 	overlay.draw_circle(to_overlay(on_ground), 2.5, color)
 
 
-## Draws a handle at a world position, if it is in front of the camera.
+## Draws a handle at a world position that is in front of the camera.
 func draw_knob(overlay: Control, position: Vector3, color: Color) -> void:
 	if not _camera.is_position_behind(position):
 		overlay.draw_circle(to_overlay(position), 6.0, Color(0.0, 0.0, 0.0, 0.6))
@@ -93,12 +93,12 @@ func draw_ring(overlay: Control, ground: ScatterGround, radius: float, color: Co
 	draw_path(overlay, line, color, width)
 
 
-## Converts a world position to a position on the overlay. It must not be behind the camera.
+## Returns the position on the overlay, in pixels, of a world position. The world position must not be behind the camera.
 func to_overlay(position: Vector3) -> Vector2:
 	return _camera.unproject_position(position) * _shrink(_camera)
 
 
-## A line between two positions that follows the ground.
+## Returns a line between two positions that follows the ground, and is straight where there is no ground.
 func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVector3Array:
 	var line := PackedVector3Array()
 	for piece in PIECES + 1:
@@ -110,7 +110,7 @@ func along_ground(from: Vector3, to: Vector3, ground: ScatterGround) -> PackedVe
 	return line
 
 
-## Draws a line through world positions, except for those behind the camera.
+## Draws a line through world positions, and leaves out those behind the camera.
 func draw_path(overlay: Control, positions: PackedVector3Array, color: Color, width: float) -> void:
 	var line := PackedVector2Array()
 	for position in positions:
@@ -128,7 +128,7 @@ func _draw_line(overlay: Control, line: PackedVector2Array, color: Color, width:
 		overlay.draw_polyline(line, color, width, true)
 
 
-## The number of overlay pixels per viewport pixel. At half resolution, a viewport has fewer pixels than its overlay.
+## Returns the number of overlay pixels per viewport pixel, which is above 1 if the view has half resolution.
 static func _shrink(camera: Camera3D) -> float:
 	var container := camera.get_viewport().get_parent() as SubViewportContainer
 	return float(container.stretch_shrink) if container != null and container.stretch else 1.0

@@ -1,15 +1,15 @@
 @tool
 extends RefCounted
-## Lines for gizmos, which follow the ground of a scatter.
+## Builds lines for gizmos that follow the ground of a scatter.
 
-## Meters above the ground, so that the ground does not hide the lines.
+## The height of lines above the ground in meters, so that the ground does not hide them.
 const LIFT := 0.1
 
-## The ground to follow; if null, lines are at [member level].
+## The ground to follow. If null, lines are at [member level].
 var ground: ScatterGround
 ## The world height in meters of lines without a ground.
 var level := 0.0
-## The number of ground heights that may still be queried. Once it is used up, lines are straight from corner to corner.
+## The number of ground heights that may still be queried. Once it is 0, further lines are straight from corner to corner.
 var budget := 4000
 ## Pairs of end points, in the space of the node.
 var segments := PackedVector3Array()
@@ -17,7 +17,7 @@ var segments := PackedVector3Array()
 var _to_node: Transform3D
 
 
-## Prepares lines for [param node], which may be outside of a scatter.
+## Prepares lines for [param node]. If the node is not below a scatter, the lines do not follow a ground.
 func _init(node: Node3D) -> void:
 	_to_node = node.global_transform.affine_inverse()
 	level = node.global_position.y
@@ -26,15 +26,15 @@ func _init(node: Node3D) -> void:
 		ground = scatter.ground
 
 
-## The scatter above a node, or the node itself; null if there is none.
+## Returns the node itself or the nearest scatter above it, or null if there is none.
 static func scatter_of(node: Node) -> TerrainScatter3D:
 	while node != null and not node is TerrainScatter3D:
 		node = node.get_parent()
 	return node as TerrainScatter3D
 
 
-## A material for lines that are visible through everything, and opaque whether their node is selected or not. Materials of a gizmo plugin cannot do
-## this.
+## Returns a material for lines that are visible through everything, and equally opaque whether their node is selected or not. The materials that a
+## gizmo plugin creates are less opaque for unselected nodes.
 static func material(color: Color) -> StandardMaterial3D:
 	var made := StandardMaterial3D.new()
 	made.shading_mode = BaseMaterial3D.SHADING_MODE_UNSHADED

@@ -1,27 +1,27 @@
 @tool
 extends RefCounted
-## A colored overlay on the ground around a position. It exists only in the renderer: it has no node, and adds nothing to the scene. It
+## A colored overlay on the ground around a position. It exists only in the renderer, without a node, so it adds nothing to the scene. It
 ## is generated in parts, a few in each frame, and replaces the previous overlay when all parts are complete.
 
-## Quads along a side, and parts along a side.
+## The number of quads and of parts along a side of the overlay.
 const QUADS := 48
 const PARTS := 4
-## The width of the overlay, as a multiple of the view's distance from the point that it looks at, and its limits in meters.
+## The width of the overlay, as a multiple of the distance from the camera, and its limits in meters.
 const WIDTH := 2.0
 const WIDTHS := Vector2(24.0, 1200.0)
-## Meters above the ground, per meter of a quad's side.
+## The height of the overlay above the ground, as a multiple of a quad's side.
 const LIFT := 0.04
 
-var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## The visible one, and the one that is being generated.
+var _meshes: Array[ArrayMesh] = [ArrayMesh.new(), ArrayMesh.new()] ## The visible mesh, and the mesh that is being generated.
 var _material := StandardMaterial3D.new()
 var _instance := RID()
 var _scatter: TerrainScatter3D
 var _ground: ScatterGround
 var _middle := Vector2i.ZERO ## The center of the overlay, in quads.
 var _quad := 0.0 ## The side of a quad, in meters.
-var _asked: Array = [] ## Everything that determines the overlay; empty if there is none.
+var _asked: Array = [] ## All values that determine the overlay; empty if there is none.
 var _colors: Callable
-var _waiting: Array[Vector2i] = [] ## Parts that are still to be generated.
+var _waiting: Array[Vector2i] = [] ## The parts that are still to be generated.
 
 
 func _init() -> void:
@@ -45,20 +45,20 @@ func hide() -> void:
 	_take_off()
 
 
-## True if an overlay is shown or being generated.
+## Returns true if an overlay is shown or being generated.
 func is_shown() -> bool:
 	return not _asked.is_empty()
 
 
-## True if no overlay is being generated.
+## Returns true if no overlay is being generated.
 func is_complete() -> bool:
 	return _waiting.is_empty()
 
 
-## Begins an overlay on the ground of a scatter around a position, seen from [param away] meters, with quads of at most [param largest]
-## meters. Does nothing if the ground, the position and [param version] are the same as last time. [param colors] is called with a
-## rectangle of world x and z, and with a size that divides the rectangle into fields. It returns a color for the middle of each field,
-## row by row, or an empty array if it cannot, which removes the overlay.
+## Begins an overlay on the ground of a scatter around a position, with quads of at most [param largest] meters. The view is [param away]
+## meters from that position. Does nothing if the ground, the position and [param version] are the same as last time. [param colors] is
+## called with a rectangle of world x and z, and the number of columns and rows that divide it. It returns a color for the center of each
+## cell, row by row. If it returns an empty array, the overlay is removed.
 func cover(scatter: TerrainScatter3D, around: Vector3, away: float, version: Variant, colors: Callable, largest := INF) -> void:
 	var quad := pow(2.0, floorf(log(minf(clampf(away * WIDTH, WIDTHS.x, WIDTHS.y) / QUADS * sqrt(2.0), largest)) / log(2.0)))
 	var middle := Vector2i((Vector2(around.x, around.z) / (quad * 4.0)).round()) * 4
@@ -87,7 +87,7 @@ func work(microseconds: int) -> void:
 	var deadline := Time.get_ticks_usec() + microseconds
 	while not _waiting.is_empty():
 		var arrays := _part(_waiting.pop_front())
-		if arrays.is_empty(): # This request is not repeated.
+		if arrays.is_empty(): # The request failed and is not repeated.
 			_waiting.clear()
 			return _take_off()
 		_meshes[1].add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)

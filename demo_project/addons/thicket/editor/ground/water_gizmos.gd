@@ -1,18 +1,18 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws the water of the selected [code]TerrainScatter3D[/code] as a plane over its tiles, with a handle in its middle that changes the level.
+## Draws the water of the selected [code]TerrainScatter3D[/code] as a plane over its tiles. A handle in the center changes the water level.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
 const COLOR := Color(0.25, 0.55, 0.95, 0.35)
-## Meters from the middle to the sides if no tile is shown.
+## The distance in meters from the center to the sides if no tile is shown.
 const REACH := 100.0
-## The step of the level in meters without snapping.
+## The step, in meters, to which the handle rounds the level if snapping is off.
 const STEP := 0.01
 
 var undo_redo: EditorUndoRedoManager
-## The selected scatter; no other is drawn.
+## The selected scatter, the only one whose water is drawn.
 var scatter: TerrainScatter3D
 
 var _material := StandardMaterial3D.new()
@@ -79,7 +79,7 @@ func _commit_handle(gizmo: EditorNode3DGizmo, _id: int, _secondary: bool, restor
 	undo_redo.commit_action()
 
 
-## The rectangle of the tiles that are shown, x and z in meters.
+## Returns the rectangle of all visible tiles, with x and z in meters. Without visible tiles, returns a square around the origin.
 func _area() -> Rect2:
 	var area := Rect2()
 	for layer in ScatterLayers.of(scatter):

@@ -1,29 +1,28 @@
 @tool
 extends RefCounted
-## Changes single instances of a scatter by hand. Each change is one undo step, and all changes are kept in the scatter's state, in a
-## file next to the scene.
+## Changes single instances of a scatter. Each change is one undo step. The scatter's state, in a file next to the scene, stores all
+## changes.
 ##
-## The state provides diffs of the changed instances before and after a step ([code]ScatterState.diff_of[/code]), so undo and redo are
-## exact.
+## Undo and redo are exact, because they apply diffs of the changed instances before and after a step ([method ScatterState.diff_of]).
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## Manages the files of states.
+## The manager of the files in which states are stored.
 var files: SceneFiles
 var undo_redo: EditorUndoRedoManager
-## The reason why [method begin] failed, as a sentence.
+## The reason why the last [method begin] failed, as a sentence.
 var problem := ""
 
 var _scatter: TerrainScatter3D
 var _scene_path := ""
 var _state: ScatterState
-var _last_state: ScatterState ## The scatter's previous state, if it got a new one.
+var _last_state: ScatterState ## The scatter's previous state if the step has created a new one.
 var _is_new := false
 var _before: Array[PackedByteArray] = [] ## Diffs that revert the changes since [method begin].
 var _ids := PackedInt64Array()
 
 
-## True between [method begin] and [method commit] or [method abort].
+## Returns true between [method begin] and [method commit] or [method abort].
 func is_open() -> bool:
 	return _state != null
 
@@ -50,14 +49,14 @@ func begin(scatter: TerrainScatter3D, scene_path: String) -> bool:
 	return true
 
 
-## Places an instance of a layer, and returns its id; 0 if it cannot be placed.
+## Places an instance of a layer and returns its id, or 0 if it cannot be placed.
 func add(layer: ScatterLayer, transform: Transform3D, mesh: int) -> int:
 	var id := _scatter.add_instance(layer, transform, mesh)
 	_added(id)
 	return id
 
 
-## Moves, rotates or scales an instance, and returns its new id; 0 if there is no such instance.
+## Moves, rotates or scales an instance and returns its new id, or 0 if it does not exist.
 func set_transform(id: int, transform: Transform3D) -> int:
 	_touch(id)
 	var moved := _scatter.set_instance_transform(id, transform)
@@ -84,7 +83,7 @@ func commit(name: String) -> void:
 	undo_redo.commit_action(false)
 
 
-## Ends the step and adds its changes to the undo action that is being created.
+## Ends the step, and adds its changes to the undo action that the caller is creating.
 func close_into_action() -> void:
 	if _state == null:
 		return
@@ -113,21 +112,21 @@ func abort() -> void:
 	_close()
 
 
-## Applies diffs to a state; for undo.
+## Applies diffs to a state. For undo and redo.
 func restore(state: ScatterState, diffs: Array[PackedByteArray]) -> void:
 	for diff in diffs:
 		state.apply_diff(diff)
 	files.mark(state)
 
 
-## Saves an instance's state before its first change.
+## Stores a diff of an instance before its first change.
 func _touch(id: int) -> void:
 	if not _ids.has(id):
 		_before.append(_state.diff_of(PackedInt64Array([id])))
 		_ids.append(id)
 
 
-## Saves that an instance did not exist before.
+## Stores a diff that removes a new instance again.
 func _added(id: int) -> void:
 	if id != 0 and not _ids.has(id):
 		_before.append(ScatterState.new().diff_of(PackedInt64Array([id])))

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## The frame that the hand tool draws around an instance, with its handles: a box, a ring to rotate it, and a knob to scale it.
+## The frame that the hand tool draws around an instance: a box, a ring with a handle to rotate the instance, and a handle to scale it.
 
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 
@@ -17,14 +17,14 @@ var transform := Transform3D.IDENTITY
 var box := AABB()
 
 
-## The world position of a handle.
+## Returns the world position of a handle.
 func handle_position(handle: Handle) -> Vector3:
 	if handle == Handle.SCALE:
 		return transform * Vector3(0.0, box.end.y * 1.08 + 0.1, 0.0)
 	return transform.origin + _forward() * _radius()
 
 
-## The handle at a position on an overlay.
+## Returns the handle at a position on an overlay.
 func handle_at(cursor: GroundCursor, mouse: Vector2) -> Handle:
 	for handle: Handle in [Handle.TURN, Handle.SCALE]:
 		if cursor.to_overlay(handle_position(handle)).distance_to(mouse) <= GRAB:
@@ -32,7 +32,7 @@ func handle_at(cursor: GroundCursor, mouse: Vector2) -> Handle:
 	return Handle.NONE
 
 
-## The axis around which the instance rotates.
+## Returns the axis about which the instance rotates.
 func up() -> Vector3:
 	return transform.basis.y.normalized() if transform.basis.y != Vector3.ZERO else Vector3.UP
 
@@ -58,7 +58,7 @@ func draw_handles(overlay: Control, cursor: GroundCursor) -> void:
 		cursor.draw_knob(overlay, handle_position(handle), SELECTED)
 
 
-## The direction from the instance to the handle that rotates it.
+## Returns the direction from the instance to the handle that rotates it.
 func _forward() -> Vector3:
 	var axis := up()
 	var forward := transform.basis.z - axis * transform.basis.z.dot(axis)

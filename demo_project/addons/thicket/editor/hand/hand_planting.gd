@@ -1,15 +1,15 @@
 @tool
 extends HBoxContainer
-## The settings of the hand tool for planting and moving: snapping, alignment with slopes, random values, and the mesh.
+## The hand tool's settings for planting and moving instances: snapping, alignment with slopes, random values, and the mesh.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 
-## The next instance has changed.
+## Emitted when the settings of the next instance have changed.
 signal changed
 
 const ANY_MESH := -1
 
-## The items of the menu, with the values that they have first.
+## The check items of the Planting menu.
 enum Way { ALIGN, RANDOM_TURN, RANDOM_SIZE }
 const WAY_NAMES: PackedStringArray = ["Lean with the Slope", "Random Turn", "Random Size"]
 const WAY_TIPS: PackedStringArray = [
@@ -56,7 +56,7 @@ func _init() -> void:
 	add_child(_choice)
 
 
-## Sets whether to snap to the grid, align with slopes, and choose the rotation and the size at random.
+## Sets whether to snap to the grid, whether to align with slopes, and whether the rotation and the size are random.
 func choose(snap: bool, align: bool, random_turn: bool, random_size: bool) -> void:
 	_snap.button_pressed = snap
 	_choose_way(Way.ALIGN, align)
@@ -112,28 +112,28 @@ func scale_by(factor: float) -> void:
 	_size = clampf(_size * factor, 0.01, 100.0)
 
 
-## The rotation step in radians.
+## Returns the rotation step in radians.
 func turn_step() -> float:
 	return deg_to_rad(_degrees.value)
 
 
-## Whether to snap. Ctrl inverts the setting.
+## Returns true if positions and rotations snap. Ctrl inverts the setting.
 func snaps(with_control: bool) -> bool:
 	return _snap.button_pressed != with_control
 
 
-## An angle in radians, rounded to whole steps if snapping is on.
+## Returns an angle in radians, rounded to whole steps if snapping is on.
 func snapped_turn(angle: float, with_control: bool) -> float:
 	return snappedf(angle, turn_step()) if snaps(with_control) else angle
 
 
-## A factor for a basis, so that the resulting scale is a multiple of 0.1 if snapping is on.
+## Returns a scale factor for a basis. If snapping is on, the resulting scale is a multiple of 0.1.
 func snapped_size(basis: Basis, factor: float, with_control: bool) -> float:
 	var size := basis.y.length()
 	return snappedf(size * factor, 0.1) / size if snaps(with_control) and size > 0.0 else factor
 
 
-## The transform of an instance that is planted at a position on the ground.
+## Returns the transform of an instance that is planted at a position on the ground.
 func transform_at(place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
 	var at := _on_grid(place, ground, with_control)
 	var up := _up(at, ground)
@@ -142,7 +142,7 @@ func transform_at(place: Vector3, ground: ScatterGround, with_control: bool) -> 
 	return Transform3D(basis * Basis.from_scale(Vector3.ONE * _size), at)
 
 
-## The transform of an instance that is moved to the x and z of a position. It keeps its height above the ground.
+## Returns the transform of an instance that is moved to the x and z of a position. The instance keeps its height above the ground.
 func moved(from: Transform3D, place: Vector3, ground: ScatterGround, with_control: bool) -> Transform3D:
 	var to := _on_grid(place, ground, with_control)
 	var below := ground.get_height(from.origin)

@@ -1,6 +1,6 @@
 @tool
 extends "res://addons/thicket/editor/scatter_tool.gd"
-## The hand: plants, moves, turns, scales and deletes single instances of the chosen layer.
+## The hand tool: plants, moves, rotates, scales and deletes single instances of the chosen layer.
 
 const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.gd")
 const HandEdits := preload("res://addons/thicket/editor/hand/hand_edits.gd")
@@ -13,8 +13,8 @@ const SIZE_STEP := 1.1
 const LEAST_SIZE := 0.01
 ## The distance in pixels that the mouse must move before a click becomes a drag.
 const SLACK := 4.0
-## In meters: the largest distance at which instances can be picked, and the farthest that one drag can move
-## an instance.
+## The largest distance at which instances can be picked, and the farthest that one drag can move an instance,
+## in meters.
 const REACH := 1000.0
 const HINT_PLANTING := "Click plants   R turns   [ ] scale   Ctrl snaps"
 const HINT_HOVERED := "Click selects   Shift+click plants here"
@@ -23,7 +23,7 @@ const HINT_SELECTED := "Drag moves   R turns   [ ] scale   Ctrl snaps   Del dele
 var edits := HandEdits.new()
 ## The settings of the next instance.
 var planting := HandPlanting.new()
-## The id of the selected instance; 0 if there is none.
+## The id of the selected instance, or 0 if there is none.
 var selected := 0
 ## The reason why the last change failed, as a sentence; empty if it succeeded.
 var problem := ""
@@ -35,7 +35,7 @@ var _hovered := 0
 var _meshes: Array[Mesh] = []
 var _mouse := Vector2.ZERO
 
-# A press of the mouse button on the selected instance, until it is released.
+# The state of the mouse button from a press on the selected instance until its release.
 var _pressed := false
 var _dragged := false
 var _handle := HandFrame.Handle.NONE
@@ -92,8 +92,8 @@ func draw_over(overlay: Control) -> void:
 		_cursor.say(overlay, problem)
 
 
-## Updates the meshes of the chosen layer, which may have changed, and the selected instance, which undo may
-## have changed.
+## Updates the meshes of the chosen layer and the selected instance, both of which may have been changed elsewhere
+## or by undo.
 func look() -> void:
 	if not is_on() or layer == null or ground() == null:
 		_ghost.hide()
@@ -145,7 +145,7 @@ func _on_key(key: InputEventKey) -> int:
 	return MINE
 
 
-## The reason why nothing can be done, as a sentence; empty if there is none.
+## Returns the reason why instances cannot be changed, as a sentence, or an empty string.
 func _obstacle() -> String:
 	if ground() == null:
 		return "There is no ground to plant on: set the ground of %s, or press Use as Ground." % scatter.name
@@ -254,7 +254,7 @@ func _delete() -> void:
 	_hovered = 0
 
 
-## Rotates the selected instance, or else the next one, by an angle in radians.
+## Rotates the selected instance by an angle in radians. If no instance is selected, rotates the next one to plant.
 func _turn(angle: float) -> void:
 	if selected == 0:
 		planting.turn(angle)
@@ -294,7 +294,7 @@ func _show_ghost() -> void:
 		_ghost.hide()
 
 
-## The id of the chosen layer's instance under the mouse; 0 if there is none.
+## Returns the id of the chosen layer's instance under the mouse, or 0 if there is none.
 func _pick() -> int:
 	var reach := REACH
 	if _cursor.on_ground.is_finite():
@@ -303,7 +303,7 @@ func _pick() -> int:
 	return met.id if met != null else 0
 
 
-## Selects an instance if it exists; 0 selects none.
+## Selects an instance if it exists. An id of 0 clears the selection.
 func _select(id: int) -> void:
 	var frame := _frame_of(id) if id != 0 else null
 	selected = id if frame != null else 0
@@ -311,7 +311,7 @@ func _select(id: int) -> void:
 		_frame = frame
 
 
-## The frame of an instance; null if the instance does not exist or is not of the chosen layer.
+## Returns the frame of an instance, or null if it does not exist or belongs to a different layer than the chosen one.
 func _frame_of(id: int) -> HandFrame:
 	if not is_instance_valid(scatter) or ground() == null:
 		return null
@@ -329,14 +329,14 @@ func _frame_of(id: int) -> HandFrame:
 	return frame
 
 
-## The position where the mouse points at a plane through a position; [param otherwise] if the ray does not
-## meet it.
+## Returns the position on a plane below the mouse, or [param otherwise] if the mouse ray does not hit the plane. The
+## plane passes through [param through].
 func _on_plane(through: Vector3, normal: Vector3, otherwise: Vector3) -> Vector3:
 	var met: Variant = Plane(normal, through).intersects_ray(_cursor.from, _cursor.direction)
 	return met if met is Vector3 else otherwise
 
 
-## A uniform scale as a basis, limited so that the result is at least the least size.
+## Returns a uniform scale as a basis. The factor is limited so that the resulting size is at least [constant LEAST_SIZE].
 static func _factor(factor: float, basis: Basis) -> Basis:
 	var size := basis.y.length()
 	return Basis.from_scale(Vector3.ONE * (maxf(factor, LEAST_SIZE / size) if size > 0.0 else 1.0))

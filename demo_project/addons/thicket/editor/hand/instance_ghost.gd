@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## A preview of the mesh where an instance would be placed. It exists only in the renderer: it has no node, and adds
-## nothing to the scene.
+## A preview of the next instance at the position where it would be planted. It exists only in the renderer, without a
+## node, so it adds nothing to the scene.
 
 const COLOR := Color(0.3, 0.8, 1.0, 0.65)
 

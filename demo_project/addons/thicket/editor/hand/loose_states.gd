@@ -1,22 +1,22 @@
 @tool
 extends RefCounted
-## States that were created or changed without the hand tool. A state that a script or the inspector created has no file, so all its
-## instances would be saved in the scene. Such a state gets a file next to the scene, like those of the hand tool. If a script has changed
-## a state in a file, the file is saved with the scene.
+## Manages states that were created or changed without the hand tool. A state that a script or the inspector has created has no file, so
+## all of its instances would be saved in the scene. Such a state gets a file next to the scene, like those of the hand tool. If a script
+## has changed a state that has a file, the file is saved with the scene.
 
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 
 var _files: SceneFiles
-var _revisions: Dictionary[int, int] = {} ## The revisions of states at their last write, by their instance ids.
+var _revisions: Dictionary[int, int] = {} ## The revision of each state when it was last saved, by the state's instance id.
 
 
 func _init(files: SceneFiles) -> void:
 	_files = files
 
 
-## Creates a file for each state of a scene that contains instances, if the scene has a file, and marks states that differ from their files. Returns
-## true if any state had no file.
+## Creates a file for each state of a scene that contains instances but has no file, if the scene has a file. Marks states that differ from their
+## files. Returns true if any file was created.
 func take_in(root: Node) -> bool:
 	var moved := false
 	for scatter in Shared.scatters_of(root):
@@ -48,14 +48,14 @@ func _look_at(state: ScatterState) -> void:
 	if _revisions.get(id, -1) == revision:
 		return
 	var saved: ScatterState
-	if not _revisions.has(id): # The first time, only the file has the saved content.
+	if not _revisions.has(id): # The saved revision is unknown at first, so the content is compared with the file.
 		saved = ResourceLoader.load(state.resource_path, "", ResourceLoader.CACHE_MODE_IGNORE)
 	if saved == null or saved.get_digest() != state.get_digest():
 		_files.mark(state)
 	_revisions[id] = revision
 
 
-## Called after a scene was saved. If it had no file before, its states are moved to files now, and it must be saved again.
+## Moves the states of a scene that had no file before to files, after the scene was saved. The scene must then be saved again.
 func on_scene_saved(path: String) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root != null and root.scene_file_path == path and take_in(root):

@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Makes the links to tutorials in the class reference work. The editor's help opens only web addresses, and the tutorials are files of the
-## add-on, so they open in their own window.
+## Makes the links to tutorials in the class reference work. The editor's help opens only web addresses, but the tutorials are files of the
+## add-on, so this class opens them in their own window.
 
 const Tutorials := preload("res://addons/thicket/editor/help/tutorial_window.gd")
 
@@ -9,7 +9,7 @@ var _window: Tutorials
 var _tabs: Array[Node] = []
 
 
-## Watches all help pages: those that are open, and those that will be opened.
+## Watches all help pages, including those that are opened later.
 func _init(window: Tutorials) -> void:
 	_window = window
 	_tabs = EditorInterface.get_script_editor().find_children("*", "TabContainer", true, false)

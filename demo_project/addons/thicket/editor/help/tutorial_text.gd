@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Converts a tutorial for a RichTextLabel. It supports only the parts of Markdown that the pages use.
+## Converts a tutorial from Markdown to BBCode for a [RichTextLabel]. Only the Markdown syntax that the tutorials use is supported.
 
 const PICTURE := "^!\\[(?<words>[^\\]]*)\\]\\((?<file>[^)]+)\\)$"
 const ITEM := "^(?<indent> *)(?<mark>-|\\d+\\.) (?<text>.*)$"
@@ -9,7 +9,7 @@ const INLINE := "`(?<code>[^`]+)`|\\*\\*(?<bold>.+?)\\*\\*|\\*(?<italic>[^*]+)\\
 ## The size of a first-level heading in pixels; a second-level heading has three quarters of it.
 var heading_size := 28
 
-## The result: BBCode, or the file name of a picture after PICTURE_MARK.
+## The result. Each part is BBCode, or [constant PICTURE_MARK] followed by the file name of a picture.
 var parts := PackedStringArray()
 
 const PICTURE_MARK := "picture:"
@@ -17,17 +17,17 @@ const PICTURE_MARK := "picture:"
 var _picture := RegEx.create_from_string(PICTURE)
 var _item := RegEx.create_from_string(ITEM)
 var _inline := RegEx.create_from_string(INLINE)
-var _block := "" ## Lines of the current paragraph or item.
+var _block := "" ## The text of the current paragraph or list item.
 var _mark := ""
 var _level := 0
 
 
-## The first line of a page, without its mark.
+## Returns the title of a page, which is its first line.
 static func title(markdown: String) -> String:
 	return markdown.get_slice("\n", 0).trim_prefix("# ").strip_edges()
 
 
-## Reads a page into [member parts].
+## Converts a page and stores the result in [member parts].
 func read(markdown: String) -> void:
 	parts.clear()
 	var code := PackedStringArray()
@@ -67,7 +67,7 @@ func _read_line(line: String) -> void:
 		_block += ("" if _block.is_empty() else " ") + line.strip_edges()
 
 
-## Ends the current paragraph or item.
+## Ends the current paragraph or list item.
 func _flush() -> void:
 	if not _block.is_empty():
 		var text := _of_inline(_block)

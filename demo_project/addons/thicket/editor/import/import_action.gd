@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## An import of instances as one undo step. The scatter's state keeps the placed instances, in a file next to the scene. A scatter without
-## such a state gets one.
+## Imports instances as one undo step. The scatter's state, in a file next to the scene, stores the placed instances. A scatter that has no state in a
+## file gets one.
 
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
@@ -21,8 +21,8 @@ var _state: ScatterState
 var _ids := PackedInt64Array()
 
 
-## Imports instances into a scatter. [param layer] is the same as for [method ImportInstances.from_node]. [param files] manages the files
-## of states next to scenes. Returns the number of placed instances. On failure, returns 0 and sets [member problem].
+## Imports instances into a scatter. [param layer] is as in [method ImportInstances.from_node]. [param files] manages the files of states
+## next to scenes. Returns the number of placed instances. On failure, returns 0 and sets [member problem].
 func run(scatter: TerrainScatter3D, layer: Variant, reading: ImportInstances.Reading, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> int:
 	problem = ""
@@ -49,7 +49,7 @@ func run(scatter: TerrainScatter3D, layer: Variant, reading: ImportInstances.Rea
 	return _ids.size()
 
 
-## Reverts the import; for the undo history.
+## Reverts the import. Called by the undo history.
 func undo() -> void:
 	_scatter.remove_instances(_ids)
 	if _layers_after != _layers_before:
@@ -58,7 +58,7 @@ func undo() -> void:
 	_drop_state()
 
 
-## Repeats the import; for the undo history.
+## Repeats the import. Called by the undo history.
 func redo() -> void:
 	if _state != _state_before:
 		_scatter.state = _state
@@ -69,7 +69,8 @@ func redo() -> void:
 	_files.mark(_state)
 
 
-## Gives the scatter a state in a file if it has none. Returns false if that failed.
+## Makes sure that the scatter's state has its own file. Otherwise, writes a copy of the state, or a new state, to a file and assigns it. On failure,
+## returns false and sets [member problem].
 func _find_state() -> bool:
 	_state = _state_before
 	if _state != null and not _state.resource_path.is_empty() and not "::" in _state.resource_path:

@@ -1,18 +1,18 @@
 @tool
 extends ConfirmationDialog
-## The dialog for importing hand-placed instances: the user chooses a node of the scene or a table, and the layer. It shows the number
-## of instances before the import.
+## The dialog for importing hand-placed instances, in which the user chooses a node of the scene or a table, and the layer. It shows the
+## number of instances before the import.
 
 const ImportAction := preload("res://addons/thicket/editor/import/import_action.gd")
 const ImportInstances := preload("res://addons/thicket/import_instances.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## The layer choice that puts each mesh into its own layer.
+## The choice that imports each mesh into its own layer.
 const BY_MESH := -1
 
 ## The number of instances that the last import placed.
 var imported := 0
-## Manages the files of states next to scenes.
+## The manager of the files, next to scenes, in which states are stored.
 var files: SceneFiles
 var undo_redo: EditorUndoRedoManager
 
@@ -101,7 +101,7 @@ func choose_layer(layer_index: int) -> void:
 	_say()
 
 
-## The text that the dialog shows about the import.
+## Returns the text about the import that the dialog shows.
 func said() -> String:
 	return _said.text
 
@@ -127,7 +127,7 @@ func _add_row(label: String, control: Control) -> void:
 	_form.add_child(control)
 
 
-## Lists the nodes that can be imported. Nodes below such a node are not listed.
+## Lists the nodes that can be imported, without their descendants.
 func _list(node: Node, scene: Node) -> void:
 	if node is MultiMeshInstance3D or node.has_node(NodePath(ImportInstances.PROTON_OUTPUT)) or ImportInstances.is_terrain_3d(node):
 		_sources.add_item(String(scene.get_path_to(node)) if node != scene else String(node.name), _nodes.size())

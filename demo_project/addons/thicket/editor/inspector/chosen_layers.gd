@@ -1,10 +1,10 @@
 @tool
 extends Resource
-## Several layers as one object of the inspector. It shows the values of the first one; a changed value is set on all of them, as one undo step.
-## A resource, because the editor deselects the node for other objects.
+## Represents several layers as one object in the inspector. It has the values of the first layer, and sets a changed value on all layers, as one undo
+## step. The class is a resource, because the editor would deselect the node for other objects.
 
 const Names := preload("res://addons/thicket/editor/inspector/layer_names.gd")
-## Properties that differ between layers by their nature.
+## Properties that are specific to each layer, and therefore hidden.
 const OWN: PackedStringArray = ["meshes", "seed", "spacing", "script", "resource_local_to_scene", "resource_path", "resource_name"]
 
 var layers: Array[ScatterLayer] = []
@@ -19,12 +19,12 @@ func _init(chosen: Array[ScatterLayer] = [], undo_redo: EditorUndoRedoManager = 
 		layers[0].property_list_changed.connect(_on_list_changed)
 
 
-## The inspector's title.
+## Returns the title in the inspector.
 func _get_editor_name() -> String:
 	return "%d layers" % layers.size()
 
 
-## The inspector leaves undo steps to an object with this method, which knows the former value of each layer.
+## Makes the inspector add no undo steps. This class adds them, because it has the former value of each layer.
 func _dont_undo_redo() -> bool:
 	return true
 
@@ -68,7 +68,7 @@ func _property_get_revert(property: StringName) -> Variant:
 	return layers[0].property_get_revert(property)
 
 
-## A value may show or hide other properties.
+## Updates the inspector, because a value may show or hide other properties.
 func _on_list_changed() -> void:
 	notify_property_list_changed()
 

@@ -1,12 +1,12 @@
 @tool
 extends VBoxContainer
-## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files next to the scene, and makes each the
-## last LOD of its mesh, with undo.
+## A button in a layer's inspector. It bakes an impostor of each of the layer's meshes into files next to the scene, and makes it the last
+## LOD of its mesh, as one undo step.
 
 const Job := preload("res://addons/thicket/bake_impostors.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## The bake has ended: the layer has its impostors, or [member job] has a problem.
+## Emitted when the bake has ended. [param written] is true if the layer has its impostors, and false if the bake failed or was canceled.
 signal finished(written: bool)
 
 ## The current or the last bake.
@@ -30,7 +30,7 @@ func _init(layer: ScatterLayer = null, files: SceneFiles = null) -> void:
 
 
 func _ready() -> void:
-	set_process(false) # The engine enables it for every script that has a _process.
+	set_process(false) # The engine enables processing for every script with a _process.
 
 
 ## Starts a bake, or cancels the current one.
@@ -66,12 +66,12 @@ func _process(_delta: float) -> void:
 	undo.add_undo_property(_layer, &"meshes", _layer.meshes.duplicate())
 	_add_files(undo)
 	undo.commit_action()
-	for path in job.files: # Not a scan, during which undo might remove a file.
+	for path in job.files: # A scan of the file system is not used, because undo might remove a file during the scan.
 		EditorInterface.get_resource_filesystem().update_file(path)
 	_end(true, "")
 
 
-## Adds the files to the undo step that is being created: undo removes new files and restores the content of replaced ones.
+## Adds the files to the undo step that is being created. Undo removes new files and restores the content of replaced ones.
 func _add_files(undo: EditorUndoRedoManager) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	var new: Array[Mesh] = []
@@ -82,7 +82,7 @@ func _add_files(undo: EditorUndoRedoManager) -> void:
 		if job.replaced.has(path):
 			undo.add_do_method(_files, &"put", path, FileAccess.get_file_as_bytes(path), mesh)
 			undo.add_undo_method(_files, &"put", path, job.replaced[path].bytes, job.replaced[path].resource)
-		elif root != null: # Otherwise no saved scene will refer to it.
+		elif root != null: # Without a scene, nothing will refer to the new file.
 			new.append(mesh)
 	if not new.is_empty():
 		_files.add_new_to_undo(new, _layer, undo)

@@ -1,6 +1,6 @@
 @tool
 extends HFlowContainer
-## Buttons at the top of the inspector of one or more layers. Each fits the layers to what their meshes are, as one undo step.
+## Buttons at the top of the inspector of one or more layers. Each fits the layers to a kind of mesh, as one undo step.
 
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
 

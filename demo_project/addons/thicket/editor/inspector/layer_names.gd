@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## The layers that an object of the edited scene can refer to: those of its scatter.
+## Finds the layers that an object of the edited scene can refer to, which are those of its scatter.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
 
-## The [TerrainScatter3D] above a region in the tree, or the first one of the edited scene that has the layer, or a layer that uses the value;
-## null if there is none.
+## Returns the [TerrainScatter3D] of an object, or null if there is none. For a region, it is the nearest one above in the tree. For a layer or
+## a value source, it is the first one in the edited scene that has the layer, or a layer that uses the source.
 static func scatter_of(object: Object) -> TerrainScatter3D:
 	if object is Node:
 		var node: Node = object
@@ -25,12 +25,13 @@ static func scatter_of(object: Object) -> TerrainScatter3D:
 	return null
 
 
-## Whether an object is the layer, or a value of the layer.
+## Returns true if an object is the layer, or a value source of the layer.
 static func _is_of(layer: ScatterLayer, object: Object) -> bool:
 	return layer != null and object in [layer, layer.color_value, layer.variation_value]
 
 
-## The layers that an object can refer to, without itself. [param before] leaves out those after it in the list.
+## Returns the layers that an object can refer to, without the object itself. If [param before] is true, only includes layers that come before
+## it in the list.
 static func others(object: Object, before := false) -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	var scatter := scatter_of(object)
@@ -44,7 +45,7 @@ static func others(object: Object, before := false) -> Array[ScatterLayer]:
 	return result
 
 
-## The layers and their values, which may refer to layers, each of them once.
+## Returns the layers and their value sources, which may also refer to layers, without duplicates.
 static func referring(layers: Array[ScatterLayer]) -> Array[Resource]:
 	var result: Array[Resource] = []
 	for layer in layers:
@@ -54,8 +55,8 @@ static func referring(layers: Array[ScatterLayer]) -> Array[Resource]:
 	return result
 
 
-## The properties of a layer or a value that refer to one other layer. These properties accept a layer or a name, and no other property accepts
-## several types. Empty for other objects.
+## Returns the properties of a layer or a value source that refer to one other layer. Only these properties accept two types, a layer or a name, which
+## is how this method recognizes them. Empty for other objects.
 static func reference_properties(object: Object) -> PackedStringArray:
 	var result := PackedStringArray()
 	if not (object is ScatterLayer or object is ScatterValueSource):
@@ -66,12 +67,12 @@ static func reference_properties(object: Object) -> PackedStringArray:
 	return result
 
 
-## The value of a property that refers to a layer: the layer's name, or the layer itself if it has none.
+## Returns the value with which a property refers to a layer: the layer's name, or the layer itself if it has no name.
 static func reference_to(layer: ScatterLayer) -> Variant:
 	return layer.resource_name if layer.resource_name else layer
 
 
-## The layer that a value of an object's property refers to; null if there is none.
+## Returns the layer that a value of an object's property refers to, or null if there is none.
 static func layer_of(object: Object, value: Variant) -> ScatterLayer:
 	if value is ScatterLayer:
 		return value
@@ -81,7 +82,7 @@ static func layer_of(object: Object, value: Variant) -> ScatterLayer:
 	return null
 
 
-## The text that is shown for a value.
+## Returns the text that is shown for a value.
 static func title(object: Object, value: Variant) -> String:
 	var layer := layer_of(object, value)
 	if layer == null:

@@ -1,22 +1,22 @@
 @tool
 extends RefCounted
-## Deep copies of layers. Resources with their own file are shared; all others are copied.
+## Creates deep copies of layers. Resources with their own file are shared; all others are copied.
 
 
-## Resources that copies may share even if they are not files: a layer's content, as opposed to its settings.
+## Classes of resources that copies may share even if they have no file: a layer's content, as opposed to its settings.
 const ASSETS: Array[StringName] = [&"Mesh", &"PackedScene", &"Material", &"Texture", &"ScatterModel", &"PhysicsMaterial"]
 
 
-## Returns a copy of a layer, even if the layer is a file. Resources in [param copies] are not copied again, and new copies are added to it,
-## so resources that are used twice are copied once. [param with_assets] also copies meshes, materials and the other classes of
-## [constant ASSETS].
+## Returns a copy of a layer, even if the layer has its own file. [param copies] maps resources to their copies. Resources in it are not
+## copied again, and new copies are added to it, so a resource that is used twice is copied once. If [param with_assets] is true, resources
+## of the classes in [constant ASSETS] are copied as well.
 static func of(layer: ScatterLayer, copies: Dictionary[Resource, Resource], with_assets := true) -> ScatterLayer:
 	if not copies.has(layer):
 		_copy_deep(layer, copies, with_assets)
 	return copies[layer]
 
 
-## Returns a name that is not taken: the name itself, or the name with a number.
+## Returns a name that is not in [param taken]: the name itself, or the name with a number.
 static func free_name(name: String, taken: PackedStringArray) -> String:
 	return ScatterLayer.new().find_free_name(name, taken)
 

@@ -1,18 +1,18 @@
 @tool
 extends RefCounted
-## Marks on layers, for the editor only: hidden in the view, locked against tools, and a color. The editor stores them for each scene,
-## outside of the scene file.
+## Marks on layers that affect only the editor: a layer may be hidden in the view, locked against tools, or have a color. The editor stores the marks
+## of each scene outside of the scene file.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
-## A mark on a layer has changed.
+## Emitted when a mark on a layer has changed.
 signal changed
 
 const HIDDEN := &"hidden"
 const LOCKED := &"locked"
 const COLOR := &"color"
 
-var _notes: Dictionary[int, Dictionary] = {} ## By the layer's instance id.
+var _notes: Dictionary[int, Dictionary] = {} ## The marks of each layer, by the layer's instance id.
 
 
 func is_hidden(layer: ScatterLayer) -> bool:
@@ -23,12 +23,12 @@ func is_locked(layer: ScatterLayer) -> bool:
 	return _note(layer, LOCKED, false)
 
 
-## The color mark of a layer; transparent if there is none.
+## Returns the color mark of a layer, which is transparent if there is none.
 func color(layer: ScatterLayer) -> Color:
 	return _note(layer, COLOR, Color(0.0, 0.0, 0.0, 0.0))
 
 
-## Sets a mark on a layer, by one of the names above. Null removes it.
+## Sets a mark on a layer. [param name] is one of the constants above. A [param value] of null or false removes the mark.
 func put(layer: ScatterLayer, name: StringName, value: Variant) -> void:
 	var notes: Dictionary = _notes.get_or_add(layer.get_instance_id(), {})
 	if value:
@@ -38,11 +38,11 @@ func put(layer: ScatterLayer, name: StringName, value: Variant) -> void:
 	changed.emit()
 
 
-## Sets a mark on several layers, as one undo step that does not mark the scene as unsaved.
+## Sets a mark on several layers, as one undo step. Since Godot 4.5, the step does not mark the scene as unsaved.
 func put_undoable(layers: Array[ScatterLayer], name: StringName, value: Variant, scatter: TerrainScatter3D,
 		undo_redo: EditorUndoRedoManager) -> void:
 	var action: Array = ["Mark Layers", UndoRedo.MERGE_DISABLE, scatter, false]
-	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since 4.5: does not mark the scene as unsaved.
+	if undo_redo.get_method_argument_count(&"create_action") > action.size(): # Since Godot 4.5, the last argument says whether the action marks the scene as unsaved.
 		action.append(false)
 	undo_redo.create_action.callv(action)
 	for layer in layers:
@@ -63,7 +63,7 @@ func apply(scatter: TerrainScatter3D) -> void:
 			func(layer: ScatterLayer) -> bool: return layer != null and is_hidden(layer)))
 
 
-## The marks on the layers of some scatters of a scene, for the editor to save.
+## Returns the marks on the layers of some scatters in a scene, for the editor to save.
 func to_state(root: Node, scatters: Array[TerrainScatter3D]) -> Dictionary:
 	var state := {}
 	for scatter in scatters:

@@ -1,17 +1,17 @@
 @tool
 extends RefCounted
-## Preview pictures of the contents of layers, like those in the FileSystem dock.
+## Requests preview pictures of layers, like those in the FileSystem dock.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
-## A picture of a layer is ready.
+## Emitted when a picture of a layer is ready.
 signal made(layer: ScatterLayer, picture: Texture2D)
 
-var _asked: Dictionary[int, int] = {} ## By the layer's instance id: the content that was last requested.
+var _asked: Dictionary[int, int] = {} ## A hash of the resource whose picture was last requested, by the layer's instance id.
 
 
-## Requests a picture of the first mesh, scene or model of a layer, unless it was requested before. The picture
-## arrives later, or not at all.
+## Requests a picture of the first mesh, scene or model of a layer, unless this layer's last request was for the same
+## resource. [signal made] is emitted later, unless there is no picture.
 func ask(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	var first: Resource = null
 	for mesh: Resource in layer.meshes:
@@ -36,7 +36,7 @@ func _on_preview(_path: String, preview: Texture2D, small: Texture2D, about: Arr
 		_ask_for_drawn(about[1], layer)
 
 
-## A scene that was never saved in this editor has no picture, so the mesh that is drawn for it is used.
+## Requests a picture of the mesh that is drawn for a scene, because a scene that was never saved in this editor has no picture.
 func _ask_for_drawn(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 	if not layer in ScatterLayers.of(scatter):
 		return
@@ -46,4 +46,4 @@ func _ask_for_drawn(scatter: TerrainScatter3D, layer: ScatterLayer) -> void:
 			EditorInterface.get_resource_previewer().queue_edited_resource_preview(
 					shown.get_mesh(0), self, &"_on_preview", [layer, scatter])
 			return
-	_asked.erase(layer.get_instance_id()) # Tries again, because there are no tiles yet.
+	_asked.erase(layer.get_instance_id()) # There are no tiles yet, so a later call must try again.

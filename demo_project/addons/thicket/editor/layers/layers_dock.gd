@@ -1,7 +1,7 @@
 @tool
 extends RefCounted
-## Manages layers in the editor: the panel, its marks, and the bar that asks before many more instances are shown. It keeps the panel and
-## the toolbar in sync, and warns when a scatter is added that shares its layers.
+## Manages the layers panel, the marks on layers, and the bar that asks for confirmation before many more instances are shown. It keeps
+## the panel and the toolbar in sync, and warns when a scatter is added that shares its layers.
 
 const LayersPanel := preload("res://addons/thicket/editor/layers/layers_panel.gd")
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
@@ -14,7 +14,7 @@ const TITLE := "Scatter"
 
 var marks := Marks.new()
 var steps := PreviewSteps.new()
-## Null before [method enter].
+## The layers panel; null before [method enter].
 var panel: LayersPanel
 var bar: PreviewBar
 
@@ -64,7 +64,7 @@ func set_scatter(scatter: TerrainScatter3D) -> void:
 		_plugin.make_bottom_panel_item_visible(panel)
 
 
-## Updates everything; called several times per second.
+## Updates the panel and its warnings. Called several times per second.
 func look() -> void:
 	_root = EditorInterface.get_edited_scene_root()
 	steps.look(_scatter if is_instance_valid(_scatter) else null)
@@ -78,7 +78,7 @@ func look() -> void:
 	_appeared.clear()
 
 
-## The marks on all layers of the scene, for the editor to save.
+## Returns the marks on all layers of the scene, for the editor to save.
 func state() -> Dictionary:
 	var root := EditorInterface.get_edited_scene_root()
 	return marks.to_state(root, Shared.scatters_of(root)) if root != null else {}
@@ -95,7 +95,7 @@ func _apply_marks() -> void:
 		marks.apply(scatter)
 
 
-## Called for every added node. A scatter that is added to a scene that is already open was pasted, duplicated or created.
+## Called for every added node. If a scatter is added to a scene that is already open, it was pasted, duplicated or created.
 func _on_node_added(node: Node) -> void:
 	if not node is TerrainScatter3D:
 		_tell_of_dropped_scene(node)
@@ -105,7 +105,7 @@ func _on_node_added(node: Node) -> void:
 		_appeared.append(node as TerrainScatter3D)
 
 
-## The editor makes a child of a scene that is dropped on the scatter's node. Most often, a layer was meant.
+## Shows a toast if a scene was dropped on the scatter's node. The editor adds such a scene as a child, but most often the user wants a layer.
 func _tell_of_dropped_scene(node: Node) -> void:
 	if node.get_parent() is TerrainScatter3D and not node.scene_file_path.is_empty() and _is_in_open_scene(node):
 		EditorInterface.get_editor_toaster().push_toast(
@@ -113,6 +113,6 @@ func _tell_of_dropped_scene(node: Node) -> void:
 				EditorToaster.SEVERITY_WARNING)
 
 
-## True for a node that appears in a scene that was open before.
+## Returns true for a node in a scene that was already open at the last update.
 func _is_in_open_scene(node: Node) -> bool:
 	return is_instance_valid(_root) and _root == EditorInterface.get_edited_scene_root() and _root.is_ancestor_of(node)

@@ -1,7 +1,7 @@
 @tool
 extends VBoxContainer
-## The panel with the layers of the selected scatter: their names, their numbers of visible instances, and all commands for them. The layers
-## chosen here are the ones that tools work on.
+## The panel with the layers of the selected scatter. It shows their names and numbers of visible instances, and has all commands for them.
+## Tools work on the layers that are chosen here.
 
 const Controls := preload("res://addons/thicket/editor/editor_controls.gd")
 const ChosenLayers := preload("res://addons/thicket/editor/inspector/chosen_layers.gd")
@@ -19,12 +19,12 @@ const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 const Shared := preload("res://addons/thicket/editor/layers/shared_layers.gd")
 const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
 
-## The user chose layers here for tools; the first one is the main layer.
+## Emitted when the user has chosen layers for tools. The first one is the main layer.
 signal layers_chosen(layers: Array[ScatterLayer])
 signal preset_chosen(name: String)
-## Layers are about to be added here.
+## Emitted when layers are about to be added.
 signal adding
-## Layers were added here.
+## Emitted when layers were added.
 signal added
 
 enum Add { MESHES, LAYERS, EMPTY, FIRST_PRESET }
@@ -37,7 +37,7 @@ const COLORS: Dictionary[String, Color] = {
 }
 const HEIGHT := 230.0
 
-## The rows.
+## The rows of layers.
 var tree := LayersTree.new()
 ## Notes about the scatter, above the rows.
 var notes: Notes
@@ -65,7 +65,7 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 	_marks = marks
 	_files = files
 	_steps = steps
-	undo_redo.version_changed.connect(look.call_deferred) # Undo must be visible immediately.
+	undo_redo.version_changed.connect(look.call_deferred) # Updates immediately after undo and redo.
 	notes = Notes.new(undo_redo, files)
 	custom_minimum_size.y = HEIGHT * EditorInterface.get_editor_scale()
 	_make_head()
@@ -93,21 +93,21 @@ func _init(undo_redo: EditorUndoRedoManager, marks: Marks, files: SceneFiles, st
 	add_child(_colors)
 
 
-## Shows the layers of a scatter; null for no scatter.
+## Shows the layers of a scatter, or nothing if it is null.
 func set_scatter(scatter: TerrainScatter3D) -> void:
 	_scatter = scatter
 	look()
 
 
-## Chooses layers, like clicks on their rows.
+## Selects the rows of layers. Does not emit [signal layers_chosen].
 func choose(layers: Array[ScatterLayer]) -> void:
 	var chosen := tree.chosen_layers()
-	if layers.size() != chosen.size() or not layers.all(chosen.has): # In any order: the row that was clicked last stays the current one.
+	if layers.size() != chosen.size() or not layers.all(chosen.has): # A different order alone changes nothing, so the last clicked row stays current.
 		tree.choose(layers)
 	_enable()
 
 
-## Updates everything that has changed; called several times per second.
+## Updates everything that has changed. Called several times per second.
 func look() -> void:
 	if not is_instance_valid(_scatter):
 		_scatter = null
@@ -134,8 +134,8 @@ func look() -> void:
 	_total.text = "%s visible" % NumberText.grouped(total)
 
 
-## Adds a layer for each of these resources at an index, and chooses the new layers. With an index of -1, each is inserted at a fitting
-## position.
+## Adds a layer for each of these resources that can be drawn, at an index, and chooses the new layers. If the index is -1, each is inserted at
+## a suitable position.
 func add(resources: Array[Resource], at := -1) -> void:
 	if not is_instance_valid(_scatter):
 		return
@@ -147,12 +147,12 @@ func add(resources: Array[Resource], at := -1) -> void:
 		_choose_new(new)
 
 
-## Whether new layers keep a distance to other layers.
+## Returns true if new layers keep a distance from other layers.
 func keeps_apart() -> bool:
 	return _apart.button_pressed
 
 
-## Adds copies of the chosen layers.
+## Adds copies of the chosen layers, except for layers of biomes.
 func duplicate_chosen() -> void:
 	var chosen := _own_chosen()
 	if chosen.is_empty():
@@ -164,7 +164,7 @@ func duplicate_chosen() -> void:
 		_choose_new(copies)
 
 
-## Deletes the chosen layers.
+## Deletes the chosen layers, except for layers of biomes.
 func remove_chosen() -> void:
 	var chosen := _own_chosen()
 	if chosen.is_empty():
@@ -174,7 +174,7 @@ func remove_chosen() -> void:
 	if not told.is_empty():
 		_tell(" ".join(told))
 	look()
-	# The inspector must not keep a layer that is gone.
+	# The inspector must not keep a deleted layer.
 	var left := _scatter.layers
 	if left.is_empty():
 		EditorInterface.edit_node(_scatter)
@@ -182,7 +182,7 @@ func remove_chosen() -> void:
 		_choose_new([left[clampi(at, 0, left.size() - 1)]] as Array[ScatterLayer])
 
 
-## Adds a scatter to the edited scene, and selects it.
+## Adds a scatter to the edited scene, and selects it. The scatter gets an unused seed, and the ground of the scene's first scatter, if any.
 func add_scatter() -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	if root == null:
@@ -250,7 +250,7 @@ func _enable() -> void:
 	_remove.disabled = none
 
 
-## The chosen layers without those of biomes. Other scatters may share the layers of a biome, and these are added and removed with their biome.
+## Returns the chosen layers, except for layers of biomes. A biome adds and removes its layers itself, and other scatters may share it.
 func _own_chosen() -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	if is_instance_valid(_scatter):
@@ -273,7 +273,7 @@ func _show_count(layer: ScatterLayer) -> int:
 
 
 func _choose_new(layers: Array[ScatterLayer]) -> void:
-	if get_viewport().gui_is_dragging(): # Files are being dropped, and rows are added only after that.
+	if get_viewport().gui_is_dragging(): # The user is still dropping files, whose rows are added afterwards.
 		get_tree().process_frame.connect(_choose_new.bind(layers), CONNECT_ONE_SHOT)
 		return
 	look()
@@ -291,7 +291,7 @@ func _on_chosen(layers: Array[ScatterLayer]) -> void:
 func _on_renamed(layer: ScatterLayer, text: String) -> void:
 	LayerEdits.rename(_scatter, layer, text, _undo_redo)
 	_shown = []
-	look.call_deferred() # The row is still being edited.
+	look.call_deferred() # Deferred, because the row is still being edited.
 
 
 func _on_add(id: int) -> void:
@@ -317,7 +317,7 @@ func _on_file(path: String) -> void:
 		_tell("%s cannot be loaded; the Output panel has the reason." % path)
 
 
-## Applies a mark to all chosen layers if the clicked layer is one of them, else to the clicked layer.
+## Applies a mark to all chosen layers if the clicked layer is one of them, and otherwise only to the clicked layer.
 func _on_mark(layer: ScatterLayer, mark: StringName) -> void:
 	var layers := tree.chosen_layers()
 	if not layer in layers:

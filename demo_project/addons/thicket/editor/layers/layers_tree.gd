@@ -1,26 +1,27 @@
 @tool
 extends Tree
-## The layers of a scatter as rows: a picture, the name, the number of visible instances, and marks. It only emits signals for the user's
-## actions; other objects handle them.
+## Shows the layers of a scatter as rows with a picture, the name, the number of visible instances, and marks. Actions of the user only emit signals,
+## which other objects handle.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const Marks := preload("res://addons/thicket/editor/layers/layer_marks.gd")
 const MeshDrop := preload("res://addons/thicket/editor/layers/mesh_drop.gd")
 
-## The user chose rows; the one that was clicked last is the first.
+## Emitted when the user has chosen rows. The layer that was clicked last comes first, if it is chosen.
 signal layers_chosen(layers: Array[ScatterLayer])
 signal layer_renamed(layer: ScatterLayer, name: String)
-## Layers were dragged; they move before the index [param to].
+## Emitted when layers were dragged in front of the layer at the index [param to], or to the end if there is no such layer.
 signal layers_moved(layers: Array[ScatterLayer], to: int)
-## Meshes, scenes, models or layers were dropped; [param to] is -1 below all rows.
+## Emitted when meshes, scenes, models or layers were dropped. [param to] is the index at which to insert them, or -1 if they were not dropped on a row
+## of the scatter's own list.
 signal resources_dropped(resources: Array[Resource], to: int)
-## The user clicked one of the marks in [code]layer_marks.gd[/code] on a layer.
+## Emitted when the user has clicked a mark of a layer. [param mark] is one of the constants in [code]layer_marks.gd[/code].
 signal mark_pressed(layer: ScatterLayer, mark: StringName)
 
 enum Column { NAME, COUNT, MARKS }
 const MARKS: Array[StringName] = [Marks.COLOR, Marks.LOCKED, Marks.HIDDEN]
 const DRAGGED := "scatter_layers"
-## Pixels, times the scale of the editor.
+## Sizes in pixels of an unscaled editor.
 const PICTURE := 26.0
 const COUNT_WIDTH := 170.0
 const MARKS_WIDTH := 100.0
@@ -28,7 +29,7 @@ const MARKS_WIDTH := 100.0
 var marks: Marks
 
 var _layers: Array[ScatterLayer] = []
-var _pictures: Dictionary[int, Texture2D] = {} ## By the layer's instance id.
+var _pictures: Dictionary[int, Texture2D] = {} ## The pictures of layers, by the layer's instance id.
 var _selecting := false
 var _asked := false
 var _clicked: ScatterLayer
@@ -55,8 +56,8 @@ func _init() -> void:
 	button_clicked.connect(_on_button)
 
 
-## Shows the layers of a scatter, those of biomes below the names of the biomes. Rows of layers that remain keep their pictures and remain
-## chosen.
+## Shows the layers of a scatter. Layers of a biome are below the name of the biome. Layers that were shown before keep their pictures, and
+## chosen layers stay chosen.
 func show_layers(layers: Array[ScatterLayer], biomes: PackedStringArray) -> void:
 	var chosen := chosen_layers()
 	_layers = layers.duplicate()
@@ -96,7 +97,7 @@ func rows() -> Array[TreeItem]:
 		for row in get_root().get_children():
 			if row.get_metadata(Column.NAME) != null:
 				result.append(row)
-			result.append_array(row.get_children()) # The layers of a biome.
+			result.append_array(row.get_children()) # The children of a heading are the layers of a biome.
 	return result
 
 
@@ -111,7 +112,7 @@ func layer_of(row: TreeItem) -> ScatterLayer:
 	return row.get_metadata(Column.NAME)
 
 
-## Sets the text about the number of instances in a layer's row, and a note, shown as an icon with a tooltip; empty for no note.
+## Sets the text for the number of instances in a layer's row, and a note. The note is shown as an icon with a tooltip, unless it is empty.
 func show_count(layer: ScatterLayer, text: String, note: String) -> void:
 	var row := row_of(layer)
 	if row == null:
@@ -129,7 +130,7 @@ func update_marks() -> void:
 		_show_marks(row)
 
 
-## Lets the user edit the name of a layer.
+## Starts editing the name of a layer.
 func rename(layer: ScatterLayer) -> void:
 	var row := row_of(layer)
 	if row != null:
@@ -150,7 +151,7 @@ func has_picture(layer: ScatterLayer) -> bool:
 	return _pictures.has(layer.get_instance_id())
 
 
-## Adds the name of a biome, above the rows of its layers.
+## Adds the name of a biome as a heading for the rows of its layers.
 func _add_heading(root: TreeItem, title: String) -> TreeItem:
 	var heading := create_item(root)
 	heading.set_text(Column.NAME, title)
@@ -170,7 +171,7 @@ func _add_row(parent: TreeItem, layer: ScatterLayer) -> void:
 	row.set_editable(Column.NAME, true)
 	var side := roundi(PICTURE * EditorInterface.get_editor_scale())
 	row.set_icon_max_width(Column.NAME, side)
-	row.custom_minimum_height = side # Otherwise rows would move below the mouse when their pictures arrive.
+	row.custom_minimum_height = side # Without this, rows would move under the mouse when pictures arrive.
 	row.set_icon(Column.NAME, _pictures.get(layer.get_instance_id(), get_theme_icon(&"MeshInstance3D", &"EditorIcons")))
 	row.set_text_alignment(Column.COUNT, HORIZONTAL_ALIGNMENT_RIGHT)
 	for column: int in [Column.COUNT, Column.MARKS]:
@@ -211,7 +212,7 @@ func _on_multi_selected(row: TreeItem, _column: int, selected: bool) -> void:
 		return
 	if selected:
 		_clicked = layer_of(row)
-	if not _asked: # One click may select and deselect several rows; the signal is emitted once.
+	if not _asked: # One click may select and deselect several rows, but the signal is emitted only once.
 		_asked = true
 		_tell_chosen.call_deferred()
 
@@ -260,12 +261,12 @@ func _drop_data(at: Vector2, data: Variant) -> void:
 		resources_dropped.emit(MeshDrop.taken(data, true), to)
 
 
-## True for the row of a layer in the scatter's own list.
+## Returns true for the row of a layer in the scatter's own list.
 func _is_own(row: TreeItem) -> bool:
 	return row.get_parent() == get_root() and row.get_metadata(Column.NAME) != null
 
 
-## The index in the scatter's list before which dropped layers are inserted; -1 if the position is on none of the list's rows.
+## Returns the index in the scatter's list at which dropped layers are inserted, or -1 if the position is on none of the list's rows.
 func _place_at(at: Vector2) -> int:
 	var row := get_item_at_position(at)
 	if row == null or not _is_own(row):

@@ -1,28 +1,28 @@
 @tool
 extends RefCounted
-## Watches layers that were added until their instances are placed. Tells which of them have no instance or little room, and which older
-## layers have lost instances to them.
+## Watches added layers until their instances are placed. Then reports new layers that have no instances or little room, and older layers that have
+## lost instances to the new ones.
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
-## A new layer has little room if at least this share of its points is too close to other layers. The share is measured at this number of
-## positions, within so many radii of the layer around the point that the view looks at.
+## A new layer has little room if at least the share [constant CROWDED] of its points is too close to other layers. The share is measured at
+## [constant POSITIONS] positions, within [constant RADII] times the layer's radius around the point in the center of the view.
 const CROWDED := 0.5
 const POSITIONS := 60
 const RADII := 15.0
-## An older layer has lost instances if less than this share of them is left, and has had at least so many.
+## An older layer is reported if less than the share [constant KEPT] of its instances is left, and if it had at least [constant FEW].
 const KEPT := 0.7
 const FEW := 20
 
 var _scatter: TerrainScatter3D
-var _fresh: Array[ScatterLayer] = [] ## The new layers that were not looked at yet.
+var _fresh: Array[ScatterLayer] = [] ## The new layers that were not checked yet.
 var _tells_room := true
-var _missing: Array[ScatterLayer] = [] ## New layers without instances.
+var _missing: Array[ScatterLayer] = [] ## The checked new layers without instances.
 var _sentences := PackedStringArray()
 var _before: Dictionary[ScatterLayer, int] = {} ## The numbers of visible instances of older layers.
 
 
-## Notes the instances of a scatter's layers. Call it before layers are added.
+## Records the numbers of instances of a scatter's layers. Call this before layers are added.
 func note(scatter: TerrainScatter3D) -> void:
 	_scatter = scatter
 	_before.clear()
@@ -31,8 +31,8 @@ func note(scatter: TerrainScatter3D) -> void:
 			_before[layer] = scatter.get_shown_count(layer)
 
 
-## Watches the layers that were added since [method note]. With [param is_preset], they have little room beside each other on purpose, so that is only
-## told if the scatter had layers before.
+## Watches the layers that were added since [method note]. The layers of a preset are crowded on purpose, so if [param is_preset] is true, little room is
+## reported only if the scatter had layers before.
 func watch(is_preset := false) -> void:
 	_tells_room = not is_preset or not _before.is_empty()
 	_missing.clear()
@@ -40,12 +40,12 @@ func watch(is_preset := false) -> void:
 	_fresh = _scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null and not _before.has(layer))
 
 
-## True until the new layers' instances are placed.
+## Returns true until all new layers were checked.
 func is_watching() -> bool:
 	return not _fresh.is_empty()
 
 
-## Once all tiles are ready, looks at one new layer. After the last one, tells what the user should know. Call it several times per second.
+## Checks one new layer if all tiles are ready, and shows the results after the last one. Call this several times per second.
 func look() -> void:
 	if _fresh.is_empty():
 		return
@@ -54,10 +54,10 @@ func look() -> void:
 		return
 	if not _scatter.is_settled():
 		return
-	if _scatter.ground == null: # The node has a warning.
+	if _scatter.ground == null: # The node itself warns about a missing ground.
 		_fresh.clear()
 		return
-	# One layer each time, because the explanations of many layers take longer than a frame.
+	# Only one layer is checked in each call, because the explanations of many layers take longer than a frame.
 	var layer: ScatterLayer = _fresh.pop_front()
 	if layer in _scatter.layers:
 		if _scatter.get_shown_count(layer) == 0:
@@ -73,12 +73,12 @@ func _tell_all() -> void:
 	if not missing.is_empty():
 		_tell(_why(missing))
 	var sentences := _sentences + _losses(_scatter.layers)
-	if not sentences.is_empty(): # One toast, because several cover the panel.
+	if not sentences.is_empty(): # All sentences share one toast, because several toasts would cover the panel.
 		_tell(" ".join(sentences), "More instances fit if distances in Spacing, or the densities of the other layers, are lower.")
 
 
-## Explains for each layer, in a sentence, why it has no instance at the position that the view
-## looks at.
+## Returns a sentence for each layer that explains why it has no instance at the center of the
+## view.
 func _why(missing: Array[ScatterLayer]) -> String:
 	var sentences := PackedStringArray()
 	for explanation in _scatter.explain_position(_looked_at(), missing):
@@ -86,7 +86,7 @@ func _why(missing: Array[ScatterLayer]) -> String:
 	return "No instance is visible here of " + " ".join(sentences)
 
 
-## A sentence if other layers take most of a layer's room.
+## Returns a sentence if at least half of a layer's points are too close to other layers. Otherwise returns an empty array.
 func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	if layer.spacing.is_empty():
 		return []
@@ -94,7 +94,7 @@ func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	var refused := 0
 	var counted := 0
 	for index in POSITIONS:
-		# A golden-angle spiral: evenly spread, and the same each time.
+		# A golden-angle spiral is evenly spread, and the same each time.
 		var away := Vector2.from_angle(index * 2.39996) * sqrt((index + 0.5) / POSITIONS) * RADII * layer.radius
 		var found := _scatter.explain_position(center + Vector3(away.x, 0.0, away.y), [layer])
 		if found.is_empty():
@@ -106,7 +106,7 @@ func _crowding(layer: ScatterLayer) -> PackedStringArray:
 	return ["%s: %d %% of its points are too close to other layers." % [layer.resource_name, roundi(100.0 * refused / counted)]]
 
 
-## A sentence about each older layer that has fewer instances now.
+## Returns a sentence for each older layer that has lost many instances.
 func _losses(layers: Array[ScatterLayer]) -> PackedStringArray:
 	var parts := PackedStringArray()
 	for layer in _before:
@@ -115,7 +115,7 @@ func _losses(layers: Array[ScatterLayer]) -> PackedStringArray:
 	return parts
 
 
-## The position on the ground that the view looks at.
+## Returns the position on the ground at the center of the view.
 func _looked_at() -> Vector3:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	return camera.global_position - camera.global_basis.z * GroundRay.distance(_scatter.ground, camera.global_position, -camera.global_basis.z)

@@ -1,6 +1,6 @@
 @tool
 extends RefCounted
-## Layers to start with: copies of the layers in the scenes of the presets folder.
+## Adds the layers of presets, which are scenes in the presets folder.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const NewLayers := preload("res://addons/thicket/editor/layers/new_layers.gd")
@@ -9,7 +9,7 @@ const FOLDER := "res://addons/thicket/presets/"
 const NAMES: PackedStringArray = ["forest", "meadow", "pine_wood", "shore", "scree", "desert"]
 
 
-## The node in a preset's scene. Returns null, and prints an error, if there is no such preset.
+## Instantiates the scene of a preset and returns its root, which the caller must free. If there is no such preset, prints an error and returns null.
 static func open(name: String) -> TerrainScatter3D:
 	var path := FOLDER + name + ".tscn"
 	var scene := load(path) as PackedScene if ResourceLoader.exists(path, "PackedScene") else null
@@ -20,8 +20,8 @@ static func open(name: String) -> TerrainScatter3D:
 	return source
 
 
-## Adds a preset's layers to a scatter, as one undo step. With [param apart], they keep distances to the layers that are already there. A preset with
-## water enables that of the scatter.
+## Adds a preset's layers to a scatter, as one undo step. If [param apart] is true, they keep distances from the scatter's existing layers. A preset
+## with water enables the scatter's water.
 static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo: EditorUndoRedoManager) -> void:
 	var source := open(name)
 	if source == null:
@@ -41,13 +41,13 @@ static func add(name: String, scatter: TerrainScatter3D, apart: bool, undo_redo:
 	undo_redo.commit_action()
 
 
-## Copies of a preset's layers. Names in [param taken] get a number, and references in other layers are updated.
+## Returns copies of a preset's layers. Names that are in [param taken] get a number, and references to the layers are updated.
 static func _copied(source: TerrainScatter3D, taken: PackedStringArray) -> Array[ScatterLayer]:
 	var result: Array[ScatterLayer] = []
 	var copies: Dictionary[Resource, Resource] = {}
 	for layer in source.layers:
 		var copy := Copies.of(layer, copies)
-		copy.layer_id = -1 # The scatter that it is added to assigns an id.
+		copy.layer_id = -1 # The scatter to which the layer is added assigns an id.
 		result.append(copy)
 	_rename(result, taken)
 	return result

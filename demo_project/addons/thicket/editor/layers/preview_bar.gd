@@ -1,7 +1,7 @@
 @tool
 extends PanelContainer
-## The bar below the 3D view. It asks before many more instances are shown, and shows a note while the view
-## shows fewer instances than the game.
+## The bar below the 3D view. It asks for confirmation before many more instances are shown, and shows a note while
+## the view shows fewer instances than the game.
 
 const NumberText := preload("res://addons/thicket/number_text.gd")
 const Steps := preload("res://addons/thicket/editor/layers/preview_steps.gd")
@@ -59,7 +59,7 @@ func update() -> void:
 	_keep.visible = _watch.state != Steps.State.KEPT
 
 
-## A number for display: a large one is rounded to two digits, and grouped by three.
+## Returns a number as text, rounded to two significant digits, with thousands separators.
 static func about(number: float) -> String:
 	var digits := maxi(0, floori(log(maxf(number, 1.0)) / log(10.0)) - 1)
 	return NumberText.grouped(roundi(snappedf(number, pow(10.0, digits))))

@@ -1,11 +1,12 @@
 @tool
 extends RefCounted
-## Delays large changes in the view. If a layer would show more than ten times its instances, the view keeps the old values until the user
-## confirms. Then it grows in steps that can be stopped. The layer always has its new values, and the game uses them.
+## Delays large changes of the view. If a change would display more than ten times as many instances of a layer, and more than 50,000, the view
+## keeps the layer's old values until the user confirms. The number of instances then grows in steps, which the user can stop. The layer itself has
+## its new values immediately, and the game uses them.
 
 const ScatterLayers := preload("res://addons/thicket/editor/layers/scatter_layers.gd")
 
-## The result of [method held] has changed.
+## Emitted when the result of [method held] has changed.
 signal told
 
 enum State { ASKING, KEPT, GROWING }
@@ -23,27 +24,27 @@ class Watch:
 	var state := State.KEPT
 	## True while the view differs from the layer.
 	var held := false
-	## The values that the view shows, and the number of instances with them.
+	## The values with which the view shows the layer, and the resulting number of instances.
 	var shown: Array[float] = []
 	var count := 0.0
-	var heard: Callable ## Called when the layer changes.
+	var heard: Callable ## Called with this object when the layer changes.
 
 	func hear() -> void:
 		heard.call(self)
 
-	## The values that determine a layer's number of instances: radius, density and view distance.
+	## Returns the values that determine a layer's number of instances: radius, density and view distance.
 	func numbers() -> Array[float]:
 		return [layer.radius, layer.density, layer.view_distance]
 
-	## The number of instances that the layer would show with its current values.
+	## Returns the estimated number of instances that the layer would show with its current values.
 	func estimate() -> float:
 		return count * density_of(numbers()) / maxf(density_of(shown), 1e-9)
 
-	## Proportional to the number of instances of a layer with these values.
+	## Returns a number that is proportional to the number of instances of a layer with these values.
 	static func density_of(values: Array[float]) -> float:
 		return values[1] * pow(values[2] / values[0], 2.0)
 
-	## Shows the layer with other values in the view; with its own if [param values] is empty.
+	## Shows the layer in the view with these values, or with its own if [param values] is empty.
 	func show(values: Array[float]) -> void:
 		var stand_in: ScatterLayer = null
 		if not values.is_empty():
@@ -58,14 +59,14 @@ class Watch:
 var _watches: Array[Watch] = []
 
 
-## The layers that the view shows with other values; those with a question first.
+## Returns the layers that the view does not show with their own values. Layers that wait for a confirmation come first.
 func held() -> Array[Watch]:
 	var result := _watches.filter(func(watch: Watch) -> bool: return watch.held)
 	result.sort_custom(func(a: Watch, b: Watch) -> bool: return a.state < b.state)
 	return result
 
 
-## Returns the watch of one layer. Null if the view shows that layer with its own values.
+## Returns the watch of one layer, or null if the view shows that layer with its own values.
 func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 	for watch in _watches:
 		if watch.held and watch.scatter == scatter and watch.layer == layer:
@@ -73,7 +74,8 @@ func held_of(scatter: TerrainScatter3D, layer: ScatterLayer) -> Watch:
 	return null
 
 
-## Watches the layers of a scatter; called several times per second. Null adds none. Layers that were watched before are still watched.
+## Watches the layers of a scatter in addition to those that are already watched. If [param scatter] is null, adds no layers. Called several times per
+## second.
 func look(scatter: TerrainScatter3D) -> void:
 	for watch: Watch in _watches.duplicate():
 		if not is_instance_valid(watch.scatter) or not watch.layer in ScatterLayers.of(watch.scatter):
@@ -87,7 +89,7 @@ func look(scatter: TerrainScatter3D) -> void:
 			_settled(watch)
 
 
-## Lets the view grow in steps until it shows all instances.
+## Increases the number of instances in the view, in steps, until all of them are shown.
 func grow(watch: Watch) -> void:
 	watch.state = State.GROWING
 	_step(watch)
@@ -125,7 +127,8 @@ func _forget(watch: Watch) -> void:
 		told.emit()
 
 
-## Called before the node has processed the change, so that the view does not generate it.
+## Keeps the view as it was, if a change needs a confirmation. Called before the node processes the change, so that it does not generate the new
+## instances.
 func _on_changed(watch: Watch) -> void:
 	if not is_instance_valid(watch.scatter):
 		return

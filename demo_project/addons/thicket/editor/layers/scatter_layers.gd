@@ -1,23 +1,23 @@
 @tool
 extends RefCounted
-## The layers that a scatter shows: its own, followed by those of its biomes.
+## Finds the layers that a scatter shows: its own, followed by those of its biomes.
 
 
-## Returns all layers as [method TerrainScatter3D.get_all_layers] does; null for empty entries. Empty if the
-## scatter is null.
+## Returns all layers as [method TerrainScatter3D.get_all_layers] does, with null for empty entries. Returns an empty
+## array if the scatter is null.
 static func of(scatter: TerrainScatter3D) -> Array[ScatterLayer]:
 	if scatter == null:
 		return []
 	return scatter.layers if scatter.biomes == null else scatter.get_all_layers()
 
 
-## Returns those layers that are in the scatter's own list, which is the list that the panel changes.
+## Returns those of the layers that are in the scatter's own list, which the panel can change.
 static func own(scatter: TerrainScatter3D, layers: Array[ScatterLayer]) -> Array[ScatterLayer]:
 	var listed := scatter.layers
 	return layers.filter(func(layer: ScatterLayer) -> bool: return layer in listed)
 
 
-## Returns the name of the first biome that has a layer; empty for a layer of the scatter's own list.
+## Returns the name of the first biome that contains a layer, or an empty string for a layer of the scatter's own list.
 static func biome_name(scatter: TerrainScatter3D, layer: ScatterLayer) -> String:
 	var map := scatter.biomes
 	if map == null or layer in scatter.layers:

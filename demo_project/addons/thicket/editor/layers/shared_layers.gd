@@ -1,33 +1,33 @@
 @tool
 extends RefCounted
-## Finds resources that a scatter shares with others by accident, and makes them its own. A duplicated or pasted scatter shares its layers,
-## masks, state and seed with the original. Layers that were saved as files are meant to be shared.
+## Finds resources that a scatter shares by accident with other scatters, and makes them unique. A duplicated or pasted scatter shares its layers,
+## masks, state and seed with the original. Layers that were saved as files are shared on purpose.
 
 const Copies := preload("res://addons/thicket/editor/layers/layer_copies.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
 ## The resources that a scatter shares.
 class Shared:
-	## Layers that are no files and belong to a different scatter as well.
+	## Layers without their own files that also belong to a different scatter.
 	var layers: Array[ScatterLayer] = []
-	## Layers that are files and belong to a different scatter of an open scene as well.
+	## Layers with their own files that also belong to a different scatter of an open scene.
 	var files: Array[ScatterLayer] = []
-	## Files of masks that a different scatter or scene uses as well.
+	## The files of masks that a different scatter or scene also uses.
 	var masks := PackedStringArray()
-	## True if the scatter and a different one keep their changes in the same state.
+	## True if a different scatter uses the same state.
 	var state := false
-	## True if these changes are made by hand, and not by a game.
+	## True if that state contains a designer's changes, and not those of a game.
 	var by_hand := false
-	## True if the seed is the same: the same layers then have the same instances.
+	## True if the seed is the same, so that the same layers have the same instances.
 	var seed := false
-	## The names of the scatters and scenes that it is shared with.
+	## The names of the scatters and scenes with which resources are shared.
 	var others := PackedStringArray()
 
-	## True if the sharing is probably not intended.
+	## Returns true if the user probably did not intend to share the resources.
 	func is_by_accident() -> bool:
 		return not layers.is_empty() or not masks.is_empty() or by_hand
 
-	## Describes the sharing in a sentence.
+	## Returns a sentence that describes the sharing.
 	func tell(name: String) -> String:
 		var parts := PackedStringArray()
 		if not layers.is_empty():
@@ -43,7 +43,7 @@ class Shared:
 		return "%s shares %s with %s%s." % [name, what, ", ".join(others), follows]
 
 
-## Finds the resources that a scatter shares with others of the open scenes, and with scenes whose masks or states it changes.
+## Finds the resources that a scatter shares with other scatters of the open scenes, and with scenes whose masks or states it uses.
 static func find(scatter: TerrainScatter3D) -> Shared:
 	var result := Shared.new()
 	var own: Array[ScatterLayer] = scatter.layers.filter(func(layer: ScatterLayer) -> bool: return layer != null)
@@ -74,7 +74,7 @@ static func find(scatter: TerrainScatter3D) -> Shared:
 	return result
 
 
-## All scatters of the scenes that are open in the editor; before Godot 4.5, of the edited scene.
+## Returns all scatters of the scenes that are open in the editor. Before Godot 4.5, returns only those of the edited scene.
 static func open_scatters() -> Array[TerrainScatter3D]:
 	var roots: Array = [EditorInterface.get_edited_scene_root()]
 	if EditorInterface.has_method(&"get_open_scene_roots"):
@@ -93,15 +93,15 @@ static func scatters_of(root: Node) -> Array[TerrainScatter3D]:
 	return result
 
 
-## Creates separate layers, masks and a separate state for a scatter, as one undo step, and sets an unused seed if [param new_seed] is true. Layers
-## that are files are copied if [param with_files] is true. Returns the reason if it failed, as a sentence; empty on success.
+## Creates separate layers, masks and a separate state for a scatter, as one undo step. Sets an unused seed if [param new_seed] is true. Layers with
+## their own files are copied only if [param with_files] is true. Returns an empty string on success, or the reason for a failure as a sentence.
 static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: bool, files: SceneFiles, scene_path: String,
 		undo_redo: EditorUndoRedoManager) -> String:
 	var old := scatter.layers
 	var new: Array[ScatterLayer] = old.duplicate()
 	var copies: Dictionary[Resource, Resource] = {}
 	var masks: Dictionary[Resource, Resource] = {}
-	for layer in old: # These first, so that they are not copied as references of other layers.
+	for layer in old: # Copies these layers first. Otherwise references from other layers would copy them.
 		if layer != null and Copies.is_file(layer) and not with_files:
 			copies[layer] = layer
 	for index in old.size():
@@ -114,7 +114,7 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	if not _copy_state(scatter, new_seed, files, scene_path, states):
 		return files.problem
 	undo_redo.create_action("Make %s Unique" % scatter.name, UndoRedo.MERGE_DISABLE, scatter)
-	if states[0] != scatter.state: # No state in between, because a state fits one seed only.
+	if states[0] != scatter.state: # A state is valid for one seed only, so the scatter has no state while the seed changes.
 		undo_redo.add_do_property(scatter, &"state", null)
 		undo_redo.add_undo_property(scatter, &"state", null)
 	undo_redo.add_do_property(scatter, &"layers", new)
@@ -122,7 +122,7 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	if new_seed:
 		undo_redo.add_do_property(scatter, &"seed", free_seed(scatter))
 		undo_redo.add_undo_property(scatter, &"seed", scatter.seed)
-	# A state is checked against the last seed that the scatter has processed. A query makes the scatter process the new seed.
+	# A state is checked against the last seed that the scatter has processed. The query makes the scatter process the new seed.
 	undo_redo.add_do_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
 	undo_redo.add_undo_method(scatter, &"query_rect", Rect2(0.0, 0.0, 0.01, 0.01))
 	undo_redo.add_do_property(scatter, &"state", states[0])
@@ -141,7 +141,7 @@ static func make_unique(scatter: TerrainScatter3D, new_seed: bool, with_files: b
 	return ""
 
 
-## The smallest seed from 0 that no other scatter of the open scenes has.
+## Returns the smallest seed, from 0 on, that no scatter of the open scenes has.
 static func free_seed(scatter: TerrainScatter3D) -> int:
 	var taken := open_scatters().map(func(other: TerrainScatter3D) -> int: return other.seed)
 	if scatter != null:
@@ -152,9 +152,9 @@ static func free_seed(scatter: TerrainScatter3D) -> int:
 	return result
 
 
-## Copies a state with changes by hand, into its own file if the original is in a file. A state that a game writes is not copied, because
-## many nodes may share it. With a new seed there are new instances, none of which was removed; hand-placed instances remain. On failure,
-## returns false; the reason is in [code]files.problem[/code].
+## Copies a state with a designer's changes, into its own file if the original has a file. A state that a game writes is not copied,
+## because many nodes may share it. If [param new_seed] is true, the removed instances do not exist any more, so only hand-placed instances
+## are kept. Returns false on failure, with the reason in [code]files.problem[/code].
 static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneFiles, scene_path: String,
 		r_made: Array[ScatterState]) -> bool:
 	var state := scatter.state
@@ -169,7 +169,7 @@ static func _copy_state(scatter: TerrainScatter3D, new_seed: bool, files: SceneF
 	return not Copies.is_file(state) or files.create(scene_path, copy, scatter.name, "state")
 
 
-## Finds masks that the brush made for a different scene, and states that the hand tool made for one.
+## Finds masks and states whose files belong to a different scene.
 static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[ScatterLayer], scenes: PackedStringArray,
 		r_shared: Shared) -> void:
 	for layer in own:
@@ -188,8 +188,8 @@ static func _find_files_of_other_scenes(scatter: TerrainScatter3D, own: Array[Sc
 		_add_scene(keeper, scenes, r_shared)
 
 
-## The scene that a file was made for, without its extension; empty if it is the scatter's own scene or there is none. Files that do not say it
-## are named after their scene.
+## Returns the path, without its extension, of the scene for which a file was created. Empty if it is the scatter's own scene or if there is none.
+## Files without this information are named after their scene.
 static func _other_scene_of(resource: Resource, scatter: TerrainScatter3D) -> String:
 	var stem := resource.resource_path.get_basename()
 	if not Copies.is_file(resource):

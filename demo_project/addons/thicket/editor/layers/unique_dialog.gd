@@ -2,7 +2,7 @@
 extends ConfirmationDialog
 ## The dialog for making a scatter unique.
 
-## The user decided: a new seed or the same one, and whether layers that are files are copied, too.
+## Emitted when the user has decided whether to use a new seed, and whether to copy layers with their own files as well.
 signal decided(new_seed: bool, with_files: bool)
 
 const TEXT := "%s
@@ -29,8 +29,8 @@ func _init() -> void:
 	confirmed.connect(func() -> void: decided.emit(_seed.button_pressed, _files.button_pressed))
 
 
-## Opens with a sentence about the shared resources. [param has_files] is true if there are layers
-## that are files.
+## Opens the dialog with a sentence about the shared resources. [param has_files] is true if any
+## layer has its own file.
 func ask(sentence: String, has_files: bool) -> void:
 	_text.text = TEXT % sentence
 	_files.visible = has_files

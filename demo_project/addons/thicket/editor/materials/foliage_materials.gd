@@ -1,37 +1,38 @@
 @tool
 extends RefCounted
-## Makes foliage materials from the standard materials of models: with wind, light through leaves, and fade. They are saved beside the scene.
+## Creates foliage materials, with wind, light through leaves and fade, from the standard materials of models. They are saved next to the scene.
 
 const FOLIAGE := preload("res://addons/thicket/shaders/foliage.gdshader")
 const FOLIAGE_MAPPED := preload("res://addons/thicket/shaders/foliage_mapped.gdshader")
 const WholeFile := preload("res://addons/thicket/whole_file.gd")
 const SceneFiles := preload("res://addons/thicket/editor/scene_files.gd")
 
-## How far a plant leans in the wind and how far its leaves tremble, as a share of its height, with the largest values in meters.
+## How far a plant leans in the wind, and how far its leaves tremble. x is a share of the plant's height, and y is the maximum in meters.
 const SWAY := Vector2(0.011, 0.2)
 const FLUTTER := Vector2(0.01, 0.03)
-## Plants up to this height in meters bend around characters, by this share of their height.
+## Plants that are lower than [constant BENT] meters bend around characters by up to [constant BEND] times their height, and by at most
+## [constant BEND] meters.
 const BENT := 2.5
 const BEND := 0.3
-## How much light leaves let through if their material does not say.
+## The share of light that shines through leaves if their material does not specify it.
 const LEAF_LIGHT := 0.3
 
-var _problem := "" ## Why a file could not be written; empty if all were.
+var _problem := "" ## The reason why a file could not be written; empty if there is none.
 var _place: String
 var _plain_only := false
 var _made: Dictionary[Material, ShaderMaterial] = {}
 var _left_out := PackedStringArray()
-var _models: Array[Array] = [] ## Models that exist already, each with its materials before and after.
+var _models: Array[Array] = [] ## Existing models, each with its replacement materials before and after.
 var _surfaces: Array[Array] = [] ## Meshes without a scene, each with a surface and the surface's material before and after.
 
 
-## [param place] is the path with which the names of files begin.
+## Prepares a conversion whose new files have paths that begin with [param place].
 func _init(place: String) -> void:
 	_place = place
 
 
-## Converts the materials of a layer's models, as one undo step. A scene in the list becomes a model that refers to it. Returns the sentences that the
-## user should read.
+## Converts the materials of a layer's models, as one undo step. A scene with materials to convert is replaced by a [ScatterModel] of that scene.
+## Returns messages for the user, one sentence each.
 func convert(layer: ScatterLayer, files: SceneFiles, undo_redo: EditorUndoRedoManager) -> PackedStringArray:
 	var meshes := layer.meshes.map(_convert_entry)
 	return _commit(layer, files, undo_redo, func() -> void:
@@ -45,8 +46,8 @@ func convert_model(model: ScatterModel, files: SceneFiles, undo_redo: EditorUndo
 	return _commit(model, files, undo_redo)
 
 
-## Converts the materials of scenes in a layer that is not in use yet, except those with features that foliage materials lack. Returns the new
-## materials, which the caller adds to its undo step. If they cannot be saved, prints an error and leaves the layer as it is.
+## Converts the materials of scenes in a layer that is not in use yet, except for materials with features that foliage materials lack. Returns the new
+## materials, which the caller adds to its undo step. If they cannot be saved, prints an error and leaves the layer unchanged.
 func give(layer: ScatterLayer) -> Array[Resource]:
 	_plain_only = true
 	var meshes := layer.meshes.map(func(entry: Variant) -> Variant: return _convert_entry(entry) if entry is PackedScene else entry)
@@ -81,7 +82,7 @@ func _commit(owner: Resource, files: SceneFiles, undo_redo: EditorUndoRedoManage
 	return _left_out
 
 
-## The entry of the layer's list after its materials are converted.
+## Converts the materials of an entry of the layer's list. Returns the entry, or the model that replaces it.
 func _convert_entry(entry: Variant) -> Variant:
 	if entry is Mesh:
 		_convert_mesh(entry as Mesh)
@@ -108,7 +109,7 @@ func _convert_entry(entry: Variant) -> Variant:
 					_left_out.append("%s has several materials named \"%s\", which are drawn with one now: give them names of their own." % [_title(entry), name])
 	if replacements.is_empty():
 		return entry
-	if entry is PackedScene: # The new model is not in the scene yet, so nothing needs to be undone in it.
+	if entry is PackedScene: # The new model is not in the scene yet, so its changes need no undo.
 		model.resource_name = _title(entry)
 		model.replacement_materials = replacements
 	else:
@@ -116,7 +117,7 @@ func _convert_entry(entry: Variant) -> Variant:
 	return model
 
 
-## A mesh without a scene gets the materials itself, unless the next import would replace it.
+## Converts the materials of a mesh without a scene in the mesh itself, unless the next import would replace the mesh.
 func _convert_mesh(mesh: Mesh) -> void:
 	for surface in _surfaces_to_convert(mesh):
 		var path := mesh.resource_path
@@ -128,14 +129,14 @@ func _convert_mesh(mesh: Mesh) -> void:
 		_surfaces.append([mesh, surface, material, _converted(material as BaseMaterial3D, name, mesh.get_aabb().end.y)])
 
 
-## The surfaces of a mesh whose materials are converted; none if it is null.
+## Returns the surfaces of a mesh whose materials are converted. The mesh may be null.
 func _surfaces_to_convert(mesh: Mesh) -> Array:
 	return range(mesh.get_surface_count() if mesh != null else 0).filter(func(surface: int) -> bool:
 		var material := mesh.surface_get_material(surface)
 		return material is BaseMaterial3D and (not _plain_only or _is_plain(material as BaseMaterial3D)))
 
 
-## Whether a foliage material can replace this one without losing a feature that one sees.
+## Returns true if a foliage material can replace this material without losing a visible feature.
 static func _is_plain(material: BaseMaterial3D) -> bool:
 	return material.shading_mode != BaseMaterial3D.SHADING_MODE_UNSHADED and material.billboard_mode == BaseMaterial3D.BILLBOARD_DISABLED \
 			and not (material.emission_enabled or material.refraction_enabled or material.detail_enabled or material.clearcoat_enabled
@@ -160,7 +161,7 @@ func _converted(from: BaseMaterial3D, name: String, height: float) -> ShaderMate
 	made.set_shader_parameter("uv_scale", Vector2(from.uv1_scale.x, from.uv1_scale.y))
 	made.set_shader_parameter("uv_offset", Vector2(from.uv1_offset.x, from.uv1_offset.y))
 	made.set_shader_parameter("vertex_color_as_albedo", from.vertex_color_use_as_albedo)
-	# An opaque material ignores alpha, so nearly nothing is cut.
+	# An opaque material ignores alpha, so the threshold is nearly 0.
 	var scissor := from.alpha_scissor_threshold if from.transparency == BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR else 0.5
 	made.set_shader_parameter("alpha_scissor", scissor if cut else 0.01)
 	var light := from.backlight.get_luminance() if from.backlight_enabled else LEAF_LIGHT if is_leaf else 0.0
@@ -173,7 +174,7 @@ func _converted(from: BaseMaterial3D, name: String, height: float) -> ShaderMate
 	return made
 
 
-## Saves the new materials, each in a file whose name is free.
+## Saves each new material to a new file. Returns the saved materials; on failure, sets [member _problem].
 func _save() -> Array[Resource]:
 	var written: Array[Resource] = []
 	for material: ShaderMaterial in _made.values():

@@ -7,26 +7,26 @@ const GroundCursor := preload("res://addons/thicket/editor/ground/ground_cursor.
 const RegionGizmos := preload("res://addons/thicket/editor/regions/region_gizmos.gd")
 const RegionMenu := preload("res://addons/thicket/editor/regions/region_menu.gd")
 
-## The shape is finished: a region that is not in the scene yet, and its world position.
+## Emitted when the shape is finished. [param region] is not in the scene yet, and [param place] is its world position.
 signal drawn(region: ScatterRegion3D, place: Vector3)
 
 const HINT_FIRST := "Click along the %s   Enter or double click ends it   Backspace removes the last one   Esc cancels"
 const HINT_NEXT := "%d points   Enter or double click ends it   Backspace removes the last one   Esc cancels"
 ## The distance in pixels from the first corner within which a click closes the polygon.
 const GRAB := 10.0
-## The smallest area of a region in square meters.
+## The minimum area of a polygon in square meters.
 const LEAST_AREA := 1e-4
 
 ## The width of a new path in meters.
 const WIDTH := 3.0
-## The handles of a path's points, as a share of the way from the point before to the point after, so that the path is smooth.
+## The length of the curve handles of a path's points, as a share of the distance from the previous to the next point.
 const BEND := 1.0 / 6.0
 
-## A polygon or a path.
+## The shape to draw: a polygon or a path.
 var shape := ScatterRegion3D.SHAPE_POLYGON
-## Whether the new region excludes.
+## True if the new region excludes layers.
 var exclude := true
-## World positions of the corners, or of the points of the path.
+## The world positions of the corners, or of the points of the path.
 var corners := PackedVector3Array()
 ## The reason why the last click did nothing, as a sentence; empty if it succeeded.
 var problem := ""
@@ -38,7 +38,7 @@ var _mouse := Vector2.ZERO
 func _init() -> void:
 	needs_layer = false
 	_setup("Region", &"ToolAddNode", "Region: click its corners on the ground.")
-	# The region menu turns the tool on.
+	# Only the region menu turns the tool on.
 	button.visible = false
 
 
@@ -92,7 +92,8 @@ func _on_toggled() -> void:
 	_cursor.clear()
 
 
-## Creates a region from the corners and turns the tool off.
+## Creates a region from the corners and turns the tool off. If there are too few corners, or if those of a polygon are in a line, sets [member problem]
+## instead.
 func close() -> void:
 	var middle := Vector3.ZERO
 	for corner in corners:
@@ -120,7 +121,7 @@ func _polygon(middle: Vector3) -> ScatterRegion3D:
 	return region
 
 
-## A smooth path through the points, which its Path3D below the region keeps.
+## Returns a region along a smooth path through the points, with a Path3D below it. Returns null and sets [member problem] on failure.
 func _path(middle: Vector3) -> ScatterRegion3D:
 	if corners.size() < 2:
 		problem = "A path needs at least two points, got %d. Click more of them." % corners.size()
@@ -150,7 +151,7 @@ func _on_key(key: InputEventKey) -> int:
 		KEY_ESCAPE:
 			set_on(false)
 		KEY_DELETE:
-			pass # The editor would delete the scatter.
+			pass # Consumes the key, because the editor would delete the scatter.
 		_:
 			return NOT_MINE
 	_take_key()
@@ -166,7 +167,7 @@ func _add_corner() -> void:
 		corners.append(_corner())
 
 
-## The position of the next corner, snapped like the editor's gizmos.
+## Returns the position of the next corner, snapped like the editor's gizmos.
 func _corner() -> Vector3:
 	var at := _cursor.on_ground
 	if EditorSnap.is_on():

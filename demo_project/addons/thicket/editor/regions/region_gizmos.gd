@@ -1,7 +1,7 @@
 @tool
 extends EditorNode3DGizmoPlugin
-## Draws a [ScatterRegion3D]: its body, its border on the ground, a second line where the falloff ends, and handles for its size. Handles
-## snap like the editor's gizmos. Dragging a face keeps the opposite face in place, unless Alt is held.
+## Draws a [ScatterRegion3D]: its shape, its border on the ground, a second line where the falloff ends, and handles for its size. Handles
+## snap like the editor's gizmos. Dragging a face keeps the opposite face in place unless Alt is held.
 
 const EditorSnap := preload("res://addons/thicket/editor/editor_snap.gd")
 const GroundLines := preload("res://addons/thicket/editor/ground/ground_lines.gd")
@@ -9,18 +9,19 @@ const Outline := preload("res://addons/thicket/editor/regions/region_outline.gd"
 
 const INCLUDE := Color(0.45, 0.9, 0.4)
 const EXCLUDE := Color(1.0, 0.42, 0.3)
-## Meters between two ground heights on the border of a small region; larger ones use some hundred pieces.
+## The distance between two ground heights along the border of a small region, in meters. The border of a larger region is divided into
+## [constant PIECES] parts.
 const PIECE := 0.5
 const PIECES := 400.0
 const AXES: Array[Vector3] = [Vector3.RIGHT, Vector3.UP, Vector3.BACK]
 
 var undo_redo: EditorUndoRedoManager
 
-# The region as it was when its handle was grabbed.
+# The transform and size of the region when its handle was grabbed.
 var _start_transform := Transform3D.IDENTITY
 var _start_size := Vector3.ONE
 
-# For regions that include, and for those that exclude.
+# Materials for regions that include, and for regions that exclude.
 var _borders: Array[Material] = []
 var _bodies: Array[Material] = []
 var _falloffs: Array[Material] = []
@@ -128,8 +129,8 @@ func _commit_handle(gizmo: EditorNode3DGizmo, id: int, secondary: bool, restore:
 	undo_redo.commit_action(false)
 
 
-## Drags the face of a box or a cylinder on one side of an axis. The opposite face stays; with Alt, it moves symmetrically. Returns the
-## length along the axis.
+## Drags the face of a box or a cylinder on one side of an axis. The opposite face stays in place or, with Alt, moves symmetrically. Returns
+## the new length along the axis.
 func _drag_face(region: ScatterRegion3D, axis: int, side: float, from: Vector3, to: Vector3) -> float:
 	var outwards := AXES[axis] * side
 	var both := Input.is_key_pressed(KEY_ALT)
@@ -154,7 +155,7 @@ static func _on_ground(region: ScatterRegion3D, inwards: float) -> PackedVector3
 	return lines.segments
 
 
-## The handles in the node's own space, in the order of their ids.
+## Returns the positions of the handles in the node's own space, in the order of their ids.
 func _handles(region: ScatterRegion3D) -> PackedVector3Array:
 	var positions := PackedVector3Array()
 	match region.shape:
@@ -179,7 +180,7 @@ func _handles(region: ScatterRegion3D) -> PackedVector3Array:
 	return positions
 
 
-## The world position where a path begins, and the direction across it; empty if there is no path.
+## Returns the world position where a path begins, and the direction across it. Empty if there is no path.
 static func _path_start(region: ScatterRegion3D) -> PackedVector3Array:
 	var path := Outline.path_node(region)
 	if path == null or path.curve == null or path.curve.point_count < 2:
@@ -200,9 +201,9 @@ static func _drag_width(region: ScatterRegion3D, from: Vector3, to: Vector3) -> 
 	region.width = _length(2.0 * nearest[0].distance_to(start[0]))
 
 
-## The position along an axis through the node's origin at which a ray is nearest to the axis; negative on the other side of the origin.
+## Returns the position along an axis through the node's origin at which a ray is nearest to the axis. It is negative on the other side of the origin.
 static func _along(axis: Vector3, from: Vector3, to: Vector3) -> float:
-	# Does not use Geometry3D's segment function, whose end points are far away, so that 32-bit floats are off by centimeters.
+	# Geometry3D's function for segments is not used, because with distant end points its 32-bit floats are off by centimeters.
 	var direction := (to - from).normalized()
 	var cosine := axis.dot(direction)
 	return (axis.dot(from) - cosine * direction.dot(from)) / maxf(1.0 - cosine * cosine, 1e-6)
@@ -213,6 +214,6 @@ static func _parent_transform(region: ScatterRegion3D) -> Transform3D:
 	return parent.global_transform if parent != null and not region.top_level else Transform3D.IDENTITY
 
 
-## A valid length for a region, rounded to centimeters, or to the editor's snap step if that is on.
+## Returns a valid length for a region, rounded to centimeters, or to the editor's snap step if snapping is on.
 static func _length(length: float) -> float:
 	return clampf(snappedf(length, maxf(0.01, EditorSnap.meters()) if EditorSnap.is_on() else 0.01), 0.01, 1e6)

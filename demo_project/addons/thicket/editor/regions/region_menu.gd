@@ -1,15 +1,16 @@
 @tool
 extends MenuButton
-## Adds a region below the scatter: on the ground in the middle of the view, or, for a polygon or a path, by clicking its corners.
+## The menu that adds a region below the scatter. The region is placed on the ground at the center of the view; a polygon or a path is drawn by clicking
+## its corners.
 
 const GroundRay := preload("res://addons/thicket/ground_ray.gd")
 
-## The user wants to draw a polygon or a path that excludes or includes.
+## Emitted when the user wants to draw a polygon or a path that excludes or includes layers.
 signal drawing_requested(shape: ScatterRegion3D.Shape, exclude: bool)
 
 const SHAPE_NAMES: PackedStringArray = ["Box", "Sphere", "Cylinder", "Polygon", "Path"]
-## In meters: the smallest and the largest size of a new region. Between these, the size is this part of the view's
-## distance.
+## The smallest and the largest size of a new region in meters. Between these limits, the size is the share [constant PART] of the
+## distance from the camera.
 const SIZES := Vector2(2.0, 200.0)
 const PART := 0.3
 
@@ -29,7 +30,7 @@ func _init() -> void:
 	popup.id_pressed.connect(_on_chosen)
 
 
-## Adds a box, a sphere or a cylinder in the middle of the view, as one undo step, and selects it.
+## Adds a box, a sphere or a cylinder at the center of the view, as one undo step, and selects it. Without a ground, it is 20 meters from the camera.
 func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	var camera := EditorInterface.get_editor_viewport_3d(0).get_camera_3d()
 	var away := 20.0
@@ -43,7 +44,7 @@ func add(shape: ScatterRegion3D.Shape, exclude: bool) -> void:
 	insert(region, camera.global_position - camera.global_basis.z * away)
 
 
-## Creates a region that is not in the scene yet.
+## Creates a region without adding it to the scene.
 static func make(shape: ScatterRegion3D.Shape, exclude: bool) -> ScatterRegion3D:
 	var region := ScatterRegion3D.new()
 	region.name = ("Without%s" if exclude else "Only%s") % SHAPE_NAMES[shape]
@@ -62,7 +63,7 @@ func insert(region: ScatterRegion3D, place: Vector3) -> void:
 	EditorInterface.get_selection().add_node(region)
 
 
-## Adds to the open undo step that a node and all nodes below it are added below a parent.
+## Adds to the open undo step that a node and its children are added below a parent.
 static func put_below(undo: EditorUndoRedoManager, parent: Node, node: Node) -> void:
 	var root := EditorInterface.get_edited_scene_root()
 	undo.add_do_method(parent, &"add_child", node, true)

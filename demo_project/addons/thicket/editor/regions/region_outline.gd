@@ -1,12 +1,12 @@
 @tool
 extends RefCounted
-## The lines of the gizmo of a [ScatterRegion3D]: its body, and its border on the ground.
+## Computes the lines of the gizmo of a [ScatterRegion3D]: its shape, and its border on the ground.
 
 const SIDES := 48
 
 
-## The edges of a box, sphere or cylinder, as pairs of end points in the node's own space. Empty for flat
-## regions.
+## Returns the edges of a box, sphere or cylinder, as pairs of end points in the node's own space. Empty for
+## polygons and paths.
 static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	var lines := PackedVector3Array()
 	var radius := region.radius
@@ -34,7 +34,7 @@ static func body(region: ScatterRegion3D) -> PackedVector3Array:
 	return lines
 
 
-## The region's borders seen from above, [param inwards] meters inside of it: closed lines of world x and z.
+## Returns the region's borders as seen from above, moved inwards by [param inwards] meters: closed lines of world x and z.
 static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVector2Array]:
 	var result: Array[PackedVector2Array] = []
 	var shape := region.shape
@@ -52,7 +52,7 @@ static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVect
 		for corner in body(region):
 			outline.append(_flat(region.global_transform * corner))
 		outline = Geometry2D.convex_hull(outline)
-		# The hull repeats its first point.
+		# The hull ends with a copy of its first point.
 		outline.resize(maxi(0, outline.size() - 1))
 	if outline.size() < 3:
 		return result
@@ -65,7 +65,7 @@ static func borders(region: ScatterRegion3D, inwards: float) -> Array[PackedVect
 	return result
 
 
-## The path that the region follows, as world x and z; empty if there is none.
+## Returns the points of the path that the region follows, as world x and z. Empty if there is no path.
 static func path_points(region: ScatterRegion3D) -> PackedVector2Array:
 	var points := PackedVector2Array()
 	var path := path_node(region)
@@ -75,7 +75,7 @@ static func path_points(region: ScatterRegion3D) -> PackedVector2Array:
 	return points
 
 
-## The path that the region follows; null if there is none.
+## Returns the path that the region follows, or null if there is none.
 static func path_node(region: ScatterRegion3D) -> Path3D:
 	return (region.get_parent() if region.path.is_empty() else region.get_node_or_null(region.path)) as Path3D
 
