@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Sets up, builds the extension, and bakes the world of a scene into Parquet files, one for each tile, with a map and a report.
-# Continues an unfinished bake in the folder. tools/bake/README.md describes the files and the options; --help lists the options:
+# Installs missing dependencies, builds the extension, and bakes the world of a scene into Parquet files, one for each tile, with a map
+# and a report. Continues an unfinished bake in the folder. tools/bake/README.md describes the files and the options; --help lists them:
 #   bash demo_project/bake.sh demo.tscn out/ --rect -512,-512,1024,1024
 #   bash demo_project/bake.sh ~/game/world.tscn out/ --workers 8
-#   bash demo_project/bake.sh tiles/ out/     uses tiles that bake_world.gd has made, and needs no engine
+#   bash demo_project/bake.sh tiles/ out/     uses tiles that bake_world.gd has generated, and needs no engine
 set -euo pipefail
 from=$PWD
 made=

@@ -14,5 +14,5 @@ if (($# < 3)) || [[ ! $2 =~ ^(godot|gltf|maps)$ ]]; then
 fi
 setup_bake
 [[ $2 == maps ]] || setup_godot
-# Files in the caller's folder must not be imported as modules.
+# Prevents Python from importing files of the caller's folder as modules.
 PYTHONSAFEPATH=1 PYTHONPATH=$repo/tools/bake exec "$(bake_venv)/bin/python" -m reading "$@"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Sets up, builds the extension, and runs a scene of the demo in a window. Without a display, it draws in software from fixed camera
-# positions, writes pictures to build/demo and prints figures. The first argument is the scene's name, demo by default. The others go
-# to the scene; demo/stage.gd describes them:
+# Installs missing dependencies, builds the extension, and runs a scene of the demo in a window. Without a display, renders in software
+# from fixed camera positions, writes pictures to build/demo and prints statistics. The first argument is the scene's name, demo by
+# default. The other arguments are passed to the scene; demo/stage.gd describes them:
 #   bash demo_project/run.sh --seed=7
 #   bash demo_project/run.sh script_terrain
 set -euo pipefail
@@ -32,6 +32,6 @@ if [[ -n ${DISPLAY:-}${WAYLAND_DISPLAY:-} && -z ${CI:-} ]]; then
 fi
 say "no display: drawing in software, which takes a few minutes"
 rm -f "$pictures"/*.png
-# A demo that cannot start does not exit by itself.
+# The timeout ends a demo that cannot start, because it does not exit on its own.
 timeout 1200 tools/godot --xvfb --path demo_project "res://$scene.tscn" -- --screenshots="$pictures" "$@" </dev/null
 say "the pictures are in ${pictures#"$PWD"/}"

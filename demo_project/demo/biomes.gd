@@ -1,9 +1,9 @@
 extends "res://demo/stage.gd"
-## The scene that shows biomes and water: a meadow and a wood from a coarse image of the valley, with wavering borders, and a lake that
-## can rise. When it rises, plants of dry land disappear and reeds follow the shore.
+## Shows biomes and water. A coarse image of the valley defines a meadow and a forest with irregular borders. When the lake rises, plants of dry land
+## disappear, and reeds move with the shore.
 
 const DemoGround := preload("res://demo/demo_ground.gd")
-## Stops as in the other scenes. [code]water[/code] is the level of the lake, in meters.
+## The stops, with the fields that [code]flight.gd[/code] describes. [code]water[/code] is the level of the lake, in meters.
 const STOPS: Array[Dictionary] = [
 	{"name": "biomes", "eye": Vector3(-20.0, 64.0, 215.0), "heading": 352.0, "pitch": -17.0},
 	{"name": "border", "eye": Vector3(-2.0, 2.4, 120.0), "heading": 320.0, "pitch": -4.0},
@@ -51,7 +51,7 @@ func raise_water(level: float) -> void:
 	scatter.set(&"water_level", level)
 
 
-## The soils of the valley, with woods where the biome map has them, so that plants and forest floor end at the same border.
+## Returns the soils of the valley, with forest floor where the biome map has forest, so that plants and forest floor end at the same border.
 func _soil(valley: Image) -> Image:
 	var map: Resource = $Scatter.biomes
 	var rect: Rect2 = $Ground.rect

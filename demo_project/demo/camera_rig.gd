@@ -1,10 +1,10 @@
 extends Camera3D
-## A camera that flies freely or walks on the ground. F switches between both.
+## A camera that flies freely or walks on the ground. F switches between the two.
 
-## The walking speed in meters per second; Shift makes walking and flying faster.
+## The walking speed in meters per second, and the factor by which Shift makes walking and flying faster.
 const WALK_SPEED := 2.5
 const FAST := 4.0
-## The height of the eye above the ground in meters.
+## The height of the camera above the ground while walking, in meters.
 const EYE_HEIGHT := 1.75
 const RADIANS_PER_PIXEL := 0.0025
 
@@ -46,7 +46,7 @@ func _process(delta: float) -> void:
 	_follow_ground()
 
 
-## Keeps a walker at eye height and a flier out of the ground.
+## Keeps the camera at eye height while walking, and above the ground while flying.
 func _follow_ground() -> void:
 	if elevation == null:
 		return

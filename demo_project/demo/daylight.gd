@@ -1,14 +1,14 @@
 @tool
 extends WorldEnvironment
-## The light of the demo's scenes. It sets the shared noise on the sky's shader through the RenderingServer, so that the scene never
-## stores the texture. It also makes the afternoon look the same in each renderer.
+## The light of the demo's scenes, adjusted so that it looks the same in every renderer. The node also sets the shared noise texture on the sky's
+## shader, through the RenderingServer, so that the scene never stores the texture.
 ##
-## The numbers in the scenes are for the Compatibility renderer, which lights in sRGB. The others light in linear space, where the same
-## numbers result in less light and more haze.
+## The values in the scenes are for the Compatibility renderer, which computes lighting in sRGB. The other renderers use linear space, where
+## the same values result in less light and more haze.
 
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
 
-## Factors of brightness relative to the Compatibility renderer, in linear space.
+## Factors for the brightness of the sun, of the ambient light and of the fog in renderers that use linear space.
 const SUN := 1.8
 const AMBIENT := 1.4
 const FOG := 1.7

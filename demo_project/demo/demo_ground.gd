@@ -1,5 +1,5 @@
 extends RefCounted
-## Provides a [ScatterGround] to the camera and the tile borders, which call [method height].
+## Adapts a [ScatterGround] for the camera and the tile borders, which call [method height].
 
 var _ground: ScatterGround
 
@@ -8,6 +8,6 @@ func _init(ground: ScatterGround) -> void:
 	_ground = ground
 
 
-## Height of the ground in meters at world x and z; NAN if there is no ground.
+## Returns the height of the ground in meters at world x and z, or NAN if there is no ground.
 func height(x: float, z: float) -> float:
 	return _ground.get_height(Vector3(x, 0.0, z))

@@ -1,10 +1,10 @@
 extends RefCounted
 ## Collects the statistics of the scatter in each frame, for the overlay and for the screenshot run.
 
-## The number of frames for the median and the 99th percentile.
+## The number of frames over which the median and the 99th percentile are computed.
 const WINDOW := 1200
 
-## While true, new frames are ignored, and the quantiles do not change.
+## If true, new frames are ignored, and the quantiles do not change.
 var frozen := false
 
 var _microseconds := PackedFloat64Array()
@@ -31,7 +31,8 @@ func clear() -> void:
 	_next = 0
 
 
-## The main thread's microseconds that this share (0..1) of the frames did not exceed; 0 before the first frame.
+## Returns a quantile of the time on the main thread, in microseconds: the time that the given share of the frames (0 to 1) did not exceed. Returns 0
+## before the first frame.
 func quantile(share: float) -> float:
 	if _microseconds.is_empty():
 		return 0.0
@@ -40,13 +41,13 @@ func quantile(share: float) -> float:
 	return sorted[clampi(ceili(share * sorted.size()) - 1, 0, sorted.size() - 1)]
 
 
-## Points that one worker samples per second, over all tiles since the start; 0 before the first tile.
+## Returns the number of points that one worker samples per second, averaged over all tiles since the start. Returns 0 before the first tile.
 func points_per_second() -> float:
 	var spent := float(_last.get("worker_usec", 0))
 	return float(_last.get("points_sampled", 0)) / spent * 1e6 if spent > 0.0 else 0.0
 
 
-## The statistics as a few lines of text.
+## Returns the statistics as a few lines of text.
 func text() -> String:
 	return "\n".join([
 		"%s tiles, %s on the way" % [_last.get("tiles", 0), int(_last.get("waiting", 0)) + int(_last.get("pending",
@@ -57,7 +58,7 @@ func text() -> String:
 	])
 
 
-## A number with a thin space between groups of three digits.
+## Returns a number with thin spaces as thousands separators.
 static func grouped(value: int) -> String:
 	var digits := str(value)
 	for at in range(digits.length() - 3, 0, -3):

@@ -6,7 +6,7 @@ Shift   faster             F   walk or fly
 N B   next, previous seed  + -   more, less of everything
 T   tiles                  H   this help"""
 
-## The keys of this scene only, one line.
+## The help for keys that only this scene has, in one line.
 @export var own_keys := ""
 
 @onready var _figures: Label = $Panel/Rows/Figures
@@ -18,7 +18,7 @@ func _ready() -> void:
 	_help.text = HELP if own_keys.is_empty() else "%s\n%s" % [HELP, own_keys]
 
 
-## Shows the statistics of a frame; [param state] is a line of the demo itself.
+## Shows the statistics of a frame, and [param state], a line about the demo's settings.
 func show_figures(text: String, state: String) -> void:
 	_figures.text = "%s\n%s" % [text, state]
 

@@ -1,9 +1,9 @@
 extends "res://demo/stage.gd"
-## The scene that shows the rules: a valley with a lake, woods, meadows and scree, and a clearing that moves through the
-## wood. Behind the clearing, the same trees appear again, and nothing else changes.
+## Shows the rules: a valley with a lake, woods, meadows and scree, and a clearing that moves through the forest. Behind the clearing, the same trees
+## reappear, and nothing else changes.
 
 const DemoGround := preload("res://demo/demo_ground.gd")
-## Stops as in the other scenes. [code]clearing[/code] is the clearing's position on its path, 0 to 1.
+## The stops, with the fields that [code]flight.gd[/code] describes. [code]clearing[/code] is the clearing's position on its path, from 0 to 1.
 const STOPS: Array[Dictionary] = [
 	{"name": "valley", "eye": Vector3(-84.0, 32.0, 170.0), "heading": 30.0, "pitch": -12.0},
 	{"name": "ferns", "eye": Vector3(-19.0, 1.8, 160.0), "heading": 60.0, "pitch": -7.0},
@@ -13,9 +13,9 @@ const STOPS: Array[Dictionary] = [
 	{"name": "clearing", "eye": Vector3(-50.0, 82.0, -20.0), "heading": 0.0, "pitch": -18.0},
 	{"name": "clearing_moved", "eye": Vector3(-50.0, 82.0, -20.0), "heading": 0.0, "pitch": -18.0, "clearing": 1.0},
 ]
-## World x and z of the clearing at the start and at the end of its path.
+## The world x and z of the clearing at the start and at the end of its path.
 const WAY: Array[Vector2] = [Vector2(-105.0, -160.0), Vector2(5.0, -170.0)]
-## Seconds for the path there and back.
+## The time in seconds that the clearing takes to move along its path and back.
 const PERIOD := 40.0
 
 var _walked := 0.0
@@ -51,7 +51,7 @@ func place(stop: Dictionary) -> void:
 		move_clearing(stop.clearing)
 
 
-## Moves the clearing on its path: 0 is the start, 1 is the end, where it turns back.
+## Moves the clearing on its path. [param share] is 0 at the start of the path and 1 at its end, where the clearing turns back.
 func move_clearing(share: float) -> void:
 	var there := WAY[0].lerp(WAY[1], share)
 	_clearing.global_position = Vector3(there.x, _clearing.global_position.y, there.y)

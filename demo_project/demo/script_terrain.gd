@@ -1,6 +1,5 @@
 extends "res://demo/stage.gd"
-## The scene with a ground in GDScript: an island from a formula, drawn with the same script that the scatter
-## queries.
+## Shows a ground in GDScript: an island from a formula. The scatter and the drawn terrain use the same script for their heights.
 
 const DemoGround := preload("res://demo/demo_ground.gd")
 const STOPS: Array[Dictionary] = [

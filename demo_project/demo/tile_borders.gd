@@ -1,17 +1,17 @@
 extends MeshInstance3D
-## Draws the borders of the tiles that a scatter shows as bright bands on the ground, with a color for each tile
-## size.
+## Draws the borders of a scatter's visible tiles as bright bands on the ground, with a different color for each
+## tile size.
 
 const COLORS: Array[Color] = [
 	Color(1.0, 0.72, 0.2), Color(0.35, 0.85, 1.0), Color(1.0, 0.45, 0.75), Color(0.75, 1.0, 0.4), Color(0.95, 0.95,
 			0.95)]
-## In meters: the height of a band above the ground, and the length of the pieces that follow the ground.
+## The height of a band above the ground, and the length of the pieces that follow the ground, in meters.
 const LIFT := 0.6
 const PIECE := 16.0
 
-## The [code]TerrainScatter3D[/code] whose tiles to draw.
+## The [code]TerrainScatter3D[/code] whose tiles are drawn.
 var scatter: Node3D
-## The ground; it must have [code]height(x, z)[/code].
+## The ground, an object with a method [code]height(x, z)[/code].
 var elevation: RefCounted
 
 var _stale := true
@@ -28,7 +28,7 @@ func _ready() -> void:
 	mesh = ImmediateMesh.new()
 
 
-## Follows a scatter: its tile borders are redrawn whenever its tiles change.
+## Sets the scatter and the ground. The borders are redrawn whenever the scatter's tiles change.
 func follow(followed: Node3D, ground: RefCounted) -> void:
 	scatter = followed
 	elevation = ground
@@ -69,7 +69,7 @@ func _draw_all() -> void:
 		bands.surface_end()
 
 
-## A flat band along a border, wider for larger tiles, on the ground's bilinear height.
+## Adds a flat band along a border, on the ground. Larger tiles have wider bands.
 func _band(from: Vector2, to: Vector2, size: float) -> void:
 	var bands := mesh as ImmediateMesh
 	var width := clampf(size * 0.008, 0.12, 1.2)

@@ -1,6 +1,6 @@
 extends Node
-## An example of a client without rendering: it joins a server, queries the trees around a position, fells the nearest
-## ones, waits until its world has the changes, and leaves.
+## An example of a client without rendering. The client joins a server, queries the trees around a position, fells the nearest trees, waits until its
+## world has received the changes, and quits.
 ##   godot --headless --path demo_project res://gameplay/client.tscn -- --port=4433 --at=-20,150 --fell=5
 ##
 ## Arguments after [code]--[/code]: [code]--port=NUMBER[/code], [code]--address=ADDRESS[/code] (this machine by
@@ -8,7 +8,7 @@ extends Node
 
 const DEFAULT_PORT := 4433
 const REACH := 60.0
-## Seconds for the whole run.
+## The maximum duration of the run in seconds.
 const PATIENCE := 30.0
 
 @onready var world: TerrainScatter3D = $World

@@ -1,16 +1,16 @@
 extends Node3D
-## A small game: walk, look at a tree, fell it, save, load. Felled trees stay felled, because a save contains the game's changes to the world.
+## A small game: walk, look at a tree, fell it, save, load. A save contains the game's changes to the world, so felled trees stay felled.
 ##
 ## Arguments after [code]--[/code]: [code]--screenshots[/code] or [code]--screenshots=FOLDER[/code] plays a fixed
-## sequence of keys and mouse moves, writes screenshots like the demo's other scenes, and quits.
+## sequence of key presses and mouse movements, writes screenshots like the demo's other scenes, and quits.
 
 const Tour := preload("res://gameplay/tour.gd")
 const TREE := preload("res://gameplay/tree.tscn")
 const SAVED := "user://gameplay.state"
 const HIGHLIGHT := preload("res://shaders/highlight.gdshader")
-## The direction in which trees fall, in radians to the left of straight away from the player.
+## The angle in radians between the direction in which a tree falls and the direction away from the player, measured to the left.
 const ASIDE := 0.8
-## Meters from the center to the sides of the small map, and of the large one.
+## The distance in meters from the center to the sides of the small map and of the large map, and the side of each map in pixels.
 const MAP_REACHES: Array[float] = [50.0, 120.0]
 const MAP_SIZES: Array[float] = [260.0, 640.0]
 
@@ -30,7 +30,7 @@ func _ready() -> void:
 	world.scene_shown.connect(_on_scene_shown)
 	_enlarge_map(false)
 	for argument in OS.get_cmdline_user_args():
-		# A game that the tour has restarted continues with the tour.
+		# If the tour has restarted the game, the existing tour continues.
 		if argument.begins_with("--screenshots") and not get_tree().root.has_node(^"Tour"):
 			Tour.begin(get_tree(), argument.trim_prefix("--screenshots").trim_prefix("="))
 
@@ -45,7 +45,7 @@ func _process(_delta: float) -> void:
 	if _highlight.mesh != mesh:
 		_highlight.mesh = mesh
 		_highlight.material_override = _glow_of(mesh)
-	# The scatter sets the time on the renderer, for its own materials.
+	# The scatter sets the wind time only on its own materials, through the RenderingServer.
 	var time: Variant = RenderingServer.material_get_param(mesh.surface_get_material(0).get_rid(), &"wind_time")
 	RenderingServer.material_set_param(_highlight.material_override.get_rid(), &"wind_time", time)
 	_highlight.global_transform = tree.transform
@@ -73,7 +73,7 @@ func _unhandled_key_input(event: InputEvent) -> void:
 			player.capture(false)
 
 
-## Fells the tree that the player looks at. Its scene falls; a tree that is too far away to have a scene gets one.
+## Fells the tree that the player looks at. Its scene then falls. A tree that is too far away to have a scene gets one.
 func fell() -> void:
 	var tree: ScatterInstance = player.looked_at
 	if tree == null:
@@ -96,7 +96,7 @@ func fell() -> void:
 	_say("felled %d" % tree.id)
 
 
-## Saves the game's changes, and nothing else.
+## Saves only the game's changes.
 func save() -> void:
 	var error := world.state.save_to_file(SAVED)
 	_say("saved" if error == OK else "not saved: " + error_string(error))
@@ -128,7 +128,7 @@ func _enlarge_map(large: bool) -> void:
 	minimap.set_deferred(&"position", Vector2(view.x - side - 16.0, 16.0))
 
 
-## The glow material, with the leaves and the wind of a tree's own material.
+## Returns the glow material, with the texture and the wind parameters of a tree's own material.
 static func _glow_of(mesh: Mesh) -> ShaderMaterial:
 	var glow := mesh.surface_get_material(0).duplicate() as ShaderMaterial
 	glow.shader = HIGHLIGHT

@@ -1,8 +1,8 @@
 extends Control
-## A map of the instances around the player, drawn from a query: north is up, with a dot for each
-## instance.
+## A map of the instances around the player, drawn from a query. North is up, and each instance is a
+## dot.
 
-## The color of the dots by the layer's name. Other layers are not on the map.
+## The color of the dots for each layer name. Instances of other layers are not on the map.
 const COLORS := {
 	"Oak": Color(0.62, 0.8, 0.27),
 	"Spruce": Color(0.2, 0.55, 0.33),
@@ -12,7 +12,7 @@ const COLORS := {
 const BACKGROUND := Color(0.08, 0.11, 0.07, 0.85)
 const FRAME := Color(0.9, 0.93, 0.85, 0.7)
 const PLAYER := Color(1.0, 1.0, 1.0)
-## Meters that the player walks before the map runs a new query.
+## The distance in meters that the player walks before the map runs a new query.
 const STEP := 2.0
 ## The radius of a dot, as a share of its layer's radius.
 const DOT := 0.42
@@ -23,7 +23,7 @@ const SMALLEST_DOT := 3.5
 @export var world: TerrainScatter3D
 ## The player, shown at the center.
 @export var player: Node3D
-## Meters from the center to the map's sides.
+## The distance from the center to the sides of the map, in meters.
 @export_range(10.0, 500.0, 1.0, "suffix:m") var reach := 60.0:
 	set(value):
 		reach = clampf(value, 10.0, 500.0)
@@ -41,7 +41,7 @@ var _seen := []
 func _process(_delta: float) -> void:
 	if not is_visible_in_tree():
 		return
-	# This also detects that a different state was loaded.
+	# Comparing the state itself also detects that the game has loaded a different state.
 	var seen := [world.state, world.state.get_revision()]
 	_stale = _stale or seen != _seen
 	_seen = seen

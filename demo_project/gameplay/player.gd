@@ -1,8 +1,8 @@
 extends CharacterBody3D
-## Walks on the ground of a world, is blocked by its trunks and stones, and finds the tree in the
-## middle of the view.
+## The player. Walks on the ground of a world, is blocked by its trunks and stones, and finds the
+## tree in the center of the view.
 
-## Meters per second; Shift makes walking faster.
+## The walking speed in meters per second, and the factor by which Shift makes walking faster.
 const WALK_SPEED := 3.0
 const FAST := 2.5
 const RADIANS_PER_PIXEL := 0.0025
@@ -12,9 +12,9 @@ const REACH := 30.0
 ## The world to walk in.
 @export var world: TerrainScatter3D
 
-## The tree in the middle of the view, from [method TerrainScatter3D.query_ray]; null if there is none.
+## The tree in the center of the view, from [method TerrainScatter3D.query_ray], or null if there is none.
 var looked_at: ScatterInstance
-## Whether the mouse turns the view.
+## True if the mouse turns the view.
 var captured := false
 
 @onready var eyes: Camera3D = $Eyes
@@ -52,7 +52,7 @@ func _physics_process(_delta: float) -> void:
 	looked_at = world.query_ray(from, from - eyes.global_basis.z * REACH, world.get(&"TREES"))
 
 
-## Obstacles may push the player up or down, so this puts it back on the ground.
+## Puts the player back on the ground, because obstacles may have pushed it up or down.
 func _stand_on_ground() -> void:
 	var ground := world.ground.get_height(position)
 	if is_finite(ground):

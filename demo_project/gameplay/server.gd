@@ -1,10 +1,10 @@
 extends Node
-## A server of the gameplay scene's world, without player, camera and renderer. It generates only the tiles that queries
+## A server for the gameplay scene's world, without player, camera and renderer. It generates only the tiles that queries
 ## need.
 ##   godot --headless --path demo_project res://gameplay/server.tscn -- --port=4433
 ##
-## Arguments after [code]--[/code]: [code]--port=NUMBER[/code] (4433 by default, 0 for a free one),
-## [code]--state=FILE[/code] loads earlier changes, and saves the changes whenever a client leaves.
+## Arguments after [code]--[/code]: [code]--port=NUMBER[/code] sets the port (4433 by default, 0 for a free port), and
+## [code]--state=FILE[/code] loads earlier changes and saves all changes whenever a client leaves.
 
 const DEFAULT_PORT := 4433
 
@@ -35,7 +35,7 @@ func _ready() -> void:
 
 func _on_client_left(client: int) -> void:
 	if _file != "":
-		world.state.save_to_file(_file) # An error is in the log, and the next save may have room.
+		world.state.save_to_file(_file) # A failed save is logged, and the next one tries again.
 	print("server: %d has left, %d felled" % [client, world.state.get_removed_count()])
 
 

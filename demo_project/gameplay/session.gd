@@ -1,14 +1,14 @@
 extends Node
-## One end of a world that is shared over the network. Every peer generates the world from its seed, and only changes are
-## sent: a few bytes for each felled tree. The server alone decides.
+## A server's or a client's side of a world that is shared over the network. Every peer generates the world from its seed, and
+## only changes are sent, a few bytes for each felled tree. Only the server makes decisions.
 ##
-## A client sends queries and requests to fell trees. The server answers, and once per frame sends each client the changes
-## that are new to it, from [method ScatterState.diff_since]. A client that joins late receives all changes in the same
-## way. If a client lacks a diff, because it was lost or the server was restarted, it requests the diff again.
+## A client sends queries and requests to fell trees, and the server answers them. Once per frame, the server sends each client the changes that the
+## client does not have yet, from [method ScatterState.diff_since]. A client that joins late receives all changes in the same way. If a client misses
+## a diff, because it was lost or the server was restarted, the client requests the diff again.
 
-## The server's answer to a query of [method ask].
+## Emitted with the server's answer to a query. [param question] is the number that [method ask] has returned.
 signal answered(question: int, ids: PackedInt64Array)
-## The world matches the server's, for the first time or after a change.
+## Emitted when the world matches the server's, for the first time or after a change.
 signal synced
 
 ## The largest radius of a query in meters.
@@ -19,25 +19,25 @@ const MOST_CLIENTS := 32
 ## The shared world. Its [member TerrainScatter3D.state] is not null.
 @export var world: TerrainScatter3D
 
-## For each client, the revision of the state that it has. Only on the server.
+## The revision of the state that each client has. Only used on the server.
 var _known: Dictionary[int, int] = {}
 var _questions := 0
 
 
-## Becomes the server, on a port of this machine; 0 uses a free one. See [method port].
+## Starts a server on a port of this machine, or on a free port if [param at_port] is 0. See [method port].
 func host(at_port: int) -> Error:
 	var peer := ENetMultiplayerPeer.new()
 	peer.set_bind_ip("127.0.0.1")
 	var error := peer.create_server(at_port, MOST_CLIENTS)
 	if error == OK:
-		# Clients send only requests. If they sent diffs, these limits would keep them small.
+		# Clients send only requests, no diffs. If a client sends a diff anyway, these default limits restrict it.
 		world.state.diff_limits = ScatterDiffLimits.new()
 		_begin(peer)
 		multiplayer.peer_disconnected.connect(func(client: int) -> void: _known.erase(client))
 	return error
 
 
-## Joins a server. Emits [signal synced] once it has answered.
+## Joins a server. Emits [signal synced] once the server has answered.
 func join(address: String, at_port: int) -> Error:
 	var peer := ENetMultiplayerPeer.new()
 	var error := peer.create_client(address, at_port)
@@ -47,19 +47,20 @@ func join(address: String, at_port: int) -> Error:
 	return error
 
 
-## The port on which a server listens.
+## Returns the port on which the server listens.
 func port() -> int:
 	return (multiplayer.multiplayer_peer as ENetMultiplayerPeer).host.get_local_port()
 
 
-## Queries the server for the instances around a position, of the layers with these names. [signal answered] is emitted with the returned number.
+## Queries the server for the instances around a position, in the layers with these names. Returns a number. [signal answered] is emitted later with
+## the same number.
 func ask(center: Vector3, radius: float, layers: PackedStringArray) -> int:
 	_questions += 1
 	_ask.rpc_id(1, _questions, center, radius, layers)
 	return _questions
 
 
-## Requests the server to fell a tree. The result appears in the world.
+## Sends the server a request to fell a tree. If the server accepts it, the change arrives with a later diff.
 func fell(id: int) -> void:
 	_fell.rpc_id(1, id)
 
@@ -90,7 +91,7 @@ func _greet(their_seed: int) -> void:
 @rpc("any_peer", "call_remote", "reliable")
 func _ask(question: int, center: Vector3, radius: float, layers: PackedStringArray) -> void:
 	var client := multiplayer.get_remote_sender_id()
-	# Data from the network may be anything.
+	# Data from the network must be validated.
 	if not _known.has(client) or not center.is_finite() or not is_finite(radius):
 		return
 	var standing := world.query_sphere(center, clampf(radius, 0.0, FARTHEST), layers)
@@ -103,7 +104,7 @@ func _fell(id: int) -> void:
 		world.call(&"fell", id)
 
 
-## Makes the next frame send a client all changes after a revision.
+## Makes the server send the calling client all changes after a revision in the next frame.
 @rpc("any_peer", "call_remote", "reliable")
 func _send_since(revision: int) -> void:
 	var client := multiplayer.get_remote_sender_id()

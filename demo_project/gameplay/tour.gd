@@ -1,15 +1,14 @@
 extends Node
-## Plays the game without user input: presses keys and moves the mouse in a fixed sequence, saves a screenshot of each
-## step, checks the result of each step, and quits. It is a node beside the game, because it restarts the game in the
-## middle.
+## Plays the game without user input: presses keys and moves the mouse in a fixed sequence, saves screenshots, checks the results, and quits. It stops
+## at the first failed check, and then exits with code 1. The tour reloads the game's scene, so this node is a sibling of the game, not its child.
 
-## A step that has not ended after this number of seconds has failed.
+## The time after which a step fails if it has not ended, in seconds.
 const PATIENCE := 60.0
-## The time scale between screenshots.
+## The speed of time between screenshots, as a factor.
 const HURRY := 4.0
-## Frames to draw before a screenshot, until shadows settle.
+## The number of frames to draw before a screenshot, so that shadows settle.
 const SETTLING_FRAMES := 2
-## The distance at which to stop, from a tree and from a stump, in meters.
+## The distances from a tree and from a stump at which to stop, in meters.
 const STAND_BACK := 7.0
 const STAND_NEAR := 3.2
 
@@ -20,7 +19,8 @@ var _failed := false
 var _game: Node3D
 
 
-## Begins a tour of the game in the current scene.
+## Starts a tour of the game in the current scene. Screenshots are written to [param where], or to a default folder if it is empty. Without a display,
+## there are no screenshots.
 static func begin(tree: SceneTree, where: String) -> void:
 	var tour := new()
 	tour.name = "Tour"
@@ -48,7 +48,7 @@ func _play() -> void:
 		if not _failed:
 			await step.call()
 	print("demo: %s" % ("FAILED" if _failed else "done"))
-	# Restores the default, because otherwise a failing run would hang in a loop that draws nothing.
+	# Restores the default. Otherwise, a failed run would hang in a loop that draws nothing.
 	RenderingServer.render_loop_enabled = true
 	get_tree().quit(1 if _failed else 0)
 
@@ -58,7 +58,7 @@ func _arrive() -> void:
 	await _picture("arrive")
 
 
-## Walks to the nearest oak, until it is close.
+## Walks to the nearest oak.
 func _walk() -> void:
 	var oak: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, "Oak")
 	if not _check(oak != null, "no oak near"):
@@ -88,7 +88,7 @@ func _wait_for_the_stump() -> void:
 		await _picture("stump")
 
 
-## Fells three more trees, each the nearest remaining one.
+## Fells three more trees, always the nearest one.
 func _fell_more() -> void:
 	for count in 3:
 		var tree: ScatterInstance = _game.world.query_nearest(_game.player.global_position, 60.0, _game.world.TREES)
@@ -106,7 +106,7 @@ func _map() -> void:
 	_key(KEY_M)
 
 
-## Reloads the world, which then has no changes until the saved state is loaded.
+## Saves, restarts the game, and loads. Between the restart and loading, the world must have no changes.
 func _save_and_reload() -> void:
 	var here: Transform3D = _game.player.global_transform
 	var felled: PackedInt64Array = _game.world.state.get_removed()
@@ -136,7 +136,7 @@ func _walk_to(tree: ScatterInstance, distance: float) -> void:
 	await _until(func() -> bool: return _game.player.looked_at != null and _game.player.looked_at.id == tree.id, "sees the tree")
 
 
-## Turns to a position and walks until it is near.
+## Turns to a position and walks until it is within [param distance] meters.
 func _walk_towards(place: Vector3, distance: float) -> void:
 	await _look_at(place + Vector3.UP * 1.6)
 	_hold(KEY_W, true)
@@ -148,7 +148,7 @@ func _flat_distance(place: Vector3) -> float:
 	return ((place - _game.player.global_position) * Vector3(1.0, 0.0, 1.0)).length()
 
 
-## Moves the mouse until a position is in the middle of the view.
+## Moves the mouse so that a position is in the center of the view.
 func _look_at(place: Vector3) -> void:
 	_game.player.captured = true
 	var eyes: Camera3D = _game.player.eyes
@@ -176,7 +176,7 @@ func _hold(key: Key, pressed: bool) -> void:
 	Input.parse_input_event(event)
 
 
-## Waits until all tiles are visible, then draws. Meanwhile the game is paused.
+## Waits until all tiles are visible, and saves a screenshot while the game is paused.
 func _picture(what: String) -> void:
 	await _frames(3)
 	await _until(func() -> bool: return _game.world.is_settled(), "all tiles are visible")

@@ -1,23 +1,23 @@
 extends Node3D
-## A tree as a scene. Near the player, the scatter shows it in place of the tree's mesh, and both look the same. A felled
-## tree topples over about the cut above its stump, lies for a while, and dissolves.
+## A tree as a scene, which replaces the tree's mesh near the player and looks the same. A felled tree topples over at the cut above its stump, lies
+## for a while, and dissolves.
 
 const FELLED := preload("res://shaders/felled.gdshader")
 const Stump := preload("res://meshes/stump.gd")
 const GRAVITY := 9.81
-## Radians from the vertical at which the fall begins.
+## The angle from the vertical at which the fall begins, in radians.
 const FIRST_LEAN := 0.04
-## The share of its speed with which the crown bounces back.
+## The share of its speed that remains when the crown bounces off the ground.
 const BOUNCE := 0.22
-## The angle in radians by which the crown's branches keep the trunk off the ground.
+## The angle in radians between the ground and the lying trunk, whose end rests on the crown's branches.
 const CROWN := 0.14
-## Seconds that it lies before it dissolves, and seconds that dissolving takes.
+## The time that the tree lies before it dissolves, and the duration of dissolving, in seconds.
 const REST := 5.0
 const DISSOLVING := 2.5
 
 ## The angle from the vertical in radians.
 var angle := 0.0
-## True once it is at rest.
+## True once the tree is at rest.
 var lies := false
 
 var _speed := 0.0
@@ -36,12 +36,12 @@ func _ready() -> void:
 	set_physics_process(false)
 
 
-## Makes it look like the instance that it replaces.
+## Shows the mesh of the instance that the scene replaces.
 func show_as(mesh: Mesh) -> void:
 	_body.mesh = mesh
 
 
-## Makes it fall in a horizontal direction, onto this ground.
+## Makes the tree fall onto a ground in a horizontal direction, a vector with a length of 1.
 func fall(direction: Vector3, ground: ScatterGround) -> void:
 	_standing = global_transform
 	_hinge = _standing * (Vector3.UP * Stump.HEIGHT)
@@ -55,11 +55,12 @@ func fall(direction: Vector3, ground: ScatterGround) -> void:
 	set_physics_process(true)
 
 
-## Sets the material of a felled tree, with the parameters of the tree's own.
+## Sets the material of a felled tree, with the parameters of the standing tree's material.
 func _wear(standing: ShaderMaterial) -> void:
 	_material = standing.duplicate()
 	_material.shader = FELLED
-	# The scatter sets the time on the renderer. The wind stands still in the falling tree.
+	# Reads the wind time from the RenderingServer, where the scatter sets it. The value does not change after that, so the wind stops in the falling
+	# tree.
 	_material.set_shader_parameter(&"wind_time", RenderingServer.material_get_param(standing.get_rid(), &"wind_time"))
 	_material.set_shader_parameter(&"rooted", _standing.origin)
 	_material.set_shader_parameter(&"cut_height", Stump.HEIGHT)
@@ -73,7 +74,7 @@ func _physics_process(delta: float) -> void:
 		if _lying > REST + DISSOLVING:
 			queue_free()
 		return
-	# The physics of a rod that rotates about its end.
+	# The equation of motion of a rod that rotates about its end.
 	_speed += 1.5 * GRAVITY / _height * sin(angle) * delta
 	angle += _speed * delta
 	if angle > _last_angle:

@@ -1,13 +1,13 @@
 extends TerrainScatter3D
-## The world that the player, a server and its clients share: a seed, layers, and the rules for felling trees. All
+## The world that the player, a server and its clients share. It has a seed, layers, and the rules for felling trees. All
 ## peers that load this scene have the same ids.
 
-## Layers that can be felled, by name. The stumps' meshes are in this order.
+## The names of the layers that can be felled. The meshes of the stump layer have the same order.
 const TREES: Array[String] = ["Oak", "Spruce"]
-## The layer of stumps. Its density is 0, so that no stump is generated.
+## The name of the stump layer, whose density is 0, so that no stump is generated.
 const STUMP := "Stump"
 
-## Whether felling leaves a stump. Without stumps, peers need to send each other only removals.
+## If true, felling leaves a stump. Without stumps, peers only need to send removals.
 @export var leaves_stumps := true
 
 
@@ -16,7 +16,7 @@ func _ready() -> void:
 		state = ScatterState.new()
 
 
-## Removes a tree and leaves a stump. [member state] keeps both. Returns false if the instance is not a tree or was already felled.
+## Removes a tree and leaves a stump, which [member state] records. Returns false if the instance is not a tree or was already felled.
 func fell(id: int) -> bool:
 	var tree := get_instance(id)
 	var kind := TREES.find(tree.layer.resource_name) if tree != null else -1
@@ -27,8 +27,8 @@ func fell(id: int) -> bool:
 	return true
 
 
-## The number of instances in a rectangle, and a digest of them bit for bit. Two peers with the same world have the
-## same fingerprint.
+## Returns the number of instances in a rectangle, and a hash of their ids and transforms. Two peers with the same world
+## have the same fingerprint.
 func fingerprint(rect: Rect2) -> String:
 	var standing := query_rect(rect)
 	var hashing := HashingContext.new()

@@ -7,7 +7,7 @@ const HIGH := Color(0.4, 0.48, 0.36)
 const TIP := Color(0.45, 0.36, 0.2)
 
 
-## Builds the agave with the number [param variant].
+## Builds the agave. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:
@@ -21,7 +21,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## Adds a leaf, a channel of two halves. [param inner] is 0 for the outermost leaf and 1 for the innermost.
+## Adds a leaf with a V-shaped cross section. [param inner] is 0 for the outermost leaf and 1 for the innermost.
 static func _leaf(builder: Builder, angle: float, inner: float, width: float, bent: bool) -> void:
 	var out := Vector3(cos(angle), 0.0, sin(angle))
 	var side := out.cross(Vector3.UP)

@@ -11,7 +11,7 @@ const HIGH := Color(0.43, 0.48, 0.15)
 const BARK_KIND := 2
 
 
-## Builds the tree with the number [param variant].
+## Builds the tree. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 1900 + variant

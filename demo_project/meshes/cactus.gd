@@ -6,7 +6,7 @@ const LOW := Color(0.15, 0.2, 0.09)
 const HIGH := Color(0.35, 0.41, 0.23)
 
 
-## Builds the cactus with the number [param variant], which has as many arms.
+## Builds the cactus with the number [param variant], which is also the number of its arms.
 static func build(variant: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:
@@ -25,7 +25,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## Adds a column along three points with a round end. Every second line around it is pulled in, as a groove.
+## Adds a column with a round end along three points. Every second line along the column is a groove.
 static func _column(builder: Builder, points: Array[Vector3], radius: float, ribs: int) -> void:
 	var rows: Array[PackedInt32Array] = []
 	var path: Array[Vector3] = [points[0], points[1], points[2]]

@@ -8,7 +8,7 @@ const LOW := Color(0.36, 0.33, 0.21)
 const HIGH := Color(0.62, 0.57, 0.4)
 
 
-## Builds the shrub with the number [param variant].
+## Builds the shrub. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:

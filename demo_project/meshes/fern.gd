@@ -7,7 +7,7 @@ const LOW := Color(0.08, 0.15, 0.035, 0.5)
 const HIGH := Color(0.25, 0.37, 0.09, 1.0)
 
 
-## Builds the fern with the number [param variant].
+## Builds the fern. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 900 + variant

@@ -7,7 +7,7 @@ const PETALS: Array[Color] = [Color(0.85, 0.83, 0.76), Color(0.86, 0.6, 0.06), C
 const HEART := Color(0.7, 0.42, 0.03)
 
 
-## Builds the flowers with the number [param variant].
+## Builds the flowers. The number [param variant] determines their individual shapes.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 1100 + variant

@@ -7,7 +7,7 @@ const HIGH := Color(0.3, 0.4, 0.1, 1.0)
 const DRY := Color(0.5, 0.44, 0.2, 1.0)
 
 
-## Builds the tuft with the number [param variant]. Odd ones are lower and denser, and have no dry stalks.
+## Builds the tuft. The number [param variant] determines its individual shape. Odd variants are lower and denser, and have no dry stalks.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 700 + variant

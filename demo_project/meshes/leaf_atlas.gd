@@ -2,27 +2,27 @@ extends RefCounted
 ## The regions of the texture that all plants share. [code]leaf_atlas_drawing.gd[/code] draws it, and [code]save_models.gd[/code] saves it with the
 ## plants of the presets.
 ##
-## The color is a brightness, which the vertex color tints. Alpha is for the alpha scissor.
+## The color is a brightness, which the vertex color tints. Alpha is used with an alpha scissor.
 
 const SIZE := Vector2i(2560, 1024)
-## The side of a leaf's square in texels.
+## The side of a leaf's square region in texels.
 const CELL := 512
 ## A spray of broad leaves.
 const BROADLEAF := Rect2(0.0, 0.0, 0.2, 0.5)
 ## A conifer's twig, from the stem on the left to the tip on the right.
 const TWIG := Rect2(0.2, 0.0, 0.2, 0.5)
-## A fern's frond, in the same direction.
+## A fern's frond, from the stem on the left to the tip on the right.
 const FROND := Rect2(0.0, 0.5, 0.2, 0.5)
 ## A round tuft of long needles.
 const TUFT := Rect2(0.2, 0.5, 0.2, 0.5)
-## The crown of a broadleaf tree, for far away.
+## The crown of a broadleaf tree, for distant LODs.
 const CROWN := Rect2(0.8, 0.0, 0.2, 0.5)
-## A whole conifer, for far away.
+## A whole conifer, for distant LODs.
 const CONIFER := Rect2(0.8, 0.5, 0.1, 0.5)
 ## An opaque white texel, for surfaces without a texture.
 const OPAQUE_UV := Vector2(2016.0 / 2560.0, 0.5)
-## Columns that go around a trunk: furrows like an oak's, scales like a spruce's, marks like a birch's. They repeat from top to bottom, so that the bark
-## has the same size on a trunk of any length.
+## Columns of bark that wrap around a trunk: furrows as on an oak, scales as on a spruce, marks as on a birch. They repeat vertically, so that the bark
+## has the same scale on a trunk of any length.
 const BARKS: Array[Rect2] = [
 	Rect2(1056.0 / 2560.0, 0.0, 0.1, 1.0), Rect2(1376.0 / 2560.0, 0.0, 0.1, 1.0), Rect2(1696.0 / 2560.0, 0.0, 0.1, 1.0),
 ]
@@ -31,6 +31,6 @@ const BARK_LENGTH := 4.0
 const FILE := "res://addons/thicket/presets/plants/atlas.res"
 
 
-## The texture, as the add-on contains it.
+## Returns the texture that the add-on contains.
 static func texture() -> Texture2D:
 	return load(FILE)

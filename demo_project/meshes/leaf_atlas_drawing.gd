@@ -1,15 +1,16 @@
 extends RefCounted
-## Draws the leaves and the bark of all plants into one texture: original artwork from ellipses, strokes and noise. [code]leaf_atlas.gd[/code]
-## has the regions.
+## Draws the leaves and the bark of all plants into one texture. The artwork is original and consists of ellipses, strokes and noise.
+## [code]leaf_atlas.gd[/code] defines the regions.
 
 const Atlas := preload("res://meshes/leaf_atlas.gd")
 const CELL := Atlas.CELL
-## Texels by which a column of bark continues at its sides, followed by as many transparent ones, so that mipmaps mix in nothing else.
+## The number of texels by which a column of bark continues beyond its sides. The same number of transparent texels follows, so that mipmaps do not
+## mix in other regions.
 const MARGIN := 16
 
 var _image: Image
 var _random := RandomNumberGenerator.new()
-## The square in which strokes may draw.
+## The rectangle to which strokes are clipped, in texels.
 var _bounds := Rect2i()
 
 
@@ -31,7 +32,8 @@ func draw() -> Image:
 	return _image
 
 
-## Draws cracks between plates, long on an oak and round on a spruce, and the dark marks across a birch. All are lit from one side to look deep.
+## Draws bark with cracks between plates: long plates for an oak, round ones for a spruce. Also draws the dark marks of a birch. Cracks are lit from
+## one side to look deep.
 func _draw_barks() -> void:
 	var furrows := FastNoiseLite.new()
 	furrows.seed = 5
@@ -50,8 +52,8 @@ func _draw_barks() -> void:
 	_draw_birch_bark(Atlas.BARKS[2])
 
 
-## Draws one bark. Cracks are at high values of [param cracks] if [param sign] is 1, and at low values if it is -1. The noise is
-## stretched along the trunk from [param rows] rows.
+## Draws one kind of bark. Cracks are where the noise [param cracks] has high values if [param sign] is 1, or low values if it is -1. The noise is
+## computed with [param rows] rows and stretched along the trunk.
 func _draw_bark(column: Rect2, cracks: FastNoiseLite, rows: int, sign: float) -> void:
 	var wide := int(column.size.x * Atlas.SIZE.x)
 	var plates := cracks.get_seamless_image(wide, rows)
@@ -70,7 +72,7 @@ func _draw_bark(column: Rect2, cracks: FastNoiseLite, rows: int, sign: float) ->
 	_put_column(column, bytes)
 
 
-## Draws pale bark with dark lips across it.
+## Draws pale bark with dark horizontal marks.
 func _draw_birch_bark(column: Rect2) -> void:
 	var wide := int(column.size.x * Atlas.SIZE.x)
 	var grain := _grain(wide)
@@ -99,7 +101,7 @@ func _grain(wide: int) -> PackedByteArray:
 	return fine.get_seamless_image(wide, Atlas.SIZE.y).get_data()
 
 
-## Puts brightness values into a column, and continues them at its sides.
+## Writes brightness values to a column, and continues them at its sides.
 func _put_column(column: Rect2, brightness: PackedByteArray) -> void:
 	var wide := int(column.size.x * Atlas.SIZE.x)
 	var drawn := Image.create_from_data(wide, Atlas.SIZE.y, false, Image.FORMAT_L8, brightness)
@@ -110,13 +112,13 @@ func _put_column(column: Rect2, brightness: PackedByteArray) -> void:
 	_image.blit_rect(drawn, Rect2i(0, 0, MARGIN, Atlas.SIZE.y), Vector2i(left + wide, 0))
 
 
-## Makes [param region] the place for strokes, and returns its upper left corner in texels.
+## Clips the following strokes to [param region], and returns its upper left corner in texels.
 func _begin(region: Rect2) -> Vector2:
 	_bounds = Rect2i(region.position * Vector2(Atlas.SIZE), region.size * Vector2(Atlas.SIZE))
 	return Vector2(_bounds.position)
 
 
-## Draws a roundish spray of pointed leaves, dark ones first, which makes it look deep.
+## Draws a roundish spray of pointed leaves. Dark leaves are drawn first, so that the spray looks deep.
 func _draw_broadleaf() -> void:
 	var center := _begin(Atlas.BROADLEAF) + Vector2(CELL, CELL) * 0.5
 	var count := 210
@@ -131,7 +133,7 @@ func _draw_broadleaf() -> void:
 		_stroke(root - direction * length * 0.5, root + direction * length * 0.5, length * 0.25, shade, true)
 
 
-## Draws a drooping conifer twig: side shoots along a stem, needles along the shoots.
+## Draws a conifer twig: side shoots along a stem, and needles along the shoots.
 func _draw_twig() -> void:
 	var corner := _begin(Atlas.TWIG)
 	var root := corner + Vector2(CELL * 0.01, CELL * 0.5)
@@ -148,7 +150,7 @@ func _draw_twig() -> void:
 	_needles(root.lerp(tip, 0.5), tip, Vector2(18.0, 28.0), 3.2)
 
 
-## Draws a shoot with needles, whose shortest and longest length is [param lengths].
+## Draws a shoot with needles. [param lengths] are the minimum and maximum length of a needle, in texels.
 func _needles(from: Vector2, to: Vector2, lengths: Vector2, width: float) -> void:
 	var axis := to - from
 	var count := maxi(4, int(axis.length() / (1.6 * width)))
@@ -161,7 +163,7 @@ func _needles(from: Vector2, to: Vector2, lengths: Vector2, width: float) -> voi
 		_stroke(base, base + direction * _random.randf_range(lengths.x, lengths.y), width, _random.randf_range(0.6, 1.0), false)
 
 
-## Draws a fern's frond: leaflets in pairs, longest in the lower third.
+## Draws a fern's frond: pairs of leaflets, which are longest in the lower third.
 func _draw_frond() -> void:
 	var corner := _begin(Atlas.FROND)
 	var root := corner + Vector2(CELL * 0.01, CELL * 0.5)
@@ -189,7 +191,7 @@ func _draw_tuft() -> void:
 			_stroke(root, root + direction * length, 2.6, lerpf(0.45, 1.0, depth) * _random.randf_range(0.75, 1.0), false)
 
 
-## Draws the crown of a broadleaf tree: lumps of leaves, lower and inner ones first and darker.
+## Draws the crown of a broadleaf tree: clumps of leaves, which are drawn from the bottom up and darker inside.
 func _draw_crown() -> void:
 	var corner := _begin(Atlas.CROWN)
 	var lumps: Array[Vector3] = []
@@ -223,7 +225,7 @@ func _draw_conifer() -> void:
 		_stroke(start, end, 7.0 + 3.0 * (1.0 - along), minf(light, 1.0), true)
 
 
-## Draws a leaf (pointed at both ends, with a lighter rib) or a needle with a half-width of [param width] texels.
+## Draws a leaf (pointed at both ends, with a lighter rib) or a needle, with a half-width of [param width] texels.
 func _stroke(from: Vector2, to: Vector2, width: float, shade: float, leaf: bool) -> void:
 	var axis := to - from
 	var length := axis.length()

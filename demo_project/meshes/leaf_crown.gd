@@ -1,16 +1,16 @@
 extends RefCounted
-## Fills clumps with leaf cards, as the crown of a tree or shrub. Leaves are darker inside and below, and lit as parts of one round crown.
+## Fills clumps with leaf cards to build the crown of a tree or shrub. Leaves are darker inside and below, and lit as parts of one round crown.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 
-## The part of the atlas on the cards.
+## The region of the atlas that is shown on the cards.
 var region := Rect2()
-## The colors of the lowest, innermost leaves, and of the highest, outermost ones.
+## The color of the lowest and innermost leaves, and the color of the highest and outermost leaves.
 var low := Color.BLACK
 var high := Color.WHITE
-## The middle of the crown.
+## The center of the crown.
 var heart := Vector3.ZERO
-## The distance from the middle to the outermost leaves, in meters.
+## The distance from the center to the outermost leaves, in meters.
 var radius := 1.0
 ## The heights of the lowest and of the highest leaves, in meters.
 var heights := Vector2(0.0, 1.0)
@@ -19,14 +19,14 @@ var flatness := 1.0
 var random := RandomNumberGenerator.new()
 
 
-## Adds [param count] cards to each clump, a Vector4 of its center and radius. [param size] is half the side of a card in meters.
+## Adds [param count] cards to each clump. A clump is a Vector4 with the center and the radius. [param size] is half the side of a card in meters.
 func add(builder: Builder, clumps: Array[Vector4], count: int, size: float) -> void:
 	for clump in clumps:
 		var center := Vector3(clump.x, clump.y, clump.z)
 		var outward := (center - heart).normalized()
 		for i in count:
 			var out := _direction(i, count)
-			# No leaves where the clump touches the others.
+			# Mirror leaves that would be where the clump touches its neighbors.
 			if out.dot(outward) < -0.35:
 				out = (out - outward * 2.0 * out.dot(outward)).normalized()
 			var away := random.randf_range(0.55, 0.95) if count > 2 else 0.35
@@ -47,7 +47,7 @@ func _card(builder: Builder, position: Vector3, out: Vector3, outward: Vector3, 
 	builder.card(position, right * size, right.cross(face) * size, normal, region, color)
 
 
-## The i-th of n directions spread over the sphere.
+## Returns the i-th of n directions that are spread evenly over the sphere.
 func _direction(i: int, n: int) -> Vector3:
 	var y := 1.0 - 2.0 * (i + 0.5) / n
 	var angle := i * 2.39996 + random.randf() * 0.8

@@ -5,7 +5,7 @@ const Builder := preload("res://meshes/mesh_builder.gd")
 const Stone := preload("res://meshes/stone.gd")
 
 
-## Builds the stones with the number [param variant].
+## Builds the stones. The number [param variant] determines their individual shapes.
 static func build(variant: int) -> Builder:
 	var builder := Builder.new()
 	for level in 2:

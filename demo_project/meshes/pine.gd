@@ -1,5 +1,5 @@
 extends RefCounted
-## A Scots pine of about 19 m: a bare trunk, orange above, and flat clouds of needles.
+## A Scots pine of about 19 m, with a bare trunk that is orange above, and flat clumps of needles.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
@@ -11,7 +11,7 @@ const HIGH := Color(0.36, 0.45, 0.22)
 const BARK_KIND := 1
 
 
-## Builds the tree with the number [param variant].
+## Builds the tree. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 2100 + variant

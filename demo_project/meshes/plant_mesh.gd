@@ -1,10 +1,8 @@
 @tool
 extends ArrayMesh
-## A mesh that builds itself when it is loaded, from a few settings that the scene stores: a species of the demo, a
-## variant, and the finest LOD.
+## A mesh that builds itself when it is loaded. The scene stores only its settings: a species, a variant, and the finest LOD.
 ##
-## The surfaces are never saved, so a scene that uses it stays small. The same settings produce the same mesh on every
-## machine.
+## The surfaces are never saved, so a scene that uses such a mesh stays small. The same settings produce the same mesh on every machine.
 
 const Species := preload("res://meshes/species.gd")
 const Materials := preload("res://meshes/plant_materials.gd")
@@ -24,7 +22,7 @@ const Materials := preload("res://meshes/plant_materials.gd")
 		variant = clampi(value, 0, 15)
 		_request_build()
 
-## The finest LOD that the mesh has. 0 is the species' finest LOD; larger numbers create coarser meshes for [member ScatterModel.lods].
+## The finest LOD of the mesh. 0 is the species' finest LOD. Larger numbers create coarser meshes for [member ScatterModel.lods].
 @export_range(0, 4) var finest_level := 0:
 	set(value):
 		finest_level = clampi(value, 0, 4)

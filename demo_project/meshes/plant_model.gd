@@ -1,6 +1,6 @@
 @tool
 extends ScatterModel
-## A plant or stone with a separate mesh for each LOD. A scene only stores its species and variant; the model builds itself when it is loaded.
+## A plant or stone with a separate mesh for each LOD. It builds itself when it is loaded, so a scene only stores its species and variant.
 
 const Species := preload("res://meshes/species.gd")
 const Materials := preload("res://meshes/plant_materials.gd")

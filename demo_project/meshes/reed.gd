@@ -1,5 +1,5 @@
 extends RefCounted
-## A clump of reeds, 1.3 to 2.1 m high: upright blades, and stalks with brown heads.
+## A clump of reeds, 1.3 to 2.1 m high, with upright blades, and stalks with brown heads.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const LOW := Color(0.16, 0.17, 0.06, 0.6)
@@ -7,7 +7,7 @@ const HIGH := Color(0.36, 0.42, 0.13, 1.0)
 const HEAD := Color(0.2, 0.1, 0.045, 1.0)
 
 
-## Builds the clump with the number [param variant].
+## Builds the clump. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = 1500 + variant
@@ -44,7 +44,7 @@ static func _blades(builder: Builder, count: int, width: float, rng: RandomNumbe
 		builder.triangle(d, tip, c)
 
 
-## Adds two crossed slats for each head, on a stalk.
+## Adds the heads on their stalks, as two crossed strips each.
 static func _heads(builder: Builder, count: int, rng: RandomNumberGenerator) -> void:
 	for i in count:
 		var angle := rng.randf() * TAU

@@ -1,7 +1,8 @@
 extends SceneTree
 ## Writes the plants and stones of the presets, with their materials and texture, to addons/thicket/presets/plants:
 ##     bash demo_project/meshes/save_models.sh
-## With [code]-- --out=FOLDER[/code] it writes the models to a different folder of the project, which the test of the presets compares.
+## With [code]-- --out=FOLDER[/code], writes only the models, into a different folder of the project. The test of the presets compares those with the
+## models of the add-on.
 
 const Species := preload("res://meshes/species.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
@@ -17,7 +18,7 @@ const MODELS := {
 	&"oak": 3, &"birch": 3, &"spruce": 3, &"pine": 3, &"shrub": 3, &"heather": 2, &"dry_shrub": 2, &"fern": 2, &"grass": 4, &"flower": 3,
 	&"reed": 2, &"cactus": 4, &"agave": 2, &"stone": 4, &"rock": 4, &"sandstone": 3, &"red_rock": 3, &"pebbles": 2, &"stump": 2, &"log": 2,
 }
-## The parameters of the materials that differ from the shader's defaults. Trees do not bend around characters.
+## The material parameters that differ from the shader's defaults. Trees do not bend around characters.
 const PARAMETERS := {
 	"oak": {"sway_height": 14.0, "wind_sway": 0.12, "wind_flutter": 0.03, "bend_reach": 0.0, "backlight": 0.35},
 	"birch": {"sway_height": 13.0, "wind_sway": 0.16, "wind_flutter": 0.035, "bend_reach": 0.0, "backlight": 0.4},
@@ -35,12 +36,12 @@ const PARAMETERS := {
 	"mossy_stone": {},
 	"bare_stone": {"moss_strength": 0.0},
 }
-## Radius and height in meters of the trunks that stop a character.
+## The radius and the height of the trunks that block characters, in meters, by species.
 const TRUNKS := {
 	&"oak": Vector2(0.45, 6.0), &"birch": Vector2(0.22, 6.0), &"spruce": Vector2(0.36, 6.0), &"pine": Vector2(0.36, 9.0),
 	&"stump": Vector2(0.45, 0.5), &"cactus": Vector2(0.3, 4.5),
 }
-## The species whose shape is the hull of their coarsest LOD.
+## The species whose collision shape is the convex hull of their coarsest LOD.
 const SOLID: Array[StringName] = [&"stone", &"sandstone", &"log"]
 
 
@@ -61,7 +62,7 @@ func _initialize() -> void:
 	quit()
 
 
-## A species' individual with a mesh for each LOD, and the shapes that stop a character.
+## Returns the model of a species' variant, with a mesh for each LOD, and a collision shape if it blocks characters.
 static func model_of(species: StringName, variant: int) -> ScatterModel:
 	var builder := Species.build(species, variant)
 	var model := ScatterModel.new()
@@ -112,6 +113,6 @@ func _save_materials() -> void:
 		var path := Materials.FOLDER + name + ".tres"
 		ResourceSaver.save(material, path)
 		material.take_over_path(path)
-		# A parameter that is not set needs no line.
+		# Removes the lines of parameters that are not set.
 		var lines := Array(FileAccess.get_file_as_string(path).split("\n")).filter(func(line: String) -> bool: return not line.ends_with(" = null"))
 		FileAccess.open(path, FileAccess.WRITE).store_string("\n".join(lines))

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Writes the plants and stones of the presets to addons/thicket/presets/plants, after a change of the scripts in this folder.
+# Writes the plants and stones of the presets to addons/thicket/presets/plants. Run it after changing the scripts in this folder.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh

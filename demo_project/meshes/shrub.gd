@@ -1,5 +1,5 @@
 extends RefCounted
-## A shrub about 1.6 m high: round clumps of leaf sprays.
+## A shrub of about 1.6 m, with round clumps of leaf sprays.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 const Atlas := preload("res://meshes/leaf_atlas.gd")
@@ -8,12 +8,13 @@ const LOW := Color(0.15, 0.235, 0.06)
 const HIGH := Color(0.34, 0.42, 0.13)
 
 
-## Builds the shrub with the number [param variant].
+## Builds the shrub. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	return build_of(500 + variant, LOW, HIGH, Vector2(1.0, 1.0), variant)
 
 
-## Builds a shrub with these colors. [param shape] is its width and height, 1 for 2.4 m and 1.6 m. A small one has fewer leaves and coarser LODs nearer.
+## Builds a shrub with these colors. [param shape] is its width and height, relative to 2.4 m and 1.6 m. Small shrubs have fewer leaves, and coarser LODs
+## at shorter distances.
 static func build_of(seed: int, low: Color, high: Color, shape: Vector2, turn: int) -> Builder:
 	var leaves := Crown.new()
 	leaves.random.seed = seed

@@ -4,19 +4,19 @@ extends RefCounted
 const Builder := preload("res://meshes/mesh_builder.gd")
 const LOW := Color(0.17, 0.165, 0.155, 0.6)
 const HIGH := Color(0.44, 0.42, 0.385, 1.0)
-## Width, height and depth of the shapes, before cuts.
+## Half the width, height and depth of each shape before it is cut, in meters.
 const SHAPES: Array[Vector3] = [
 	Vector3(0.95, 0.72, 0.82), Vector3(1.15, 0.42, 0.9), Vector3(0.75, 0.95, 0.68), Vector3(1.05, 0.6, 0.7),
 ]
 
 
-## Builds the stone with the number [param variant].
+## Builds the stone. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	return build_of(1300 + variant, SHAPES[variant % SHAPES.size()], LOW, HIGH, 3)
 
 
-## Builds a stone of this size and these colors. [param finest] is the number of subdivisions of its finest LOD; stones that are drawn small need fewer,
-## and coarser LODs nearer.
+## Builds a stone with this size and these colors. [param finest] is the number of subdivisions of its finest LOD. Small stones need fewer subdivisions,
+## and get coarser LODs at shorter distances.
 static func build_of(seed: int, stretch: Vector3, low: Color, high: Color, finest: int) -> Builder:
 	var builder := Builder.new()
 	for level in 3:
@@ -26,7 +26,7 @@ static func build_of(seed: int, stretch: Vector3, low: Color, high: Color, fines
 	return builder
 
 
-## Adds an icosphere cut by random planes, which are the stone's faces. Most are near the vertical or near the horizontal, as strata break.
+## Adds an icosphere that is cut by random planes, which become the stone's faces. Most planes are nearly vertical or horizontal, as in layered rock.
 static func rock(builder: Builder, subdivisions: int, seed: int, stretch: Vector3, center: Vector3, low: Color, high: Color) -> void:
 	var rng := RandomNumberGenerator.new()
 	rng.seed = seed
@@ -46,7 +46,7 @@ static func rock(builder: Builder, subdivisions: int, seed: int, stretch: Vector
 			if over > 0.0:
 				cut -= plane.normal * over
 				normal = normal.lerp(plane.normal, 0.9)
-		# Worn: no two points of a face are at exactly the same depth.
+		# Roughens the faces, so that the stone looks weathered.
 		cut *= 1.0 + 0.03 * sin(point.x * 17.0 + seed) * sin(point.y * 13.0) * sin(point.z * 19.0)
 		var shade := low.lerp(high, clampf(cut.y * 0.6 + 0.6 + 0.14 * sin(point.x * 23.0 + point.y * 31.0 + seed), 0.0, 1.0))
 		var index := builder.vertex(cut * stretch + center, normal / stretch, shade, Builder.OPAQUE_UV)

@@ -1,18 +1,18 @@
 extends RefCounted
-## The stump of a felled tree: half a meter of trunk with its roots, and pale wood on top. Variant 0 has the oak's trunk, 1
-## the spruce's.
+## The stump of a felled tree: half a meter of trunk with roots, and pale wood on top. Variant 0 is that of an oak, and
+## variant 1 that of a spruce.
 
 const Builder := preload("res://meshes/mesh_builder.gd")
 ## The height of the cut above the ground in meters.
 const HEIGHT := 0.5
 const BARKS: Array[Color] = [Color(0.37, 0.3, 0.225), Color(0.39, 0.27, 0.195)]
-## Radii of the trunks at the cut, in meters.
+## The radii of the trunks at the cut, in meters.
 const RADII: Array[float] = [0.46, 0.34]
 const WOOD := Color(0.56, 0.4, 0.22)
 const RING := Color(0.38, 0.25, 0.13)
 
 
-## Builds the stump with the number [param variant].
+## Builds the stump. The number [param variant] determines its individual shape.
 static func build(variant: int) -> Builder:
 	var kind := variant % RADII.size()
 	var builder := Builder.new()
@@ -27,7 +27,7 @@ static func build(variant: int) -> Builder:
 	return builder
 
 
-## Adds the cut, with a few annual rings.
+## Adds the cut surface, with a few annual rings.
 static func _top(builder: Builder, radius: float, sides: int) -> void:
 	var rings := 5 if sides > 8 else 1
 	var inner: Array[int] = []

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Converts the Jacksboro fault elevation model into the demo's heightmap.
 
-Source: `mpl-data/sample_data/jacksboro_fault_dem.npz` of the PyPI package matplotlib, elevations of the Shuttle Radar
+The source is `mpl-data/sample_data/jacksboro_fault_dem.npz` of the PyPI package matplotlib, with elevations from the Shuttle Radar
 Topography Mission (SRTM). They are in the public domain, according to matplotlib pull request 3291, which added the file. The model has
 344 x 403 posts, 3 arc-seconds apart, in the Cumberland Mountains of Tennessee around the Jacksboro fault. Elevations are in whole
-meters, 236 to 1076 m above sea level.
+meters, from 236 to 1076 m above sea level.
 
-Writes these files beside this script, bit-identical on every machine:
+Writes the following files next to this script, bit-identical on every machine:
 - jacksboro.r16   unsigned 16-bit little-endian samples, row by row, rows from north to south, posts from west to east.
 - jacksboro.json  size, meters between posts, extent and the heights of samples 0 and 65535.
 
@@ -27,13 +27,13 @@ import numpy as np
 
 SOURCE = "mpl-data/sample_data/jacksboro_fault_dem.npz"
 STEPS_PER_METER = 64
-# WGS 84 ellipsoid: semi-major axis in meters and first eccentricity squared.
+# The WGS 84 ellipsoid: the semi-major axis in meters, and the first eccentricity squared.
 SEMI_MAJOR = 6378137.0
 ECCENTRICITY_2 = 6.69437999014e-3
 
 
 def find_source() -> pathlib.Path:
-    """The data file in the installed matplotlib, found without importing it. Raises FileNotFoundError if there is none."""
+    """Returns the path of the data file in the installed matplotlib, without importing it. Raises FileNotFoundError if there is none."""
     spec = importlib.util.find_spec("matplotlib")
     if spec is None or spec.origin is None:
         raise FileNotFoundError("matplotlib is not installed: pip install matplotlib, or pass --source")
@@ -44,7 +44,7 @@ def find_source() -> pathlib.Path:
 
 
 def meters_per_degree(latitude_degrees: float) -> tuple[float, float]:
-    """Meters per degree of longitude and of latitude on the ellipsoid, at a latitude."""
+    """Returns the meters per degree of longitude and of latitude on the ellipsoid, at a latitude."""
     latitude = math.radians(latitude_degrees)
     w2 = 1.0 - ECCENTRICITY_2 * math.sin(latitude) ** 2
     prime_vertical = SEMI_MAJOR / math.sqrt(w2)
@@ -54,10 +54,11 @@ def meters_per_degree(latitude_degrees: float) -> tuple[float, float]:
 
 
 def convert(source: pathlib.Path) -> tuple[bytes, dict]:
-    """The samples and the description of the heightmap, from the npz file."""
+    """Returns the samples and the description of the heightmap for the npz file. Raises ValueError if the data is not as expected."""
     with np.load(source) as dem:
         elevation = dem["elevation"].astype(np.int64)
-        # The file's ymin is the northern border, and its first row the northernmost. Posts are the centers of cells of dx by dy degrees.
+        # Despite its name, ymin is the northern border, and the first row is the northernmost. Posts are the centers of
+        # cells of dx by dy degrees.
         north, south = float(dem["ymin"]), float(dem["ymax"])
         dx, dy = float(dem["dx"]), float(dem["dy"])
     if north < south:

@@ -1,18 +1,18 @@
 extends RefCounted
-## The demo's elevation model for drawing and walking: the posts that [code]convert_dem.py[/code] wrote, with bilinear
-## interpolation. It is the same surface as that of a [ScatterGroundHeightmap] with the same file.
+## The demo's elevation model for drawing and walking. [code]convert_dem.py[/code] has written its posts (the samples of a height grid). Heights
+## between posts are interpolated bilinearly, as in a [ScatterGroundHeightmap] with the same file.
 ##
 ## The file is read directly from the project. To export the demo, add [code]*.r16, *.json[/code] to the preset's filter
 ## for non-resource files.
 
-## The side in posts of the smallest block for which the lowest and highest ground are stored.
+## The side of a block, in posts. For each block, the lowest and highest ground are stored.
 const BLOCK := 8
 
-## Columns (west to east) and rows (north to south) of posts.
+## The number of columns (west to east) and rows (north to south) of posts.
 var posts := Vector2i.ZERO
-## World rectangle from the first post to the last, in meters: x, and z as y.
+## The rectangle from the first post to the last, in world meters. Its x is the world's x, and its y is the world's z.
 var rect := Rect2()
-## Meters between posts along x and z.
+## The distance between posts along x and z, in meters.
 var spacing := Vector2.ONE
 
 var _heights := PackedFloat32Array()
@@ -21,8 +21,7 @@ var _block_low := PackedFloat32Array()
 var _block_high := PackedFloat32Array()
 
 
-## Reads the description at [param path] and the samples beside it. On an error, prints it with [method push_error] and
-## returns false.
+## Reads the description at [param path] and the samples next to it. On failure, prints an error and returns false.
 func load_description(path: String) -> bool:
 	var parsed: Variant = JSON.parse_string(FileAccess.get_file_as_string(path))
 	if not parsed is Dictionary:
@@ -42,7 +41,7 @@ func load_description(path: String) -> bool:
 	return true
 
 
-## The height of the ground in meters at world x and z; NAN outside of the map.
+## Returns the height of the ground in meters at world x and z, or NAN outside of the map.
 func height(x: float, z: float) -> float:
 	var place := (Vector2(x, z) - rect.position) / spacing
 	if place.x < 0.0 or place.y < 0.0 or place.x > posts.x - 1 or place.y > posts.y - 1:
@@ -55,7 +54,7 @@ func height(x: float, z: float) -> float:
 	return lerpf(north, south, place.y - j)
 
 
-## The lowest and highest ground of the posts from [param from] to [param to], rounded outwards to whole blocks.
+## Returns the lowest and highest ground between the posts [param from] and [param to], extended to whole blocks.
 func bounds(from: Vector2i, to: Vector2i) -> Vector2:
 	var low := INF
 	var high := -INF
@@ -67,15 +66,14 @@ func bounds(from: Vector2i, to: Vector2i) -> Vector2:
 	return Vector2(low, high)
 
 
-## The heights of the posts in meters as a texture of 32-bit floats, to be read without filtering.
+## Returns the heights of the posts in meters as a texture of 32-bit floats, for reading without filtering.
 func height_texture() -> ImageTexture:
 	var image := Image.create_from_data(posts.x, posts.y, false, Image.FORMAT_RF, _heights.to_byte_array())
 	return ImageTexture.create_from_image(image)
 
 
-## A texture for lighting the ground, with a pixel for each post, to be filtered linearly. Red and green are the
-## gradient along x and along z. Blue is how far the post is above (ridge) or below (hollow) the land around it, in
-## meters.
+## Returns a texture for lighting the ground, with a pixel for each post, for linear filtering. Red and green are the slopes of the ground along x and
+## z. Blue is the height of the post above its surroundings, in meters; it is negative in a hollow.
 func relief_texture() -> ImageTexture:
 	var values := PackedFloat32Array()
 	values.resize(posts.x * posts.y * 3)

@@ -1,14 +1,14 @@
 @tool
 extends ScatterGround
-## A hilly island with a sinkhole, from a formula: an example of a ground in GDScript. There is no ground beyond the
-## coast and in the sinkhole, so nothing is placed there.
+## An example of a ground in GDScript: a hilly island with a sinkhole, from a formula. There is no ground beyond the coast
+## and in the sinkhole, so nothing is placed there.
 
 ## The average distance from the world's origin to the coast in meters.
 @export_range(20.0, 500.0, 1.0, "suffix:m") var coast := 150.0:
 	set(value):
 		coast = value
-		emit_changed()  # The scatter regenerates its tiles, and everything else that shows this ground updates, too.
-## The center of the sinkhole, world x and z in meters.
+		emit_changed()  # Makes the scatter regenerate its tiles, and the terrain mesh rebuild itself.
+## The center of the sinkhole, in meters of world x and z.
 @export var sinkhole := Vector2(44.0, 20.0):
 	set(value):
 		sinkhole = value
@@ -28,12 +28,12 @@ func _get_heights(positions: PackedVector2Array) -> PackedFloat32Array:
 	return heights
 
 
-## This ground only reads its own settings, so any number of threads may query it at the same time.
+## Returns true, because this ground reads only its own settings. Any number of threads may query it at the same time.
 func _is_thread_safe() -> bool:
 	return true
 
 
-## The height in meters at world x and z.
+## Returns the height in meters at world x and z.
 func _height(at: Vector2) -> float:
 	var angle := at.angle()
 	var bays := 0.17 * sin(2.0 * angle + 0.4) + 0.09 * sin(3.0 * angle + 2.2) + 0.04 * sin(8.0 * angle)

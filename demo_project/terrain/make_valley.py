@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Makes the terrain for the demo scenes about rules and biomes: a valley of 768 m with a lake, meadows, woods and a steep scree slope.
+"""Generates the terrain for the demo scenes about rules and biomes: a valley of 768 m with a lake, meadows, woods and a steep scree slope.
 
-Writes these files beside this script:
+Writes the following files next to this script:
 - valley.r16       385 x 385 unsigned 16-bit little-endian posts, 2 m apart, row by row, rows from north to south, posts
                    from west to east: height = LOW + post / 65535 * (HIGH - LOW) meters. The lake's surface is at 0.
 - valley_soil.png  193 x 193 pixels, 4 m apart: the shares of meadow (red), forest floor (green), rock (blue) and sand (alpha), 0
                    to 255. They add up to 255.
-- valley_biomes.png  48 x 48 pixels, 16 m wide: MEADOW and WOOD, with smooth outlines that the scatter varies.
+- valley_biomes.png  48 x 48 pixels, 16 m wide: MEADOW and WOOD, with smooth outlines, which the scatter makes irregular.
 
 In the world +x is east, +z is south, y is up, and the map's center is the origin.
 
@@ -27,19 +27,19 @@ HIGH = 120.0
 BIOME_PIXELS = 48
 MEADOW = (176, 196, 72)
 WOOD = (32, 84, 48)
-# x and z of the path's corners, from south to north, as in the scene.
+# The x and z of the path's corners, from south to north, as in the scene.
 PATH = [(60, 384), (48, 300), (26, 220), (4, 150), (24, 92), (64, 40), (74, -18), (58, -78), (82, -140), (68, -215),
         (92, -295), (80, -384)]
 
 
 def smooth(start: float, end: float, value: np.ndarray) -> np.ndarray:
-    """0 before start, 1 after end, and a smooth step in between. start may be larger than end."""
+    """Returns 0 before `start`, 1 after `end`, and a smooth transition in between. `start` may be larger than `end`."""
     t = np.clip((value - start) / (end - start), 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)
 
 
 def noise(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
-    """Smooth noise from about -1 to 1, with features of `size` meters."""
+    """Returns smooth noise from about -1 to 1, with features of `size` meters."""
     lattice = np.random.default_rng(seed).uniform(-1.0, 1.0, (256, 256))
     px, pz = x / size + 128.0, z / size + 128.0
     i, j = np.floor(px).astype(int), np.floor(pz).astype(int)
@@ -50,12 +50,12 @@ def noise(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
 
 
 def rough(x: np.ndarray, z: np.ndarray, size: float, seed: int) -> np.ndarray:
-    """Three octaves of noise. The largest has features of `size` meters."""
+    """Returns the sum of three octaves of noise. The largest has features of `size` meters."""
     return sum(noise(x, z, size / 2**octave, seed + octave) / 2**octave for octave in range(3)) / 1.75
 
 
 def from_shore(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Approximate distance from the lake's shore in meters; negative in the lake."""
+    """Returns the approximate distance from the lake's shore in meters, which is negative in the lake."""
     across, along = (x + 45.0) / 82.0, (z + 25.0) / 48.0
     angle = np.arctan2(along, across)
     bays = 1.0 + 0.14 * np.sin(2.0 * angle + 0.8) + 0.09 * np.sin(3.0 * angle - 0.5) + 0.04 * np.sin(7.0 * angle)
@@ -63,7 +63,7 @@ def from_shore(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def from_path(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Distance in meters from the middle of the path, which consists of straight segments."""
+    """Returns the distance in meters from the center line of the path, which consists of straight segments."""
     nearest = np.full(x.shape, np.inf)
     for (ax, az), (bx, bz) in zip(PATH, PATH[1:], strict=False):
         along = ((x - ax) * (bx - ax) + (z - az) * (bz - az)) / ((bx - ax) ** 2 + (bz - az) ** 2)
@@ -73,12 +73,12 @@ def from_path(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def scarp(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Horizontal distance in meters up the eastern slope, from its foot."""
+    """Returns the horizontal distance in meters from the foot of the eastern slope, increasing uphill."""
     return x - 122.0 - 24.0 * np.sin(z / 75.0 + 0.6) - 14.0 * rough(x, z, 60.0, 50)
 
 
 def heights(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Heights in world meters."""
+    """Returns the heights in meters."""
     shore = from_shore(x, z)
     inland = smooth(4.0, 60.0, shore)
     ground = np.where(shore < 0.0, np.maximum(0.12 * shore, -5.0), 0.055 * shore)
@@ -88,7 +88,7 @@ def heights(x: np.ndarray, z: np.ndarray) -> np.ndarray:
     ground += 46.0 * smooth(-150.0, -384.0, x + 20.0 * rough(x, z, 120.0, 40))
     ground += 34.0 * smooth(190.0, 384.0, z)
     up = scarp(x, z)
-    # Steep in the main view, gentler and wooded to the north and south.
+    # The slope is steep in the main view, and gentler and wooded to the north and south.
     reach = 62.0 + 90.0 * smooth(70.0, 170.0, np.abs(z + 10.0 + 40.0 * noise(x, z, 60.0, 55)))
     ground += 38.0 * smooth(0.0, 1.0, (up + 8.0) / (reach + 8.0))
     ground += 14.0 * smooth(40.0, 200.0, up)
@@ -96,7 +96,7 @@ def heights(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def soils(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Shares of meadow, forest floor, rock and sand along the last axis."""
+    """Returns the shares of meadow, forest floor, rock and sand along the last axis."""
     step = 2.0
     ground = heights(x, z)
     rise_x = (heights(x + step, z) - heights(x - step, z)) / (2.0 * step)
@@ -115,7 +115,7 @@ def soils(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def biomes() -> Image.Image:
-    """Meadow in the middle of the valley and in a glade in the north. Woods surround both, and extend down to the lake."""
+    """Returns the biome map: meadows in the middle of the valley and in a northern glade, surrounded by woods that reach the lake."""
     line = (np.arange(BIOME_PIXELS) + 0.5) / BIOME_PIXELS * SIZE - SIZE / 2.0
     x, z = np.meshgrid(line, line)
     meadow = np.hypot((x - 30.0) / 150.0, (z - 70.0) / 190.0) < 1.0
@@ -125,14 +125,14 @@ def biomes() -> Image.Image:
 
 
 def grid(posts: int) -> tuple[np.ndarray, np.ndarray]:
-    """World x and z of posts by posts positions, with rows from north to south."""
+    """Returns the world x and z of `posts` by `posts` positions, with rows from north to south."""
     line = np.linspace(-SIZE / 2.0, SIZE / 2.0, posts)
     x, z = np.meshgrid(line, line)
     return x, z
 
 
 def make() -> tuple[bytes, Image.Image]:
-    """The posts and the picture of the soils."""
+    """Returns the bytes of the posts, and the image of the soils. Raises ValueError if a height is out of range."""
     values = np.round((heights(*grid(POSTS)) - LOW) / (HIGH - LOW) * 65535.0)
     if values.min() < 0.0 or values.max() > 65535.0:
         raise ValueError("heights do not fit between LOW and HIGH")

@@ -1,14 +1,14 @@
 extends RefCounted
 ## A small seamless noise texture that the ground and the sky share, generated once per run.
 ##
-## Red: soft patches, green: grain, blue: billows, alpha: different soft patches.
+## Red contains soft patches, green contains grain, blue contains billows, and alpha contains different soft patches.
 
 const SIZE := 256
 
 static var _texture: ImageTexture
 
 
-## The texture, generated on the first call.
+## Returns the texture, which the first call generates.
 static func texture() -> ImageTexture:
 	if _texture == null:
 		var soft := _noise(1, 0.02, FastNoiseLite.FRACTAL_FBM)

@@ -1,22 +1,21 @@
 @tool
 extends MeshInstance3D
-## Draws any [ScatterGround] of moderate size as one mesh: a grid of its heights, cut along the edges of its holes, with
-## walls below these edges.
+## Draws any [ScatterGround] of moderate size as one mesh: a grid of its heights, cut along the edges of holes, with walls
+## below these edges.
 ##
-## UV.x of every vertex is its distance in meters to [member path], up to [constant FAR]; UV.y is 1 on walls, 0 elsewhere.
+## UV.x of every vertex is its distance to [member path] in meters, up to [constant FAR]. UV.y is 1 on walls and 0 elsewhere.
 
 const NoiseTexture := preload("res://terrain/noise_texture.gd")
-## The distance in meters that means "not near the path".
+## The largest distance from the path that UV.x can have, in meters.
 const FAR := 16.0
-## The number of halvings of a quad's side for finding the edge of the ground.
+## The number of bisection steps for finding the edge of the ground on a quad's side.
 const HALVINGS := 8
-## The ground is redrawn only after a path has not changed for this number of seconds, so that it is not redrawn at every
-## step of a drag.
+## The time in seconds for which a path must stay unchanged before the mesh is rebuilt, so that a drag does not rebuild it at every step.
 const PATH_REST := 0.25
-## The rows of quads from the top of a wall to its foot.
+## The number of rows of quads from the top of a wall to its foot.
 const WALL_ROWS := 9
 
-## The ground to draw. It is redrawn when it changes.
+## The ground to draw. The mesh is rebuilt when the ground changes.
 @export var ground: ScatterGround:
 	set(value):
 		if ground != null:
@@ -25,12 +24,12 @@ const WALL_ROWS := 9
 		if ground != null:
 			ground.changed.connect(_request_build)
 		_request_build()
-## The part of the world to draw, x and z in meters.
+## The part of the world to draw, in meters of x and z.
 @export var rect := Rect2(-200.0, -200.0, 400.0, 400.0):
 	set(value):
 		rect = value
 		_request_build()
-## Meters between two vertices.
+## The distance between two vertices, in meters.
 @export_range(0.25, 16.0, 0.25, "suffix:m") var spacing := 2.0:
 	set(value):
 		spacing = maxf(value, 0.25)
@@ -40,7 +39,7 @@ const WALL_ROWS := 9
 	set(value):
 		wall_foot = value
 		_request_build()
-## A path whose distance the material may use; null for none.
+## The path from which UV.x measures the distance; null for none.
 @export var path: Path3D:
 	set(value):
 		if path != null:
@@ -49,12 +48,13 @@ const WALL_ROWS := 9
 		if path != null:
 			path.curve_changed.connect(_on_path_changed)
 		_request_build()
-## The composition of the ground over [member rect], a weight in each channel, for materials that draw it.
+## A map of soils that covers [member rect], for a [member material] whose [code]soil_used[/code] is 1: red is the share of meadow, green forest
+## floor, blue rock, alpha sand. Null for none.
 @export var soil: Image:
 	set(value):
 		soil = value
 		_request_build()
-## The material of ground and walls. Its shader gets the shared noise.
+## The material of the ground and the walls. The shared noise is set on it.
 @export var material: ShaderMaterial:
 	set(value):
 		material = value
@@ -65,12 +65,12 @@ var _path_changes := 0
 var _soil_texture: ImageTexture
 var _columns := 0
 var _vertices := PackedVector3Array()
-## For each post, 1 if there is ground.
+## For each post (sample of the height grid), 1 if it has ground, and otherwise 0.
 var _solid := PackedByteArray()
 var _indices := PackedInt32Array()
-## The vertex at the edge of the ground between two posts, by the numbers of both.
+## The vertex at the edge of the ground between two posts, by the indices of both.
 var _cuts := {}
-## The next vertex along the edge for each vertex, with the ground on the right when seen from above.
+## The next vertex along the edge of the ground, for each vertex on the edge. The ground is to the right, as seen from above.
 var _edge := {}
 
 
@@ -102,7 +102,7 @@ func _on_path_rested(changes: int) -> void:
 
 
 func _build() -> void:
-	# The editor builds scenes before it shows them, and a path outside of the tree has no global transform.
+	# A path outside of the tree has no global transform. The editor instantiates scenes before it adds them to the tree.
 	if not _requested or not is_inside_tree():
 		return
 	_requested = false
@@ -135,8 +135,7 @@ func _build() -> void:
 	mesh = built
 
 
-## Sets the parameters through the RenderingServer, because values that the editor sets on a material would be saved with
-## the scene.
+## Sets the parameters of the material through the RenderingServer, because values that the editor sets on a material would be saved with the scene.
 func _fill_material() -> void:
 	if material == null:
 		return
@@ -149,7 +148,7 @@ func _fill_material() -> void:
 		RenderingServer.material_set_param(rid, &"soil_size", rect.size)
 
 
-## Adds the part of a quad that has ground: a polygon of up to six corners.
+## Adds the part of a quad that has ground, as a polygon with up to six corners.
 func _add_quad(first: int) -> void:
 	var south := first + _columns
 	if _solid[first] + _solid[first + 1] + _solid[south] + _solid[south + 1] == 4:
@@ -187,8 +186,7 @@ func _add_quad(first: int) -> void:
 		_indices.append_array([polygon[0], polygon[i - 1], polygon[i]])
 
 
-## Adds a vertex at the last position with ground on the line from a post with ground to one without, and returns its
-## index.
+## Adds a vertex at the edge of the ground, between a post with ground and one without, and returns its index.
 func _cut(solid: int, hollow: int) -> int:
 	var key := Vector2i(solid, hollow)
 	if not _cuts.has(key):
@@ -217,7 +215,7 @@ func _add_ground(built: ArrayMesh) -> void:
 		normals.append(_normal(vertex))
 		var near := near_path.has_point(Vector2(place.x, place.z))
 		uvs.append(Vector2(_distance_to_path(place) if near else FAR, 0.0))
-		# A post without ground is in no triangle, but counts for the bounding box that the engine uses for culling.
+		# A post without ground is in no triangle, but it is included in the bounding box, which must be finite for culling.
 		if is_nan(place.y):
 			_vertices[vertex].y = wall_foot
 	var arrays: Array = []
@@ -229,7 +227,7 @@ func _add_ground(built: ArrayMesh) -> void:
 	built.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 
 
-## The normal from the posts around the vertex, or from the ground itself at the borders.
+## Returns the normal from the posts around a vertex, or from the ground itself at borders.
 func _normal(vertex: int) -> Vector3:
 	var column := vertex % _columns
 	if column > 0 and column < _columns - 1 and vertex >= _columns and vertex + _columns < _solid.size():
@@ -273,7 +271,7 @@ func _add_walls(built: ArrayMesh) -> void:
 	noise.frequency = 0.09
 	var surface := SurfaceTool.new()
 	surface.begin(Mesh.PRIMITIVE_TRIANGLES)
-	# Facets, because rock breaks that way.
+	# Flat shading, because rock has flat faces.
 	surface.set_smooth_group(-1)
 	var firsts := {}
 	var count := 0
