@@ -1,16 +1,17 @@
-# Paths for tools/godot and tools/setup.sh, which source this file.
+# Finds programs and folders. tools/godot and tools/setup.sh source this file. A Debian root is a folder with a minimal Debian
+# system, in which a program runs that the machine's own system does not provide.
 
-# The folder for everything that is installed once and shared by all checkouts.
+# Prints the path of the folder for everything that is installed once and shared by all checkouts.
 cache_folder() {
 	echo "${THICKET_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/thicket}"
 }
 
-# The Debian root of Godot, whether it exists or not.
+# Prints the path of the Debian root of Godot, which may not exist.
 godot_root() {
 	echo "$(cache_folder)/godot-root"
 }
 
-# The Debian root of emscripten, whether it exists or not.
+# Prints the path of the Debian root of emscripten, which may not exist.
 emscripten_root() {
 	echo "$(cache_folder)/emscripten-root"
 }
@@ -25,7 +26,7 @@ wheel_venv() {
 	echo "$(cache_folder)/wheel-python$(wheel_python)"
 }
 
-# Print the folders of the virtual environments for the tests and for the bake.
+# Prints the folder of the virtual environment for the tests. The next function prints that of the bake.
 python_venv() {
 	echo "$(cache_folder)/venv"
 }
@@ -42,8 +43,8 @@ is_new_godot() {
 	((BASH_REMATCH[1] > 4 || (BASH_REMATCH[1] == 4 && BASH_REMATCH[2] >= 4)))
 }
 
-# Prints the path of a Godot that runs without a Debian root: $GODOT, or godot or godot4 on the PATH. Prints nothing if there is none.
-# An unusable $GODOT is an error, and no other Godot replaces it.
+# Prints the path of a Godot 4.4 or newer that runs without a Debian root: $GODOT, or else godot or godot4 on the PATH. Prints
+# nothing if there is none. If $GODOT is set but unusable, fails instead of using a different Godot.
 find_native_godot() {
 	local candidate
 	if [[ -n ${GODOT:-} ]]; then
@@ -56,7 +57,7 @@ find_native_godot() {
 	fi
 	for candidate in godot godot4; do
 		candidate=$(command -v "$candidate") || continue
-		# This wrapper itself may be on the PATH.
+		# Skip this wrapper, which may itself be on the PATH.
 		[[ $(readlink -f "$candidate") != "$(readlink -f "$0")" ]] || continue
 		if is_new_godot "$candidate"; then
 			echo "$candidate"
@@ -65,7 +66,8 @@ find_native_godot() {
 	done
 }
 
-# enter_root ROOT: sets the array `enter` to the command that runs a program inside a Debian root. Our folders keep their paths there.
+# enter_root ROOT: sets the array `enter` to a command prefix that runs a program inside a Debian root. The home, cache,
+# repository and working folders have the same paths there.
 enter_root() {
 	local root=$1 repo folder
 	repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
@@ -73,14 +75,14 @@ enter_root() {
 	enter+=(--ro-bind-try /etc/ssl/certs /etc/ssl/certs)
 	for folder in /tmp /run "$HOME" "$(cache_folder)" "$repo" "$PWD"; do
 		case $folder/ in
-			/ | // | /usr/* | /etc/* | /bin/* | /sbin/* | /lib* | /dev/* | /proc/* | /sys/*) ;; # The root has its own.
+			/ | // | /usr/* | /etc/* | /bin/* | /sbin/* | /lib* | /dev/* | /proc/* | /sys/*) ;; # The Debian root has its own system folders.
 			*) [[ ! -d $folder ]] || enter+=(--bind "$folder" "$folder") ;;
 		esac
 	done
 	enter+=(--chdir "$PWD")
 }
 
-# Lets Godot import new files of the demo project, because a run of the project does not.
+# Makes Godot import new files of the demo project, because Godot does not import files when it only runs the project.
 import_demo() {
 	local repo stamp
 	repo=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
@@ -88,7 +90,8 @@ import_demo() {
 	if [[ -f $stamp && -z $(find "$repo/demo_project" -name .godot -prune -o -newer "$stamp" -print -quit) ]]; then
 		return
 	fi
-	# Godot lists a new extension only after it has read all scripts, and would report errors in those that use it.
+	# List the extension in advance. Godot would list a new one only after it has parsed all scripts, and would report
+	# errors in those that use it.
 	mkdir -p "${stamp%/*}"
 	[[ -f ${stamp%/*}/extension_list.cfg ]] ||
 		echo res://addons/thicket/thicket.gdextension >"${stamp%/*}/extension_list.cfg"

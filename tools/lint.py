@@ -1,11 +1,11 @@
-"""Formats and checks the C++ sources, with the clang-format and clang-tidy of tests/requirements.txt.
+"""Formats and checks the C++ sources with the versions of clang-format and clang-tidy in tests/requirements.txt.
 
     ~/.cache/thicket/venv/bin/python tools/lint.py format     formats all sources in place (see .clang-format)
     ~/.cache/thicket/venv/bin/python tools/lint.py tidy       checks the files in extension/ that changed since the last clean check
     ~/.cache/thicket/venv/bin/python tools/lint.py tidy --all also checks tests/
 
-The cache folder remembers clean files for all checkouts. The key is the compile command and the contents of the source, of all our
-headers that it includes and of .clang-tidy. Needs compile_commands.json, which any build writes."""
+The cache folder records which files are clean, for all checkouts. The key is a hash of the compile command, the source,
+all our headers that it includes, and .clang-tidy. Needs compile_commands.json, which any build writes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ UNKNOWN = {"-fno-gnu-unique"}
 
 
 def tool(name: str) -> str:
-    """The program beside this Python, which belongs to the pinned package."""
+    """Returns the path of a program that the pinned package has installed next to this Python."""
     return str(Path(sys.executable).parent / name)
 
 
@@ -41,7 +41,8 @@ def sources(*suffixes: str) -> list[Path]:
 
 
 def format_sources(check: bool) -> str:
-    """Formats the sources; with `check`, only reports the lines that it would change."""
+    """Formats the sources. With `check`, changes nothing, and returns the lines that formatting would change. Returns
+    "" if there is nothing to report."""
     command = [tool("clang-format"), *(["--dry-run", "--Werror"] if check else ["-i"])]
     done = subprocess.run([*command, *sources(".c", ".cpp", ".h", ".hpp")], capture_output=True, text=True, cwd=REPO, check=False)
     return done.stderr
@@ -53,7 +54,7 @@ def text(path: Path) -> str:
 
 
 def with_headers(path: Path, seen: set[Path]) -> set[Path]:
-    """A source and all files of the tree that it includes, directly or indirectly."""
+    """Returns a source and all files of this repository that it includes, directly or indirectly."""
     seen.add(path)
     for name in INCLUDE.findall(text(path)):
         for folder in (path.parent, REPO / "extension", REPO / "extension/bindings/include", REPO):
@@ -65,7 +66,8 @@ def with_headers(path: Path, seen: set[Path]) -> set[Path]:
 
 
 def fingerprint(path: Path, command: str) -> str:
-    """A hash of everything that may change clang-tidy's result for a source that is compiled by this command."""
+    """Returns a hash of everything that may change clang-tidy's result for a source that is compiled by this
+    command."""
     digest = hashlib.sha256((text(REPO / ".clang-tidy") + text(REPO / "tests/requirements.txt") + command).encode())
     for one in sorted(with_headers(path, set())):
         digest.update(one.relative_to(REPO).as_posix().encode() + b"\0" + text(one).encode())
@@ -73,7 +75,7 @@ def fingerprint(path: Path, command: str) -> str:
 
 
 def tidy(everything: bool) -> str:
-    """Runs clang-tidy; returns its warnings, or "" if all sources are clean."""
+    """Runs clang-tidy. Returns its warnings, or "" if all sources are clean."""
     CLEAN.mkdir(parents=True, exist_ok=True)
     known = REPO / "build/tidy"
     known.mkdir(parents=True, exist_ok=True)
@@ -87,7 +89,7 @@ def tidy(everything: bool) -> str:
     stale = [path for path, stamp in stamps.items() if not stamp.is_file()]
 
     def check(path: Path) -> str:
-        # -w: clang warns about other things than g++, and g++ is our reference for warnings.
+        # -w disables clang's compiler warnings, because g++ is the reference for compiler warnings.
         command = [tool("clang-tidy"), "--quiet", f"-p={known}", "--extra-arg=-w", "--header-filter=/(extension|tests)/", path]
         done = subprocess.run(command, capture_output=True, text=True, cwd=REPO, check=False)
         if done.returncode == 0:

@@ -1,14 +1,15 @@
-# Parts that only packing and the long tests need (tools/package.sh, bash tests/run.sh --full). tools/setup.sh sources this file:
+# The parts of the setup that only packaging and the long tests need (tools/package.sh, bash tests/run.sh --full). tools/setup.sh
+# sources this file:
 #   setup_zig        clang and the C libraries for every platform, to build releases (README.md, "Build")
-#   setup_llvm       tools that strip and join libraries of all platforms
+#   setup_llvm       tools that strip and merge libraries of all platforms
 #   setup_gltf_validator  Khronos' validator, for the test of glTF files (skipped without it)
-#   setup_coverage   what clang needs to count how often lines run
-#   setup_emscripten the compiler for the web, in a Debian root in the cache folder
-#   setup_descriptions  the engine's descriptions of itself since 4.2, for the tests that compare them (skipped without them)
-#   setup_emulators  emulators of other processors, Windows and the web, and g++ for other processors (about 1.5 GB)
-#   setup_export_template, setup_godot_arm64  Godot for exported games, and for ARM processors under an emulator
+#   setup_coverage   the libraries that clang needs to measure code coverage
+#   setup_emscripten the compiler for web builds, in a Debian root in the cache folder
+#   setup_descriptions  the engine's API descriptions since 4.2, for the tests that compare them (skipped without them)
+#   setup_emulators  emulators of other CPUs, Windows and the web, and g++ for other CPUs (about 1.5 GB)
+#   setup_export_template, setup_godot_arm64  Godot's export template, and Godot for ARM CPUs under an emulator
 
-# Zig's compiler is clang with the headers and C libraries of all platforms.
+# Installs zig, whose compiler is clang with the headers and C libraries of all platforms.
 setup_zig() {
 	local folder
 	folder=$(cache_folder)/zig-$zig_version
@@ -31,7 +32,7 @@ setup_coverage() {
 		install_packages "to count how often lines run" llvm libclang-rt-dev
 }
 
-# The compiler for the web, from a Debian release with a version close to that of the engine's own web builds.
+# Installs the compiler for web builds. The Debian release provides a version close to that of the engine's own web builds.
 setup_emscripten() {
 	local root missing=()
 	root=$(emscripten_root)
@@ -46,7 +47,7 @@ setup_emscripten() {
 	}
 }
 
-# The engine's descriptions of itself, one for each version. A Rust crate contains them.
+# Installs the API descriptions of each engine version, which a Rust crate contains.
 setup_descriptions() {
 	local folder partial version sources
 	folder=$(cache_folder)/descriptions
@@ -90,7 +91,8 @@ setup_wine() {
 		say "continuing without wine; the tests that need it will be skipped"
 }
 
-# Debian does not have every cross compiler for every machine, so each may be missing.
+# Installs g++ for other CPUs, as far as Debian has these cross compilers for this machine. The tests that need a missing one are
+# skipped.
 setup_crosses() {
 	local processor
 	for processor in aarch64 riscv64 i686; do
@@ -116,7 +118,8 @@ setup_gltf_validator() {
 	fi
 }
 
-# Installs the engine of exported games into the Debian root of Godot, for the test that exports one. Does nothing without that root.
+# Installs the export template into the Debian root of Godot, for the test that exports a game. Does nothing without
+# that root.
 setup_export_template() {
 	local root partial
 	root=$(godot_root)
@@ -132,7 +135,8 @@ setup_export_template() {
 	rm -rf "$partial"
 }
 
-# Unpacks Godot for ARM processors, for use in an emulator. Its packages are not configured, because their scripts cannot run here.
+# Unpacks Godot for ARM CPUs, for use in an emulator. The packages are unpacked without running their scripts, which cannot run on
+# this machine.
 setup_godot_arm64() {
 	local root folder aptopts
 	root=$(godot_root)-arm64
@@ -143,7 +147,7 @@ setup_godot_arm64() {
 	rm -rf "$root" "$root.partial"
 	if mmdebstrap --architectures=arm64 --variant=extract --include=godot,libgl1,libegl1 "${aptopts[@]}" \
 		"$godot_suite" "$root.partial" "$(debian_mirror)" </dev/null >&2; then
-		# The packages' scripts would create these links.
+		# Create the links that the packages' scripts would create.
 		for folder in bin lib; do
 			[[ -e $root.partial/$folder ]] || ln -s "usr/$folder" "$root.partial/$folder"
 		done

@@ -1,8 +1,8 @@
-"""Scales screenshots for the tutorials: see tools/tutorial_pictures.sh.
+"""Scales screenshots for the tutorials (see tools/tutorial_pictures.sh).
 
     tutorial_pictures.py EDITOR GAME TUTORIALS
 
-The arguments are folders: of the screenshots of the editor tests, of those of the demo, and of the tutorial pages.
+The arguments are the folders of the editor tests' screenshots, the demo's screenshots and the tutorial pages.
 """
 
 import io
@@ -13,12 +13,12 @@ from PIL import Image
 
 WIDTH = 960
 MAX_BYTES = 150_000
-# Pixels between two pictures side by side.
+# The gap in pixels between two pictures that are placed side by side.
 GAP = 8
 
 
 def side_by_side(left, right):
-    """Two pictures of the same size, joined into one."""
+    """Joins two pictures of the same size."""
     both = Image.new("RGB", (left.width * 2 + GAP * left.width * 2 // WIDTH, left.height), "white")
     both.paste(left, (0, 0))
     both.paste(right, (both.width - right.width, 0))
@@ -26,7 +26,8 @@ def side_by_side(left, right):
 
 
 def write(image, path):
-    """Writes a JPEG with the highest quality that fits into MAX_BYTES."""
+    """Writes a JPEG that is WIDTH pixels wide, with the highest of several qualities that fits into MAX_BYTES. Ends the
+    program if none fits."""
     image = image.convert("RGB")
     if image.width != WIDTH:
         image = image.resize((WIDTH, round(WIDTH * image.height / image.width)), Image.Resampling.LANCZOS)

@@ -39,7 +39,7 @@ template <typename Point>
 struct PointList {
 	std::vector<Point> points;
 
-	/// The first point, or a dummy if there is none, because an array needs an address.
+	/// Returns the first point, or a dummy if there is none, because an array needs an address.
 	const Point *first() const {
 		static const Point none{};
 		return points.empty() ? &none : points.data();
@@ -53,7 +53,7 @@ using Column = nb::ndarray<nb::numpy, const Number, nb::ndim<1>>;
 template <typename Real, nb::ssize_t axes = 2>
 using Positions = nb::ndarray<nb::numpy, const Real, nb::shape<-1, axes>>;
 
-/// One member of all points, as an array with the stride of a point.
+/// Returns one member of all points, as an array with the stride of a point.
 template <typename Point, typename Number>
 Column<Number> column(nb::handle_t<PointList<Point>> self, const Number Point::*member) {
 	static_assert(sizeof(Point) % sizeof(Number) == 0);
@@ -61,7 +61,7 @@ Column<Number> column(nb::handle_t<PointList<Point>> self, const Number Point::*
 	return Column<Number>(&(list.first()->*member), {list.points.size()}, self, {sizeof(Point) / sizeof(Number)});
 }
 
-/// The same for a vector.
+/// Returns a vector member of all points, as a two-dimensional array with the stride of a point.
 template <typename Point, int axes>
 Positions<double, axes> vectors(nb::handle_t<PointList<Point>> self, const glm::vec<axes, double> Point::*member) {
 	static_assert(sizeof(Point) % sizeof(double) == 0);
@@ -95,7 +95,8 @@ void require(const Status &status) {
 	}
 }
 
-/// Converts a sequence of `count` numbers, which may be an array. `words` describes them in the error message.
+/// Converts a sequence of `count` numbers, which may be an array. `words` describes these numbers
+/// in the error message.
 template <std::size_t count>
 std::array<double, count> numbers(nb::handle sequence, const char *words) {
 	std::array<double, count> found{};
@@ -107,7 +108,8 @@ std::array<double, count> numbers(nb::handle sequence, const char *words) {
 	throw nb::python_error();
 }
 
-/// 64 bits: signed, as in the engine, or unsigned.
+/// Returns a seed of 64 bits from a Python integer, which may be signed, as in the engine, or
+/// unsigned.
 std::uint64_t seed_of(nb::handle number) {
 	const nb::object whole = nb::steal(PyNumber_Index(number.ptr()));
 	if (!whole.is_valid()) {
@@ -126,7 +128,8 @@ std::uint64_t seed_of(nb::handle number) {
 	return large;
 }
 
-/// A sampler with warm memory: the one that this thread used before, unless a call is using it.
+/// Lends a sampler whose memory is already allocated: the one that this thread used before, unless
+/// a call is using it.
 class Lease {
 public:
 	Lease() : sampler_(std::move(spare())) {
@@ -183,7 +186,7 @@ Points sample(nb::handle rect, double radius, nb::handle seed, std::int64_t leve
 template <typename Number>
 using Triples = nb::ndarray<const Number, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
-/// The vertices that each face refers to, three a face.
+/// Returns the vertices to which each face refers, three per face.
 std::vector<std::uint32_t> indices_of(const Triples<std::int64_t> &faces, std::size_t vertices) {
 	const std::span<const std::int64_t> all(faces.data(), 3 * faces.shape(0));
 	std::vector<std::uint32_t> indices;
@@ -287,7 +290,7 @@ std::uint64_t digest_of_domain(
 	return digest(std::span<const glm::vec<2, Real>>(first, count));
 }
 
-/// A class for the points of a set, with the members that the points of all sets have.
+/// Declares the class for the points of a set, with the members that the points of all sets have.
 template <typename Point>
 nb::class_<PointList<Point>> bind_list(nb::module_ &module, const char *name, const char *words, const char *ids) {
 	using Self = nb::handle_t<PointList<Point>>;

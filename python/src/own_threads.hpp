@@ -14,10 +14,10 @@ namespace thicket::python {
 /// Threads for one call. They run only code of the core, and never take the interpreter's lock.
 class OwnThreads : public LentThreads {
 public:
-	/// `count` threads in addition to the calling one.
+	/// Creates a set of `count` threads in addition to the calling one.
 	explicit OwnThreads(std::size_t count) : count_(count) {}
 
-	/// The number of cores minus one, for the calling thread.
+	/// Returns the number of cores without the one that the calling thread uses.
 	static std::size_t spare() { return std::max(std::thread::hardware_concurrency(), 1u) - 1; }
 
 	std::size_t count() const override { return count_; }

@@ -9,8 +9,9 @@ namespace thicket::python {
 
 namespace {
 
-/// The intervals between calls to the interpreter, with and without a progress function. Taking its lock is slow if another thread runs:
-/// Python hands the lock over only every 5 milliseconds.
+/// The intervals between calls to the interpreter, with and without a progress function. Taking the
+/// interpreter's lock is slow if another thread runs: Python hands the lock over only every 5
+/// milliseconds.
 constexpr std::chrono::milliseconds pause_told{15};
 constexpr std::chrono::milliseconds pause_untold{100};
 

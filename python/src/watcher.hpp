@@ -13,7 +13,7 @@
 
 namespace thicket::python {
 
-/// Cancels calls from other threads. It stays cancelled.
+/// Cancels calls on any thread. An object that was cancelled stays cancelled.
 class Cancel {
 public:
 	void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
@@ -33,18 +33,21 @@ private:
 	std::string text_;
 };
 
-/// Watches one call that runs without the interpreter's lock. About every 15 milliseconds, it takes the lock to call the progress function
-/// and to check for Ctrl+C. Ends the call if either raises an exception, or if the Cancel is cancelled.
+/// Watches one call that runs without the interpreter's lock. About every 15 milliseconds, it takes
+/// the lock to call the progress function and to check for Ctrl+C. If either raises an exception,
+/// or if the Cancel is cancelled, it ends the call.
 class Watcher {
 public:
-	/// `callback` is a callable or None, `cancel` may be null. Needs the lock, like all members except the functions of `progress`.
+	/// Creates a watcher. `callback` is a callable or None, and `cancel` may be null. The caller
+	/// must hold the interpreter's lock, as for all members except the functions of `progress`.
 	Watcher(nanobind::object callback, const Cancel *cancel);
 
-	/// The functions that a sampler calls. This object must outlive them.
+	/// Returns the functions that a sampler calls. The watcher must outlive them.
 	Progress progress();
 
-	/// Raises the exception of the progress function, Cancelled, or for another status ValueError or MemoryError with the core's
-	/// `sentence`. Otherwise reports to the progress function that all `points` are done, and passes on its exception.
+	/// Raises the exception of the progress function, or Cancelled. For any other error, raises
+	/// ValueError or MemoryError with the core's `sentence`. If there is no error, reports to the
+	/// progress function that all `points` are done, and passes on its exception.
 	void finish(const Status &status, const std::string &sentence, std::uint64_t points);
 
 private:
@@ -58,7 +61,7 @@ private:
 	std::atomic<bool> ended_ = false;
 	std::exception_ptr raised_;
 	double fraction_ = 0.0; ///< The last reported fraction.
-	Clock::time_point due_; ///< When to take the lock again.
+	Clock::time_point due_; ///< Time at which to take the interpreter's lock again.
 };
 
 } // namespace thicket::python

@@ -1,7 +1,7 @@
 """Exact Poisson-disk point sets, infinite and bounded, as NumPy arrays.
 
-sample() returns a window of an infinite set, which seed and radius determine. sample_domain() fills a rectangle with a set of its own.
-sample_surface() returns the set of any surface, from triangles in space.
+sample() returns a window of an infinite set. The seed and the radius determine this set. sample_domain() fills a rectangle with a set of
+its own. sample_surface() returns a set on the triangles of any surface in space.
 Lengths are in meters. All functions are thread-safe, and release the GIL while they work.
 """
 

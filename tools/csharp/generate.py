@@ -1,8 +1,8 @@
-"""Writes C# classes that wrap those of the extension, from its class reference (extension/doc_classes/*.xml).
+"""Generates C# wrappers for the classes of the extension from its class reference (extension/doc_classes/*.xml).
 
-In C#, an engine with .NET shows objects of an extension's classes as their engine base class: a Resource where a script sees a
-ScatterLayer. A wrapper holds such an object and accesses its properties, methods and signals by name, with types, in PascalCase, and
-with the text of the class reference. The build runs this script and puts the files into the add-on.
+In C#, an object of an extension class has the type of its engine base class: a ScatterLayer is a Resource. A wrapper holds such
+an object and accesses its properties, methods and signals by name. Its members are typed, have PascalCase names, and have the
+text of the class reference. The build runs this script and puts the files into the add-on.
 
     python3 tools/csharp/generate.py --out FOLDER PAGE.xml...     writes the files, and removes outdated ones
     python3 tools/csharp/generate.py --list PAGE.xml...           only prints their names"""
@@ -25,25 +25,25 @@ Element = ElementTree.Element
 
 
 class Reference:
-    """All pages of the class reference."""
+    """Reads all pages of the class reference."""
 
     def __init__(self, pages: list[Path]):
         roots = [ElementTree.parse(page).getroot() for page in pages]
         self.classes = {root.get("name"): root for root in sorted(roots, key=lambda root: root.get("name"))}
 
     def parent(self, name: str) -> str | None:
-        """The parent class, if it is wrapped too."""
+        """Returns the parent class if it also has a wrapper, and otherwise None."""
         parent = self.classes[name].get("inherits")
         return parent if parent in self.classes else None
 
     def engine_base(self, name: str) -> str:
-        """The engine class that represents the object in C#."""
+        """Returns the engine class that represents an object of this class in C#."""
         while name in self.classes:
             name = self.classes[name].get("inherits")
         return "GodotObject" if name == "Object" else name
 
     def enum(self, name: str, owner: str) -> str:
-        """An enum's qualified name. An enum with the same name as a property is renamed in C#."""
+        """Returns an enum's qualified name. In C#, an enum with the same name as a property gets the suffix Enum."""
         owner, _, short = name.rpartition(".") if "." in name else (owner, ".", name)
         if owner in self.classes:
             taken = {pascal(member.get("name")) for member in self.classes[owner].iter("member")}
@@ -52,7 +52,7 @@ class Reference:
         return short if not owner or name == "Error" else f"{owner}.{short}"
 
     def type(self, element: Element, owner: str) -> str:
-        """The C# type of a property, a parameter or a return value."""
+        """Returns the C# type of a property, a parameter or a return value."""
         named = element.get("type")
         if element.get("enum"):
             enum = element.get("enum")
@@ -67,7 +67,7 @@ class Reference:
         return "GodotObject" if named == "Object" else named
 
     def from_variant(self, value: str, type_: str) -> str:
-        """An expression that converts a Variant to this type."""
+        """Returns an expression that converts a Variant to this type."""
         if type_ == "Variant":
             return value
         if type_ in self.classes:
@@ -77,7 +77,8 @@ class Reference:
         return f"{value}.As<{type_}>()"
 
     def to_variant(self, value: str, type_: str) -> str:
-        """An expression that converts a value of this type to a Variant, where C# has no implicit conversion."""
+        """Returns an expression that converts a value of this type to a Variant. C# has no implicit conversion for some
+        types."""
         if type_.removesuffix("[]") in self.classes and type_.endswith("[]"):
             return f"Wrapped({value})"
         if "." in type_ and type_ not in VALUES.values() or type_ == "Error":
@@ -94,7 +95,7 @@ def summary(text: str | None, indent: str = "\t") -> str:
 
 
 def parameter(reference: Reference, element: Element, owner: str) -> tuple[str, str]:
-    """(declaration, expression that makes its Variant) of a parameter."""
+    """Returns a parameter's declaration and the expression that converts it to a Variant."""
     name, type_, given = camel(element.get("name")), reference.type(element, owner), element.get("default")
     variant = reference.to_variant(name, type_)
     if given is None:
@@ -116,7 +117,7 @@ def parameter(reference: Reference, element: Element, owner: str) -> tuple[str, 
         return f"{type_}? {name} = null", f"{name} ?? new {type_}({value})"
     if reference.enum(element.get("enum") or "", owner) == type_:
         return f"{type_} {name} = ({type_}){given}", variant
-    return f"{type_} {name} = default", variant  # Callable(), null and RID() are all empty.
+    return f"{type_} {name} = default", variant  # Callable(), null and RID() are all empty values.
 
 
 def joined(parts: list[str], glue: str) -> str:
@@ -124,7 +125,7 @@ def joined(parts: list[str], glue: str) -> str:
 
 
 def names(kind: str, elements: list[Element], hides: bool) -> str:
-    """A class of StringNames, like those of the engine's own classes."""
+    """Returns a nested class of StringNames, as in the engine's C# classes."""
     if not elements:
         return ""
     head = f"\tpublic {'new ' if hides else ''}static class {kind}\n\t{{\n"
@@ -171,7 +172,8 @@ def method(reference: Reference, element: Element, owner: str) -> str:
 
 
 def signal(reference: Reference, element: Element, owner: str) -> str:
-    """An event. It connects the handler itself, or a function that wraps the signal's arguments for it."""
+    """Returns an event for a signal. The event connects the handler directly, or a function that first wraps the
+    signal's arguments."""
     name = pascal(element.get("name"))
     types = [reference.type(one, owner) for one in element.findall("param")]
     handler = f"Action<{', '.join(types)}>" if types else "Action"
@@ -191,7 +193,7 @@ def signal(reference: Reference, element: Element, owner: str) -> str:
 
 
 def head(reference: Reference, name: str) -> str:
-    """The start of a wrapper: its name, its constructors and the conversions from and to the engine's object."""
+    """Returns the start of a wrapper: its name, its constructors, and the conversions from and to the engine object."""
     parent, engine = reference.parent(name), reference.engine_base(name)
     hides = "new " if parent else ""
     parts = [
@@ -219,7 +221,7 @@ def inherits_any(reference: Reference, name: str, tag: str) -> bool:
 
 
 def wrapper(reference: Reference, name: str) -> str:
-    """The file of one class."""
+    """Returns the content of the file for one class."""
     root = reference.classes[name]
     members = [one for one in root.iter("member") if not one.get("overrides")]
     methods = [one for one in root.iter("method") if "virtual" not in (one.get("qualifiers") or "")]

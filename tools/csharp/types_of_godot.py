@@ -1,10 +1,11 @@
-"""The C# names of Godot's types and members, and the text of descriptions."""
+"""Converts Godot's names of types and members to C#, and descriptions to plain text."""
 
 from __future__ import annotations
 
 import re
 
-# Types of a Variant and their names in C#. All other names in the class reference are classes.
+# The Variant types, with their C# names. Any other type name in the class reference is a class, a typed array or a typed
+# dictionary.
 VALUES = {
     "void": "void",
     "bool": "bool",
@@ -57,7 +58,7 @@ KEYWORDS = set(
 
 
 def pascal(name: str) -> str:
-    """MaxSlopeDegrees for max_slope_degrees, CollisionBox for COLLISION_BOX."""
+    """Converts max_slope_degrees to MaxSlopeDegrees, and COLLISION_BOX to CollisionBox."""
     return "".join(word[:1].upper() + word[1:].lower() for word in name.strip("_").split("_"))
 
 
@@ -68,7 +69,7 @@ def camel(name: str) -> str:
 
 
 def members_of_enum(names: list[str]) -> dict[str, str]:
-    """The C# names of an enum's values, without the words that all of them begin with."""
+    """Maps the names of an enum's values to C# names. Omits the words with which all of the names begin."""
     words = [name.split("_") for name in names]
     same = 0
     while len(words) > 1 and all(len(one) > same + 1 and one[same] == words[0][same] for one in words):
@@ -79,7 +80,7 @@ def members_of_enum(names: list[str]) -> dict[str, str]:
 
 
 def plain(text: str) -> str:
-    """A description without its markup and without its examples, which are in GDScript."""
+    """Removes the markup and the examples, which are in GDScript, from a description."""
     text = re.sub(r"\[(codeblocks?|gdscript|csharp)[^]]*\].*?\[/\1\]", "", text, flags=re.DOTALL)
     text = re.sub(r"\[(?:member|method|signal|constant|enum|param|theme_item|annotation) ([^]]+)\]", r"\1", text)
     text = re.sub(r"\[([A-Z]\w*)\]", r"\1", text)

@@ -1,4 +1,5 @@
-"""Turns linked libraries into shipped ones: splits off symbols, strips unused parts and joins the architectures of macOS."""
+"""Prepares linked libraries for shipping: copies the symbols, strips the libraries, and merges the architectures of
+macOS."""
 
 import plistlib
 import shutil
@@ -10,7 +11,8 @@ TARGETS = ("template_debug", "template_release")
 
 
 def tool(name):
-    """The path of one of LLVM's tools, which support the files of all platforms. In Debian, their names may end with a version."""
+    """Returns the path of an LLVM tool. LLVM tools support the files of all platforms. In Debian, their names may end
+    with a version."""
     found = shutil.which(name) or next(filter(None, (shutil.which("%s-%d" % (name, number)) for number in range(30, 13, -1))), None)
     if found is None:
         raise SystemExit("thicket: no %s: run bash tools/package.sh, which installs LLVM" % name)
@@ -22,7 +24,9 @@ def run(*command):
 
 
 def collect(builds, folder, symbols):
-    """Strips the libraries of all builds into `folder`, and copies them with symbols into `symbols`. `builds` are (build, its folder)."""
+    """Writes stripped libraries of all builds to `folder`, and copies the originals with symbols to `symbols`.
+    Libraries for the web are not stripped, and those for macOS become frameworks. `builds` is a list of pairs (build,
+    its folder)."""
     folder.mkdir(parents=True, exist_ok=True)
     symbols.mkdir(parents=True, exist_ok=True)
     frameworks = {}
@@ -51,8 +55,8 @@ def find(folder, target):
 
 
 def framework(target, precision, libraries, folder):
-    """Writes a framework with one library for all processors, as macOS requires. The linker has given each part an ad-hoc signature.
-    That is enough to run it, but users who download it must allow it once."""
+    """Writes a framework with one library for all CPUs, as macOS requires. The linker has already signed each part with
+    an ad hoc signature. macOS then runs the library, but users who download it must allow it once."""
     name = "libthicket.macos." + target + (".double" if precision == "double" else "")
     inside = folder / (name + ".framework")
     (inside / "Resources").mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Builds and packs a release: see tools/package.sh, which installs the required tools."""
+"""Builds and packs a release. Run it through tools/package.sh, which installs the required tools."""
 
 import argparse
 import os
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import archive
 import binaries
-import contents  # Also extends sys.path, for the next import.
+import contents  # This import also extends sys.path, for the next import.
 import platforms
 
 REPO = Path(__file__).resolve().parents[2]
@@ -19,7 +19,7 @@ DIST = REPO / "build/dist"
 
 @dataclass(frozen=True)
 class Build:
-    """A call of scons whose libraries are shipped."""
+    """A call of scons that builds libraries for a release."""
 
     platform: str
     arch: str
@@ -28,23 +28,23 @@ class Build:
 
     @property
     def name(self):
-        """The part of the libraries' names that identifies the build."""
+        """Returns the part of a library's name that identifies the build."""
         parts = [self.platform, self.arch]
         parts += ["double"] if self.precision == "double" else []
         return ".".join(parts + ([] if self.threads else ["nothreads"]))
 
     @property
     def compiler(self):
-        """The compiler's name for platforms.folder_name."""
+        """Returns the compiler's name for platforms.folder_name."""
         return "" if self.platform == "web" else "zig"
 
     def options(self):
-        """The options for scons."""
+        """Returns the options for scons."""
         options = ["%s=%s" % (name, {True: "yes", False: "no"}.get(value, value)) for name, value in asdict(self).items()]
         return ["ship=yes", "scu_build=yes", "use_zig=" + ("yes" if self.compiler else "no"), *options]
 
     def folder(self):
-        """The folder into which scons puts the libraries."""
+        """Returns the folder into which scons puts the libraries."""
         return REPO / "build" / (platforms.folder_name(asdict(self), "ship", self.precision, self.compiler) + ".scu") / "addon/bin"
 
 
@@ -72,14 +72,15 @@ def arguments():
 
 
 def build(wanted):
-    """Runs scons for each build. Only builds the extension: users who want the tests build them themselves."""
+    """Runs scons for each build. Builds only the extension, because releases do not contain tests."""
     for each in wanted:
         print("thicket: building for %s" % each.name, file=sys.stderr)
         subprocess.run(["scons", "-Q", "-j%d" % (os.cpu_count() or 1), *each.options(), "extension"], cwd=REPO, check=True)
 
 
 def pack(wanted, out):
-    """Strips the libraries, assembles the add-on and writes the zips."""
+    """Strips the libraries, assembles the add-on, and writes the zips, their checksums and the libraries with symbols.
+    Returns the paths of the zips."""
     stage = out / "stage"
     shutil.rmtree(stage, ignore_errors=True)
     addon = stage / "addon/addons/thicket"

@@ -1,14 +1,14 @@
-"""Writes compile_commands.json for editors and clang's tools. SCons' own tool for this writes the file on every build, but a build
-with nothing to do should do nothing."""
+"""Writes compile_commands.json for editors and clang's tools. SCons' own tool for this would rewrite the file in every
+build, even if nothing has changed."""
 
 import json
 
 
 def database(env, targets):
-    """The node of the file, which holds the command of each object that the targets are built from. It is rewritten when the
-    objects or their flags change."""
+    """Returns the node of the file, which has the compile command of each object that the targets are built from. It is
+    rewritten when the objects or their flags change."""
     objects = sorted(set(compiled(env.Flatten(targets), set())), key=str)
-    # Objects in the same environment differ only in their names.
+    # Objects of the same environment have the same flags.
     flags = {id(each): each for each in (node.get_build_env() for node in objects)}.values()
     summary = [env.Dir("#").abspath, *map(str, objects)]
     summary += [each.subst("$CXX $CXXFLAGS $CCFLAGS $_CCCOMCOM") for each in flags]
@@ -24,7 +24,7 @@ def database(env, targets):
 
 
 def compiled(nodes, seen):
-    """Yields the objects that nodes are built from, as far as they are compiled from C++."""
+    """Yields the objects compiled from C++ that the nodes are built from."""
     for node in nodes:
         if node in seen:
             continue

@@ -1,4 +1,5 @@
-"""Flags for each compiler: g++ and clang, zig's clang for any platform, emscripten, and Microsoft's."""
+"""Defines the flags for each compiler: g++, clang, zig's clang for any platform, emscripten, and Microsoft's
+compiler."""
 
 import os
 
@@ -7,18 +8,19 @@ import platforms
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion"]
 
-# g++ 12 warns that `"text" + string` copies a string onto itself: a false alarm at -O3 (GCC bug 105651).
+# g++ 12 at -O3 warns that `"text" + string` copies a string onto itself. This is a false positive (GCC bug 105651).
 GNU_WARNINGS = WARNINGS + ["-Wno-restrict"]
 
-# Contraction is off because a fused multiply-add rounds once where the source rounds twice: one seed would then produce
-# different points on different processors.
+# Prevents the compiler from fusing a multiplication and an addition, because the fused operation rounds once where the
+# source rounds twice. The same seed would then produce different points on different CPUs.
 EXACT = ["-ffp-contract=off"]
-# On 32-bit x86 the compiler would otherwise compute with the 80 bits of the x87 unit.
+# With these flags, 32-bit x86 code uses SSE2 instead of the 80-bit registers of the x87 unit.
 EXACT_ON = {"x86_32": ["-msse2", "-mfpmath=sse"]}
 
 
 def name(env):
-    """The compiler's name: g++, clang++, zig, em++."""
+    """Returns the compiler's name: em++ for the web, zig with use_zig=yes, and otherwise the file name of CXX, such as
+    g++, clang++ or cl."""
     if env["platform"] == "web":
         return "em++"
     return "zig" if env["use_zig"] else os.path.basename(env["CXX"])
@@ -33,7 +35,9 @@ def is_gnu(env):
 
 
 def choose(env):
-    """Sets the programs that compile, archive and link. Returns the compiler's name in a build folder's name, "" for g++."""
+    """Sets the programs that compile, archive and link for the web and with use_zig=yes. For other builds, SCons uses
+    CXX. Returns the compiler's name for the build folder's name, which is "" for default compilers. Ends the build if
+    zig is not installed."""
     if env["platform"] == "web":
         run = env.File("#tools/emscripten").abspath
         env.Replace(CXX=[run, "em++"], LINK=[run, "em++"], SHLINK=[run, "em++"], AR=[run, "emar"], RANLIB=[run, "emranlib"])
@@ -74,7 +78,7 @@ def configure_gnu(env, release):
         CCFLAGS=(GNU_WARNINGS if is_gnu(env) else WARNINGS) + (["-Werror"] if env["werror"] else []) + EXACT + EXACT_ON.get(env["arch"], []),
     )
     env.Append(CCFLAGS=["-fvisibility=hidden"] + (["-fPIC"] if env["platform"] != "windows" else []))
-    # Programs and the extension share their objects: position-independent, with hidden symbols by default.
+    # Programs and the extension share objects. All objects are position-independent and hide symbols by default.
     env["STATIC_AND_SHARED_OBJECTS_ARE_THE_SAME"] = 1
     env["OBJSUFFIX"] = env["SHOBJSUFFIX"] = ".o"
     env["SHCCFLAGS"] = ["$CCFLAGS"]
@@ -85,8 +89,8 @@ def configure_gnu(env, release):
     if env["platform"] == "web":
         env.Append(CCFLAGS=["-msimd128", "-sSUPPORT_LONGJMP=wasm"])
     if env["use_zig"]:
-        # zig checks for undefined behavior by default; a build with sanitize=undefined does that instead. The prefix map keeps
-        # this machine's paths out of the binaries.
+        # zig checks for undefined behavior by default, but only builds with sanitize=undefined should do so. The prefix
+        # map keeps this machine's paths out of the binaries.
         env.Append(CCFLAGS=["-fno-sanitize=undefined", "-ffile-prefix-map=%s=." % env.Dir("#").abspath])
     if env["dev_build"]:
         env.Append(CCFLAGS=["-Og", "-g3"])
@@ -100,12 +104,14 @@ def configure_gnu(env, release):
         env.Append(CCFLAGS=["-g1"])
 
 
-# Code that runs when a property is set or a scene is read. There is a lot of it, and its speed does not matter.
+# Rooms whose code is large and whose speed does not matter, because it runs when a property is set, a scene is read or a
+# script calls it, and not in every frame.
 OPTIMIZED_FOR_SIZE = ["nodes/biome", "nodes/explain", "nodes/impostor", "nodes/layer", "nodes/model", "nodes/region", "nodes/sampler"]
 
 
 def objects_of(env, room, sources):
-    """The objects of a room's sources, optimized for size where speed does not matter."""
+    """Returns the objects of a room's sources. In rooms where speed does not matter, -Os replaces -O2 and -O3, except
+    with Microsoft's compiler."""
     flags = env["CCFLAGS"]
     if room in OPTIMIZED_FOR_SIZE and not is_msvc(env):
         flags = ["-Os" if flag in ("-O2", "-O3") else flag for flag in flags]
@@ -113,7 +119,7 @@ def objects_of(env, room, sources):
 
 
 def configure_msvc(env, release):
-    """Follows Microsoft's documentation, and has not been tried yet (README.md, "Build")."""
+    """Adds flags according to Microsoft's documentation. Not tested yet (README.md, "Build")."""
     env.Append(
         CXXFLAGS=["/std:c++20", "/EHsc", "/permissive-", "/Zc:__cplusplus", "/Zc:preprocessor", "/utf-8", "/bigobj"],
         CCFLAGS=["/W4"] + (["/WX"] if env["werror"] else []) + ["/fp:precise", "/GS", "/guard:cf"],
@@ -127,39 +133,40 @@ def configure_msvc(env, release):
 
 
 def shared_flags(env):
-    """Adds the flags that make a library which a running Godot can load, unload and reload."""
+    """Adds the flags for a library that a running Godot can load, unload and reload. Microsoft's compiler gets none."""
     if is_msvc(env):
         return
     platform, release = env["platform"], is_release(env)
     if platform in ("linux", "android"):
-        # Templates of the standard library are visible regardless of -fvisibility. The map hides them too, so that Godot sees
-        # the entry point and nothing that it could confuse with a symbol of its own.
+        # Templates of the standard library are visible regardless of -fvisibility. The version script hides them, too,
+        # so that only the entry point is exported, and no symbol can clash with one of Godot's.
         exports = env.File("#tools/scons/exports.map")
         env.Append(LINKFLAGS=["-Wl,--no-undefined", "-Wl,--version-script=" + exports.abspath])
         env.Append(LINKFLAGS=["-Wl,-z,relro", "-Wl,-z,now", "-Wl,-z,noexecstack", "-Wl,--build-id=sha1", "-Wl,--gc-sections"])
     if platform == "windows":
-        # Otherwise the linker writes the build time into the library.
+        # Prevents the linker from writing the build time into the library.
         env.Append(LINKFLAGS=["-Wl,/Brepro" if env["use_zig"] else "-Wl,--no-insert-timestamp"])
     if platform == "macos":
         env.Append(LINKFLAGS=["-Wl,-dead_strip", "-Wl,-install_name,@rpath/${TARGET.file}"])
     if platform == "web":
         env.Append(LINKFLAGS=["-sSIDE_MODULE=2", "-sEXPORTED_FUNCTIONS=_thicket_library_init", "-sWASM_BIGINT"])
-        # If two objects declare a function differently, this linker only warns, and a call to the function traps.
+        # emscripten's linker only warns if two objects declare a function differently, but a call of that function
+        # would trap.
         env.Append(LINKFLAGS=["-sSUPPORT_LONGJMP=wasm", "-Wl,--fatal-warnings"])
         return
     if env["use_zig"]:
-        return  # zig links its own C++ library, and emits no unique symbols.
+        return  # zig links its own C++ library, and creates no unique symbols.
     gnu = is_gnu(env)
     if gnu:
-        # A unique symbol keeps its library in memory forever, and a reload would then run the old code.
+        # A library with a unique symbol is never unloaded, so a reload would still run the old code.
         env.Append(CXXFLAGS=["-fno-gnu-unique"])
     if gnu and platform == "windows":
-        env.Append(LINKFLAGS=["-static"])  # Includes the threading library, which Windows lacks.
+        env.Append(LINKFLAGS=["-static"])  # Includes the threading library, which Windows does not have.
     elif release and not env["sanitize"] and (gnu or platform == "linux"):
         env.Append(LINKFLAGS=["-static-libstdc++", "-static-libgcc"])
 
 
 def extra_sources(env):
-    """Sources that the extension needs on this platform with this compiler."""
-    # zig's start files call no destructors when a library is closed, so its static objects would outlive its code.
+    """Returns additional sources that the extension needs on this platform with this compiler."""
+    # zig's start files do not call destructors when a library is closed, so its static objects would outlive its code.
     return ["tools/scons/unload.cpp"] if env["use_zig"] and env["platform"] == "linux" else []

@@ -1,11 +1,11 @@
-"""The add-on's C# wrappers, which tools/csharp generates from the class reference."""
+"""Builds the add-on's C# wrappers, which tools/csharp generates from the class reference."""
 
 import subprocess
 import sys
 
 
 def wrappers(env, addon):
-    """The nodes of the wrappers. The build queries the generator for their names when it starts."""
+    """Returns the nodes of the wrappers. Runs the generator once at the start of the build to list their names."""
     pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
     command = [sys.executable, env.File("#tools/csharp/generate.py").abspath, *[page.srcnode().abspath for page in pages]]
     listed = subprocess.run([*command, "--list"], capture_output=True, text=True, check=False)

@@ -1,5 +1,5 @@
-"""The bindings that engine code is compiled against: either the godot-cpp that the user names, or our stand-in, which is generated
-from a description of the oldest supported engine."""
+"""Provides the bindings for engine code: either the godot-cpp that the user names, or our replacement for godot-cpp.
+The replacement is generated from an API description of the oldest supported engine."""
 
 import glob
 import os
@@ -12,12 +12,15 @@ DUMPED = ("extension_api.json", "gdextension_interface.h")
 
 
 def bind(env, out, sources):
-    """Prepares env for engine code. Returns the objects to link with it."""
+    """Prepares env for engine code. Returns the objects to link with that code; none with an external godot-cpp, whose
+    library is added to env instead."""
     return external(env, env["godot_cpp"]) if env["godot_cpp"] else stand_in(env, out, sources)
 
 
 def external(env, folder):
-    """Uses a godot-cpp: a built checkout or an installed prefix. Its headers are third-party code, so their warnings are off."""
+    """Uses a godot-cpp, either a built checkout or an installed prefix. Its headers are third-party code, so warnings
+    in them are disabled. Adds its library to env, and returns an empty list. Ends the build if there is no library for
+    this target, architecture and precision."""
     folder = os.path.abspath(folder)
     roots = [os.path.join(folder, part) for part in ("include", "gen/include", "gdextension")]
     archives = [
@@ -42,16 +45,18 @@ def external(env, folder):
 
 
 def supports_reload(archive):
-    """Whether a godot-cpp was built with use_hot_reload=yes. Code linked with it must be compiled with the same setting, because
-    both share a thread-local record whose size depends on it (before godot-cpp 4.5: a different record)."""
+    """Returns whether a godot-cpp was built with use_hot_reload=yes. Code linked with it must be compiled with the same
+    setting, because both share a thread-local record whose size depends on it (a different record before godot-cpp
+    4.5)."""
     listed = subprocess.run(["nm", "-S", archive], capture_output=True, text=True, check=False).stdout
     sizes = re.findall(r"^[0-9a-f]+ ([0-9a-f]+) \w _ZZN5godot7Wrapped19_get_construct_infoEvE4info$", listed, re.MULTILINE)
     return any(int(size, 16) > 16 for size in sizes) or "5godot7Wrapped17recreate_instanceE" in listed
 
 
 def stand_in(env, out, sources):
-    """Uses our stand-in: its hand-written part, and the sources generated from the description. The interface header comes from
-    the engine itself. The generator lists its files beforehand, so that the engine runs only when a target needs them."""
+    """Uses our replacement for godot-cpp: its hand-written part, and the sources generated from the API description.
+    The interface header comes from the engine. The generator lists its files in advance, so that the engine runs only
+    when a target needs them. Returns the objects to link."""
     root = env.Dir("#").abspath
     generated = env.Dir(out + "/gen").abspath
     generator = [sys.executable, os.path.join(root, BINDINGS, "generate.py"), "--out", generated, "--used", used_api(root)]
@@ -63,7 +68,8 @@ def stand_in(env, out, sources):
     inputs = [path for path in inputs if "__pycache__" not in path]
     command = [*generator, "--api", description(root), "--interface", interface.abspath]
     action = env.Action([command], "write   %s/gen" % out.lstrip("#"))
-    # The generator reads headers as text. The files that they include, some of which it generates itself, are not its inputs.
+    # The generator reads headers as text. Files that these headers include, some of which the generator writes, are
+    # therefore not inputs of the command.
     written = env.Command(
         listed.stdout.splitlines(),
         [interface, *sorted({*inputs, used_api(root), description(root)})],
@@ -76,7 +82,8 @@ def stand_in(env, out, sources):
 
 
 def class_reference(env, out, target):
-    """The object with our class reference for the editor. Release builds have none, because the editor does not load them."""
+    """Returns a list with the object that contains our class reference for the editor. The list is empty for release
+    builds, because the editor does not load them."""
     pages = sorted(env.Glob("#extension/doc_classes/*.xml"), key=str)
     if target == "template_release" or not pages:
         return []
@@ -89,7 +96,8 @@ def class_reference(env, out, target):
 
 
 def version_source(env):
-    """The file that contains the version of the oldest engine that the bindings support."""
+    """Returns the node that contains the version of the oldest engine that the bindings support: a file or, for a
+    godot-cpp without a version header, the text of version 4.4."""
     if not env["godot_cpp"]:
         return env.File(description(env.Dir("#").abspath))
     for part in ("gen/include", "include"):
@@ -100,17 +108,17 @@ def version_source(env):
 
 
 def version(text):
-    """Major and minor version, such as "4.6", from the text of version_source."""
+    """Returns the major and minor version, such as "4.6", from the text of version_source."""
     return ".".join(re.search(r'(?i)version_%s"?:? +([0-9]+)' % part, text).group(1) for part in ("major", "minor"))
 
 
 def used_api(root):
-    """The list of the API that engine code uses. It is either beside that code or beside the bindings."""
+    """Returns the path of the list of the API that engine code uses."""
     return only(root, "used_api.toml")
 
 
 def description(root):
-    """The description of the oldest supported engine, written by describe.py."""
+    """Returns the path of the API description of the oldest supported engine, written by describe.py."""
     return only(root, "description_*.json")
 
 
@@ -122,7 +130,8 @@ def only(root, name):
 
 
 def find(env):
-    """(path, time) of the Godot that provides the dump, or None."""
+    """Returns the path and the modification time, as text, of the Godot that provides the API dump. Returns None if
+    there is none."""
     script = env.File("#tools/godot").abspath
     answer = subprocess.run([script, "--where"], capture_output=True, text=True, check=False)
     path = answer.stdout.strip()
@@ -130,7 +139,8 @@ def find(env):
 
 
 def dump(env):
-    """Nodes of the two files in which Godot describes itself. They are rewritten when a different Godot is found."""
+    """Returns the nodes of the two files in which Godot describes its API. They are rewritten when a different Godot is
+    found."""
     folder = "#build/engine/"
     found = find(env)
 

@@ -1,4 +1,5 @@
-"""The file names of the extension, and its .gdextension manifest, which lists the binaries that exist."""
+"""Determines the file names of the extension, and writes its .gdextension manifest, which lists the existing
+binaries."""
 
 import os
 import re
@@ -16,8 +17,9 @@ BINARY = re.compile(
 
 
 def addon_folder(env, out):
-    """The folder that the extension is built into: the demo's add-on if a plain Godot on this machine can load it, otherwise the
-    build folder. A plain Godot cannot load a build with sanitizers, and one with coverage=yes writes its counts into the project."""
+    """Returns the folder into which the extension is built. This is the demo's add-on for an ordinary build for this
+    machine, and otherwise the build folder. Builds with zig and releases are meant for other machines. A plain Godot
+    cannot load a build with sanitizers, and a build with coverage=yes would write its counts into the project."""
     here = platforms.is_native(env) and not (env["use_zig"] or env["sanitize"] or env["coverage"] or env["ship"])
     return "#" + ADDON if here else out + "/addon"
 
@@ -27,8 +29,8 @@ def binary_name(env, target):
 
 
 def manifest(env, addon, binaries):
-    """The node of the manifest, which is rewritten after the binaries are linked. It also lists binaries that other runs have
-    built, so the folder is read when the build starts."""
+    """Returns the node of the manifest, which is rewritten after the binaries are linked. It also lists binaries from
+    other builds, so the folder is read when the build starts."""
     folder = env.Dir(addon)
     there = os.path.join(folder.abspath, "bin")
     names = set(os.listdir(there) if os.path.isdir(there) else [])
@@ -42,29 +44,32 @@ def manifest(env, addon, binaries):
 
 
 def write_text(target, source, env):
-    """Writes the manifest. The binaries support the version that they were built for and all later ones, but no older one."""
+    """Writes the manifest. The binaries support the engine version for which they were built, and all later
+    versions."""
     text = source[0].get_text_contents().replace("@MINIMUM@", engine.version(source[1].get_text_contents()))
     with open(target[0].abspath, "w", encoding="utf-8") as file:
         file.write(text)
 
 
 def write(names, icons):
-    """The manifest's text for these files in bin/ and these in icons/."""
+    """Returns the lines of the manifest for these files in bin/ and icons/."""
     binaries = sorted((match for match in map(BINARY.match, names) if match), key=lambda match: match.group(0))
-    kinds = {}  # The binaries of each kind: {target: file}.
+    kinds = {}  # For each kind of binary, the files by target.
     for match in binaries:
         kinds.setdefault(match.group("platform", "arch", "double", "nothreads"), {})[match.group("target")] = match.group(0)
     several = {platform for platform, _, _, nothreads in kinds if nothreads}
     libraries = []
     for (platform, arch, double, nothreads), built in sorted(kinds.items(), key=str):
-        # Without a release binary, an exported game runs the debug binary, and vice versa.
+        # If a binary is missing, engines load the next best one: for example, an exported game then runs the debug
+        # binary.
         features = {
             "editor": built.get("editor"),
             "debug": built.get("template_debug") or built.get("editor") or built.get("template_release"),
             "release": built.get("template_release") or built.get("template_debug") or built.get("editor"),
         }
         tags = [arch] if arch else []
-        # A binary without a counterpart is offered to engines of both precisions. It refuses the wrong one and reports why.
+        # If there are binaries of only one precision, the manifest offers them to all engines. In an engine of the
+        # other precision, the binary refuses to load and reports why.
         other = (platform, arch, None if double else ".double", nothreads)
         tags += ["double" if double else "single"] if other in kinds else []
         tags += ["nothreads" if nothreads else "threads"] if platform in several else []

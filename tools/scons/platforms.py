@@ -1,4 +1,4 @@
-"""The platforms that Thicket is built for, named as in godot-cpp, and their names in compilers."""
+"""Defines the platforms for which Thicket is built, with godot-cpp's names and the compilers' names for them."""
 
 import platform as host
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ class Platform:
     """The properties of a platform."""
 
     archs: tuple[str, ...]
-    suffix: str  # The suffix of a library.
-    program: str = ""  # The suffix of a program.
-    defines: tuple[str, ...] = ()  # As in godot-cpp, for code that links with it.
+    suffix: str  # The file name suffix of a library.
+    program: str = ""  # The file name suffix of a program.
+    defines: tuple[str, ...] = ()  # The same definitions as in godot-cpp, which code that is linked with it needs.
 
 
 PLATFORMS = {
@@ -22,7 +22,7 @@ PLATFORMS = {
     "android": Platform(("arm64", "x86_64"), ".so", defines=("ANDROID_ENABLED", "UNIX_ENABLED")),
 }
 
-# zig's names for a platform and an architecture, with the oldest system that the result supports. glibc 2.17 is from 2012.
+# zig's names for a platform and an architecture, with the oldest supported system. glibc 2.17 was released in 2012.
 # riscv64 needs 2.27.
 ZIG_TARGETS = {
     ("linux", "x86_64"): "x86_64-linux-gnu.2.17",
@@ -47,7 +47,7 @@ def native_arch():
 
 
 def problem(env):
-    """A sentence that explains why nothing can be built with these options, or None if it can."""
+    """Returns a sentence that explains why these options are invalid, or None if they are valid."""
     platform, arch = env["platform"], env["arch"]
     if platform not in PLATFORMS:
         return "platform=%s is none of %s" % (platform, ", ".join(PLATFORMS))
@@ -68,24 +68,27 @@ def zig_target(env):
 
 
 def is_native(env):
-    """Whether the result runs on this machine."""
+    """Returns whether the platform and the architecture are those of this machine. arch=universal counts as a different
+    architecture."""
     return (env["platform"], env["arch"]) == (native_platform(), native_arch())
 
 
 def precision_suffix(precision):
-    """The part of the name of a folder or a library that depends on the precision."""
+    """Returns the part of a folder's or library's name that depends on the precision."""
     return ".double" if precision == "double" else ""
 
 
 def folder_name(env, kind, precision, compiler):
-    """The build folder's name, for a target or for a release. `compiler` is "" for the default compiler."""
+    """Returns the name of the build folder. `kind` is a target, or "ship" for a release. `compiler` is "" for the
+    default compiler."""
     name = "%s.%s.%s" % (env["platform"], kind, env["arch"]) + precision_suffix(precision)
     name += "" if env["threads"] else ".nothreads"
     return name + ("." + compiler if compiler else "")
 
 
 def library_name(env, target):
-    """godot-cpp's name for a library with these options, without `lib` and the suffix: thicket.linux.template_debug.x86_64."""
+    """Returns the name of a library with these options, in godot-cpp's style, without `lib` and the suffix:
+    thicket.linux.template_debug.x86_64."""
     name = "%s.%s" % (env["platform"], target) + precision_suffix(env["precision"])
     name += "" if env["arch"] == "universal" else ".%s" % env["arch"]
     return "thicket." + name + ("" if env["threads"] else ".nothreads")

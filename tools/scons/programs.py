@@ -1,4 +1,4 @@
-"""Finds sources, and separates those with a main from those that programs share."""
+"""Finds sources, and separates those with a main function from those that programs share."""
 
 import glob
 import os
@@ -8,7 +8,7 @@ MAIN = re.compile(r"^\s*(?:auto|int)\s+main\s*\(|LLVMFuzzerTestOneInput\s*\(", r
 
 
 def find(root, patterns):
-    """Sorted paths, relative to root, of every file that matches a pattern. Hidden files and folders are left out."""
+    """Returns the sorted paths, relative to root, of all files that match a pattern. Skips hidden files and folders."""
     found = set()
     for pattern in patterns:
         found.update(glob.glob(pattern, root_dir=root, recursive=True))
@@ -16,7 +16,8 @@ def find(root, patterns):
 
 
 def split(root, pattern):
-    """(programs, shared): the files with a main, each of which becomes a program, and the files that all of them link."""
+    """Returns (programs, shared): the files with a main function, each of which becomes a program, and the files that
+    are linked into all of them."""
     mains, shared = [], []
     for path in find(root, [pattern]):
         with open(os.path.join(root, path), encoding="utf-8") as source:

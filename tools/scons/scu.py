@@ -1,23 +1,25 @@
-"""With scu_build=yes, compiles up to 16 sources of a room together. A whole build then takes less time, because shared headers are read
-once for all of them. Without it, a change compiles only the source that changed."""
+"""Single compilation units: with scu_build=yes, compiles up to 16 sources of a room together. A full build is then
+faster, because shared headers are parsed once for all of them. Without it, an incremental build is faster, because it
+compiles only the changed source."""
 
 import os
 
 SIZE = 16
-# Highway compiles such a source once for each set of instructions, by including the source itself. It cannot share that with others.
+# The macro of sources that cannot be combined. Highway compiles such a source once per instruction set, by including
+# the source itself.
 ALONE = "HWY_TARGET_INCLUDE"
 
 
 def sources(env, out, paths):
-    """What to compile for these sources of one room, which are relative to the root: their nodes, or with scu_build=yes those of files
-    in `out` that include them."""
+    """Returns the nodes to compile for the sources of one room, given relative to the root. With scu_build=yes, these
+    are files in `out` that include the sources."""
     if not env["scu_build"]:
         return [out + "/obj/" + path for path in paths]
     return [joined(env, out, group) if len(group) > 1 else out + "/obj/" + group[0] for group in groups(env.Dir("#").abspath, paths)]
 
 
 def groups(root, paths):
-    """The sources that are compiled together."""
+    """Divides sources into groups to compile together."""
     alone = []
     for path in paths:
         with open(os.path.join(root, path), encoding="utf-8") as file:
@@ -30,12 +32,12 @@ def groups(root, paths):
 
 
 def text_of(paths):
-    """A source that includes these sources."""
+    """Returns the text of a source that includes these sources."""
     return "".join('#include "%s"\n' % path for path in paths)
 
 
 def joined(env, out, paths):
-    """The node of a source that includes these sources."""
+    """Returns the node of a source that includes these sources."""
     text = text_of(paths)
     name = "%s/scu/%s.cpp" % (out, paths[0][: -len(".cpp")])
     return env.Command(name, env.Value(text), env.Action(write, "write   $TARGET"))[0]

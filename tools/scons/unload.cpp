@@ -1,5 +1,6 @@
-// Runs the destructors of static objects when the library is closed, before its code is unloaded. The start files of most compilers
-// do this, but zig's do not: without it, the engine would call into the unloaded library on exit.
+// Runs the destructors of static objects when the library is closed, before its code is unloaded.
+// The start files of most compilers do this, but zig's do not. Without this file, the engine would
+// call into the unloaded library on exit.
 
 extern "C" {
 extern void *__dso_handle;

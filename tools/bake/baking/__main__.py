@@ -1,4 +1,4 @@
-"""The command line of bash demo_project/bake.sh."""
+"""Implements the command line of demo_project/bake.sh."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from .tile_folder import WORLD, MadeTiles, made_tiles
 from .words import amount, duration
 
 
-MAX_WAIT = 1e6  # Seconds; the maximum of --wait.
+MAX_WAIT = 1e6  # The maximum of --wait, in seconds.
 
 
 def main(arguments: list[str]) -> int:
-    """Returns 0 for a complete bake, 1 if tiles failed or the bake was stopped, 2 if it could not start, 130 if it was interrupted."""
+    """Runs a bake. Returns 0 if it has all requested tiles, 1 if tiles failed or the bake stopped, 2 if it could not
+    start, 130 if it was interrupted."""
     chosen = _parser().parse_args(with_values(arguments, ("--rect", "--tiles")))
     try:
         request = _request(chosen)
@@ -109,14 +110,14 @@ def _source(chosen: argparse.Namespace) -> Source | MadeTiles:
 
 
 def _project_and_scene(scene: str, project: Path) -> tuple[Path, str]:
-    """The project of a scene, and the scene's path in the project."""
+    """Returns the project of a scene, and the scene's path in the project."""
     if scene.startswith("res://"):
         if not (project / "project.godot").is_file():
             raise BakeError(f"--project must be a folder with a project.godot, got {project}. Choose the folder of a Godot project.")
         return project.resolve(), scene
     path = Path(scene).resolve()
     if not path.is_file() and (project / scene).is_file():
-        path = (project / scene).resolve()  # The form that demo_project/run.sh accepts.
+        path = (project / scene).resolve()  # demo_project/run.sh accepts such paths, too.
     if not path.is_file():
         raise BakeError(f"There is no scene {scene}. Specify its path, or res://... with --project.")
     for folder in path.parents:

@@ -18,18 +18,21 @@ from distributed import Client, LocalCluster
 from distributed.core import Status
 
 PACKAGE = Path(__file__).resolve().parent
-# The number of workers that may die on one tile before Dask returns it as an error. The driver then counts the tile as failed.
+# The number of workers that may die while they bake a tile before Dask returns an error for that tile. The driver then
+# counts the tile as failed.
 ALLOWED_DEATHS = 10
-# malloc keeps a tile's memory for the next tile: clearing new pages takes the system longer than sorting the rows.
+# Makes malloc keep a tile's memory for the next tile. Otherwise the system would clear new memory pages for every tile,
+# which takes longer than sorting the rows.
 KEPT_MEMORY = {"MALLOC_ARENA_MAX": "1", "MALLOC_MMAP_THRESHOLD_": str(1 << 25), "MALLOC_TRIM_THRESHOLD_": str(1 << 28)}
-# The interval between checks of the workers.
+# The interval between two checks of the workers, in seconds.
 CHECK_SECONDS = 2.0
 
 
 @contextlib.contextmanager
 def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> Iterator[Client]:
-    """Yields a client: of a new cluster with `workers` single-threaded processes on this machine, or of the given scheduler. In the latter
-    case, it reports when the scheduler has no workers. Ends everything that it started. Raises OSError if the scheduler is unreachable."""
+    """Yields a client of the given scheduler or, if that is None, of a new cluster with `workers` single-threaded
+    processes on this machine. Calls `say` when a given scheduler has no workers. Ends everything that it started.
+    Raises OSError if the scheduler is unreachable."""
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with tempfile.TemporaryDirectory(prefix="thicket_bake_") as scratch:
         settings = {
@@ -48,7 +51,7 @@ def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> I
                     with watched(remote, scheduler, say):
                         yield remote
                 return
-            # Lets the workers import this package.
+            # Workers must be able to import this package.
             path = os.pathsep.join([str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
             with (
                 _environment(PYTHONPATH=path),
@@ -60,9 +63,9 @@ def client(workers: int, scheduler: str | None, say: Callable[[str], None]) -> I
 
 
 def _local_cluster() -> LocalCluster:
-    """A cluster without workers yet. An interrupt from the terminal is for the driver only, so the cluster's threads and processes inherit
-    a mask that blocks it."""
-    resource_tracker.ensure_running()  # Starting it later would unblock interrupts in this thread.
+    """Returns a cluster without workers. An interrupt from the terminal is for the driver only, so the cluster's
+    threads and processes inherit a signal mask that blocks it."""
+    resource_tracker.ensure_running()  # If this process started later, it would unblock interrupts in this thread.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         return LocalCluster(
@@ -75,7 +78,8 @@ def _local_cluster() -> LocalCluster:
 
 @contextlib.contextmanager
 def _kept(cluster: LocalCluster, workers: int) -> Iterator[None]:
-    """Starts workers, and keeps their number constant: Dask does not restart workers that were killed while starting."""
+    """Starts workers and keeps their number constant, because Dask does not replace workers that are killed while they
+    start."""
     def replace() -> None:
         for name, nanny in list(cluster.workers.items()):
             if nanny.status in (Status.failed, Status.closed):
@@ -93,7 +97,7 @@ def watched(client: Client, scheduler: str, say: Callable[[str], None]) -> Itera
 
     def check() -> None:
         nonlocal there
-        with contextlib.suppress(OSError, TimeoutError):  # The loop that waits for tiles reports it.
+        with contextlib.suppress(OSError, TimeoutError):  # The loop that waits for tiles reports such errors.
             workers = len(client.nthreads())
             if there and workers == 0:
                 say(f"The scheduler at {scheduler} has no workers: the bake waits until some connect. Start workers, or interrupt it and run the same command later.")
@@ -126,7 +130,7 @@ def _repeated(check: Callable[[], None]) -> Iterator[None]:
 
 
 def _packed(folder: Path) -> str:
-    """This package as a zip file, for workers on other machines."""
+    """Packs this package into a zip file for workers on other machines. Returns its path."""
     return shutil.make_archive(str(folder / PACKAGE.name), "zip", PACKAGE.parent, PACKAGE.name)
 
 

@@ -1,10 +1,10 @@
-"""The columns of a tile's file, for the code that writes bakes and for the code that reads them."""
+"""Defines the columns of a tile's file, for the code that writes bakes and the code that reads them."""
 
 from __future__ import annotations
 
 import pyarrow as pa
 
-# The columns of a tile's file, in order. The nullable ones are null in layers without colors or without custom data.
+# The columns of a tile's file, in order. Nullable columns are null in layers without colors or without custom data.
 SCHEMA = pa.schema(
     [
         pa.field("id", pa.uint64(), nullable=False),

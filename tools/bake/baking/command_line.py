@@ -8,7 +8,8 @@ REPO = Path(__file__).resolve().parents[3]
 
 
 def with_values(arguments: list[str], options: tuple[str, ...]) -> list[str]:
-    """Joins these options and their values with "=". argparse would mistake a value that begins with a minus for an option."""
+    """Joins these options and their values with "=". Otherwise argparse would treat a value that begins with a minus
+    sign as an option."""
     joined: list[str] = []
     for argument in arguments:
         if joined and joined[-1] in options:

@@ -20,9 +20,9 @@ from .report import Map, Outcome, Progress, write_report
 from .tile_engine import EngineGone, Refused, Source
 from .tile_folder import MadeTiles
 
-# Pixels of the longer side of the map.
+# The longer side of the map in pixels.
 MAP_PIXELS = 1024
-# The share of time that writing the manifest may take.
+# The maximum share of time to spend on writing the manifest.
 MANIFEST_SHARE = 0.05
 
 
@@ -33,15 +33,16 @@ class BakeRequest:
     source: Source | MadeTiles
     out: Path
     asked: dict[str, str] = field(default_factory=dict)  # rect, tile_size and layers, in the format of scene_description.gd.
-    tiles: list[tuple[int, int]] | None = None  # None for all tiles that the rectangle touches.
+    tiles: list[tuple[int, int]] | None = None  # The tiles to bake; None for all tiles that overlap the rectangle.
     workers: int = 1
     scheduler: str | None = None
-    shuffle: int | None = None  # The seed of a random order.
+    shuffle: int | None = None  # The seed of a random order; None for the order of the grid.
     fresh: bool = False
 
 
 def bake(request: BakeRequest, say: Callable[[str], None] = print) -> Outcome:
-    """Starts a bake, or continues an unfinished one. Raises BakeError if it cannot start."""
+    """Starts a bake, or continues an earlier one. Returns its outcome, also if tiles failed or the bake stopped early.
+    Raises BakeError if it cannot start."""
     try:
         with files.locked(request.out):
             files.sweep(request.out)
@@ -49,7 +50,7 @@ def bake(request: BakeRequest, say: Callable[[str], None] = print) -> Outcome:
                 with cluster.client(request.workers, request.scheduler, say) as client:
                     return _bake(request, client, say)
             finally:
-                files.sweep(request.out)  # Terminated workers leave unfinished files.
+                files.sweep(request.out)  # Killed workers leave unfinished files.
     except (files.FolderInUse, files.CannotWrite) as error:
         raise BakeError(str(error)) from error
     except (OSError, TimeoutError) as error:
@@ -76,13 +77,13 @@ def _bake(request: BakeRequest, client: Client, say: Callable[[str], None]) -> O
         _keep_costs(outcome)
         _finish(request.out, plan.grid, outcome)
     if request.scheduler is not None and not outcome.stopped:
-        client.run(tile.close_engines)  # These workers keep running after the bake.
+        client.run(tile.close_engines)  # The workers of an existing scheduler keep running after the bake.
     write_report(request.out, request.workers, outcome, picture)
     return outcome
 
 
 def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> tuple[tile.Plan, dict, float]:
-    """Returns the plan, the manifest so far, which is on disk, and the seconds that an engine took to start."""
+    """Returns the plan, the manifest (which is already on disk), and the startup time of an engine in seconds."""
     try:
         described = client.submit(tile.describe, request.source, request.asked, pure=False).result()
     except (EngineGone, Refused) as error:
@@ -116,7 +117,8 @@ def _begin(request: BakeRequest, client: Client, say: Callable[[str], None]) -> 
 
 
 def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) -> None:
-    """Reuses the tiles of an unfinished bake in the folder, if it is of the same world."""
+    """Reuses the tiles of an earlier bake in the folder, complete or not. With `fresh`, removes that bake instead.
+    Raises BakeError if that bake is of a different world or version. A manifest that cannot be read is ignored."""
     if request.fresh:
         files.empty(request.out)
     try:
@@ -124,7 +126,7 @@ def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) ->
     except BakeError as error:
         if (request.out / MANIFEST).exists():
             say(f"{error}. It is replaced; every tile in the folder is checked.")
-        return  # Each tile's file identifies its bake.
+        return  # Existing tiles can still be reused, because each file identifies its bake.
     again = f"Bake into a different folder, or start again in {request.out} with --fresh."
     if before.get("version") != VERSION:
         raise BakeError(f"{request.out} holds a bake of version {before.get('version')}, this is version {VERSION}. {again}")
@@ -139,7 +141,7 @@ def _resume(request: BakeRequest, manifest: dict, say: Callable[[str], None]) ->
     if before["scene_digest"] != manifest["scene_digest"]:
         parts = tile.changed_parts(before.get("scene_parts", {}), manifest["scene_parts"])
         raise BakeError(f"The scene {manifest['scene']} has changed since this bake was begun: {parts}. {again}")
-    # Other errors in a file are found when its tile is needed.
+    # Damaged files are detected when their tiles are needed.
     manifest["tiles"] = {name: entry for name, entry in before["tiles"].items() if (request.out / entry["file"]).is_file()}
     manifest["costs"] = before.get("costs")
 
@@ -154,7 +156,8 @@ def _refuse_tiles_beyond(tiles: Iterable[tuple[int, int]], grid: TileGrid) -> No
 def _make_all(
     plan: tile.Plan, client: Client, workers: int, order: list[tuple[int, int]], outcome: Outcome, picture: Map, progress: Progress
 ) -> None:
-    """Distributes the tiles, a few more than there are workers at a time, and collects the results."""
+    """Distributes the tiles and collects the results. At any time, about three tiles per worker are handed out.
+    Cancels all of them once a worker reports that no tile can be made."""
     waiting = iter(order)
     futures = as_completed([], loop=client.loop, with_results=True, raise_errors=False)
     tile_of_key: dict[str, tuple[int, int]] = {}
@@ -215,7 +218,8 @@ def _take(at: tuple[int, int], result: dict, outcome: Outcome, picture: Map) -> 
 
 
 def _keep_costs(outcome: Outcome) -> None:
-    """Stores the median costs of a run in the manifest, apart from those of each tile, if the run made enough tiles (see schedule.py)."""
+    """Stores the costs that do not belong to single tiles in the manifest, if the run has made enough tiles (see
+    schedule.py)."""
     if outcome.made >= 10:
         outcome.manifest["costs"] = {
             "start_seconds": round(statistics.median(outcome.starting), 3),
@@ -225,13 +229,15 @@ def _keep_costs(outcome: Outcome) -> None:
 
 
 def world_digest(tiles: dict[str, dict]) -> str:
-    """The digest of a complete bake: SHA-256 over the lines "i,j digest" of all tiles, sorted by i, then j."""
+    """Returns the digest of a complete bake: the SHA-256 of the lines "i,j digest" of all tiles, sorted by i, then
+    j."""
     lines = [f"{name} {tiles[name]['digest']}\n" for name in sorted(tiles, key=tile_of_name)]
     return hashlib.sha256("".join(lines).encode()).hexdigest()
 
 
 def _finish(out: Path, grid: TileGrid, outcome: Outcome) -> None:
-    """Completes the manifest. Ignores a failure to write it: the tiles are on disk, and the next run finds them."""
+    """Completes the manifest. If the manifest cannot be written, only records the reason, because the next run finds
+    the tiles on disk."""
     manifest = outcome.manifest
     manifest["complete"] = set(manifest["tiles"]) == {name_of(at) for at in grid.tiles()}
     manifest["digest"] = world_digest(manifest["tiles"]) if manifest["complete"] else None

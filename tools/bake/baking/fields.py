@@ -1,4 +1,5 @@
-"""Checks of values from JSON. Each check takes a value, and raises Refused with the field's name and its allowed values."""
+"""Checks values from JSON. A check is a function that raises Refused, with the field's name and allowed values, for an
+invalid value."""
 
 from __future__ import annotations
 
@@ -9,18 +10,19 @@ from collections.abc import Callable, Iterable
 Check = Callable[[object], None]
 
 MAX_CHARACTERS = 1000
-_SHOWN = 80  # Characters of a refused value.
+_SHOWN = 80  # The number of characters to print of a value that is refused.
 
 
 class Refused(ValueError):
-    """A value that is not allowed. Its text is a sentence without a period: `layers[0].radius must be a number ..., got null`."""
+    """Raised for a value that is not allowed. The text is a sentence without a period: `layers[0].radius must be a
+    number ..., got null`."""
 
     def __init__(self, value: object, allowed: str):
         super().__init__()
         self.value, self.allowed, self.path = value, allowed, ""
 
     def within(self, name: str) -> Refused:
-        """Prepends the name of the enclosing field, or an index [I], to the path. Returns the error itself."""
+        """Adds the name of the enclosing field, or an index [I], in front of the path. Returns this error."""
         self.path = name + (f".{self.path}" if self.path and not self.path.startswith("[") else self.path)
         return self
 
@@ -29,24 +31,24 @@ class Refused(ValueError):
 
 
 class Missing(Refused):
-    """A required field is missing."""
+    """Raised if a required field is missing."""
 
     def __str__(self) -> str:
         return f"{self.path} is missing, and must be there"
 
 
 def shown(value: object) -> str:
-    """The beginning of a value, without converting all of it."""
+    """Returns the beginning of a value as text; for an object or an array, its number of entries instead."""
     if isinstance(value, (dict, list)):
         return f"an {'object' if isinstance(value, dict) else 'array'} with {len(value)} entries"
     try:
         return json.dumps(value)[:_SHOWN]
-    except ValueError:  # An integer with thousands of digits.
+    except ValueError:  # The value is an integer with thousands of digits.
         return "a huge number"
 
 
 def number(least: float, most: float, allowed: str = "") -> Check:
-    """Accepts a finite number in a range."""
+    """Returns a check that accepts a finite number in a range."""
     allowed = allowed or f"a number from {least:g} to {most:g}"
 
     def check(value: object) -> None:
@@ -57,7 +59,7 @@ def number(least: float, most: float, allowed: str = "") -> Check:
 
 
 def whole(least: int, most: int) -> Check:
-    """Accepts a whole number in a range."""
+    """Returns a check that accepts a whole number in a range."""
     allowed = f"a whole number from {least} to {most}"
 
     def check(value: object) -> None:
@@ -68,7 +70,8 @@ def whole(least: int, most: int) -> Check:
 
 
 def text(pattern: str = "", allowed: str = "", most: int = MAX_CHARACTERS) -> Check:
-    """Accepts text that a path or a terminal can hold. With a pattern, all of the text must match it."""
+    """Returns a check that accepts text of at most `most` characters. The whole text must match the pattern. By default,
+    it must not contain a zero character or half of a surrogate pair."""
     allowed = allowed or f"a text of at most {most} characters, none of them a zero or half of a surrogate pair"
     form = re.compile(pattern or r"[^\0\ud800-\udfff]*")
 
@@ -80,13 +83,13 @@ def text(pattern: str = "", allowed: str = "", most: int = MAX_CHARACTERS) -> Ch
 
 
 def flag(value: object) -> None:
-    """Accepts true or false."""
+    """Checks that the value is true or false."""
     if type(value) is not bool:
         raise Refused(value, "true or false")
 
 
 def nullable(check: Check) -> Check:
-    """Accepts null, and any value that `check` accepts."""
+    """Returns a check that accepts null, and any value that `check` accepts."""
 
     def check_or_null(value: object) -> None:
         if value is not None:
@@ -100,7 +103,7 @@ def nullable(check: Check) -> Check:
 
 
 def items(check: Check, least: int = 0, most: int = 1 << 20) -> Check:
-    """Accepts an array with `least` to `most` values that `check` accepts."""
+    """Returns a check that accepts an array with `least` to `most` values, all of which `check` accepts."""
     allowed = f"an array of {least} values" if least == most else f"an array of {least} to {most} values"
 
     def check_items(value: object) -> None:
@@ -116,7 +119,8 @@ def items(check: Check, least: int = 0, most: int = 1 << 20) -> Check:
 
 
 def members(checks: dict[str, Check], needed: Iterable[str] = ()) -> Check:
-    """Accepts an object with the needed fields. Fields with a check must pass it; all other fields may have any value."""
+    """Returns a check that accepts an object with all `needed` fields. Fields in `checks` must pass their checks. All
+    other fields may have any value."""
     needed = tuple(needed)
 
     def check_members(value: object) -> None:
@@ -136,7 +140,8 @@ def members(checks: dict[str, Check], needed: Iterable[str] = ()) -> Check:
 
 
 def mapping(key: Check, check: Check, most: int) -> Check:
-    """Accepts an object of at most `most` fields whose names pass `key` and whose values pass `check`."""
+    """Returns a check that accepts an object with at most `most` fields whose names pass `key` and whose values pass
+    `check`."""
 
     def check_mapping(value: object) -> None:
         if type(value) is not dict or len(value) > most:
@@ -152,7 +157,8 @@ def mapping(key: Check, check: Check, most: int) -> Check:
 
 
 def without_repeats(pairs: list[tuple[str, object]]) -> dict:
-    """For the `object_pairs_hook` of `json.loads`: raises ValueError if an object has the same field twice."""
+    """Returns the object with these fields, or raises ValueError if a field occurs twice. For `object_pairs_hook` of
+    `json.loads`."""
     found = dict(pairs)
     if len(found) < len(pairs):
         names = [name for name, _ in pairs]

@@ -1,4 +1,5 @@
-"""The files of a bake. Each is written completely or not at all, and checked before it is used."""
+"""Reads and writes the files of a bake. Each file is written completely or not at all, and is checked before it is
+used."""
 
 from __future__ import annotations
 
@@ -19,18 +20,19 @@ from .whole_file import PART, CannotWrite, write_whole
 
 LOCK = ".lock"
 
-# Values repeat only in these columns. A dictionary for any other column takes longer and makes the file larger.
+# The columns that are stored with a dictionary, because they have many repeated values. For any other column, a
+# dictionary would take longer and make the file larger.
 _DICTIONARIES = ["layer", "model"]
 _ENCODINGS = {field.name: "BYTE_STREAM_SPLIT" for field in SCHEMA if pa.types.is_floating(field.type)}
 _ENCODINGS |= {"id": "DELTA_BINARY_PACKED"}
 
 
 class FolderInUse(RuntimeError):
-    """A different bake is using the folder."""
+    """Raised if a different bake is using the folder."""
 
 
 def tile_path(out: Path, tile: tuple[int, int]) -> Path:
-    """The path of a tile's file."""
+    """Returns the path of a tile's file."""
     return out / "tiles" / f"tile_{tile[0]}_{tile[1]}.parquet"
 
 
@@ -47,8 +49,9 @@ def write_tile(path: Path, columns: rows.Columns, marks: dict[str, str]) -> str:
 
 
 def read_tile(path: Path, marks: dict[str, str], known: dict) -> tuple[rows.Columns, dict[str, str], str] | None:
-    """The rows, metadata and SHA-256 of a complete file whose metadata includes `marks`, or None for any other file. The rows must have the
-    digest that the file names. `known` is the tile's entry in a manifest: the file must match its `digest` and `sha256`, if it has them."""
+    """Returns the rows, metadata and SHA-256 of a valid file, or None for any other file. The metadata must include
+    `marks`, and the rows must have the digest in the metadata. `known` is the tile's entry in a manifest, which may be
+    empty. If it has a `digest` or `sha256`, the file must match."""
     try:
         content = path.read_bytes()
         sha256 = hashlib.sha256(content).hexdigest()
@@ -76,7 +79,9 @@ def write_manifest(out: Path, manifest: dict) -> None:
 
 @contextlib.contextmanager
 def locked(out: Path) -> Iterator[None]:
-    """Locks a folder for one bake. Raises FolderInUse if a different bake has it. The lock ends with the process, however that ends."""
+    """Locks a folder for one bake until the end of the block. Creates the folder if necessary. Raises FolderInUse if a
+    different bake has locked it, and CannotWrite if it is not writable. The lock is also released when the process
+    ends, even if it crashes."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         lock = (out / LOCK).open("a+")
@@ -106,7 +111,7 @@ def sweep(out: Path) -> None:
 
 
 def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
-    """Removes the files of all tiles that are not in `tiles`. They belong to a bake whose manifest is missing."""
+    """Removes the files of all tiles that are not in `tiles`. They were left by a bake whose manifest is missing."""
     names = {tile_path(out, tile).name for tile in tiles}
     for path in (out / "tiles").glob("tile_*.parquet"):
         if path.name not in names:
@@ -114,6 +119,6 @@ def sweep_strays(out: Path, tiles: set[tuple[int, int]]) -> None:
 
 
 def empty(out: Path) -> None:
-    """Removes a bake, and no other files in its folder."""
+    """Removes the manifest, the tiles and the models of a bake, and leaves all other files in its folder."""
     for path in [out / MANIFEST, *(out / "tiles").glob("tile_*.parquet"), *(out / "models").glob("*.res")]:
         remove(path)

@@ -1,4 +1,5 @@
-"""The names in a bake's files, shared by the code that writes bakes and the code that reads them: the manifest and the tiles' keys."""
+"""Defines the names that occur in a bake's files, such as the manifest and the keys of tiles. Both the code that writes
+bakes and the code that reads them use these names."""
 
 from __future__ import annotations
 
@@ -8,15 +9,16 @@ MANIFEST = "manifest.json"
 
 
 class BakeError(RuntimeError):
-    """A sentence that explains why a bake cannot start, continue or be used."""
+    """Raised if a bake cannot start, continue or be used. The text is a sentence with the reason."""
 
 
 def name_of(tile: tuple[int, int]) -> str:
-    """A tile's key in the manifest."""
+    """Returns a tile's key in the manifest."""
     return f"{tile[0]},{tile[1]}"
 
 
 def tile_of_name(name: str) -> tuple[int, int]:
-    """The tile for a key in the manifest. Raises ValueError unless the key is two whole numbers with a comma between them."""
+    """Returns the tile for a key in the manifest. Raises ValueError unless the key is two integers separated by a
+    comma."""
     i, j = name.split(",")
     return int(i), int(j)

@@ -13,7 +13,7 @@ from .format import FORMAT, MANIFEST, VERSION, BakeError, tile_of_name
 
 MAX_TILES = 1_000_000
 MAX_METERS = 1e12
-RADII = (1e-3, 1e6)  # Meters.
+RADII = (1e-3, 1e6)  # The allowed range of a radius in meters.
 REMEDY = "restore the manifest of the bake, or bake again with --fresh"
 
 METERS = number(-MAX_METERS, MAX_METERS)
@@ -60,7 +60,7 @@ _costs = members(
 
 @contextmanager
 def refusing(path: Path, remedy: str) -> Iterator[None]:
-    """Turns the Refused of a check into a BakeError with the file's name and a remedy."""
+    """Converts a Refused from a check into a BakeError with the file's name and a remedy."""
     try:
         yield
     except fields.Refused as refused:
@@ -68,7 +68,8 @@ def refusing(path: Path, remedy: str) -> Iterator[None]:
 
 
 def read_json(path: Path) -> dict:
-    """The JSON object in a file. Raises BakeError for any other content, and for an object that has the same field twice."""
+    """Returns the JSON object in a file. Raises FileNotFoundError if there is no file. Raises BakeError for an
+    unreadable file, for any other content, and for an object that has the same field twice."""
     try:
         said = json.loads(path.read_bytes().decode(), object_pairs_hook=fields.without_repeats)
     except FileNotFoundError:
@@ -83,7 +84,8 @@ def read_json(path: Path) -> dict:
 
 
 def read_manifest(folder: Path) -> dict:
-    """The manifest in a folder, of any version and with unchecked fields. Raises BakeError if it is missing or unreadable."""
+    """Returns the manifest in a folder without checking its version or its other fields. Raises BakeError if it is
+    missing or unreadable, or if its format is not that of a bake."""
     manifest = folder / MANIFEST
     try:
         said = read_json(manifest)
@@ -95,7 +97,7 @@ def read_manifest(folder: Path) -> dict:
 
 
 def check_manifest(said: dict, manifest: Path) -> None:
-    """Raises BakeError for a manifest of a different version, and for the first field that is missing or invalid."""
+    """Raises BakeError if the manifest has a different version, or for the first field that is missing or invalid."""
     version = said.get("version")
     if type(version) is not int or version != VERSION:
         raise BakeError(f"{manifest}: version must be {VERSION}, got {fields.shown(version)}; bake again with this version of Thicket")
@@ -105,7 +107,7 @@ def check_manifest(said: dict, manifest: Path) -> None:
 
 
 def check_costs(said: dict, manifest: Path) -> None:
-    """Like check_manifest, for the fields that a forecast reads."""
+    """Raises BakeError like check_manifest, but checks only the fields that a forecast reads."""
     with refusing(manifest, REMEDY):
         _costs(said)
 
@@ -117,7 +119,7 @@ def check_rect(rect: list) -> None:
 
 
 def _check_sense(said: dict) -> None:
-    """Checks that involve more than one value."""
+    """Checks conditions that involve several values."""
     check_rect(said["rect"])
     indices = [layer["index"] for layer in said["layers"]]
     for number, layer in enumerate(said["layers"]):

@@ -1,4 +1,4 @@
-"""Rows of instances, in the format of the engine and in the format of the files."""
+"""Converts rows of instances between the formats of the engine and the files."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ Columns = dict[str, np.ndarray]
 
 
 class BadRows(ValueError):
-    """The data is not a table of rows."""
+    """Raised for data that is not a table of rows."""
 
 
 def parse(data: bytes | bytearray, layer: int, kinds: dict[str, str]) -> tuple[Columns, int]:
-    """The columns in the result of ScatterTile.get_rows for a layer, and the number of instances with a shear. `kinds` is the layer's
-    ScatterLayer.get_row_columns. Raises BadRows if the size does not match."""
+    """Returns the columns in the result of ScatterTile.get_rows and the further columns of SCHEMA, and the number of
+    instances with a shear. `layer` is the layer's index, and `kinds` the result of its ScatterLayer.get_row_columns.
+    Raises BadRows if the size does not match."""
     if len(data) < _HEADER_BYTES:
         raise BadRows(f"{len(data)} bytes are too few for rows")
     rows, _, sheared, _ = (int(number) for number in np.frombuffer(data, "<u4", 4))
@@ -52,7 +53,7 @@ def _add_further(columns: Columns, rows: int) -> None:
 
 
 def joined(parts: list[Columns]) -> Columns:
-    """All rows of the parts, sorted by layer, then by id."""
+    """Returns all rows of the parts, sorted by layer, then by id."""
     if not parts:
         empty = to_columns(SCHEMA.empty_table())
         return {name: empty[name] for name in [*SCHEMA.names, "has_color", "has_custom"]}
@@ -61,12 +62,12 @@ def joined(parts: list[Columns]) -> Columns:
     return {name: column.take(order) for name, column in whole.items()}
 
 
-# The nullable columns, and the masks that are true where they have values.
+# The name of the mask of each nullable column. The mask is true where the column has a value.
 _MASKS = {"color": "has_color", "variation": "has_custom", "wind_phase": "has_custom"}
 
 
 def to_table(columns: Columns) -> pa.Table:
-    """The rows as a table with SCHEMA."""
+    """Returns the rows as a table with SCHEMA."""
     arrays = []
     for field in SCHEMA:
         mask = ~columns[_MASKS[field.name]] if field.name in _MASKS else None
@@ -75,7 +76,7 @@ def to_table(columns: Columns) -> pa.Table:
 
 
 def to_columns(table: pa.Table) -> Columns:
-    """The rows of a table. Raises BadRows unless it has SCHEMA."""
+    """Returns the rows of a table. Raises BadRows unless it has SCHEMA."""
     if not table.schema.remove_metadata().equals(SCHEMA):
         raise BadRows("its columns are different")
     columns: Columns = {}
@@ -87,7 +88,8 @@ def to_columns(table: pa.Table) -> Columns:
 
 
 def column_of(table: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray | None]:
-    """A column of a table, with 0 for null, and the mask of its values; None instead of the mask if no value is null."""
+    """Returns a column of a table, with 0 for null, and a mask that is true for non-null values. The mask is None for
+    columns that are not nullable."""
     column = table[name].combine_chunks()
     column = column.chunk(0) if isinstance(column, pa.ChunkedArray) and column.num_chunks else column
     if isinstance(column, pa.ChunkedArray):
@@ -100,14 +102,14 @@ def column_of(table: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray | None
 
 
 def digest(columns: Columns) -> str:
-    """SHA-256 over all bits of sorted rows, in hexadecimal digits. For each column in the order of SCHEMA, the hash contains its
-    name, a zero byte and its little-endian numbers, 0 for null. Before the numbers of a nullable column, there is one byte per row:
-    1 for a value."""
+    """Returns the SHA-256 of sorted rows, in hexadecimal digits. For each column in the order of SCHEMA, the hash
+    contains its name, a zero byte and its little-endian numbers, with 0 for null. Before the numbers of a nullable
+    column, there is one byte per row: 1 if the row has a value."""
     return digest_of((columns[name], columns.get(_MASKS.get(name, ""))) for name in SCHEMA.names)
 
 
 def digest_of(columns: Iterable[tuple[np.ndarray, np.ndarray | None]]) -> str:
-    """Like digest, for columns that column_of returned, in the order of SCHEMA."""
+    """Returns the same result as `digest`, for results of column_of in the order of SCHEMA."""
     hashing = hashlib.sha256()
     for name, (column, mask) in zip(SCHEMA.names, columns, strict=True):
         hashing.update(name.encode() + b"\0")
@@ -118,7 +120,7 @@ def digest_of(columns: Iterable[tuple[np.ndarray, np.ndarray | None]]) -> str:
 
 
 def bounds(columns: Columns) -> list[float] | None:
-    """Smallest x, y, z and largest x, y, z; None for no rows."""
+    """Returns the smallest x, y, z and the largest x, y, z; None if there are no rows."""
     if not len(columns["id"]):
         return None
     axes = [columns[axis] for axis in "xyz"]

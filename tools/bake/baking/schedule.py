@@ -2,13 +2,15 @@
 
     python -m baking.schedule out/ [--workers 1,2,10,100,1000] [--cores 2] [--tiles 1000000]
 
-The manifest contains the processor time that each tile took in a worker and its engine, the startup time of an engine, and the driver's
-processor time for each tile. The prediction assumes that every worker has one core, on which a tile takes its processor time. On a
-machine with idle cores a worker is faster, because its engine runs while it packs rows, but that does not scale to many workers.
+The manifest contains the CPU time of each tile in a worker and its engine, the startup time of an engine, and the
+driver's CPU time per tile. The prediction assumes one core per worker, so that a tile takes as long as its CPU time. On
+a machine with idle cores, a worker is faster, because its engine runs while the worker packs rows. With many workers,
+no cores are idle.
 
-Workers take the tiles in the order of the bake. The driver serves one worker at a time, on a core of its own, unless `--cores` sets the
-number of cores that all processes share. The prediction ignores that workers on one machine share memory and a disk, and the speed of a
-shared file system. It prints the write rate that the file system must sustain.
+Workers take the tiles in the order of the bake. The driver serves one worker at a time. It has a separate core, unless
+`--cores` sets the number of cores that all processes share. The prediction ignores that workers on one machine share
+memory and a disk, and ignores the speed of a shared file system. It prints the write rate that the file system must
+sustain.
 """
 
 from __future__ import annotations
@@ -30,10 +32,10 @@ from .words import amount, duration
 class Costs:
     """The measured costs of a bake."""
 
-    tiles: Sequence[float]  # Core-seconds of a worker and its engine, for each tile.
-    start: float  # Seconds before a worker's first tile.
-    driver: float  # Seconds of the driver for each tile.
-    bytes: float  # The average size of a tile's file.
+    tiles: Sequence[float]  # The CPU seconds of a worker and its engine for each tile.
+    start: float  # The seconds before a worker's first tile.
+    driver: float  # The driver's CPU seconds per tile.
+    bytes: float  # The average size of a tile's file in bytes.
 
     @property
     def work(self) -> float:
@@ -46,13 +48,13 @@ class Forecast:
 
     workers: int
     seconds: float
-    bound: str  # The part that takes most of the time.
-    speed: float  # Relative to one worker.
+    bound: str  # The bottleneck: the part of the work that takes the most time.
+    speed: float  # The speedup relative to one worker.
     bytes_a_second: float
 
 
 def read_costs(folder: Path) -> Costs:
-    """The costs in a bake's manifest. Raises BakeError if it has none."""
+    """Returns the costs in a bake's manifest. Raises BakeError if it has none."""
     manifest = read_manifest(folder)
     check_costs(manifest, folder / MANIFEST)
     seconds = [tile["core_seconds"] for tile in manifest["tiles"].values() if tile.get("core_seconds") is not None]
@@ -63,15 +65,16 @@ def read_costs(folder: Path) -> Costs:
 
 
 def larger(costs: Costs, tiles: int, seed: int = 1) -> Costs:
-    """A world of `tiles` tiles whose costs are drawn at random from the measured ones."""
+    """Returns the costs of a world with `tiles` tiles. The cost of each is drawn at random from the measured tiles."""
     chance = random.Random(seed)
     return Costs(chance.choices(list(costs.tiles), k=tiles), costs.start, costs.driver, costs.bytes)
 
 
 def simulate(costs: Costs, workers: int, cores: int | None = None) -> float:
-    """Seconds until the last tile is done. A worker requests a tile from the driver, waits for its turn and makes the tile. With `cores`,
-    workers and driver share that many cores, otherwise each has its own."""
-    free = [(costs.start, worker) for worker in range(workers)]  # When each worker requests its next tile.
+    """Returns the seconds until the last tile is done. Each worker requests a tile from the driver, waits for its turn
+    and makes the tile. If `cores` is given, the workers and the driver share that many cores. Otherwise each process
+    has its own core."""
+    free = [(costs.start, worker) for worker in range(workers)]  # The times at which workers request their next tiles.
     driver = 0.0  # The time until which the driver is busy.
     last = 0.0
     for seconds in costs.tiles:
@@ -84,12 +87,12 @@ def simulate(costs: Costs, workers: int, cores: int | None = None) -> float:
 
 
 def _shared(costs: Costs, cores: int) -> float:
-    """Seconds that this many cores take for all work, including the driver's."""
+    """Returns the seconds that this many cores take for the work of all workers, engines and the driver."""
     return (costs.work + costs.driver * len(costs.tiles)) / cores
 
 
 def forecast(costs: Costs, workers: int, alone: float, cores: int | None = None) -> Forecast:
-    """The prediction for `workers` workers. `alone` is the seconds for one worker."""
+    """Returns the prediction for `workers` workers. `alone` is the time with one worker in seconds."""
     seconds = simulate(costs, workers, cores)
     parts = {
         "tiles": costs.work / workers,
@@ -102,7 +105,7 @@ def forecast(costs: Costs, workers: int, alone: float, cores: int | None = None)
 
 
 def table(costs: Costs, workers: Sequence[int], cores: int | None = None) -> str:
-    """A table in Markdown with a prediction for each number of workers."""
+    """Returns a Markdown table with a prediction for each number of workers."""
     alone = simulate(costs, 1, cores)
     lines = [
         f"{len(costs.tiles):,} tiles of {costs.work / len(costs.tiles):.3g} core-seconds on average, {max(costs.tiles):.3g} at most; "

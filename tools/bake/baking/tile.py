@@ -1,5 +1,5 @@
-"""A worker's code: makes one tile, or reuses an existing file. The code runs in processes of Dask. Each process has its own engine, which it keeps
-for all tiles."""
+"""Contains the code of a worker, which makes a tile or reuses the tile's existing file. It runs in Dask's worker
+processes. Each worker thread has its own engine, which it keeps for all tiles."""
 
 from __future__ import annotations
 
@@ -18,26 +18,27 @@ from .grid import TileGrid, inside
 from .tile_engine import EngineGone, Refused, Source, TileEngine
 from .tile_folder import MadeTiles, TileFolder
 
-# The number of engines that may crash on a tile before it fails.
+# The number of attempts, each after the first with a new engine, before a tile fails. An attempt fails if the engine is lost or its rows are
+# damaged.
 _ATTEMPTS = 3
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Everything that determines the content of a tile's file, and that a worker needs to make it."""
+    """The data that a worker needs to make a tile. It determines the content of the tile's file."""
 
     source: Source | MadeTiles
-    asked: dict[str, str]  # The values with which the scene was described.
+    asked: dict[str, str]  # The options with which the scene was described.
     out: str
-    rect: tuple[float, float, float, float]  # x, z, width and depth in world meters.
+    rect: tuple[float, float, float, float]  # The baked rectangle: x, z, width and depth in world meters.
     grid: TileGrid
     layers: dict[int, dict[str, str]]  # The columns of each layer's rows (see rows.py), by the layer's index.
     scene_digest: str
     parts: dict[str, str]  # The digests of the scene's parts.
-    pixel: float  # The side of a pixel of the map in meters.
+    pixel: float  # The side of a map pixel in meters.
 
     def marks(self, tile: tuple[int, int]) -> dict[str, str]:
-        """The metadata of a tile's file. A file with other values belongs to a different tile or bake."""
+        """Returns the metadata of a tile's file. A file with other values belongs to a different tile or bake."""
         return {
             "thicket.tile": name_of(tile),
             "thicket.scene_digest": self.scene_digest,
@@ -47,21 +48,22 @@ class Plan:
 
 
 class SceneChanged(RuntimeError):
-    """The scene is different from the one that the bake was started with."""
+    """Raised if the scene differs from the one with which the bake was started."""
 
 
 def changed_parts(before: dict[str, str], now: dict[str, str]) -> str:
-    """The names of the differing parts of a scene, for a message."""
+    """Returns the names of the scene's parts in which two versions differ, for a message."""
     return ", ".join(part for part in {**before, **now} if before.get(part) != now.get(part)) or "no named part"
 
 
-# Each thread of this process has an engine, and the key of the scene that it was started with.
+# Each thread of this process has its own engine, and the key of the scene that the engine was started with.
 _own = threading.local()
 _engines: list[TileEngine | TileFolder] = []
 
 
 def _engine_of(plan: Plan) -> TileEngine:
-    """The running engine of this thread, with the plan's scene. Raises EngineGone, Refused or SceneChanged."""
+    """Returns this thread's engine with the plan's scene, and starts one if necessary. Raises EngineGone, Refused or
+    SceneChanged."""
     if getattr(_own, "key", None) != (plan.source, plan.scene_digest):
         _drop_engine()
         begun = time.perf_counter()
@@ -78,20 +80,21 @@ def _engine_of(plan: Plan) -> TileEngine:
 
 
 def _begin_to_count(key: tuple[Source | MadeTiles, str]) -> None:
-    """Stores the key of this thread's ready engine. Time spent until now counts for no tile."""
+    """Stores the key of this thread's engine, which is now ready. CPU time that was used before is not counted for any
+    tile."""
     _own.key = key
     _own.spent = _core_seconds()
 
 
 def _core_seconds() -> float:
-    """Processor time of this process and of this thread's engine so far. In a process with several such threads, each counts all of
-    them."""
+    """Returns the CPU time of this process and of this thread's engine so far. If the process has several worker
+    threads, the result includes all of them."""
     engine = getattr(_own, "engine", None)
     return time.process_time() + (engine.core_seconds() if engine is not None else 0.0)
 
 
 def _core_seconds_of_tile() -> float:
-    """Processor time since the previous tile was done, including the time to receive this one."""
+    """Returns the CPU time since the previous tile was done, including the time to receive this one."""
     now = _core_seconds()
     spent, _own.spent = now - getattr(_own, "spent", now), now
     return spent
@@ -122,8 +125,9 @@ atexit.register(close_engines)
 
 
 def describe(source: Source | MadeTiles, asked: dict[str, str]) -> dict:
-    """The result of TileEngine.describe, with the result of TileEngine.models as `models` and `files`, and the engine's startup time in
-    seconds as `starting`. Starts a new engine, which reads the scene in its current state."""
+    """Returns the result of TileEngine.describe, with the result of TileEngine.models added as `models` and `files`,
+    and the engine's startup time in seconds as `starting`. Starts a new engine, so that it reads the current state of
+    the scene."""
     _drop_engine()
     begun = time.perf_counter()
     _own.engine = _started(source)
@@ -135,10 +139,11 @@ def describe(source: Source | MadeTiles, asked: dict[str, str]) -> dict:
 
 
 def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
-    """Makes a tile's file, unless it exists, is complete and has the digests of `entry`, the tile's entry in the manifest so far, which may
-    be empty. Returns the tile's new entry, and besides: `made` (False for an existing file), `pixels` (see _pixels), `seconds`,
-    `core_seconds` (of this process and the engine), `starting` (additional seconds to start an engine, if necessary) and `memory`. Errors
-    are returned as sentences: `failed` if this tile cannot be made but others can, `stop` if no other tile can be made either."""
+    """Makes a tile's file, unless a valid file exists that has the digests of `entry`, the tile's current entry in the
+    manifest, which may be empty. The result contains the new `entry`, `made` (False if the file existed), `pixels` (see
+    _pixels), `seconds`, `core_seconds` (of this process and the engine), `starting` (the additional seconds to start an
+    engine, if necessary), `bytes` and `memory`. After an error, it contains a sentence instead: `failed` if only this
+    tile cannot be made, `stop` if no other tile can be made either."""
     start = time.perf_counter()
     _own.starting = 0.0
     path = files.tile_path(Path(plan.out), tile)
@@ -146,7 +151,7 @@ def make(plan: Plan, tile: tuple[int, int], entry: dict) -> dict:
     known = files.read_tile(path, marks, entry)
     try:
         if known is None:
-            files.remove(path)  # No reader must mistake it for a tile.
+            files.remove(path)  # A reader must not use an invalid file.
             columns, sheared = _made(plan, tile)
             marks |= {"thicket.digest": rows.digest(columns), "thicket.sheared": str(sheared)}
             sha256 = files.write_tile(path, columns, marks)
@@ -175,14 +180,14 @@ def _made(plan: Plan, tile: tuple[int, int]) -> tuple[rows.Columns, int]:
         try:
             return _requested_rows(plan, tile, _engine_of(plan))
         except (EngineGone, rows.BadRows) as error:
-            _drop_engine()  # It may have stopped in the middle of a message.
+            _drop_engine()  # The engine may have stopped in the middle of a message.
             if attempt == _ATTEMPTS:
                 raise EngineGone(f"{_ATTEMPTS} engines in a row could not make it. {error} Run the same command: it makes only the missing tiles.") from error
     raise AssertionError
 
 
 def _requested_rows(plan: Plan, tile: tuple[int, int], engine: TileEngine | TileFolder) -> tuple[rows.Columns, int]:
-    """The sorted rows of a tile, and the number of rows with a shear."""
+    """Returns the sorted rows of a tile, and the number of instances with a shear."""
     area = plan.grid.area_of(tile)
     parts, sheared = [], 0
     for made, data in engine.rows(tile):
@@ -206,7 +211,8 @@ def _entry(plan: Plan, path: Path, columns: rows.Columns, marks: dict[str, str])
 
 
 def _pixels(plan: Plan, columns: rows.Columns) -> list[tuple[np.ndarray, np.ndarray]]:
-    """For each layer, the pixels of the map that contain instances, as row << 16 | column, and the number of instances in each."""
+    """Returns for each layer the map pixels that contain instances, as row << 16 | column, and the number of instances
+    in each."""
     found = []
     for layer in plan.layers:
         own = columns["layer"] == layer

@@ -1,5 +1,5 @@
-"""Starts an engine that makes tiles, and sends it requests over a local connection. demo_project/addons/thicket/bake_world.gd documents
-the protocol."""
+"""Starts an engine that makes tiles, and sends it requests over a local connection.
+demo_project/addons/thicket/baking/world_baking.gd documents the protocol."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from pathlib import Path
 import psutil
 
 SCRIPT = "res://addons/thicket/bake_world.gd"
-# Seconds of silence after which an engine counts as stuck.
+# The time without an answer after which an engine counts as stuck, in seconds.
 ANSWER_TIMEOUT = 900.0
 
 
 @dataclass(frozen=True)
 class Source:
-    """The parameters of an engine: the command that runs Godot, the project's folder, the scene's res:// path, the scatter's path in it
-    (empty if the scene has only one), and the seconds that the ground may take to become available."""
+    """The parameters of an engine. `godot` is the command that runs Godot, `project` a folder, `scene` a res:// path,
+    and `node` the path of the scatter in the scene (empty if there is only one). `wait` is the maximum time in seconds
+    until the ground is available."""
 
     godot: tuple[str, ...]
     project: str
@@ -38,15 +39,16 @@ class Source:
 
 
 class EngineGone(RuntimeError):
-    """The engine has crashed or could not be started. A new engine may work."""
+    """Raised if the engine has ended, does not answer or could not be started. A new engine may work."""
 
 
 class Refused(RuntimeError):
-    """The engine has refused a request, with a sentence that gives the reason."""
+    """Raised if the engine has refused a request. The text is a sentence with the reason."""
 
 
 class ProcessorTime:
-    """Processor time of some processes, in seconds. It never decreases: a process that has ended keeps its last known value."""
+    """Sums the CPU time of several processes, in seconds. The sum never decreases, because a process that has ended
+    keeps its last known value."""
 
     def __init__(self, processes: list[psutil.Process]):
         self._seconds = dict.fromkeys(processes, 0.0)
@@ -63,7 +65,7 @@ class TileEngine:
     """A running engine with a loaded scene. Not thread-safe."""
 
     def __init__(self, source: Source):
-        """Starts the engine and waits for its connection. Raises EngineGone with the engine's output if that fails."""
+        """Starts the engine and waits until it connects. Raises EngineGone with the engine's output if that fails."""
         self.log = tempfile.TemporaryFile()
         token = secrets.token_hex(16)
         with socket.create_server(("127.0.0.1", 0)) as listener:
@@ -72,8 +74,8 @@ class TileEngine:
                 arguments.append(f"node={source.node}")
             command = [*source.godot, "--headless", "--path", source.project, "--script", SCRIPT, "--", *arguments]
             try:
-                # Started in the project's folder: a wrapper around Godot may make only some folders visible, among them the working
-                # directory.
+                # Start in the project's folder, because a wrapper around Godot may make only a few folders visible,
+                # including the working directory.
                 self.process = subprocess.Popen(
                     command, cwd=source.project, stdin=subprocess.DEVNULL, stdout=self.log, stderr=self.log
                 )
@@ -98,11 +100,12 @@ class TileEngine:
                     return self.connection
             except (EngineGone, ValueError):
                 pass
-            self.connection.close()  # A different process on this machine.
+            self.connection.close()  # The connection was made by a different process on this machine.
         raise EngineGone(f"The engine did not connect in time, or it crashed: check the project, {self.project}. {self._last_words()}")
 
     def _family(self) -> list[psutil.Process]:
-        """The engine's process, and all processes between it and this one, because a wrapper may start Godot."""
+        """Returns the process that this object has started, and all of its descendants. The engine may be one of
+        these, because a wrapper may start Godot."""
         try:
             first = psutil.Process(self.process.pid)
             return [first, *first.children(recursive=True)]
@@ -142,8 +145,9 @@ class TileEngine:
         return header, self._take(header["bytes"])
 
     def describe(self, asked: dict[str, str]) -> dict:
-        """The scene as scene_description.gd describes it. `asked` has a `rect`, a `tile_size` and `layers` as text; missing values
-        get defaults. Raises Refused for a scene that cannot be baked, and for a project with an older version of the add-on."""
+        """Returns the scene's description by scene_description.gd. `asked` has `rect`, `tile_size` and `layers` as
+        text; missing values get defaults. Raises Refused for a scene that cannot be baked, and for a project with a
+        different version of the add-on."""
         self._send({"do": "describe", **asked})
         described = self._receive()[0]
         if "columns" not in described:
@@ -151,7 +155,7 @@ class TileEngine:
         return described
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
-        """For each layer, the models of its instances; and the contents of the required files, by path."""
+        """Returns the models of each layer's instances, and the contents of the required files, keyed by path."""
         self._send({"do": "models", "layers": layers})
         found: list[dict] = []
         files: dict[str, bytes] = {}
@@ -165,8 +169,8 @@ class TileEngine:
                 found.append(header)
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, bytearray]]:
-        """For each of the game's tiles in a tile of the bake, its rows, and its `layer`, `bounds` (see grid.py) and so on. The tiles belong to the
-        scene that was described last. For the rows, see ScatterTile.get_rows."""
+        """Yields each of the game's tiles that overlap a tile of the bake: its `layer`, `bounds` (see grid.py) and so
+        on, and its rows (see ScatterTile.get_rows). The tiles belong to the last described scene."""
         self._send({"do": "rows", "tile": tile})
         while True:
             part, data = self._receive()
@@ -175,7 +179,7 @@ class TileEngine:
             yield part, data
 
     def peak_memory(self) -> int:
-        """The engine's peak memory in bytes, or 0 if the system does not provide it."""
+        """Returns the engine's peak memory in bytes, or 0 if the system does not provide it."""
         peak = 0
         with contextlib.suppress(OSError):
             for each in self.family:
@@ -185,11 +189,12 @@ class TileEngine:
         return peak
 
     def core_seconds(self) -> float:
-        """Processor time of all threads of the engine so far. After it has ended, the last known value."""
+        """Returns the CPU time of all threads of the engine so far. After the engine has ended, returns the last known
+        value."""
         return self.processor_time.total()
 
     def close(self) -> None:
-        """Stops the engine. It also stops by itself when this process ends."""
+        """Stops the engine. It also stops when this process ends."""
         self.connection.close()
         try:
             self.process.wait(10.0)

@@ -1,5 +1,5 @@
-"""Replaces the engine by a folder of tiles that an engine has made on a machine without a driver. For the folder's content, see
-demo_project/addons/thicket/baking/bake_to_folder.gd."""
+"""Reads tiles from a folder into which an engine has written them, on a machine without a driver. Replaces the engine
+in a bake. demo_project/addons/thicket/baking/bake_to_folder.gd describes the content of the folder."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _world = members(_checks, _checks)
 
 
 def made_tiles(folder: Path) -> MadeTiles:
-    """The tiles in a folder. Raises BakeError if the folder contains no tiles of a world."""
+    """Returns the tiles in a folder. Raises BakeError if the folder has no valid world.json."""
     return MadeTiles(str(folder), _read_world(folder)["scene"])
 
 
@@ -61,7 +61,7 @@ def _read_world(folder: Path) -> dict:
 
 
 def _check_sense(world: dict) -> None:
-    """Checks that involve more than one value."""
+    """Checks conditions that involve several values."""
     check_rect(world["rect"])
     sides = world["grid"][2:]
     if min(sides) < 1 or sides[0] * sides[1] > MAX_TILES:
@@ -78,26 +78,28 @@ def _check_sense(world: dict) -> None:
 
 
 class TileFolder:
-    """Has the interface of a TileEngine."""
+    """Reads tiles from a folder, with the same interface as TileEngine."""
 
     def __init__(self, folder: Path):
         self.folder = folder
         try:
             self.world = _read_world(folder)
-        except BakeError as error:  # It was valid when the bake started.
+        except BakeError as error:  # The file was valid when the bake started.
             raise Refused(str(error)) from None
 
     def describe(self, asked: dict[str, str]) -> dict:
-        """Like TileEngine.describe, with the values for which the folder was made: `asked` is empty."""
+        """Returns the description of the scene like TileEngine.describe, with the options for which the tiles were
+        made. Ignores `asked`."""
         return {key: value for key, value in self.world.items() if key != "models"}
 
     def models(self, layers: list[int]) -> tuple[list[dict], dict[str, bytes]]:
-        """Like TileEngine.models."""
+        """Returns the models like TileEngine.models. The files are those of all layers, whatever `layers` contains."""
         files = {f"models/{path.name}": path.read_bytes() for path in sorted(self.folder.glob("models/*.res"))}
         return [each for each in self.world["models"] if each["index"] in layers], files
 
     def rows(self, tile: tuple[int, int]) -> Iterator[tuple[dict, memoryview]]:
-        """Like TileEngine.rows. Raises Refused if the tile's file is missing or incomplete."""
+        """Yields the rows of a tile like TileEngine.rows. Raises Refused if the tile's file is missing, unreadable or
+        damaged, or belongs to a different bake."""
         path = self.folder / "tiles" / f"tile_{tile[0]}_{tile[1]}.rows"
         try:
             data = memoryview(path.read_bytes())
@@ -121,7 +123,7 @@ class TileFolder:
             yield part, rows
 
     def peak_memory(self) -> int:
-        return 0  # There is no engine.
+        return 0  # A folder has no engine.
 
     def core_seconds(self) -> float:
         return 0.0
@@ -131,8 +133,8 @@ class TileFolder:
 
 
 def _message(data: memoryview) -> tuple[dict, memoryview, memoryview]:
-    """The first message in the data: its JSON object, its bytes, and the data after it. Raises ValueError, struct.error or LookupError if
-    there is no complete message."""
+    """Returns the first message in the data: its JSON object, its bytes, and the data after it. Raises ValueError,
+    struct.error or LookupError if there is no complete message."""
     (length,) = struct.unpack_from("<I", data)
     header = json.loads(bytes(data[4 : 4 + length]))
     end = 4 + length + header["bytes"]

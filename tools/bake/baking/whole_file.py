@@ -9,18 +9,20 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-# The suffix of files that are not complete yet.
+# The suffix of incomplete files.
 PART = ".part"
 
 
 class CannotWrite(RuntimeError):
-    """A sentence that explains why a file could not be written, such as a full disk or a read-only folder."""
+    """Raised if a file could not be written, for example because of a full disk or a read-only folder. The text is a
+    sentence with the reason."""
 
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[BinaryIO]:
-    """Yields a new file beside `path` for writing. At the end of the block, the file is flushed to disk and replaces `path`. Raises
-    CannotWrite if the disk refuses. Then, and after an exception in the block, the old file is unchanged."""
+    """Yields a new file next to `path` for writing. At the end of the block, flushes it to disk and replaces `path`.
+    Raises CannotWrite if writing fails. In that case, and after an exception in the block, the old file is
+    unchanged."""
     partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}{PART}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -36,7 +38,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     except BaseException as error:
         with contextlib.suppress(OSError):
             partial.unlink()
-        # An error of a different file, which the block reads, has that file's name.
+        # The block may also read different files. An error of these has the name of its own file.
         if isinstance(error, OSError) and error.filename in (None, str(partial)):
             raise _cannot_write(path, error) from error
         raise
@@ -50,7 +52,7 @@ def write_whole(path: Path, content: bytes | memoryview) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    with contextlib.suppress(OSError):  # Some file systems refuse it for folders; the file is written nonetheless.
+    with contextlib.suppress(OSError):  # Some file systems cannot flush a folder to disk. The file is still written.
         opened = os.open(folder, os.O_RDONLY)
         try:
             os.fsync(opened)

@@ -1,8 +1,8 @@
-"""Formats numbers for people."""
+"""Formats numbers for display."""
 
 
 def duration(seconds: float) -> str:
-    """A duration such as 42 s, 3 min 20 s or 2 h 5 min."""
+    """Formats a duration, such as 42 s, 3 min 20 s or 2 h 5 min."""
     whole = round(seconds)
     if whole < 60:
         return f"{seconds:.1f} s" if seconds < 10 else f"{whole} s"
@@ -10,7 +10,7 @@ def duration(seconds: float) -> str:
 
 
 def amount(number: float) -> str:
-    """A short count such as 950, 12.3 k, 4.56 M or 1.20 G."""
+    """Formats a count, such as 950, 12.3 k, 4.56 M or 1.2 G."""
     for factor, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
         if number >= factor:
             return f"{number / factor:.3g}{unit}"

@@ -1,4 +1,4 @@
-"""The command line of bash demo_project/bake_export.sh."""
+"""Implements the command line of demo_project/bake_export.sh."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from baking.whole_file import CannotWrite
 from . import gltf, godot, maps
 from .say import say
 
-# Each module has a docstring for --help, add_options(parser) and export(chosen).
+# Each module has a docstring for --help, and the functions add_options(parser) and export(chosen).
 WRITERS = {"godot": godot, "gltf": gltf, "maps": maps}
 
 
 def main(arguments: list[str]) -> int:
-    """Returns 0 for a complete export, 1 for an error with a message, 130 for an interrupted export. argparse exits with 2."""
+    """Runs an export. Returns 0 if it is complete, 1 after an error, which is printed, and 130 if it was interrupted.
+    For invalid arguments, argparse exits with 2."""
     chosen = _parser().parse_args(with_values(arguments, ("--tiles", "--origin")))
     try:
         WRITERS[chosen.writer].export(chosen)

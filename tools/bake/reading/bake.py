@@ -1,4 +1,4 @@
-"""Reads a bake: manifest.json, and a Parquet file for each tile."""
+"""Reads a bake: manifest.json, and the Parquet files of tiles."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from .verify import check
 
 @dataclass(frozen=True)
 class Level:
-    """A level of detail of a model, used from a distance on."""
+    """An LOD of a model."""
 
-    path: str  # As in the manifest: res://..., or relative to the bake; "" if nothing is drawn.
-    begin: float  # Meters; 0 for the first level.
+    path: str  # The path as in the manifest: res://..., or relative to the bake's folder; "" if nothing is drawn.
+    begin: float  # The distance in meters at which the LOD begins; 0 for the first one.
 
 
 @dataclass(frozen=True)
 class Model:
-    """A model of a layer, for the instances with its number."""
+    """A model of a layer."""
 
     name: str
-    levels: tuple[Level, ...]  # At least one, the finest first.
+    levels: tuple[Level, ...]  # The LODs, at least one, the finest first.
 
 
 @dataclass(frozen=True)
 class Layer:
-    index: int  # Its index in the scatter's list and in the tiles.
+    index: int  # The layer's index in the scatter's list and in the tiles.
     name: str
-    radius: float  # The minimum distance of two instances in meters.
+    radius: float  # The minimum distance between two instances in meters.
     colored: bool
     custom_data: bool
     models: tuple[Model, ...]
-    # How the layer is drawn, if the manifest has it. Enumerations have the values of GeometryInstance3D.
-    view_distance: float = 0.0  # Meters; 0 for unlimited.
+    # Drawing settings, if the manifest has them. Enumerations have the values of GeometryInstance3D.
+    view_distance: float = 0.0  # The view distance in meters; 0 for unlimited.
     cast_shadow: int = 1
     render_layers: int = 1
     material: str = ""  # The path of the material that overrides those of the meshes; "" for none.
@@ -56,15 +56,15 @@ class Tile:
     rows_of_layer: tuple[int, ...]
     digest: str  # The digest of the rows.
     sha256: str  # The digest of the file; "" in manifests of older bakes.
-    bounds: tuple[float, ...] | None  # Smallest x, y, z, then largest; None without rows.
-    is_verified: bool  # Whether the file is compared with the digests before it is read.
+    bounds: tuple[float, ...] | None  # The smallest x, y, z and the largest x, y, z; None if there are no rows.
+    is_verified: bool  # True if the file must be compared with the digests before it is read.
 
     def __str__(self) -> str:
         return name_of((self.x, self.z))
 
     @property
     def remedy(self) -> str:
-        """What to do about an unusable file."""
+        """Returns the instruction that follows an error about an unusable file."""
         return f"bake that tile again: run the command of the bake with --tiles {self}"
 
 
@@ -76,10 +76,10 @@ class Bake:
     scene: str
     scene_digest: str
     rect: tuple[float, float, float, float]  # x, z, width and depth in world meters.
-    tile_size: float  # Meters.
+    tile_size: float  # The side of a tile in meters.
     world_offset: tuple[float, float, float]
     layers: tuple[Layer, ...]
-    tiles: tuple[Tile, ...] = field(repr=False)  # Sorted by row, then by column.
+    tiles: tuple[Tile, ...] = field(repr=False)  # The tiles, sorted by row, then by column.
 
     @property
     def rows(self) -> int:
@@ -120,8 +120,9 @@ def _tile(folder: Path, key: str, entry: dict, is_verified: bool) -> Tile:
 
 
 def open_bake(folder: Path | str, verify: bool = True) -> Bake:
-    """Reads the manifest of a bake. An unfinished bake has the tiles that are done. Without `verify`, tiles are read without checking their
-    digests. Raises BakeError for a missing bake, for a bake of a different version, and for invalid values."""
+    """Reads the manifest of a bake. An unfinished bake has only the completed tiles. If `verify` is False, tiles are
+    later read without checking their digests. Raises BakeError for a missing bake, for a bake of a different version,
+    and for invalid values."""
     folder = Path(folder).resolve()
     said = read_manifest(folder)
     check_manifest(said, folder / MANIFEST)
@@ -153,8 +154,10 @@ def _open_tile(tile: Tile) -> pq.ParquetFile:
 
 
 def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> Iterator[dict[str, np.ndarray]]:
-    """Yields columns of a tile in the file's order, at most `most_rows` rows at a time. Raises BakeError if the file is missing or
-    damaged, or does not have the manifest's number of rows or digest. Without `verify` in open_bake, the digest is not checked."""
+    """Yields columns of a tile in the file's order, at most `most_rows` rows at a time. Raises BakeError if the file is
+    missing or damaged, if it lacks a column, or if its number of rows or its digest differs from the manifest. The
+    digest is checked only if the bake was opened with `verify`. For a tile that has no rows in the manifest, yields
+    nothing and does not open the file."""
     if tile.rows == 0:
         return
     with _open_tile(tile) as file:
@@ -169,7 +172,8 @@ def read_batches(tile: Tile, columns: list[str], most_rows: int = 1 << 18) -> It
 
 
 def _numbers(column: pa.Array) -> np.ndarray:
-    """A column as an array. Nulls exist only in colors, where they become white, and in custom data, where they become NaN."""
+    """Returns a column as an array. Only colors and custom data can be null: null colors become white, and null custom
+    data become NaN."""
     return column.fill_null(0xFFFFFFFF if column.type == pa.uint32() else 0 if pa.types.is_integer(column.type) else float("nan")).to_numpy(
         zero_copy_only=False
     )
@@ -177,24 +181,24 @@ def _numbers(column: pa.Array) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Instances:
-    """The rows of a tile in the file's order: by layer, then by id. Each array has one entry per row."""
+    """The rows of a tile in the file's order, which is by layer, then by id. Each array has one entry per row."""
 
     ids: np.ndarray  # uint64
     layers: np.ndarray  # uint16
     models: np.ndarray  # uint16
-    positions: np.ndarray  # float64, n by 3: world meters.
-    rotations: np.ndarray  # float32, n by 4: quaternions, w last.
+    positions: np.ndarray  # float64, n by 3: x, y, z in world meters.
+    rotations: np.ndarray  # float32, n by 4: unit quaternions x, y, z, w.
     scales: np.ndarray  # float32, n by 3
     ranks: np.ndarray  # uint32
-    colors: np.ndarray  # uint8, n by 4: red, green, blue, alpha, as a shader reads them; white in layers without colors.
-    custom: np.ndarray  # float32, n by 4: INSTANCE_CUSTOM (variation, wind phase, rank, scale); 0 in layers without custom data.
+    colors: np.ndarray  # uint8, n by 4, the shader's COLOR: red, green, blue, alpha; white in layers without colors.
+    custom: np.ndarray  # float32, n by 4, INSTANCE_CUSTOM: variation, wind phase, rank, scale; 0 in layers without custom data.
 
     def __len__(self) -> int:
         return len(self.ids)
 
 
 def read_tile(tile: Tile) -> Instances:
-    """All instances of a tile. Raises BakeError like read_batches, and for an invalid layer or model."""
+    """Returns all instances of a tile. Raises BakeError in the same cases as read_batches."""
     parts = list(read_batches(tile, SCHEMA.names))
     column = {name: np.concatenate([part[name] for part in parts]) if parts else np.zeros(0) for name in SCHEMA.names}
     scale = column["scale_x"]
@@ -214,15 +218,15 @@ def read_tile(tile: Tile) -> Instances:
 
 
 def center_of(bake: Bake, tile: Tile) -> np.ndarray:
-    """The origin of a tile's coordinates, in world meters and double precision: the middle of its square, at a whole meter near the middle
-    of its heights."""
+    """Returns the origin of a tile's local coordinates, in world meters and double precision. It is the center of the
+    tile's square, at the middle of its height range, which is rounded to a whole meter."""
     height = 0.0 if tile.bounds is None else float(np.round((tile.bounds[1] + tile.bounds[4]) / 2))
     return np.array([(tile.x + 0.5) * bake.tile_size, height, (tile.z + 0.5) * bake.tile_size])
 
 
 def groups_of(bake: Bake, tile: Tile, instances: Instances) -> Iterator[tuple[Layer, int, np.ndarray]]:
-    """For each layer and model in a tile: the layer, the model's index, and the indices of its instances, sorted by rank. Models without
-    instances are left out. Raises BakeError for a layer or a model that is not in the manifest."""
+    """Yields for each layer and model in a tile the layer, the model's index, and the indices of its instances, sorted
+    by rank. Skips models without instances. Raises BakeError for a layer or a model that is not in the manifest."""
     layers = {layer.index: layer for layer in bake.layers}
     keys = instances.layers.astype(np.uint32) << 16 | instances.models
     order = np.lexsort((instances.ids, instances.ranks, keys))

@@ -1,4 +1,4 @@
-"""Reads, combines and writes binary glTF 2.0."""
+"""Reads, combines and writes binary glTF 2.0 files."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
 COMPONENTS = {np.dtype(np.float32): 5126, np.dtype(np.uint8): 5121, np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125}
 KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
-TEXTURE_NAMES = "Texture"  # In materials and their extensions, fields with this suffix refer to textures.
+TEXTURE_NAMES = "Texture"  # The suffix of the fields in materials and their extensions that refer to textures.
 
 
 class GlbError(Exception):
-    """A sentence that explains why a file is not valid binary glTF."""
+    """Raised if a file is not valid binary glTF. The text is a sentence with the reason."""
 
 
 def read_glb(data: bytes) -> tuple[dict, bytes]:
-    """The JSON and the bytes of its buffer. Raises GlbError unless the file is complete and of version 2."""
+    """Returns the JSON of a file and the bytes of its buffer. Raises GlbError unless the file is complete and has
+    version 2."""
     if len(data) < 20 or struct.unpack_from("<II", data) != (MAGIC, 2) or struct.unpack_from("<I", data, 8)[0] != len(data):
         raise GlbError(f"it is not a complete binary glTF 2.0 file, with {len(data)} bytes")
     chunks, at = {}, 12
@@ -37,7 +38,7 @@ def read_glb(data: bytes) -> tuple[dict, bytes]:
 
 
 class Glb:
-    """A file under construction: its JSON, and one buffer."""
+    """A file that is being built: its JSON, and one buffer."""
 
     def __init__(self, generator: str):
         self.json: dict = {"asset": {"version": "2.0", "generator": generator}, "scene": 0, "scenes": [{"nodes": []}], "nodes": []}
@@ -60,7 +61,7 @@ class Glb:
                 self._list(key).append(name)
 
     def add_node(self, node: dict, parent: int | None = None) -> int:
-        """Appends a node, below a parent or at the top level, and returns its number."""
+        """Appends a node as a child of `parent`, or at the top level if `parent` is None. Returns the node's index."""
         number = len(self.json["nodes"])
         self.json["nodes"].append(node)
         if parent is None:
@@ -70,7 +71,8 @@ class Glb:
         return number
 
     def add_accessor(self, values: np.ndarray, target: int | None = None, is_normalized: bool = False, has_limits: bool = False) -> int:
-        """Appends an array, n by 1 to 4, and returns the number of its accessor. Positions of meshes need `has_limits`."""
+        """Appends an array with 1 to 4 columns, and returns the index of its accessor. glTF requires `has_limits` for
+        the positions of meshes."""
         values = np.ascontiguousarray(values)
         view = {"buffer": 0, "byteOffset": self._append(values.tobytes()), "byteLength": values.nbytes}
         self._list("bufferViews").append({**view, "target": target} if target else view)
@@ -86,7 +88,7 @@ class Glb:
         return len(self.json["accessors"]) - 1
 
     def add_pyramid(self, name: str, width: float, height: float, color: tuple[float, float, float]) -> int:
-        """Appends a pyramid with four sides and a base, with the middle of the base at the origin. Returns the number of its mesh."""
+        """Appends a pyramid with four sides and a base whose center is at the origin. Returns the index of its mesh."""
         w = width / 2
         corners, top = [(-w, 0, -w), (w, 0, -w), (w, 0, w), (-w, 0, w)], (0, height, 0)
         faces = [(corners[(i + 1) % 4], corners[i], top) for i in range(4)]
@@ -103,8 +105,8 @@ class Glb:
         return len(self.json["meshes"]) - 1
 
     def add_meshes(self, other: dict, binary: bytes) -> int:
-        """Appends the meshes of a file with their materials and images, and returns the number of the first mesh. The file has one buffer, like all
-        binary files."""
+        """Appends the meshes of another file with their materials and images, and returns the index of the first mesh.
+        The file must have a single buffer, like the files that the engine exports."""
         names = ("bufferViews", "accessors", "meshes", "materials", "textures", "images", "samplers")
         base = {name: len(self.json.get(name, [])) for name in names}
         start = self._append(binary)
@@ -135,13 +137,13 @@ class Glb:
         for name in names:
             if added[name]:
                 self._list(name).extend(added[name])
-        # Only the standard extensions; the engine also lists one of its own for nested nodes.
+        # Keep only standard extensions. The engine also lists its own extension for nested nodes.
         for name in (name for name in other.get("extensionsUsed", []) if name.startswith(("KHR_", "EXT_"))):
             self.use_extension(name, name in other.get("extensionsRequired", []))
         return base["meshes"]
 
     def to_bytes(self) -> bytes:
-        """The bytes of the complete file."""
+        """Returns the bytes of the complete file."""
         binary = b"".join(self._parts)
         content = {**self.json, "buffers": [{"byteLength": len(binary)}]} if binary else self.json
         text = json.dumps(content, separators=(",", ":")).encode()
@@ -152,7 +154,7 @@ class Glb:
         return struct.pack("<III", MAGIC, 2, 12 + len(chunks)) + chunks
 
     def write(self, path: Path) -> None:
-        """Writes the complete file, or raises CannotWrite and keeps the old one."""
+        """Writes the complete file. If that fails, raises CannotWrite and keeps the old file."""
         write_whole(path, self.to_bytes())
 
 

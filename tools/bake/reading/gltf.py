@@ -24,19 +24,21 @@ STAND_IN_COLORS = ((0.25, 0.45, 0.2), (0.4, 0.4, 0.15), (0.2, 0.4, 0.35), (0.5, 
 
 
 class Models:
-    """The models of the instances. The engine exports each once; this class holds the JSON and the bytes of the exported files."""
+    """Collects the models of the instances. The engine exports each model once, and this class keeps the JSON and the
+    bytes of the exported files."""
 
     def __init__(self, bake: Bake, lod: int):
         self._bake, self._lod = bake, lod
         self._files: dict[str, tuple[dict, bytes]] = {}
 
     def path(self, layer: Layer, model: int) -> str:
-        """The path of the model's mesh at the chosen level of detail; "" if nothing is drawn."""
+        """Returns the path of the model's mesh at the chosen LOD, or at its coarsest LOD if it has fewer; "" if nothing is
+        drawn."""
         levels = layer.models[model].levels
         return levels[min(self._lod, len(levels) - 1)].path
 
     def make(self, project: Path) -> None:
-        """Lets the engine export all models. A model that cannot be exported is reported and replaced by a pyramid."""
+        """Makes the engine export all models. Reports models that cannot be exported, which pyramids then replace."""
         paths = {self.path(layer, model) for layer in self._bake.layers for model in range(len(layer.models))} - {""}
         with tempfile.TemporaryDirectory(prefix="thicket_") as folder, PipedScript(project, SCRIPT) as engine:
             for number, path in enumerate(sorted(paths)):
@@ -51,7 +53,8 @@ class Models:
                     say(f"{path} is drawn as a pyramid: {reason}")
 
     def _reachable(self, path: str, folder: Path) -> str:
-        """A path that the engine can read. Files of the bake are copied, because the engine may not see the bake's folder."""
+        """Returns a path that the engine can read. Copies a file of the bake into the engine's folder, because the
+        engine may be unable to access the bake's folder."""
         if "://" in path:
             return path
         source = (self._bake.folder / path).resolve()
@@ -60,7 +63,7 @@ class Models:
         return str(shutil.copyfile(source, folder / source.name))
 
     def add(self, glb: Glb, layer: Layer, model: int) -> int:
-        """Appends a model to a file, and returns the number of its mesh."""
+        """Appends a model to a file, and returns the index of its mesh."""
         path = self.path(layer, model)
         if path in self._files:
             return glb.add_meshes(*self._files[path])
@@ -69,7 +72,8 @@ class Models:
 
 
 def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
-    """A file with a node at the tile's center. Below it is a node for each layer and model, with its instances sorted by rank."""
+    """Returns a file with a node at the tile's center. The node has a child node for each layer and model that is
+    drawn, with the instances sorted by rank."""
     center, instances = center_of(bake, tile), read_tile(tile)
     glb = Glb("Thicket")
     extras = {"tile": [tile.x, tile.z], "scene_digest": bake.scene_digest}
@@ -78,7 +82,7 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
     for layer, model, rows in groups_of(bake, tile, instances):
         if not (path := models.path(layer, model)):
             continue
-        # Layers may share a model, but the pyramids depend on the layer.
+        # Layers may share a model, but the pyramid that can replace it depends on the layer.
         key = f"{layer.index} {path}"
         if key not in meshes:
             meshes[key] = models.add(glb, layer, model)
@@ -98,7 +102,8 @@ def tile_glb(bake: Bake, tile: Tile, models: Models, origin: np.ndarray) -> Glb:
 
 
 def chosen_tiles(bake: Bake, wanted: list[str]) -> list[Tile]:
-    """The tiles with rows; if names I,J are given, only those. Raises BakeError for a name that no tile has."""
+    """Returns the tiles that have rows, limited to those in `wanted` if that list is not empty. Names have the form
+    I,J. Raises BakeError for an unknown name."""
     known = {str(tile): tile for tile in bake.tiles}
     for name in wanted:
         if name not in known:

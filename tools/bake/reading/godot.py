@@ -17,12 +17,12 @@ from .say import say
 SCRIPT = "write_tiles.gd"
 ADDON = tuple(f"addons/thicket/baked_world{part}.gd" for part in ("", "_file", "_format", "_index", "_models", "_tile"))
 WORLD, INDEX = "baked_world.scn", "baked_world.baked"
-OLD_INDEX = "baked_world.res"  # The index of earlier versions, which wrote tiles as scenes.
+OLD_INDEX = "baked_world.res"  # The index in worlds of earlier versions, which stored tiles as scenes.
 STALE = ("tiles/tile_*.baked", "tiles/tile_*.scn", "models/*", INDEX, OLD_INDEX, WORLD)
 
 
 class Meshes:
-    """The meshes and materials of the tiles, in the order in which they were sent to the engine."""
+    """The indices of the tiles' meshes and materials, in the order in which they were sent to the engine."""
 
     def __init__(self, bake: Bake, folder: Path, inside: str, engine: PipedScript):
         self._bake, self._folder, self._inside, self._engine = bake, folder, inside, engine
@@ -38,7 +38,7 @@ class Meshes:
         return self._meshes[path]
 
     def material(self, path: str) -> int:
-        """The index of a material; -1 for none."""
+        """Returns the index of a material; -1 for none."""
         if not path:
             return -1
         if path not in self._materials:
@@ -47,7 +47,7 @@ class Meshes:
         return self._materials[path]
 
     def _in_project(self, path: str) -> str:
-        """A path in the project. Files of the bake are copied into the project."""
+        """Returns a path in the project. Copies files of the bake into the project."""
         if "://" in path:
             return path
         source = (self._bake.folder / path).resolve()
@@ -59,11 +59,11 @@ class Meshes:
 
 
 def level_nodes(drawn: Drawn, meshes: Meshes, start: int, number: int) -> list[dict]:
-    """The nodes that write_tiles.gd creates for one part of a tile: one for each level of detail. They share the bytes of `drawn`
-    from `start` on.
+    """Returns the nodes that write_tiles.gd must create for one part of a tile, one for each LOD. They share the buffer
+    of `drawn`, which begins at byte `start`.
 
-    The engine measures the distance to the center of a node, but a level of detail depends on the nearest instance. So each level
-    begins and ends farther away by the reach."""
+    The engine measures the distance to the center of a node, but the nearest instance determines the required LOD. So
+    the distances at which each LOD begins and ends are increased by the reach of the part."""
     layer, levels = drawn.layer, drawn.layer.models[drawn.model].levels
     entry = {
         "count": drawn.count, "from": start, "to": start + drawn.buffer.nbytes, "use_colors": layer.colored, "use_custom_data": layer.custom_data,
@@ -108,7 +108,8 @@ def write_world(bake: Bake, inside: str, tiles: list[Tile], engine: PipedScript)
 
 
 def project_of(folder: Path) -> Path:
-    """The project that contains a folder. Raises BakeError if there is none, or if it lacks the add-on's scripts that stream a world."""
+    """Returns the project that contains a folder. Raises BakeError if there is none, or if it lacks the add-on's
+    scripts that stream a world."""
     for parent in (folder, *folder.parents):
         if (parent / "project.godot").is_file():
             for script in ADDON:
@@ -119,7 +120,8 @@ def project_of(folder: Path) -> Path:
 
 
 def check_folder(bake: Bake, folder: Path) -> None:
-    """Refuses a folder with other content, so that an export deletes only earlier exports."""
+    """Raises BakeError if the folder contains the bake or is inside of it, or if it has content that is not from an
+    earlier export. So an export deletes only earlier exports."""
     if folder == bake.folder or folder.is_relative_to(bake.folder) or bake.folder.is_relative_to(folder):
         raise BakeError(f"{folder} contains the bake in {bake.folder}, or is inside of it: choose a different folder")
     if folder.is_dir() and any(folder.iterdir()) and not any((folder / name).is_file() for name in (INDEX, OLD_INDEX, ".unfinished")):
@@ -133,8 +135,8 @@ def empty(folder: Path) -> None:
 
 
 def write_scenes(bake: Bake, folder: Path, cell: float) -> None:
-    """Writes all tiles that have rows, then the world, and replaces an earlier export. A missing world means that the export is
-    incomplete, because it is written last."""
+    """Writes all tiles that have rows, and then the index and the scene. Replaces an earlier export. The scene is
+    written last, so an export without it is incomplete."""
     project = project_of(folder)
     check_folder(bake, folder)
     for part in ("tiles", "models"):

@@ -1,4 +1,5 @@
-"""Writes a map of each layer of a bake: a gray PNG in plan view, with x to the right and z down. See READERS.md."""
+"""Writes a map of each layer of a bake: a grayscale PNG as seen from above, with x to the right and z down. See
+READERS.md."""
 
 from __future__ import annotations
 
@@ -21,8 +22,8 @@ from .bake import Bake, Layer, Tile, open_bake, read_batches
 from .say import say
 
 LONGEST = 4096  # The default maximum of a map's longer side in pixels.
-MAX_PIXELS = 2**31 - 1  # The maximum side of a PNG.
-BATCH = 1 << 18  # The number of rows of a tile that are read at once.
+MAX_PIXELS = 2**31 - 1  # The maximum side of a PNG in pixels.
+BATCH = 1 << 18  # The number of rows of a tile to read at once.
 
 
 class GrayPng:
@@ -37,7 +38,8 @@ class GrayPng:
         """Appends rows of integers, n by width."""
         lines = rows.astype(self._type)
         raw = lines.view(np.uint8).reshape(len(rows), -1)
-        self._chunk(self._packer.compress(np.insert(raw, 0, 0, axis=1).tobytes()))  # Each row begins with its filter; 0 is none.
+        # Each row of a PNG begins with its filter type; 0 is none.
+        self._chunk(self._packer.compress(np.insert(raw, 0, 0, axis=1).tobytes()))
 
     def end(self) -> None:
         self._chunk(self._packer.flush())
@@ -50,21 +52,21 @@ class GrayPng:
 
 
 def most_in_a_pixel(radius: float, meters: float) -> int:
-    """The maximum number of points in a square with this side if any two of them are at least `radius` apart (N. Oler, 1961, An inequality
-    in the geometry of numbers)."""
+    """Returns the maximum number of points in a square of side `meters` if any two of them are at least `radius` apart
+    (N. Oler, 1961, An inequality in the geometry of numbers)."""
     share = meters / radius
     return math.floor(2 / math.sqrt(3) * share * share + 2 * share + 1)
 
 
 def gray_of_one(layer: Layer, meters: float, bits: int) -> float:
-    """The gray value of one instance. If possible, it is an integer, so that a program can compute counts from a map. The fullest possible
-    pixel of a layer is white at most."""
+    """Returns the gray value of one instance. The value is an integer if possible, so that a program can compute exact
+    counts from a map. The largest possible number of points in a pixel is at most white."""
     white, most = 2**bits - 1, most_in_a_pixel(layer.radius, meters)
     return white // most if most <= white else white / most
 
 
 class Map:
-    """The pixels of a bake's rectangle."""
+    """The pixel grid of a bake's rectangle."""
 
     def __init__(self, bake: Bake, meters: float):
         self._bake, self.meters = bake, meters
@@ -77,16 +79,18 @@ class Map:
             self._slots[layer.index] = slot
 
     def columns(self, x: np.ndarray) -> np.ndarray:
-        """Returns the column of pixels of each position. Positions a little outside of the rectangle count for its border."""
+        """Returns the pixel column of each position. Positions slightly outside the rectangle count as its outermost
+        pixels."""
         return np.floor((x - self.left) / self.meters).clip(0, self.width - 1).astype(np.int64)
 
     def rows(self, z: np.ndarray | float) -> np.ndarray:
         return np.floor((z - self.top) / self.meters).clip(0, self.height - 1).astype(np.int64)
 
     def bands(self, memory: int) -> Iterator[np.ndarray]:
-        """Yields counts of instances, layers by rows by width, from the top down. Each array has as many rows as fit into `memory`
-        bytes."""
-        # A pixel takes 4 bytes for its count and 8 for the sum of a batch. Encoding takes as much as the sum.
+        """Yields instance counts (layers by rows by width) in bands from the top down. Each array has as many rows as
+        fit into `memory` bytes."""
+        # Each pixel takes 4 bytes for its count, and 8 bytes for the sum of a batch of rows. Encoding takes as much memory
+        # as the sum, but not at the same time.
         row_bytes = self.width * len(self._bake.layers) * 12
         most = memory // row_bytes
         if most < 1:
@@ -118,7 +122,7 @@ class Map:
 
 
 def _add(counts: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> None:
-    """Adds one to each of these pixels. Only visits the part of `counts` around them."""
+    """Adds 1 to the counts of these pixels. Accesses only the part of `counts` that contains them."""
     top, left = rows.min(), columns.min()
     height, width = rows.max() - top + 1, columns.max() - left + 1
     sums = np.bincount((rows - top) * width + columns - left, minlength=height * width)
@@ -130,14 +134,16 @@ def file_names(layers: tuple[Layer, ...]) -> list[str]:
 
 
 def usual_meters(bake: Bake) -> float:
-    """The smallest 1, 2 or 5 times a power of ten with which the longer side has at most LONGEST pixels, and at least 1 m."""
+    """Returns the default side of a pixel in meters: the smallest number 1, 2, 5, 10, 20, ... with which the longer
+    side of the map has at most LONGEST pixels."""
     wanted = max(1.0, max(bake.rect[2:]) / LONGEST)
     power = 10.0 ** math.floor(math.log10(wanted))
     return next(power * factor for factor in (1, 2, 5, 10) if power * factor >= wanted)
 
 
 def write_maps(bake: Bake, folder: Path, meters: float, bits: int, memory: int, progress: Callable[[float], None]) -> None:
-    """Writes a PNG for each layer, and maps.json, which describes their gray values. The files appear when all of them are complete."""
+    """Writes a PNG for each layer, and maps.json, which describes their gray values. The PNGs appear only when all of
+    them are complete."""
     plan = Map(bake, meters)
     grays = [gray_of_one(layer, meters, bits) for layer in bake.layers]
     names, white = file_names(bake.layers), 2**bits - 1

@@ -1,4 +1,4 @@
-"""Converts instances to the format of Godot's MultiMesh, divided into cells for levels of detail."""
+"""Converts instances to the format of Godot's MultiMesh, divided into cells for LODs."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ import numpy as np
 from .bake import Bake, Instances, Layer, Tile, center_of, groups_of
 
 TRANSFORM_FLOATS = 12
-MORE_FLOATS = 4  # The floats of a color or of custom data.
-SMALLEST_CELL = 16.0  # Meters.
-FAR_TILES = 4  # From this distance on, in tiles, a whole tile may appear at once.
+MORE_FLOATS = 4  # The number of floats of a color or of custom data.
+SMALLEST_CELL = 16.0  # The minimum side of a cell in meters.
+FAR_TILES = 4  # The distance, in tiles, at which a whole tile may appear at once.
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """Instances of one model that are drawn together, in a tile or in a cell of it."""
+    """Instances of one model that are drawn together, in a tile or in one of its cells."""
 
     layer: Layer
     model: int
     count: int
-    buffer: np.ndarray  # float32: the content of MultiMesh.buffer, relative to the tile's center.
+    buffer: np.ndarray  # float32, the content of MultiMesh.buffer, relative to the tile's center.
     least: np.ndarray  # The bounds of the positions, in meters from the tile's center.
     greatest: np.ndarray
     largest_scale: float
 
     @property
     def reach(self) -> float:
-        """An upper bound of the distance from the middle of the bounds to an instance, in meters."""
+        """Returns an upper bound of the distance in meters from the center of the bounds to an instance."""
         return float(np.linalg.norm(self.greatest - self.least) / 2)
 
 
 def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, *more: np.ndarray) -> np.ndarray:
-    """The content of MultiMesh.buffer: n by 12 floats, and 4 more for each of `more`. The 12 floats are the rows of the basis, each
-    followed by a coordinate of the position. Colors come next, then custom data. Positions are n by 3 in double precision, relative
-    to a nearby origin."""
+    """Returns the content of MultiMesh.buffer: n by 12 floats, and 4 more for each array in `more` (colors, then custom
+    data). The 12 floats are the rows of the basis, each followed by a coordinate of the position. `positions` are n by
+    3 in double precision, relative to a nearby origin."""
     x, y, z, w = (rotations / np.linalg.norm(rotations, axis=1, keepdims=True)).astype(np.float64).T
     basis = np.empty((len(positions), 3, 3))
     basis[:, 0] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=1)
@@ -53,9 +53,10 @@ def buffer_of(positions: np.ndarray, rotations: np.ndarray, scales: np.ndarray, 
 
 
 def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
-    """The number of cells along a side of a tile for a model. The number is one if nothing changes with distance, or only so far away that a whole
-    tile may change at once. A cell has a side of at most `cell` meters. Cells are smaller if the first change is close, because otherwise all of a
-    dense meadow would be drawn at the finest level."""
+    """Returns the number of cells along each side of a tile for a model. The number is 1 if nothing changes with
+    distance, or if the model has one LOD that disappears so far away that a whole tile may disappear at once.
+    Otherwise, the side of a cell is about `cell` meters. Cells are smaller if the first change happens at a short
+    distance, so that not all of a dense meadow is drawn with the finest LOD."""
     levels = layer.models[model].levels
     nearest = levels[1].begin if len(levels) > 1 else layer.view_distance
     if nearest <= 0 or (len(levels) == 1 and nearest >= FAR_TILES * bake.tile_size):
@@ -64,7 +65,8 @@ def parts_of(bake: Bake, layer: Layer, model: int, cell: float) -> int:
 
 
 def drawn_of(bake: Bake, tile: Tile, instances: Instances, cell: float) -> Iterator[Drawn]:
-    """Yields the drawn parts of a tile: for each layer and model one part, or one for each cell with instances."""
+    """Yields the parts of a tile to draw: for each layer and model, one part for the tile or one for each cell with
+    instances."""
     local = instances.positions - center_of(bake, tile)
     for layer, model, rows in groups_of(bake, tile, instances):
         parts = parts_of(bake, layer, model, cell)

@@ -1,4 +1,4 @@
-"""Runs one of our scripts in a Godot without a display, and sends it jobs."""
+"""Runs one of our scripts in a headless Godot, and sends it jobs."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ KEPT = 4000  # The maximum length of the quoted engine output, in characters.
 
 
 class PipedScript:
-    """Runs `script`, from the folder SCRIPTS, in `project` until the end of the block. It handles one job after the other. A job is
-    a dictionary and its bytes. The script reads both with job_reader.gd, and prints a dictionary as the answer."""
+    """Runs `script`, from the folder SCRIPTS, in `project` until the end of the block. The script handles one job at a
+    time. A job is a dictionary and optional bytes. The script reads both with job_reader.gd, and prints a dictionary as
+    the answer."""
 
     def __init__(self, project: Path, script: str, godot: Path = REPO / "tools/godot"):
         self._said = tempfile.TemporaryFile()
@@ -40,7 +41,8 @@ class PipedScript:
         self._said.close()
 
     def ask(self, job: dict, payload: bytes | memoryview = b"") -> dict:
-        """Sends a job and waits for its answer. Raises BakeError with the script's error, or if the engine ends before it answers."""
+        """Sends a job and returns its answer. Raises BakeError if the script reports an error, or if the engine ends
+        before it answers."""
         text = json.dumps({**job, "bytes": len(payload)}).encode()
         try:
             self._process.stdin.write(struct.pack("<I", len(text)) + text)
@@ -61,6 +63,6 @@ class PipedScript:
         return BakeError(f"Godot ended with status {self._process.returncode} before its work was done. Its output:\n{self.printed()}")
 
     def printed(self) -> str:
-        """The end of the engine's error output so far."""
+        """Returns the end of the engine's error output so far."""
         self._said.seek(0)
         return self._said.read().decode(errors="replace")[-KEPT:]

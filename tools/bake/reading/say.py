@@ -1,4 +1,4 @@
-"""Messages for the user of the command."""
+"""Prints messages for the user of a command."""
 
 from __future__ import annotations
 

@@ -17,17 +17,18 @@ if TYPE_CHECKING:
     from .bake import Tile
 
 _CHUNK = 1 << 20
-# A file that changed this recently may change again without a new time, because times have steps of milliseconds.
+# A file that changed within this time, in nanoseconds, counts as unsettled. It may change again without a new time
+# stamp, because time stamps have a resolution of milliseconds.
 _SETTLED_NANOSECONDS = 2 * 10**9
 
-# By path: the identity, size and times of a verified file, and the expected digest.
+# The identity, size and times of each verified file, and its expected digest, keyed by path.
 _verified: dict[Path, tuple] = {}
 
 
 def check(tile: Tile) -> None:
-    """Raises BakeError if a tile's file does not have the manifest's digest. A process reads a file once, and again if its size or
-    time changes. `sha256` in the manifest is the digest of the file's bytes. Older manifests only have `digest`, for which every
-    row is read."""
+    """Raises BakeError if the digest of a tile's file differs from the manifest. A process checks a file once, and
+    again if it has changed since, or had changed just before. `sha256` in the manifest is the digest of the file's
+    bytes. Older manifests have only `digest`, which requires reading every row."""
     try:
         status = tile.file.stat()
         seen = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns, tile.sha256 or tile.digest)
@@ -55,7 +56,7 @@ def _bytes_digest(path: Path) -> str:
 
 
 def _rows_digest(path: Path) -> str:
-    """The result of `rows.digest`, computed one column at a time."""
+    """Computes the same result as `rows.digest`, one column at a time."""
     with pq.ParquetFile(path) as file:
         if not file.schema_arrow.remove_metadata().equals(SCHEMA):
             raise ValueError("its columns are different")

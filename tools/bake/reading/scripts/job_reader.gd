@@ -1,6 +1,6 @@
 extends RefCounted
-## Reads jobs from the standard input, as piped_script.py writes them: the length of a text in 4 bytes, the text, a dictionary in JSON, and as many bytes as
-## its "bytes" field specifies.
+## Reads jobs from the standard input in the format of piped_script.py. A job is the length of a JSON text in 4 bytes,
+## the text, which encodes a dictionary, and as many bytes as its "bytes" field specifies.
 
 const ANSWER := "thicket answer "
 const MOST_AT_ONCE := 1 << 20
@@ -11,7 +11,7 @@ var job: Dictionary = {}
 var payload := PackedByteArray()
 
 
-## Waits for a job. Returns false if there are no more.
+## Waits for the next job. Returns false if there are no more jobs.
 func read() -> bool:
 	var length := _read(4)
 	if length.size() < 4:
@@ -21,7 +21,7 @@ func read() -> bool:
 	return payload.size() == int(job.bytes)
 
 
-## Answers the last job.
+## Sends the answer to the last job.
 func answer(what: Dictionary) -> void:
 	print(ANSWER, JSON.stringify(what))
 

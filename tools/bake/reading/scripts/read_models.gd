@@ -1,11 +1,11 @@
 extends RefCounted
-## Loads the mesh at a model's path. Bakes refer to meshes. Old bakes may also refer to scenes, which layers had among their meshes.
+## Loads the mesh at a model's path. Bakes refer to meshes. Old bakes may also refer to scenes, whose models only Thicket's library can read.
 
-## The reason why there is no mesh, as a sentence.
+## A sentence with the reason why the last mesh could not be loaded.
 var problem := ""
 
 
-## Returns the mesh at a path. On failure, returns null and sets [member problem].
+## Returns the mesh at [param path], or the finest LOD if it is a scene. On failure, returns null and sets [member problem].
 func mesh_at(path: String) -> Mesh:
 	var found: Resource = ResourceLoader.load(path) if ResourceLoader.exists(path) else null
 	if found is Mesh:
@@ -19,7 +19,7 @@ func mesh_at(path: String) -> Mesh:
 	return null
 
 
-## Returns the finest LOD of a scene. Thicket's library reads it; a project that only shows bakes does not have the library.
+## Returns the finest LOD of a scene, which only Thicket's library can read. A project that only displays bakes may lack the library.
 func _finest(scene: PackedScene, path: String) -> Mesh:
 	if not ClassDB.class_exists(&"ScatterModel"):
 		problem = "%s is a scene, which only Thicket's library can read. Install the whole add-on in this project, or bake again: new bakes hold the mesh." % path

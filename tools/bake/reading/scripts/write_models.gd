@@ -3,14 +3,14 @@ extends SceneTree
 
 const JobReader := preload("job_reader.gd")
 const Models := preload("read_models.gd")
-# The script of this checkout, because the project may have only the part of the add-on that shows bakes.
+# Use the script of this checkout, because the project may have only the part of the add-on that displays bakes.
 const Parameters := preload("../../../../demo_project/addons/thicket/shader_parameters.gd")
 
 var _reader := JobReader.new()
 
 
 func _initialize() -> void:
-	# Meshes that build themselves do so at the end of a frame.
+	# Procedural meshes are built at the end of a frame.
 	await process_frame
 	while _reader.read():
 		var models := Models.new()
@@ -39,8 +39,8 @@ func _write(mesh: Mesh, file: String) -> String:
 	return "" if error == OK else "it cannot be written as glTF: %s" % error_string(error)
 
 
-## Converts a shader material, because glTF has no shaders. Only vertex colors, and a color and a texture with
-## usual names, are kept.
+## Converts a shader material to a standard material, because glTF has no shaders. Keeps only vertex colors, and a color and a texture if their
+## parameters have common names.
 func _plain(shaded: ShaderMaterial) -> StandardMaterial3D:
 	var plain := StandardMaterial3D.new()
 	plain.resource_name = shaded.resource_name

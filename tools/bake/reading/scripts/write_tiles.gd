@@ -12,11 +12,11 @@ const UNWRITABLE := "Cannot write %s: %s. Check that its folder is writable and 
 var _reader := JobReader.new()
 var _meshes: Array[Mesh] = []
 var _materials: Array[Material] = []
-var _digests := PackedByteArray() # Of the tiles, in the order of writing.
+var _digests := PackedByteArray() # The digests of the tiles, in the order of writing.
 
 
 func _initialize() -> void:
-	# Meshes that build themselves do so at the end of a frame.
+	# Procedural meshes are built at the end of a frame.
 	await process_frame
 	while _reader.read():
 		var problem := ""
@@ -44,7 +44,7 @@ func _take_mesh(job: Dictionary) -> String:
 		return models.problem
 	if mesh.resource_path == job.own and mesh is ArrayMesh and mesh.get_script() != null:
 		mesh = _built(mesh)
-	# A mesh without its own file would be stored in every tile.
+	# Save a mesh that has no file to a file. Otherwise every tile would store the mesh.
 	if mesh.resource_path.is_empty() or "::" in mesh.resource_path:
 		var error := ResourceSaver.save(mesh, job.own, ResourceSaver.FLAG_COMPRESS)
 		if error != OK:
@@ -56,7 +56,7 @@ func _take_mesh(job: Dictionary) -> String:
 	return ""
 
 
-## Copies the surfaces of a mesh that builds itself, so that a game neither needs its script nor builds it again.
+## Copies the surfaces of a procedural mesh, so that a game neither needs its script nor builds it again.
 func _built(mesh: ArrayMesh) -> ArrayMesh:
 	var plain := ArrayMesh.new()
 	plain.set(&"_surfaces", mesh.get(&"_surfaces"))
@@ -88,8 +88,8 @@ func _write_tile(job: Dictionary, payload: PackedByteArray) -> String:
 	return _write(content, job.file)
 
 
-## The bounding box of everything that a node may draw in any of its LODs. The engine measures distances from the center of a box, so the LODs of
-## a model need the same box; otherwise there would be a gap between them.
+## Returns the bounding box of everything that any LOD of a model draws. The engine measures distances from the center of a node's box, so all LODs of
+## a model need the same box. Otherwise there would be gaps between the LODs.
 func _box(entry: Dictionary) -> Array[float]:
 	var least := Vector3(entry.least[0], entry.least[1], entry.least[2])
 	var greatest := Vector3(entry.greatest[0], entry.greatest[1], entry.greatest[2])
@@ -144,7 +144,8 @@ func _save(resource: Resource, path: String) -> String:
 	return _moved(partial, path, ResourceSaver.save(resource, partial, ResourceSaver.FLAG_COMPRESS))
 
 
-## Moves a file to its final path if [param error] is OK, which means that it was written completely. Returns an error as a sentence, or "".
+## Moves a file to its final path if [param error] is OK, which means that the file is complete. Returns an error
+## message, or "" if there is no error.
 func _moved(partial: String, path: String, error: Error) -> String:
 	if error == OK:
 		error = DirAccess.rename_absolute(partial, path)
