@@ -13,34 +13,37 @@
 
 namespace thicket::analysis {
 
-/// The rectangle [0, size.x) x [0, size.y) that a set fills, and the distance that its points keep. All lengths are in
-/// the points' own unit.
+/// The domain [0, size.x) x [0, size.y) of a point set and the minimum distance of its points. All
+/// lengths are in the unit of the points.
 struct CheckedDomain {
-	glm::dvec2 size{1.0}; ///< Above 0; with `toroidal` at least 4 radii on each axis.
-	double radius = 1.0;  ///< Above 0.
+	glm::dvec2 size{1.0}; ///< Above 0. With `toroidal`, at least 4 radii on each axis.
+	double radius = 1.0;  ///< The minimum distance, above 0.
 	bool toroidal = false;
-	double tolerance = 1e-9; ///< In radii, 1e-12 to 0.1: excess over a radius that still counts as covered.
+	double tolerance = 1e-9; ///< A point covers radius * (1 + tolerance). 1e-12 to 0.1.
 };
 
 /// The results of `BaselineCheck`.
 struct BaselineReport {
-	std::uint64_t outside = 0;   ///< Points outside of the domain. They are ignored otherwise.
-	std::uint64_t too_close = 0; ///< Pairs whose squared distance, computed in double precision, is below radius^2.
-	std::uint64_t gaps = 0; ///< Cells, about as large as a radius, with a position farther than that from all points.
+	std::uint64_t outside = 0; ///< Number of points outside the domain. The other checks ignore these points.
+	/// Number of pairs whose squared distance, computed in double precision, is below radius^2.
+	std::uint64_t too_close = 0;
+	std::uint64_t gaps = 0; ///< Number of grid cells, about one radius wide, that contain a gap.
 	double least_squared =
-			std::numeric_limits<double>::infinity(); ///< Smallest squared distance of the pairs compared.
-	glm::dvec2 gap_at{0.0};                          ///< A position in one of the gaps.
+			std::numeric_limits<double>::infinity(); ///< Smallest squared distance among the compared pairs.
+	glm::dvec2 gap_at{0.0};                          ///< A position in one of the gaps, if there are any.
 
 	bool perfect() const { return outside == 0 && too_close == 0 && gaps == 0; }
 };
 
-/// Checks a Poisson-disk set on a whole rectangle or torus, in double precision: every pair and every position.
+/// Checks the distance of every pair and the coverage of every position, in double precision, for a
+/// Poisson-disk set that fills a rectangle or torus.
 ///
-/// Coverage is decided by subdivision. A square within one disk of radius (1 + tolerance) radii is covered, a square
-/// whose center is more than a radius from every point is a gap, and any other square is split. A square narrower than
-/// the tolerance is always either covered or a gap. So the check has two outcomes: without a gap, every position has a
-/// point within 1 + tolerance radii; with a gap, a point is missing. Time grows with the number of points and the
-/// logarithm of the tolerance.
+/// Coverage is decided by recursive subdivision. A square is covered if it lies within the disk of
+/// one point, with the tolerance added to the radius. It is a gap if its center is more than one
+/// radius from every point. Any other square is split. A square narrower than the tolerance is
+/// always either covered or a gap, so the recursion ends. Without gaps, every position has a point
+/// within 1 + tolerance radii. With a gap, the set is missing a point. The running time grows with
+/// the number of points and the logarithm of the tolerance.
 class BaselineCheck {
 public:
 	static BaselineReport run(std::span<const glm::dvec2> points, const CheckedDomain &domain) {
@@ -52,10 +55,11 @@ public:
 	}
 
 private:
-	/// The points in a cell and its eight neighbors: a set that keeps its distance has no more.
+	/// Upper bound on the points in a cell and its eight neighbors if the set keeps its minimum
+	/// distance.
 	static constexpr std::size_t most_nearby = 64;
 
-	/// Points near a rectangle, relative to the center of its cell.
+	/// The points near a cell, relative to the center of the cell.
 	struct Nearby {
 		std::array<glm::dvec2, most_nearby> points;
 		std::size_t count = 0;
@@ -63,10 +67,10 @@ private:
 
 	CheckedDomain domain_;
 	double radius_squared_;
-	double reach_;     ///< The radius with its tolerance.
-	glm::ivec2 cells_; ///< At least `reach_` wide, unless the whole domain is narrower.
+	double reach_;     ///< The radius including the tolerance.
+	glm::ivec2 cells_; ///< Number of cells per axis. Each is at least `reach_` wide, or as wide as the domain.
 	glm::dvec2 cell_size_;
-	std::vector<glm::dvec2> points_; ///< Sorted by cell.
+	std::vector<glm::dvec2> points_; ///< The points, sorted by cell.
 	std::vector<std::size_t> cell_begin_;
 	BaselineReport report_;
 
@@ -100,7 +104,7 @@ private:
 		}
 	}
 
-	/// The vector from `from` to `to`, around the torus if that is shorter.
+	/// Returns the vector from `from` to `to`. On a torus, it crosses the edges if that is shorter.
 	glm::dvec2 offset(glm::dvec2 from, glm::dvec2 to) const {
 		const glm::dvec2 straight = to - from;
 		return domain_.toroidal ? straight - domain_.size * glm::round(straight / domain_.size) : straight;
@@ -156,8 +160,8 @@ private:
 		}
 	}
 
-	/// Returns true if the disks cover the rectangle of half size `half` around `r_middle`. Otherwise sets `r_middle`
-	/// to a position in the gap.
+	/// Returns true if the disks cover the rectangle with center `r_middle` and half size `half`.
+	/// Otherwise sets `r_middle` to a position in a gap.
 	bool covered(glm::dvec2 &r_middle, glm::dvec2 half, const Nearby &nearby) const {
 		Nearby meeting;
 		double nearest = std::numeric_limits<double>::infinity();

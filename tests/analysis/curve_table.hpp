@@ -9,15 +9,16 @@
 
 namespace thicket::analysis {
 
-/// Throws std::logic_error, which fails a test and ends a program, if a call was unexpectedly refused.
+/// Throws std::logic_error if `status` is an error. The exception fails a test and terminates a
+/// program.
 inline void expect(const Status &status) {
 	if (!status.ok()) {
 		throw std::logic_error(describe(status));
 	}
 }
 
-/// A curve through samples (0 to 1, at least two) that are evenly spaced from `min` to `max`. Throws if they are
-/// refused.
+/// Returns a curve through at least two samples (0 to 1) that are evenly spaced from `min` to
+/// `max`. Throws std::logic_error if the arguments are invalid.
 inline std::shared_ptr<const CurveTable> curve_table(double min, double max, const std::vector<float> &samples) {
 	auto table = std::make_shared<CurveTable>();
 	expect(table->set(min, max, samples));

@@ -14,17 +14,19 @@
 
 namespace thicket::analysis {
 
-/// The domain that `DomainCheck` checks.
+/// The domain of the point set that `DomainCheck` checks.
 struct DomainShape {
-	glm::dvec2 size;        ///< The domain is [0, size), meters.
-	double radius;          ///< Meters.
-	bool toroidal;          ///< Opposite edges meet; the period is `size`.
-	double tolerance = 0.0; ///< Meters beyond the radius that still count as covered; at most radius / 8.
+	glm::dvec2 size; ///< The domain is [0, size), meters.
+	double radius;   ///< Minimum distance between points in meters.
+	bool toroidal;   ///< True if opposite edges meet; the period is `size`.
+	/// Tolerance that is added to the radius in the coverage check. Meters, at most radius / 8.
+	double tolerance = 0.0;
 };
 
-/// The allowed distance of a position beyond the radius from all points of a set, in this precision: four steps of
-/// `Real` at the wider side of the domain or, if that is small, at eight radii. In single precision, a step is at most
-/// 2^-22 of that, and a square that is abandoned is one or two steps wide.
+/// The coverage tolerance, in meters, for sets whose coordinates have the type `Real`. It is four
+/// steps of 2^(2 - digits) times the longer side of the domain, or times eight radii if that is
+/// more. In single precision, 2^(2 - digits) is 2^-22. A sampler abandons squares when they are one
+/// or two steps wide, so it cannot cover every position exactly.
 template <typename Real>
 double domain_tolerance(glm::dvec2 size, double radius) {
 	const double extent = std::max({size.x, size.y, 8.0 * radius});
@@ -34,23 +36,27 @@ double domain_tolerance(glm::dvec2 size, double radius) {
 /// The results of `DomainCheck`.
 struct DomainReport {
 	std::uint64_t points = 0;
-	std::uint64_t outside = 0;   ///< Points that are not in [0, size).
-	std::uint64_t too_close = 0; ///< Pairs closer than the radius, exactly.
-	std::uint64_t uncovered = 0; ///< Cells of the check with an uncovered position.
-	glm::dvec2 uncovered_at{0};  ///< Approximately one of these positions.
+	std::uint64_t outside = 0;   ///< Number of points outside [0, size).
+	std::uint64_t too_close = 0; ///< Number of pairs closer than the radius, compared exactly.
+	std::uint64_t uncovered = 0; ///< Number of grid cells of this check that contain an uncovered position.
+	glm::dvec2 uncovered_at{0};  ///< The approximate location of one uncovered position.
 };
 
-/// Checks a point set of a whole domain: distances without any rounding, and coverage by subdivision down to a fraction
-/// of the tolerance. It shares no code with the samplers. Its grid has cells slightly wider than the radius, for any
-/// ratio of the sides.
+/// Checks a point set that fills a whole domain. It compares distances without rounding, and checks
+/// coverage by subdivision down to a fraction of the tolerance. It shares no code with the
+/// samplers. Its grid cells are slightly wider than the radius, whatever the aspect ratio of the
+/// domain.
 ///
-/// Coverage: a square within the disk (radius + tolerance) of one point is covered, any other is split. If a square's
-/// diagonal is half of the tolerance and it is still not covered, all its positions are farther than radius + tolerance
-/// / 2 from all points, so it is a gap. A set therefore passes if all gaps are smaller than tolerance / 2, and fails if
-/// one is larger than the tolerance.
+/// Coverage: a square is covered if it lies within the disk of one point, with the tolerance added
+/// to the radius. It is a gap if no such disk contains its center. Any other square is split. A
+/// square that is still not covered when its diagonal is at most half the tolerance counts as a
+/// gap. All its positions are farther than radius + tolerance / 2 from every point. A set therefore
+/// passes if every gap is smaller than tolerance / 2, and fails if any gap is larger than the
+/// tolerance.
 class DomainCheck {
 public:
-	/// Accepts points of any type with x and y. If `coverage` is false, coverage is not checked.
+	/// Checks a set. Points may have any type with members x and y. The coverage is checked only if
+	/// `coverage` is true.
 	template <typename Point>
 	static DomainReport run(std::span<const Point> points, const DomainShape &shape, bool coverage) {
 		std::vector<glm::dvec2> places;
@@ -71,7 +77,8 @@ public:
 	}
 
 private:
-	/// Disks reach at most into the next cell, even with a tolerance.
+	/// Width of a cell in radii. A disk extends at most into the adjacent cells, even with the
+	/// tolerance.
 	static constexpr double cell_radii = 1.2;
 
 	DomainShape shape_;
@@ -79,11 +86,10 @@ private:
 	glm::ivec2 cells_;
 	glm::dvec2 cell_;
 	double reach_squared_;
-	double least_side_;                ///< An uncovered square of this side is a gap.
-	std::vector<std::uint32_t> begin_; ///< The first index in `places_` of each cell.
+	double least_side_;                ///< An uncovered square narrower than this width is a gap.
+	std::vector<std::uint32_t> begin_; ///< The index in `places_` of each cell's first point.
 	std::vector<glm::dvec2> places_;
-	std::vector<glm::dvec2>
-			disks_; ///< A stack: the disks that meet a square are above those of the square that contains it.
+	std::vector<glm::dvec2> disks_; ///< A stack. Disks that intersect a square are above those of its parent square.
 	DomainReport report_;
 
 	explicit DomainCheck(const DomainShape &shape) :
@@ -118,7 +124,8 @@ private:
 		}
 	}
 
-	/// Calls visit(index of a place, shift of the image) for all places of the nine cells around a cell.
+	/// Calls visit(index, shift) for each point in the 3 x 3 cells around `cell`. On a torus,
+	/// adding `shift` to the point yields its image in that cell.
 	template <typename Visitor>
 	void around(glm::ivec2 cell, const Visitor &visit) const {
 		for (int y = cell.y - 1; y <= cell.y + 1; ++y) {
@@ -139,7 +146,8 @@ private:
 		}
 	}
 
-	/// On a torus, a cell may be beside another one twice. Its pairs then count twice.
+	/// On a small torus, the same cell may be a neighbor on both sides. Its pairs are then counted
+	/// twice.
 	void compare_pairs() {
 		for (int y = 0; y < cells_.y; ++y) {
 			for (int x = 0; x < cells_.x; ++x) {
@@ -163,7 +171,8 @@ private:
 		}
 	}
 
-	/// True if a square has no gap. Checks the disks from `first` on.
+	/// Returns true if the square has no gap. Only the entries of `disks_` from index `first` on
+	/// are considered.
 	bool covers(glm::dvec2 corner, glm::dvec2 side, std::size_t first) {
 		const glm::dvec2 middle = corner + 0.5 * side;
 		const std::size_t end = disks_.size();

@@ -11,8 +11,9 @@
 
 namespace thicket::analysis {
 
-/// A sum of doubles and of products of two doubles without any rounding: Shewchuk's expansions ("Adaptive Precision
-/// Floating-Point Arithmetic", 1997, sections 2.4 and 2.5). Exact as long as no product is subnormal or near overflow.
+/// Adds doubles, and products of two doubles, without any rounding. It uses Shewchuk's expansions
+/// ("Adaptive Precision Floating-Point Arithmetic", 1997, sections 2.4 and 2.5). The sum is exact
+/// unless a product is subnormal or near overflow.
 class ExactSum {
 public:
 	void add(double value) {
@@ -34,21 +35,22 @@ public:
 
 	void add_product(double a, double b) {
 		const double product = a * b;
-		// The product's rounding error, computed from halves whose products are exact (Dekker). Does not use std::fma,
-		// because a version for Windows returned 6e-294 instead of 0.
+		// The product's rounding error, computed from halves whose products are exact (Dekker).
+		// std::fma is avoided because an implementation on Windows returned 6e-294 instead of 0.
 		const auto [a_high, a_low] = halves(a);
 		const auto [b_high, b_low] = halves(b);
 		add(a_low * b_low - (product - a_high * b_high - a_low * b_high - a_high * b_low));
 		add(product);
 	}
 
-	/// -1, 0 or 1. The parts do not overlap and are ascending, so the last one decides.
+	/// Returns -1, 0 or 1. The parts do not overlap and are sorted by ascending magnitude, so the
+	/// last one determines the sign.
 	int sign() const { return count_ == 0 ? 0 : parts_[count_ - 1] < 0.0 ? -1 : 1; }
 
 private:
 	static constexpr std::size_t most_parts = 40;
 
-	/// Two numbers of 26 bits with the sum `value`.
+	/// Splits `value` into two 26-bit numbers whose sum is exactly `value`.
 	static std::pair<double, double> halves(double value) {
 		const double scaled = (0x1p27 + 1.0) * value;
 		const double high = scaled - (scaled - value);
@@ -59,7 +61,8 @@ private:
 	std::size_t count_ = 0;
 };
 
-/// The amount to add to `difference` for the nearest image on a torus of this period. A period of 0 is no torus.
+/// Returns the number to add to `difference` to reach the nearest periodic image. Returns 0 if
+/// `period` is 0, which means that the axis is not periodic.
 inline double nearest_image(double difference, double period) {
 	return period > 0.0 ? -period * std::round(difference / period) : 0.0;
 }
@@ -75,7 +78,8 @@ inline void add_square(ExactSum &r_sum, double a, double b, double shift) {
 	}
 }
 
-/// The sign of |a - b|^2 - radius^2 without rounding, on a torus of this period (0: not periodic along this axis).
+/// Returns the sign of |a - b|^2 - radius^2, computed without rounding. A `period` of 0 means that
+/// the axis is not periodic.
 inline int compare_distance_exactly(glm::dvec2 a, glm::dvec2 b, glm::dvec2 period, double radius) {
 	ExactSum sum;
 	add_square(sum, a.x, b.x, nearest_image(a.x - b.x, period.x));
@@ -84,12 +88,14 @@ inline int compare_distance_exactly(glm::dvec2 a, glm::dvec2 b, glm::dvec2 perio
 	return sum.sign();
 }
 
-/// Returns the result of `compare_distance_exactly`, but uses the exact sum only if doubles cannot decide.
+/// Returns the same result as `compare_distance_exactly`, but computes the exact sum only if double
+/// precision is inconclusive.
 inline int compare_distance(glm::dvec2 a, glm::dvec2 b, glm::dvec2 period, double radius) {
 	glm::dvec2 d = a - b;
 	d += glm::dvec2(nearest_image(d.x, period.x), nearest_image(d.y, period.y));
 	const double excess = d.x * d.x + d.y * d.y - radius * radius;
-	// The error of differences is at most two roundings of the largest number; squares have their own.
+	// A difference is off by at most two roundings of the largest number. The squares add their own
+	// rounding errors.
 	const glm::dvec2 largest = glm::max(glm::max(glm::abs(a), glm::abs(b)), period);
 	const double error = 0x1p-49 * (radius * radius + d.x * d.x + d.y * d.y) +
 			0x1p-49 * (largest.x * std::abs(d.x) + largest.y * std::abs(d.y)) +

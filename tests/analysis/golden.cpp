@@ -1,7 +1,8 @@
-// Prints digests of the core's results as JSON, for a fixed list of point sets, domains, surfaces, tiles, masks, states
-// and queries. Computes them on every instruction set of this processor, whose names it prints to stderr, and fails if two
-// of them differ. tests/golden/core.json is this program's output. tests/golden/matrix.py compares every platform,
-// compiler and optimization level with it.
+// Prints digests of the core's results as JSON, for a fixed list of point sets, domains, surfaces,
+// tiles, masks, states and queries. The program computes them with every instruction set that this
+// processor supports, prints the name of each to stderr, and fails if any results differ.
+// tests/golden/core.json contains the expected output. tests/golden/matrix.py compares the output
+// of every platform, compiler and optimization level with it.
 
 #include "tests/analysis/golden_fields.hpp"
 #include "tests/analysis/golden_layers.hpp"
@@ -81,7 +82,8 @@ void require(const Status &status) {
 	}
 }
 
-/// Independent of the points' order, which may change, and with separate ranks, which better tables may change.
+/// The digest does not depend on the order of the points, which may change. The ranks have their
+/// own digest, because improved rank tables may change them.
 void digest_points(TileSampler &sampler, const Case &one, Digests &r_digests) {
 	std::vector<SamplePoint> points;
 	require(sampler.sample(one.set, one.rect, points));
@@ -90,7 +92,7 @@ void digest_points(TileSampler &sampler, const Case &one, Digests &r_digests) {
 	r_digests.emplace_back(std::string(one.name) + ": ranks", made.ranks);
 }
 
-/// Over the points in the order of their acceptance.
+/// The digest covers the points in their order of acceptance.
 template <typename Real>
 void digest_domain(const DomainCase &one, const char *precision, Digests &r_digests) {
 	DomainSampler<Real> sampler;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The layers whose tiles have golden digests.
+// The layers of the tiles that have golden digests.
 
 #include "tests/analysis/curve_table.hpp"
 
@@ -34,7 +34,8 @@ inline LayerSettings forest() {
 	return layer;
 }
 
-/// A layer with every kind of rule and source, for a tile of 200 m at `corner`.
+/// Returns a layer that uses all kinds of rules and density fields except biomes, water and ground
+/// textures, for a 200 m tile at `corner`.
 inline LayerSettings undergrowth(glm::dvec2 corner) {
 	auto shrubs = std::make_shared<LayerSettings>();
 	shrubs->set = {.seed = 8, .radius = 4.0, .levels = 1, .layer = 5};

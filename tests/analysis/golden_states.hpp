@@ -13,7 +13,8 @@
 
 namespace thicket::analysis {
 
-/// A generator with the same numbers everywhere, because the standard library's distributions differ.
+/// A random number generator with the same results on every platform. The distributions of the
+/// standard library differ between platforms.
 class GoldenRandom {
 public:
 	explicit GoldenRandom(std::uint64_t seed) : state_(seed) {}
@@ -23,7 +24,8 @@ public:
 		return static_cast<std::uint32_t>(split_mix(state_) >> 33) % end;
 	}
 
-	/// In sixteenths, which no arithmetic rounds.
+	/// Returns a multiple of 1/16 in [low, high). Sums and products of such numbers are not
+	/// rounded.
 	double between(int low, int high) {
 		return low + static_cast<double>(below(16 * static_cast<std::uint32_t>(high - low))) / 16.0;
 	}
@@ -32,7 +34,7 @@ private:
 	std::uint64_t state_;
 };
 
-/// A hand-placed instance near a position, leaning and stretched.
+/// Returns a hand-placed instance near `place` with a random, skewed basis.
 inline AddedInstance golden_instance(GoldenRandom &random, std::uint16_t layer, glm::dvec3 place) {
 	AddedInstance instance;
 	instance.layer = layer;
@@ -46,12 +48,14 @@ inline AddedInstance golden_instance(GoldenRandom &random, std::uint16_t layer, 
 	return instance;
 }
 
-/// Makes one random call that changes the state. Uses few ids, so that calls often touch the same one.
+/// Makes one random call that changes the state. It uses few ids, so that several calls often
+/// change the same instance.
 template <typename Require>
 void change(InstanceState &r_state, GoldenRandom &random, Require require) {
 	std::vector<InstanceChange> changes;
 	const auto layer = static_cast<std::uint16_t>(random.below(3) * 16000);
-	// One random number per statement, because the compiler chooses the order in which arguments are evaluated.
+	// Each statement draws one random number, because the order in which arguments are evaluated is
+	// unspecified.
 	const std::uint32_t where = random.below(1600);
 	const glm::ivec2 cell(static_cast<int>(where % 40) - 20, static_cast<int>(where / 40) - 20);
 	const std::uint64_t point = pack({layer, cell * (random.below(4) == 0 ? 400'000 : 1)});
@@ -75,7 +79,8 @@ void change(InstanceState &r_state, GoldenRandom &random, Require require) {
 	}
 }
 
-/// Digests of a state's bytes, of its diff, and of two states after an exchange.
+/// Returns digests of two saved states, of a diff, and of the states after a merge and after the
+/// diff.
 template <typename Require>
 std::vector<std::pair<std::string, std::uint64_t>> state_digests(Require require) {
 	GoldenRandom random(19);

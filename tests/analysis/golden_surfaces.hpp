@@ -15,7 +15,8 @@
 
 namespace thicket::analysis {
 
-/// The six sides of a cube, inflated to a ball: surfaces in all directions, without a function of the C library.
+/// Returns a cube projected onto a sphere, so that its triangles face all directions. The function
+/// uses no trigonometric functions, whose results depend on the C library.
 inline std::shared_ptr<const Surface> golden_ball(
 		const glm::dvec3 &middle, double radius, void (*require)(const Status &)) {
 	constexpr std::uint32_t count = 24;
@@ -58,7 +59,8 @@ inline std::uint64_t digest(std::vector<SurfacePoint> points) {
 	return hash.value();
 }
 
-/// Digests of points on surfaces: sharp and round ones, several levels, windows, and far from the origin.
+/// Returns digests of points on surfaces: smooth and angular ones, with one and several levels, in
+/// windows, and far from the origin.
 inline std::vector<std::pair<std::string, std::uint64_t>> surface_digests(void (*require)(const Status &)) {
 	std::vector<std::pair<std::string, std::uint64_t>> digests;
 	SurfaceSampler sampler;

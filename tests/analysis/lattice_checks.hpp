@@ -12,7 +12,7 @@
 
 namespace thicket::analysis {
 
-/// A half-open rectangle of cells of side 2^bits.
+/// A half-open rectangle of cells with side 2^bits.
 struct CellRect {
 	glm::i64vec2 min{0};
 	glm::i64vec2 max{0};
@@ -24,26 +24,27 @@ struct CellRect {
 
 /// The results of `LatticeCheck`.
 struct LatticeReport {
-	std::uint64_t points = 0;    ///< Points in the region itself, without its border.
-	std::uint64_t pairs = 0;     ///< Pairs whose distance was computed.
-	std::uint64_t too_close = 0; ///< Pairs closer than the radius, including points of the border.
-	std::uint64_t uncovered = 0; ///< Lattice points of the region that are outside the radius of every point.
-	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max(); ///< Smallest squared distance of a pair.
+	std::uint64_t points = 0;    ///< Number of points in the region, without its border.
+	std::uint64_t pairs = 0;     ///< Number of pairs whose distance was computed.
+	std::uint64_t too_close = 0; ///< Number of pairs closer than the radius, including pairs in the border.
+	std::uint64_t uncovered = 0; ///< Number of lattice points of the region that no point covers.
+	std::int64_t least_squared = std::numeric_limits<std::int64_t>::max(); ///< The smallest squared distance of a pair.
 	glm::i64vec2 uncovered_at{0};                                          ///< One of the uncovered lattice points.
 
 	bool perfect() const { return too_close == 0 && uncovered == 0; }
 };
 
-/// Checks a Poisson-disk set on the integer lattice without any rounding. Cells have side 2^bits, and the radius is
-/// sqrt(2) * 2^bits. Points closer than that conflict, and lattice points closer than that to a point are covered.
+/// Checks a Poisson-disk set on the integer lattice without any rounding. Cells have side 2^bits,
+/// and the radius is sqrt(2) * 2^bits. Two points conflict if they are closer than the radius. A
+/// lattice point is covered if it is closer than the radius to a point.
 ///
-/// Coverage is decided by subdivision: a square within the disk of one point is covered, a square that meets no disk is
-/// not covered, and any other square is split, down to single lattice points. So the result is exact and needs no lists
-/// of gaps.
+/// Coverage is decided by subdivision. A square within the disk of one point is covered, and a
+/// square that intersects no disk is not. Any other square is split, down to single lattice points,
+/// so the result is exact.
 class LatticeCheck {
 public:
-	/// `points` must include every point of the set within three cells of `region`, in any order, and may include
-	/// others.
+	/// Checks a region. `points` must include every point of the set within three cells of
+	/// `region`, in any order, and may include farther points.
 	static LatticeReport run(std::span<const glm::i64vec2> points, int bits, const CellRect &region) {
 		LatticeCheck check(bits, region);
 		for (const glm::i64vec2 point : points) {
@@ -55,7 +56,8 @@ public:
 
 private:
 	static constexpr std::int64_t border = 3;
-	static constexpr std::int64_t reach = 2; ///< Cells farther apart on an axis have no conflicting points.
+	/// Points in cells farther apart than this number of cells on an axis cannot conflict.
+	static constexpr std::int64_t reach = 2;
 	static constexpr int most_neighbors = 25;
 
 	struct Disks {
@@ -86,7 +88,7 @@ private:
 
 	static std::int64_t squared(glm::i64vec2 v) { return v.x * v.x + v.y * v.y; }
 
-	/// Compares a point with all earlier ones, so that every pair is seen once.
+	/// Adds a point and compares it with all earlier ones, so that every pair is compared once.
 	void enter(glm::i64vec2 point) {
 		const glm::i64vec2 cell(point.x >> bits_, point.y >> bits_);
 		if (!bordered_.contains(cell)) {
@@ -131,7 +133,7 @@ private:
 		}
 	}
 
-	/// Counts the uncovered lattice points of [origin, origin + side).
+	/// Adds the uncovered lattice points of [origin, origin + side) to the report.
 	void check_square(glm::i64vec2 origin, std::int64_t side, const Disks &disks) {
 		const glm::i64vec2 last = origin + (side - 1);
 		Disks near;

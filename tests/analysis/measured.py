@@ -1,4 +1,4 @@
-"""The features that the statistical tests compare, with one row for each set, and the levels of significance."""
+"""The features that the statistical tests compare, one row per set, and the significance levels of the tests."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from .estimators import Spectrum, inside, near_pair_directions, pair_correlation
 
-ALPHA = 1e-3  # A hypothesis is rejected if its p-value is below this.
-WRONG = 1e-6  # The p-value of deliberately wrong sets must be below this.
+ALPHA = 1e-3  # A hypothesis is rejected if its p-value is below this number.
+WRONG = 1e-6  # Deliberately wrong sets must have a p-value below this number.
 
-# Random sequential adsorption of disks jams at this coverage.
+# Fraction of the plane that disks cover once no further disk fits (random sequential adsorption jams).
 JAMMED_COVERAGE = 0.547070
-DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # Points per square radius.
+DENSITY = JAMMED_COVERAGE * 4.0 / np.pi  # Number of points per squared radius.
 
 PAIR_EDGES = np.concatenate([np.arange(1.0, 2.0, 0.05), np.arange(2.0, 5.01, 0.25)])
 RING_EDGES = np.arange(0.0625, 2.5001, 0.0625)
@@ -54,7 +54,7 @@ class Measured:
 
     @cached_property
     def _spectral(self) -> tuple[np.ndarray, np.ndarray]:
-        """(rings, anisotropy). The spectra themselves are large, so they are not kept."""
+        """Returns (rings, anisotropy). The spectra themselves are large, so they are not kept."""
         rings, anisotropy = [], []
         for points in self.windows:
             spectrum = Spectrum(points, self.side, round(RING_EDGES[-1] * self.side))

@@ -13,34 +13,37 @@ namespace thicket::analysis {
 
 inline constexpr std::uint64_t max_progressive_levels = 16;
 
-/// Naive dart throwing run to its end on a square torus, in units of the radius: the reference for the sampler's
-/// statistics. It shares no code, no random numbers and no lattice with the sampler.
+/// Naive dart throwing on a square torus until the set is maximal. All lengths are in radii. Its
+/// sets are the reference for the sampler's statistics. It shares no code, random numbers or
+/// lattice with the sampler.
 ///
-/// It first throws darts at the whole domain. Then it keeps a list of equal squares that covers all uncovered
-/// positions, and throws darts uniformly at those squares. After each batch, every square is split in four, and the
-/// parts within the disk of one point are dropped. A dart outside of the list would be rejected anyway, so omitting it
-/// changes no probability: the accepted darts are those of naive dart throwing. It ends when the list is empty, or when
-/// the squares are 2^-40 of a radius wide.
+/// It first throws darts at the whole domain. Then it keeps a list of equal squares that covers all
+/// uncovered positions, and throws darts uniformly at those squares. After each batch, it splits
+/// every square in four and drops the parts that lie within the disk of one point. A dart outside
+/// the listed squares would be rejected anyway. Leaving it out changes no probability, so the
+/// accepted darts are distributed as in naive dart throwing. The process ends when the list is
+/// empty, or after 40 splits of the squares.
 class NaiveDarts {
 public:
-	/// Splits the domain for `run_in_phases`: the squares of phase 0 are filled to their end, then the squares of phase
-	/// 1, and so on. The function receives the center of a square. Every square of one grid cell must be in one phase.
+	/// Returns the phase of the grid cell with the center `middle`, for `run_in_phases`.
 	using PhaseOf = int (*)(glm::dvec2 middle);
 
-	/// `side` is in radii, at least 8, so that a disk does not overlap itself. Any seed is valid.
+	/// `side` is in radii and must be at least 8, so that a disk does not overlap itself. Any seed
+	/// is valid. Call only one of the `run` functions, and only once.
 	NaiveDarts(double side, std::uint64_t seed) :
 			side_(side), columns_(static_cast<int>(std::floor(side * std::sqrt(2.0))) + 1), cell_(side / columns_),
 			random_(seed), points_of_cell_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(columns_),
 								   {nowhere, nowhere}) {}
 
-	/// The jammed set, in the order of acceptance.
+	/// Returns the maximal set, in the order of acceptance.
 	std::vector<glm::dvec2> run() {
 		throw_at_domain();
 		fill(all_cells());
 		return std::move(points_);
 	}
 
-	/// The jammed set that also includes `earlier`, points on the torus that keep their distance. They come first.
+	/// Returns a maximal set that starts with the points `earlier`. They must lie on the torus and
+	/// keep the minimum distance.
 	std::vector<glm::dvec2> run_after(std::vector<glm::dvec2> earlier) {
 		for (const glm::dvec2 point : earlier) {
 			cell(cell_of(point.x), cell_of(point.y)) = point;
@@ -49,7 +52,8 @@ public:
 		return run();
 	}
 
-	/// Not dart throwing, but the result of tiles colored by phase: a wrong set that a good test must detect.
+	/// Fills the cells of phase 0 completely, then those of phase 1, and so on. The result differs
+	/// from dart throwing, and a good statistical test must detect that.
 	std::vector<glm::dvec2> run_in_phases(int phases, PhaseOf phase_of) {
 		for (int phase = 0; phase < phases; ++phase) {
 			std::vector<glm::dvec2> squares = all_cells();
@@ -67,7 +71,7 @@ private:
 
 	double side_;
 	int columns_;
-	double cell_; ///< Slightly less than 1 / sqrt(2): at most one point per cell.
+	double cell_; ///< Slightly less than 1 / sqrt(2), so that a cell contains at most one point.
 	std::mt19937_64 random_;
 	std::vector<glm::dvec2> points_of_cell_;
 	std::vector<glm::dvec2> points_;
@@ -120,7 +124,7 @@ private:
 		return corners;
 	}
 
-	/// True if the square [corner, corner + width) is within the disk of one point.
+	/// Returns true if the square [corner, corner + width) lies within the disk of one point.
 	bool covered(glm::dvec2 corner, double width) {
 		const glm::dvec2 middle = corner + 0.5 * width;
 		const int column = cell_of(middle.x);
@@ -172,8 +176,9 @@ private:
 	}
 };
 
-/// The progressive process by naive darts: with radius 2^(levels - 1) to its end, then half of that, down to 1. All
-/// points stay. `side` / 2^(levels - 1) must be a valid side of NaiveDarts.
+/// Builds a progressive set by naive dart throwing: a maximal set with the radius 2^(levels - 1),
+/// extended to a maximal set with half that radius, and so on down to 1. `side` / 2^(levels - 1)
+/// must be a valid side of NaiveDarts.
 inline std::vector<glm::dvec2> naive_progressive(double side, std::uint32_t levels, std::uint64_t seed) {
 	std::vector<glm::dvec2> points;
 	for (std::uint32_t level = levels; level-- > 0;) {

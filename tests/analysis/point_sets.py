@@ -1,5 +1,5 @@
-"""Point sets as arrays: sets of the sampler, from the Python package, and reference sets, from the program `analysis/references`
-(tests/analysis/references.cpp)."""
+"""Point sets as arrays: the sampler's sets, from the Python package, and reference sets, from the program
+`analysis/references` (tests/analysis/references.cpp)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ RADIUS = CELL * np.sqrt(2.0)
 
 
 def lattice_points(thicket: ModuleType, rect, seed: int, *, tile: float | None = None, **options) -> np.ndarray:
-    """Lattice coordinates (int64, n x 2) of the sampler's set with radius 1 in rect = (min_x, min_y, max_x, max_y). The rectangle
-    is requested as a whole, or in tiles of width `tile`. The options are those of thicket.sample."""
+    """Returns lattice coordinates (int64, n x 2) of the sampler's set with radius 1 in rect = (min_x, min_y, max_x, max_y). The rectangle is
+    requested as a whole, or in tiles of width `tile`. The options are those of thicket.sample."""
     rects = [rect]
     if tile:
         min_x, min_y, max_x, max_y = rect
@@ -45,23 +45,24 @@ class References:
         return sets
 
     def darts(self, side, first_seed, seeds=1) -> list[np.ndarray]:
-        """Naive dart throwing on a torus with this side, until the set is maximal."""
+        """Returns sets of naive dart throwing on a torus with this side, run until each set is maximal."""
         return self._sets("darts", side, first_seed, seeds)
 
     def progressive(self, side, levels, first_seed, seeds=1) -> list[np.ndarray]:
-        """Naive dart throwing on a torus with this side: first with radius 2^(levels - 1), then with half of this radius, and so on down to 1."""
+        """Returns sets of naive dart throwing on a torus with this side: first with radius 2^(levels - 1), then with half of this radius, and so
+        on down to 1."""
         return self._sets("progressive", side, levels, first_seed, seeds)
 
     def colored(self, side, tile, first_seed, seeds=1) -> list[np.ndarray]:
-        """Tiles on a torus that are filled in four phases: a deliberately wrong set."""
+        """Returns deliberately wrong sets: tiles on a torus that are filled in four phases."""
         return self._sets("colored", side, tile, first_seed, seeds)
 
     def bridson(self, side, first_seed, seeds=1) -> list[np.ndarray]:
-        """Bridson's method on a square: a deliberately wrong set."""
+        """Returns deliberately wrong sets: Bridson's method on a square."""
         return self._sets("bridson", side, first_seed, seeds)
 
 
 def in_radii(lattice: np.ndarray, corner) -> np.ndarray:
-    """Lattice coordinates in radii, relative to a corner in radii. The corner is subtracted as integers, so that sets far from the origin keep their
-    precision."""
+    """Returns lattice coordinates in radii, relative to a corner in radii. The corner is subtracted as integers, so that sets far from the origin
+    keep their precision."""
     return (lattice - np.round(np.asarray(corner) * RADIUS).astype(np.int64)) / RADIUS

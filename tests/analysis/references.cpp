@@ -1,8 +1,9 @@
-// Writes the reference sets for the sampler's as raw little-endian bytes for the Python analysis, each as its count
-// (uint64) and its coordinates (float64 x, y), in radii.
-//   references darts SIDE FIRST_SEED SEEDS                naive dart throwing run to its end on a torus
+// Writes reference point sets to stdout. The Python analysis compares the sampler's sets with them.
+// Each set is written as raw little-endian bytes: the count (uint64), then the coordinates in radii
+// (float64 x, y).
+//   references darts SIDE FIRST_SEED SEEDS                naive dart throwing on a torus until the set is maximal
 //   references progressive SIDE LEVELS FIRST_SEED SEEDS   the same for a progressive set
-//   references colored SIDE TILE FIRST_SEED SEEDS         four phases of colored tiles: packs too densely along its seams
+//   references colored SIDE TILE FIRST_SEED SEEDS         tiles filled in four phases: too dense along the seams
 //   references bridson SIDE FIRST_SEED SEEDS              Bridson's method on a square: not dart throwing
 
 #include "tests/analysis/naive_darts.hpp"
@@ -17,7 +18,7 @@
 namespace thicket::analysis {
 namespace {
 
-/// The words of the command line, read one by one.
+/// Reads the command-line arguments one by one. Exits if one is missing.
 class Arguments {
 public:
 	explicit Arguments(std::span<char *> words) : words_(words) {}

@@ -1,5 +1,5 @@
-"""Hypothesis tests whose p-values are exact for normal data. All tests take one row of features for each independent set (a seed). From these rows
-they estimate the correlation between features, so no bound needs tuning."""
+"""Hypothesis tests whose p-values are exact for normal data. All tests take one row of features for each independent set (a seed). The correlation
+between features is estimated from these rows, so no bound needs tuning."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scipy import stats
 
 
 def _hotelling_p(squared: float, features: int, freedom: int) -> float:
-    """The p-value of Hotelling's T^2 with `freedom` degrees of freedom in the covariance."""
+    """Returns the p-value of Hotelling's T^2 with `freedom` degrees of freedom in the covariance."""
     below = freedom - features + 1
     assert below > 0, "needs more independent sets than features"
     return float(stats.f.sf(squared * below / (features * freedom), features, below))
@@ -22,7 +22,7 @@ def _mahalanobis(difference: np.ndarray, covariance: np.ndarray) -> float:
 
 
 def mean_differs_from(rows: np.ndarray, expected) -> float:
-    """The p-value of "the mean of the rows is `expected`" (Hotelling's one-sample test)."""
+    """Returns the p-value of "the mean of the rows is `expected`" (Hotelling's one-sample test)."""
     count, features = rows.shape
     difference = rows.mean(axis=0) - expected
     covariance = np.atleast_2d(np.cov(rows, rowvar=False))
@@ -30,7 +30,7 @@ def mean_differs_from(rows: np.ndarray, expected) -> float:
 
 
 def means_differ(rows_a: np.ndarray, rows_b: np.ndarray) -> float:
-    """The p-value of "both have the same mean" (Hotelling's two-sample test, pooled covariance)."""
+    """Returns the p-value of "both have the same mean" (Hotelling's two-sample test, pooled covariance)."""
     count_a, features = rows_a.shape
     count_b = rows_b.shape[0]
     freedom = count_a + count_b - 2
@@ -44,6 +44,6 @@ def means_differ(rows_a: np.ndarray, rows_b: np.ndarray) -> float:
 
 
 def z_of_mean(values: np.ndarray, expected: float) -> float:
-    """The distance between the mean of independent values and `expected`, in standard errors estimated from the values."""
+    """Returns the distance between the mean of independent values and `expected`, in standard errors estimated from the values."""
     values = np.asarray(values, dtype=float)
     return float((values.mean() - expected) / (values.std(ddof=1) / np.sqrt(len(values))))

@@ -18,7 +18,7 @@ thread_local std::size_t most_allocations = unlimited;
 thread_local bool fails_once = false;
 thread_local bool failed = false;
 
-/// Counts a request. Returns false if it must fail.
+/// Counts an allocation. Returns false if it must fail.
 bool granted() {
 	if (allocations < most_allocations) {
 		++allocations;
@@ -42,7 +42,8 @@ void *aligned_memory(std::size_t size, std::size_t alignment) {
 void free_aligned(void *memory) { std::free(memory); }
 #endif
 
-/// Returns the memory from `take`, unless this request must fail.
+/// Returns the memory that `take` allocates. Throws std::bad_alloc if the allocation fails or must
+/// fail.
 template <typename Take>
 void *allocate(const Take &take) {
 	void *memory = granted() ? take() : nullptr;
@@ -66,7 +67,8 @@ AllocationLimit::~AllocationLimit() { most_allocations = unlimited; }
 
 bool AllocationLimit::reached() const { return failed; }
 
-// The library's array forms call these. Its nothrow forms do too, but sanitizers replace them.
+// The standard library's array forms call these operators. So do its nothrow forms, but sanitizers
+// replace those.
 void *operator new(std::size_t size) {
 	return allocate([size] { return plain_memory(size); });
 }

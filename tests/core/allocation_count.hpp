@@ -3,11 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Number of calls of operator new on this thread so far. Tests compare it to prove that warm code allocates nothing.
+/// The number of calls to operator new on this thread so far. Tests compare counts to verify that
+/// code does not allocate once its buffers have grown.
 std::size_t allocation_count();
 
-/// During the lifetime of this object, operator new fails on this thread after `allowed` calls: in every later call, or
-/// only in the next one.
+/// While this object exists, operator new fails on this thread after `allowed` calls. Either every
+/// later call fails, or only the next one.
 class AllocationLimit {
 public:
 	enum class Fails : std::uint8_t {
@@ -20,6 +21,6 @@ public:
 	AllocationLimit(const AllocationLimit &) = delete;
 	AllocationLimit &operator=(const AllocationLimit &) = delete;
 
-	/// True if a call has failed.
+	/// Returns true if a call to operator new has failed.
 	bool reached() const;
 };

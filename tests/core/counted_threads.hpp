@@ -10,7 +10,7 @@
 
 namespace thicket::test {
 
-/// The test's own worker threads, which count how often they are requested.
+/// Worker threads for tests. `runs` counts the calls of `run`.
 class CountedThreads final : public LentThreads {
 public:
 	explicit CountedThreads(std::size_t count) : count_(count) {}

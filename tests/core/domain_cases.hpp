@@ -32,7 +32,7 @@ inline const std::array<Method, 3> maximal_methods = {{methods[1], methods[2], m
 struct Shape {
 	std::string name;
 	glm::dvec2 radii; ///< Size in radii.
-	double radius;    ///< Meters.
+	double radius;    ///< Minimum distance in meters.
 	bool toroidal;
 };
 
@@ -89,7 +89,7 @@ analysis::DomainReport report_on(const DomainRequest &request, const std::vector
 			request.method != DomainMethod::naive);
 }
 
-/// Checks promises 1 to 3 of DomainSampler on a set.
+/// Checks that a set keeps guarantees 1 to 3 of DomainSampler, but not its coverage for the naive method.
 template <typename Real>
 void check_promises(const DomainRequest &request, const std::vector<glm::vec<2, Real>> &points) {
 	const analysis::DomainReport report = report_on<Real>(request, points);

@@ -12,7 +12,8 @@
 
 namespace thicket::test {
 
-/// A surface of triangles in one color, without normals. They are clockwise when seen from the front.
+/// Returns a surface of one color, without normals. Every three corners are a triangle, clockwise
+/// when seen from the front.
 inline ImpostorSurface triangles(
 		std::vector<glm::vec3> corners, glm::vec4 color, CulledSide culled = CulledSide::back) {
 	ImpostorSurface surface;
@@ -25,7 +26,7 @@ inline ImpostorSurface triangles(
 	return surface;
 }
 
-/// An upright square at depth z that faces +z. Its texture coordinate v runs downward.
+/// Returns an upright square at depth z that faces +z. Its texture coordinate v runs downward.
 inline ImpostorSurface square(float half, float z, glm::vec4 color) {
 	ImpostorSurface surface;
 	surface.positions = {{-half, half, z}, {half, half, z}, {half, -half, z}, {-half, -half, z}};
@@ -42,7 +43,8 @@ inline Impostor baked(const std::vector<ImpostorSurface> &surfaces, const Impost
 	return impostor;
 }
 
-/// A pixel of an atlas's finest level: `frame` is the frame's column and row, `at` the position within the frame.
+/// Returns the RGBA bytes of a pixel of an atlas's finest mip level. `frame` is the frame's column
+/// and row, and `at` is the pixel within the frame.
 inline std::array<int, 4> pixel_of(
 		const Impostor &impostor, const std::vector<std::uint8_t> &atlas, glm::ivec2 frame, glm::ivec2 at) {
 	const ImpostorSettings &settings = impostor.settings;

@@ -7,14 +7,14 @@
 #include <random>
 #include <vector>
 
-/// The density at one position.
+/// Returns the density at one position.
 inline float density(const thicket::DensityField &field, glm::dvec2 position) {
 	float value = -1.0f;
 	REQUIRE(field.sample({&position, 1}, {&value, 1}).ok());
 	return value;
 }
 
-/// The density that an 8-bit pixel value stands for.
+/// Returns the density that an 8-bit pixel value represents.
 inline float byte_density(int value) { return static_cast<float>(value / 255.0); }
 
 inline thicket::PaintedMask mask_of(double pixel_size, double background) {
@@ -44,7 +44,7 @@ inline thicket::Rect paint(thicket::PaintedMask &r_mask, const thicket::Brush &b
 	return changed;
 }
 
-/// A mask with random pixels around the origin, from -70 to 70 on both axes.
+/// Returns a mask with random pixels around the origin, from -70 to 70 on both axes.
 inline thicket::PaintedMask noisy_mask(double pixel_size, unsigned seed) {
 	thicket::PaintedMask mask = mask_of(pixel_size, 0.5);
 	std::mt19937 random(seed);

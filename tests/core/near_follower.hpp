@@ -1,4 +1,5 @@
-// Drives a NearQueue as a ring of bodies does, and checks that each instance enters and leaves once.
+// Drives a NearQueue as the code for physics bodies does, and checks that each instance enters and
+// leaves only once.
 
 #pragma once
 
@@ -16,7 +17,7 @@ namespace thicket::test {
 
 inline constexpr double distance = 20.0;
 
-/// Holds the ids of all near instances, as the queue reports them.
+/// Tracks the ids of all near instances from the changes that the queue reports.
 struct Follower {
 	NearQueue queue;
 	std::set<std::uint64_t> held;
@@ -25,7 +26,7 @@ struct Follower {
 
 	void look(glm::dvec3 center, const InstanceWorld &world) { queue.look_around(std::array{center}, world); }
 
-	/// Takes out all pending changes. Returns their number.
+	/// Takes all pending changes from the queue. Returns their number.
 	int follow() {
 		int steps = 0;
 		for (Leaving leaving; queue.next_leaving(leaving); ++steps) {

@@ -22,15 +22,15 @@ struct Point {
 	std::uint32_t rank;
 };
 
-/// The points of a level, by cell.
+/// The points of a level, keyed by cell (x, y).
 using Points = std::map<std::pair<std::int32_t, std::int32_t>, Point>;
 
-/// Points at the edge of a finite domain depend on missing neighbors. No chain of such dependencies was ever longer
-/// than this margin.
+/// Number of cells. Points near the edge of a finite domain depend on neighbors outside it, which
+/// are missing. No observed chain of such dependencies was longer than this margin.
 inline constexpr std::int32_t margin = 34;
 
-/// Textbook dart throwing on a finite domain: one heap contains all darts, the earliest first. Only shares the
-/// definition of the darts (dart.hpp) with the sampler.
+/// Textbook dart throwing on a finite domain: a single heap holds all darts, the earliest first. It
+/// shares only the definition of the darts (dart.hpp) with the sampler.
 class StrictTimeHeap {
 public:
 	StrictTimeHeap(const PointSet &set, std::uint32_t level, const CellRect &cells, const Points &coarser) :
@@ -69,7 +69,7 @@ private:
 
 	void push(glm::ivec2 cell, DartKey dart) { events_.emplace(dart, cell.x, cell.y); }
 
-	/// True if `covers` returns true for any point in the 7 x 7 cells around `cell`.
+	/// Returns true if `covers` is true for any point in the 7 x 7 cells around `cell`.
 	template <typename Test>
 	bool any_point_near(glm::ivec2 cell, Test covers) const {
 		for (std::int32_t y = cell.y - 3; y <= cell.y + 3; ++y) {
@@ -122,7 +122,8 @@ private:
 	std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
 };
 
-/// The set's points of `level` in and around `cells`. They are correct only within `cells`.
+/// Returns the points of `level` in `cells` and in a margin around them. The points in the margin
+/// may be wrong.
 inline Points points(const PointSet &set, const CellRect &cells, std::uint32_t level = 0) {
 	const CellRect domain = cells.grown(margin);
 	Points coarser;

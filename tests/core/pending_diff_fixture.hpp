@@ -1,4 +1,4 @@
-// Calls that change states, and diffs that wait to be applied to them.
+// Random calls that change states, and helpers for pending diffs.
 
 #pragma once
 
@@ -26,7 +26,8 @@ inline std::uint64_t near_point(StateRandom &random) {
 	return point_id(static_cast<std::uint16_t>(random() % layer_count * 16000), near(), near());
 }
 
-/// Calls that are independent of the state's content. They use few ids, `placed` of which are hand-placed.
+/// Returns random calls whose arguments do not depend on the state. They use few ids. The ids in
+/// `placed` belong to hand-placed instances.
 inline Calls some_calls(StateRandom &random, const std::vector<std::uint64_t> &placed, int count) {
 	Calls calls;
 	for (int i = 0; i < count; ++i) {
@@ -75,7 +76,7 @@ inline InstanceState some_state(std::uint64_t seed, int changes) {
 	return state;
 }
 
-/// The bytes must outlive the queue, so temporaries are refused.
+/// The bytes must outlive the pending diff, so the overload for temporaries is deleted.
 inline void queue(InstanceState &r_state, const StateBytes &&diff) = delete;
 inline void queue(InstanceState &r_state, const StateBytes &diff) {
 	std::shared_ptr<PendingDiff> pending;

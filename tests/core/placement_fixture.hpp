@@ -25,7 +25,7 @@ inline float write_transform(const Placement &placement, std::uint64_t set_seed,
 	return write_basis(placement, set_seed, id, normal, r_transform);
 }
 
-/// A transform as read back from the buffer: the basis's columns and the position.
+/// A transform as read from the buffer. The columns of `basis` are the instance's axes.
 struct Transform {
 	glm::dmat3 basis{1.0};
 	glm::dvec3 position{0.0};

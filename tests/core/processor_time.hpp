@@ -1,4 +1,4 @@
-// Measures this process's processor time, which other processes on a busy machine do not affect.
+// Measures the CPU time of this process. Unlike wall time, it does not depend on other processes.
 
 #pragma once
 
@@ -6,7 +6,8 @@
 
 namespace thicket::test {
 
-/// Seconds of processor time of all threads of this process. On Windows, seconds of wall time.
+/// Returns the CPU time of all threads of this process, in seconds. On Windows, std::clock measures
+/// wall time instead.
 inline double processor_seconds() { return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC); }
 
 } // namespace thicket::test

@@ -11,7 +11,8 @@
 inline constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double infinite_value = std::numeric_limits<double>::infinity();
 
-/// Checks that a call was refused with this code, and that the message names the property and its value.
+/// Checks that a call failed with this error code, property and value, and that the message names
+/// the property.
 inline void check_refused(
 		const thicket::Status &status, thicket::ErrorCode code, const std::string &property, double value) {
 	CAPTURE(property);

@@ -1,4 +1,4 @@
-// Reads the processor's floating-point flags, to prove that code skips computations it does not need.
+// Reads the processor's floating-point flags, to verify that code skips unnecessary computations.
 
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace thicket::test {
 
-/// True if `work` rounded any result on this thread. Comparisons and arithmetic on small whole numbers do not round, so
-/// rounding reveals unnecessary work.
+/// Returns true if `work` rounded any floating-point result on this thread. Comparisons and
+/// arithmetic on small integers do not round, so rounding reveals unnecessary work.
 template <class Work>
 bool rounds(const Work &work) {
 	std::feclearexcept(FE_INEXACT);
@@ -15,7 +15,7 @@ bool rounds(const Work &work) {
 	return std::fetestexcept(FE_INEXACT) != 0;
 }
 
-/// True if any result of `work` overflowed.
+/// Returns true if any floating-point result of `work` overflowed on this thread.
 template <class Work>
 bool overflows(const Work &work) {
 	std::feclearexcept(FE_OVERFLOW);

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-/// Shapes for tests, and slow ways to evaluate them that share no code with the core.
+/// Test shapes, and slow reference implementations that share no code with the core.
 namespace thicket::shape_cases {
 
 inline Shape box(glm::dvec3 center, glm::dvec3 half_size, bool exclude = false) {
@@ -26,7 +26,7 @@ inline Shape box(glm::dvec3 center, glm::dvec3 half_size, bool exclude = false) 
 	return shape;
 }
 
-/// An upright cylinder around the origin.
+/// Returns an upright cylinder around the origin.
 inline Shape cylinder(double radius, double half_height) {
 	Shape shape;
 	shape.kind = ShapeKind::cylinder;
@@ -42,7 +42,8 @@ inline ShapeSet set_of(std::vector<Shape> shapes) {
 
 inline Rect rect_around(glm::dvec2 center, double half) { return {center - half, center + half}; }
 
-/// The set's density at a position, computed from the shapes near it.
+/// Returns the set's density at a position, computed from the shapes that `ShapeSet::near` finds
+/// there.
 inline double density_of(const ShapeSet &set, glm::dvec3 place) {
 	std::vector<std::uint32_t> near;
 	const glm::dvec2 flat(place.x, place.z);
@@ -50,7 +51,7 @@ inline double density_of(const ShapeSet &set, glm::dvec3 place) {
 	return set.density(near, place);
 }
 
-/// A random rotation: three orthonormal columns.
+/// Returns a random rotation: three orthonormal columns.
 inline glm::dmat3 random_axes(std::mt19937 &random) {
 	std::normal_distribution<double> normal;
 	const auto direction = [&] {
@@ -61,7 +62,8 @@ inline glm::dmat3 random_axes(std::mt19937 &random) {
 	return {x, y, glm::cross(x, y)};
 }
 
-/// A volume of 1 to 9 m, within 30 m of the origin.
+/// Returns a randomly rotated volume with half sizes of 1 to 9 m. Its center is within 30 m of the
+/// origin on each axis.
 inline Shape random_volume(ShapeKind kind, std::mt19937 &random) {
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	const auto size = [&] {
@@ -75,7 +77,8 @@ inline Shape random_volume(ShapeKind kind, std::mt19937 &random) {
 	return shape;
 }
 
-/// Shapes of all kinds around the origin. A third of them exclude; some have sharp edges, some no height.
+/// Returns random shapes of all kinds around the origin. About a third exclude plants. Some have no
+/// falloff, and some ignore the height.
 inline std::vector<Shape> random_shapes(std::size_t count, std::mt19937 &random) {
 	std::uniform_real_distribution<double> unit(-1.0, 1.0);
 	std::vector<Shape> shapes;
@@ -95,7 +98,8 @@ inline std::vector<Shape> random_shapes(std::size_t count, std::mt19937 &random)
 	return shapes;
 }
 
-/// Depth inside a box, sphere or cylinder in meters, by the textbook definitions.
+/// Returns the depth inside a box, sphere or cylinder in meters, negative outside, computed by the
+/// textbook definitions.
 inline double plain_depth(const Shape &shape, glm::dvec3 place) {
 	const glm::dvec3 local = glm::transpose(shape.axes) * (place - shape.center);
 	if (shape.kind == ShapeKind::box) {
@@ -108,7 +112,7 @@ inline double plain_depth(const Shape &shape, glm::dvec3 place) {
 	return std::min(shape.half_size.x - std::hypot(local.x, local.z), shape.half_size.y - std::abs(local.y));
 }
 
-/// The shape's extent from its center along a direction.
+/// Returns the extent of a shape from its center along a direction (its support function).
 inline double support(const Shape &shape, glm::dvec3 direction) {
 	const glm::dvec3 local = glm::transpose(shape.axes) * direction;
 	if (shape.kind == ShapeKind::box) {
@@ -120,7 +124,8 @@ inline double support(const Shape &shape, glm::dvec3 direction) {
 	return shape.half_size.x * std::hypot(local.x, local.z) + shape.half_size.y * std::abs(local.y);
 }
 
-/// Meters to the nearest tangent of the shadow. Samples tangents coarsely, then refines every local minimum by ternary
+/// Returns the distance in meters to the nearest tangent of the shape's shadow, its vertical
+/// projection. The function samples tangents coarsely, then refines every local minimum by ternary
 /// search.
 inline double searched_shadow_depth(const Shape &shape, glm::dvec3 place) {
 	constexpr int tangents = 720;

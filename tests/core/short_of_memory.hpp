@@ -10,12 +10,14 @@
 
 namespace thicket::test {
 
-/// Repeats a job while memory runs out at its first request, its second, and so on, until it succeeds. Each request
-/// fails once together with all later ones, and once alone.
+/// Repeats a job with an injected allocation failure: first its first allocation fails, then its
+/// second, and so on, until the job succeeds. Each allocation fails once together with all later
+/// ones, and once alone.
 ///
-/// `prepare()` creates the job's data, and `run(prepared)` executes the job and returns a Status. After each failure,
-/// `check_unchanged(prepared)` must find everything as it was, and the same job must then succeed.
-/// `check_done(prepared)` runs after a success. A failure must be out_of_memory and name `refused`.
+/// `prepare()` creates the job's data, and `run(prepared)` executes the job and returns a Status.
+/// After each failure, `check_unchanged(prepared)` must verify that the data has not changed, and
+/// the job must then succeed on the same data. `check_done(prepared)` must verify the result of
+/// each success. A failure must have the code out_of_memory and the property `refused`.
 template <typename Prepare, typename Run, typename Unchanged, typename Done>
 void fail_every_request(const std::string &refused, const Prepare &prepare, const Run &run,
 		const Unchanged &check_unchanged, const Done &check_done) {

@@ -13,9 +13,10 @@
 namespace thicket::test {
 
 inline constexpr std::size_t colors = 1000;
-inline constexpr double farthest = 9.0; ///< In meters, for sources that are distances.
+inline constexpr double farthest = 9.0; ///< The maximum of distance sources, in meters.
 
-/// Colors that reveal their position on the gradient. All components are exact as half floats.
+/// Returns colors whose red component is their index on the gradient. Half floats represent all
+/// components exactly.
 inline std::shared_ptr<const ColorTable> palette() {
 	ColorTable table;
 	for (std::size_t i = 0; i < colors; ++i) {
@@ -24,7 +25,7 @@ inline std::shared_ptr<const ColorTable> palette() {
 	return std::make_shared<const ColorTable>(std::move(table));
 }
 
-/// A noise that exceeds the range from 0 to 1 at both ends, and has holes.
+/// Noise that exceeds the range from 0 to 1 at both ends and has holes (NaN).
 class Waves final : public DensityField {
 public:
 	static float at(glm::dvec2 position) {
@@ -65,14 +66,14 @@ inline InstanceSource source_of(SourceKind kind) {
 inline const std::vector<SourceKind> kinds{
 		SourceKind::height, SourceKind::slope, SourceKind::noise, SourceKind::rank, SourceKind::distance};
 
-/// A layer whose colors and variations each follow a source.
+/// Returns a layer whose colors and variations are each controlled by a source.
 inline LayerSettings following(const InstanceSource &color, const InstanceSource &variation) {
 	LayerSettings layer = rich_layer();
 	layer.instance_data = {true, palette(), true, {color}, {variation}};
 	return layer;
 }
 
-/// The expected result of share_of, except for steps.
+/// Returns the expected result of share_of for sources without steps.
 inline double share(const InstanceSource &source, double value) {
 	return std::clamp((value - source.min) / (source.max - source.min), 0.0, 1.0);
 }

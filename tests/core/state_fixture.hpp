@@ -18,7 +18,7 @@ using StateRandom = std::mt19937_64;
 
 inline std::uint64_t point_id(std::uint16_t layer, int x, int y) { return pack({layer, {x, y}}); }
 
-/// A random point in the whole cell space of a layer.
+/// Returns the id of a random point among all cells of a layer.
 inline std::uint64_t any_point(StateRandom &random, std::uint16_t layer) {
 	return std::uint64_t{layer} << 48 | random() >> 16;
 }
@@ -55,14 +55,16 @@ inline StateBytes diff_of(const InstanceState &state, std::uint64_t revision) {
 	return bytes;
 }
 
-/// Updates the checksum at the end of changed bytes.
+/// Replaces the checksum at the end of bytes that a test has changed.
 inline StateBytes sealed(StateBytes bytes) {
-	bytes.erase(bytes.end() - 8, bytes.end()); // With resize(), g++ warns under the sanitizers.
+	// A call of resize() would cause a warning of g++ under the sanitizers.
+	bytes.erase(bytes.end() - 8, bytes.end());
 	append(bytes, checksum(bytes));
 	return bytes;
 }
 
-/// Makes one random call that changes the state. Uses few ids, so that calls often touch the same one.
+/// Makes one random call that changes the state. It uses few ids, so that several calls often
+/// change the same instance.
 inline void disturb(InstanceState &r_state, StateRandom &random) {
 	const auto near = [&random] {
 		return static_cast<int>(random() % 12) - 6;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Helpers for the tests of the streamer.
+// Helpers for streamer tests.
 
 #include "core/base/tile_grid.hpp"
 #include "core/streaming/tile_streamer.hpp"
@@ -22,7 +22,7 @@ using Name = std::tuple<std::uint32_t, std::uint32_t, int, int>;
 
 inline Name name_of(const TileKey &key) { return {key.layer, key.grid, key.tile.x, key.tile.y}; }
 
-/// A caller that follows the streamer's protocol, and checks that the streamer does too.
+/// A client that follows the streamer's protocol and checks that the streamer follows it, too.
 class Stage {
 public:
 	TileStreamer streamer;
@@ -35,7 +35,7 @@ public:
 
 	explicit Stage(const std::vector<StreamLayer> &layers) { REQUIRE(streamer.set_layers(layers).ok()); }
 
-	/// Updates the streamer once and carries out all changes.
+	/// Updates the streamer once and applies all changes.
 	void update(const std::vector<Viewer> &viewers, std::size_t max_pending = unlimited) {
 		REQUIRE(streamer.update(viewers, max_pending, changes).ok());
 		for (const TileRequest &request : changes.cancel) {
@@ -54,7 +54,8 @@ public:
 			CHECK(pending.emplace(name_of(request.key), request).second);
 			++requested;
 		}
-		// More tiles may be pending under an older, higher limit. Tiles that wait for their turn do not count.
+		// More tiles may be pending if an earlier update had a higher limit. Tiles that are ready
+		// do not count toward the limit.
 		CHECK((changes.request.empty() || pending.size() - ready.size() <= max_pending));
 		CHECK(streamer.counts().pending == pending.size());
 		CHECK(streamer.counts().shown == shown.size());
@@ -100,7 +101,8 @@ inline std::set<std::pair<int, int>> tiles_of(const Stage &stage, std::uint32_t 
 	return result;
 }
 
-/// Promise 1: every tile that touches a viewer's view is visible. Promise 4: no tile beyond the hysteresis is.
+/// Checks guarantees 1 and 4 of the streamer: every tile within the view distance of a viewer is
+/// visible, and no tile beyond the hysteresis is.
 inline void check_view(const Stage &stage, const std::vector<StreamLayer> &layers, const std::vector<Viewer> &viewers) {
 	for (std::uint32_t layer = 0; layer < layers.size(); ++layer) {
 		const double size = layers[layer].tile_size;
@@ -120,7 +122,8 @@ inline void check_view(const Stage &stage, const std::vector<StreamLayer> &layer
 		for (const auto &tile : tiles) {
 			const Rect rect = tile_rect(size, {tile.first, tile.second});
 			CHECK(std::ranges::any_of(viewers, [&](const Viewer &viewer) {
-				// A viewer may have moved an eighth of a tile since the streamer last checked.
+				// A viewer may have moved up to an eighth of a tile since the streamer last
+				// checked.
 				const double reach = 1.1 * layers[layer].view_distance * viewer.radius_scale + 1.126 * size;
 				return distance_squared(rect, viewer.position) <= reach * reach;
 			}));

@@ -43,7 +43,8 @@ struct Triangles {
 	}
 };
 
-/// A square with a corner at `origin`, along two unit vectors, cut into `count` x `count` quads.
+/// Returns a square with a corner at `origin` and its sides along two unit vectors, divided into
+/// `count` x `count` quads.
 inline Triangles square(
 		double size, std::uint32_t count, const glm::dvec3 &origin, const glm::dvec3 &along, const glm::dvec3 &across) {
 	Triangles made;
@@ -61,7 +62,7 @@ inline Triangles square(
 	return made;
 }
 
-/// A square that faces `normal`, with its corner near the origin.
+/// Returns a square that faces `normal`, with a corner near the origin.
 inline Triangles facing(const glm::dvec3 &normal, double size, std::uint32_t count) {
 	const glm::dvec3 unit = glm::normalize(normal);
 	const glm::dvec3 other = std::abs(unit.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
@@ -69,7 +70,8 @@ inline Triangles facing(const glm::dvec3 &normal, double size, std::uint32_t cou
 	return square(size, count, {0.3, 0.1, 0.2}, along, glm::cross(unit, along));
 }
 
-/// A sphere around the origin: 4 * count^2 triangles, without its two poles' degenerate ones.
+/// Returns a sphere around the origin with 4 * count^2 triangles, including the degenerate ones at
+/// its poles.
 inline Triangles sphere(double radius, std::uint32_t count) {
 	Triangles made;
 	const double pi = 3.14159265358979323846;
@@ -100,7 +102,7 @@ inline std::vector<SurfacePoint> all_points(const PointSet &set, const Surface &
 
 inline void sort_by_id(std::vector<SurfacePoint> &r_points) { std::ranges::sort(r_points, {}, &SurfacePoint::id); }
 
-/// Points by cubes that are as wide as the radius.
+/// A spatial hash of points. Its cubes are one radius wide.
 class PointCubes {
 public:
 	PointCubes(const std::vector<SurfacePoint> &points, double radius) : points_(points), radius_(radius) {
@@ -109,7 +111,8 @@ public:
 		}
 	}
 
-	/// The distance to the nearest point other than `self`, or infinity if none lies in the cubes around the position.
+	/// Returns the distance to the nearest point other than `self`, or infinity if the 27 cubes
+	/// around the position contain no other point.
 	double nearest(const glm::dvec3 &position, std::size_t self = ~std::size_t{0}) const {
 		double least = std::numeric_limits<double>::infinity();
 		each_near(position, [&](std::size_t index) {
@@ -150,7 +153,8 @@ private:
 	std::map<std::tuple<int, int, int>, std::vector<std::size_t>> cubes_;
 };
 
-/// The share of the surface that disks of half the radius cover.
+/// Returns the fraction of the surface's area that disks of half the radius around the points would
+/// cover.
 inline double coverage(const PointSet &set, const Surface &surface, std::size_t points) {
 	return static_cast<double>(points) * 3.14159265358979323846 * set.radius * set.radius / 4.0 / surface.area();
 }

@@ -1,8 +1,9 @@
-"""Statistics of the sampler's sets, compared with naive dart throwing to its end and with distributions that must be uniform.
+"""Tests the statistics of the sampler's sets against those of maximal sets by naive dart throwing, and against uniform
+distributions.
 
-All seeds are fixed, so every run computes the same values. A hypothesis is rejected if its p-value is below ALPHA. The p-values of the
-wrong sets (Bridson's method, tiles colored by phase) must be far below. Nothing else is tuned, because spreads are estimated from
-independent seeds."""
+All seeds are fixed, so every run computes the same values. A hypothesis is rejected if its p-value is below ALPHA. The
+p-values of deliberately wrong sets (Bridson's method, tiles colored by phase) must be far below it. Nothing else needs
+tuning, because the spread of each feature is estimated from independent seeds."""
 
 from __future__ import annotations
 
@@ -16,11 +17,12 @@ from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRON
 from analysis.point_sets import CELL, LATTICE_BITS, RADIUS, in_radii, lattice_points
 from analysis.significance import mean_differs_from, means_differ, z_of_mean
 
-WINDOW = 64.0  # Radii.
+WINDOW = 64.0  # Width of the windows in radii.
 BORDER = 8.0
 SIDE = WINDOW + 2.0 * BORDER
-SETS = 128  # Independent seeds of each kind.
-CORNER = -29.0  # The minimum corner of the requested rectangle, which contains the origin. On no line of the lattice.
+SETS = 128  # Number of independent seeds of each kind.
+# The minimum corner of the requested rectangle, which contains the origin. It is not on a line of the lattice.
+CORNER = -29.0
 TILE = 15.5
 
 
@@ -52,7 +54,7 @@ def test_sampler_agrees_with_naive_darts(darts, sampled, feature):
 
 @pytest.mark.parametrize("feature", FEATURES)
 def test_naive_darts_agree_with_themselves(darts, feature):
-    """The p-values are only meaningful if two halves of the reference agree."""
+    """Checks that two halves of the reference agree. Otherwise, the p-values would be meaningless."""
     first, second = darts.rows(feature)[: SETS // 2], darts.rows(feature)[SETS // 2 :]
     p = means_differ(first, second)
     assert p > ALPHA, f"{feature} differ: p = {p:.2g}"
@@ -72,7 +74,8 @@ def wrong_sets(references) -> dict[str, Measured]:
     + [("bridson", feature) for feature in FEATURES],
 )
 def test_wrong_sets_are_detected(darts, wrong_sets, kind, feature):
-    """Seams of colored tiles (8 radii wide) add about 1 % to the density, and Bridson's sets have a different distribution."""
+    """Checks that deliberately wrong sets are detected. The seams of colored tiles (8 radii wide) add about 1 % to the
+    density, and Bridson's sets have a different distribution."""
     p = means_differ(darts.rows(feature), wrong_sets[kind].rows(feature))
     assert p < WRONG, f"{kind} is not distinguished from darts by its {feature}: p = {p:.2g}"
 
@@ -85,12 +88,12 @@ def test_progressive_set_agrees_with_naive_darts(feature, progressive):
 
 @pytest.fixture(scope="session")
 def progressive(references, thicket) -> tuple[Measured, Measured]:
-    """(naive darts, sampler) with three levels."""
+    """Returns (naive darts, sampler) with three levels."""
     return of_reference(references.progressive(SIDE, 3, 1, SETS)), of_sampler(thicket, 2001, levels=3)
 
 
 def test_progressive_set_differs_from_plain_darts(darts, progressive):
-    """If they did not differ, the comparison above could not distinguish the two distributions."""
+    """Checks that the two distributions differ. Otherwise, the comparison above could not distinguish them."""
     assert means_differ(darts.pairs, progressive[1].pairs) < WRONG
 
 
@@ -100,8 +103,8 @@ def test_near_pairs_have_no_direction(sampled):
 
 
 class Tally:
-    """Counts over five million points. Each of 48 seeds has a square with a side of 565 cells, about 400 radii. The side is a multiple of five cells,
-    so that every phase and class has the same area."""
+    """Counts of five million points. For each of 48 seeds, it samples a square with a side of 565 cells, about 400
+    radii. The side is a multiple of five cells, so that every phase and class covers the same area."""
 
     SEEDS = 48
     SIDE = 565 * CELL / RADIUS
@@ -155,22 +158,22 @@ def test_positions_within_cells_are_uniform(tally):
 
 
 def test_no_class_of_cells_is_preferred(tally):
-    """The last bits of clocks contain the cell's position modulo 5, to break ties. This must not influence the points."""
+    """Checks that the position of a cell does not influence the points. The last bits of dart times contain this position modulo 5, to break ties."""
     p = mean_differs_from(np.array(tally.tag)[:, :-1], 1.0 / tally.CLASSES**2)
     assert p > ALPHA, f"some positions of cells modulo 5 are preferred: p = {p:.2g}"
 
 
 @pytest.mark.parametrize("levels", range(1, 9))
 def test_prefix_of_rank_q_has_a_share_q_of_the_points(thicket, levels):
-    """Uses 40 windows of 256 radii, which is at least twice the coarsest radius."""
+    """Checks 40 windows that are 256 radii wide, which is at least twice the coarsest radius."""
     side, seeds = 256.0, 40
     rect = (-side / 2, 0.0, side / 2, side)
     sets = [np.sort(thicket.sample(rect, 1.0, seed, levels=levels).ranks) for seed in range(4001, 4001 + seeds)]
     shares = np.concatenate([[2.0**-10, 2.0**-8, 2.0**-6], np.arange(1, 16) / 16.0])
-    # A difference, not a quotient: its mean is zero for correct ranks, however much the number of points varies.
+    # The surplus is a difference, not a quotient. For correct ranks, its mean is zero, however much the number of points varies.
     surplus = np.array([np.searchsorted(ranks, shares * 2.0**32) - shares * len(ranks) for ranks in sets])
     p = mean_differs_from(surplus, 0.0)
-    # One promise is tested eight times.
+    # The test of this guarantee runs eight times, so each test gets an eighth of ALPHA.
     assert p > ALPHA / 8, f"surplus of {shares}: {surplus.sum(axis=0) / sum(map(len, sets))}, p = {p:.2g}"
 
 
@@ -178,13 +181,13 @@ CROSS_EDGES = np.linspace(0.0, 3.0, 13)
 
 
 def cross_p(pairs: list[tuple[np.ndarray, np.ndarray]]) -> float:
-    """p-value of "no relation" for pairs of windows that are independent of the other pairs."""
+    """Returns the p-value of "the two windows of a pair are independent". The pairs must be independent of each other."""
     rows = [cross_correlation(a, b, WINDOW, CROSS_EDGES) for a, b in pairs]
     return mean_differs_from(np.array(rows), 1.0)
 
 
 def window(thicket: ModuleType, seed: int, offset_cells=(0, 0), **options) -> np.ndarray:
-    """A window with its border. Its corner is shifted by this many cells from the default."""
+    """Returns a window of a set, with its border. Its corner is shifted from the origin by `offset_cells`."""
     shift = np.asarray(offset_cells) * CELL / RADIUS
     low = shift - BORDER
     high = shift + WINDOW + BORDER
@@ -211,7 +214,7 @@ def test_sets_are_independent(thicket, relation):
 
 
 def test_a_dependence_is_detected(thicket):
-    """Compares a set with a copy of itself in which two of three points come from a different set."""
+    """Checks that a set is found to depend on a second set that contains every third of its points."""
     pairs = []
     for seed in range(5001, 5001 + 2 * 40, 2):
         a, b = window(thicket, seed), window(thicket, seed + 1)

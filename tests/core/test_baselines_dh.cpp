@@ -1,5 +1,6 @@
-// Baselines after Dunbar and Humphreys. Checks the least distance and maximality of whole sets on the torus exactly,
-// the geometry of scalloped sectors by quadrature, and the law of the sets against darts that share no code with them.
+// Tests the baselines after Dunbar and Humphreys: the minimum distance and maximality of whole sets
+// on the torus, and the geometry of scalloped sectors, by quadrature. Compares the distribution of
+// the sets with that of an independent dart thrower.
 
 #include "tests/analysis/baseline_check.hpp"
 #include "tests/analysis/naive_darts.hpp"
@@ -27,7 +28,7 @@ using bench::ScallopedSector;
 
 namespace {
 
-/// The smallest accepted side, grid cells of the smallest width, and larger sizes.
+/// The smallest valid side, a side with the narrowest grid cells, and larger sides.
 constexpr double sides[] = {11.0, 12.0, 17.3, 38.0, 90.0};
 
 BaselineReport check_torus(const std::vector<glm::dvec2> &points, double side, double tolerance) {
@@ -66,7 +67,8 @@ void check_determinism() {
 	CHECK(points == first);
 }
 
-/// Mean and standard error of the share of the torus that is covered by disks of half the radius.
+/// Mean, and variance of the mean, of the fraction of the torus that disks of half the radius
+/// cover.
 struct Coverage {
 	double sum = 0.0;
 	double squares = 0.0;
@@ -95,9 +97,10 @@ Coverage coverage_of(double side, int sets) {
 	return coverage;
 }
 
-/// Throws darts at a whole torus and accepts only darts that are at least 1 from all points and less than 2 from some
-/// point. This is the same as scalloped sectors, without their geometry. Once every position is less than 2 from a
-/// point, the second condition always holds, and naive dart throwing finishes the set.
+/// Throws darts at a whole torus and accepts those that are at least 1 from all points and less
+/// than 2 from some point. This samples the same distribution as scalloped sectors, but without
+/// their geometry. Once every position is less than 2 from a point, the second condition is always
+/// true, and naive dart throwing completes the set.
 std::vector<glm::dvec2> darts_within_two(double side, std::uint64_t seed) {
 	std::mt19937_64 random(seed);
 	std::uniform_real_distribution<double> coordinate(0.0, side);
@@ -125,7 +128,7 @@ std::vector<glm::dvec2> darts_within_two(double side, std::uint64_t seed) {
 	return analysis::NaiveDarts(side, seed).run_after(std::move(points));
 }
 
-/// Sectors that cover everything between 1 and 2 from the origin.
+/// Returns six sectors that together cover the annulus between the radii 1 and 2 around the origin.
 std::vector<ScallopedSector> annulus() {
 	std::vector<ScallopedSector> sectors(6);
 	for (int i = 0; i < 6; ++i) {
@@ -156,7 +159,8 @@ bool holds(const Disk &disk, glm::dvec2 place) {
 	return bench::dot(place - disk.center, place - disk.center) < disk.radius * disk.radius;
 }
 
-/// Disks at the distances at which they occur: radius 1 at 1 to 3, radius 2 at 1 to 4.
+/// Returns random disks at the distances from the origin that occur in practice: 1 to 3 for radius
+/// 1, and 1 to 4 for radius 2.
 std::vector<Disk> random_disks(std::mt19937_64 &random, int count) {
 	std::uniform_real_distribution<double> unit(0.0, 1.0);
 	std::vector<Disk> disks;
@@ -169,10 +173,11 @@ std::vector<Disk> random_disks(std::mt19937_64 &random, int count) {
 	return disks;
 }
 
-/// Equal steps of the first number must be equal steps of area, in order. Equal steps of the second must be equal steps
-/// of area along a ray, from arc to arc. No position may be inside a disk.
+/// Checks that `place` is uniform. Its first argument must be proportional to the area up to a ray.
+/// Its second must be proportional to the area along that ray, from the near arc to the far arc. No
+/// position may be inside a disk.
 void check_places(const ScallopedSector &sector, const std::vector<Disk> &disks) {
-	const double loose = 2e-7; // Where a ray touches a circle, its distance is the root of a rounding error.
+	const double loose = 2e-7; // Where a ray touches a circle, the error is the square root of a rounding error.
 	for (const double turned : {0.0, 0.01, 0.3, 0.5, 0.77, 0.999}) {
 		const glm::dvec2 nearest = sector.place(turned, 0.0);
 		const glm::dvec2 middle = sector.place(turned, 0.5);
@@ -193,7 +198,8 @@ void check_places(const ScallopedSector &sector, const std::vector<Disk> &disks)
 	}
 }
 
-/// Area of the annulus from 1 to 2 outside all disks, from the number of small squares whose center is free.
+/// Estimates the area of the annulus from 1 to 2 outside all disks by counting small squares whose
+/// center is free.
 double counted_area(const std::vector<Disk> &disks, int squares_a_side) {
 	const double width = 4.0 / squares_a_side;
 	int inside = 0;
@@ -236,7 +242,8 @@ TEST_CASE("baselines: scalloped sectors are distributed like darts within 2 of t
 	CAPTURE(sectors.mean());
 	CAPTURE(darts.mean());
 	CHECK(std::abs(sectors.mean() - darts.mean()) < 4.0 * std::sqrt(sectors.variance() + darts.variance()));
-	// Slightly different from the 0.547070 of darts on the whole domain; see the class.
+	// The coverage differs slightly from the 0.547070 of dart throwing on the whole domain; see the
+	// class.
 	CHECK(std::abs(sectors.mean() - bench::ScallopedSectors::coverage) < 4.0 * std::sqrt(sectors.variance()));
 }
 
@@ -311,7 +318,7 @@ TEST_CASE("baselines: the domain check finds a missing point, an extra point and
 	const double side = 12.5;
 	const std::vector<glm::dvec2> points = analysis::NaiveDarts(side, 9).run();
 	REQUIRE(check_torus(points, side, 1e-9).perfect());
-	// Without the seam the border is open.
+	// On a bounded domain, the same points leave gaps at the border.
 	CHECK(BaselineCheck::run(points, {.size = glm::dvec2(side)}).gaps > 0);
 	for (std::size_t i = 0; i < points.size(); ++i) {
 		std::vector<glm::dvec2> changed = points;
@@ -328,7 +335,7 @@ TEST_CASE("baselines: the domain check finds a missing point, an extra point and
 }
 
 TEST_CASE("baselines: the domain check works in the points' own unit and on rectangles") {
-	// In a square lattice of distance 3, no position is farther than 1.5 sqrt(2) from a point.
+	// In a square lattice with spacing 3, no position is farther than 1.5 sqrt(2) from a point.
 	std::vector<glm::dvec2> points;
 	for (int y = 0; y < 5; ++y) {
 		for (int x = 0; x < 9; ++x) {

@@ -1,6 +1,6 @@
-// The baseline after Jones (2006): the free area of a cell must be exact, and the sets must match dart throwing.
-// Compilers for other platforms may have no CGAL, so nothing is tested there. On this platform the bench itself would
-// fail to build.
+// Tests the baseline after Jones (2006): the free area of a cell must be exact, and the sets must
+// match dart throwing. Cross compilers may lack CGAL, so these tests are skipped without it. On the
+// native platform, the benchmark itself does not build without CGAL.
 #if __has_include(<CGAL/version.h>)
 
 #include "tests/analysis/baseline_check.hpp"
@@ -25,10 +25,11 @@ using bench::Xoroshiro;
 
 namespace {
 
-/// A cell whose edges meet the disk in every way: one misses it, one touches it, others pass it on one side or both.
+/// A cell with every kind of edge: outside the disk, tangent to it, and crossing it at one end or
+/// at both.
 const std::vector<glm::dvec2> all_kinds = {{2.0, 0.0}, {0.9, 1.6}, {-0.5, 1.1}, {-2.4, 0.2}, {-0.4, -1.2}, {1.3, -1.9}};
 
-/// The cell's extent in a direction, by the definition of a Voronoi cell.
+/// Returns the extent of the cell in a direction, computed from the definition of a Voronoi cell.
 double reach(const std::vector<glm::dvec2> &neighbors, double angle) {
 	const glm::dvec2 direction(std::cos(angle), std::sin(angle));
 	double least = 1e9;
@@ -39,7 +40,7 @@ double reach(const std::vector<glm::dvec2> &neighbors, double angle) {
 	return least;
 }
 
-/// Free area between two directions, as the sum of thin sectors.
+/// Returns the free area between two directions, integrated over thin sectors.
 double free_area(const std::vector<glm::dvec2> &neighbors, double from, double to) {
 	constexpr int sectors = 100000;
 	const double step = (to - from) / sectors;
@@ -70,8 +71,8 @@ TEST_CASE("jones: free areas of cells are exact, even the smallest") {
 	cell.assign(all_kinds);
 	CHECK(std::abs(cell.area() - free_area(all_kinds, 0.0, 2.0 * std::numbers::pi)) < 1e-8);
 
-	// A square whose corners are barely outside the disk. Each free corner is nearly a right triangle with its sides on
-	// the lines.
+	// A square whose corners are barely outside the disk. Each free corner is nearly a right
+	// triangle whose legs lie on two edges of the square.
 	for (const double beyond : {1e-4, 1e-6, 1e-8}) {
 		const double distance = std::numbers::sqrt2 * (1.0 + beyond);
 		cell.assign({{distance, 0.0}, {0.0, distance}, {-distance, 0.0}, {0.0, -distance}});
@@ -86,7 +87,7 @@ TEST_CASE("jones: darts in a cell are uniform over its free area") {
 	FreeCell cell;
 	cell.assign(all_kinds);
 	Xoroshiro random(1);
-	std::array<int, sectors> inner{}; // By area, nearer to the disk than to the edge.
+	std::array<int, sectors> inner{}; // Darts in the half of the sector's area next to the disk.
 	std::array<int, sectors> outer{};
 	int outside = 0;
 	for (int i = 0; i < darts; ++i) {

@@ -1,4 +1,5 @@
-// The checks of the program bench/billion, on handmade points and on the sampler's points with errors added.
+// Tests the checks of the program bench/billion with handmade points, and with points of the
+// sampler to which errors are added.
 
 #include "tests/bench/billion/run.hpp"
 
@@ -22,7 +23,7 @@ namespace {
 
 constexpr std::int32_t unit_cell = static_cast<std::int32_t>(cell_size);
 
-/// The smallest region: 64 cells, -32 to 31 on each axis.
+/// Returns the options for the smallest region: 64 cells on each axis, from -32 to 31.
 RunOptions small_run(std::int32_t tile, TileOrder order = TileOrder::rows, unsigned threads = 1) {
 	RunOptions options{.seed = 11, .points = 1e3, .tile = tile, .order = order, .threads = threads, .gaps = 1};
 	REQUIRE(options.region().side == 64);
@@ -39,7 +40,7 @@ Outcome run_on(const RunOptions &options, const TileSource &source) {
 	return run.go([](std::uint64_t) {});
 }
 
-/// Handmade sets have gaps, so gaps are not checked.
+/// Runs all checks on handmade points except the check for gaps, because handmade sets have gaps.
 Outcome check_by_hand(RunOptions options, const std::vector<glm::ivec2> &lattice) {
 	options.gaps = 0;
 	return run_on(options, [&lattice](const Rect &rect, std::vector<SamplePoint> &r_points) {
@@ -53,7 +54,7 @@ Outcome check_by_hand(RunOptions options, const std::vector<glm::ivec2> &lattice
 	});
 }
 
-/// Changes the sampler's points for a rectangle.
+/// A function that changes the sampler's points for a rectangle.
 using Spoil = std::function<void(const Rect &rect, std::vector<SamplePoint> &r_points)>;
 
 Outcome run_spoilt(const RunOptions &options, const Spoil &spoil) {
@@ -78,7 +79,7 @@ bool is_perfect(const Outcome &outcome) {
 			outcome.tiles_repeated == 0;
 }
 
-/// A small run in which one point, that of the cell `taken`, is tampered with.
+/// A small run in which the point of the cell `taken` is tampered with.
 struct Marked {
 	static constexpr std::int32_t tile = 16;
 
@@ -104,7 +105,7 @@ struct Marked {
 				[cell](const SamplePoint &point) { return unpack(point.id).cell == cell; });
 	}
 
-	/// Tampers with every list that contains the point.
+	/// Calls `tamper` for every list that contains the point.
 	Outcome run(const Tamper &tamper) const {
 		const Outcome outcome = run_spoilt(options, [&](const Rect &rect, Points &r_points) {
 			if (const auto found = find(r_points, taken); found != r_points.end()) {
@@ -141,7 +142,7 @@ TEST_CASE("billion: every order visits every tile once") {
 }
 
 TEST_CASE("billion: a pair that is too close is detected inside a tile, across its borders and its corners") {
-	// The cell northeast of the corner that four tiles share is at 0, 0.
+	// Four tiles share a corner at the origin of the cell (0, 0).
 	const std::pair<glm::ivec2, glm::ivec2> pairs[] = {
 			{{5 * unit_cell, 5 * unit_cell}, {5 * unit_cell + 23170, 5 * unit_cell}},
 			{{-1, 5 * unit_cell}, {23169, 5 * unit_cell}},
@@ -166,7 +167,7 @@ TEST_CASE("billion: a pair that is too close is detected inside a tile, across i
 			CHECK(close.found.too_close == 1);
 			CHECK(close.found.least_squared < std::int64_t{radius_squared});
 
-			const glm::ivec2 away = glm::sign(b - a) * 2; // At the radius or just beyond it.
+			const glm::ivec2 away = glm::sign(b - a) * 2; // The second point is at the radius or just beyond it.
 			const Outcome apart = check_by_hand(small_run(16, order), {a, b + away});
 			CHECK(apart.found.too_close == 0);
 			CHECK(apart.found.least_squared >= std::int64_t{radius_squared});
@@ -262,7 +263,7 @@ TEST_CASE("billion: repeated, moved and renamed points are detected") {
 	CHECK(renamed.found.misplaced == 1);
 
 	const Outcome ranked = marked.run([](const Rect &, auto &, auto found) { found->rank ^= 1; });
-	CHECK(is_perfect(ranked)); // Except for its digest, which `run` checks.
+	CHECK(is_perfect(ranked)); // `run` has checked that the digest differs.
 }
 
 TEST_CASE("billion: dropped, repeated and swapped tiles are detected") {
@@ -308,7 +309,7 @@ TEST_CASE("billion: rims are freed as soon as all neighbors are complete") {
 			}
 		}
 		CHECK(pairs == 2 * 100 * 99 + 2 * 99 * 99);
-		CHECK(seams.most_kept() < 7 * 100); // Of 10,000 tiles: a few rows at most.
+		CHECK(seams.most_kept() < 7 * 100); // At most a few rows of the 10,000 tiles.
 	}
 }
 

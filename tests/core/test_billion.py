@@ -1,5 +1,5 @@
-"""The program bench/billion with a thousandth of its points. The program generates the same set for any order of tiles, within its memory limit, and
-prints all documented values. tests/core/test_billion.cpp tests its checks."""
+"""Tests the program bench/billion with a thousandth of its points. The program must generate the same set for any order of tiles, stay within its
+memory limit, and print all documented values. tests/core/test_billion.cpp tests the checks of the program."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ def test_a_million_points_keep_every_promise(first):
     assert first["radius_squared"] == 2 * 4**14 <= first["least_squared"]
     assert [first[key] for key in ("too_close", "misplaced", "doubled", "uncovered", "changed")] == [0] * 5
     assert first["tiles_missing"] == first["tiles_repeated"] == 0
-    # A disk with twice the radius contains about 3.5 times as many pairs as points.
+    # There are about 3.5 times as many pairs within twice the radius as points.
     assert first["pairs"] > 3 * first["points"]
     assert first["gap_tiles"] >= 4
     assert first["coverage"] == pytest.approx(first["points"] / first["side_cells"] ** 2 * 1.5707963267948966)
-    # The standard deviation of counts in a jammed set is about a quarter of that of independent points.
+    # In a jammed set, the standard deviation of counts is about a quarter of that of independent points.
     assert 0.15 < first["coverage_error"] / first["coverage"] * first["points"] ** 0.5 < 0.4
     assert abs(first["coverage_z"]) <= 4.0
     assert re.fullmatch("[0-9a-f]{32}", first["digest"])
@@ -74,13 +74,14 @@ def test_a_different_seed_gives_a_different_set(core_tool):
 def test_memory_does_not_grow_with_the_points(core_tool, first):
     assert first["resident_bytes"] < RESIDENT_LIMIT == first["resident_limit"]
     small = billion(core_tool, "points=2e5", "gaps=16", "order=rows", "threads=1")
-    # Only the points along a row of tiles add to the memory, with 8 bytes each. All points would add 6.4 MB. The resident part of
-    # the program itself varies by less than 1 MB.
+    # Only the points along a row of tiles are kept, with 8 bytes each. Keeping all points would add 6.4 MB. The
+    # resident size of the program itself varies by less than 1 MB.
     assert first["resident_bytes"] - small["resident_bytes"] < 2_000_000
 
 
 def test_too_much_memory_is_a_broken_promise(core_tool):
-    """With many threads and large tiles, the program reports the broken limit and the memory that it used."""
+    """Checks that, with many threads and large tiles, the program reports that it has exceeded the memory limit, and
+    the memory that it used."""
     spent = billion(core_tool, "points=3e6", "tile=512", "threads=36", "verify=no", expected=1)
     assert spent["broken"] == ["memory"]
     assert spent["resident_bytes"] >= RESIDENT_LIMIT
@@ -95,7 +96,8 @@ def test_without_verification_nothing_is_claimed(core_tool):
 
 
 def test_the_source_names_every_key():
-    """The page of results uses the keys that the head of the file documents."""
+    """Checks that the comment at the head of billion.cpp documents every key, because the page of results uses these
+    keys."""
     head = (REPO / "tests/bench/billion.cpp").read_text(encoding="utf-8").split("#include")[0]
     documented = set(re.findall(r"\w+", head))
     assert KEYS <= documented, KEYS - documented

@@ -1,5 +1,5 @@
-"""Tests the C library. A program in C11 prints points, and all promises of extension/core/c_api/thicket.h hold for its shared library when called
-from a different language."""
+"""Tests the C library with a C11 program that prints points, and checks the guarantees of extension/core/c_api/thicket.h by calling the shared
+library from Python."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def code(name: str) -> int:
 
 
 class Sampler:
-    """A sampler of the library. Its calls return the error code."""
+    """A sampler of the library. `sample` and `fill` return the error code."""
 
     def __init__(self, library: ctypes.CDLL):
         self.library = library
@@ -275,7 +275,8 @@ LONG = {"sample": lambda sampler, watch: sampler.sample((0.0, 0.0, 3000.0, 3000.
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_a_call_can_be_watched_and_canceled(sampler, work: Callable):
-    """A call can be canceled by the result of its progress function, and from a different thread. A nested call is refused."""
+    """Checks that a call can be canceled by the result of its progress function and from a different thread, and that a
+    nested call is refused."""
     seen: list[tuple[float, int]] = []
     inside: list = []
 
@@ -311,7 +312,8 @@ def test_progress_ends_at_one(sampler):
 
 
 def test_samplers_on_threads_agree(library):
-    """Each thread has its own sampler. ctypes releases the interpreter's lock during a call."""
+    """Checks that samplers on several threads produce the same points. ctypes releases the global interpreter lock
+    during a call."""
     digests: list = []
 
     def work():

@@ -1,5 +1,5 @@
-// How finely tiles are divided for drawing: finer near the camera, only where that changes the picture, and with
-// hysteresis.
+// Tests how finely tiles are divided for drawing: more finely near the camera, only where the
+// division changes the image, and with hysteresis.
 
 #include "core/drawing/cell_choice.hpp"
 

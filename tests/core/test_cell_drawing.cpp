@@ -29,7 +29,7 @@ bool same(const CellDrawing &a, const CellDrawing &b) {
 	return a.span == b.span && a.lod == b.lod && a.scale == b.scale && a.thinned == b.thinned;
 }
 
-/// `count` ranks that are evenly distributed.
+/// Returns `count` ranks that are evenly distributed.
 std::vector<std::uint32_t> even_ranks(std::size_t count) {
 	std::vector<std::uint32_t> ranks;
 	for (std::size_t i = 0; i < count; ++i) {
@@ -53,7 +53,7 @@ TEST_CASE("cell drawing: distance determines LOD, thinning and scale") {
 	CHECK(cell.lod == 2);
 	CHECK(cell.span == LodSpan{2, 2, false});
 	CHECK(cell.thinned == 0.25);
-	CHECK(cell.scale == 2.0F); // A quarter of the instances, twice as wide.
+	CHECK(cell.scale == 2.0F); // A quarter of the instances is drawn, each twice as wide.
 	adapt(settings, {}, {59.0, 79.0}, cell);
 	CHECK_MESSAGE(cell.lod == 2, "the coarser LOD stays until 5 % before the distance at which it began");
 	adapt(settings, {}, {56.0, 76.0}, cell);
@@ -66,9 +66,10 @@ TEST_CASE("cell drawing: LODs that fade are drawn together while the cell is in 
 	CHECK(cell.span == LodSpan{0, 0, false});
 	adapt(grass(), soft, {16.0, 22.0}, cell);
 	CHECK(cell.span == LodSpan{0, 1, false});
-	CHECK(cell.lod == 0); // This one is drawn alone until the other has a visual.
+	CHECK(cell.lod == 0); // LOD 0 is drawn alone until LOD 1 has a visual.
 	adapt(grass(), soft, {20.6, 26.6}, cell);
-	CHECK(cell.span == LodSpan{0, 1, false}); // The visual stays a little longer than a new one would come.
+	// With hysteresis, the visual is kept slightly beyond the distance at which a new one is added.
+	CHECK(cell.span == LodSpan{0, 1, false});
 	CellDrawing other;
 	other.span = {1, 1, false};
 	adapt(grass(), soft, {20.6, 26.6}, other);
@@ -107,9 +108,9 @@ TEST_CASE("cell drawing: a further LOD draws its own share, but nothing that the
 	cell.drawn = 768;
 	CHECK(drawn_by_other(ranks, 1.0, 1.0, cell) == 768);
 	CHECK(drawn_by_other(ranks, 1.0, 0.5, cell) == 384);
-	cell.drawn = 384; // All that the first LOD draws by its own settings.
+	cell.drawn = 384; // The first LOD draws all instances that its settings permit.
 	CHECK(drawn_by_other(ranks, 0.5, 1.0, cell) == 768);
-	cell.drawn = 383; // The limit has removed one.
+	cell.drawn = 383; // The draw limit has removed one instance.
 	CHECK(drawn_by_other(ranks, 0.5, 1.0, cell) == 383);
 	CHECK(drawn_by_other(ranks, 0.5, 0.25, cell) == 192);
 	CHECK(drawn_by_other({}, 1.0, 1.0, cell) == 0);

@@ -27,7 +27,7 @@ TEST_CASE("cell visits: a cell is drawn once viewers have moved as far as it all
 	CHECK(drawn.empty());
 	CHECK(visit(101.0, false) == 1.0);
 	CHECK(drawn == std::vector<std::size_t>{1});
-	CHECK(visit(104.0, false) == 1.0); // Late: cells 1 and 2 are overdue, and cell 0 is due at 105.
+	CHECK(visit(104.0, false) == 1.0); // The visit is late: cells 1 and 2 are overdue. Cell 0 is due at 105.
 	CHECK(drawn == std::vector<std::size_t>{1, 2});
 	CHECK(visit(104.0, true) == 1.0);
 	CHECK(drawn.size() == 3);
@@ -66,9 +66,9 @@ TEST_CASE("cell visits: no cell is ever later than its margin if each tile is vi
 TEST_CASE("cell visits: a tile is visited when its first cell or its division is due, but not endlessly") {
 	CHECK(visit_margin(10.0, 0.0, 30.0) == 10.0);
 	CHECK(visit_margin(10.0, 0.0, 4.0) == 4.0);
-	CHECK(visit_margin(0.0, 0.0, 30.0) > 0.0); // At the distance of a change.
+	CHECK(visit_margin(0.0, 0.0, 30.0) > 0.0); // The distance is exactly where a change occurs.
 	CHECK(visit_margin(0.0, 0.0, 30.0) <= 0.01);
-	CHECK(visit_margin(0.5, 32.0, 30.0) == 4.0); // An eighth of a cell.
+	CHECK(visit_margin(0.5, 32.0, 30.0) == 4.0); // The margin is at least an eighth of a cell.
 	CHECK(visit_margin(5.0, 32.0, 30.0) == 5.0);
 	CHECK(visit_margin(0.5, 32.0, 2.0) == 2.0);
 	constexpr double never = std::numeric_limits<double>::infinity();

@@ -9,7 +9,7 @@ RUNNER = BUILD_DIR / "core_tests"
 
 
 def cases() -> list[str]:
-    """The names of all cases in the runner; empty if it is not built, which test_runner_is_built reports."""
+    """Returns the names of all test cases in the runner. The list is empty if the runner is not built, which test_runner_is_built reports."""
     if not RUNNER.is_file():
         return []
     listed = subprocess.run([RUNNER, "--list-test-cases"], capture_output=True, text=True, timeout=60, check=True)
@@ -17,8 +17,8 @@ def cases() -> list[str]:
 
 
 def only(case: str) -> str:
-    """The filter that selects a case. A comma would end it and a star would widen it, so both are replaced by "?", which matches
-    any letter."""
+    """Returns the doctest option that selects a case. A comma would end the pattern, and a star would match more cases. Both are therefore
+    replaced by "?", which matches any character."""
     return "--test-case=" + case.replace(",", "?").replace("*", "?").replace("\\", "?")
 
 

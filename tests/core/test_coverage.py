@@ -1,5 +1,6 @@
-"""Every line of the extension is run by some test, except the lines in uncovered_core.txt and uncovered_nodes.txt. A line that only makes the code
-faster changes no result, so only this test shows whether it is ever reached. A build with coverage=yes counts the lines."""
+"""Tests that every line of the extension is executed by at least one test, except the lines in uncovered_core.txt and
+uncovered_nodes.txt. A line that only makes the code faster changes no result, so only this test shows whether it is
+ever reached. A build with coverage=yes counts the executions."""
 
 from __future__ import annotations
 
@@ -14,20 +15,21 @@ from conftest import BUILD_DIR, LONG_CASES, REPO, build, check_engine_tests, run
 
 OPTIONS = ("coverage=yes", "CXX=clang++", "scu_build=yes", "werror=no", "compiledb=no")
 FOLDER = Path("build", BUILD_DIR.name + ".clang++.coverage.scu")
-# Lines that hold nothing but brackets or a keyword run with the lines next to them.
+# Lines with only brackets or one of these keywords are executed together with adjacent lines.
 NO_WORDS = re.compile(r"[^A-Za-z]*(else|default:|do|try)?[^A-Za-z]*")
 
-# Only the set-up of --full installs what clang needs to count lines.
+# Only the set-up for --full installs the libraries that clang needs for coverage.
 pytestmark = [pytest.mark.full, pytest.mark.skipif(shutil.which("clang++") is None, reason="no clang++")]
 
 
 def llvm(name: str) -> str:
-    """The path of an LLVM tool of the compiler's version."""
+    """Returns the path of the LLVM tool that belongs to the compiler's version."""
     return run(["clang++", f"-print-prog-name={name}"], timeout=60).stdout.strip()
 
 
 def never_run(program: Path, profiles: Path, folder: str) -> dict[str, Counter[str]]:
-    """The lines of the sources below `folder` that no process ran, by file, each with its number."""
+    """Returns the lines of the sources in `folder` that no process executed: for each file, the texts of the lines and the number of times that
+    each text occurs."""
     merged = profiles / "merged.profdata"
     done = run([llvm("llvm-profdata"), "merge", "--sparse", "-o", merged, *profiles.glob("*.profraw")], timeout=600)
     assert done.returncode == 0, done.stderr
@@ -42,7 +44,8 @@ def never_run(program: Path, profiles: Path, folder: str) -> dict[str, Counter[s
             source = (REPO / path).read_text(encoding="utf-8").splitlines() if path.startswith(folder + "/") else []
         elif kind == "DA" and source:
             line, count = map(int, value.split(",")[:2])
-            # The end of a function may be a line after the file's last one. A comment may be reworded.
+            # The end of a function may be reported one line after the end of the file. Comments are ignored, because
+            # they may be reworded.
             text = source[line - 1].split("//")[0].strip() if line <= len(source) else ""
             if count == 0 and not text.startswith("#") and not NO_WORDS.fullmatch(text):
                 found.setdefault(path, Counter())[text] += 1
@@ -50,7 +53,7 @@ def never_run(program: Path, profiles: Path, folder: str) -> dict[str, Counter[s
 
 
 def listed_lines(text: str) -> dict[str, Counter[str]]:
-    """Lines from a list: each file, then its lines with an indent. Reads what `listing` writes."""
+    """Parses a list that `listing` has written: the path of each file, followed by its indented lines."""
     found: dict[str, Counter[str]] = {}
     for row in text.splitlines():
         if not row.startswith(("#", "\t")):
@@ -65,7 +68,8 @@ def listing(lines: dict[str, Counter[str]]) -> str:
 
 
 def check_covered(program: Path, profiles: Path, folder: str, name: str):
-    """Fails if nothing ran a line that is not in a list of this folder. Writes the new list into the build folder."""
+    """Fails if a line was not executed that is missing from the list `name`. Writes an updated list into the build
+    folder."""
     file = REPO / "tests/core" / name
     listed = file.read_text(encoding="utf-8")
     found, expected = never_run(program, profiles, folder), listed_lines(listed)
@@ -78,7 +82,8 @@ def check_covered(program: Path, profiles: Path, folder: str, name: str):
 
 
 def environment(profiles: Path) -> dict[str, str]:
-    """Lets each process add its counts to a common file. In a container, different processes have the same ID."""
+    """Returns environment variables with which processes add their counts to shared files. File names with process IDs would collide, because
+    processes in different containers may have the same ID."""
     return {"LLVM_PROFILE_FILE": str(profiles / "%4m.profraw")}
 
 
@@ -102,7 +107,7 @@ def test_lines_that_nothing_runs_are_found(tmp_path):
 
 
 def test_cases_run_every_line_of_the_core(tmp_path):
-    """The cases of tests/core that do not take long."""
+    """Checks the lines that the test cases of tests/core execute, except the slow ones."""
     build(*OPTIONS, FOLDER / "core_tests", timeout=3600)
     done = run([REPO / FOLDER / "core_tests", "--no-intro", f"--test-case-exclude={LONG_CASES}"],
         timeout=900, env={**os.environ, **environment(tmp_path)})  # fmt: skip
@@ -111,7 +116,8 @@ def test_cases_run_every_line_of_the_core(tmp_path):
 
 
 def test_scripts_run_every_line_of_the_nodes(tmp_path):
-    """The scripts of tests/engine, except two that depend on speed and on the memory left, which counting changes."""
+    """Checks the lines that the scripts of tests/engine execute. Two scripts are left out because they depend on speed
+    or free memory, which counting affects."""
     build(*OPTIONS, "extension", timeout=3600)
     addon, profiles = tmp_path / "addon", tmp_path / "profiles"
     shutil.copytree(REPO / "demo_project/addons/thicket", addon, ignore=shutil.ignore_patterns("bin"))

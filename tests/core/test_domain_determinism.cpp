@@ -1,5 +1,5 @@
-// Promise 4 of DomainSampler: equal requests produce bit-identical points, regardless of the sampler's earlier work,
-// the cell size, the accumulator, and `fill`.
+// Tests guarantee 4 of DomainSampler: equal requests produce bit-identical points, regardless of
+// earlier requests, the cell size, the accumulator, and the use of `fill`.
 
 #include "domain_cases.hpp"
 
@@ -38,7 +38,7 @@ Points<Real> filled(const DomainRequest &request) {
 	return points;
 }
 
-/// CHECK on the vectors themselves would print all points.
+/// Compares two sets. CHECK on the vectors themselves would print all points.
 template <typename Real>
 void check_same(const Points<Real> &found, const Points<Real> &expected) {
 	CHECK(found.size() == expected.size());
@@ -61,7 +61,7 @@ TEST_CASE_TEMPLATE("domain: equal requests produce equal points, whatever came b
 			const Points<Real> expected = sampled<Real>(request);
 			REQUIRE(used.sample(request, points).ok());
 			check_same<Real>(points, expected);
-			// Sample a different request, then the same again.
+			// Sample a different request, then the first one again.
 			DomainRequest other =
 					request_of(shapes[random() % shapes.size()], methods[random() % methods.size()].method, random());
 			other.darts_each = 10.0;
@@ -88,13 +88,15 @@ TEST_CASE_TEMPLATE("domain: sets of different seeds share no points", Real, floa
 				seen.emplace(point.x, point.y);
 			}
 		}
-		// Single precision has about 2^46 positions, so 1,700 points coincide by chance once in ten million runs.
+		// Single precision has about 2^46 positions, so two of 1,700 points coincide by chance only
+		// once in ten million runs.
 		CHECK(seen.size() == count);
 	}
 }
 
 TEST_CASE_TEMPLATE("domain: single and double precision produce different sets of equal density", Real, float, double) {
-	// Guards against a fallback to single precision: coordinates of a double sampler do not fit into floats.
+	// Guards against an accidental use of single precision: floats cannot represent the coordinates
+	// of a double sampler.
 	const Points<Real> points = sampled<Real>(request_of({"", {40.0, 40.0}, 1.0, true}, DomainMethod::hierarchical, 5));
 	const auto fits = [](const auto &point) {
 		return static_cast<double>(static_cast<float>(point.x)) == static_cast<double>(point.x);
@@ -114,7 +116,7 @@ TEST_CASE_TEMPLATE("domain: the standard and the accumulator variant produce the
 }
 
 TEST_CASE("domain: an accumulator cell that overflows changes no point") {
-	// It happens about once in a million points, so these seeds were searched for.
+	// An overflow occurs about once in a million points. These seeds, found by a search, cause one.
 	for (const std::uint64_t seed : {26, 105, 730}) {
 		CAPTURE(seed);
 		const Shape shape{"", {60.0, 60.0}, 1.0, true};
@@ -131,7 +133,8 @@ TEST_CASE_TEMPLATE("domain: the width of accelerator cells changes no point", Re
 			DomainRequest request = request_of(shape, method.method, 6);
 			request.darts_each = 2.0;
 			const Points<Real> expected = sampled<Real>(request);
-			// One cell of the largest size holds any of these domains, and takes long to build.
+			// A cell of the largest size contains the whole domain. Such a cell is slow, so only
+			// one shape uses it.
 			for (const double cell_size : {1e-9, 1.3, 6.0, &shape == &shapes[6] ? max_cell_size : 19.0}) {
 				CAPTURE(cell_size);
 				request.cell_size = cell_size;
@@ -167,7 +170,7 @@ TEST_CASE_TEMPLATE("domain: visit can be called again, and before any fill it re
 	check_same<Real>(visited(sampler), first);
 	DomainSampler<Real> moved = std::move(sampler);
 	check_same<Real>(visited(moved), first);
-	// Of two fills, the last one counts.
+	// A second fill replaces the first.
 	const DomainRequest other = request_of({"", {5.0, 45.0}, 1.0, false}, DomainMethod::accumulator, 9);
 	REQUIRE(moved.fill(other).ok());
 	check_same<Real>(sorted<Real>(visited(moved)), sorted<Real>(sampled<Real>(other)));
@@ -185,7 +188,7 @@ TEST_CASE_TEMPLATE("domain: darts_each of naive dart throwing adds points and mo
 		CHECK(begins_alike);
 		before = points;
 	}
-	// Other methods ignore it.
+	// Other methods ignore darts_each.
 	request.method = DomainMethod::hierarchical;
 	const Points<Real> points = sampled<Real>(request);
 	request.darts_each = 1.0;

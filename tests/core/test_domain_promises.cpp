@@ -1,5 +1,6 @@
-// Checks promises 1 to 3 of DomainSampler on all kinds of domains: distances are exact, also across the seams of a
-// torus; no room for a further point is left, down to the precision; and all points lie within the domain.
+// Tests guarantees 1 to 3 of DomainSampler on all kinds of domains. No pair is closer than the
+// radius, also across the seams of a torus. The sets are maximal up to the floating-point
+// precision. All points lie within the domain.
 
 #include "domain_cases.hpp"
 
@@ -20,7 +21,8 @@ TEST_CASE_TEMPLATE("domain: distance, coverage and bounds on domains of all shap
 }
 
 TEST_CASE_TEMPLATE("domain: all counts of base squares and groups along each axis", Real, float, double) {
-	// Sizes just around each whole number of base squares, up to three and a half groups, and the smallest tori.
+	// Sizes just below and above each whole number of base squares, up to three and a half groups,
+	// and the smallest tori.
 	std::vector<double> bounded;
 	for (int squares = 0; squares <= 10; ++squares) {
 		for (const double more : {-0.01, 0.01, 0.5}) {
@@ -79,8 +81,9 @@ TEST_CASE("domain: the largest width in single precision") {
 }
 
 TEST_CASE("domain: the distance is exact where it rounds to the radius in single precision") {
-	// At this width, coordinates are multiples of 2^-7 meters, and 36 steps between them have a length of exactly 65 /
-	// 64. The radius is slightly larger, by less than single precision can represent in its square.
+	// At this width, coordinates are multiples of 2^-7 meters, and 36 offsets between them have a
+	// length of exactly 65 / 64. The radius is larger by so little that its square is the same in
+	// single precision.
 	constexpr double radius = 65.0 / 64.0 * (1.0 + 1e-9);
 	for (const Method &method : methods) {
 		CAPTURE(method.name);
@@ -94,8 +97,9 @@ TEST_CASE("domain: the distance is exact where it rounds to the radius in single
 }
 
 TEST_CASE_TEMPLATE("domain: points are dense up to a border, and a torus has no border", Real, float, double) {
-	// An error at a border changes the number of points beside it first. On a torus, a seam has as many points beside
-	// it as any other line. A border of a bounded domain has more, because no points beyond it take up room.
+	// An error at a border would first change the number of points beside it. On a torus, a seam
+	// has as many points beside it as any other line. The border of a bounded domain has more,
+	// because no points lie beyond it.
 	constexpr double side = 120.0;
 	constexpr double strip = 0.5;
 	for (const Method &method : methods) {
@@ -119,8 +123,8 @@ TEST_CASE_TEMPLATE("domain: points are dense up to a border, and a torus has no 
 			for (const double count : beside) {
 				CAPTURE(count);
 				CAPTURE(expected);
-				// About 170 points are expected, with a standard deviation below 10. A border increases that by four
-				// fifths.
+				// About 170 points are expected, with a standard deviation below 10. A border
+				// increases the number by 80 %.
 				CHECK(std::abs(count / expected - (torus ? 1.0 : 1.8)) < 0.3);
 			}
 		}

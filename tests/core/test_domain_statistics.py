@@ -1,9 +1,10 @@
-"""Statistics of the single-domain samplers, compared with naive dart throwing to its end, by code that shares nothing with
-them.
+"""Tests the statistics of the single-domain samplers against maximal sets by naive dart throwing. The reference shares
+no code with the samplers.
 
-Hierarchical dart throwing has the distribution of naive dart throwing, point by point. So the first part of a set, in the order of
-acceptance, also matches naive darts. Wavefront sampling fills the domain from a corner, so its order is different. Its full sets
-match as far as these tests can detect, and section 4.4 of the paper claims no more. All seeds are fixed."""
+Hierarchical dart throwing has the same distribution as naive dart throwing, point by point. So the first part of a set,
+in the order of acceptance, must match naive darts as well. Wavefront sampling fills the domain from a corner, so its
+order differs. These tests detect no difference in its complete sets, which is all that section 4.4 of the paper claims.
+All seeds are fixed."""
 
 from __future__ import annotations
 
@@ -14,20 +15,20 @@ import pytest
 from analysis.measured import ALPHA, DIRECTIONS, FEATURES, JAMMED_COVERAGE, WRONG, Measured
 from analysis.significance import mean_differs_from, means_differ, z_of_mean
 
-WINDOW = 36.0  # Radii.
+WINDOW = 36.0  # Width of the windows in radii.
 BORDER = 6.0
 SIDE = WINDOW + 2.0 * BORDER
-SETS = 128  # Independent seeds of each kind.
+SETS = 128  # The number of independent seeds of each kind.
 
-# The accumulator produces the points of the standard variant: tests/core/test_domain_determinism.cpp.
+# The accumulator variant is not measured, because it produces the same points (tests/core/test_domain_determinism.cpp).
 EQUIVALENT = [("hierarchical", "single"), ("hierarchical", "double")]
 KINDS = [*EQUIVALENT, ("wavefront", "double")]
-# Both precisions use the same random numbers, so the same seeds would give them the same deviations.
+# Both precisions use the same random numbers, so equal seeds would give both the same deviations.
 FIRST_SEED = {"single": 1001, "double": 2001}
 
 
 def domains_of(thicket: ModuleType, method: str, size, first_seed: int, seeds: int, *, toroidal=True, **options) -> list[np.ndarray]:
-    """Whole domains of size = (width, height) with radius 1, one for each seed, converted to double precision. The options are those of
+    """Returns whole domains of size = (width, height) with radius 1, one for each seed, converted to double precision. `options` are passed to
     thicket.sample_domain."""
     return [
         thicket.sample_domain(size, 1.0, seed, method=method, toroidal=toroidal, **options).astype(np.float64)
@@ -36,7 +37,8 @@ def domains_of(thicket: ModuleType, method: str, size, first_seed: int, seeds: i
 
 
 def measured(sets: list[np.ndarray], part: float = 1.0) -> Measured:
-    """The first part of the points of each torus, shifted so that both seams pass through the middle of the window."""
+    """Measures the first `part` of the points of each torus, shifted so that both seams pass through the middle of the
+    window."""
     windows = []
     for points in sets:
         windows.append(np.mod(points[: round(part * len(points))] + 0.5 * SIDE, SIDE) - BORDER)
@@ -67,7 +69,7 @@ def domains(domain_sets) -> dict[tuple[str, str], Measured]:
 @pytest.mark.parametrize("kind", KINDS, ids="-".join)
 def test_sets_agree_with_naive_darts(darts, domains, kind, feature):
     p = means_differ(darts.rows(feature), domains[kind].rows(feature))
-    # One promise is tested twelve times.
+    # The test of this guarantee runs twelve times, so each test gets a twelfth of ALPHA.
     assert p > ALPHA / 12, f"{feature} differ: p = {p:.2g}"
 
 
@@ -80,15 +82,15 @@ def test_near_pairs_have_no_direction(domains, kind):
 @pytest.mark.parametrize("part", [0.3, 0.9])
 @pytest.mark.parametrize("kind", EQUIVALENT, ids="-".join)
 def test_parts_of_sets_agree_with_naive_darts(dart_sets, domain_sets, kind, part):
-    """At any time, darts must have equal probability everywhere in the open domain. They must not prefer small squares or the order of
-    rows."""
+    """Checks that the order of acceptance is that of naive darts. At any time, darts must be equally likely everywhere
+    in the uncovered area, and must not prefer small squares or certain rows."""
     p = means_differ(measured(dart_sets, part).pairs, measured(domain_sets[kind], part).pairs)
     assert p > ALPHA / 4, f"the first {part} of the points differ: p = {p:.2g}"
 
 
 @pytest.fixture(scope="module")
 def wrong_sets(thicket, references) -> dict[str, Measured]:
-    """Naive dart throwing that ends too early, and seams of colored tiles."""
+    """Returns sets of naive dart throwing that ends too early, and tiles colored by phase."""
     return {
         "early": measured(domains_of(thicket, "naive", (SIDE, SIDE), 3001, SETS, darts_each=40)),
         "colored": measured(references.colored(SIDE, 8, 1, SETS)),
@@ -103,7 +105,8 @@ def test_wrong_sets_are_detected(darts, wrong_sets, kind, feature):
 
 
 def test_a_different_order_is_detected(dart_sets, domain_sets):
-    """The wavefront fills a corner first. If the comparison of parts did not detect this order, it would prove nothing."""
+    """Checks that the comparison of parts detects the order of the wavefront, which fills a corner first. Otherwise,
+    the comparison would prove nothing."""
     wavefront = domain_sets["wavefront", "double"]
     assert means_differ(measured(dart_sets, 0.3).pairs, measured(wavefront, 0.3).pairs) < WRONG
 
@@ -114,7 +117,7 @@ def coverage(sets: list[np.ndarray], side: float) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", [*EQUIVALENT, ("wavefront", "single")], ids="-".join)
 def test_coverage_is_that_of_the_jammed_state(thicket, kind):
-    """Counts two million points on tori."""
+    """Checks the coverage of two million points on tori."""
     side, seeds = 300.0, 32
     sets = domains_of(thicket, kind[0], (side, side), FIRST_SEED[kind[1]], seeds, precision=kind[1])
     assert sum(map(len, sets)) >= 2_000_000
@@ -126,8 +129,8 @@ def test_coverage_is_that_of_the_jammed_state(thicket, kind):
 
 
 def test_naive_darts_approach_the_jammed_state_at_the_known_rate(thicket):
-    """The missing coverage decreases with the square root of the number of darts (Feder 1980, Swendsen 1981), so four times the darts
-    halve it."""
+    """Checks that four times as many darts halve the missing coverage. It is inversely proportional to the square root
+    of the number of darts (Feder 1980, Swendsen 1981)."""
     side, seeds = 48.0, 16
     missing = []
     for darts_each in [25, 100, 400]:
@@ -141,7 +144,8 @@ def test_naive_darts_approach_the_jammed_state_at_the_known_rate(thicket):
 @pytest.mark.parametrize("method", ["naive", "hierarchical", "wavefront"])
 @pytest.mark.parametrize("torus", [True, False], ids=["torus", "bounded"])
 def test_all_four_sides_have_equal_densities(thicket, method, torus):
-    """Counts points near each side of a rectangular domain by their distance from it, per square radius."""
+    """Checks that the densities near the four sides of a rectangular domain, as functions of the distance from the
+    side, are equal."""
     size, seeds = np.array([70.0, 41.0]), 96
     edges = np.linspace(0.0, 3.0, 9)
     rows, density = [], []
@@ -150,7 +154,7 @@ def test_all_four_sides_have_equal_densities(thicket, method, torus):
         density.append(len(points) / size.prod())
         for axis, other in ((0, 1), (1, 0)):
             place = points[:, axis]
-            # Without the corners, where two sides meet.
+            # The corners, where two sides meet, are excluded.
             away = np.abs(points[:, other] - 0.5 * size[other]) < 0.5 * size[other] - edges[-1]
             for distance in (place, size[axis] - place):
                 counts, _ = np.histogram(distance[away], bins=edges)
@@ -161,5 +165,6 @@ def test_all_four_sides_have_equal_densities(thicket, method, torus):
     p = mean_differs_from(differences.reshape(seeds, -1), 0.0)
     assert p > ALPHA / 6, f"sides differ: p = {p:.2g}"
     beside = z_of_mean(rows[:, :, 0].mean(axis=1) - density, 0.0)
-    # A bounded domain has no points beyond its border that would exclude others. Across a seam, there are some.
+    # Beyond the border of a bounded domain, no points exclude positions inside, so the density near the border is higher. A seam has points on both
+    # sides.
     assert abs(beside) < 4.0 if torus else beside > 20.0

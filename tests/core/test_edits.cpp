@@ -1,4 +1,4 @@
-// An edit changes nothing beyond its reach, and a layer thins toward its edge.
+// Tests that an edit changes nothing beyond its reach, and that a layer thins toward its edge.
 
 #include "core/placement/edge_probes.hpp"
 #include "core/placement/layer_edits.hpp"
@@ -48,7 +48,8 @@ std::map<std::uint64_t, Standing> standing_in(const LayerSettings &layer, const 
 	return result;
 }
 
-/// The rectangle around all instances that differ between two states. NAN for none.
+/// Returns the rectangle around all instances that differ between two states, or NAN if there are
+/// none.
 Rect changed_area(const std::map<std::uint64_t, Standing> &before, const std::map<std::uint64_t, Standing> &after) {
 	Rect area{glm::dvec2(nothing), glm::dvec2(nothing)};
 	const auto add_missing = [&area](const auto &from, const auto &other) {
@@ -76,7 +77,7 @@ Shape cylinder(glm::dvec2 at, double radius, bool exclude) {
 	return shape;
 }
 
-/// A layer with many kinds of rules that keeps away from a second layer.
+/// A layer with many kinds of rules that keeps a distance from a second layer.
 struct World {
 	std::shared_ptr<PaintedMask> mask = std::make_shared<PaintedMask>();
 	std::vector<Shape> shapes{cylinder({-20.0, 40.0}, 15.0, true), cylinder({30.0, 90.0}, 9.0, true)};
@@ -198,7 +199,7 @@ TEST_CASE("edge feather: a layer thins toward the edge of its ground, and nowher
 	LayerSettings layer;
 	layer.set = {.seed = 4, .radius = 0.5, .levels = 1, .layer = 0};
 	layer.rules.max_height = 10.0;
-	// Ground that rises to the right. The height limit is the line x = 10.
+	// Ground that rises along +x. The height limit is reached at x = 10.
 	class Ramp final : public Terrain {
 	public:
 		Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {

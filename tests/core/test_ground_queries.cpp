@@ -1,4 +1,5 @@
-// Ground queries of tiles: normals and textures are queried only where something uses them.
+// Tests the ground queries of tiles: normals and textures are queried only where something uses
+// them.
 
 #include "core/explain/density_probe.hpp"
 #include "counted_threads.hpp"
@@ -57,11 +58,12 @@ LayerSettings upright_layer() {
 	return layer;
 }
 
-/// Checks that a tile is the same on hills which return normals only on request as on hills that always do.
+/// Checks that hills which return normals only on request produce the same tile as hills that
+/// always return them.
 void check_same_transforms(const LayerSettings &layer, const CountingHills &ground) {
 	const TileInstances tile = built(layer, ground, tile_of_hills);
 	CHECK(size_of(tile) > 500);
-	// Zeros of different signs are equal.
+	// This comparison ignores the sign of zeros.
 	CHECK(transforms_of(tile) == transforms_of(built(layer, hills(), tile_of_hills)));
 }
 
@@ -108,7 +110,7 @@ TEST_CASE("ground: of the neighbor layers, only those with a slope rule query no
 	LayerSettings layer = upright_layer();
 	auto around = std::make_shared<LayerSettings>(upright_layer());
 	around->set.layer = 4;
-	around->placement.align_to_normal = 1.0; // Its orientation affects nothing.
+	around->placement.align_to_normal = 1.0; // Only the positions of this layer matter, not its orientation.
 	layer.neighbors = {{around, 1.0, nullptr}};
 	const CountingHills ground;
 	check_same_transforms(layer, ground);
@@ -134,12 +136,12 @@ TEST_CASE("ground: texture weights are queried only for layers with a texture ru
 	check_same_transforms(layer, ground);
 	CHECK(ground.weighed == 0);
 	layer.rules.ground_textures = {2};
-	check_same_transforms(layer, ground); // They have no textures, which permits all positions.
+	check_same_transforms(layer, ground); // These hills have no textures, so all positions are permitted.
 	CHECK(ground.weighed > 500);
 }
 
 TEST_CASE("ground: once a rule excludes a position, no further rule or source is evaluated") {
-	// The shape's depth would be rounded; the rules before it round nothing.
+	// Computing the shape's depth rounds; the rules before it do not.
 	LayerSettings layer;
 	layer.rules.min_height = 10.0;
 	Shape sphere;
@@ -159,7 +161,7 @@ TEST_CASE("ground: once a rule excludes a position, no further rule or source is
 	layer.instance_data.color.max = 6.0;
 	DensityProbe probe;
 	REQUIRE(probe.find(layer, std::vector<glm::dvec2>{{1.0, 2.0}}).ok());
-	CHECK(probe.positions().size() == 1); // No trees.
+	CHECK(probe.positions().size() == 1); // No positions of trees are queried.
 	const auto computes_shape = [&probe](float height) {
 		double density = 0.0;
 		REQUIRE(probe.look(std::vector<Ground>{{height}}).ok());

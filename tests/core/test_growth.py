@@ -1,5 +1,5 @@
-"""The cost of the core's states, masks, regions and meshes grows no faster than their input, for any input. tests/cost counts steps
-instead of seconds, so the load of the machine has no influence."""
+"""Tests that the cost of the core's states, masks, regions and meshes is not quadratic in the size of the input,
+whatever the kind of input. tests/cost counts steps instead of seconds, so the load of the machine has no influence."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from conftest import BUILD_DIR, REPO, build, run
 
 ROUNDS = 6
 FULL_ROUNDS = 300
-FULL_SEED = 1_000_003  # Different inputs from those of the short run.
+FULL_SEED = 1_000_003  # The inputs differ from those of the short run.
 
 
 @pytest.fixture(scope="session")
 def growth() -> Path:
-    """The program that compares the steps for inputs of two sizes."""
+    """Returns the path of the program that compares the steps for inputs of two sizes."""
     if not sys.platform.startswith("linux") or shutil.which("g++") is None:
         pytest.skip("only g++ on Linux can count steps")
     program = BUILD_DIR.with_name(BUILD_DIR.name + ".steps") / "cost" / "growth"

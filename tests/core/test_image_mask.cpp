@@ -15,7 +15,7 @@ namespace {
 
 using Pixels = std::vector<std::uint8_t>;
 
-/// 5 columns and 3 rows on 40 m by 12 m around the corner of four quadrants. Pixels are 8 m by 4 m.
+/// 5 columns and 3 rows on 40 m by 12 m, with the origin inside. Pixels are 8 m by 4 m.
 constexpr glm::ivec2 size{5, 3};
 const Rect area{{-24.0, -8.0}, {16.0, 4.0}};
 const Pixels pixels{0, 10, 20, 30, 255, 50, 60, 70, 80, 90, 200, 110, 120, 130, 140};
@@ -35,7 +35,8 @@ float density(const ImageMask &mask, glm::dvec2 position) {
 
 float byte(int value) { return static_cast<float>(value / 255.0); }
 
-/// The expected value at a position, from the clamped or wrapped indices and the weights of its four pixels.
+/// Returns the expected density at a position: the weighted mean of its four pixels, with clamped
+/// or wrapped indices.
 double expected_at(glm::dvec2 position, bool repeat) {
 	const double x = (position.x + 24.0) / 8.0 - 0.5;
 	const double y = (position.y + 8.0) / 4.0 - 0.5;
@@ -91,10 +92,11 @@ TEST_CASE("image mask: positions outside follow the edge mode, at all four borde
 	struct Place {
 		glm::dvec2 position;
 		bool inside;
-		int nearest; ///< Value of the image's nearest position.
+		int nearest; ///< Pixel value at the nearest position inside the image.
 	};
 	const double hair = 1e-9;
-	// The center line of a column or row on each side: on the border, before it and behind it.
+	// Positions on the center line of a column or row: on each border, inside it and outside it.
+	// The last two are outside at a corner.
 	const std::array places{Place{{-24.0, -2.0}, true, 50}, Place{{-24.0 - hair, -2.0}, false, 50},
 			Place{{-1000.0, -2.0}, false, 50}, Place{{16.0 - hair, -2.0}, true, 90}, Place{{16.0, -2.0}, false, 90},
 			Place{{1000.0, -2.0}, false, 90}, Place{{-4.0, -8.0}, true, 20}, Place{{-4.0, -8.0 - hair}, false, 20},
@@ -116,7 +118,7 @@ TEST_CASE("image mask: a repeated image is periodic, without a seam") {
 	const ImageMask mask = mask_of(size, pixels, area, MaskEdge::repeat);
 	std::mt19937 random(2);
 	for (int i = 0; i < 500; ++i) {
-		// Positions in eighths of a meter are exact in all copies.
+		// Multiples of 1/8 m are exact in all copies.
 		const glm::dvec2 place(
 				static_cast<int>(random() % 320) / 8.0 - 24.0, static_cast<int>(random() % 96) / 8.0 - 8.0);
 		const double copies_x = static_cast<int>(random() % 2001) - 1000;
@@ -161,11 +163,11 @@ TEST_CASE("image mask: positions that are not finite have no density") {
 			CHECK(density(mask, {far, far}) <= 1.0f);
 		}
 	}
-	// An image so small that the number of images to a position overflows.
+	// The image is so small that a position divided by its size overflows.
 	const ImageMask tiny = mask_of({1, 1}, {255}, {{0.0, 0.0}, {1e-300, 1e-300}}, MaskEdge::repeat);
 	CHECK(density(tiny, {1e10, 0.0}) == 0.0f);
 	CHECK(density(tiny, {5e-301, 0.0}) == 1.0f);
-	// As wide as numbers allow.
+	// An image nearly as wide as the range of double.
 	const ImageMask vast = mask_of({2, 1}, {0, 255}, {{-8e307, -8e307}, {8e307, 8e307}}, MaskEdge::clamp);
 	CHECK(density(vast, {0.0, 0.0}) == 0.5f);
 	CHECK(density(vast, {1.7e308, 0.0}) == 1.0f);

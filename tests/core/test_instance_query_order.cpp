@@ -1,4 +1,5 @@
-// Instances on a border, the tiles that a query reads, and its order of filter calls.
+// Tests instances on a border, the tiles that a query reads, and the order in which it calls its
+// filter.
 
 #include "core/query/instance_query.hpp"
 
@@ -24,7 +25,7 @@ TEST_CASE("queries: rectangles are half-open, so adjacent pieces return each ins
 	const auto whole = found_in(query, glade);
 	REQUIRE(whole.size() > 500);
 	for (std::size_t i = 0; i < whole.size(); i += 41) {
-		// Cut at an instance's position.
+		// Divide the rectangle at the position of an instance.
 		const glm::dvec2 cut(whole[i].position.x, whole[i].position.z);
 		std::vector<PlacedInstance> pieces;
 		for (const Rect &piece :
@@ -108,7 +109,8 @@ TEST_CASE("queries: the filter is called last, in order, and no more often than 
 	REQUIRE(nearest.size() == 1);
 	CHECK(same(nearest[0].instance, by_distance.back()));
 
-	// Instances that the filter itself removes are missing from the next query, and do not disturb this one.
+	// Instances that the filter itself removes are missing from the next query, but not from this
+	// one.
 	filter.accepts = [&](const PlacedInstance &each) {
 		return state.remove(each.id);
 	};
@@ -136,7 +138,7 @@ TEST_CASE("queries: at equal distances, the smaller layer and id win") {
 	CHECK(nearest[0].instance.id == smallest);
 	CHECK(nearest[0].distance == 5.0);
 	std::vector<RayHit> hit;
-	// Straight down the center of a tree and of a stone at the same position.
+	// The ray runs down the common axis of a tree and a stone.
 	REQUIRE(query.on_ray({-5.0, 901.0, 0.0}, {-5.0, 800.0, 0.0}, {}, hit).ok());
 	REQUIRE(hit.size() == 1);
 	CHECK(hit[0].instance.id == ids[2]);
@@ -163,7 +165,8 @@ TEST_CASE("queries: the tiles that a query lists are those that it reads, the ne
 				return distance_squared(tile_rect(layers[tile.layer].tile_size, tile.tile), glade.center());
 			};
 			if (i > 0 && tiles[i - 1].layer == tiles[i].layer) {
-				// Tiles are grown before they are sorted, so their order may differ by that much.
+				// The query sorts tiles by their enlarged rectangles, so the order may differ by up
+				// to 4 m.
 				CHECK(std::sqrt(far(tiles[i - 1])) <= std::sqrt(far(tiles[i])) + 4.0);
 			}
 		}

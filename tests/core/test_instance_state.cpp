@@ -1,4 +1,4 @@
-// A state's record of the world's changes: removed instances, their regrowth times, and data.
+// Tests how a state records removed instances, their regrowth times, and data.
 
 #include "state_fixture.hpp"
 
@@ -55,7 +55,7 @@ TEST_CASE("state: the set of removed ids equals a plain set") {
 	InstanceState state;
 	std::set<std::uint64_t> expected;
 	for (int round = 0; round < 60000; ++round) {
-		// Grows, then shrinks, then repeats.
+		// The set grows, shrinks, and grows again.
 		const bool grow = round / 20000 % 2 == 0 ? random() % 4 != 0 : random() % 4 == 0;
 		const std::uint64_t id = point_id(static_cast<std::uint16_t>(random() % 2), static_cast<int>(random() % 100),
 				static_cast<int>(random() % 100));
@@ -83,7 +83,7 @@ TEST_CASE("state: data belong to an instance, removed or not, and disappear with
 	Changes changes;
 	REQUIRE(InstanceState().load(bytes_of(state), changes).ok());
 	REQUIRE(changes.size() == 3);
-	for (const InstanceChange &change : changes) { // Hand-placed instances have their position in the change.
+	for (const InstanceChange &change : changes) { // The change of a hand-placed instance contains the instance.
 		CHECK(change.added == (change.id == placed ? *state.added(placed) : AddedInstance()));
 	}
 	const std::uint64_t revision = state.revision();
@@ -116,7 +116,7 @@ TEST_CASE("state: an instance removed for a time is restored when the time is ov
 		CHECK(advanced(state, nothing).empty());
 	}
 	CHECK(state.time() == 4.5);
-	// An instance that is removed a second time regrows later.
+	// Removing an instance again changes its regrowth time.
 	const std::uint64_t revision = state.revision();
 	CHECK_FALSE(state.remove(oak, 20.0));
 	CHECK(state.revision() > revision);
@@ -200,7 +200,7 @@ TEST_CASE("state: layers keep their point sets") {
 
 	InstanceState state;
 	REQUIRE(state.claim(1, 10).ok());
-	REQUIRE(state.claim(1, 20).ok()); // No ids are held yet.
+	REQUIRE(state.claim(1, 20).ok()); // The state contains no ids yet, so the stamp may change.
 	state.remove(point_id(1, 0, 0));
 	CHECK(state.claim(1, 20).ok());
 	const Status status = state.claim(1, 30);
@@ -220,13 +220,13 @@ TEST_CASE("state: layers keep their point sets") {
 	CHECK(state.merge(foreign, changes).code == ErrorCode::foreign);
 	CHECK(changes.empty());
 	CHECK(bytes_of(state) == before);
-	// Without a world, a state loads any other, but merges only states of the same sets.
+	// Without claims, a state loads any other state, but merges only states of the same point sets.
 	state.release_claims();
 	CHECK(state.merge(foreign, changes).code == ErrorCode::foreign);
 	CHECK(state.load(bytes_of(foreign), changes).ok());
 	CHECK(state.stamp(1) == 30);
 	CHECK(state.removed_ids() == foreign.removed_ids());
-	// Loading a state without claims leaves none.
+	// After loading a state without claims, the state has none.
 	InstanceState unknown;
 	unknown.remove(point_id(1, 0, 0));
 	CHECK(state.load(bytes_of(unknown), changes).ok());

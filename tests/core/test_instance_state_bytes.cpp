@@ -1,4 +1,5 @@
-// The stored form of a state: valid bytes load, all others are refused, and the size is small.
+// Tests the serialized form of a state: valid bytes load, all others are refused, and the size is
+// small.
 
 #include "core/state/id_codec.hpp"
 #include "core/state/id_table.hpp"
@@ -14,7 +15,7 @@ using namespace thicket;
 
 namespace {
 
-/// A small state with every kind of content.
+/// Returns a small state that contains every kind of change.
 InstanceState small_state() {
 	InstanceState state;
 	REQUIRE(state.claim(1, 0x1234567890abcdef).ok());
@@ -40,7 +41,8 @@ Status load_into_copy(const InstanceState &state, const StateBytes &bytes, State
 	return status;
 }
 
-/// Checks that the bytes are refused as corrupt or as another version, and that the state stays unchanged.
+/// Checks that the bytes are refused as corrupt or as a different version, and that the state does
+/// not change.
 void check_refused_bytes(const StateBytes &bytes) {
 	static const InstanceState before = small_state();
 	StateBytes after;
@@ -49,7 +51,8 @@ void check_refused_bytes(const StateBytes &bytes) {
 	REQUIRE(after == bytes_of(before));
 }
 
-/// Checks that the bytes are either loaded, and then written back identically, or refused without a change.
+/// Checks that the bytes either load, and are then saved identically, or are refused without
+/// changing the state.
 void check_any_bytes(const StateBytes &bytes) {
 	static const InstanceState before = small_state();
 	StateBytes after;
@@ -123,8 +126,8 @@ TEST_CASE("state bytes: the format is unchanged") {
 	const StateBytes expected{'T', 'S', 'T', 'A', 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Header.
 			1, 1, 1, 2, 3, 4, 5, 6, 7, 8,                                                // One layer.
 			2, 1, 0, 0, 0, 0,                                                            // The sizes of the lists.
-			0xee, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Two removed: 46, 4 ones, 1; nothing between.
-			0x40, 0, 0, 0, 0, 0, 0, 0, 0x40,           // The second of them until 2 seconds.
+			0xee, 11, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // Two removals: Rice parameter 46, gaps 2^48 + 1 and 0.
+			0x40, 0, 0, 0, 0, 0, 0, 0, 0x40,           // The second one regrows at 2 seconds.
 			0, 0, 0, 0, 0, 0, 0, 0};
 	CHECK(bytes_of(state) == sealed(expected));
 	CHECK(bytes_of(small_state()).size() < 260);
@@ -247,7 +250,7 @@ TEST_CASE("state bytes: contradictory content is refused") {
 	whole.with_data.erase(whole.with_data.begin() + 1);
 	whole.data.pop_back();
 	whole.data_at.pop_back();
-	CHECK_FALSE(taken(whole)); // Only states that a point is not removed.
+	CHECK_FALSE(taken(whole)); // The data would state only that the point is not removed.
 }
 
 TEST_CASE("state bytes: a million removals take less than 4 MB, wherever they are") {
@@ -255,7 +258,7 @@ TEST_CASE("state bytes: a million removals take less than 4 MB, wherever they ar
 	std::vector<std::uint64_t> ids(1000000);
 	std::ranges::generate(ids, [&random] { return any_point(random, 300); });
 	CHECK(bytes_of_removals(ids) < 3760000);
-	// The worst case: ids as far apart as possible, with slightly irregular gaps.
+	// The worst case: the gaps between ids are as large as possible and slightly irregular.
 	for (std::size_t at = 0; at < ids.size(); ++at) {
 		ids[at] = at * 281474976 + at % 20;
 	}
@@ -267,7 +270,7 @@ TEST_CASE("state bytes: a million removals take less than 4 MB, wherever they ar
 TEST_CASE("state bytes: removals close to each other take far less") {
 	StateRandom random(14);
 	std::vector<std::uint64_t> wood;
-	for (int i = 0; i < 200000; ++i) { // 200,000 of the 2 million cells of a forest.
+	for (int i = 0; i < 200000; ++i) { // 200,000 of the two million cells of a forest.
 		wood.push_back(point_id(1, static_cast<int>(random() % 1414) - 700, static_cast<int>(random() % 1414) + 90000));
 	}
 	const std::set<std::uint64_t> distinct(wood.begin(), wood.end());

@@ -1,4 +1,5 @@
-// The rectangles that an edit touches: of shapes, masks and paths, through neighbors and edges.
+// Tests the rectangles that an edit of shapes, masks and paths affects, also through neighbors and
+// edge feathers.
 
 #include "core/placement/layer_edits.hpp"
 #include "core/rules/shape_edits.hpp"
@@ -63,7 +64,7 @@ TEST_CASE("edits of shapes: a moved shape touches its old and its new area, in a
 	CHECK(find_shape_edits(before.get(), before.get(), areas));
 	CHECK(find_shape_edits(nullptr, nullptr, areas));
 	CHECK(areas.empty());
-	// Two equal shapes count as two.
+	// Two equal shapes count twice.
 	const auto twice = set_of({ball({0.0, 0.0}, 2.0), ball({0.0, 0.0}, 2.0)});
 	const auto once = set_of({ball({0.0, 0.0}, 2.0)});
 	CHECK(find_shape_edits(twice.get(), once.get(), areas));
@@ -113,7 +114,7 @@ TEST_CASE("edits of a mask: the pixels that differ, and the reach of their blend
 	CHECK(area.empty());
 	Rect changed;
 	const std::vector<std::uint8_t> dark(6, 7);
-	// Over the corner of four blocks.
+	// The pixels lie around a corner that four blocks share.
 	REQUIRE(after.write({{63, -1}, {66, 1}}, dark, changed).ok());
 	CHECK(before.differs(after, area));
 	CHECK(near(area, {{31.25, -0.75}, {33.25, 0.75}}, 1e-9));
@@ -121,7 +122,7 @@ TEST_CASE("edits of a mask: the pixels that differ, and the reach of their blend
 	Rect back;
 	CHECK(after.differs(before, back));
 	CHECK(near(area, back, 0.0));
-	// Painted back, nothing differs.
+	// After the pixels are painted back, nothing differs.
 	const std::vector<std::uint8_t> bright(6, 255);
 	REQUIRE(after.write({{63, -1}, {66, 1}}, bright, changed).ok());
 	CHECK_FALSE(before.differs(after, area));
@@ -154,7 +155,7 @@ TEST_CASE("edits of a layer: grown by its edge, and by the distances along chain
 	CHECK(near(own.areas[0], {{-7.0, -7.0}, {7.0, 7.0}}, 0.02));
 	const EditedArea through = search.find(*before, *after);
 	CHECK_FALSE(through.everywhere);
-	REQUIRE(through.areas.size() == 1); // The shorter path lies within the longer one.
+	REQUIRE(through.areas.size() == 1); // The area that the shorter chain affects lies within that of the longer one.
 	CHECK(near(through.areas[0], {{-14.0, -14.0}, {14.0, 14.0}}, 0.05));
 	CHECK(through.areas[0].min.x < -14.0);
 	CHECK(search.find(*before, *before).empty());
@@ -211,7 +212,7 @@ TEST_CASE("edits of a layer: results are cached, for the layer and for its neigh
 	before.neighbors = {{trees_before, 5.0, nullptr}};
 	LayerSettings after;
 	after.neighbors = {{trees_after, 5.0, nullptr}};
-	for (LayerSettings *layer : {&before, &after}) { // Their sources follow the trees, too.
+	for (LayerSettings *layer : {&before, &after}) { // The sources of the layers depend on the trees as well.
 		layer->instance_data.use_custom_data = true;
 		layer->instance_data.variation.kind = SourceKind::distance;
 		layer->instance_data.variation.layer = layer->neighbors[0].layer;
@@ -220,11 +221,11 @@ TEST_CASE("edits of a layer: results are cached, for the layer and for its neigh
 	LayerSettings others_before = before;
 	LayerSettings others_after = after;
 	EditSearch search;
-	// Growing an area rounds, so an answer without rounding comes from the cache.
+	// Expanding an area rounds, so a result without rounding comes from the cache.
 	CHECK(rounds([&] { REQUIRE(search.find(before, after).areas.size() == 1); }));
 	CHECK(near(search.find(before, after).areas[0], {glm::dvec2(-8.0), glm::dvec2(8.0)}, 0.1));
 	CHECK_FALSE(rounds([&] { REQUIRE(search.find(before, after).areas.size() == 1); }));
-	trees_after->rules.density = 0.5; // A new search would find that everything differs.
+	trees_after->rules.density = 0.5; // A search without this cache would report that everything differs.
 	CHECK_FALSE(search.find(others_before, others_after).everywhere);
 	CHECK(EditSearch().find(before, after).everywhere);
 }

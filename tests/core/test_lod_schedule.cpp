@@ -38,9 +38,9 @@ TEST_CASE("lod schedule: a tile is checked once viewers have moved as far as its
 	CHECK(schedule.settled());
 	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{3.0, 0.0}}}));
 	CHECK(due(schedule).empty());
-	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}})); // Back: 6 m in total.
+	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}}})); // The viewer returns, so it has moved 6 m in total.
 	CHECK(due(schedule) == std::vector{3});
-	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}, 1.0, 5.0}})); // Up.
+	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{0.0, 0.0}, 1.0, 5.0}})); // The viewer moves up.
 	CHECK(due(schedule) == std::vector{2});
 	CHECK_FALSE(schedule.move(std::vector<Viewer>{{{1e6, 0.0}}}));
 	CHECK(due(schedule).empty());
@@ -61,12 +61,12 @@ TEST_CASE("lod schedule: a tile has one pending visit, no matter how often it is
 	schedule.move(std::vector<Viewer>{{{4.0, 0.0}}});
 	CHECK(due(schedule) == std::vector{2});
 	schedule.move(std::vector<Viewer>{{{5.0, 0.0}}});
-	CHECK(due(schedule) == std::vector{1}); // The last margin counts: 5 m.
+	CHECK(due(schedule) == std::vector{1}); // Only the last margin counts, which is 5 m.
 	CHECK(schedule.size() == 0);
 	schedule.add(key_of(1), 0.0);
 	schedule.add(key_of(2), 0.0);
 	schedule.remove(key_of(1));
-	schedule.remove(key_of(3)); // Never scheduled.
+	schedule.remove(key_of(3)); // This tile was never scheduled.
 	schedule.add(key_of(2), std::numeric_limits<double>::infinity());
 	CHECK(schedule.size() == 0);
 	CHECK(schedule.settled());
@@ -83,9 +83,9 @@ TEST_CASE("lod schedule: distances count from the nearest viewer, in three dimen
 	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(5.0));
 	CHECK(near(glm::dvec3(99.0, 0.0, 99.0), glm::dvec3(101.0, 1.0, 101.0)) == 0.0);
 	sight = {5.0, 0.2};
-	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(4.0)); // The fade-out begins here.
+	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(4.0)); // The fade-out begins at this distance.
 	sight = {2.0, 0.2};
-	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(3.0)); // On the map.
+	CHECK(near(glm::dvec3(0.0), glm::dvec3(1.0)) == doctest::Approx(3.0)); // The distance is the horizontal distance.
 }
 
 TEST_CASE("lod schedule: tiles in range on the map are visible from any height, and scales apply per viewer") {

@@ -24,7 +24,8 @@ LodSettings settings_of(std::vector<double> distances, double fade, double sight
 	return settings;
 }
 
-/// The share of an instance that a mesh draws, as scatter_fade_shares computes it: faded in, minus faded out.
+/// Returns the fraction of an instance that a mesh draws: the faded-in fraction minus the faded-out
+/// fraction, computed as in scatter_fade_shares.
 double share_of(const FadeRange &range, double away) {
 	if (range.z == 0.0F) {
 		return 1.0;
@@ -35,7 +36,8 @@ double share_of(const FadeRange &range, double away) {
 	return part(range.x) - part(std::abs(range.y));
 }
 
-/// The sum over all meshes of an instance in a box with this span.
+/// Returns the sum of the fractions of share_of over all meshes that are drawn for a box with this
+/// span.
 double drawn_share(const LodSettings &settings, const std::vector<LodStep> &steps, const LodSpan &span, double away) {
 	double sum = 0.0;
 	for (std::size_t from = span.first; from <= span.last;) {

@@ -1,4 +1,5 @@
-// If any request for memory fails, a state, the overlay of a visible tile and a near set stay unchanged.
+// Tests that a state, the overlay of a visible tile, and a near set stay unchanged, whichever
+// allocation fails.
 
 #include "core/near/near_set.hpp"
 #include "core/near/tile_overlay.hpp"
@@ -17,7 +18,7 @@ using namespace thicket::test;
 
 namespace {
 
-/// A state, and the changes that it reports.
+/// A state and the changes that it has reported.
 struct Game {
 	InstanceState state;
 	std::vector<InstanceChange> changes;
@@ -26,10 +27,10 @@ struct Game {
 
 const StateBytes some_bytes(99, 7);
 
-/// Equal in everything that `save` writes, including the clock and stamps.
+/// Returns true if everything that `save` writes is equal, including the clock and the stamps.
 bool equal(const InstanceState &a, const InstanceState &b) { return bytes_of(a) == bytes_of(b); }
 
-/// Every state from the same arguments is the same, including its revision.
+/// Returns a state. The same arguments always produce the same state, including its revision.
 InstanceState some_state(std::uint64_t seed, int changes) {
 	InstanceState state;
 	StateRandom random(seed);
@@ -40,7 +41,8 @@ InstanceState some_state(std::uint64_t seed, int changes) {
 	return state;
 }
 
-/// Makes a change with too little memory. It must change and report nothing, and work the next time.
+/// Repeats a change while each of its allocations fails in turn. A failed call must change and
+/// report nothing, and the next call must succeed.
 template <typename Change>
 void fail_change(const std::string &refused, std::uint64_t seed, int disturbances, const Change &change) {
 	const InstanceState before = some_state(seed, disturbances);
@@ -67,7 +69,7 @@ void fail_change(const std::string &refused, std::uint64_t seed, int disturbance
 			});
 }
 
-/// Ids of points, some of which are removed.
+/// Returns the ids of points, some of which are removed in the states.
 std::vector<std::uint64_t> near_points() {
 	std::vector<std::uint64_t> ids;
 	for (int i = -6; i < 6; ++i) {

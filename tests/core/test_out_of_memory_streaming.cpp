@@ -1,4 +1,5 @@
-// If any request for memory fails, the streamer loses no tile, shows none twice and reaches the same end.
+// Tests that the streamer loses no tile, shows none twice, and reaches the same final state,
+// whichever allocation fails.
 
 #include "short_of_memory.hpp"
 #include "streaming_stage.hpp"
@@ -14,14 +15,14 @@ using namespace thicket::test;
 
 namespace {
 
-/// A caller that follows the protocol while memory runs out occasionally.
+/// A client that follows the streamer's protocol while some allocations fail.
 class LowMemoryStage {
 public:
 	TileStreamer streamer;
 	std::map<Name, TileRequest> pending;
 	std::map<Name, TileKey> shown;
 
-	/// Memory runs out after `allowed` requests.
+	/// Updates the streamer. Allocations fail after the first `allowed` ones.
 	Status update(const std::vector<Viewer> &viewers, std::size_t allowed) {
 		StreamChanges changes;
 		Status status;
@@ -37,7 +38,8 @@ public:
 			REQUIRE(shown.erase(name_of(key)) == 1);
 		}
 		for (const TileRequest &request : changes.request) {
-			pending.insert_or_assign(name_of(request.key), request); // Replaces one that was not reported as cancelled.
+			// Replaces a request whose cancellation was not reported.
+			pending.insert_or_assign(name_of(request.key), request);
 		}
 		REQUIRE((status.ok() || status.code == ErrorCode::out_of_memory));
 		return status;
@@ -88,7 +90,7 @@ std::vector<Name> names_of(const std::map<Name, TileKey> &shown) {
 	return names;
 }
 
-/// Promise 1 of the streamer.
+/// Checks guarantee 1 of the streamer: every tile within the view distance is shown.
 void check_all_in_view(const LowMemoryStage &stage, std::uint32_t layer, const std::vector<Viewer> &viewers) {
 	std::set<std::pair<int, int>> tiles;
 	for (const auto &[name, key] : stage.shown) {

@@ -44,7 +44,7 @@ TEST_CASE("painted mask: an unpainted mask is background everywhere") {
 TEST_CASE("painted mask: a pixel covers its square and has its value at the center, on both sides of the origin") {
 	constexpr double size = 0.75;
 	PaintedMask mask = mask_of(size, 0.0);
-	const PixelRect region{{-66, -3}, {3, 67}}; // Covers parts of nine blocks.
+	const PixelRect region{{-66, -3}, {3, 67}}; // The region covers parts of nine blocks.
 	const Pixels pixels = random_pixels(69 * 70, 1);
 	write(mask, region, pixels);
 	for (int y = region.min.y; y < region.max.y; ++y) {
@@ -80,7 +80,7 @@ TEST_CASE("painted mask: bilinear between centers, across the borders of blocks 
 		};
 		for (int i = 0; i < 2000; ++i) {
 			check(along(random), along(random));
-			// Between the last pixel of a block and the first of the next.
+			// Positions between the last pixel of a block and the first pixel of the next.
 			check(-1.0 + 0.01 * (i % 100), along(random));
 			check(along(random), 63.0 + 0.01 * (i % 100));
 			check(-65.0 + 0.01 * (i % 100), -65.0 + 0.01 * (i / 20));
@@ -152,7 +152,7 @@ TEST_CASE("painted mask: pixels that are read and written back restore the mask"
 		const Rect back = write(mask, region, old);
 		CHECK(mask == undone);
 		CHECK((back.min == changed.min && back.max == changed.max));
-		write(mask, region, fresh); // Redo.
+		write(mask, region, fresh); // Redo the change.
 		CHECK(mask == painted);
 	}
 	CHECK_FALSE(mask == before);
@@ -164,8 +164,8 @@ TEST_CASE("painted mask: writing returns the changed rectangle, and repeating it
 	Pixels pixels(7 * 4, 0);
 	CHECK(write(mask, region, pixels).empty());
 	CHECK(mask.block_count() == 0);
-	pixels[2 * 7 + 5] = 9; // Pixel (2, 7) has an effect from the center of (1, 6) to that of (3, 8).
-	pixels[1 * 7 + 4] = 9; // Pixel (1, 6).
+	pixels[2 * 7 + 5] = 9; // Pixel (2, 7) affects positions from the center of (1, 6) to the center of (3, 8).
+	pixels[1 * 7 + 4] = 9; // This index is the pixel (1, 6).
 	const Rect changed = write(mask, region, pixels);
 	CHECK(changed.min == glm::dvec2(1.0, 11.0));
 	CHECK(changed.max == glm::dvec2(7.0, 17.0));
@@ -187,7 +187,7 @@ TEST_CASE("painted mask: a pixel contributes to no density outside the changed r
 		REQUIRE(density(mask, {middle.x, changed.max.y}) == 0.0f);
 		REQUIRE(density(mask, {std::nextafter(changed.min.x, -1e9), middle.y}) == 0.0f);
 		REQUIRE(density(mask, {middle.x, std::nextafter(changed.min.y, -1e9)}) == 0.0f);
-		// The rectangle is as small as the pixel's reach.
+		// The rectangle is no larger than the area that the pixel affects.
 		REQUIRE(density(mask, {changed.max.x - 1e-6 * size, middle.y}) > 0.0f);
 		REQUIRE(density(mask, {changed.min.x + 1e-6 * size, middle.y}) > 0.0f);
 	}
@@ -229,7 +229,7 @@ TEST_CASE("painted mask: the pixels of an area are those that determine its dens
 		const glm::dvec2 corner(along(random), along(random));
 		const Rect area{corner, corner + glm::dvec2(0.01 + std::abs(along(random)) / 20.0, 0.5)};
 		const PixelRect region = mask.pixels_of(area);
-		// A mask with only these pixels has the same densities. A mask with all others has none of them.
+		// A mask with only these pixels has the same densities in the area.
 		PaintedMask alone = mask_of(0.6, 0.0);
 		write(alone, region, read(mask, region));
 		for (const glm::dvec2 place : {area.min, area.max, area.center(), glm::dvec2(area.min.x, area.max.y)}) {
@@ -308,7 +308,7 @@ TEST_CASE("painted mask: a copy shares all blocks until they are painted, even w
 	PaintedMask copy = mask;
 	CHECK(copy.blocks_apart(mask) == 0);
 	REQUIRE(copy.write({{10, 10}, {200, 200}}, std::span(pixels).first(190 * 190), changed).ok());
-	CHECK(copy.blocks_apart(mask) == 0); // The original block is shared again.
+	CHECK(copy.blocks_apart(mask) == 0); // The copy shares the original block again.
 	pixels.assign(1, 9);
 	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
 	REQUIRE(copy.write({{-5, 0}, {-4, 1}}, pixels, changed).ok());
@@ -317,5 +317,5 @@ TEST_CASE("painted mask: a copy shares all blocks until they are painted, even w
 	CHECK(copy.differs(mask, changed));
 	pixels.assign(1, 7);
 	REQUIRE(copy.write({{70, 70}, {71, 71}}, pixels, changed).ok());
-	CHECK(copy.blocks_apart(mask) == 2); // Equal pixels in separate memory.
+	CHECK(copy.blocks_apart(mask) == 2); // The pixels are equal, but in separate memory.
 }

@@ -18,7 +18,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Updates the checksum at the end of changed bytes.
+/// Replaces the checksum at the end of bytes that a test has changed.
 Bytes sealed(Bytes bytes) {
 	bytes.erase(bytes.end() - 8, bytes.end());
 	WordHash hash;
@@ -31,7 +31,7 @@ Bytes sealed(Bytes bytes) {
 	return bytes;
 }
 
-/// A small mask with a block of one value and a block of many.
+/// Returns a small mask with a block of one value and a block of several values.
 PaintedMask small_mask() {
 	PaintedMask mask = mask_of(0.5, 0.0);
 	write(mask, {{64, -128}, {128, -64}}, std::vector<std::uint8_t>(64 * 64, 9));
@@ -41,14 +41,14 @@ PaintedMask small_mask() {
 
 constexpr std::size_t header = 17;
 
-/// A mask on a background of 0 with a block of these bytes.
+/// Returns the bytes of a mask with a background of 0 and one block, which consists of `block`.
 Bytes with_block(const Bytes &block) {
 	Bytes bytes = mask_of(1.0, 0.0).to_bytes();
 	bytes.insert(bytes.end() - 8, block.begin(), block.end());
 	return sealed(bytes);
 }
 
-/// Checks that the bytes are refused as corrupt, and that the mask stays unchanged.
+/// Checks that the bytes are refused as corrupt, and that the mask does not change.
 void check_corrupt(const Bytes &bytes) {
 	PaintedMask mask = small_mask();
 	const Status status = mask.from_bytes(bytes);
@@ -111,10 +111,10 @@ TEST_CASE("mask bytes: the format is unchanged") {
 	PaintedMask mask = mask_of(0.5, 0.2);
 	write(mask, {{-64, 128}, {0, 192}}, std::vector<std::uint8_t>(64 * 64, 7));
 	const Bytes expected{'T', 'M', 'S', 'K', 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xe0, 0x3f, 51, // Header.
-			2, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0, 7, // Row 2, column -1, of one value, 7.
+			2, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 0, 7, // Row 2, column -1, one value, 7.
 			0, 0, 0, 0, 0, 0, 0, 0};
 	CHECK(mask.to_bytes() == sealed(expected));
-	// FNV-1a itself, from its authors' list of test values.
+	// A test value of FNV-1a from the list that its authors published.
 	WordHash hash;
 	for (const char letter : std::string("foobar")) {
 		hash.add(static_cast<std::uint32_t>(letter));
@@ -163,7 +163,7 @@ TEST_CASE("mask bytes: the error names a later version") {
 }
 
 TEST_CASE("mask bytes: invalid content with a valid checksum is refused") {
-	const Bytes bytes = small_mask().to_bytes(); // Blocks at (-2, 1), of one value, and at (1, -1).
+	const Bytes bytes = small_mask().to_bytes(); // A block of one value at (-2, 1), and a block at (1, -1).
 	constexpr std::size_t uniform_size = 10;
 	REQUIRE(bytes.size() == header + uniform_size + 9 + 64 * 64 + 8);
 	const auto changed = [&](std::size_t place, std::uint8_t value) {
@@ -171,16 +171,17 @@ TEST_CASE("mask bytes: invalid content with a valid checksum is refused") {
 		bad[place] = value;
 		return sealed(bad);
 	};
-	check_corrupt(changed(15, 0x41));                     // Pixels of 2 ^ 17 meters.
-	check_corrupt(changed(15, 0xbf));                     // Pixels of -0.5 meters.
-	check_corrupt(changed(header + 3, 0x7f));             // A row out of range.
-	check_corrupt(changed(header + 7, 0x7f));             // A column out of range.
-	check_corrupt(changed(header + 8, 2));                // An unknown kind of block.
-	check_corrupt(changed(header + 8, 1));                // All pixels, but the next block has only half of them.
+	check_corrupt(changed(15, 0x41));         // The pixel size becomes 2^17 m.
+	check_corrupt(changed(15, 0xbf));         // The pixel size becomes -0.5 m.
+	check_corrupt(changed(header + 3, 0x7f)); // A row out of range.
+	check_corrupt(changed(header + 7, 0x7f)); // A column out of range.
+	check_corrupt(changed(header + 8, 2));    // An unknown kind of block.
+	// The kind with all pixels, which leaves too few bytes for the next block.
+	check_corrupt(changed(header + 8, 1));
 	check_corrupt(changed(header + 9, 0));                // A block that is all background.
-	check_corrupt(changed(header + uniform_size + 8, 0)); // One value, followed by bytes that are no block.
+	check_corrupt(changed(header + uniform_size + 8, 0)); // One value, followed by bytes that are not a block.
 
-	// Blocks out of order, and a repeated one.
+	// Blocks out of order, and a repeated block.
 	Bytes swapped(bytes.begin(), bytes.begin() + header);
 	swapped.insert(swapped.end(), bytes.begin() + header + uniform_size, bytes.end() - 8);
 	swapped.insert(swapped.end(), bytes.begin() + header, bytes.begin() + header + uniform_size);
@@ -190,14 +191,15 @@ TEST_CASE("mask bytes: invalid content with a valid checksum is refused") {
 	twice.insert(twice.end(), bytes.begin() + header, bytes.end());
 	check_corrupt(sealed(twice));
 
-	// A block of one value with all its pixels.
+	// A block of one value that is stored with all its pixels.
 	Bytes spelled_out = with_block({0, 0, 0, 0, 0, 0, 0, 0, 1});
 	spelled_out.insert(spelled_out.end() - 8, 64 * 64, 5);
 	check_corrupt(sealed(spelled_out));
 }
 
 TEST_CASE("mask bytes: blocks reach the end of the plane and no farther") {
-	// The last block of 2 ^ 30 pixels has the number 2 ^ 24 - 1, the first one -2 ^ 24.
+	// The plane extends to 2^30 pixels. Its last block has the number 2^24 - 1, its first one
+	// -2^24.
 	for (const int flip : {0x00, 0xff}) {
 		const auto byte = [flip](int value) {
 			return static_cast<std::uint8_t>(value ^ flip);

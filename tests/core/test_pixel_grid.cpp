@@ -23,7 +23,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 SharedBytes shared(const std::shared_ptr<Bytes> &bytes) { return {bytes, *bytes}; }
 
-/// Wider than a block and not a multiple of one, on both axes.
+/// On both axes, larger than a block and not a multiple of its size.
 const glm::ivec2 size{300, 200};
 constexpr int pixel_bytes = 3;
 
@@ -54,7 +54,7 @@ bool same_pixels(const PixelGrid &grid, const Bytes &bytes) {
 	return true;
 }
 
-/// Writes the same pixels into the plain image.
+/// Copies the pixels of `rect` from `image` to `bytes`, the expected content.
 void paint(Bytes &bytes, const PixelRect &rect, const Bytes &image) {
 	for (int row = rect.min.y; row < rect.max.y; ++row) {
 		const std::ptrdiff_t at = (static_cast<std::ptrdiff_t>(row) * size.x + rect.min.x) * pixel_bytes;
@@ -67,7 +67,7 @@ void paint(Bytes &bytes, const PixelRect &rect, const Bytes &image) {
 TEST_CASE("pixel grid: shares bytes until it is patched, and patches like an image") {
 	const auto bytes = random_bytes(1);
 	const PixelGrid first = grid_of(bytes);
-	CHECK(first.pixel(0, 0) == bytes->data()); // Not a copy.
+	CHECK(first.pixel(0, 0) == bytes->data()); // The grid has not copied the bytes.
 	CHECK(same_pixels(first, *bytes));
 	PixelGrid patched = first;
 	Bytes painted = *bytes;
@@ -81,7 +81,7 @@ TEST_CASE("pixel grid: shares bytes until it is patched, and patches like an ima
 		paint(painted, rect, *other);
 		CHECK(same_pixels(patched, painted));
 	}
-	CHECK(same_pixels(first, *bytes)); // A changed value.
+	CHECK(same_pixels(first, *bytes)); // The patched copy has not changed the original.
 }
 
 TEST_CASE("pixel grid: keeps shared bytes alive") {
@@ -98,7 +98,8 @@ TEST_CASE("pixel grid: finds the rectangle of different pixels") {
 	const auto bytes = random_bytes(4);
 	const PixelGrid before = grid_of(bytes);
 	CHECK(before.difference(before).empty());
-	CHECK(before.difference(grid_of(std::make_shared<Bytes>(*bytes))).empty()); // Different memory, the same pixels.
+	// The memory differs, but the pixels are the same.
+	CHECK(before.difference(grid_of(std::make_shared<Bytes>(*bytes))).empty());
 	std::mt19937 random(5);
 	for (int i = 0; i < 60; ++i) {
 		auto changed = std::make_shared<Bytes>(*bytes);
@@ -115,7 +116,8 @@ TEST_CASE("pixel grid: finds the rectangle of different pixels") {
 		CHECK(before.difference(patched) == expected);
 		CHECK(patched.difference(grid_of(changed)).empty());
 	}
-	// The last one is in a block within the rectangle around the first two, so it is not searched.
+	// The last pixel is in a block within the rectangle around the first two, so that block is not
+	// searched.
 	const auto corners = std::make_shared<Bytes>(*bytes);
 	for (const glm::ivec2 at : {glm::ivec2(299, 0), glm::ivec2(0, 199), glm::ivec2(200, 150)}) {
 		(*corners)[(static_cast<std::size_t>(at.y) * size.x + at.x) * pixel_bytes] ^= 1;
@@ -153,7 +155,7 @@ TEST_CASE("pixel grid: comparing two grids reads none of the memory that they sh
 	PixelGrid patched = grid;
 	REQUIRE(patched.patch({{5, 5}, {9, 9}}, *random_bytes(1)).ok());
 	const PixelGrid copy = patched;
-	REQUIRE(mprotect(memory, count, PROT_NONE) == 0); // Reading it now crashes.
+	REQUIRE(mprotect(memory, count, PROT_NONE) == 0); // From here on, reading this memory crashes.
 	CHECK(copy.difference(patched).empty());
 	CHECK(PixelGrid(grid).difference(grid).empty());
 	CHECK(munmap(memory, count) == 0);

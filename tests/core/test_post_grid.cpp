@@ -21,7 +21,7 @@ HeightfieldFrame frame_of(glm::ivec2 posts) {
 	return {posts, {{-100.0, 50.0}, {-100.0 + posts.x - 1, 50.0 + 2.0 * (posts.y - 1)}}, 10.0, 300.0};
 }
 
-/// Random 16-bit posts.
+/// Returns random 16-bit posts.
 std::vector<std::uint16_t> random_steps(std::size_t count, unsigned seed) {
 	std::mt19937 random(seed);
 	std::vector<std::uint16_t> steps(count);
@@ -31,7 +31,7 @@ std::vector<std::uint16_t> random_steps(std::size_t count, unsigned seed) {
 	return steps;
 }
 
-/// Random posts from 0 to 1, some of them missing.
+/// Returns random posts from 0 to 1. Some of them are holes (NaN).
 std::vector<float> random_units(std::size_t count, unsigned seed) {
 	std::mt19937 random(seed);
 	std::uniform_real_distribution<float> unit(0.0F, 1.0F);
@@ -52,7 +52,8 @@ HeightPosts shared(glm::ivec2 count, const std::vector<Post> &posts, FloatPosts 
 	}
 }
 
-/// Checks that a field of other posts, patched in two parts, equals a field of `posts`.
+/// Checks that a field of `before`, patched inside `rect` with the posts of `after`, equals a new
+/// field of the patched posts.
 template <typename Post>
 void check_patched(glm::ivec2 count, const std::vector<Post> &before, std::vector<Post> after, const PixelRect &rect,
 		FloatPosts meaning) {
@@ -195,7 +196,7 @@ TEST_CASE("heightfield: an error names the column and row of the first refused p
 	CHECK(find_refused_post(posts, 12, FloatPosts::units).status.ok());
 	posts[31] = -0.01F;
 	posts[40] = std::numeric_limits<float>::infinity();
-	posts[5] = std::numeric_limits<float>::quiet_NaN(); // A hole.
+	posts[5] = std::numeric_limits<float>::quiet_NaN(); // A hole is valid.
 	const RefusedPost unit = find_refused_post(posts, 12, FloatPosts::units);
 	CHECK(unit.status.code == ErrorCode::out_of_range);
 	CHECK(unit.post == glm::ivec2(7, 2));

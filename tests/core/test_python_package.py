@@ -1,5 +1,6 @@
-"""Tests the Python package. Its one command builds it and installs it offline into a new environment. Its digests equal the core's, NumPy arrays are
-not copied, other threads run during calls, calls can be canceled, and bad arguments are refused."""
+"""Tests the Python package, which is built with one command and installed offline into a new environment. Its digests
+must equal those of the core, and its NumPy arrays must not be copies. Other threads must run during calls, calls can be
+canceled, and invalid arguments are refused."""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ def script(wheel_python: Path, text: str, timeout: float = 120) -> subprocess.Co
 
 
 def test_wheel(wheel):
-    """The name has the platform. From Python 3.12 on, one wheel serves all later versions."""
+    """Checks the file name of the wheel. From Python 3.12 on, one wheel works with all later versions."""
     tag = "cp312-abi3" if sys.version_info >= (3, 12) else "cp3{0}-cp3{0}".format(sys.version_info.minor)
     assert f"-{tag}-" in wheel.name
     version = re.search(r'^version="([^"]+)"', (REPO / "demo_project/addons/thicket/plugin.cfg").read_text(encoding="utf-8"), re.MULTILINE)
@@ -56,7 +57,7 @@ def test_sets(thicket, one):
         assert array.shape == (count,) and array.dtype == dtype
     assert (points.positions >= one.rect[:2]).all() and (points.positions < one.rect[2:]).all()
     assert len(np.unique(points.ids)) == count and (points.ids >> np.uint64(48) == one.layer).all()
-    # The points of the coarsest level are farther apart than the small rectangles are wide.
+    # Small rectangles may contain no points of the coarsest levels, which are too far apart.
     assert set(range(min(one.levels, 4))) <= set(points.levels) <= set(range(one.levels))
     assert (np.diff(points.levels[np.argsort(points.ranks)].astype(int)) <= 0).all(), "coarse levels come first"
 
@@ -80,7 +81,7 @@ def test_domains(thicket, one, precision):
 
 
 def ball(radius: float, rings: int) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and faces of a sphere around the origin, whose faces run counterclockwise seen from outside."""
+    """Returns the vertices and faces of a sphere around the origin. The faces are counterclockwise when seen from outside."""
     down, around = np.meshgrid(np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings, endpoint=False), indexing="ij")
     vertices = radius * np.stack([np.sin(down) * np.cos(around), np.sin(down) * np.sin(around), np.cos(down)], axis=-1).reshape(-1, 3)
     row, column = np.divmod(np.arange(rings * 2 * rings), 2 * rings)
@@ -89,7 +90,7 @@ def ball(radius: float, rings: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def on_faces(vertices: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
-    """Random positions on triangles, uniform by area."""
+    """Returns random positions on triangles, uniformly distributed by area."""
     random = np.random.default_rng(5)
     corners = vertices[faces]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
@@ -100,7 +101,8 @@ def on_faces(vertices: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
 
 
 def test_points_on_a_surface(thicket):
-    """No two points are too close, no point fits in between, and each lies on its face."""
+    """Checks that no two points are too close, that no further point would fit, and that each point lies on its
+    face."""
     vertices, faces = ball(12.0, 24)
     points = thicket.sample_surface(vertices, faces, 1.0, 3, layer=7)
     count = len(points)
@@ -135,7 +137,7 @@ def test_points_on_a_surface_without_faces(thicket):
 
 
 def test_nothing_is_copied(thicket):
-    """All arrays are views into one block of memory, which lives as long as any of them."""
+    """Checks that all arrays are views into one block of memory, which is kept alive as long as any of them."""
     points = thicket.sample((0, 0, 300, 300), 1.0)
     start = points.positions.ctypes.data
     assert points.positions.strides == (32, 8) and points.ids.strides == (32,) and points.ranks.strides == (32,)
@@ -163,7 +165,8 @@ def test_nothing_is_copied(thicket):
 
 
 def test_memory_is_freed(wheel_python):
-    """A set and a domain take 4.5 megabytes. After twelve more of each, less than ten megabytes more are in use."""
+    """Checks that memory is freed. A set and a domain take 4.5 MB, and twelve more of each must increase the peak by
+    less than 10 MB."""
     text = """
 import resource, thicket
 def work(count):
@@ -262,7 +265,7 @@ print(len(thicket.sample((0, 0, 9, 9), 1.0)) > 40)
     )
 
 
-# Calls of each function that take a second or two.
+# Calls of each function that take one or two seconds.
 LONG = {
     "sample": lambda thicket, **watched: thicket.sample((0, 0, 2500, 2500), 1.0, **watched),
     "sample by threads": lambda thicket, **watched: thicket.sample((0, 0, 4000, 2500), 1.0, threads=3, **watched),
@@ -273,7 +276,8 @@ LONG = {
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_other_threads_run_meanwhile(thicket, work):
-    """Counts the ticks of a different thread between the start and the end of a call. A call that held the interpreter's lock would allow none."""
+    """Checks that a different thread keeps running during a call. It could not if the call held the global interpreter
+    lock."""
     ticks: list[float] = []
     end = threading.Event()
 
@@ -303,8 +307,8 @@ def test_progress(thicket, work):
 
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG)
 def test_cancel(thicket, work):
-    """Cancels from a different thread, from the progress function, and before the call. Exceptions of the progress function are
-    passed on."""
+    """Checks that a call can be canceled from a different thread and before it begins. An exception of the progress
+    function must end the call and propagate."""
     cancel, begun = thicket.Cancel(), threading.Event()
     canceller = threading.Thread(target=lambda: (begun.wait(), cancel.cancel()))
     canceller.start()
@@ -353,7 +357,7 @@ def test_a_call_with_several_threads_gives_the_same(thicket):
 
 
 def test_control_c_ends_a_call(wheel_python):
-    # A program that a shell starts with & would ignore the signal.
+    # Sets the handler explicitly, because a program that a shell starts with & ignores SIGINT.
     text = "import signal, thicket\nsignal.signal(signal.SIGINT, signal.default_int_handler)\ntry:\n    print('begun', flush=True)\n    thicket.sample((0, 0, 5000, 5000), 1.0)\nexcept KeyboardInterrupt:\n    print('ended')"
     process = subprocess.Popen([wheel_python, "-c", text], stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "begun\n"
@@ -363,7 +367,8 @@ def test_control_c_ends_a_call(wheel_python):
 
 
 def test_types_and_docstrings(thicket):
-    """Every name has a docstring, with units and errors where applicable, and has the same arguments in the stubs."""
+    """Checks that every public name has a docstring and is declared in the stubs, and that the docstrings of functions
+    describe all arguments, units and errors."""
     folder = Path(thicket.__file__).parent
     assert all((folder / name).is_file() for name in ("py.typed", "LICENSE", "licenses/highway", "licenses/nanobind"))
     stub = ast.parse((folder / "_core.pyi").read_text(encoding="utf-8"))

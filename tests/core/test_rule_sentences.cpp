@@ -24,7 +24,8 @@ std::string said(const RuleFactor &factor, const LayerSettings &layer, const Rul
 	return describe(factor, layer, names).sentence;
 }
 
-/// A position and a point 1.5 m from it, each with a density from the mask.
+/// Returns an explanation of a position and of a point 1.5 m from it. The mask determines the
+/// density of both.
 PlaceExplanation explained(double at_place, double at_point, double rank) {
 	PlaceExplanation explanation;
 	explanation.place = {{}, at_place, {{RuleKind::mask, at_place, at_place, no_index}}};

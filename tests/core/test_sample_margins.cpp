@@ -1,4 +1,5 @@
-// The margin of a block grows up to a limit where a chain of darts requires it, and never changes the result.
+// Tests that the margin of a block grows up to a limit where a chain of darts requires it, and
+// never changes the result.
 
 #include "query_fixture.hpp"
 
@@ -15,7 +16,8 @@ namespace {
 constexpr SampleMargins none{.first = 0, .widest = 0};
 constexpr SampleMargins growing{.first = 0, .widest = 64};
 
-/// Checks that the error names the set that could not be sampled, and a position in or near `rect`.
+/// Checks that the error specifies the set that could not be sampled and a position in or near
+/// `rect`.
 void check_too_wide(const Status &status, const PointSet &set, const Rect &rect) {
 	CHECK(status.code == ErrorCode::margin_too_wide);
 	CHECK(status.property == std::string("rect"));
@@ -59,7 +61,8 @@ TEST_CASE("sample margins: an area that the widest margin cannot decide is refus
 				"2.5, position ("));
 		CHECK(text.find(")). Choose a different seed") != std::string::npos);
 	}
-	// Parts of a large block may be undecided. Blocks that need no margin are not refused.
+	// In a large block, some darts remain undecided within the widest margin. An empty rectangle
+	// needs no block, so it succeeds.
 	TileSampler sampler({.first = 1, .widest = 2});
 	std::vector<SamplePoint> points;
 	CHECK(sampler.sample({.seed = 1}, {{0.0, 0.0}, {300.0, 300.0}}, points).value == 2.0);
@@ -76,7 +79,7 @@ TEST_CASE("sample margins: a tile that cannot be sampled stays unchanged") {
 	const std::uint64_t before = digest(tile);
 	check_too_wide(narrow.build(layers[0].settings, terrain, rect, tile), layers[0].settings.set, rect);
 	CHECK(digest(tile) == before);
-	// A layer's neighbors are sampled first.
+	// The neighbors of a layer are sampled before the layer.
 	check_too_wide(narrow.build(layers[1].settings, terrain, rect, tile), layers[0].settings.set, rect);
 	TileBuilder patient(growing);
 	REQUIRE(patient.build(layers[0].settings, terrain, rect, tile).ok());
@@ -101,8 +104,8 @@ TEST_CASE("sample margins: queries return the error of a tile that could not be 
 	check_too_wide(
 			query.on_ray({30.0, 50.0, 30.0}, {31.0, -50.0, 31.0}, {.layers = {0}, .accepts = {}}, hit), trees, glade);
 	CHECK(hit.empty());
-	// The tiles of the stones are smaller than the cells of their set, so the query reads the set instead of the
-	// source.
+	// The tiles of the stones are smaller than the cells of their set. So the query samples the set
+	// before it reads any tile.
 	const PointSet &stones = query_layers[2].set;
 	TileSampler sampler;
 	std::vector<SamplePoint> points;

@@ -1,4 +1,4 @@
-"""Runs the core's tests with sanitizers, which check every memory access and every undefined operation."""
+"""Runs the core's tests under the address and undefined-behavior sanitizers."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ double plain_distance(const Points &points, bool closed, glm::dvec2 place) {
 	return nearest;
 }
 
-/// Even-odd rule along +y, while the core uses +x.
+/// Applies the even-odd rule with a ray along +y. The core uses +x.
 bool plain_contains(const Points &points, glm::dvec2 place) {
 	bool within = false;
 	for (std::size_t i = 0; i < points.size(); ++i) {
@@ -75,7 +75,7 @@ bool plain_contains(const Points &points, glm::dvec2 place) {
 	return within;
 }
 
-/// A coast: a circle of 500 m with bays.
+/// Returns a coastline: a circle with a radius of 500 m and bays.
 Points coast(std::size_t count) {
 	Points points;
 	for (std::size_t i = 0; i < count; ++i) {
@@ -135,16 +135,16 @@ TEST_CASE("outlines: a border of many short edges is outside everywhere") {
 
 TEST_CASE("outlines: rays through corners count correctly, at all half-integer positions of integer polygons") {
 	const std::vector<Points> polygons{
-			{{0, 0}, {6, 0}, {6, 6}, {4, 6}, {4, 2}, {2, 2}, {2, 6}, {0, 6}},                 // A U.
-			{{0, 3}, {3, 0}, {6, 3}, {3, 6}},                                                 // A diamond.
-			{{0, 0}, {6, 6}, {6, 0}, {0, 6}},                                                 // A bow tie.
-			{{0, 0}, {2, 4}, {4, 0}, {6, 4}, {6, 6}, {0, 6}},                                 // Peaks on a line.
-			{{0, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0}, {2, 2}, {2, 4}, {4, 4}, {4, 2}, {2, 2}}, // A hole, by a slit.
-			{{0, 0}, {3, 0}, {3, 3}, {6, 3}, {6, 6}, {3, 6}, {3, 3}, {0, 3}},                 // Touches itself.
-			{{0, 0}, {6, 0}, {6, 0}, {6, 6}, {6, 6}, {6, 6}, {0, 6}, {0, 0}},                 // Repeated corners.
-			{{3, 0}, {5, 6}, {0, 2}, {6, 2}, {1, 6}},                                         // A star, empty inside.
-			{{0, 0}, {6, 0}, {3, 0}},                                                         // No area.
-			{{2, 2}, {2, 2}, {2, 2}},                                                         // A point.
+			{{0, 0}, {6, 0}, {6, 6}, {4, 6}, {4, 2}, {2, 2}, {2, 6}, {0, 6}}, // U shape.
+			{{0, 3}, {3, 0}, {6, 3}, {3, 6}},                                 // A diamond.
+			{{0, 0}, {6, 6}, {6, 0}, {0, 6}},                                 // A bow tie.
+			{{0, 0}, {2, 4}, {4, 0}, {6, 4}, {6, 6}, {0, 6}},                 // Two peaks of equal height.
+			{{0, 0}, {6, 0}, {6, 6}, {0, 6}, {0, 0}, {2, 2}, {2, 4}, {4, 4}, {4, 2}, {2, 2}}, // A hole with a slit.
+			{{0, 0}, {3, 0}, {3, 3}, {6, 3}, {6, 6}, {3, 6}, {3, 3}, {0, 3}}, // The border touches itself.
+			{{0, 0}, {6, 0}, {6, 0}, {6, 6}, {6, 6}, {6, 6}, {0, 6}, {0, 0}}, // Repeated corners.
+			{{3, 0}, {5, 6}, {0, 2}, {6, 2}, {1, 6}},                         // A star, hollow inside.
+			{{0, 0}, {6, 0}, {3, 0}},                                         // No area.
+			{{2, 2}, {2, 2}, {2, 2}},                                         // A point.
 	};
 	for (std::size_t index = 0; index < polygons.size(); ++index) {
 		const ShapeSet set = set_of({polygon(polygons[index])});
@@ -153,7 +153,7 @@ TEST_CASE("outlines: rays through corners count correctly, at all half-integer p
 				CAPTURE(index);
 				CAPTURE(x);
 				CAPTURE(z);
-				// Slightly off the line of the oracle's ray, so that it hits no corner.
+				// The oracle's position is shifted slightly, so that its ray hits no corner.
 				const bool on_border = plain_distance(polygons[index], true, {x, z}) < 1e-12;
 				const bool within = !on_border && plain_contains(polygons[index], {x + 1e-9, z + 1.7e-9});
 				CHECK(density_at(set, x, z) == (within ? 1.0 : 0.0));
@@ -191,7 +191,7 @@ TEST_CASE("outlines: a path has round ends and round bends, and its border is ou
 	CHECK(density_at(sharp, 11.5, -1.5) == 0.0); // The corner of a sharp bend.
 	CHECK(density_at(sharp, 11.4, -1.4) == 1.0);
 	CHECK(density_at(sharp, 10.0, 11.999) == 1.0);
-	CHECK(density_at(sharp, 5.0, 5.0) == 0.0); // It is not closed.
+	CHECK(density_at(sharp, 5.0, 5.0) == 0.0); // The path is not closed.
 	CHECK(density_at(soft, 5.0, 0.5) == 1.0);
 	CHECK(density_at(soft, 5.0, 1.5) == 0.5);
 	CHECK(density_at(soft, -1.75, 0.0) == 0.25);
@@ -263,8 +263,8 @@ TEST_CASE("outlines: 65,536 points, inside and around every bay") {
 }
 
 TEST_CASE("outlines: only edges that may be the nearest are measured") {
-	// Four edges whose squared lengths are powers of two, and many other edges far away, whose distances would be
-	// rounded.
+	// A few near edges whose squared lengths are powers of two, and many far edges, whose distances
+	// are rounded.
 	Points points{{0.0, 0.0}, {4.0, 0.0}, {4.0, 4.0}, {0.0, 4.0}, {0.0, 8.0}};
 	for (int i = 0; i < 100; ++i) {
 		points.emplace_back(100.0 + 3 * i, i % 2 == 0 ? 100.0 : 107.0);

@@ -46,7 +46,7 @@ TEST_CASE("shapes: influence grows linearly with depth, from 0 at the border to 
 		CHECK(density_of(set, {0.0, 0.0, 20.0 - depth}) == expected);
 		CHECK(density_of(set, {0.0, 1000.0 - depth, 0.0}) == expected);
 	}
-	// Not deep enough for full influence anywhere.
+	// No position is deep enough for full influence.
 	soft.falloff = 40.0;
 	CHECK(density_of(set_of({soft}), {0.0, 0.0, 0.0}) == 0.25);
 }
@@ -63,7 +63,8 @@ TEST_CASE("shapes: a box rotated by 45 degrees is a diamond, and a leaning one i
 			}
 		}
 	}
-	// Its up axis leans 30 degrees toward +x, so at a height of 1 the center of the slab is offset by tan 30 degrees.
+	// A slab whose up axis leans 30 degrees toward +x. At a height of 1, its center is offset by
+	// tan 30 degrees.
 	Shape leaning = box({0.0, 0.0, 0.0}, {0.1, 10.0, 10.0});
 	const double sine = 0.5;
 	const double cosine = std::sqrt(0.75);
@@ -83,7 +84,7 @@ TEST_CASE("shapes: depths of rotated boxes, spheres and cylinders match a search
 	for (int round = 0; round < 60; ++round) {
 		for (const ShapeKind kind : {ShapeKind::box, ShapeKind::sphere, ShapeKind::cylinder}) {
 			Shape shape = random_volume(kind, random);
-			shape.falloff = 100.0; // Larger than any depth here, so that the influence reveals the depth.
+			shape.falloff = 100.0; // Larger than any depth, so that the influence reveals the depth.
 			for (const bool ignore_height : {false, true}) {
 				shape.ignore_height = ignore_height;
 				const ShapeSet set = set_of({shape});
@@ -180,7 +181,7 @@ TEST_CASE("shapes: bounds contain the border with a minimal margin") {
 			CHECK(!reach.contains(beside));
 		}
 	}
-	CHECK(bounds(box({-3.0, 0.0, -4.0}, {3.0, 1.0, 4.0})).contains({0.0, 0.0})); // A border at 0 has the margin, too.
+	CHECK(bounds(box({-3.0, 0.0, -4.0}, {3.0, 1.0, 4.0})).contains({0.0, 0.0})); // A border at 0 has a margin as well.
 }
 
 TEST_CASE("shapes: the strongest including shape times the remainder of the strongest excluding one") {
@@ -195,11 +196,12 @@ TEST_CASE("shapes: the strongest including shape times the remainder of the stro
 	smaller_hole.half_size.x = 4.0;
 
 	CHECK(density_of(set_of({}), {3.0, 0.0, 0.0}) == 1.0);
-	CHECK(density_of(set_of({wide, narrow}), {0.0, 0.0, 0.0}) == 1.0); // 1 and 0.5: no sum, no product.
+	// The influences 1 and 0.5 are neither added nor multiplied.
+	CHECK(density_of(set_of({wide, narrow}), {0.0, 0.0, 0.0}) == 1.0);
 	CHECK(density_of(set_of({narrow, wide}), {50.0, 0.0, 0.0}) == 0.5);
 	CHECK(density_of(set_of({hole}), {20.0, 0.0, 0.0}) == 1.0); // Without an including shape, everything is included.
 	CHECK(density_of(set_of({hole}), {6.0, 0.0, 0.0}) == 0.75);
-	CHECK(density_of(set_of({hole, smaller_hole}), {2.0, 0.0, 0.0}) == 0.25); // 0.75 and 0.25 are excluded.
+	CHECK(density_of(set_of({hole, smaller_hole}), {2.0, 0.0, 0.0}) == 0.25); // The shapes exclude 0.75 and 0.25.
 	CHECK(density_of(set_of({smaller_hole, hole}), {2.0, 0.0, 0.0}) == 0.25);
 	CHECK(density_of(set_of({hole, narrow}), {6.0, 0.0, 0.0}) == 0.75 * 0.2);
 	CHECK(density_of(set_of({wide, hole}), {0.0, 0.0, 0.0}) == 0.0);
@@ -248,7 +250,7 @@ TEST_CASE("shapes: near returns the shapes that touch an area, in order, and bou
 				CHECK((density_of(lonely, place) == 0.0 || reach.contains({place.x, place.z})));
 			}
 		}
-		// The area passed to `near` changes no bit of the density.
+		// The area that is passed to `near` does not affect the density.
 		for (int k = 0; k < 50; ++k) {
 			const glm::dvec3 place(area.center().x + unit(random) * 0.5 * area.size().x, 10.0 * unit(random),
 					area.center().y + unit(random) * 0.5 * area.size().y);
@@ -263,7 +265,9 @@ TEST_CASE("shapes: moving, adding or removing one changes nothing outside its ol
 	int changed = 0;
 	for (int round = 0; round < 40; ++round) {
 		std::vector<Shape> shapes = random_shapes(8, random);
-		shapes[0].exclude = false; // The first and the last including shape change the rest of the world.
+		// Adding the first including shape, or removing the last, would change the rest of the
+		// world.
+		shapes[0].exclude = false;
 		const ShapeSet before = set_of(shapes);
 		const std::size_t moved = 1 + random() % 7;
 		const Rect old_bounds = bounds(shapes[moved]);
@@ -360,7 +364,8 @@ TEST_CASE("shapes: errors name the refused property, and the set stays unchanged
 	refuse(good_polygon, [](Shape &s) { s.outline[2].x = -2e9; }, ErrorCode::out_of_range, "outline", -2e9);
 	refuse(good_box, [](Shape &s) { s.kind = static_cast<ShapeKind>(9); }, ErrorCode::out_of_range, "kind", 9.0);
 
-	// Properties that a kind does not use are not checked. Axes from floats are accurate enough.
+	// Properties that a kind does not use are not checked. Axes in single precision are accurate
+	// enough.
 	Shape sphere = good_box;
 	sphere.kind = ShapeKind::sphere;
 	sphere.axes = glm::dmat3(0.0);
@@ -373,7 +378,7 @@ TEST_CASE("shapes: errors name the refused property, and the set stays unchanged
 }
 
 TEST_CASE("shapes: shapes that miss the position or cannot change the result are not computed") {
-	// The box is computed in whole numbers; the spheres would be rounded.
+	// Computing the box involves only integers. Computing a sphere rounds.
 	const Shape box{.kind = ShapeKind::box, .half_size = {4.0, 4.0, 4.0}, .outline = {}};
 	const auto sphere = [](double x, bool exclude) {
 		return Shape{.kind = ShapeKind::sphere,
@@ -393,7 +398,7 @@ TEST_CASE("shapes: shapes that miss the position or cannot change the result are
 		return computed;
 	};
 	CHECK(computes_sphere({box, sphere(0.3, true)}));
-	CHECK_FALSE(computes_sphere({box, sphere(30.3, true)})); // Too far away.
-	CHECK_FALSE(computes_sphere({box, sphere(0.3, false)})); // Includes an area that is already included.
+	CHECK_FALSE(computes_sphere({box, sphere(30.3, true)})); // The sphere is too far away.
+	CHECK_FALSE(computes_sphere({box, sphere(0.3, false)})); // The box already includes this position.
 	CHECK(computes_sphere({sphere(0.3, false), box}));
 }

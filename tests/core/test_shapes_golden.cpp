@@ -17,7 +17,7 @@ using namespace thicket::shape_cases;
 
 namespace {
 
-/// FNV-1a over the bits of numbers.
+/// An FNV-1a hash of the bits of numbers.
 class Digest {
 public:
 	void add(std::uint64_t bits) {
@@ -34,7 +34,7 @@ private:
 	std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-/// A random number from -1 to 1, the same with every library.
+/// Returns a random number in [-1, 1) that is the same with every standard library.
 double symmetric(std::mt19937 &random) { return std::ldexp(static_cast<double>(random()), -31) - 1.0; }
 
 glm::dvec3 vector(std::mt19937 &random) {
@@ -43,7 +43,7 @@ glm::dvec3 vector(std::mt19937 &random) {
 	return {x, y, symmetric(random)};
 }
 
-/// The rotation of a random quaternion, computed without a sine.
+/// Returns the rotation of a random quaternion, computed without trigonometric functions.
 glm::dmat3 turn(std::mt19937 &random) {
 	const glm::dvec3 v = vector(random);
 	const double w = symmetric(random);
@@ -54,7 +54,7 @@ glm::dmat3 turn(std::mt19937 &random) {
 }
 
 void add(Digest &r_digest, const Ground &ground) {
-	const bool none = std::isnan(ground.height); // NAN has many bit patterns.
+	const bool none = std::isnan(ground.height); // NaN has many bit patterns.
 	r_digest.add(none ? -1e9f : ground.height);
 	r_digest.add(ground.normal.x);
 	r_digest.add(ground.normal.y);

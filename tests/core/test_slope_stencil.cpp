@@ -14,7 +14,8 @@ namespace {
 
 constexpr float missing = std::numeric_limits<float>::quiet_NaN();
 
-/// Heights of a plane at the stencil's positions.
+/// Returns the heights of a plane at the stencil's positions, relative to its center. `x` and `z`
+/// are its slopes.
 std::array<float, 4> plane(const SlopeStencil &stencil, double x, double z) {
 	std::array<float, 4> heights{};
 	for (std::size_t i = 0; i < heights.size(); ++i) {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double radian = std::numbers::pi / 180.0;
 
-/// A normal with a slope of this many degrees, in any direction.
+/// Returns a normal with a slope of `degrees` that leans toward `heading`, also in degrees.
 glm::vec3 inclined(double degrees, double heading, double length = 1.0) {
 	const double across = length * std::sin(degrees * radian);
 	return {across * std::cos(heading * radian), length * std::cos(degrees * radian),
@@ -62,7 +62,7 @@ TEST_CASE("slopes that need no angle have the same density") {
 		CAPTURE(falloff);
 		for (int j = 0; j < 250; ++j) {
 			const std::array<double, 5> edges{low, low + falloff, high - falloff, high, 90.0 * unit(random)};
-			// At the edges, where one range ends and the next begins, and anywhere else.
+			// Near the edges between the ranges, and at random slopes.
 			const double degrees = std::clamp(
 					edges[static_cast<std::size_t>(j % 5)] + (unit(random) - 0.5) * (j % 2 == 0 ? 1e-5 : 1e-2), 0.0,
 					89.9999);

@@ -1,4 +1,5 @@
-// States and diffs of release 0.2.0 load, and the current format is small and ordered.
+// Tests that states and diffs of release 0.2.0 load, that the current format is small, and that its
+// diffs are ordered.
 
 #include "core/state/diff_summary.hpp"
 #include "core/state/state_format.hpp"
@@ -10,7 +11,8 @@ using namespace thicket;
 
 namespace {
 
-/// Release 0.2.0 wrote both: a state with every kind of content, and its diff after five more changes.
+/// The output of release 0.2.0: a state with every kind of content, and a diff of five later
+/// changes.
 constexpr std::string_view former_state = "545354410100000000000000000000044003000100efcdab9078563412020000000000000000"
 										  "00030000000000000000000400000000000000"
 										  "000006000000ee87abaaaaaaaa0a0000000000aaaaaaaaaaaa0400000000000a00000000803b"
@@ -61,7 +63,7 @@ TEST_CASE("state formats: a state and a diff of release 0.2.0 load with the same
 	CHECK(state.added(first_oak) == nullptr);
 	CHECK(state.added(second_oak)->position.x == 7.0);
 	CHECK(state.time() == 3.5);
-	// A second time, and in the current format.
+	// Applying the diff again changes nothing. The state is saved in the current format.
 	changes.clear();
 	REQUIRE(state.apply(bytes_from(former_diff), changes).ok());
 	CHECK(changes.empty());
@@ -101,10 +103,10 @@ TEST_CASE("state formats: the diff of a single removal is small for a named stat
 	}
 	const std::uint64_t known = server.revision();
 	server.remove(point_id(1, 55, 555));
-	CHECK(diff_of(server, known).size() <= 60); // 68 in release 0.2.0, which stores neither sender nor order.
+	CHECK(diff_of(server, known).size() <= 60); // Release 0.2.0 needs 68 bytes, without the sender and the order.
 	const std::size_t many = diff_of(server, 0).size();
 	CHECK(many < 3 * server.removed_count());
-	CHECK(many <= 315); // 318 in release 0.2.0.
+	CHECK(many <= 315); // Release 0.2.0 needs 318 bytes.
 }
 
 TEST_CASE("state formats: the header of a diff names its sender and its range of changes") {

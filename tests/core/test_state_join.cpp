@@ -1,4 +1,5 @@
-// States without an authority are joined. With any order, losses and repetitions, they end with the same content.
+// Tests that states without an authority converge when they are joined, even if messages are
+// reordered, lost and repeated.
 
 #include "pending_diff_fixture.hpp"
 
@@ -28,7 +29,7 @@ InstanceState joined(const InstanceState &left, const InstanceState &right) {
 	return result;
 }
 
-/// A state whose clock is at `time`.
+/// Returns a state whose clock is at `time`.
 InstanceState state_at(double time) {
 	InstanceState state;
 	Changes changes;
@@ -65,11 +66,11 @@ TEST_CASE("state join: of two data, the later ones win, or the greater bytes at 
 	set(same, id, {1, 0});
 	CHECK(joined(same, late).data(id).size() == 2);
 	CHECK(joined(late, same).data(id).size() == 2);
-	// A write that replaces data counts as later, even if the clock is behind.
+	// A write that replaces known data counts as later, even if the writer's clock is behind.
 	InstanceState behind = joined(state_at(5.0), early);
 	set(behind, id, {3});
 	CHECK(joined(early, behind).data(id)[0] == 3);
-	// Writing the same data is no new write.
+	// Writing the same data again does not count as a new write.
 	Changes changes;
 	REQUIRE(early.advance(90.0, changes).ok());
 	set(early, id, {9, 9});
@@ -88,7 +89,7 @@ TEST_CASE("state join: of two positions of an instance, the later one wins") {
 	REQUIRE(a.move(id, instance_at(7.0, 2.0), moved, changes).ok());
 	CHECK(joined(a, b).added(id)->position.x == 7.0);
 	CHECK(joined(b, a).added(id)->position.x == 7.0);
-	// At equal times, the larger x wins.
+	// At equal times, the position with the larger x wins.
 	InstanceState c = copy_of(b);
 	REQUIRE(c.move(id, instance_at(60.0, 2.0), moved, changes).ok());
 	InstanceState d = copy_of(b);
@@ -128,7 +129,7 @@ TEST_CASE("state join: instances that are due by the later clock are restored") 
 	REQUIRE(later.merge(b, changes).ok());
 	REQUIRE(changes.size() == 1);
 	CHECK(changes[0].kind == InstanceChangeKind::restored);
-	// The clock of a diff counts up to the limits.
+	// A diff advances the clock only up to the limit.
 	InstanceState bounded = copy_of(a);
 	DiffLimits limits;
 	limits.max_clock_advance = 5.0;
@@ -149,7 +150,7 @@ TEST_CASE("state join: four editing peers converge over a channel that reorders,
 			disturb(peers[from], random, 1 + static_cast<int>(random() % 2));
 			const StateBytes diff = diff_of(peers[from], sent[from][to]);
 			sent[from][to] = peers[from].revision();
-			for (auto copies = random() % 5; copies < 4; copies += 3) { // None, one or two.
+			for (auto copies = random() % 5; copies < 4; copies += 3) { // Sends no copy, one, or two.
 				boxes[to].push_back(diff);
 			}
 			std::vector<StateBytes> &box = boxes[random() % boxes.size()];

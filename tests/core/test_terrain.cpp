@@ -17,7 +17,8 @@ using namespace thicket;
 
 namespace {
 
-/// A field of 7 columns and 4 rows, neither square nor at the origin, with a different spacing on each axis.
+/// The frame of a field with 7 columns and 4 rows, neither square nor at the origin, with a
+/// different spacing on each axis.
 const HeightfieldFrame frame{{7, 4}, {{-30.0, 10.0}, {30.0, 70.0}}, -100.0, 1210.7};
 constexpr double step = (1210.7 + 100.0) / 65535.0;
 
@@ -85,7 +86,7 @@ TEST_CASE("terrain: heights are bilinear between posts") {
 }
 
 TEST_CASE("terrain: an inclined plane has its true height and normal everywhere, including borders") {
-	// 37 steps per column of 10 m and 120 per row of 20 m.
+	// Heights rise by 37 steps per column of 10 m and by 120 steps per row of 20 m.
 	std::vector<std::uint16_t> posts;
 	for (int row = 0; row < frame.posts.y; ++row) {
 		for (int column = 0; column < frame.posts.x; ++column) {
@@ -224,8 +225,8 @@ TEST_CASE("terrain: errors name the refused property and leave the heightfield u
 }
 
 TEST_CASE("terrain: patches computed together are bit-identical to those computed alone") {
-	// With heights from 0 to 65535 m, a post is its height. The same field in meters, whose patches are computed one by
-	// one, must therefore be identical.
+	// With heights from 0 to 65535 m, the value of a post is its height in meters. So the same
+	// field in meters, whose patches are computed one by one, must be identical.
 	const HeightfieldFrame frame{{23, 19}, {{-31.0, 7.0}, {100.0, 90.0}}, 0.0, 65535.0};
 	std::mt19937 random(11);
 	std::vector<std::uint16_t> steps;
@@ -268,6 +269,6 @@ TEST_CASE("terrain: patches away from the border are computed in vectors, even a
 	CHECK(by_vectors({{2.5, 1.5}}));
 	CHECK(by_vectors({{0.5, 0.5}, {-9.0, 0.0}, {1.0, 2.9}}));
 	CHECK(by_vectors(std::vector<glm::dvec2>(100, {3.25, 2.0})));
-	// Only positions at the border.
+	// All these positions are at the border or outside.
 	CHECK_FALSE(by_vectors({{0.5, 1.5}, {4.5, 1.5}, {2.5, 3.5}, {-9.0, 0.0}}));
 }

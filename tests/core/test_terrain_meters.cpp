@@ -16,7 +16,8 @@ using namespace thicket;
 
 namespace {
 
-/// Neither square nor at the origin, with a different spacing on each axis: 10 m along x, 20 m along z.
+/// A frame that is neither square nor at the origin, with a spacing of 10 m along x and 20 m along
+/// z.
 const HeightfieldFrame frame{{7, 4}, {{-30.0, 10.0}, {30.0, 70.0}}, -100.0, 1210.7};
 
 constexpr float missing = std::numeric_limits<float>::quiet_NaN();
@@ -54,13 +55,13 @@ TEST_CASE("terrain: posts in meters keep their height, regardless of the frame's
 			CHECK(field.at(place_of(column, row)).height == posts[index_of(column, row)]);
 		}
 	}
-	// Finer than 16 bits can represent in any range.
+	// A height that is finer than 16-bit posts can represent.
 	const Heightfield fine = field_of(std::vector<float>(28, 1000.0001f));
 	CHECK(fine.at({0.0, 40.0}).height == 1000.0001f);
 }
 
 TEST_CASE("terrain: 16-bit posts and posts in meters with equal heights are the same ground") {
-	HeightfieldFrame whole = frame; // 1 m per step, so that both have the same numbers.
+	HeightfieldFrame whole = frame; // One step is 1 m, so that both fields have the same numbers.
 	whole.min_height = 0.0;
 	whole.max_height = 65535.0;
 	std::mt19937 random(2);
@@ -74,7 +75,7 @@ TEST_CASE("terrain: 16-bit posts and posts in meters with equal heights are the 
 			CHECK(same_bits(coarse.at({x, z}), fine.at({x, z})));
 		}
 	}
-	// Each kind replaces the other.
+	// Setting posts of one kind replaces posts of the other kind.
 	Heightfield both = field_of(random_meters(4));
 	REQUIRE(both.set(frame, steps).ok());
 	CHECK(both.at(place_of(2, 1)).height == doctest::Approx(-100.0 + steps[index_of(2, 1)] * 1310.7 / 65535.0));
@@ -104,7 +105,7 @@ TEST_CASE("terrain: there is no ground between four posts only if one of them is
 
 TEST_CASE("terrain: ground on the line between a patch and a hole belongs to the patch with the larger x and z") {
 	auto posts = random_meters(5);
-	posts[index_of(3, 1)] = missing; // Removes patches 2 and 3 of rows 0 and 1.
+	posts[index_of(3, 1)] = missing; // The hole removes patches 2 and 3 of rows 0 and 1.
 	const Heightfield field = field_of(posts);
 	CHECK(std::isnan(field.at(place_of(2.0, 0.5)).height));
 	CHECK(!std::isnan(field.at(place_of(4.0, 0.5)).height));
@@ -142,7 +143,7 @@ TEST_CASE("terrain: normals beside a hole have no seam between the remaining pat
 	const Heightfield field = field_of(posts);
 	constexpr double hair = 1e-9;
 	for (double along = 0.01; along < 2.0;
-			along += 0.1) { // Patches of columns 4 and 5, rows 0 to 2, share posts by the hole.
+			along += 0.1) { // The patches of columns 4 and 5 in rows 0 to 2 share posts at the edge of the hole.
 		const glm::vec3 before = field.at(place_of(5.0 - hair, along)).normal;
 		CHECK(glm::distance(before, field.at(place_of(5.0 + hair, along)).normal) < 1e-4f);
 	}

@@ -1,4 +1,5 @@
-// Threads that the caller lends share a large rectangle: the tile and the errors are the same as without them.
+// Tests that threads which the caller lends to a build share a large rectangle. The tile and the
+// errors must be the same as without them.
 
 #include "core/terrain/flat_terrain.hpp"
 #include "counted_threads.hpp"
@@ -23,7 +24,7 @@ namespace {
 
 constexpr Rect wide{{-200.0, -190.0}, {200.0, 190.0}};
 
-/// Hills that wait once until two threads sample their ground.
+/// Hills that block the first call, for up to 20 s, until a second thread samples them.
 class Meeting final : public Terrain {
 public:
 	Status sample(std::span<const glm::dvec2> positions, std::span<Ground> r_ground) const override {
@@ -44,7 +45,7 @@ private:
 	mutable std::set<std::thread::id> threads_;
 };
 
-/// Ground that fails after some calls.
+/// Ground that fails after `calls` calls.
 class Broken final : public Terrain {
 public:
 	explicit Broken(int calls) : calls_(calls) {}
@@ -74,7 +75,7 @@ TEST_CASE("tile: lent threads share points and ground, and the result is bit-ide
 		TileInstances tile;
 		REQUIRE(builder.build(layer, terrain, wide, tile, nullptr, &threads).ok());
 		CHECK(digest(tile) == digest(alone));
-		CHECK(threads.runs == (count > 0 ? 4 : 0)); // To filter, gather, sort and write instances.
+		CHECK(threads.runs == (count > 0 ? 4 : 0)); // The four steps filter, gather, sort and write instances.
 		CHECK(tile.counts.sampled == alone.counts.sampled);
 		CHECK(tile.counts.dense == alone.counts.dense);
 		CHECK(tile.counts.placed == alone.counts.placed);
@@ -85,7 +86,7 @@ TEST_CASE("tile: lent threads share points and ground, and the result is bit-ide
 			CHECK(tile.meshes[mesh].normals == alone.meshes[mesh].normals);
 		}
 	}
-	// A small tile wakes no thread.
+	// A small tile uses no lent thread.
 	CountedThreads threads(3);
 	TileBuilder builder;
 	TileInstances tile;
@@ -127,7 +128,7 @@ TEST_CASE("tile: lent threads share layers with spacing, feathered edges and sou
 TEST_CASE("tile: with few or no instances, lent threads build the same tile") {
 	LayerSettings layer = rich_layer();
 	const Heightfield terrain = hills();
-	layer.rules.density = 1e-4; // A few instances remain.
+	layer.rules.density = 1e-4; // Only a few instances remain.
 	LayerSettings none = rich_layer();
 	none.rules.min_height = 500.0;
 	for (const LayerSettings &each : {layer, none}) {

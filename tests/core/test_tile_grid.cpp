@@ -22,7 +22,7 @@ TEST_CASE("streaming: tiles round down and share their edges") {
 			glm::ivec2 tile = tile_at(size, position);
 			CHECK(tile_rect(size, tile).contains(position));
 			CHECK(tile_rect(size, tile).max.x == tile_rect(size, tile + 1).min.x);
-			// Positions on an edge belong to the tile that starts there.
+			// Positions on an edge belong to the tile that begins there.
 			position = tile_rect(size, tile).min;
 			CHECK(tile_at(size, position) == tile);
 			position.x = std::nextafter(position.x, -1e9);
@@ -51,7 +51,7 @@ TEST_CASE("base: the tiles in a rectangle are those that contain points of it") 
 		for (int i = 0; i < 2000; ++i) {
 			const glm::dvec2 corner(along(random), along(random));
 			Rect rect{corner, corner + 4.0 * size};
-			if (i % 2 == 0) { // The end of the rectangle is on an edge of tiles.
+			if (i % 2 == 0) { // The end of the rectangle is on a tile edge.
 				rect.max = tile_rect(size, tile_at(size, rect.max)).min;
 			}
 			const TileRange range = tiles_in(size, rect);

@@ -1,4 +1,4 @@
-// The estimated number of a layer's instances around a viewer.
+// Tests the estimated number of a layer's instances around a viewer.
 
 #include "core/base/tile_grid.hpp"
 #include "core/streaming/view_estimate.hpp"
@@ -11,7 +11,7 @@ using namespace thicket;
 
 namespace {
 
-/// The number of tiles in view of a viewer within tile (0, 0).
+/// Returns the number of tiles within the view distance of a viewer in tile (0, 0).
 int tiles_in_view(const StreamLayer &layer, glm::dvec2 viewer) {
 	int count = 0;
 	for (int y = -10; y <= 10; ++y) {

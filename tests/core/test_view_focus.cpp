@@ -10,7 +10,7 @@ using namespace thicket;
 
 namespace {
 
-/// Waves of 40 m along x, and no ground beyond x = 1000.
+/// Waves along x with an amplitude of 40 m. There is no ground beyond x = 1000.
 class Hills final : public Terrain {
 public:
 	static double height(double x) { return 40.0 * std::sin(0.01 * x); }
@@ -55,7 +55,8 @@ TEST_CASE("view focus: a plane replaces missing ground") {
 				{5000.0, 30.0, 7.0}, 1e-6);
 	}
 	CHECK_FALSE(ground_on_ray(hills, {5000.0, 800.0, 0.0}, {0.0, -1.0, 0.0}, 4000.0).has_value());
-	CHECK_FALSE(ground_on_ray(hills, {0.0, -800.0, 0.0}, {0.0, -1.0, 0.0}, 4000.0).has_value()); // From below.
+	// The ray starts below the ground.
+	CHECK_FALSE(ground_on_ray(hills, {0.0, -800.0, 0.0}, {0.0, -1.0, 0.0}, 4000.0).has_value());
 }
 
 TEST_CASE("view focus: an axis along the ground, or one without a hit, ends at the default depth") {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Helpers for the tests of whole tiles.
+// Helpers for tests of whole tiles.
 
 #include "core/placement/compact_tile.hpp"
 #include "core/placement/tile_builder.hpp"
@@ -18,7 +18,7 @@
 
 namespace thicket::test {
 
-/// Waves of hills over 600 x 400 m, from sharp to gentle.
+/// Returns hills on 600 x 400 m, with gentle and steep slopes.
 inline Heightfield hills() {
 	const HeightfieldFrame frame{{61, 41}, {{-300.0, -200.0}, {300.0, 200.0}}, 0.0, 90.0};
 	std::vector<std::uint16_t> posts;
@@ -59,7 +59,7 @@ inline std::shared_ptr<const CompactTile> kept(const LayerSettings &layer, const
 	return std::make_shared<const CompactTile>(tile, std::make_shared<LayerSettings>(layer));
 }
 
-/// A digest of all its bits.
+/// Returns a digest of all bits of the mesh's instances.
 inline std::uint64_t digest(const CompactMesh &mesh) {
 	TileInstances tile;
 	tile.meshes.push_back(expanded(mesh));
@@ -81,7 +81,7 @@ inline glm::dvec3 world_position(const TileInstances &tile, const MeshInstances 
 
 using Transforms = std::map<std::uint64_t, std::vector<float>>;
 
-/// The transforms of all meshes, by id.
+/// Returns the transforms of all instances, keyed by id.
 inline Transforms transforms_of(const TileInstances &tile) {
 	Transforms result;
 	for (const MeshInstances &mesh : tile.meshes) {
@@ -93,7 +93,8 @@ inline Transforms transforms_of(const TileInstances &tile) {
 	return result;
 }
 
-/// Checks that a filter reduced `all` to `some`: more than 50 instances, but not all, and each bit-identical.
+/// Checks that a filter reduced `all` to `some`: more than 50 but not all instances, with
+/// bit-identical transforms.
 inline void check_filtered(const Transforms &all, const Transforms &some) {
 	CHECK(some.size() > 50);
 	CHECK(some.size() < all.size());
@@ -104,7 +105,8 @@ inline void check_filtered(const Transforms &all, const Transforms &some) {
 	}
 }
 
-/// Checks that tile_of_hills has this digest on several concurrent threads, built first and after a different tile.
+/// Checks that tile_of_hills has the digest `expected` on several concurrent threads, both as the
+/// first tile of a builder and after a different tile.
 inline void check_on_threads(const LayerSettings &layer, const Terrain &terrain, std::uint64_t expected) {
 	std::array<std::array<std::uint64_t, 2>, 3> digests{};
 	std::vector<std::thread> threads;

@@ -15,18 +15,18 @@
 
 namespace thicket::tilings {
 
-/// A way to cut the plane into rectangles, and an order to visit them.
+/// A division of the plane into rectangular tiles, and the order in which they are sampled.
 struct Tiling {
 	const char *name;
-	glm::dvec2 size;           ///< Meters.
-	glm::dvec2 offset{0.0};    ///< A corner of any tile, meters.
-	unsigned threads = 1;      ///< Each has its own sampler and takes the next free tile.
-	std::uint64_t shuffle = 0; ///< Seed of the tiles' order; 0 is row by row.
+	glm::dvec2 size;           ///< Size of a tile in meters.
+	glm::dvec2 offset{0.0};    ///< The position of any tile corner, meters.
+	unsigned threads = 1;      ///< Each thread has its own sampler and takes the next free tile.
+	std::uint64_t shuffle = 0; ///< Seed of a random order; 0 means row by row.
 };
 
-/// All tiles of the tiling that touch `region`, uncropped.
+/// Returns all tiles that overlap `region`. They are not clipped to it.
 inline std::vector<Rect> tiles_of(const Tiling &tiling, const Rect &region) {
-	// A single expression computes every edge, so that neighbors share it bit for bit.
+	// The same expression computes every edge, so adjacent tiles share bit-identical edges.
 	const auto edge_x = [&](std::int64_t i) {
 		return tiling.offset.x + static_cast<double>(i) * tiling.size.x;
 	};
@@ -82,8 +82,8 @@ inline void harvest(const PointSet &set, const Rect &region, const std::vector<R
 	}
 }
 
-/// The points of `region`, collected from the tiles of a tiling and sorted by id. A point that two tiles return is
-/// listed twice.
+/// Returns the points of `region`, collected from the tiles of a tiling and sorted by id. A point
+/// that two tiles return is included twice.
 inline std::vector<SamplePoint> points_through(const PointSet &set, const Rect &region, const Tiling &tiling) {
 	const std::vector<Rect> tiles = tiles_of(tiling, region);
 	std::atomic<std::size_t> next{0};
@@ -104,7 +104,7 @@ inline std::vector<SamplePoint> points_through(const PointSet &set, const Rect &
 	return points;
 }
 
-/// The points of `region` from a single call, sorted by id.
+/// Returns the points of `region` from a single call, sorted by id.
 inline std::vector<SamplePoint> points_at_once(const PointSet &set, const Rect &region) {
 	TileSampler sampler;
 	std::vector<SamplePoint> points;

@@ -1,5 +1,6 @@
-// Growth of cost: random kinds of input, each at two sizes, measured in steps instead of time. Four times the input
-// must not take more than six times the steps. n log n stays below five, and a quadratic cost reaches sixteen.
+// Measures how costs grow. Each case runs with random kinds of input at two sizes, and its cost is
+// measured in steps instead of time. Four times the input must take at most six times the steps.
+// For a cost of n log n, the factor stays below five; for a quadratic cost, it reaches sixteen.
 //   growth [ROUNDS = 3] [SEED = 1]      rounds of all cases, each with a new seed
 //   growth - SEED [CASE]                the seed of a failure, with figures; all cases or one of them
 
@@ -17,7 +18,7 @@ constexpr std::size_t small_size = 1024;
 constexpr std::size_t growth = 4;
 constexpr double most_growth = 6.0;
 
-/// Constant cost, which is added to both sizes so that it does not hide the growth of the rest.
+/// Added to the steps at both sizes, so that small counts do not exceed the limit.
 constexpr std::uint64_t free_steps = 20000;
 
 std::vector<Case> all_cases() {
@@ -29,10 +30,12 @@ std::vector<Case> all_cases() {
 	return all;
 }
 
-/// False if a case grows too fast; prints a line about it.
+/// Returns false, and prints a line, if the cost of a case grows too fast.
 bool check(const Case &which, std::uint64_t seed, bool verbose) {
 	const Recipe recipe(seed);
-	static_cast<void>(which.run(recipe, small_size)); // Warms up what is built once, such as the library's tables.
+	// Builds everything that is built only once, such as tables of the library, before the
+	// measurements.
+	static_cast<void>(which.run(recipe, small_size));
 	const std::uint64_t few = which.run(recipe, small_size) + free_steps;
 	const std::uint64_t many = which.run(recipe, growth * small_size) + free_steps;
 	const double ratio = static_cast<double>(many) / static_cast<double>(few);

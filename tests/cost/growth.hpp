@@ -14,16 +14,16 @@ namespace thicket::cost {
 
 using Points = std::vector<glm::dvec2>;
 
-/// A kind of input, of any size.
+/// Generates inputs of one kind, in any size.
 class Recipe {
 public:
 	explicit Recipe(std::uint64_t seed);
 
-	/// Points in a difficult order: all at one position, alternating between two, along lines, at random, on a spiral
-	/// or on a grid.
+	/// Returns points in a difficult arrangement: all at one position, alternating between two
+	/// positions, along lines, at random, on a spiral, or on a grid.
 	Points points(std::size_t count) const;
 
-	/// Distinct ids of points.
+	/// Returns distinct ids of points.
 	std::vector<std::uint64_t> ids(std::size_t count) const;
 
 	const char *name() const;
@@ -39,16 +39,16 @@ private:
 	std::uint64_t stride_ = 1;
 };
 
-/// Positions that are the same for every input size.
+/// Returns positions that are the same for every input size.
 Points fixed_places();
 
-/// Ends the program if an input is refused.
+/// Ends the program if `status` is an error.
 void need(const Status &status);
 
-/// The number of steps that `work` takes.
+/// Runs `work` and returns the number of steps that it takes.
 std::uint64_t steps_of(const std::function<void()> &work);
 
-/// A named case. `run` returns the steps for an input of this size.
+/// A case with a name. `run` returns the number of steps for an input of size `count`.
 struct Case {
 	const char *name;
 	std::uint64_t (*run)(const Recipe &recipe, std::size_t count);

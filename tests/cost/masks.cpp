@@ -8,7 +8,7 @@ namespace thicket::cost {
 
 namespace {
 
-/// A mask with `count` dabs of equal size. Pixels are 1 m.
+/// Returns a mask with `count` dabs of equal size. Its pixels are 1 m wide.
 PaintedMask painted(const Recipe &recipe, std::size_t count) {
 	PaintedMask mask;
 	need(mask.reset(1.0, 0.0));

@@ -8,7 +8,8 @@ namespace thicket::cost {
 
 namespace {
 
-/// Triangles at the points of a recipe, or through three of them, which makes the triangles long.
+/// Returns the steps that it takes to set the triangles of a terrain and to sample the terrain. Each
+/// triangle is small and at a point of the recipe, or long and near three points.
 std::uint64_t mesh(const Recipe &recipe, std::size_t count, bool longish) {
 	const Points points = recipe.points(3 * count);
 	std::vector<glm::dvec3> corners;

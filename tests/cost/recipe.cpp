@@ -13,7 +13,7 @@ namespace thicket::cost {
 
 namespace {
 
-/// A number in [0, 1).
+/// Returns a random number in [0, 1).
 double unit(std::mt19937_64 &r_random) { return static_cast<double>(r_random() >> 11) * 0x1p-53; }
 
 } // namespace

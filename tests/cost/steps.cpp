@@ -19,8 +19,9 @@ __attribute__((no_sanitize_coverage)) std::uint64_t steps() { return made; }
 
 } // namespace thicket::cost
 
-// The compiler calls the first function in every basic block (-fsanitize-coverage=trace-pc). The linker places the
-// others before the C library's (--wrap), which the compiler does not instrument.
+// The compiler inserts a call of the first function into every basic block
+// (-fsanitize-coverage=trace-pc). All other functions wrap functions of the C library, which has no
+// such calls (the linker option --wrap).
 extern "C" {
 
 __attribute__((no_sanitize_coverage)) void __sanitizer_cov_trace_pc() { ++made; }

@@ -5,8 +5,9 @@
 
 namespace thicket::cost {
 
-/// Steps of this thread: basic blocks entered, memory requests, and every 16 bytes that were moved, copied or set. They
-/// are independent of the machine and its load. Compile the sources with count_steps=yes.
+/// Returns the number of steps of this thread so far. Each basic block of our code that is entered
+/// counts as one step, and so do every 16 bytes that a call moves, copies or sets. The number does
+/// not depend on the load of the machine. The sources must be compiled with count_steps=yes.
 std::uint64_t steps();
 
 } // namespace thicket::cost

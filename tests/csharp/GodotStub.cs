@@ -1,6 +1,7 @@
-// The part of the engine's C# API that the wrappers of the add-on and the examples of README.md use: names, types and
-// conversions as in GodotSharp, without an implementation. A compiler can check both without an engine for .NET.
-// tests/build/test_csharp.py adds engine classes that are only named, from the engine's own description of its API.
+// The part of the engine's C# API that the add-on's wrappers and the examples of README.md use. It has names, types and
+// conversions as in GodotSharp, but no implementation. With it, a compiler can check both without Godot's .NET version.
+// tests/build/test_csharp.py adds empty classes for all other engine types, from the engine's own description of its
+// API.
 using System;
 using System.Collections;
 using System.Collections.Generic;

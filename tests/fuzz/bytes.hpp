@@ -9,7 +9,7 @@
 
 namespace thicket::fuzz {
 
-/// Converts a fuzzer's bytes to arguments. Returns zeros past the end.
+/// Converts a fuzzer's bytes to arguments. Returns zeros after the last byte.
 class Bytes {
 public:
 	Bytes(const std::uint8_t *data, std::size_t size) : rest_(data, size) {}
@@ -26,7 +26,8 @@ public:
 	bool chance(int one_in) { return raw<std::uint8_t>() % one_in == 0; }
 	std::uint32_t below(std::uint32_t count) { return raw<std::uint32_t>() % count; }
 
-	/// Usually a number in [from, to], occasionally a special value or random bits.
+	/// Returns a number in [from, to] in most cases, and occasionally a special value or any bit
+	/// pattern.
 	double number(double from, double to) {
 		static constexpr double inf = std::numeric_limits<double>::infinity();
 		static constexpr std::array<double, 14> nasty = {0.0, -0.0, 1.0, -1.0, inf, -inf,

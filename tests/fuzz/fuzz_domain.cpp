@@ -1,4 +1,5 @@
-// Any domain and method: the sampler either refuses or returns a set that keeps its promises.
+// Samples random domains with all methods. The sampler must either refuse a request or return a set
+// that keeps its promises.
 
 #include "tests/analysis/domain_check.hpp"
 #include "tests/fuzz/bytes.hpp"
@@ -26,7 +27,7 @@ DomainRequest read_request(Bytes &r_bytes) {
 	request.toroidal = r_bytes.chance(2);
 	const double scale = std::isfinite(request.radius) ? request.radius : 1.0;
 	for (int axis = 0; axis < 2; ++axis) {
-		// Occasionally a side that is wide, or small compared to a base square.
+		// Occasionally, a side is very long, or short compared with a base square.
 		const double widest = r_bytes.chance(8) ? 0.1 : r_bytes.chance(32) ? 2000.0 : 24.0;
 		request.size[axis] = scale * r_bytes.number(request.toroidal ? 3.9 : 0.0, widest);
 	}
@@ -35,7 +36,8 @@ DomainRequest read_request(Bytes &r_bytes) {
 	return request;
 }
 
-/// A domain with few points, so that the checks are fast. Larger ones are valid but slow.
+/// Returns true if the domain has few points, so that the checks are fast. Larger domains are
+/// valid, but slow.
 bool is_small(const DomainRequest &request) {
 	const glm::dvec2 radii = request.size / request.radius;
 	return (radii.x + 1.0) * (radii.y + 1.0) < 5000.0 &&
@@ -54,7 +56,8 @@ void check_points(const DomainRequest &request, const std::vector<glm::vec<2, Re
 	promise(report.uncovered == 0, "no gap is left");
 }
 
-/// Checks that a request that differs only in its implementation produces the same set.
+/// Checks that a request produces the same set with a different cell size and a different variant
+/// of the method. `fill` must produce as many points.
 template <typename Real>
 void check_twin(DomainRequest request, const std::vector<glm::vec<2, Real>> &points) {
 	request.cell_size = request.cell_size == 0.0 ? 1.7 : 0.0;

@@ -1,10 +1,10 @@
 #pragma once
 
-// A fuzz target is a file with LLVMFuzzerTestOneInput. With clang, `-fsanitize=fuzzer -DTHICKET_LIBFUZZER` makes it a
-// libFuzzer program:
+// A fuzz target is a file with LLVMFuzzerTestOneInput. With clang, `-fsanitize=fuzzer
+// -DTHICKET_LIBFUZZER` makes it a libFuzzer program:
 //   clang++ -std=c++20 -g -O1 -fsanitize=fuzzer,address,undefined -DTHICKET_LIBFUZZER -ffp-contract=off -Iextension -I.
-//       extension/core/*/*.cpp extension/core/*/*/*.cpp tests/fuzz/fuzz_sampler.cpp -lhwy -o build/fuzz_sampler
-// Without it, the main below feeds it random bytes:
+//       extension/core/*/*.cpp extension/core/*/*/*.cpp tests/fuzz/fuzz_sampler.cpp -lhwy -llodepng -o build/fuzz_sampler
+// Without -DTHICKET_LIBFUZZER, the `main` below runs the target with random bytes:
 //   fuzz_sampler [seconds = 10] [seed = 1]      many inputs
 //   fuzz_sampler - SEED                         the one input that a failure printed
 
@@ -23,9 +23,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 
 namespace thicket::fuzz {
 
-inline std::uint64_t current_seed = 0; ///< The seed of the current input, for the message of a failure.
+inline std::uint64_t current_seed = 0; ///< The seed of the current input, for failure messages.
 
-/// Ends the program with a message unless `held`.
+/// Aborts the program with a message if `held` is false.
 inline void promise(bool held, const char *what) {
 	if (!held) {
 		std::fprintf(stderr, "fuzz: broken promise: %s (again with: - %llu)\n", what,
@@ -50,7 +50,7 @@ inline void run_one(std::uint64_t seed) {
 	LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
 }
 
-/// An input that takes longer than this is considered a hang.
+/// A run that takes longer than this is considered a hang.
 inline constexpr unsigned hang_seconds = 20;
 
 } // namespace thicket::fuzz

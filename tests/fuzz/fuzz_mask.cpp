@@ -1,4 +1,5 @@
-// Any bytes as a painted mask, and any dabs on one: they are either refused or leave a consistent mask.
+// Loads random bytes as a painted mask, and paints random dabs. Each must either be refused or
+// leave a consistent mask.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -23,7 +24,7 @@ void check_refusal(const Status &status, const PaintedMask &mask, const PaintedM
 	promise(describe(status).find(status.property) == 0, "an error names the property");
 }
 
-/// Checks that exactly the written bytes can be loaded.
+/// Checks that saved bytes load as an equal mask, which saves as the same bytes.
 void check_bytes(const PaintedMask &mask) {
 	const Pixels bytes = mask.to_bytes();
 	PaintedMask loaded;
@@ -31,12 +32,12 @@ void check_bytes(const PaintedMask &mask) {
 	promise(loaded.to_bytes() == bytes, "equal masks have equal bytes");
 }
 
-/// Loads a mask's bytes with damage at a few positions, with or without a valid checksum.
+/// Loads a mask's bytes after damaging them at a few positions, with or without a valid checksum.
 void load_damaged(const PaintedMask &mask, Bytes &r_bytes) {
 	Pixels bytes = mask.to_bytes();
 	const std::uint32_t changes = r_bytes.below(4);
 	for (std::uint32_t i = 0; i < changes && !bytes.empty(); ++i) {
-		// Mostly in the header and in the first block's.
+		// Half of the changes are in the header and the beginning of the first block.
 		const auto size = static_cast<std::uint32_t>(bytes.size());
 		const std::uint32_t place = r_bytes.below(r_bytes.chance(2) ? size : std::min(size, 40u));
 		switch (r_bytes.below(4)) {
@@ -81,7 +82,7 @@ std::vector<float> densities(const PaintedMask &mask, const std::vector<glm::dve
 	return result;
 }
 
-/// Paints one dab and checks that the rest of the plane is unchanged, and that the dab can be undone.
+/// Paints a dab. Checks that the rest of the plane is unchanged, and that the dab can be undone.
 void dab(PaintedMask &r_mask, Bytes &r_bytes) {
 	const PaintedMask before = r_mask;
 	const Brush brush = read_brush(r_bytes, r_mask.pixel_size());
@@ -112,7 +113,7 @@ void dab(PaintedMask &r_mask, Bytes &r_bytes) {
 	}
 }
 
-/// Reads and writes a region of any four numbers.
+/// Reads and writes a random region, which may be invalid.
 void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 	const auto near = [&] {
 		return r_bytes.chance(24) ? r_bytes.raw<std::int32_t>() : static_cast<int>(r_bytes.below(300)) - 150;
@@ -121,7 +122,7 @@ void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 	region.min = {near(), 0};
 	region.min.y = near();
 	region.max = region.min;
-	if (!r_bytes.chance(24)) { // Sums that stay in range.
+	if (!r_bytes.chance(24)) { // These sums do not overflow.
 		region.max = glm::ivec2(std::min(region.min.x, 1 << 30), std::min(region.min.y, 1 << 30)) +
 				static_cast<int>(r_bytes.below(90)) - 2;
 	} else {
@@ -135,7 +136,7 @@ void copy_region(PaintedMask &r_mask, Bytes &r_bytes) {
 		return;
 	}
 	if (pixels.size() > 1 << 16) {
-		return; // Valid, but slow.
+		return; // Valid, but too slow.
 	}
 	Rect changed;
 	promise(r_mask.write(region, pixels, changed).ok() && changed.empty() && r_mask == before,

@@ -1,4 +1,5 @@
-// Any point set and rectangle: the sampler either refuses or returns points that keep its promises.
+// Samples random point sets and rectangles. The sampler must either refuse a call or return points
+// that keep its promises.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -72,7 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size
 	const PointSet set = read_set(bytes);
 	const Rect rect = read_rect(bytes, set.radius);
 
-	// Large requests are valid but slow, so they are cancelled immediately.
+	// Large requests are valid, but slow, so they are canceled immediately.
 	const std::atomic<bool> raised{true};
 	const double expected = rect.size().x * rect.size().y * point_density(set);
 	const bool small = expected < 3000.0 && std::max(rect.size().x, rect.size().y) < 1000.0 * set.radius;

@@ -1,4 +1,5 @@
-// Random shapes and triangles, valid and invalid, evaluated at random positions and at their own corners.
+// Evaluates random shapes and triangles, valid and invalid, at random positions and at their own
+// corners.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -16,7 +17,8 @@ using namespace thicket::fuzz;
 
 namespace {
 
-/// Any number, or small whole numbers, with which lines meet and overlap.
+/// Returns a random number or, in half of the cases, a small integer, so that lines intersect and
+/// overlap.
 double coordinate(Bytes &r_bytes) {
 	return r_bytes.chance(2) ? static_cast<double>(r_bytes.below(9)) - 4.0 : r_bytes.number(-5.0, 5.0);
 }
@@ -27,7 +29,7 @@ glm::dvec3 read_vector(Bytes &r_bytes) {
 	return {x, y, coordinate(r_bytes)};
 }
 
-/// A rotation that is orthonormal, nearly orthonormal, or random.
+/// Returns axes that are orthonormal, nearly orthonormal, or random.
 glm::dmat3 read_axes(Bytes &r_bytes) {
 	glm::dmat3 axes(1.0);
 	switch (r_bytes.below(4)) {

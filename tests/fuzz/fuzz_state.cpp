@@ -1,5 +1,5 @@
-// Any bytes as a state or a diff, and any changes to a state: they are either refused or leave a consistent state
-// within limits.
+// Loads random bytes as a state or a diff, and makes random changes to a state. Each must either be
+// refused or leave a consistent state within the limits.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -44,7 +44,7 @@ InstanceState copy_of(const InstanceState &state) {
 	return copy;
 }
 
-/// Mostly one of few ids, so that calls often use the same one.
+/// Returns one of few ids in most cases, so that several calls often use the same id.
 std::uint64_t read_id(Bytes &r_bytes, const InstanceState &state) {
 	if (r_bytes.chance(8)) {
 		return r_bytes.raw<std::uint64_t>();
@@ -127,7 +127,7 @@ void change(InstanceState &r_state, Bytes &r_bytes) {
 	promise(r_state.revision() >= revision, "revisions rise");
 }
 
-/// Damages stored bytes at a few positions, with or without a valid checksum.
+/// Damages stored bytes at a few positions. In most cases, the checksum is valid afterward.
 void damage(Stored &r_stored, Bytes &r_bytes) {
 	for (std::uint32_t changes = r_bytes.below(4); changes > 0 && !r_stored.empty(); --changes) {
 		const auto size = static_cast<std::uint32_t>(r_stored.size());
@@ -147,7 +147,7 @@ void damage(Stored &r_stored, Bytes &r_bytes) {
 	}
 }
 
-/// Limits that the bytes usually satisfy, but not always.
+/// Returns random limits, which many diffs satisfy, but not all.
 DiffLimits read_limits(Bytes &r_bytes) {
 	DiffLimits limits;
 	if (r_bytes.chance(2)) {
@@ -165,8 +165,8 @@ DiffLimits read_limits(Bytes &r_bytes) {
 	return limits;
 }
 
-/// Passes bytes to a state with limits. A refused diff must change nothing. An accepted diff must respect the limits,
-/// and have no effect a second time.
+/// Applies and merges a diff with limits. A refused diff must change nothing. An accepted diff must
+/// respect the limits, and applying it again must have no effect.
 void feed_within(const InstanceState &state, const Stored &stored, const DiffLimits &limits) {
 	for (const bool joining : {false, true}) {
 		InstanceState fed = copy_of(state);
@@ -193,8 +193,8 @@ void feed_within(const InstanceState &state, const Stored &stored, const DiffLim
 	}
 }
 
-/// Passes bytes to a state. Refused bytes must change nothing. An accepted whole state must be written back
-/// identically.
+/// Loads the bytes into a state and applies them. Refused bytes must change nothing. A state that
+/// loads must be saved identically.
 void feed(const InstanceState &state, const Stored &stored) {
 	InstanceState fed = copy_of(state);
 	Changes changes;

@@ -1,4 +1,5 @@
-// Any heightfield and any layer: they are either refused or produce tiles that an engine can show.
+// Builds tiles from random heightfields and layers. Each must either be refused or produce a tile
+// that an engine can display.
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/fuzz_main.hpp"
@@ -17,8 +18,8 @@ using namespace thicket;
 using fuzz::Bytes;
 using fuzz::promise;
 
-/// A field of at most 40 x 40 posts around the origin in most cases. If the field is refused, the previous flat field
-/// must be unchanged.
+/// Returns a field around the origin, in most cases of at most 40 x 40 posts. If the posts are
+/// refused, the field must remain flat.
 Heightfield read_field(Bytes &r_bytes) {
 	Heightfield field;
 	const std::vector<std::uint16_t> flat(4, 1000);
@@ -70,7 +71,7 @@ void check_field(const Heightfield &field, Bytes &r_bytes) {
 	}
 }
 
-/// Rules that read the surroundings of a point.
+/// Adds random rules that depend on the surroundings of a point.
 void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
 	if (r_bytes.chance(2)) {
 		r_layer.rules.clumping = {r_bytes.number(0.1, 50.0), r_bytes.number(0.0, 1.0), r_bytes.number(0.0, 1.0)};
@@ -84,7 +85,7 @@ void read_surroundings(LayerSettings &r_layer, Bytes &r_bytes) {
 	}
 }
 
-/// Biomes and water, for some layers. If the map is refused, the layer has none.
+/// Adds random rules for biomes and water. If the map is refused, the layer has no biomes.
 void read_biomes(LayerSettings &r_layer, Bytes &r_bytes) {
 	r_layer.rules.min_water_depth = r_bytes.chance(2) ? -unlimited_height : r_bytes.number(-100.0, 0.0);
 	r_layer.rules.max_water_depth = r_bytes.number(0.0, 100.0);
@@ -112,7 +113,7 @@ void read_biomes(LayerSettings &r_layer, Bytes &r_bytes) {
 	r_layer.rules.water = std::make_shared<WaterLevels>(map, levels);
 }
 
-/// A color and a variation with sources, for some layers.
+/// Adds colors and variations with random sources to some layers.
 void read_look(LayerSettings &r_layer, Bytes &r_bytes) {
 	const auto read_source = [&](InstanceSource &r_source) {
 		r_source.kind = static_cast<SourceKind>(r_bytes.below(6));

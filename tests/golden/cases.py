@@ -1,4 +1,4 @@
-"""The point sets and domains of tests/analysis/golden.cpp, for tests in other languages, and their digests."""
+"""Lists the point sets and domains of tests/analysis/golden.cpp with their digests, for tests in other languages."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Set:
 
     @property
     def digests(self) -> tuple[int, int]:
-        """The digests of the positions and of the ranks."""
+        """Returns the digests of the positions and of the ranks."""
         return int(DIGESTS[self.name], 16), int(DIGESTS[f"{self.name}: ranks"], 16)
 
 
 @dataclass(frozen=True)
 class Domain:
-    """A whole domain, by one of the methods."""
+    """A whole domain that is sampled with one of the methods."""
 
     name: str
     seed: int
@@ -39,7 +39,7 @@ class Domain:
     cell_size: float = 0.0
 
     def digest(self, precision: str) -> int:
-        """`precision` is single or double."""
+        """Returns the digest of the points. `precision` is "single" or "double"."""
         return int(DIGESTS[f"domain, {self.name}, {precision}"], 16)
 
 

@@ -10,22 +10,22 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-# Processors that also run the programs of a second one.
+# Pairs of a processor and a different processor whose programs it also runs.
 RUNS_TOO = {("x86_64", "i386")}
 
 
 def command(emulator: str, platform: str, native: str) -> list[str | Path]:
-    """The command in front of the program. Empty if this machine runs it directly."""
+    """Returns the command that runs a program for the platform. Empty if this machine runs the program directly."""
     if platform == native or (native, platform) in RUNS_TOO:
         return []
     if emulator == "node":
-        # Threads that compile in Node 20 crash it occasionally, at the latest when the program has ended.
+        # In Node 20, the threads that compile WebAssembly crash it occasionally, even after the program has ended.
         return ["node", "--no-warnings", "--single-threaded", Path(__file__).with_name("wasi.mjs")]
     return [find_wine() or "wine"] if emulator == "wine" else [f"qemu-{platform}"]
 
 
 def absence(emulator: str, platform: str, native: str) -> str:
-    """Why programs for that platform cannot run here. Empty if they can."""
+    """Returns the reason why programs for the platform cannot run here. Empty if they can."""
     if emulator == "qemu" and host.system() != "Linux":
         return "programs for Linux do not run here"
     if emulator == "wine" and native != "x86_64":
@@ -35,7 +35,7 @@ def absence(emulator: str, platform: str, native: str) -> str:
 
 
 def find_wine() -> str | None:
-    """Debian's package of 64-bit wine puts no program on the PATH."""
+    """Returns the path of wine, if it is installed. Debian's package of 64-bit wine puts no program on the PATH."""
     return next((found for name in ("wine64", "wine", "/usr/lib/wine/wine64") if (found := shutil.which(name))), None)
 
 
@@ -45,8 +45,9 @@ def environment(emulator: str) -> dict[str, str]:
 
 @cache
 def wine_environment() -> dict[str, str]:
-    """An environment with a registry and a C: drive that are deleted when this program ends."""
+    """Returns environment variables for wine, with a registry and a C: drive that are deleted when this program
+    exits."""
     folder = tempfile.mkdtemp(prefix="thicket-wine-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    # Without the components that offer further downloads.
+    # The overrides disable the components of wine that would offer further downloads.
     return {"WINEPREFIX": folder, "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}

@@ -1,10 +1,12 @@
-"""The matrix of bit-identical results: analysis/golden from every compiler at every level for every platform. The program runs on every instruction
-set of the processor, in an emulator if the platform is not this machine's.
+"""The matrix of bit-identical results. Builds analysis/golden for several platforms, each with the compilers that exist
+for it and at several optimization levels, and runs it. The program uses every instruction set of the processor, in an
+emulator if the platform is not that of this machine.
 
     bash tests/golden/matrix.sh                    prints it as a Markdown table; installs the required packages
     bash tests/golden/matrix.sh aarch64 wasm       only these platforms
 
-tests/core/test_golden.py runs the same cells. Compiled objects are kept in build/golden until one of their sources changes.
+tests/core/test_golden.py runs some of these cells. Compiled objects are cached in build/golden until their command or one
+of their sources changes.
 """
 
 from __future__ import annotations
@@ -37,46 +39,46 @@ ZIG = Path(installed.zig_program())
 BUILT = REPO / "build/golden"
 GOLDEN = json.loads((REPO / "tests/golden/core.json").read_text(encoding="utf-8"))
 
-# The rooms that determine the digests; streaming, drawing, explain and impostor affect no instance. The room that takes longest to compile
-# is first.
+# The rooms that determine the digests. Other rooms, such as streaming and drawing, do not affect instances. The room
+# that takes the longest to compile is first.
 ROOMS = ["sampling", "base", "terrain", "rules", "placement", "state", "query", "near", "surface"]
 COMMON = ["-std=c++20", "-ffp-contract=off", "-DHWY_STATIC_DEFINE"]
-# Release builds treat warnings as errors, and -O3 finds other ones than -O2.
+# Release builds also treat warnings as errors, because -O3 reports different warnings than -O2.
 RELEASE = ["-DNDEBUG", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
 
 
 @dataclass(frozen=True)
 class Platform:
     name: str
-    zig: str  # zig's name of it, including a C library to link
-    emulator: str  # a function of emulators.py
-    gnu: str = ""  # the prefix of Debian's g++ for it
+    zig: str  # zig's name for the target, including the C library to link.
+    emulator: str  # The name of the emulator, which emulators.py starts.
+    gnu: str = ""  # The prefix of Debian's cross g++; "" if there is none.
     flags: tuple[str, ...] = ()
-    sources: tuple[str, ...] = ()  # additional ones
+    sources: tuple[str, ...] = ()  # Additional sources to compile.
     suffix: str = ""
 
 
 PLATFORMS = [
     Platform("x86_64", "x86_64-linux-musl", "qemu"),
-    # By default, 32-bit x86 computes with the 80 bits of its old floating-point unit.
+    # By default, 32-bit x86 uses the 80-bit x87 floating-point unit.
     Platform("i386", "x86-linux-musl", "qemu", "i686-linux-gnu-", ("-msse2", "-mfpmath=sse")),
     Platform("aarch64", "aarch64-linux-musl", "qemu", "aarch64-linux-gnu-"),
     Platform("riscv64", "riscv64-linux-musl", "qemu", "riscv64-linux-gnu-"),
-    # Its C++ library has no exceptions, and computing a digest throws none.
+    # This C++ library does not support exceptions. The program that computes the digests throws none.
     Platform("wasm", "wasm32-wasi", "node", "", ("-msimd128", "-fignore-exceptions"), ("tests/golden/no_exceptions.cpp",), ".wasm"),
     Platform("Windows", "x86_64-windows-gnu", "wine", suffix=".exe"),
 ]
 NATIVE = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
 
-# Compilers may use fused multiply-add only on processors that have it. The other platforms here always have it, or never.
+# The fused level permits fused multiply-add instructions. The other platforms always have them, or never.
 LEVELS = {level: [level] for level in ("-O0", "-O1", "-O2", "-O3", "-Os")} | {"-O3 fused": ["-O3", "-march=x86-64-v3"]}
-ZIG_LEVELS = LEVELS | {"-O3 fused": ["-O3", "-march=x86_64_v3"]}  # It has its own names for processors.
+ZIG_LEVELS = LEVELS | {"-O3 fused": ["-O3", "-march=x86_64_v3"]}  # zig has its own processor names.
 
 
 @dataclass(frozen=True)
 class Cell:
     platform: Platform
-    compiler: str  # g++, clang++ or zig
+    compiler: str  # The compiler's name: g++, clang++ or zig.
     level: str
 
     @property
@@ -89,21 +91,21 @@ class Cell:
 
     @property
     def native(self) -> bool:
-        """True if its programs are for this machine's processor."""
+        """Returns true if programs of this cell are for this machine's processor."""
         return self.platform.name == NATIVE
 
     @property
     def own(self) -> bool:
-        """True if its compiler is the machine's own, with the machine's include folders."""
+        """Returns true if the compiler is that of this machine and uses the machine's include folders."""
         return self.native and self.compiler != "zig"
 
 
 def cells() -> list[Cell]:
-    """All cells of the matrix."""
+    """Returns all cells of the matrix."""
     found = []
     for each in PLATFORMS:
         native = each.name == NATIVE
-        # Without optimization the program runs for minutes natively, which is too long in qemu.
+        # Without optimization, the program takes minutes even natively, which is too slow in qemu.
         lowest = "-O1" if any("qemu" in str(word) for word in emulators.command(each.emulator, each.name, NATIVE)) else "-O0"
         compilers = (["g++", "clang++"] if native else ["g++"] if each.gnu else []) + ["zig"]
         for compiler in compilers:
@@ -115,12 +117,12 @@ def cells() -> list[Cell]:
 
 @dataclass
 class Outcome:
-    """The result of a cell."""
+    """The result of building and running a cell."""
 
     digests: dict[str, str] = field(default_factory=dict)
-    instruction_sets: list[str] = field(default_factory=list)  # best first
-    absent: str = ""  # why the cell is unavailable here
-    failure: str = ""  # the error of a compiler or of the program
+    instruction_sets: list[str] = field(default_factory=list)  # The instruction sets that the program used, the best one first.
+    absent: str = ""  # The reason why the cell cannot run here; "" if it can.
+    failure: str = ""  # The error of a compiler or of the program; "" if there is none.
 
     @property
     def differing(self) -> list[str]:
@@ -136,12 +138,13 @@ class Outcome:
 
 @cache
 def header_folder() -> str:
-    """Contains GLM, for compilers that must not see the other headers in its folder."""
+    """Returns a folder with the headers of GLM, for compilers that must not see the other headers of the machine."""
     return libraries.copied_headers(str(REPO / "build/headers"))
 
 
 def compiler_of(cell: Cell) -> tuple[list[str], str]:
-    """The command that compiles a cell, or the reason why there is none."""
+    """Returns the compile command of a cell, and the reason why the compiler is unavailable. The reason is empty if the
+    compiler is available."""
     if cell.compiler == "zig":
         return [str(ZIG), "c++", "-target", cell.platform.zig, "-fno-sanitize=undefined", "-g0"], "" if ZIG.is_file() else "zig is not installed"
     name = cell.compiler if cell.native else cell.platform.gnu + cell.compiler
@@ -149,7 +152,7 @@ def compiler_of(cell: Cell) -> tuple[list[str], str]:
 
 
 def absence(cell: Cell) -> str:
-    """Why a cell is unavailable here. Empty if it is available."""
+    """Returns the reason why a cell cannot be built or run here. Empty if it can."""
     return compiler_of(cell)[1] or ("" if cell.own else emulators.absence(cell.platform.emulator, cell.platform.name, NATIVE))
 
 
@@ -161,14 +164,15 @@ def flags_of(cell: Cell) -> list[str]:
 
 @cache
 def core_sources() -> list[Path]:
-    """Sources that include several sources of the core each, as in a packed library, and those that must stay alone."""
+    """Returns the sources to compile, as for a packed library. Most of them are files that each include several sources
+    of the core. Some sources must be compiled alone."""
     found = []
     for room in ROOMS:
         for group in scu.groups(str(REPO), rooms.sources(str(REPO), f"core/{room}")):
             path = REPO / group[0] if len(group) == 1 else BUILT / "joined" / group[0].replace("/", "-")
             if len(group) > 1 and not (path.is_file() and path.read_text(encoding="utf-8") == scu.text_of(group)):
                 path.parent.mkdir(parents=True, exist_ok=True)
-                partial = path.with_suffix(f".{threading.get_ident()}")  # Several cells may get here at once.
+                partial = path.with_suffix(f".{threading.get_ident()}")  # Several threads may write this file at the same time.
                 partial.write_text(scu.text_of(group), encoding="utf-8")
                 partial.replace(path)
             found.append(path)
@@ -193,12 +197,12 @@ def call(command: list[str]) -> None:
 
 @cache
 def version_of(compiler: str) -> str:
-    """Zig's version is in its folder's name."""
+    """Returns the output of `compiler --version`. Empty for zig, whose folder name contains the version."""
     return subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False).stdout if "zig" not in compiler else ""
 
 
 def fingerprint(command: list[str], needed: list[Path]) -> str:
-    """A hash of everything that an object depends on."""
+    """Returns a hash of everything that an object depends on."""
     digest = hashlib.sha256("\0".join([version_of(command[0]), *command]).encode())
     for path in needed:
         digest.update(path.read_bytes() if path.is_file() else b"")
@@ -206,12 +210,13 @@ def fingerprint(command: list[str], needed: list[Path]) -> str:
 
 
 def compiled(cell: Cell, source: Path) -> Path:
-    """The object of a source, compiled if any of its dependencies changed."""
+    """Returns the object file of a source. Compiles it if any of its dependencies has changed."""
     foreign = source.suffix == ".cc"
     name = source.name if foreign else source.relative_to(REPO).as_posix()
     out = BUILT / re.sub(r"[ +]+", "_", cell.name) / name.replace("/", "-")
     made, known = out.with_suffix(".o"), out.with_suffix(".needed")
-    # Highway's own sources are for the same processors as ours. Their warnings are hidden.
+    # Highway's sources are third-party code, so they are compiled without warnings. They need the same instruction sets
+    # as our sources.
     theirs = ["-w", "-include", "extension/core/base/instruction_sets.hpp"] if foreign else []
     command = [*compiler_of(cell)[0], *flags_of(cell), *theirs, "-c", str(source if foreign else name)]
     if made.is_file() and known.is_file():
@@ -229,7 +234,7 @@ def compiled(cell: Cell, source: Path) -> Path:
 
 
 def program_of(cell: Cell, pool: ThreadPoolExecutor) -> Path:
-    """The program `analysis/golden` of a cell. `pool` compiles."""
+    """Builds the program `analysis/golden` of a cell. `pool` runs the compilers."""
     objects = list(pool.map(lambda source: compiled(cell, source), sources(cell)))
     program = objects[0].parent / f"golden{cell.platform.suffix}"
     if not program.is_file() or program.stat().st_mtime < max(each.stat().st_mtime for each in objects):
@@ -259,7 +264,7 @@ def outcome_of(cell: Cell, pool: ThreadPoolExecutor) -> Outcome:
 
 
 def table(outcomes: dict[Cell, Outcome]) -> str:
-    """A row for each platform and compiler, a column for each level."""
+    """Returns a table with a row for each platform and compiler, and a column for each level."""
     lines = [
         f"| Platform | Compiler | {' | '.join(f'`{level}`' for level in LEVELS)} | Instruction sets |",
         "| --- | --- |" + " --- |" * (len(LEVELS) + 1),

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Prints the matrix of bit-identical results as a table; see matrix.py. Takes about an hour on two cores if nothing is compiled yet.
+# Prints the matrix of bit-identical results as a table; see matrix.py. Takes about an hour on two cores if nothing has
+# been compiled yet.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../.."
 source tools/setup.sh

@@ -1,4 +1,5 @@
-// For programs whose C++ library has no exceptions: throwing one ends the program.
+// Replaces the functions that throw exceptions with functions that abort the program. For programs
+// whose C++ library does not support exceptions.
 
 #include <cstddef>
 #include <cstdlib>

@@ -13,7 +13,8 @@ bool is_double = false;
 
 // --- Types ---------------------------------------------------------------------------------------------------------------
 
-/// A String, StringName or NodePath stores a pointer to one of these, or null if it is empty. They are never freed.
+/// Returns the text of a String, StringName or NodePath. The value stores a pointer to a
+/// std::string, which is never freed, or null if the text is empty.
 const std::string &text(GDExtensionConstTypePtr value) {
 	static const std::string empty;
 	const std::string *const held = *static_cast<const std::string *const *>(value);
@@ -29,7 +30,7 @@ bool is_text(GDExtensionVariantType type) {
 			type == GDEXTENSION_VARIANT_TYPE_NODE_PATH;
 }
 
-/// The size of a type's value in bytes.
+/// Returns the size of a value of this type, in bytes.
 std::size_t size_of(GDExtensionVariantType type) {
 	const std::size_t real = is_double ? 8 : 4;
 	switch (type) {
@@ -66,7 +67,7 @@ std::size_t size_of(GDExtensionVariantType type) {
 	}
 }
 
-/// A Variant: its type, and the bytes of small values.
+/// A Variant: its type and the first 16 bytes of its value.
 struct Value {
 	GDExtensionVariantType type;
 	std::array<unsigned char, 16> bytes;
@@ -75,7 +76,8 @@ static_assert(sizeof(Value) <= 24);
 
 Value &value(void *variant) { return *static_cast<Value *>(variant); }
 
-/// Selects the function for a type at run time: `Make<N>::function`, as the engine has one for each type.
+/// Returns `Make<N>::function` for a type that is known only at run time. Like the engine, it
+/// provides one function per type.
 template <template <std::size_t> class Make, class Function, std::size_t... Types>
 Function choose(GDExtensionVariantType type, std::index_sequence<Types...>) {
 	static constexpr std::array<Function, sizeof...(Types)> all{Make<Types>::function...};
@@ -94,7 +96,7 @@ struct Constructor {
 	}
 };
 
-/// From a value of the same type, or from any text type to another.
+/// Copies a value of the same type, or converts one text type to another.
 template <std::size_t Type>
 struct CopyConstructor {
 	static void function(GDExtensionUninitializedTypePtr r_value, const GDExtensionConstTypePtr *arguments) {
@@ -151,7 +153,7 @@ GDExtensionPtrOperatorEvaluator get_operator(
 			*static_cast<GDExtensionBool *>(r_result) = text(a) < text(b);
 		};
 	}
-	if (is_text(left)) { // A sum, or a format, whose result is never read.
+	if (is_text(left)) { // A concatenation or a format. Its result is never read.
 		return [](GDExtensionConstTypePtr a, GDExtensionConstTypePtr, GDExtensionTypePtr r_result) {
 			set_text(r_result, text(a));
 		};
@@ -214,7 +216,7 @@ void free_binding(GDExtensionObjectPtr object, void *library) {
 	}
 }
 
-/// An object can only be cast to the class that it was created as.
+/// Casts succeed only to the class as which the object was created.
 GDExtensionObjectPtr cast_to(GDExtensionConstObjectPtr object, void *tag) {
 	auto *const target = static_cast<Object *>(const_cast<void *>(object));
 	return target->engine_class == *static_cast<std::string *>(tag) ? target : nullptr;
@@ -281,10 +283,11 @@ void print_error(const char *what, const char *, const char *, int32_t, GDExtens
 	record().errors.emplace_back(what);
 }
 
-/// Implements any method of the engine. The return value keeps the caller's initial value.
+/// Stands in for every method of the engine. The caller's result keeps its initial value.
 void call_method(GDExtensionMethodBindPtr, GDExtensionObjectPtr, const GDExtensionConstTypePtr *, GDExtensionTypePtr) {}
 
-/// Replaces a function that the library does not call here. WebAssembly would trap on a call with arguments.
+/// Stands in for functions that the library never calls here. In WebAssembly, a call with arguments
+/// would trap.
 void do_nothing() {}
 
 template <class Function>
@@ -327,7 +330,7 @@ const std::map<std::string, GDExtensionInterfaceFunctionPtr> &functions() {
 			{"classdb_get_method_bind",
 					erase(+[](GDExtensionConstStringNamePtr, GDExtensionConstStringNamePtr, GDExtensionInt) {
 						return reinterpret_cast<GDExtensionMethodBindPtr>(
-								&is_double); // Any pointer that is not null will do.
+								&is_double); // The pointer only has to be non-null.
 					})},
 			{"classdb_get_class_tag",
 					erase(+[](GDExtensionConstStringNamePtr name) -> void * { return new std::string(text(name)); })},

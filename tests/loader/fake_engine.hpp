@@ -1,8 +1,8 @@
 #pragma once
 
-// The part of the engine's interface that a library needs to load, register its classes, create one object of each, and
-// unload. Strings are real strings, objects are numbers with a name, and methods of the engine do nothing and return
-// zeros.
+// The part of the GDExtension interface that a library needs to load, register its classes, create
+// one object of each, and unload. Strings have content and objects have a class name, but the
+// engine's methods do nothing.
 
 #include <gdextension_interface.h>
 
@@ -13,32 +13,36 @@
 
 namespace thicket::loader {
 
-/// A class that the library has registered, with its reported members.
+/// A class that the library has registered, and its members.
 struct RegisteredClass {
 	std::string name;
 	std::string parent;
 	GDExtensionClassCreationInfo4 info{};
-	std::vector<std::string> members; ///< In order: "method sample(2)", "property radius", "signal settled".
+	/// The members in order of registration: "method sample(2)", "property radius", "signal
+	/// settled".
+	std::vector<std::string> members;
 	bool registered = true;
 };
 
-/// Everything recorded so far.
+/// Everything that the fake engine has recorded so far.
 struct Record {
 	std::vector<RegisteredClass> classes;
-	std::vector<std::string> errors;       ///< Errors printed by the library, and its violations of the interface.
-	std::map<std::string, bool> functions; ///< Functions that the library requested. True if this engine has them.
-	std::size_t objects = 0;               ///< Objects alive.
+	std::vector<std::string> errors; ///< Errors that the library printed, and its violations of the interface.
+	/// The functions that the library requested. The value is true if this engine implements the
+	/// function.
+	std::map<std::string, bool> functions;
+	std::size_t objects = 0; ///< The number of live objects.
 };
 
 Record &record();
 
-/// Sets whether the engine uses double precision. The default is single.
+/// Sets whether the engine uses double precision. The default is single precision.
 void set_double_precision(bool on);
 
-/// The instance that a library assigned to an object that it created.
+/// Returns the instance that the library attached to an object.
 GDExtensionClassInstancePtr instance_of(void *object);
 
-/// Looks up a function of the engine. Null if this engine lacks it.
+/// Returns a function of the engine, or a function that does nothing if this engine lacks it.
 GDExtensionInterfaceFunctionPtr get_proc_address(const char *name);
 
 } // namespace thicket::loader

@@ -1,6 +1,7 @@
-// Loads a library of the extension as an engine would, on systems without an engine: calls its entry with a fake
-// interface, lets it register its classes, creates one object of each, unregisters everything and closes the library.
-// Prints the registered members, one per line, so that two libraries can be compared. Fails if anything is missing.
+// Loads a library of the extension on systems without an engine. Calls its entry point with a fake
+// interface, lets it register its classes, creates one object of each, unregisters everything, and
+// closes the library. Prints the registered members, one per line, so that two libraries can be
+// compared. Fails if anything is missing.
 //   loader LIBRARY [double]
 
 #include "tests/loader/fake_engine.hpp"
@@ -41,7 +42,7 @@ int fail(const std::string &sentence) {
 	return 1;
 }
 
-/// Creates an instance of each class, and frees it.
+/// Creates an instance of each class that is not abstract, and frees it.
 void make_one_of_each() {
 	for (const RegisteredClass &known : record().classes) {
 		if (known.info.is_abstract) {
